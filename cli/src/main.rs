@@ -1,0 +1,2 @@
+//! leafwise
+fn main() {}

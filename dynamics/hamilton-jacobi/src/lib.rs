@@ -1,0 +1,1 @@
+//! leafwise-hamilton-jacobi
