@@ -1,1 +1,5 @@
 //! leafwise-expression
+
+pub mod expression;
+pub mod rational;
+pub mod syntax;

@@ -1,0 +1,266 @@
+//! Resolved formulas: trees over numbered variables and parameters with exact constants.
+
+use std::collections::BTreeSet;
+use std::fmt;
+
+use crate::rational::Rational;
+
+/// An elementary function of one argument.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Function {
+    /// The exponential function.
+    Exp,
+    /// The natural logarithm.
+    Ln,
+    /// The square root.
+    Sqrt,
+    /// The sine.
+    Sin,
+    /// The cosine.
+    Cos,
+    /// The tangent.
+    Tan,
+    /// The inverse sine.
+    Asin,
+    /// The inverse cosine.
+    Acos,
+    /// The inverse tangent.
+    Atan,
+    /// The hyperbolic sine.
+    Sinh,
+    /// The hyperbolic cosine.
+    Cosh,
+    /// The hyperbolic tangent.
+    Tanh,
+    /// The inverse hyperbolic sine.
+    Asinh,
+    /// The inverse hyperbolic cosine.
+    Acosh,
+    /// The inverse hyperbolic tangent.
+    Atanh,
+}
+
+impl Function {
+    /// Every function.
+    pub const ALL: [Function; 15] = [
+        Function::Exp,
+        Function::Ln,
+        Function::Sqrt,
+        Function::Sin,
+        Function::Cos,
+        Function::Tan,
+        Function::Asin,
+        Function::Acos,
+        Function::Atan,
+        Function::Sinh,
+        Function::Cosh,
+        Function::Tanh,
+        Function::Asinh,
+        Function::Acosh,
+        Function::Atanh,
+    ];
+
+    /// The names, in the order of [`Function::ALL`].
+    pub const NAMES: [&'static str; 15] = [
+        "exp", "ln", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh",
+        "asinh", "acosh", "atanh",
+    ];
+
+    /// The name formulas use.
+    pub fn name(self) -> &'static str {
+        Self::NAMES[self as usize]
+    }
+
+    /// The function of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        let position = Self::NAMES.iter().position(|known| *known == name)?;
+        Some(Self::ALL[position])
+    }
+
+    /// The value at `x`, computed by `libm`: the same bits on every machine. Outside the
+    /// function's domain it is NaN, at a pole infinite.
+    pub fn apply(self, x: f64) -> f64 {
+        match self {
+            Function::Exp => libm::exp(x),
+            Function::Ln => libm::log(x),
+            Function::Sqrt => libm::sqrt(x),
+            Function::Sin => libm::sin(x),
+            Function::Cos => libm::cos(x),
+            Function::Tan => libm::tan(x),
+            Function::Asin => libm::asin(x),
+            Function::Acos => libm::acos(x),
+            Function::Atan => libm::atan(x),
+            Function::Sinh => libm::sinh(x),
+            Function::Cosh => libm::cosh(x),
+            Function::Tanh => libm::tanh(x),
+            Function::Asinh => libm::asinh(x),
+            Function::Acosh => libm::acosh(x),
+            Function::Atanh => libm::atanh(x),
+        }
+    }
+}
+
+impl fmt::Display for Function {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.name())
+    }
+}
+
+/// A formula whose names are resolved: variables and parameters by their index.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Expression {
+    /// An exact number.
+    Constant(Rational),
+    /// The number π.
+    Pi,
+    /// The state variable of this index.
+    Variable(usize),
+    /// The parameter of this index.
+    Parameter(usize),
+    /// The sum of the terms; 0 without any.
+    Sum(Vec<Expression>),
+    /// The product of the factors; 1 without any.
+    Product(Vec<Expression>),
+    /// −a.
+    Negate(Box<Expression>),
+    /// a / b.
+    Quotient(Box<Expression>, Box<Expression>),
+    /// a^b.
+    Power(Box<Expression>, Box<Expression>),
+    /// f(a).
+    Apply(Function, Box<Expression>),
+}
+
+impl Expression {
+    /// The value in plain double arithmetic, terms and factors from left to right: a reference
+    /// for the compiled kernels.
+    ///
+    /// A power with a constant integer exponent is formed by repeated squaring, any other by
+    /// `libm::pow`. Outside a domain the value is NaN or infinite.
+    ///
+    /// # Panics
+    /// When an index is outside `variables` or `parameters`.
+    pub fn evaluate(&self, variables: &[f64], parameters: &[f64]) -> f64 {
+        let value = |part: &Expression| part.evaluate(variables, parameters);
+        match self {
+            Expression::Constant(number) => number.to_f64(),
+            Expression::Pi => std::f64::consts::PI,
+            Expression::Variable(index) => variables[*index],
+            Expression::Parameter(index) => parameters[*index],
+            Expression::Sum(terms) => terms.iter().map(value).fold(0.0, |sum, term| sum + term),
+            Expression::Product(factors) => factors.iter().map(value).product(),
+            Expression::Negate(operand) => -value(operand),
+            Expression::Quotient(numerator, denominator) => value(numerator) / value(denominator),
+            Expression::Power(base, exponent) => match exponent.integer() {
+                Some(exponent) => integer_power(value(base), exponent),
+                None => libm::pow(value(base), value(exponent)),
+            },
+            Expression::Apply(function, argument) => function.apply(value(argument)),
+        }
+    }
+
+    /// The indices of the variables that occur.
+    pub fn variables(&self) -> BTreeSet<usize> {
+        let mut found = BTreeSet::new();
+        self.visit(&mut |part| {
+            if let Expression::Variable(index) = part {
+                found.insert(*index);
+            }
+        });
+        found
+    }
+
+    /// The indices of the parameters that occur.
+    pub fn parameters(&self) -> BTreeSet<usize> {
+        let mut found = BTreeSet::new();
+        self.visit(&mut |part| {
+            if let Expression::Parameter(index) = part {
+                found.insert(*index);
+            }
+        });
+        found
+    }
+
+    /// The integer this expression is, when it is written as a constant or a negated one.
+    fn integer(&self) -> Option<i64> {
+        match self {
+            Expression::Constant(number) => number.to_i64(),
+            Expression::Negate(operand) => operand.integer()?.checked_neg(),
+            _ => None,
+        }
+    }
+
+    fn visit(&self, inspect: &mut impl FnMut(&Expression)) {
+        inspect(self);
+        match self {
+            Expression::Constant(_)
+            | Expression::Pi
+            | Expression::Variable(_)
+            | Expression::Parameter(_) => {}
+            Expression::Sum(parts) | Expression::Product(parts) => {
+                parts.iter().for_each(|part| part.visit(inspect));
+            }
+            Expression::Negate(part) | Expression::Apply(_, part) => part.visit(inspect),
+            Expression::Quotient(left, right) | Expression::Power(left, right) => {
+                left.visit(inspect);
+                right.visit(inspect);
+            }
+        }
+    }
+}
+
+/// base^exponent by repeated squaring; the reciprocal of the positive power when the exponent is
+/// negative.
+pub(crate) fn integer_power(base: f64, exponent: i64) -> f64 {
+    let mut remaining = exponent.unsigned_abs();
+    let mut square = base;
+    let mut power = 1.0;
+    while remaining > 0 {
+        if remaining & 1 == 1 {
+            power *= square;
+        }
+        remaining >>= 1;
+        if remaining > 0 {
+            square *= square;
+        }
+    }
+    if exponent < 0 { 1.0 / power } else { power }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_functions_correspond() {
+        for (function, name) in Function::ALL.into_iter().zip(Function::NAMES) {
+            assert_eq!(function.name(), name);
+            assert_eq!(Function::from_name(name), Some(function));
+        }
+        assert_eq!(Function::from_name("log"), None);
+    }
+
+    #[test]
+    fn evaluation_follows_the_tree() {
+        let x = || Box::new(Expression::Variable(1));
+        let constant = |value| Expression::Constant(Rational::from_integer(value));
+        let tree = Expression::Sum(vec![
+            Expression::Power(x(), Box::new(Expression::Negate(Box::new(constant(2))))),
+            Expression::Product(vec![Expression::Parameter(0), Expression::Pi]),
+            Expression::Negate(Box::new(Expression::Quotient(x(), Box::new(constant(8))))),
+            Expression::Apply(Function::Exp, Box::new(constant(0))),
+        ]);
+        let expected = 1.0 / 16.0 + 2.0 * std::f64::consts::PI - 0.5 + 1.0;
+        assert_eq!(tree.evaluate(&[f64::NAN, 4.0], &[2.0]), expected);
+        assert_eq!(tree.variables().into_iter().collect::<Vec<_>>(), [1]);
+        assert_eq!(tree.parameters().into_iter().collect::<Vec<_>>(), [0]);
+    }
+
+    #[test]
+    fn integer_powers_are_exact_on_small_integers() {
+        assert_eq!(integer_power(-3.0, 5), -243.0);
+        assert_eq!(integer_power(2.0, -10), 1.0 / 1024.0);
+        assert_eq!(integer_power(0.0, 0), 1.0);
+        assert_eq!(integer_power(1.0, i64::MIN), 1.0);
+    }
+}

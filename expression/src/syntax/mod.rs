@@ -1,0 +1,1 @@
+//! Scene formulas: text with byte spans, names resolved in a scope.
