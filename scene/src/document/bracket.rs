@@ -1,0 +1,111 @@
+//! `bracket = …`: the ways to write a Poisson tensor.
+
+use super::error::SceneProblemCause;
+use super::located::{Located, Number};
+use super::reader::{Item, Problems};
+use super::suggest::nearest;
+
+/// How the Poisson tensor is given.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BracketSpec {
+    /// Entries `"x1,x2" = "formula"` for {x1, x2}.
+    Entries(Vec<(Located<String>, Located<String>)>),
+    /// The linear bracket of a Lie algebra known by name.
+    LieAlgebra(Located<String>),
+    /// {x_i, x_j} = a_ij x_i x_j; the rows of the square matrix a.
+    LogCanonical(Vec<Vec<Located<Number>>>),
+    /// Positions and momenta in a magnetic field; its components' formulas.
+    Magnetic(Vec<Located<String>>),
+}
+
+const KINDS: [&str; 3] = ["lie-algebra", "log-canonical", "magnetic"];
+
+/// Reads the value of `bracket`.
+pub(super) fn read_bracket(item: &Item<'_>, problems: &mut Problems) -> Option<BracketSpec> {
+    let table = item.table("bracket", "a table", problems)?;
+    let kind = table
+        .items
+        .iter()
+        .find(|entry| KINDS.contains(&entry.key.value.as_str()));
+    let Some(kind) = kind else {
+        let entries: Vec<_> = table
+            .items
+            .iter()
+            .map(|entry| {
+                check_pair(entry, problems);
+                Some((entry.key.clone(), entry.formula(problems)?))
+            })
+            .collect();
+        return entries
+            .into_iter()
+            .collect::<Option<_>>()
+            .map(BracketSpec::Entries);
+    };
+    let mut alone = true;
+    for other in table
+        .items
+        .iter()
+        .filter(|other| other.key.value != kind.key.value)
+    {
+        alone = false;
+        problems.push(
+            SceneProblemCause::Conflict {
+                first: kind.key.value.clone(),
+                second: other.key.value.clone(),
+                advice: format!(
+                    "`{}` gives the whole bracket; keep one of them",
+                    kind.key.value
+                ),
+            },
+            other.key.place(),
+        );
+    }
+    let spec = match kind.key.value.as_str() {
+        "lie-algebra" => kind.string(problems).map(BracketSpec::LieAlgebra),
+        "magnetic" => kind
+            .list_of("a list of formulas", problems, Item::formula)
+            .map(BracketSpec::Magnetic),
+        _ => matrix(kind, problems).map(BracketSpec::LogCanonical),
+    };
+    spec.filter(|_| alone)
+}
+
+fn check_pair(entry: &Item<'_>, problems: &mut Problems) {
+    let key = &entry.key.value;
+    let parts: Vec<_> = key.split(',').map(str::trim).collect();
+    if parts.len() != 2 || parts.iter().any(|part| part.is_empty()) {
+        problems.push(
+            SceneProblemCause::BracketKey {
+                key: key.clone(),
+                nearest: nearest(key, KINDS),
+            },
+            entry.key.place(),
+        );
+    }
+}
+
+fn matrix(item: &Item<'_>, problems: &mut Problems) -> Option<Vec<Vec<Located<Number>>>> {
+    let rows = item.list("a list of rows of numbers", problems)?;
+    let count = rows.len();
+    let mut matrix = Vec::with_capacity(count);
+    let mut is_square = true;
+    for row in &rows {
+        let Some(numbers) = row.list_of("a row of numbers", problems, Item::number) else {
+            is_square = false;
+            continue;
+        };
+        if numbers.len() != count {
+            is_square = false;
+            problems.push(
+                SceneProblemCause::Shape {
+                    what: row.title.clone(),
+                    found: format!("{} entries", numbers.len()),
+                    expected: format!("{count}, as many as there are rows"),
+                },
+                row.place(),
+            );
+        }
+        matrix.push(numbers);
+    }
+    is_square.then_some(matrix)
+}

@@ -1,0 +1,241 @@
+//! What can be wrong with a scene's text.
+
+use thiserror::Error;
+
+use super::located::{Place, Source};
+use crate::diagnostic::SceneDiagnostic;
+
+/// One thing wrong with a scene, and where.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("{cause}")]
+pub struct SceneProblem {
+    /// What is wrong.
+    pub cause: SceneProblemCause,
+    /// Where it is written.
+    pub place: Place,
+}
+
+/// The ways a scene's text can be wrong.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SceneProblemCause {
+    /// The text is not TOML.
+    #[error("not valid TOML: {message}")]
+    Syntax {
+        /// The TOML parser's message.
+        message: String,
+    },
+    /// A key the table does not have.
+    #[error("unknown key `{key}` in {table}")]
+    UnknownKey {
+        /// The key as written.
+        key: String,
+        /// The table, as a reader of the scene calls it.
+        table: String,
+        /// The nearest valid key.
+        nearest: Option<String>,
+        /// All valid keys.
+        valid: Vec<String>,
+    },
+    /// A name that stands for nothing.
+    #[error("unknown {kind} `{name}`")]
+    UnknownName {
+        /// What the name should stand for.
+        kind: &'static str,
+        /// The name as written.
+        name: String,
+        /// The nearest valid name.
+        nearest: Option<String>,
+        /// All valid names.
+        valid: Vec<String>,
+    },
+    /// A value of another type than the key's.
+    #[error("`{key}` must be {expected}, found {found}")]
+    WrongType {
+        /// The key.
+        key: String,
+        /// The type the key takes.
+        expected: String,
+        /// The type found.
+        found: String,
+    },
+    /// A required key is absent.
+    #[error("{table} needs `{key}`")]
+    MissingKey {
+        /// The table.
+        table: String,
+        /// The absent key.
+        key: String,
+        /// A line that would do.
+        example: String,
+    },
+    /// NaN, an infinity, or a literal beyond the doubles.
+    #[error("`{key}` must be a finite number, found {literal}")]
+    NotFinite {
+        /// The key.
+        key: String,
+        /// The literal as written.
+        literal: String,
+    },
+    /// A number outside the key's range.
+    #[error("`{key}` must be {allowed}, found {value}")]
+    OutOfRange {
+        /// The key.
+        key: String,
+        /// The value as written.
+        value: String,
+        /// The range.
+        allowed: String,
+    },
+    /// Two keys that say the same thing.
+    #[error("`{second}` cannot stand beside `{first}`")]
+    Conflict {
+        /// One key.
+        first: String,
+        /// The other, where the problem is reported.
+        second: String,
+        /// What to do instead.
+        advice: String,
+    },
+    /// A list or matrix of the wrong shape.
+    #[error("{what} has {found}, expected {expected}")]
+    Shape {
+        /// The list.
+        what: String,
+        /// Its shape.
+        found: String,
+        /// The shape it must have.
+        expected: String,
+    },
+    /// A name declared twice.
+    #[error("`{name}` is declared twice")]
+    Duplicate {
+        /// The name.
+        name: String,
+    },
+    /// A name no formula could use.
+    #[error("`{name}` cannot name a {kind}")]
+    InvalidName {
+        /// What it should name.
+        kind: &'static str,
+        /// The name as written.
+        name: String,
+        /// Why not.
+        reason: &'static str,
+    },
+    /// A bracket entry whose key is no pair of variables.
+    #[error("`{key}` is not a pair of variables")]
+    BracketKey {
+        /// The key as written.
+        key: String,
+        /// The nearest kind of bracket.
+        nearest: Option<String>,
+    },
+    /// An override that is not `path=value` with a path of the scene format.
+    #[error("the override `{path}` cannot be applied: {reason}")]
+    Override {
+        /// The path as given.
+        path: String,
+        /// Why not.
+        reason: String,
+    },
+}
+
+impl SceneProblemCause {
+    /// What to write under the underlined piece.
+    pub fn label(&self) -> String {
+        match self {
+            Self::Syntax { .. } => "here".to_owned(),
+            Self::UnknownKey { .. } => "not a key of this table".to_owned(),
+            Self::UnknownName { kind, .. } => format!("no such {kind}"),
+            Self::WrongType { expected, .. } => format!("expected {expected}"),
+            Self::MissingKey { key, .. } => format!("`{key}` is missing"),
+            Self::NotFinite { .. } => "not a finite number".to_owned(),
+            Self::OutOfRange { allowed, .. } => format!("must be {allowed}"),
+            Self::Conflict { first, .. } => format!("conflicts with `{first}`"),
+            Self::Shape { expected, .. } => format!("expected {expected}"),
+            Self::Duplicate { .. } => "declared before".to_owned(),
+            Self::InvalidName { reason, .. } => (*reason).to_owned(),
+            Self::BracketKey { .. } => "expected two variables and a comma".to_owned(),
+            Self::Override { .. } => "given on the command line".to_owned(),
+        }
+    }
+
+    /// What to try.
+    pub fn help(&self) -> Option<String> {
+        match self {
+            Self::UnknownKey { nearest, valid, .. } | Self::UnknownName { nearest, valid, .. } => {
+                match nearest {
+                    Some(name) => Some(format!("did you mean `{name}`?")),
+                    None if valid.is_empty() => None,
+                    None => Some(format!("valid here: {}", valid.join(", "))),
+                }
+            }
+            Self::MissingKey { example, .. } => Some(format!("for example: {example}")),
+            Self::Conflict { advice, .. } => Some(advice.clone()),
+            Self::BracketKey {
+                nearest: Some(name),
+                ..
+            } => Some(format!("did you mean `{name}`?")),
+            Self::BracketKey { nearest: None, .. } => Some(
+                "write \"x1,x2\" = \"…\" for {x1, x2}, or one of lie-algebra, log-canonical, \
+                 magnetic"
+                    .to_owned(),
+            ),
+            _ => None,
+        }
+    }
+}
+
+/// Everything found wrong with a scene, in the order of the text.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("{}", .problems.first().map_or_else(String::new, ToString::to_string))]
+pub struct SceneErrors {
+    /// The scene's file name.
+    pub name: String,
+    /// The scene's text, after overrides.
+    pub text: String,
+    /// The library fragment the scene uses, as id and text.
+    pub fragment: Option<(String, String)>,
+    /// The problems; at least one.
+    pub problems: Vec<SceneProblem>,
+}
+
+impl SceneErrors {
+    /// Each problem with its text and place, ready to print.
+    pub fn diagnostics(&self) -> Vec<SceneDiagnostic> {
+        let fragment = self.fragment.as_ref();
+        self.problems
+            .iter()
+            .map(|problem| {
+                let (source_name, source_text) =
+                    source_text(&problem.place.source, &self.name, &self.text, fragment);
+                SceneDiagnostic {
+                    message: problem.cause.to_string(),
+                    label: problem.cause.label(),
+                    source_name,
+                    source_text,
+                    span: problem.place.span.clone(),
+                    help: problem.cause.help(),
+                }
+            })
+            .collect()
+    }
+}
+
+/// Name and text of a source.
+pub(super) fn source_text(
+    source: &Source,
+    name: &str,
+    text: &str,
+    fragment: Option<&(String, String)>,
+) -> (String, String) {
+    match source {
+        Source::Scene => (name.to_owned(), text.to_owned()),
+        Source::Library(id) => (
+            format!("library system {id}"),
+            fragment.map_or_else(String::new, |(_, text)| text.clone()),
+        ),
+        Source::Override(given) => ("--set".to_owned(), given.to_string()),
+    }
+}

@@ -1,0 +1,32 @@
+//! The scene's text as typed sections, every value with its place in the text.
+//!
+//! - `located`: values that remember where they were written;
+//! - `system`, `bracket`, `method`, `run`: one table of the scene each;
+//! - `overrides`: `--set path=value`, applied by rewriting the text;
+//! - `library`: where `library = "…"` is looked up;
+//! - `error`, `suggest`: what is wrong, and the nearest valid name;
+//! - `reader`: typed access to parsed TOML.
+
+mod bracket;
+mod error;
+mod library;
+mod located;
+mod method;
+mod overrides;
+mod reader;
+mod run;
+mod scene;
+mod suggest;
+mod system;
+#[cfg(test)]
+mod tests;
+
+pub use bracket::BracketSpec;
+pub use error::{SceneErrors, SceneProblem, SceneProblemCause};
+pub use library::{NoLibrary, SceneLibrary};
+pub use located::{Located, Number, Place, Source};
+pub use method::{MethodSection, ParameterValue, PartSpec, StepSpec};
+pub use run::{InitialSpec, RecordSpec, RunSection};
+pub use scene::SceneDocument;
+pub use suggest::nearest;
+pub use system::{Boundary, Convention, SystemSection};

@@ -1,0 +1,193 @@
+//! `--set path=value`: overrides applied by rewriting the scene's text.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use toml_edit::{DocumentMut, InlineTable, Item, Key, TableLike, Value};
+
+use super::error::SceneProblemCause;
+use super::located::{Place, Source};
+use super::method;
+use super::reader::Problems;
+use super::suggest::nearest;
+
+/// Keys that give the same thing in other words: setting the first removes the rest.
+const ALTERNATIVES: [(&str, &[&str]); 6] = [
+    ("time-step", &["epsilon", "h"]),
+    ("epsilon", &["time-step"]),
+    ("h", &["time-step"]),
+    ("stepper", &["realization", "dynamics"]),
+    ("realization", &["stepper"]),
+    ("dynamics", &["stepper"]),
+];
+
+/// The text with all overrides applied; `None` when the text is not TOML or an override is
+/// refused, which is then recorded.
+pub(super) fn apply_overrides(
+    text: &str,
+    overrides: &[(String, String)],
+    problems: &mut Problems,
+) -> Option<String> {
+    if overrides.is_empty() {
+        return Some(text.to_owned());
+    }
+    let mut document = match text.parse::<DocumentMut>() {
+        Ok(document) => document,
+        Err(error) => {
+            problems.push(
+                SceneProblemCause::Syntax {
+                    message: error.message().to_owned(),
+                },
+                Place {
+                    source: Source::Scene,
+                    span: error.span().unwrap_or(0..0),
+                },
+            );
+            return None;
+        }
+    };
+    let mut all_applied = true;
+    for (path, value) in overrides {
+        if let Err((cause, span)) = apply(&mut document, path, value) {
+            let given = Arc::from(format!("{path}={value}"));
+            problems.push(
+                cause,
+                Place {
+                    source: Source::Override(given),
+                    span,
+                },
+            );
+            all_applied = false;
+        }
+    }
+    all_applied.then(|| document.to_string())
+}
+
+type Refusal = (SceneProblemCause, Range<usize>);
+
+fn apply(document: &mut DocumentMut, path: &str, value: &str) -> Result<(), Refusal> {
+    let refuse = |reason: &str| {
+        let cause = SceneProblemCause::Override {
+            path: path.to_owned(),
+            reason: reason.to_owned(),
+        };
+        (cause, 0..path.len())
+    };
+    let keys = Key::parse(path)
+        .map_err(|_| refuse("the path is not dotted keys such as method.epsilon"))?;
+    check_path(&keys, path)?;
+    let (_, parents) = keys
+        .split_last()
+        .ok_or_else(|| refuse("the path is empty"))?;
+    let mut table: &mut dyn TableLike = document.as_table_mut();
+    for (depth, key) in parents.iter().enumerate() {
+        let item = table.entry_format(key).or_insert_with(|| match depth {
+            0 => Item::Table(toml_edit::Table::new()),
+            _ => Item::Value(Value::InlineTable(InlineTable::new())),
+        });
+        if let Some(name) = item.as_str().map(str::to_owned)
+            && keys[0].get() == "method"
+        {
+            let mut part = InlineTable::new();
+            part.insert("name", Value::from(name));
+            *item = Item::Value(Value::InlineTable(part));
+        }
+        table = item
+            .as_table_like_mut()
+            .ok_or_else(|| refuse(&format!("`{}` is not a table in this scene", key.get())))?;
+    }
+    if let [section, key, ..] = keys.as_slice()
+        && section.get() == "method"
+        && let Some(section) = document.get_mut("method").and_then(Item::as_table_like_mut)
+    {
+        remove_alternatives(section, key.get());
+    }
+    write(document, &keys, value).ok_or_else(|| refuse("the path is not a table"))
+}
+
+/// Sets the value, keeping the comment and spaces around the one it replaces.
+fn write(document: &mut DocumentMut, keys: &[Key], value: &str) -> Option<()> {
+    let (last, parents) = keys.split_last()?;
+    let mut table: &mut dyn TableLike = document.as_table_mut();
+    for key in parents {
+        table = table.get_mut(key.get())?.as_table_like_mut()?;
+    }
+    let mut new: Value = value
+        .trim()
+        .parse()
+        .unwrap_or_else(|_| Value::from(value.to_owned()));
+    match table.get_mut(last.get()) {
+        Some(Item::Value(old)) => {
+            *new.decor_mut() = old.decor().clone();
+            *old = new;
+        }
+        Some(item) => *item = Item::Value(new),
+        None => {
+            table.entry_format(last).or_insert(Item::Value(new));
+        }
+    }
+    Some(())
+}
+
+fn remove_alternatives(table: &mut dyn TableLike, key: &str) {
+    for (chosen, others) in ALTERNATIVES {
+        if chosen == key {
+            for other in others {
+                table.remove(other);
+            }
+        }
+    }
+}
+
+/// Refuses a path the scene format does not have.
+fn check_path(keys: &[Key], path: &str) -> Result<(), Refusal> {
+    let names: Vec<_> = keys.iter().map(Key::get).collect();
+    for depth in 0..names.len() {
+        let (table, valid): (String, &[&str]) = match &names[..depth] {
+            [] => (
+                "the scene".to_owned(),
+                &["system", "method", "run", "plugins"],
+            ),
+            ["system"] => ("[system]".to_owned(), &super::system::KEYS),
+            ["method"] => ("[method]".to_owned(), &method::KEYS),
+            ["run"] => ("[run]".to_owned(), &["initial", "steps", "record", "out"]),
+            ["run", "record"] => ("record".to_owned(), &["every", "observables"]),
+            ["system", "parameters" | "families" | "bracket" | "casimirs"]
+            | [
+                "method",
+                "realization" | "dynamics" | "composition" | "stepper",
+            ]
+            | ["run", "initial"] => continue,
+            _ => {
+                let reason = format!("`{}` has no keys", names[..depth].join("."));
+                let cause = SceneProblemCause::Override {
+                    path: path.to_owned(),
+                    reason,
+                };
+                return Err((cause, segment(path, names[depth])));
+            }
+        };
+        if !valid.contains(&names[depth]) {
+            let cause = SceneProblemCause::UnknownKey {
+                key: names[depth].to_owned(),
+                table,
+                nearest: nearest(names[depth], valid.iter().copied()),
+                valid: valid.iter().map(|&key| key.to_owned()).collect(),
+            };
+            return Err((cause, segment(path, names[depth])));
+        }
+    }
+    if names.len() == 1 && names[0] != "plugins" {
+        let cause = SceneProblemCause::Override {
+            path: path.to_owned(),
+            reason: format!("`{}` is a table; name one of its keys", names[0]),
+        };
+        return Err((cause, 0..path.len()));
+    }
+    Ok(())
+}
+
+fn segment(path: &str, name: &str) -> Range<usize> {
+    path.find(name)
+        .map_or(0..path.len(), |start| start..start + name.len())
+}

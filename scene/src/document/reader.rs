@@ -1,0 +1,312 @@
+//! Typed access to a parsed TOML table; every failure is recorded with its place.
+
+use toml::de::{DeTable, DeValue};
+
+use super::error::{SceneProblem, SceneProblemCause};
+use super::located::{Located, Number, Place, Source};
+use super::suggest::nearest;
+
+/// The problems found so far.
+#[derive(Debug, Default)]
+pub(super) struct Problems(pub Vec<SceneProblem>);
+
+impl Problems {
+    /// Records a problem.
+    pub fn push(&mut self, cause: SceneProblemCause, place: Place) {
+        self.0.push(SceneProblem { cause, place });
+    }
+}
+
+/// A table with its entries in the order of the text.
+#[derive(Clone, Debug)]
+pub(super) struct Table<'a> {
+    /// What messages call it, such as `[method]`.
+    pub title: String,
+    /// Its header, or the whole inline table.
+    pub place: Place,
+    /// The entries.
+    pub items: Vec<Item<'a>>,
+}
+
+/// A key with its value.
+#[derive(Clone, Debug)]
+pub(super) struct Item<'a> {
+    /// The key.
+    pub key: Located<String>,
+    /// What messages call the value: its key, with an index inside a list.
+    pub title: String,
+    value: &'a DeValue<'a>,
+    place: Place,
+    text: &'a str,
+}
+
+impl<'a> Table<'a> {
+    /// The entries of `table`, a piece of `text`.
+    pub fn new(title: &str, table: &'a DeTable<'a>, place: Place, text: &'a str) -> Self {
+        let mut items: Vec<_> = table
+            .iter()
+            .map(|(key, value)| Item {
+                key: Located {
+                    value: key.get_ref().to_string(),
+                    span: key.span(),
+                    source: place.source.clone(),
+                },
+                title: key.get_ref().to_string(),
+                value: value.get_ref(),
+                place: Place {
+                    source: place.source.clone(),
+                    span: value.span(),
+                },
+                text,
+            })
+            .collect();
+        items.sort_by_key(|item| item.key.span.start);
+        Self {
+            title: title.to_owned(),
+            place,
+            items,
+        }
+    }
+
+    /// The entry with this key.
+    pub fn get(&self, key: &str) -> Option<&Item<'a>> {
+        self.items.iter().find(|item| item.key.value == key)
+    }
+
+    /// The entry with this key, which must be there.
+    pub fn require(&self, key: &str, example: &str, problems: &mut Problems) -> Option<&Item<'a>> {
+        let item = self.get(key);
+        if item.is_none() {
+            problems.push(
+                SceneProblemCause::MissingKey {
+                    table: self.title.clone(),
+                    key: key.to_owned(),
+                    example: example.to_owned(),
+                },
+                self.place.clone(),
+            );
+        }
+        item
+    }
+
+    /// Records every key that is not among `valid`.
+    pub fn only(&self, valid: &[&str], problems: &mut Problems) {
+        for item in &self.items {
+            if !valid.contains(&item.key.value.as_str()) {
+                problems.push(
+                    SceneProblemCause::UnknownKey {
+                        key: item.key.value.clone(),
+                        table: self.title.clone(),
+                        nearest: nearest(&item.key.value, valid.iter().copied()),
+                        valid: valid.iter().map(|&key| key.to_owned()).collect(),
+                    },
+                    item.key.place(),
+                );
+            }
+        }
+    }
+}
+
+impl<'a> Item<'a> {
+    /// Where the value stands.
+    pub fn place(&self) -> Place {
+        self.place.clone()
+    }
+
+    /// Whether the value is a string.
+    pub fn is_string(&self) -> bool {
+        self.value.is_str()
+    }
+
+    /// Whether the value is a list.
+    pub fn is_list(&self) -> bool {
+        self.value.is_array()
+    }
+
+    /// Whether the value is a table.
+    pub fn is_table(&self) -> bool {
+        self.value.is_table()
+    }
+
+    /// The value if it is a truth value.
+    pub fn flag(&self) -> Option<bool> {
+        self.value.as_bool()
+    }
+
+    /// Records that the value is not `expected`.
+    pub fn wrong_type(&self, expected: &str, problems: &mut Problems) {
+        let found = match self.value {
+            DeValue::String(text) => format!("the string \"{text}\""),
+            DeValue::Integer(_) | DeValue::Float(_) | DeValue::Boolean(_) => self.written().into(),
+            DeValue::Datetime(_) => "a date".to_owned(),
+            DeValue::Array(_) => "a list".to_owned(),
+            DeValue::Table(_) => "a table".to_owned(),
+        };
+        problems.push(
+            SceneProblemCause::WrongType {
+                key: self.title.clone(),
+                expected: expected.to_owned(),
+                found,
+            },
+            self.place(),
+        );
+    }
+
+    /// A string.
+    pub fn string(&self, problems: &mut Problems) -> Option<Located<String>> {
+        match self.value {
+            DeValue::String(text) => Some(Located::new(text.to_string(), self.place())),
+            _ => {
+                self.wrong_type("a string", problems);
+                None
+            }
+        }
+    }
+
+    /// A formula: a string, or a finite number standing for itself.
+    pub fn formula(&self, problems: &mut Problems) -> Option<Located<String>> {
+        match self.value {
+            DeValue::String(text) => Some(Located::new(text.to_string(), self.place())),
+            DeValue::Integer(_) | DeValue::Float(_) => self
+                .number(problems)
+                .map(|number| number.map(|number| number.literal)),
+            _ => {
+                self.wrong_type("a formula in quotes", problems);
+                None
+            }
+        }
+    }
+
+    /// A finite number.
+    pub fn number(&self, problems: &mut Problems) -> Option<Located<Number>> {
+        let literal = match self.value {
+            DeValue::Float(float) => float.as_str().replace('_', ""),
+            DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().replace('_', ""),
+            DeValue::Integer(integer) => {
+                match u128::from_str_radix(&integer.as_str().replace('_', ""), integer.radix()) {
+                    Ok(value) => value.to_string(),
+                    Err(_) => self.written().to_owned(),
+                }
+            }
+            _ => {
+                self.wrong_type("a number", problems);
+                return None;
+            }
+        };
+        match literal.parse::<f64>() {
+            Ok(value) if value.is_finite() => {
+                Some(Located::new(Number { literal, value }, self.place()))
+            }
+            _ => {
+                problems.push(
+                    SceneProblemCause::NotFinite {
+                        key: self.title.clone(),
+                        literal: self.written().to_owned(),
+                    },
+                    self.place(),
+                );
+                None
+            }
+        }
+    }
+
+    /// A whole number of at least `minimum`.
+    pub fn whole(&self, minimum: u64, problems: &mut Problems) -> Option<Located<u64>> {
+        let DeValue::Integer(integer) = self.value else {
+            self.wrong_type("a whole number", problems);
+            return None;
+        };
+        let digits = integer.as_str().replace('_', "");
+        match u64::from_str_radix(digits.trim_start_matches('+'), integer.radix()) {
+            Ok(value) if value >= minimum => Some(Located::new(value, self.place())),
+            _ => {
+                problems.push(
+                    SceneProblemCause::OutOfRange {
+                        key: self.title.clone(),
+                        value: self.written().to_owned(),
+                        allowed: format!("a whole number of at least {minimum}"),
+                    },
+                    self.place(),
+                );
+                None
+            }
+        }
+    }
+
+    /// The entries of a list.
+    pub fn list(&self, expected: &str, problems: &mut Problems) -> Option<Vec<Item<'a>>> {
+        let Some(array) = self.value.as_array() else {
+            self.wrong_type(expected, problems);
+            return None;
+        };
+        let source = &self.place.source;
+        let entries = array.iter().enumerate().map(|(index, value)| Item {
+            key: self.key.clone(),
+            title: format!("{}[{index}]", self.title),
+            value: value.get_ref(),
+            place: Place {
+                source: source.clone(),
+                span: value.span(),
+            },
+            text: self.text,
+        });
+        Some(entries.collect())
+    }
+
+    /// A list whose entries `read` understands.
+    pub fn list_of<T>(
+        &self,
+        expected: &str,
+        problems: &mut Problems,
+        read: impl Fn(&Item<'a>, &mut Problems) -> Option<T>,
+    ) -> Option<Vec<T>> {
+        let entries = self.list(expected, problems)?;
+        let values: Vec<_> = entries.iter().map(|entry| read(entry, problems)).collect();
+        values.into_iter().collect()
+    }
+
+    /// A table; `title` is what messages call it.
+    pub fn table(&self, title: &str, expected: &str, problems: &mut Problems) -> Option<Table<'a>> {
+        match self.value {
+            DeValue::Table(table) => {
+                let whole = self.place();
+                let is_inline = self.text[whole.span.clone()].starts_with('{');
+                let place = if is_inline { whole } else { self.key.place() };
+                Some(Table::new(title, table, place, self.text))
+            }
+            _ => {
+                self.wrong_type(expected, problems);
+                None
+            }
+        }
+    }
+
+    /// A table whose values `read` understands, in the order of the text.
+    pub fn pairs<T>(
+        &self,
+        expected: &str,
+        problems: &mut Problems,
+        read: impl Fn(&Item<'a>, &mut Problems) -> Option<T>,
+    ) -> Option<Vec<(Located<String>, T)>> {
+        let table = self.table(&self.title, expected, problems)?;
+        let values: Vec<_> = table
+            .items
+            .iter()
+            .map(|item| read(item, problems).map(|value| (item.key.clone(), value)))
+            .collect();
+        values.into_iter().collect()
+    }
+
+    fn written(&self) -> &'a str {
+        &self.text[self.place.span.clone()]
+    }
+}
+
+/// The place of a text's end, where an absent table would stand.
+pub(super) fn end_of(text: &str) -> Place {
+    let end = text.trim_end().len();
+    Place {
+        source: Source::Scene,
+        span: end..end,
+    }
+}

@@ -1,0 +1,126 @@
+//! The `[run]` table: where to start, how far to go, what to keep.
+
+use super::error::SceneProblemCause;
+use super::located::{Located, Number, Place};
+use super::reader::{Item, Problems, Table};
+use super::system::SystemSection;
+
+/// The initial state.
+#[derive(Clone, Debug, PartialEq)]
+pub enum InitialSpec {
+    /// One number for each coordinate of the state.
+    Vector(Vec<Located<Number>>),
+    /// A formula for each variable or family, as `"x[i]" = "1 + 0.1*sin(2*pi*i/N)"`.
+    Fields(Vec<(Located<String>, Located<String>)>),
+}
+
+/// What to keep of the run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecordSpec {
+    /// Every how many steps a sample is kept; at least 1.
+    pub every: u64,
+    /// Observables by name; energy and all Casimirs unless the scene says otherwise.
+    pub observables: Vec<Located<String>>,
+}
+
+/// The `[run]` table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunSection {
+    /// The initial state.
+    pub initial: Located<InitialSpec>,
+    /// The number of steps.
+    pub steps: Located<u64>,
+    /// What to keep.
+    pub record: RecordSpec,
+    /// The run directory, when the scene names one.
+    pub out: Option<Located<String>>,
+}
+
+/// Reads `[run]`; `system` fixes the dimension and the default observables.
+pub(super) fn read_run(
+    table: &Table<'_>,
+    system: Option<&SystemSection>,
+    problems: &mut Problems,
+) -> Option<RunSection> {
+    table.only(&["initial", "steps", "record", "out"], problems);
+    let initial = table
+        .require("initial", "initial = [1, 3, 3]", problems)
+        .and_then(|item| read_initial(item, system, problems));
+    let steps = table
+        .require("steps", "steps = 1000", problems)
+        .and_then(|item| item.whole(0, problems));
+    let record = read_record(table, system, problems);
+    let out = match table.get("out") {
+        Some(item) => item.string(problems).map(Some),
+        None => Some(None),
+    };
+    Some(RunSection {
+        initial: initial?,
+        steps: steps?,
+        record: record?,
+        out: out?,
+    })
+}
+
+fn read_initial(
+    item: &Item<'_>,
+    system: Option<&SystemSection>,
+    problems: &mut Problems,
+) -> Option<Located<InitialSpec>> {
+    let expected = "a list of numbers or a table of formulas";
+    if item.is_table() {
+        let fields = item.pairs(expected, problems, Item::formula)?;
+        return Some(Located::new(InitialSpec::Fields(fields), item.place()));
+    }
+    let numbers = item.list_of(expected, problems, Item::number)?;
+    if let Some(dimension) = system.map(SystemSection::dimension)
+        && dimension != numbers.len()
+    {
+        problems.push(
+            SceneProblemCause::Shape {
+                what: item.title.clone(),
+                found: format!("{} entries", numbers.len()),
+                expected: format!("{dimension}, one for each variable"),
+            },
+            item.place(),
+        );
+        return None;
+    }
+    Some(Located::new(InitialSpec::Vector(numbers), item.place()))
+}
+
+fn read_record(
+    table: &Table<'_>,
+    system: Option<&SystemSection>,
+    problems: &mut Problems,
+) -> Option<RecordSpec> {
+    let defaults = || default_observables(&table.place, system);
+    let Some(item) = table.get("record") else {
+        return Some(RecordSpec {
+            every: 1,
+            observables: defaults(),
+        });
+    };
+    let record = item.table("record", "a table", problems)?;
+    record.only(&["every", "observables"], problems);
+    let every = match record.get("every") {
+        Some(every) => every.whole(1, problems).map(|every| every.value),
+        None => Some(1),
+    };
+    let observables = match record.get("observables") {
+        Some(list) => list.list_of("a list of names", problems, Item::string),
+        None => Some(defaults()),
+    };
+    Some(RecordSpec {
+        every: every?,
+        observables: observables?,
+    })
+}
+
+fn default_observables(run: &Place, system: Option<&SystemSection>) -> Vec<Located<String>> {
+    let energy = Located::new("energy".to_owned(), run.clone());
+    let casimirs = system.into_iter().flat_map(|system| &system.casimirs);
+    std::iter::once(energy)
+        .chain(casimirs.map(|(name, _)| name.clone()))
+        .collect()
+}

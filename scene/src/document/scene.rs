@@ -1,0 +1,215 @@
+//! A whole scene.
+
+use std::ops::Range;
+
+use toml::de::DeTable;
+
+use super::error::{SceneErrors, SceneProblem, SceneProblemCause, source_text};
+use super::library::SceneLibrary;
+use super::located::{Located, Place, Source};
+use super::method::{MethodSection, read_method};
+use super::overrides::apply_overrides;
+use super::reader::{Item, Problems, Table, end_of};
+use super::run::{RunSection, read_run};
+use super::system::{SystemSection, read_system};
+use crate::diagnostic::{SceneDiagnostic, formula_span};
+
+/// A scene: its text and what the text says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneDocument {
+    /// The file name, for messages.
+    pub name: String,
+    /// The text as run: after overrides. Places in [`Source::Scene`] refer to it.
+    pub text: String,
+    /// The library fragment used, as id and text.
+    pub fragment: Option<(String, String)>,
+    /// The Poisson manifold and the Hamiltonian.
+    pub system: SystemSection,
+    /// The integrator and its step.
+    pub method: MethodSection,
+    /// Where to start, how far to go, what to keep.
+    pub run: RunSection,
+    /// Shared libraries to load first.
+    pub plugins: Vec<Located<String>>,
+}
+
+impl SceneDocument {
+    /// Reads a scene; `name` is the file's name, for messages.
+    ///
+    /// # Errors
+    /// Everything found wrong, with its place and the nearest valid name.
+    pub fn parse(name: &str, text: &str, library: &dyn SceneLibrary) -> Result<Self, SceneErrors> {
+        Self::parse_with(name, text, &[], library)
+    }
+
+    /// Reads a scene after applying overrides such as `("method.epsilon", "0.05")`.
+    ///
+    /// An override rewrites the text, so that the scene as run can be saved and every place
+    /// refers to it. A value that is not TOML is taken as a string. Setting one of several
+    /// alternatives (`time-step` against `epsilon` and `h`, `stepper` against `realization` and
+    /// `dynamics`) removes the others.
+    ///
+    /// # Errors
+    /// As [`SceneDocument::parse`], and for an override whose path the format does not have.
+    pub fn parse_with(
+        name: &str,
+        text: &str,
+        overrides: &[(String, String)],
+        library: &dyn SceneLibrary,
+    ) -> Result<Self, SceneErrors> {
+        let mut problems = Problems::default();
+        let mut fragment = None;
+        let effective = apply_overrides(text, overrides, &mut problems);
+        let sections = match &effective {
+            Some(effective) => read(effective, library, &mut fragment, &mut problems),
+            None => None,
+        };
+        let text = effective.unwrap_or_else(|| text.to_owned());
+        let name = name.to_owned();
+        match sections {
+            Some((system, method, run, plugins)) if problems.0.is_empty() => Ok(Self {
+                name,
+                text,
+                fragment,
+                system,
+                method,
+                run,
+                plugins,
+            }),
+            _ => {
+                let mut problems = without_consequences(problems.0);
+                problems.sort_by_key(|problem| match problem.place.source {
+                    Source::Override(_) => (0, problem.place.span.start),
+                    Source::Scene => (1, problem.place.span.start),
+                    Source::Library(_) => (2, problem.place.span.start),
+                });
+                Err(SceneErrors {
+                    name,
+                    text,
+                    fragment,
+                    problems,
+                })
+            }
+        }
+    }
+
+    /// A diagnostic at a place of this scene.
+    pub fn diagnostic(
+        &self,
+        place: &Place,
+        message: impl Into<String>,
+        label: impl Into<String>,
+        help: Option<String>,
+    ) -> SceneDiagnostic {
+        let (source_name, source_text) = source_text(
+            &place.source,
+            &self.name,
+            &self.text,
+            self.fragment.as_ref(),
+        );
+        SceneDiagnostic {
+            message: message.into(),
+            label: label.into(),
+            source_name,
+            source_text,
+            span: place.span.clone(),
+            help,
+        }
+    }
+
+    /// The place of the bytes `inner` of a formula: the exact piece of the file where the
+    /// string is written plainly, the whole string where it has escapes.
+    pub fn place_in_formula(&self, formula: &Located<String>, inner: Range<usize>) -> Place {
+        let (_, text) = source_text(
+            &formula.source,
+            &self.name,
+            &self.text,
+            self.fragment.as_ref(),
+        );
+        Place {
+            source: formula.source.clone(),
+            span: formula_span(&text, formula.span.clone(), inner),
+        }
+    }
+}
+
+/// Drops "needs `epsilon`" where "unknown key `epsillon`, did you mean `epsilon`?" stands.
+fn without_consequences(problems: Vec<SceneProblem>) -> Vec<SceneProblem> {
+    let misspelled: Vec<(String, String)> = problems
+        .iter()
+        .filter_map(|problem| match &problem.cause {
+            SceneProblemCause::UnknownKey {
+                table,
+                nearest: Some(key),
+                ..
+            } => Some((table.clone(), key.clone())),
+            _ => None,
+        })
+        .collect();
+    let is_consequence = |problem: &SceneProblem| match &problem.cause {
+        SceneProblemCause::MissingKey { table, key, .. } => {
+            misspelled.iter().any(|(t, k)| t == table && k == key)
+        }
+        _ => false,
+    };
+    problems
+        .into_iter()
+        .filter(|problem| !is_consequence(problem))
+        .collect()
+}
+
+type Sections = (
+    SystemSection,
+    MethodSection,
+    RunSection,
+    Vec<Located<String>>,
+);
+
+fn read(
+    text: &str,
+    library: &dyn SceneLibrary,
+    fragment: &mut Option<(String, String)>,
+    problems: &mut Problems,
+) -> Option<Sections> {
+    let document = match DeTable::parse(text) {
+        Ok(document) => document,
+        Err(error) => {
+            problems.push(
+                SceneProblemCause::Syntax {
+                    message: error.message().to_owned(),
+                },
+                Place {
+                    source: Source::Scene,
+                    span: error.span().unwrap_or(0..0),
+                },
+            );
+            return None;
+        }
+    };
+    let root = Table::new("the scene", document.get_ref(), end_of(text), text);
+    root.only(&["system", "method", "run", "plugins"], problems);
+    let mut section = |key: &str, example: &str| {
+        root.require(key, example, problems)
+            .and_then(|item| item.table(&format!("[{key}]"), "a table", problems))
+    };
+    let system = section("system", "[system] with library = \"rigid-body\"");
+    let method = section(
+        "method",
+        "[method] with realization = \"auto\", dynamics = \"auto\" and time-step = 0.1",
+    );
+    let run = section("run", "[run] with initial = [1, 3, 3] and steps = 1000");
+    let system = system
+        .as_ref()
+        .and_then(|table| read_system(table, library, fragment, problems));
+    let method = method
+        .as_ref()
+        .and_then(|table| read_method(table, problems));
+    let run = run
+        .as_ref()
+        .and_then(|table| read_run(table, system.as_ref(), problems));
+    let plugins = match root.get("plugins") {
+        Some(item) => item.list_of("a list of paths", problems, Item::string),
+        None => Some(Vec::new()),
+    };
+    Some((system?, method?, run?, plugins?))
+}

@@ -1,0 +1,375 @@
+//! The `[system]` table: the Poisson manifold and the Hamiltonian.
+
+use std::sync::Arc;
+
+use toml::de::DeTable;
+
+use super::bracket::{BracketSpec, read_bracket};
+use super::error::SceneProblemCause;
+use super::library::SceneLibrary;
+use super::located::{Located, Number, Place, Source};
+use super::reader::{Item, Problems, Table};
+use super::suggest::nearest;
+
+/// Sites beyond the ends of an indexed family.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Boundary {
+    /// Indices are taken modulo the length.
+    Periodic,
+    /// Entries that reach outside are absent.
+    Open,
+}
+
+/// Which of ẋ = {H, x} and ẋ = {x, H} the scene means.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Convention {
+    /// ẋ = {H, x}, the default (paper, section 2).
+    #[default]
+    HamiltonFirst,
+    /// ẋ = {x, H}, most of the literature.
+    HamiltonSecond,
+}
+
+/// The `[system]` table, with a library system's text already filled in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SystemSection {
+    /// The library system it was taken from.
+    pub library: Option<Located<String>>,
+    /// Single variables, in the order of the state.
+    pub variables: Vec<Located<String>>,
+    /// Indexed families with their lengths; their sites follow the single variables.
+    pub families: Vec<(Located<String>, Located<usize>)>,
+    /// Parameters with their values.
+    pub parameters: Vec<(Located<String>, Located<Number>)>,
+    /// The Poisson tensor.
+    pub bracket: Located<BracketSpec>,
+    /// What happens at the ends of a family.
+    pub boundary: Option<Located<Boundary>>,
+    /// The sign convention.
+    pub convention: Convention,
+    /// The Hamiltonian's formula.
+    pub hamiltonian: Located<String>,
+    /// Claimed Casimirs by name.
+    pub casimirs: Vec<(Located<String>, Located<String>)>,
+}
+
+impl SystemSection {
+    /// The dimension of the state: single variables and all sites of the families.
+    pub fn dimension(&self) -> usize {
+        self.families
+            .iter()
+            .fold(self.variables.len(), |sum, (_, length)| {
+                sum.saturating_add(length.value)
+            })
+    }
+}
+
+pub(super) const KEYS: [&str; 9] = [
+    "library",
+    "variables",
+    "families",
+    "parameters",
+    "bracket",
+    "boundary",
+    "convention",
+    "hamiltonian",
+    "casimirs",
+];
+
+/// Reads `[system]`, going to the library when it names one; the fragment used is left in
+/// `fragment` as id and text.
+pub(super) fn read_system(
+    table: &Table<'_>,
+    library: &dyn SceneLibrary,
+    fragment: &mut Option<(String, String)>,
+    problems: &mut Problems,
+) -> Option<SystemSection> {
+    let Some(item) = table.get("library") else {
+        table.only(&KEYS, problems);
+        return read_inline(table, problems);
+    };
+    table.only(&KEYS, problems);
+    for other in &table.items {
+        let key = other.key.value.as_str();
+        if KEYS.contains(&key) && !["library", "parameters", "families"].contains(&key) {
+            problems.push(
+                SceneProblemCause::Conflict {
+                    first: "library".to_owned(),
+                    second: key.to_owned(),
+                    advice: "beside `library` only `parameters` and `families` may stand; \
+                             remove it, or write the system out without `library`"
+                        .to_owned(),
+                },
+                other.key.place(),
+            );
+        }
+    }
+    let id = item.string(problems)?;
+    let Some(text) = library.fragment(&id.value) else {
+        let ids = library.ids();
+        problems.push(
+            SceneProblemCause::UnknownName {
+                kind: "library system",
+                nearest: nearest(&id.value, ids.iter().copied()),
+                valid: ids.into_iter().map(str::to_owned).collect(),
+                name: id.value,
+            },
+            item.place(),
+        );
+        return None;
+    };
+    *fragment = Some((id.value.clone(), text.to_owned()));
+    let mut system = read_fragment(&id.value, text, problems)?;
+    override_values(table, &mut system, problems);
+    system.library = Some(id);
+    Some(system)
+}
+
+fn read_fragment(id: &str, text: &str, problems: &mut Problems) -> Option<SystemSection> {
+    let source = Source::Library(Arc::from(id));
+    let document = match DeTable::parse(text) {
+        Ok(document) => document,
+        Err(error) => {
+            problems.push(
+                SceneProblemCause::Syntax {
+                    message: error.message().to_owned(),
+                },
+                Place {
+                    source,
+                    span: error.span().unwrap_or(0..0),
+                },
+            );
+            return None;
+        }
+    };
+    let root = Table::new(
+        "the system",
+        document.get_ref(),
+        Place { source, span: 0..0 },
+        text,
+    );
+    let table = root
+        .require("system", "[system]", problems)?
+        .table("[system]", "a table", problems)?;
+    table.only(&KEYS[1..], problems);
+    read_inline(&table, problems)
+}
+
+/// Replaces parameter values and family lengths given beside `library`.
+fn override_values(table: &Table<'_>, system: &mut SystemSection, problems: &mut Problems) {
+    let parameters = table
+        .get("parameters")
+        .and_then(|item| item.pairs("a table of numbers", problems, Item::number));
+    replace(
+        &mut system.parameters,
+        parameters,
+        "parameter of this system",
+        problems,
+    );
+    let families = table
+        .get("families")
+        .and_then(|item| item.pairs("a table of lengths", problems, length));
+    replace(
+        &mut system.families,
+        families,
+        "family of this system",
+        problems,
+    );
+}
+
+fn replace<T>(
+    declared: &mut [(Located<String>, T)],
+    given: Option<Vec<(Located<String>, T)>>,
+    kind: &'static str,
+    problems: &mut Problems,
+) {
+    for (name, value) in given.into_iter().flatten() {
+        match declared
+            .iter_mut()
+            .find(|(known, _)| known.value == name.value)
+        {
+            Some(entry) => entry.1 = value,
+            None => {
+                let valid: Vec<_> = declared
+                    .iter()
+                    .map(|(known, _)| known.value.clone())
+                    .collect();
+                problems.push(
+                    SceneProblemCause::UnknownName {
+                        kind,
+                        nearest: nearest(&name.value, valid.iter().map(String::as_str)),
+                        name: name.value.clone(),
+                        valid,
+                    },
+                    name.place(),
+                );
+            }
+        }
+    }
+}
+
+fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSection> {
+    let variables = match table.get("variables") {
+        Some(item) => item.list_of("a list of names", problems, Item::string),
+        None => Some(Vec::new()),
+    };
+    let families = match table.get("families") {
+        Some(item) => item.pairs("a table of lengths", problems, length),
+        None => Some(Vec::new()),
+    };
+    let parameters = match table.get("parameters") {
+        Some(item) => item.pairs("a table of numbers", problems, Item::number),
+        None => Some(Vec::new()),
+    };
+    if table.get("variables").is_none() && table.get("families").is_none() {
+        table.require(
+            "variables",
+            "variables = [\"x1\", \"x2\", \"x3\"]",
+            problems,
+        );
+    }
+    let bracket = table
+        .require("bracket", "bracket = { \"x1,x2\" = \"-x3\" }", problems)
+        .and_then(|item| read_bracket(item, problems).map(|spec| Located::new(spec, item.place())));
+    let boundary = match table.get("boundary") {
+        Some(item) => choose(
+            item,
+            "boundary",
+            &[("periodic", Boundary::Periodic), ("open", Boundary::Open)],
+            problems,
+        )
+        .map(Some),
+        None => Some(None),
+    };
+    let convention = match table.get("convention") {
+        Some(item) => choose(
+            item,
+            "convention",
+            &[
+                ("{H,x}", Convention::HamiltonFirst),
+                ("{x,H}", Convention::HamiltonSecond),
+            ],
+            problems,
+        )
+        .map(|chosen| chosen.value),
+        None => Some(Convention::default()),
+    };
+    let hamiltonian = table
+        .require("hamiltonian", "hamiltonian = \"x1^2/2 + x2^2/2\"", problems)
+        .and_then(|item| item.formula(problems));
+    let casimirs = match table.get("casimirs") {
+        Some(item) => item.pairs("a table of formulas", problems, Item::formula),
+        None => Some(Vec::new()),
+    };
+    let system = SystemSection {
+        library: None,
+        variables: variables?,
+        families: families?,
+        parameters: parameters?,
+        bracket: bracket?,
+        boundary: boundary?,
+        convention: convention?,
+        hamiltonian: hamiltonian?,
+        casimirs: casimirs?,
+    };
+    check_names(&system, problems);
+    check_dimension(table, &system, problems);
+    Some(system)
+}
+
+fn length(item: &Item<'_>, problems: &mut Problems) -> Option<Located<usize>> {
+    let length = item.whole(1, problems)?;
+    Some(length.map(|length| usize::try_from(length).unwrap_or(usize::MAX)))
+}
+
+/// One of a few words; spaces inside the word do not matter.
+fn choose<T: Copy>(
+    item: &Item<'_>,
+    kind: &'static str,
+    choices: &[(&str, T)],
+    problems: &mut Problems,
+) -> Option<Located<T>> {
+    let written = item.string(problems)?;
+    let squeezed: String = written.value.split_whitespace().collect();
+    if let Some((_, choice)) = choices.iter().find(|(word, _)| *word == squeezed) {
+        return Some(written.map(|_| *choice));
+    }
+    let words = choices.iter().map(|(word, _)| *word);
+    problems.push(
+        SceneProblemCause::UnknownName {
+            kind,
+            nearest: nearest(&written.value, words.clone()),
+            valid: words.map(str::to_owned).collect(),
+            name: written.value.clone(),
+        },
+        written.place(),
+    );
+    None
+}
+
+fn check_names(system: &SystemSection, problems: &mut Problems) {
+    let mut seen: Vec<&str> = Vec::new();
+    let declared = system
+        .variables
+        .iter()
+        .map(|name| ("variable", name))
+        .chain(system.families.iter().map(|(name, _)| ("family", name)))
+        .chain(
+            system
+                .parameters
+                .iter()
+                .map(|(name, _)| ("parameter", name)),
+        );
+    for (kind, name) in declared {
+        let mut letters = name.value.chars();
+        let begins_well = letters
+            .next()
+            .is_some_and(|c| c.is_alphabetic() || c == '_');
+        if !begins_well || !letters.all(|c| c.is_alphanumeric() || c == '_' || c == '\'') {
+            problems.push(
+                SceneProblemCause::InvalidName {
+                    kind,
+                    name: name.value.clone(),
+                    reason: "a name is a letter followed by letters, digits and underscores",
+                },
+                name.place(),
+            );
+        } else if seen.contains(&name.value.as_str()) {
+            problems.push(
+                SceneProblemCause::Duplicate {
+                    name: name.value.clone(),
+                },
+                name.place(),
+            );
+        }
+        seen.push(&name.value);
+    }
+}
+
+fn check_dimension(table: &Table<'_>, system: &SystemSection, problems: &mut Problems) {
+    let dimension = system.dimension();
+    if let BracketSpec::LogCanonical(rows) = &system.bracket.value
+        && rows.len() != dimension
+    {
+        problems.push(
+            SceneProblemCause::Shape {
+                what: "log-canonical".to_owned(),
+                found: format!("{} rows", rows.len()),
+                expected: format!("one for each of the {dimension} variables"),
+            },
+            system.bracket.place(),
+        );
+    }
+    if dimension == 0
+        && let Some(item) = table.get("variables")
+    {
+        problems.push(
+            SceneProblemCause::Shape {
+                what: "variables".to_owned(),
+                found: "no entry".to_owned(),
+                expected: "at least one name".to_owned(),
+            },
+            item.place(),
+        );
+    }
+}
