@@ -1,1 +1,31 @@
-//! leafwise-systems
+//! The problem library: Poisson systems of the literature, each as scene text.
+//!
+//! A library system is one TOML text with three tables. `[system]` is what a scene takes in
+//! when it says `library = "rigid-body"`; `[about]` tells what the system is and where it is
+//! written; `[default]` holds an initial state and a time step to start from.
+//!
+//! ```
+//! let top = leafwise_systems::find("heavy-top").expect("the heavy top is in the library");
+//! assert_eq!(top.dimension()?, 6);
+//! println!("{}: {}", top.about()?.title, top.about()?.reference);
+//! assert_eq!(leafwise_systems::nearest("heavytop"), Some("heavy-top"));
+//! # Ok::<(), leafwise_systems::SystemError>(())
+//! ```
+//!
+//! Signs follow each text's `convention`: `{H,x}`, the paper's x' = {H, x}, or `{x,H}`, which
+//! most of the literature writes.
+//!
+//! - [`about`](About): title, summary, literature and orbit of a system.
+//! - [`defaults`](Defaults): the initial state and time step to start from.
+//! - [`library`](LibrarySystem): the systems by id.
+//! - [`error`](SystemError): what may be wrong with a text.
+
+mod about;
+mod defaults;
+mod error;
+mod library;
+
+pub use about::{About, Reference};
+pub use defaults::Defaults;
+pub use error::SystemError;
+pub use library::{LibrarySystem, all, find, nearest};
