@@ -49,7 +49,7 @@ proptest! {
             prop_assert_eq!(value.to_ratio(), expected);
         }
         prop_assert_eq!(a.cmp(&b), left.cmp(&right));
-        prop_assert_eq!(a.signum(), (&a).cmp(&Rational::zero()) as i32);
+        prop_assert_eq!(a.signum(), a.cmp(&Rational::zero()) as i32);
         match a.checked_div(&b) {
             Some(quotient) => {
                 prop_assert!(is_canonical(&quotient));

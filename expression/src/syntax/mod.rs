@@ -1,1 +1,39 @@
 //! Scene formulas: text with byte spans, names resolved in a scope.
+//!
+//! A [`Formula`] is parsed once, without knowing which names exist. It is then resolved at one
+//! site to an [`Expression`](crate::expression::Expression) over numbered variables and
+//! parameters, or evaluated as a number. Every error carries the byte range it is about.
+//!
+//! ```text
+//! formula := term (("+" | "-") term)*
+//! term    := unary (("*" | "/") unary)*
+//! unary   := ("-" | "+") unary | power
+//! power   := atom (("^" | "**") unary)?
+//! atom    := number | name | name "[" site "]" | function "(" formula ")"
+//!          | "sum" "(" name "," formula ")" | "(" formula ")"
+//! site    := sum or difference of integers and at most one of: an index name, N
+//! ```
+//!
+//! `^` is right associative and binds tighter than the sign: `-x^2` is `-(x^2)`. The names `pi`,
+//! `N` (the length of the longest family), `sum` and those of the functions are reserved.
+
+mod display;
+mod error;
+mod formula;
+mod lexer;
+mod parser;
+mod pattern;
+mod resolve;
+mod scope;
+mod suggestion;
+#[cfg(test)]
+mod tests;
+mod tree;
+mod value;
+
+pub use error::{SyntaxError, SyntaxErrorKind};
+pub use formula::Formula;
+pub use parser::DEPTH_LIMIT;
+pub use pattern::VariablePattern;
+pub use resolve::{POWER_LIMIT, TERM_LIMIT};
+pub use scope::{Boundary, Scope};

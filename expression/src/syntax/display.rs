@@ -1,0 +1,141 @@
+//! Formulas as text again, with no more parentheses than the tree needs.
+
+use std::fmt;
+
+use super::formula::Formula;
+use super::tree::{Anchor, Kind, Node, Reference, Span};
+
+/// How tightly a part holds together; a part in a place that needs more is put in parentheses.
+#[derive(Clone, Copy, PartialEq, PartialOrd)]
+enum Binding {
+    Sum,
+    Product,
+    Sign,
+    Power,
+    Atom,
+}
+
+impl fmt::Display for Formula {
+    /// The formula in a uniform spelling, which parses to the same tree. Numbers stand as written.
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        Printer {
+            text: self.text(),
+            formatter,
+        }
+        .print(self.root(), Binding::Sum)
+    }
+}
+
+pub(super) fn print_reference(
+    text: &str,
+    reference: &Reference,
+    formatter: &mut fmt::Formatter<'_>,
+) -> fmt::Result {
+    formatter.write_str(reference.name.of(text))?;
+    let Some(site) = reference.site else {
+        return Ok(());
+    };
+    let offset = site.offset;
+    match site.anchor {
+        Anchor::Start => write!(formatter, "[{offset}]"),
+        Anchor::End if offset == 0 => formatter.write_str("[N]"),
+        Anchor::End => write!(formatter, "[N{offset:+}]"),
+        Anchor::Name(name) if offset == 0 => write!(formatter, "[{}]", name.of(text)),
+        Anchor::Name(name) => write!(formatter, "[{}{offset:+}]", name.of(text)),
+    }
+}
+
+struct Printer<'a, 'b> {
+    text: &'a str,
+    formatter: &'a mut fmt::Formatter<'b>,
+}
+
+impl Printer<'_, '_> {
+    fn print(&mut self, node: &Node, place: Binding) -> fmt::Result {
+        if binding(&node.kind) < place {
+            self.write("(")?;
+            self.bare(&node.kind)?;
+            return self.write(")");
+        }
+        self.bare(&node.kind)
+    }
+
+    fn bare(&mut self, kind: &Kind) -> fmt::Result {
+        match kind {
+            Kind::Number { literal, .. } => self.write_span(*literal),
+            Kind::Pi => self.write(super::scope::PI),
+            Kind::Length => self.write(super::scope::LENGTH),
+            Kind::Reference(reference) => print_reference(self.text, reference, self.formatter),
+            Kind::Call(function, argument) => {
+                self.write(function.name())?;
+                self.write("(")?;
+                self.print(argument, Binding::Sum)?;
+                self.write(")")
+            }
+            Kind::SumOver { index, body } => {
+                self.write("sum(")?;
+                self.write_span(*index)?;
+                self.write(", ")?;
+                self.print(body, Binding::Sum)?;
+                self.write(")")
+            }
+            Kind::Sum(terms) => {
+                self.print(&terms[0], Binding::Product)?;
+                terms[1..].iter().try_for_each(|term| match &term.kind {
+                    Kind::Negate(operand) => {
+                        self.write(" - ")?;
+                        self.print(operand, Binding::Product)
+                    }
+                    _ => {
+                        self.write(" + ")?;
+                        self.print(term, Binding::Product)
+                    }
+                })
+            }
+            Kind::Product(factors) => {
+                // A leading product would merge with this one; a leading quotient does not.
+                let first = match factors[0].kind {
+                    Kind::Quotient(_) => Binding::Product,
+                    _ => Binding::Sign,
+                };
+                self.print(&factors[0], first)?;
+                factors[1..].iter().try_for_each(|factor| {
+                    self.write("*")?;
+                    self.print(factor, Binding::Sign)
+                })
+            }
+            Kind::Negate(operand) => {
+                self.write("-")?;
+                self.print(operand, Binding::Sign)
+            }
+            Kind::Quotient(pair) => {
+                self.print(&pair[0], Binding::Product)?;
+                self.write("/")?;
+                self.print(&pair[1], Binding::Sign)
+            }
+            Kind::Power(pair) => {
+                self.print(&pair[0], Binding::Atom)?;
+                self.write("^")?;
+                self.print(&pair[1], Binding::Sign)
+            }
+        }
+    }
+
+    fn write(&mut self, text: &str) -> fmt::Result {
+        self.formatter.write_str(text)
+    }
+
+    fn write_span(&mut self, span: Span) -> fmt::Result {
+        self.formatter.write_str(span.of(self.text))
+    }
+}
+
+fn binding(kind: &Kind) -> Binding {
+    match kind {
+        Kind::Sum(_) => Binding::Sum,
+        Kind::Product(_) | Kind::Quotient(_) => Binding::Product,
+        Kind::Negate(_) => Binding::Sign,
+        Kind::Power(_) => Binding::Power,
+        _ => Binding::Atom,
+    }
+}

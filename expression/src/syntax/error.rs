@@ -1,0 +1,195 @@
+//! What can be wrong with a formula.
+
+use std::fmt;
+use std::ops::Range;
+
+use super::tree::Span;
+use crate::rational::DecimalError;
+
+/// An error in a formula: where, what, and the nearest valid spelling when there is one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SyntaxError {
+    /// The byte range of the formula's text that the error is about; empty at the text's end when
+    /// something is missing there.
+    pub span: Range<usize>,
+    /// What is wrong.
+    pub kind: SyntaxErrorKind,
+    /// What could stand in place of the text at `span`.
+    pub suggestion: Option<String>,
+}
+
+impl SyntaxError {
+    pub(super) fn new(span: Span, kind: SyntaxErrorKind) -> Self {
+        Self {
+            span: span.start..span.end,
+            kind,
+            suggestion: None,
+        }
+    }
+
+    pub(super) fn suggesting(mut self, suggestion: Option<impl Into<String>>) -> Self {
+        self.suggestion = suggestion.map(Into::into);
+        self
+    }
+}
+
+impl fmt::Display for SyntaxError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{}", self.kind)?;
+        match &self.suggestion {
+            Some(suggestion) => write!(formatter, "; did you mean `{suggestion}`?"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl std::error::Error for SyntaxError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match &self.kind {
+            SyntaxErrorKind::Number(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+/// The causes of a [`SyntaxError`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SyntaxErrorKind {
+    /// A character that no formula contains.
+    #[error("unexpected character `{character}`")]
+    UnexpectedCharacter {
+        /// The character.
+        character: char,
+    },
+    /// The text ends too early.
+    #[error("the formula ends where {expected} is expected")]
+    UnexpectedEnd {
+        /// What should follow.
+        expected: &'static str,
+    },
+    /// Something else stands where one thing is expected.
+    #[error("expected {expected}, found `{found}`")]
+    Expected {
+        /// What should stand there.
+        expected: &'static str,
+        /// What stands there.
+        found: String,
+    },
+    /// A decimal outside what [`Rational::parse_decimal`](crate::rational::Rational::parse_decimal)
+    /// reads.
+    #[error("{0}")]
+    Number(DecimalError),
+    /// Parentheses, signs, powers, calls and divisions nested too deeply.
+    #[error("the formula is nested more than {limit} levels deep; split it")]
+    TooDeep {
+        /// The greatest depth.
+        limit: usize,
+    },
+    /// No variable, parameter or index of this name.
+    #[error("unknown name `{name}`")]
+    UnknownName {
+        /// The name.
+        name: String,
+    },
+    /// No function of this name.
+    #[error("unknown function `{name}` (a product is written with `*`)")]
+    UnknownFunction {
+        /// The name.
+        name: String,
+    },
+    /// An index name that neither a `sum` nor the surrounding key introduces.
+    #[error("unknown index `{name}`; introduce it by the key or by `sum({name}, ...)`")]
+    UnknownIndex {
+        /// The name.
+        name: String,
+    },
+    /// An index behind the name of a scalar variable or of a parameter.
+    #[error("`{name}` is not a family and takes no index")]
+    NotAFamily {
+        /// The name.
+        name: String,
+    },
+    /// A family without an index.
+    #[error("`{name}` is a family; write one member as `{name}[i]`")]
+    IndexMissing {
+        /// The family.
+        name: String,
+    },
+    /// A fixed site that the family does not have.
+    #[error("`{name}` has the members {name}[0] to {name}[{last}], not {name}[{position}]",
+        last = length.saturating_sub(1))]
+    IndexOutOfRange {
+        /// The family.
+        name: String,
+        /// The site asked for.
+        position: i64,
+        /// The number of its members.
+        length: usize,
+    },
+    /// An index used as a number in a tensor or a Hamiltonian.
+    #[error(
+        "the index `{name}` is used as a number; tensors and Hamiltonians must be homogeneous \
+         along the family, so an index may only stand in brackets"
+    )]
+    IndexAsNumber {
+        /// The index.
+        name: String,
+    },
+    /// A `sum` over an index name that is already in use around it.
+    #[error("the index `{name}` is already in use here; give this sum another one")]
+    DuplicateIndex {
+        /// The index.
+        name: String,
+    },
+    /// `N` or `sum` where no family is declared.
+    #[error("`{name}` needs the length of a family, and no family is declared")]
+    LengthUnknown {
+        /// `N` or `sum`.
+        name: &'static str,
+    },
+    /// A constant exponent beyond [`POWER_LIMIT`](super::POWER_LIMIT).
+    #[error("the exponent `{exponent}` is outside the range -{limit} to {limit}")]
+    ExponentTooLarge {
+        /// The exponent as written, cut after 40 characters.
+        exponent: String,
+        /// The greatest magnitude.
+        limit: i64,
+    },
+    /// Sums that expand to more than [`TERM_LIMIT`](super::TERM_LIMIT) terms.
+    #[error("the sums of this formula have more than {limit} terms")]
+    TooManyTerms {
+        /// The greatest number of terms.
+        limit: usize,
+    },
+    /// A state variable where only parameters, the index and numbers may stand.
+    #[error("`{name}` is a state variable; only parameters, indices and numbers may stand here")]
+    NotAFunctionOfParameters {
+        /// The variable or family.
+        name: String,
+    },
+    /// A parameter where a state variable is needed.
+    #[error("`{name}` is a parameter; a state variable must stand here")]
+    NotAVariable {
+        /// The parameter.
+        name: String,
+    },
+    /// A parameter for which no value was given.
+    #[error("no value is given for the parameter `{name}`")]
+    ParameterWithoutValue {
+        /// The parameter.
+        name: String,
+    },
+    /// A name that formulas use for something else.
+    #[error("the name `{name}` is reserved in formulas; choose another")]
+    ReservedName {
+        /// The name.
+        name: String,
+    },
+    /// A text that is not a name.
+    #[error("`{name}` is not a name: use letters, digits and `_`, beginning with no digit")]
+    InvalidName {
+        /// The text.
+        name: String,
+    },
+}

@@ -1,0 +1,98 @@
+//! A parsed formula.
+
+use std::collections::BTreeSet;
+
+use super::error::SyntaxError;
+use super::parser::Parser;
+use super::tree::{Kind, Node, Span};
+
+/// A parsed formula, its names not yet resolved.
+///
+/// [`Formula::resolve`] makes an exact expression of it, [`Formula::value`] a number.
+#[derive(Clone, Debug)]
+pub struct Formula {
+    text: String,
+    root: Node,
+}
+
+impl Formula {
+    /// Parses `text`; see the [module](super) for the grammar.
+    ///
+    /// # Errors
+    /// [`SyntaxError`] when the text is not a formula, is nested more than
+    /// [`DEPTH_LIMIT`](super::DEPTH_LIMIT) levels deep, or calls an unknown function.
+    pub fn parse(text: &str) -> Result<Self, SyntaxError> {
+        let root = Parser::new(text)?.formula()?;
+        Ok(Self {
+            text: text.to_owned(),
+            root,
+        })
+    }
+
+    /// The text as parsed.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    pub(super) fn root(&self) -> &Node {
+        &self.root
+    }
+
+    /// The first index name in brackets that no `sum` introduces: `i` in `x[i+1]*sum(j, x[j])`.
+    ///
+    /// A bare name is never counted, since it may as well be a parameter.
+    pub fn free_index(&self) -> Option<&str> {
+        let mut free = None;
+        self.visit(&mut |node, bound| {
+            if let Kind::Reference(reference) = &node.kind
+                && let Some(index) = reference.index()
+                && !bound.contains(&index.of(&self.text))
+            {
+                free = free.or(Some(index.of(&self.text)));
+            }
+        });
+        free
+    }
+
+    /// The names of variables, families and parameters that occur. A bare name that is the index
+    /// of a sum around it or the free index is not among them.
+    pub fn references(&self) -> BTreeSet<&str> {
+        let free = self.free_index();
+        let mut found = BTreeSet::new();
+        self.visit(&mut |node, bound| {
+            if let Kind::Reference(reference) = &node.kind {
+                let name = reference.name.of(&self.text);
+                let index = bound.contains(&name) || free == Some(name);
+                if reference.site.is_some() || !index {
+                    found.insert(name);
+                }
+            }
+        });
+        found
+    }
+
+    /// Calls `inspect` with every node and the indices of the sums around it.
+    fn visit<'a>(&'a self, inspect: &mut impl FnMut(&'a Node, &[&'a str])) {
+        descend(&self.text, &self.root, &mut Vec::new(), inspect);
+    }
+}
+
+fn descend<'a>(
+    text: &'a str,
+    node: &'a Node,
+    bound: &mut Vec<&'a str>,
+    inspect: &mut impl FnMut(&'a Node, &[&'a str]),
+) {
+    inspect(node, bound);
+    let index: Option<Span> = match node.kind {
+        Kind::SumOver { index, .. } => Some(index),
+        _ => None,
+    };
+    bound.extend(index.map(|span| span.of(text)));
+    for child in node.kind.children() {
+        descend(text, child, bound, inspect);
+    }
+    if index.is_some() {
+        bound.pop();
+    }
+}

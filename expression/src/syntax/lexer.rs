@@ -1,0 +1,155 @@
+//! From text to tokens.
+
+use super::error::{SyntaxError, SyntaxErrorKind};
+use super::tree::Span;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Symbol {
+    Plus,
+    Minus,
+    Times,
+    Divide,
+    Power,
+    Open,
+    Close,
+    OpenBracket,
+    CloseBracket,
+    Comma,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum TokenKind {
+    Number,
+    Name,
+    Symbol(Symbol),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Token {
+    pub(super) kind: TokenKind,
+    pub(super) span: Span,
+}
+
+/// The tokens of `text`, in order.
+pub(super) fn tokens(text: &str) -> Result<Vec<Token>, SyntaxError> {
+    let mut tokens = Vec::new();
+    let mut position = 0;
+    while let Some(character) = text[position..].chars().next() {
+        let start = position;
+        let rest = &text[start..];
+        if character.is_whitespace() {
+            position += character.len_utf8();
+            continue;
+        }
+        let kind = if let Some(length) = number_length(rest) {
+            position += length;
+            TokenKind::Number
+        } else if begins_name(character) {
+            position += rest
+                .find(|other| !continues_name(other))
+                .unwrap_or(rest.len());
+            TokenKind::Name
+        } else if let Some(symbol) = symbol(character) {
+            let doubled = rest.starts_with("**");
+            position += if doubled { 2 } else { 1 };
+            TokenKind::Symbol(if doubled { Symbol::Power } else { symbol })
+        } else {
+            let span = Span {
+                start,
+                end: start + character.len_utf8(),
+            };
+            let kind = SyntaxErrorKind::UnexpectedCharacter { character };
+            return Err(SyntaxError::new(span, kind).suggesting(plain(character)));
+        };
+        tokens.push(Token {
+            kind,
+            span: Span {
+                start,
+                end: position,
+            },
+        });
+    }
+    Ok(tokens)
+}
+
+/// Whether `text` is one name: letters, digits and underscores, beginning with no digit.
+pub(super) fn is_name(text: &str) -> bool {
+    text.starts_with(begins_name) && text.chars().all(continues_name)
+}
+
+fn begins_name(character: char) -> bool {
+    character == '_' || character.is_alphabetic() && continues_name(character)
+}
+
+/// Superscripts count as digits in Unicode, but `x²` means a power.
+fn continues_name(character: char) -> bool {
+    let superscript = matches!(character, '²' | '³' | '¹' | '⁰'..='ⁿ');
+    (character == '_' || character.is_alphanumeric()) && !superscript
+}
+
+fn symbol(character: char) -> Option<Symbol> {
+    Some(match character {
+        '+' => Symbol::Plus,
+        '-' => Symbol::Minus,
+        '*' => Symbol::Times,
+        '/' => Symbol::Divide,
+        '^' => Symbol::Power,
+        '(' => Symbol::Open,
+        ')' => Symbol::Close,
+        '[' => Symbol::OpenBracket,
+        ']' => Symbol::CloseBracket,
+        ',' => Symbol::Comma,
+        _ => return None,
+    })
+}
+
+/// The spelling of a typographic character in formulas.
+fn plain(character: char) -> Option<&'static str> {
+    Some(match character {
+        '−' | '–' | '—' => "-",
+        '×' | '·' | '⋅' | '∙' => "*",
+        '÷' | '∕' => "/",
+        '²' => "^2",
+        '³' => "^3",
+        '{' => "(",
+        '}' => ")",
+        ';' => ",",
+        _ => return None,
+    })
+}
+
+/// The length of the decimal at the beginning of `text`. An `e` belongs to it only when an
+/// exponent follows.
+fn number_length(text: &str) -> Option<usize> {
+    let bytes = text.as_bytes();
+    let digits_from = |from: usize| {
+        bytes[from..]
+            .iter()
+            .take_while(|byte| byte.is_ascii_digit())
+            .count()
+    };
+    let whole = digits_from(0);
+    let mut end = whole;
+    if bytes.get(whole) == Some(&b'.') {
+        let fraction = digits_from(whole + 1);
+        if whole == 0 && fraction == 0 {
+            return None;
+        }
+        end = whole + 1 + fraction;
+    } else if whole == 0 {
+        return None;
+    }
+    if matches!(bytes.get(end), Some(b'e' | b'E')) {
+        let signed = matches!(bytes.get(end + 1), Some(b'+' | b'-'));
+        let exponent = end + 1 + usize::from(signed);
+        let digits = if exponent < bytes.len() {
+            digits_from(exponent)
+        } else {
+            0
+        };
+        if digits > 0 {
+            end = exponent + digits;
+        }
+    }
+    Some(end)
+}

@@ -1,0 +1,391 @@
+//! From tokens to the tree, by recursive descent of bounded depth.
+
+use super::error::{SyntaxError, SyntaxErrorKind};
+use super::lexer::{Symbol, Token, TokenKind, tokens};
+use super::scope::{LENGTH, PI, SUM};
+use super::suggestion::{alias, nearest};
+use super::tree::{Anchor, Kind, Node, Reference, Site, Span};
+use crate::expression::Function;
+use crate::rational::Rational;
+
+/// The greatest depth of a formula: of parentheses and operators inside each other in the text,
+/// and of its tree. Sums and products are flat, whatever their length; a chain of divisions is as
+/// deep as it is long.
+pub const DEPTH_LIMIT: usize = 200;
+
+/// The greatest magnitude of an offset in brackets.
+const OFFSET_LIMIT: i64 = i32::MAX as i64;
+
+const OPERAND: &str = "a number, a name or `(`";
+const SITE: &str = "a site such as i, i+1, 3 or N-1";
+
+pub(super) struct Parser<'a> {
+    text: &'a str,
+    tokens: Vec<Token>,
+    position: usize,
+    depth: usize,
+    /// The names of the sums around the current position.
+    bound: Vec<&'a str>,
+}
+
+impl<'a> Parser<'a> {
+    pub(super) fn new(text: &'a str) -> Result<Self, SyntaxError> {
+        Ok(Self {
+            text,
+            tokens: tokens(text)?,
+            position: 0,
+            depth: 0,
+            bound: Vec::new(),
+        })
+    }
+
+    /// The formula that the whole text is.
+    pub(super) fn formula(mut self) -> Result<Node, SyntaxError> {
+        let root = self.sum()?;
+        self.end("an operator (a product is written with `*`)")?;
+        Ok(root)
+    }
+
+    /// The single variable that the whole text is.
+    pub(super) fn single(mut self) -> Result<Reference, SyntaxError> {
+        let reference = self.reference()?;
+        self.end("the end of the name")?;
+        Ok(reference)
+    }
+
+    /// The two variables that the whole text is, with a comma between.
+    pub(super) fn pair(mut self) -> Result<(Reference, Reference), SyntaxError> {
+        let first = self.reference()?;
+        self.expect(Symbol::Comma, "`,` and a second variable")?;
+        let second = self.reference()?;
+        self.end("the end of the pair")?;
+        Ok((first, second))
+    }
+
+    fn sum(&mut self) -> Result<Node, SyntaxError> {
+        let first = self.product()?;
+        if !matches!(self.symbol(), Some(Symbol::Plus | Symbol::Minus)) {
+            return Ok(first);
+        }
+        let start = first.span;
+        let mut terms = vec![first];
+        loop {
+            let sign = self.next_span();
+            if self.accept(Symbol::Plus) {
+                terms.push(self.product()?);
+            } else if self.accept(Symbol::Minus) {
+                let operand = self.product()?;
+                terms.push(node(
+                    sign.to(operand.span),
+                    Kind::Negate(Box::new(operand)),
+                )?);
+            } else {
+                let end = terms[terms.len() - 1].span;
+                return node(start.to(end), Kind::Sum(terms));
+            }
+        }
+    }
+
+    fn product(&mut self) -> Result<Node, SyntaxError> {
+        let mut left = self.unary()?;
+        loop {
+            if self.symbol() == Some(Symbol::Times) {
+                let start = left.span;
+                let mut factors = vec![left];
+                while self.accept(Symbol::Times) {
+                    factors.push(self.unary()?);
+                }
+                let end = factors[factors.len() - 1].span;
+                left = node(start.to(end), Kind::Product(factors))?;
+            } else if self.accept(Symbol::Divide) {
+                let right = self.unary()?;
+                let span = left.span.to(right.span);
+                left = node(span, Kind::Quotient(Box::new([left, right])))?;
+            } else {
+                return Ok(left);
+            }
+        }
+    }
+
+    fn unary(&mut self) -> Result<Node, SyntaxError> {
+        let sign = self.next_span();
+        if self.accept(Symbol::Minus) {
+            let operand = self.deeper(sign, Self::unary)?;
+            return node(sign.to(operand.span), Kind::Negate(Box::new(operand)));
+        }
+        if self.accept(Symbol::Plus) {
+            return self.deeper(sign, Self::unary);
+        }
+        self.power()
+    }
+
+    fn power(&mut self) -> Result<Node, SyntaxError> {
+        let base = self.atom()?;
+        let operator = self.next_span();
+        if !self.accept(Symbol::Power) {
+            return Ok(base);
+        }
+        let exponent = self.deeper(operator, Self::unary)?;
+        let span = base.span.to(exponent.span);
+        node(span, Kind::Power(Box::new([base, exponent])))
+    }
+
+    fn atom(&mut self) -> Result<Node, SyntaxError> {
+        let Some(&token) = self.tokens.get(self.position) else {
+            return Err(self.unexpected(OPERAND));
+        };
+        match token.kind {
+            TokenKind::Number => self.number(token.span),
+            TokenKind::Name => self.named(token.span),
+            TokenKind::Symbol(Symbol::Open) => {
+                self.position += 1;
+                let mut inner = self.deeper(token.span, Self::sum)?;
+                let close = self.expect(Symbol::Close, "an operator or `)`")?;
+                inner.span = token.span.to(close);
+                Ok(inner)
+            }
+            TokenKind::Symbol(_) => Err(self.unexpected(OPERAND)),
+        }
+    }
+
+    fn number(&mut self, span: Span) -> Result<Node, SyntaxError> {
+        self.position += 1;
+        let exact = Rational::parse_decimal(span.of(self.text))
+            .map_err(|error| SyntaxError::new(span, SyntaxErrorKind::Number(error)))?;
+        let rounded = exact.to_f64();
+        node(
+            span,
+            Kind::Number {
+                exact,
+                rounded,
+                literal: span,
+            },
+        )
+    }
+
+    fn named(&mut self, span: Span) -> Result<Node, SyntaxError> {
+        let name = span.of(self.text);
+        let called = self.symbol_at(self.position + 1) == Some(Symbol::Open);
+        if let Some(function) = Function::from_name(name) {
+            self.position += 1;
+            self.expect(Symbol::Open, "`(` and an argument after a function's name")?;
+            let argument = self.deeper(span, Self::sum)?;
+            let close = self.expect(Symbol::Close, "an operator or `)`")?;
+            return node(span.to(close), Kind::Call(function, Box::new(argument)));
+        }
+        match name {
+            SUM => self.sum_over(span),
+            _ if called => {
+                let known = Function::NAMES.into_iter().chain([SUM]);
+                let suggestion = alias(name).or_else(|| nearest(name, known));
+                let kind = SyntaxErrorKind::UnknownFunction {
+                    name: name.to_owned(),
+                };
+                Err(SyntaxError::new(span, kind).suggesting(suggestion))
+            }
+            PI | LENGTH => {
+                self.position += 1;
+                node(span, if name == PI { Kind::Pi } else { Kind::Length })
+            }
+            _ => {
+                let reference = self.reference()?;
+                let end = self.tokens[self.position - 1].span;
+                node(span.to(end), Kind::Reference(reference))
+            }
+        }
+    }
+
+    fn sum_over(&mut self, start: Span) -> Result<Node, SyntaxError> {
+        self.position += 1;
+        self.expect(Symbol::Open, "`(`, an index, `,` and a summand after `sum`")?;
+        let index = self.index_name("the name of an index")?;
+        let name = index.of(self.text);
+        if self.bound.contains(&name) {
+            let kind = SyntaxErrorKind::DuplicateIndex {
+                name: name.to_owned(),
+            };
+            return Err(SyntaxError::new(index, kind));
+        }
+        self.expect(Symbol::Comma, "`,` and a summand")?;
+        self.bound.push(name);
+        let body = self.deeper(start, Self::sum)?;
+        self.bound.pop();
+        let close = self.expect(Symbol::Close, "an operator or `)`")?;
+        node(
+            start.to(close),
+            Kind::SumOver {
+                index,
+                body: Box::new(body),
+            },
+        )
+    }
+
+    fn reference(&mut self) -> Result<Reference, SyntaxError> {
+        let name = self.index_name("the name of a variable")?;
+        if !self.accept(Symbol::OpenBracket) {
+            return Ok(Reference { name, site: None });
+        }
+        let site = self.site()?;
+        self.expect(Symbol::CloseBracket, "`+`, `-` or `]`")?;
+        Ok(Reference {
+            name,
+            site: Some(site),
+        })
+    }
+
+    fn site(&mut self) -> Result<Site, SyntaxError> {
+        let start = self.next_span();
+        let mut anchor = Anchor::Start;
+        let mut offset = 0i64;
+        let mut negative = self.accept(Symbol::Minus);
+        loop {
+            let Some(&token) = self.tokens.get(self.position) else {
+                return Err(self.unexpected(SITE));
+            };
+            let part = token.span.of(self.text);
+            match token.kind {
+                TokenKind::Number => {
+                    let magnitude = part
+                        .parse::<i64>()
+                        .ok()
+                        .filter(|size| *size <= OFFSET_LIMIT);
+                    let Some(magnitude) = magnitude else {
+                        return Err(self.unexpected("an integer below 2147483648"));
+                    };
+                    // Each part is below 2^31: only more parts than a text can hold overflow.
+                    offset += if negative { -magnitude } else { magnitude };
+                }
+                TokenKind::Name if anchor == Anchor::Start && !negative => {
+                    if part == LENGTH {
+                        anchor = Anchor::End;
+                    } else {
+                        self.refuse_reserved(token.span, SITE)?;
+                        anchor = Anchor::Name(token.span);
+                    }
+                }
+                _ => return Err(self.unexpected(SITE)),
+            }
+            self.position += 1;
+            negative = self.symbol() == Some(Symbol::Minus);
+            if !negative && self.symbol() != Some(Symbol::Plus) {
+                return Ok(Site {
+                    anchor,
+                    offset,
+                    span: start.to(token.span),
+                });
+            }
+            self.position += 1;
+        }
+    }
+
+    /// A name that stands for something the scene declares.
+    fn index_name(&mut self, expected: &'static str) -> Result<Span, SyntaxError> {
+        match self.tokens.get(self.position) {
+            Some(Token {
+                kind: TokenKind::Name,
+                span,
+            }) => {
+                let span = *span;
+                self.refuse_reserved(span, expected)?;
+                self.position += 1;
+                Ok(span)
+            }
+            _ => Err(self.unexpected(expected)),
+        }
+    }
+
+    fn refuse_reserved(&self, span: Span, expected: &'static str) -> Result<(), SyntaxError> {
+        let name = span.of(self.text);
+        if super::scope::is_reserved(name) {
+            let kind = SyntaxErrorKind::Expected {
+                expected,
+                found: name.to_owned(),
+            };
+            return Err(SyntaxError::new(span, kind));
+        }
+        Ok(())
+    }
+
+    /// `parse`, one level deeper.
+    fn deeper(
+        &mut self,
+        span: Span,
+        parse: fn(&mut Self) -> Result<Node, SyntaxError>,
+    ) -> Result<Node, SyntaxError> {
+        if self.depth == DEPTH_LIMIT {
+            return Err(too_deep(span));
+        }
+        self.depth += 1;
+        let parsed = parse(self);
+        self.depth -= 1;
+        parsed
+    }
+
+    fn symbol(&self) -> Option<Symbol> {
+        self.symbol_at(self.position)
+    }
+
+    fn symbol_at(&self, position: usize) -> Option<Symbol> {
+        match self.tokens.get(position)?.kind {
+            TokenKind::Symbol(symbol) => Some(symbol),
+            TokenKind::Number | TokenKind::Name => None,
+        }
+    }
+
+    fn accept(&mut self, symbol: Symbol) -> bool {
+        let found = self.symbol() == Some(symbol);
+        self.position += usize::from(found);
+        found
+    }
+
+    fn expect(&mut self, symbol: Symbol, expected: &'static str) -> Result<Span, SyntaxError> {
+        let span = self.next_span();
+        if self.accept(symbol) {
+            Ok(span)
+        } else {
+            Err(self.unexpected(expected))
+        }
+    }
+
+    fn end(&self, expected: &'static str) -> Result<(), SyntaxError> {
+        if self.position == self.tokens.len() {
+            Ok(())
+        } else {
+            Err(self.unexpected(expected))
+        }
+    }
+
+    /// The place of the next token; empty at the end of the text.
+    fn next_span(&self) -> Span {
+        let end = self.text.len();
+        self.tokens
+            .get(self.position)
+            .map_or(Span { start: end, end }, |token| token.span)
+    }
+
+    /// The error that the next token is not what is expected.
+    fn unexpected(&self, expected: &'static str) -> SyntaxError {
+        let span = self.next_span();
+        let kind = if self.position < self.tokens.len() {
+            let found = span.of(self.text).chars().take(40).collect();
+            SyntaxErrorKind::Expected { expected, found }
+        } else {
+            SyntaxErrorKind::UnexpectedEnd { expected }
+        };
+        SyntaxError::new(span, kind)
+    }
+}
+
+/// A node above its children, refused when it would be too high.
+fn node(span: Span, kind: Kind) -> Result<Node, SyntaxError> {
+    let below = kind.children().iter().map(|child| child.height + 1).max();
+    let height = below.unwrap_or(0);
+    if height > DEPTH_LIMIT {
+        return Err(too_deep(span));
+    }
+    Ok(Node { span, height, kind })
+}
+
+fn too_deep(span: Span) -> SyntaxError {
+    SyntaxError::new(span, SyntaxErrorKind::TooDeep { limit: DEPTH_LIMIT })
+}

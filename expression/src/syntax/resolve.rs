@@ -1,0 +1,224 @@
+//! From a formula to an exact expression at one site.
+
+use super::error::{SyntaxError, SyntaxErrorKind};
+use super::formula::Formula;
+use super::scope::{Bound, LENGTH, Place, SUM, Scope, find};
+use super::tree::{Kind, Node, Reference, Span};
+use crate::expression::Expression;
+use crate::rational::Rational;
+
+/// The greatest magnitude of a constant exponent of an expression.
+pub const POWER_LIMIT: i64 = 1000;
+
+/// The greatest number of terms to which the sums of one formula may expand, together.
+pub const TERM_LIMIT: usize = 1 << 24;
+
+impl Formula {
+    /// The expression that the formula is at one site.
+    ///
+    /// `index` is the name and the value of the free index. At an open boundary a summand of
+    /// `sum(i, …)` that reaches outside by way of `i` is dropped; a formula that reaches outside
+    /// by way of the free index is absent: `Ok(None)`. Quotients and signs of numbers are carried
+    /// out.
+    ///
+    /// # Errors
+    /// [`SyntaxError`] when a name is unknown or misused, a fixed site does not exist, an index
+    /// is used as a number, a constant exponent exceeds [`POWER_LIMIT`], or the sums have more
+    /// than [`TERM_LIMIT`] terms.
+    pub fn resolve(
+        &self,
+        scope: &Scope,
+        index: Option<(&str, usize)>,
+    ) -> Result<Option<Expression>, SyntaxError> {
+        let outermost = index.map(|(name, value)| Bound {
+            name,
+            value,
+            level: 0,
+            outer: None,
+        });
+        let mut resolver = Resolver {
+            text: self.text(),
+            scope,
+            terms: 0,
+        };
+        match resolver.expression(self.root(), outermost.as_ref()) {
+            Ok(expression) => Ok(Some(expression)),
+            Err(Stop::Outside { .. }) => Ok(None),
+            Err(Stop::Error(error)) => Err(error),
+        }
+    }
+}
+
+/// Why a part has no expression.
+enum Stop {
+    Error(SyntaxError),
+    /// The index of this level reaches beyond an open boundary.
+    Outside {
+        level: usize,
+    },
+}
+
+impl From<SyntaxError> for Stop {
+    fn from(error: SyntaxError) -> Self {
+        Stop::Error(error)
+    }
+}
+
+struct Resolver<'a> {
+    text: &'a str,
+    scope: &'a Scope,
+    terms: usize,
+}
+
+impl Resolver<'_> {
+    fn expression(&mut self, node: &Node, bound: Option<&Bound<'_>>) -> Result<Expression, Stop> {
+        let boxed = |expression| Ok(Box::new(expression));
+        Ok(match &node.kind {
+            Kind::Number { exact, .. } => Expression::Constant(exact.clone()),
+            Kind::Pi => Expression::Pi,
+            Kind::Length => {
+                let length = length(self.scope.shown_length(), node.span, LENGTH)?;
+                Expression::Constant(Rational::from_integer(length as i64))
+            }
+            Kind::Reference(reference) => self.reference(reference, bound)?,
+            Kind::Call(function, argument) => {
+                Expression::Apply(*function, self.expression(argument, bound).and_then(boxed)?)
+            }
+            Kind::SumOver { index, body } => self.sum_over(node.span, *index, body, bound)?,
+            Kind::Sum(terms) => Expression::Sum(self.expressions(terms, bound)?),
+            Kind::Product(factors) => Expression::Product(self.expressions(factors, bound)?),
+            Kind::Negate(operand) => match self.expression(operand, bound)? {
+                Expression::Constant(number) => Expression::Constant(-number),
+                operand => Expression::Negate(Box::new(operand)),
+            },
+            Kind::Quotient(pair) => {
+                let numerator = self.expression(&pair[0], bound)?;
+                let denominator = self.expression(&pair[1], bound)?;
+                quotient(numerator, denominator)
+            }
+            Kind::Power(pair) => {
+                let base = self.expression(&pair[0], bound)?;
+                let exponent = self.expression(&pair[1], bound)?;
+                self.check_exponent(&exponent, pair[1].span)?;
+                Expression::Power(Box::new(base), Box::new(exponent))
+            }
+        })
+    }
+
+    fn expressions(
+        &mut self,
+        nodes: &[Node],
+        bound: Option<&Bound<'_>>,
+    ) -> Result<Vec<Expression>, Stop> {
+        nodes
+            .iter()
+            .map(|node| self.expression(node, bound))
+            .collect()
+    }
+
+    fn reference(
+        &self,
+        reference: &Reference,
+        bound: Option<&Bound<'_>>,
+    ) -> Result<Expression, Stop> {
+        let name = reference.name.of(self.text);
+        if reference.site.is_none() && find(bound, name).is_some() {
+            let kind = SyntaxErrorKind::IndexAsNumber {
+                name: name.to_owned(),
+            };
+            return Err(SyntaxError::new(reference.name, kind).into());
+        }
+        match self.scope.place(self.text, reference, bound)? {
+            Place::Variable(index) => Ok(Expression::Variable(index)),
+            Place::Parameter(index) => Ok(Expression::Parameter(index)),
+            Place::Outside { level } => Err(Stop::Outside { level }),
+        }
+    }
+
+    fn check_exponent(&self, exponent: &Expression, span: Span) -> Result<(), SyntaxError> {
+        match exponent {
+            Expression::Constant(value) if value.abs() > Rational::from_integer(POWER_LIMIT) => {
+                let exponent = span.of(self.text).chars().take(40).collect();
+                let kind = SyntaxErrorKind::ExponentTooLarge {
+                    exponent,
+                    limit: POWER_LIMIT,
+                };
+                Err(SyntaxError::new(span, kind))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn sum_over(
+        &mut self,
+        span: Span,
+        index: Span,
+        body: &Node,
+        bound: Option<&Bound<'_>>,
+    ) -> Result<Expression, Stop> {
+        let length = length(self.scope.longest(), span, SUM)?;
+        let mut inner = inner_index(self.text, index, bound)?;
+        let mut terms = Vec::new();
+        for value in 0..length {
+            self.terms += 1;
+            check_terms(self.terms, span)?;
+            inner.value = value;
+            match self.expression(body, Some(&inner)) {
+                Ok(term) => terms.push(term),
+                Err(Stop::Outside { level }) if level == inner.level => {}
+                Err(stop) => return Err(stop),
+            }
+        }
+        Ok(Expression::Sum(terms))
+    }
+}
+
+/// The index of a sum, inside `bound`.
+pub(super) fn inner_index<'a>(
+    text: &'a str,
+    span: Span,
+    bound: Option<&'a Bound<'a>>,
+) -> Result<Bound<'a>, SyntaxError> {
+    let name = span.of(text);
+    if find(bound, name).is_some() {
+        let kind = SyntaxErrorKind::DuplicateIndex {
+            name: name.to_owned(),
+        };
+        return Err(SyntaxError::new(span, kind));
+    }
+    // Level 0 is the caller's index, whether or not there is one.
+    let level = bound.map_or(0, |outer| outer.level) + 1;
+    Ok(Bound {
+        name,
+        value: 0,
+        level,
+        outer: bound,
+    })
+}
+
+/// `known`, or the error that no family gives `name` its length.
+pub(super) fn length(
+    known: Option<usize>,
+    span: Span,
+    name: &'static str,
+) -> Result<usize, SyntaxError> {
+    known.ok_or_else(|| SyntaxError::new(span, SyntaxErrorKind::LengthUnknown { name }))
+}
+
+pub(super) fn check_terms(terms: usize, span: Span) -> Result<(), SyntaxError> {
+    if terms > TERM_LIMIT {
+        let kind = SyntaxErrorKind::TooManyTerms { limit: TERM_LIMIT };
+        return Err(SyntaxError::new(span, kind));
+    }
+    Ok(())
+}
+
+fn quotient(numerator: Expression, denominator: Expression) -> Expression {
+    if let (Expression::Constant(numerator), Expression::Constant(denominator)) =
+        (&numerator, &denominator)
+        && let Some(value) = numerator.checked_div(denominator)
+    {
+        return Expression::Constant(value);
+    }
+    Expression::Quotient(Box::new(numerator), Box::new(denominator))
+}

@@ -1,0 +1,188 @@
+use super::super::{Boundary, SyntaxErrorKind, VariablePattern};
+use super::*;
+
+/// u[0] … u[4] at 1 … 5 and v[0] … v[3] at 6 … 9, behind the scalar s at 0.
+fn lattice(boundary: Boundary) -> Scope {
+    Scope::new()
+        .with_variables(&["s"])
+        .with_family("u", 1, 5)
+        .with_family("v", 6, 4)
+        .with_parameters(&["k"])
+        .with_boundary(boundary)
+}
+
+/// The state whose entries are their own indices.
+const STATE: [f64; 10] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0];
+
+fn at(text: &str, boundary: Boundary, index: Option<(&str, usize)>) -> Option<f64> {
+    let resolved = parse(text).resolve(&lattice(boundary), index);
+    let expression = resolved.unwrap_or_else(|error| panic!("{text}: {error}"));
+    expression.map(|expression| expression.evaluate(&STATE, &[100.0]))
+}
+
+#[test]
+fn periodic_references_wrap_at_the_length_of_their_own_family() {
+    let periodic = |text, value| at(text, Boundary::Periodic, Some(("i", value)));
+    assert_eq!(periodic("u[i+1]", 3), Some(5.0));
+    assert_eq!(periodic("u[i+1]", 4), Some(1.0));
+    assert_eq!(periodic("u[i-2]", 0), Some(4.0));
+    assert_eq!(periodic("u[i-12]", 0), Some(4.0));
+    assert_eq!(periodic("v[i]", 4), Some(6.0));
+    assert_eq!(periodic("sum(j, u[j+1])", 0), Some(15.0));
+}
+
+#[test]
+fn open_references_make_their_term_absent() {
+    let open = |text, value| at(text, Boundary::Open, Some(("i", value)));
+    assert_eq!(open("u[i]*u[i+1]", 3), Some(20.0));
+    assert_eq!(open("u[i]*u[i+1]", 4), None);
+    assert_eq!(open("1 + u[i-1]", 0), None);
+    assert_eq!(open("v[i]", 4), None);
+}
+
+#[test]
+fn a_sum_drops_the_summands_that_its_own_index_takes_outside() {
+    let open = |text| at(text, Boundary::Open, Some(("i", 4)));
+    let neighbours = 1.0 * 2.0 + 2.0 * 3.0 + 3.0 * 4.0 + 4.0 * 5.0;
+    assert_eq!(open("sum(j, u[j]*u[j+1])"), Some(neighbours));
+    assert_eq!(open("s + sum(j, v[j])"), Some(30.0));
+    // j = 4 is dropped as a whole; k runs over its own sites.
+    assert_eq!(
+        open("sum(j, sum(k, u[j+1]*u[k]))"),
+        Some((2.0 + 3.0 + 4.0 + 5.0) * 15.0)
+    );
+    // The free index reaches outside, whatever j is.
+    assert_eq!(open("sum(j, u[j]*u[i+1])"), None);
+    assert_eq!(open("sum(j, u[j+7])"), Some(0.0));
+}
+
+#[test]
+fn fixed_sites_are_counted_from_both_ends() {
+    for boundary in [Boundary::Periodic, Boundary::Open] {
+        assert_eq!(
+            at("u[0] + 10*u[N-1] + 100*v[3]", boundary, None),
+            Some(951.0)
+        );
+        assert_eq!(at("u[N-2-1+1]", boundary, None), Some(4.0));
+    }
+}
+
+#[test]
+fn the_length_shown_may_differ_from_the_sites_in_scope() {
+    let scope = lattice(Boundary::Periodic).with_length(1024);
+    let value = |text: &str| {
+        let expression = parse(text)
+            .resolve(&scope, None)
+            .expect("names")
+            .expect("no boundary");
+        expression.evaluate(&STATE, &[])
+    };
+    assert_eq!(value("N"), 1024.0);
+    assert_eq!(value("u[N-1]"), 5.0);
+    assert_eq!(value("sum(i, u[i])/N"), 15.0 / 1024.0);
+}
+
+#[test]
+fn values_take_the_index_as_a_number() {
+    let scope = lattice(Boundary::Periodic).with_length(8);
+    let formula = parse("k + 0.5*sin(2*pi*i/N)");
+    for site in 0..8usize {
+        let angle = 2.0 * std::f64::consts::PI * site as f64 / 8.0;
+        let expected = 3.0 + 0.5 * libm::sin(angle);
+        assert_eq!(
+            formula.value(&scope, &[3.0], Some(("i", site))),
+            Ok(expected)
+        );
+    }
+    let sum = parse("sum(j, j*i)").value(&scope, &[], Some(("i", 2)));
+    assert_eq!(sum, Ok(20.0));
+}
+
+#[test]
+fn the_free_index_is_the_one_no_sum_introduces() {
+    for (text, free) in [
+        ("u[i+1]*v[i]", Some("i")),
+        ("sum(i, u[i])", None),
+        ("sum(j, u[j]*u[i])", Some("i")),
+        ("sum(j, u[j]) + u[j]", Some("j")),
+        ("u[0] + i", None),
+    ] {
+        assert_eq!(parse(text).free_index(), free, "{text}");
+    }
+    let names = |text: &str| {
+        let formula = parse(text);
+        formula
+            .references()
+            .into_iter()
+            .map(str::to_owned)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(names("sum(j, j*u[j]*k) + i*v[i] + w"), ["k", "u", "v", "w"]);
+    assert_eq!(names("sum(j, u[j]) + j"), ["j", "u"]);
+}
+
+#[test]
+fn patterns_lead_to_indices_of_the_state() {
+    let one = |text| VariablePattern::parse_one(text).expect("a variable");
+    let open = lattice(Boundary::Open);
+    let periodic = lattice(Boundary::Periodic);
+    for (text, index, in_open, in_periodic) in [
+        ("s", 0, Some(0), Some(0)),
+        ("u[i]", 2, Some(3), Some(3)),
+        ("u[i+1]", 4, None, Some(1)),
+        ("v[ i - 1 ]", 0, None, Some(9)),
+        ("v[2]", 0, Some(8), Some(8)),
+        ("u[N-1]", 0, Some(5), Some(5)),
+    ] {
+        let at = Some(("i", index));
+        assert_eq!(one(text).resolve(&open, at), Ok(in_open), "{text}");
+        assert_eq!(one(text).resolve(&periodic, at), Ok(in_periodic), "{text}");
+    }
+    let pattern = one("v[ m - 1 ]");
+    assert_eq!((pattern.name(), pattern.index_name()), ("v", Some("m")));
+    assert_eq!(
+        (pattern.offset(), pattern.to_string().as_str()),
+        (Some(-1), "v[m-1]")
+    );
+    assert_eq!(
+        (one("u[3]").index_name(), one("u[3]").offset()),
+        (None, None)
+    );
+}
+
+#[test]
+fn patterns_that_lead_nowhere_are_refused_at_their_place() {
+    let scope = lattice(Boundary::Open);
+    let text = "u[i],w[i+1]";
+    let (first, second) = VariablePattern::parse_pair(text).expect("a pair");
+    assert_eq!(first.resolve(&scope, Some(("i", 1))), Ok(Some(2)));
+    let error = second.resolve(&scope, Some(("i", 1))).expect_err("no w");
+    assert_eq!(&text[error.span.clone()], "w");
+    let parameter = VariablePattern::parse_one("k").expect("a name");
+    let kind = SyntaxErrorKind::NotAVariable {
+        name: "k".to_owned(),
+    };
+    assert_eq!(
+        parameter
+            .resolve(&scope, None)
+            .expect_err("a parameter")
+            .kind,
+        kind
+    );
+    for text in [
+        "u[i]",
+        "u[i],",
+        "u[i] v[i]",
+        "u[i],v[i],s",
+        "1,2",
+        "u+1,v",
+        ",",
+        "sin,u",
+        "",
+    ] {
+        assert!(VariablePattern::parse_pair(text).is_err(), "{text}");
+    }
+    for text in ["u[i],v[i]", "2*s", "u[i]^2", "pi", "-s", "s)"] {
+        assert!(VariablePattern::parse_one(text).is_err(), "{text}");
+    }
+}

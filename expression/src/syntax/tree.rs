@@ -1,0 +1,103 @@
+//! The tree of a formula before its names are resolved.
+
+use crate::expression::Function;
+use crate::rational::Rational;
+
+/// A byte range of the formula's text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Span {
+    pub(super) start: usize,
+    pub(super) end: usize,
+}
+
+impl Span {
+    pub(super) fn to(self, last: Span) -> Span {
+        Span {
+            start: self.start,
+            end: last.end,
+        }
+    }
+
+    pub(super) fn of(self, text: &str) -> &str {
+        &text[self.start..self.end]
+    }
+}
+
+/// What an index is counted from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Anchor {
+    /// The first member: `x[3]`.
+    Start,
+    /// The length of the longest family: `x[N-1]`.
+    End,
+    /// The index whose name stands at this place: `x[i+1]`.
+    Name(Span),
+}
+
+/// The text between the brackets of `x[...]`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Site {
+    pub(super) anchor: Anchor,
+    pub(super) offset: i64,
+    pub(super) span: Span,
+}
+
+/// A variable by its name, with a site when it belongs to a family.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Reference {
+    pub(super) name: Span,
+    pub(super) site: Option<Site>,
+}
+
+impl Reference {
+    /// The place of the index name in the brackets, if any.
+    pub(super) fn index(&self) -> Option<Span> {
+        match self.site?.anchor {
+            Anchor::Name(span) => Some(span),
+            Anchor::Start | Anchor::End => None,
+        }
+    }
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Node {
+    pub(super) span: Span,
+    /// The number of levels below this one.
+    pub(super) height: usize,
+    pub(super) kind: Kind,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Kind {
+    Number {
+        exact: Rational,
+        rounded: f64,
+        literal: Span,
+    },
+    Pi,
+    Length,
+    Reference(Reference),
+    Call(Function, Box<Node>),
+    SumOver {
+        index: Span,
+        body: Box<Node>,
+    },
+    Sum(Vec<Node>),
+    Product(Vec<Node>),
+    Negate(Box<Node>),
+    Quotient(Box<[Node; 2]>),
+    Power(Box<[Node; 2]>),
+}
+
+impl Kind {
+    pub(super) fn children(&self) -> &[Node] {
+        match self {
+            Kind::Number { .. } | Kind::Pi | Kind::Length | Kind::Reference(_) => &[],
+            Kind::Call(_, child) | Kind::Negate(child) | Kind::SumOver { body: child, .. } => {
+                std::slice::from_ref(child)
+            }
+            Kind::Sum(children) | Kind::Product(children) => children,
+            Kind::Quotient(pair) | Kind::Power(pair) => pair.as_slice(),
+        }
+    }
+}

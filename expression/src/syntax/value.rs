@@ -1,0 +1,138 @@
+//! From a formula to a number.
+
+use super::error::{SyntaxError, SyntaxErrorKind};
+use super::formula::Formula;
+use super::resolve::{check_terms, inner_index, length};
+use super::scope::{Bound, Entry, LENGTH, SUM, Scope, find};
+use super::tree::{Kind, Node, Reference};
+use crate::expression::integer_power;
+
+impl Formula {
+    /// The value of a formula of the parameters, the index and `N`, such as an initial value.
+    ///
+    /// Each operation is rounded to a double, as by
+    /// [`Expression::evaluate`](crate::expression::Expression::evaluate): a power whose exponent
+    /// is written as an integer is formed by repeated squaring. Nothing is allocated. Outside a
+    /// domain the value is NaN or infinite.
+    ///
+    /// # Errors
+    /// [`SyntaxError`] when a name is unknown or is a state variable, when `parameters` lacks a
+    /// value, or when the sums have more than [`TERM_LIMIT`](super::TERM_LIMIT) terms.
+    pub fn value(
+        &self,
+        scope: &Scope,
+        parameters: &[f64],
+        index: Option<(&str, usize)>,
+    ) -> Result<f64, SyntaxError> {
+        let outermost = index.map(|(name, value)| Bound {
+            name,
+            value,
+            level: 0,
+            outer: None,
+        });
+        let mut evaluator = Evaluator {
+            text: self.text(),
+            scope,
+            parameters,
+            terms: 0,
+        };
+        evaluator.value(self.root(), outermost.as_ref())
+    }
+}
+
+struct Evaluator<'a> {
+    text: &'a str,
+    scope: &'a Scope,
+    parameters: &'a [f64],
+    terms: usize,
+}
+
+impl Evaluator<'_> {
+    fn value(&mut self, node: &Node, bound: Option<&Bound<'_>>) -> Result<f64, SyntaxError> {
+        Ok(match &node.kind {
+            Kind::Number { rounded, .. } => *rounded,
+            Kind::Pi => std::f64::consts::PI,
+            Kind::Length => length(self.scope.shown_length(), node.span, LENGTH)? as f64,
+            Kind::Reference(reference) => self.reference(reference, bound)?,
+            Kind::Call(function, argument) => function.apply(self.value(argument, bound)?),
+            Kind::SumOver { index, body } => {
+                let length = length(self.scope.longest(), node.span, SUM)?;
+                let mut inner = inner_index(self.text, *index, bound)?;
+                let mut sum = 0.0;
+                for value in 0..length {
+                    self.terms += 1;
+                    check_terms(self.terms, node.span)?;
+                    inner.value = value;
+                    sum += self.value(body, Some(&inner))?;
+                }
+                sum
+            }
+            Kind::Sum(terms) => {
+                let mut sum = 0.0;
+                for term in terms {
+                    sum += self.value(term, bound)?;
+                }
+                sum
+            }
+            Kind::Product(factors) => {
+                let mut product = 1.0;
+                for factor in factors {
+                    product *= self.value(factor, bound)?;
+                }
+                product
+            }
+            Kind::Negate(operand) => -self.value(operand, bound)?,
+            Kind::Quotient(pair) => self.value(&pair[0], bound)? / self.value(&pair[1], bound)?,
+            Kind::Power(pair) => {
+                let base = self.value(&pair[0], bound)?;
+                match self.integer(&pair[1].kind) {
+                    Some(exponent) => integer_power(base, exponent),
+                    None => libm::pow(base, self.value(&pair[1], bound)?),
+                }
+            }
+        })
+    }
+
+    /// The integer that an exponent is, when it is a number or `N`, negated or not.
+    fn integer(&self, kind: &Kind) -> Option<i64> {
+        match kind {
+            Kind::Number { exact, .. } => exact.to_i64(),
+            Kind::Length => i64::try_from(self.scope.shown_length()?).ok(),
+            Kind::Negate(operand) => self.integer(&operand.kind)?.checked_neg(),
+            _ => None,
+        }
+    }
+
+    fn reference(
+        &self,
+        reference: &Reference,
+        bound: Option<&Bound<'_>>,
+    ) -> Result<f64, SyntaxError> {
+        let name = reference.name.of(self.text);
+        if reference.site.is_none()
+            && let Some(index) = find(bound, name)
+        {
+            return Ok(index.value as f64);
+        }
+        let span = reference
+            .site
+            .map_or(reference.name, |site| reference.name.to(site.span));
+        let kind = match self.scope.entry(self.text, reference.name)? {
+            Entry::Parameter(_) if reference.site.is_some() => SyntaxErrorKind::NotAFamily {
+                name: name.to_owned(),
+            },
+            Entry::Parameter(index) => match self.parameters.get(index) {
+                Some(value) => return Ok(*value),
+                None => SyntaxErrorKind::ParameterWithoutValue {
+                    name: name.to_owned(),
+                },
+            },
+            Entry::Variable(_) | Entry::Family { .. } => {
+                SyntaxErrorKind::NotAFunctionOfParameters {
+                    name: name.to_owned(),
+                }
+            }
+        };
+        Err(SyntaxError::new(span, kind))
+    }
+}
