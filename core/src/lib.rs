@@ -1,1 +1,38 @@
-//! leafwise-core
+//! The vocabulary of Poisson integration by realizations and Lagrangian bisections.
+//!
+//! A Poisson system ẋ = {H, x} is stepped by φ̂ = α̂ ∘ (β̂|_L)⁻¹, where R̂_ε = (S, ω, α̂, β̂, σ) is
+//! (approximate) realization data of (M, επ) and L ⊂ S a Lagrangian bisection (Cabrera, Martín de
+//! Diego, Vaquero, *Approximating Symplectic Realizations*, Definitions 2.3–2.4 and Algorithm 1).
+//!
+//! - [`system`]: the Poisson tensor, the Hamiltonian, Casimirs and parameters.
+//! - [`realization`]: [`RealizationData`], the geometric approximation.
+//! - [`dynamics`]: [`DynamicApproximation`] and [`LagrangianBisection`], the dynamic one.
+//! - [`method`](mod@method): [`Method`], the two combined into a step map.
+//! - [`solver`]: the step solver, one Newton iteration a lane.
+//! - [`integrator`]: the compensated step loop.
+//! - [`part`], [`registry`]: parts by name, built in or loaded.
+//! - [`diagnostics`]: realization error, tensor defect, fitted slopes, Jacobi and Casimir checks.
+//! - [`error`]: typed failures.
+
+pub mod diagnostics;
+pub mod dynamics;
+pub mod error;
+pub mod integrator;
+pub mod method;
+pub mod part;
+pub mod realization;
+pub mod registry;
+pub mod solver;
+pub mod system;
+
+pub use dynamics::{BisectionCode, DynamicApproximation, LagrangianBisection};
+pub use error::{BuildError, StepError};
+pub use integrator::Integrator;
+pub use method::Method;
+pub use part::{PartInfo, PartKind, PartParameters};
+pub use realization::{
+    Accuracy, RealizationCode, RealizationData, SourceRecursion, SourceSeries, SourceTarget,
+};
+pub use registry::Registry;
+pub use solver::{SolverStatistics, StepMap, Stepper};
+pub use system::{Convention, PoissonSystem};

@@ -1,5 +1,27 @@
-//! leafwise-expression
+//! Formulas, their exact algebra, and the straight-line code that evaluates them.
+//!
+//! - [`rational`]: exact rationals of arbitrary precision.
+//! - [`syntax`]: scene formulas with byte spans, indexed families and typed errors.
+//! - [`expression`]: resolved formulas over numbered variables and parameters.
+//! - [`arithmetic`]: the operations a formula needs, over any algebra.
+//! - [`algebra`]: the differential ring of Laurent polynomials with adjoined functions.
+//! - [`series`]: Taylor coefficients of formulas along a curve, one order at a time.
+//! - [`graph`]: straight-line code with shared nodes and exact derivatives.
+//! - [`kernel`]: coefficient kernel and step kernel, evaluated W lanes at a time.
 
+pub mod algebra;
+pub mod arithmetic;
+mod evaluate;
 pub mod expression;
+pub mod graph;
+pub mod kernel;
 pub mod rational;
+pub mod series;
 pub mod syntax;
+
+pub use algebra::{Polynomial, Ring};
+pub use arithmetic::{AlgebraError, Arithmetic};
+pub use expression::{Expression, Function};
+pub use graph::{Graph, StepSize, Term};
+pub use kernel::{Kernel, OperationCount, Workspace};
+pub use rational::Rational;

@@ -1,1 +1,16 @@
-//! leafwise-hamilton-jacobi
+//! The Hamilton–Jacobi dynamic approximation.
+//!
+//! L̂_{ε,h} = graph(dŜ_{ε,h}) with Ŝ = Σ_{l odd < m} ε^{l−1} hˡ S_l, the truncated solution of
+//! ∂_h S = H∘α_ε(x, dS), S_0 = 0 (paper, section 4.2). The S_l come from the untruncated series of
+//! the realization's chart, whatever its order n.
+//!
+//! - [`coefficients`]: the recursion for S_l in exact algebra.
+//! - [`bisection`]: graph(dŜ) as a Lagrangian bisection.
+//! - `register`: the part `hamilton-jacobi`.
+
+pub mod bisection;
+pub mod coefficients;
+mod register;
+
+pub use bisection::HamiltonJacobi;
+pub use coefficients::generating_function;

@@ -1,1 +1,19 @@
-//! leafwise-karasev
+//! Karasev's symplectic realization, truncated to any order.
+//!
+//! Given (x, p), let Y: [0, 1] → M solve Y′ = ε Π(Y) p with mean ∫₀¹ Y ds = x. Then
+//! α_ε(x, p) = Y(0), β_ε(x, p) = Y(1) = α_ε(x, −p) and σ(x) = (x, 0)
+//! (paper, section 3.1; Karasev 1987; Cabrera, *Generating functions for local symplectic groupoids
+//! and non-perturbative semiclassical quantization*, section 3.3).
+//!
+//! - [`curve`]: the curve's series, order by order, over any algebra.
+//! - [`truncated`]: [`TruncatedKarasev`], R̂_ε = τⁿ[K_ε] (paper, section 3.2).
+//! - [`series`]: α along p(h) in the exact ring, for Hamilton–Jacobi coefficients.
+//! - `register`: the part `karasev-truncated`.
+
+pub mod curve;
+mod register;
+pub mod series;
+pub mod truncated;
+
+pub use curve::KarasevCurve;
+pub use truncated::TruncatedKarasev;

@@ -1,0 +1,100 @@
+//! Typed failures: where, what, and what to try.
+
+use leafwise_expression::AlgebraError;
+use thiserror::Error;
+
+/// Why a part or a method could not be built.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// Sizes that do not agree.
+    #[error("{what}: expected {expected}, found {found}")]
+    Dimension {
+        /// What has the wrong size.
+        what: String,
+        /// The size that fits.
+        expected: usize,
+        /// The size given.
+        found: usize,
+    },
+    /// A formula that the exact algebra cannot evaluate.
+    #[error("{0}")]
+    Algebra(#[from] AlgebraError),
+    /// A part's parameter with a value outside its range.
+    #[error("{part}: {parameter} = {value} is not allowed; {expected}")]
+    Parameter {
+        /// The part's name.
+        part: &'static str,
+        /// The parameter's name.
+        parameter: String,
+        /// The value given.
+        value: String,
+        /// What is allowed, with the nearest valid values where there are such.
+        expected: String,
+    },
+    /// A parameter that the part does not have.
+    #[error("{part} has no parameter `{parameter}`; it takes: {known}")]
+    UnknownParameter {
+        /// The part's name.
+        part: &'static str,
+        /// The parameter's name.
+        parameter: String,
+        /// The parameters it has.
+        known: String,
+    },
+    /// A name that no registered part has.
+    #[error("no {kind} is called `{name}`{}", suggestion.as_ref().map(|s| format!("; did you mean `{s}`?")).unwrap_or_default())]
+    UnknownPart {
+        /// The kind of part.
+        kind: &'static str,
+        /// The name asked for.
+        name: String,
+        /// The nearest registered name.
+        suggestion: Option<String>,
+    },
+    /// Two parts that cannot be combined.
+    #[error("{dynamics} cannot be combined with {realization}: {reason}")]
+    Incompatible {
+        /// The dynamic approximation.
+        dynamics: String,
+        /// The realization.
+        realization: String,
+        /// What is missing.
+        reason: String,
+    },
+}
+
+/// Why a step could not be taken. The state before the step is intact.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum StepError {
+    /// The solver for β̂(L(y)) = x did not converge.
+    #[error(
+        "no convergence after {evaluations} evaluations (last correction {correction:.1e} relative \
+         to the state); reduce epsilon*h or raise the realization's order"
+    )]
+    NoConvergence {
+        /// Evaluations spent on this step.
+        evaluations: usize,
+        /// The last Newton correction, relative to the state's components.
+        correction: f64,
+    },
+    /// The solution lies where the realization's series no longer decays: outside its chart.
+    #[error(
+        "the step left the realization's chart: the last term of its series is {ratio:.2} times \
+         the first; reduce epsilon*h"
+    )]
+    LeftChart {
+        /// Size of the last term over that of the first.
+        ratio: f64,
+    },
+    /// A value that is not finite.
+    #[error(
+        "{what} is not finite: the state left the formulas' domain (ln of a negative number, a \
+         division by zero) or overflowed; check `initial` or reduce epsilon*h"
+    )]
+    NonFinite {
+        /// What was being computed.
+        what: &'static str,
+    },
+}

@@ -1,0 +1,91 @@
+//! Realization data: the geometric approximation.
+
+use leafwise_expression::{Graph, Polynomial, Ring, Term};
+
+use crate::error::BuildError;
+
+/// How well R̂_ε approximates realization data of (M, επ).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Accuracy {
+    /// α̂ is a Poisson map, β̂ anti-Poisson, to round-off.
+    Exact,
+    /// α̂ = α + O(ε^{n+1}) (paper, section 3.2): the order n.
+    Order(usize),
+}
+
+/// R̂_ε = (S, ω, α̂_ε, β̂_ε, σ), (approximate) realization data of (M, επ)
+/// (paper, Definitions 2.3 and 3.2).
+///
+/// Points z of S are flat vectors of [`space_dimension`](Self::space_dimension) coordinates; they
+/// need not be pairs (x, p). Abilities beyond the section are optional: a part that asks for one
+/// that is missing is refused when a method is composed.
+pub trait RealizationData: Send + Sync + std::fmt::Debug {
+    /// d, the dimension of M.
+    fn dimension(&self) -> usize;
+    /// The number of coordinates of a point of S.
+    fn space_dimension(&self) -> usize;
+    /// Exact, or the order n.
+    fn accuracy(&self) -> Accuracy;
+    /// One line for reports: name and order.
+    fn describe(&self) -> String;
+    /// σ: M → S with α̂∘σ = β̂∘σ = id.
+    fn section(&self, x: &[f64], z: &mut [f64]);
+    /// α̂ and β̂ as straight-line code.
+    fn code(&self) -> Option<&dyn RealizationCode> {
+        None
+    }
+    /// The exact series of α along p(h), from which Hamilton–Jacobi coefficients are computed.
+    fn series(&self) -> Option<&dyn SourceSeries> {
+        None
+    }
+}
+
+/// α̂_ε and β̂_ε as straight-line code at a point z of S.
+pub trait RealizationCode {
+    /// The code at `z` (d_S terms) for the geometric parameter `epsilon`.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where the tensor has no code.
+    fn source_and_target(
+        &self,
+        graph: &mut Graph,
+        epsilon: &Term,
+        z: &[Term],
+    ) -> Result<SourceTarget, BuildError>;
+}
+
+/// β̂ = base + offset and α̂ = β̂ + increment, each a list of d terms.
+///
+/// The split keeps round-off small: offset and increment are of the size of a step and are formed
+/// without cancellation.
+#[derive(Clone, Debug)]
+pub struct SourceTarget {
+    /// A point near both ends: x in a chart of T*M.
+    pub base: Vec<Term>,
+    /// β̂ − base.
+    pub offset: Vec<Term>,
+    /// α̂ − β̂.
+    pub increment: Vec<Term>,
+    /// First and last term of a truncated series: where the last is not the smaller one, the point
+    /// is outside the chart. Empty for closed forms.
+    pub guard: Option<(Vec<Term>, Vec<Term>)>,
+}
+
+/// The exact (untruncated) series of α∘χ along p(h) = Σ_{k≥1} pₖ hᵏ at ε = 1, where χ is a
+/// cotangent chart with χ(x, 0) = σ(x) and inv(x, p) = (x, −p).
+pub trait SourceSeries {
+    /// Starts the recursion at α₀ = x.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where the tensor is outside the algebra.
+    fn start(&self, ring: &mut Ring) -> Result<Box<dyn SourceRecursion>, BuildError>;
+}
+
+/// One order of [`SourceSeries`] after the other.
+pub trait SourceRecursion {
+    /// Given pₖ (d polynomials; k = 1 at the first call), the coefficient αₖ = [hᵏ] α(x, p(h)).
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where the tensor is outside the algebra.
+    fn push(&mut self, ring: &mut Ring, p: Vec<Polynomial>) -> Result<Vec<Polynomial>, BuildError>;
+}

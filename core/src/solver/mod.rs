@@ -1,0 +1,65 @@
+//! The step solver: β̂(L(y)) = x for y, and the increment α̂ − β̂ there.
+
+mod extrapolation;
+mod linear;
+mod newton;
+
+pub use extrapolation::Extrapolation;
+pub use newton::{NewtonKernel, NewtonStepper};
+
+use crate::error::StepError;
+
+/// A step map M → M with a fixed choice of step sizes ready to be made.
+pub trait StepMap: Send + Sync {
+    /// d.
+    fn dimension(&self) -> usize;
+    /// A worker that steps `lanes` trajectories at once with these parameters (a structure of
+    /// arrays over the lanes) and step sizes.
+    fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64)
+    -> Box<dyn Stepper>;
+}
+
+/// One thread's worker of a [`StepMap`].
+pub trait Stepper: Send {
+    /// Φ(x + low) − (x + low) for each lane, where `low` carries what the compensated state holds
+    /// beyond a double. Arrays are structures of arrays, coordinate j of lane w at `[j*lanes + w]`.
+    /// A lane that fails keeps a zero increment; `outcome[w]` says why.
+    fn increment(
+        &mut self,
+        x: &[f64],
+        low: &[f64],
+        increment: &mut [f64],
+        outcome: &mut [Result<(), StepError>],
+    );
+    /// Forgets earlier steps: the next solve starts cold.
+    fn restart(&mut self);
+    /// Work done so far.
+    fn statistics(&self) -> SolverStatistics;
+    /// Everything that later steps depend on beyond the state, for a checkpoint.
+    fn memory(&self) -> Vec<f64>;
+    /// Restores [`Stepper::memory`].
+    ///
+    /// # Errors
+    /// Returns the expected length when `memory` has another.
+    fn restore(&mut self, memory: &[f64]) -> Result<(), usize>;
+}
+
+/// Work of a solver since it was made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SolverStatistics {
+    /// Steps taken, summed over lanes.
+    pub steps: u64,
+    /// Evaluations of the step kernel, summed over lanes.
+    pub evaluations: u64,
+    /// The most evaluations one step took.
+    pub most_evaluations: u64,
+    /// Steps that failed.
+    pub failures: u64,
+}
+
+impl SolverStatistics {
+    /// The mean number of evaluations a step.
+    pub fn evaluations_per_step(&self) -> f64 {
+        if self.steps == 0 { 0.0 } else { self.evaluations as f64 / self.steps as f64 }
+    }
+}

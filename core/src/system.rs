@@ -1,0 +1,211 @@
+//! Poisson systems: tensor, Hamiltonian, Casimirs, parameters, sign convention.
+
+use std::collections::BTreeMap;
+
+use leafwise_expression::{AlgebraError, Arithmetic, Expression, Kernel, StepSize};
+use leafwise_expression::{Graph, Term};
+
+use crate::error::BuildError;
+
+/// Which of the two signs a system's author means.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Convention {
+    /// ẋ = {H, x}, the paper's: ẋ = −Π ∇H with Π_ij = {x_i, x_j}.
+    #[default]
+    HamiltonianFirst,
+    /// ẋ = {x, H}, that of most textbooks: ẋ = +Π ∇H. The same system with −Π in the paper's.
+    HamiltonianSecond,
+}
+
+/// A named parameter and the value a run starts from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// The name formulas use.
+    pub name: String,
+    /// The value.
+    pub value: f64,
+}
+
+/// A named function that every Hamiltonian flow of the tensor conserves: Π ∇C = 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Casimir {
+    /// Its name in reports.
+    pub name: String,
+    /// The function.
+    pub expression: Expression,
+}
+
+/// A Poisson system (M ≅ ℝᵈ, π, H): the data of ẋ = {H, x}.
+///
+/// The tensor is held in the paper's convention whatever the author's: Π_ij = {x_i, x_j} with
+/// ẋ = −Π ∇H.
+#[derive(Clone, Debug)]
+pub struct PoissonSystem {
+    variables: Vec<String>,
+    parameters: Vec<Parameter>,
+    tensor: BTreeMap<(usize, usize), Expression>,
+    hamiltonian: Expression,
+    casimirs: Vec<Casimir>,
+    convention: Convention,
+}
+
+impl PoissonSystem {
+    /// A system over named variables; `bracket` holds {x_i, x_j} for i < j as its author wrote
+    /// them under `convention`, absent entries being zero.
+    ///
+    /// # Errors
+    /// [`BuildError::Dimension`] when an entry names a variable that does not exist or is not above
+    /// the diagonal, or a formula uses an index out of range.
+    pub fn new(
+        variables: Vec<String>,
+        parameters: Vec<Parameter>,
+        bracket: impl IntoIterator<Item = ((usize, usize), Expression)>,
+        hamiltonian: Expression,
+        casimirs: Vec<Casimir>,
+        convention: Convention,
+    ) -> Result<Self, BuildError> {
+        let mut tensor = BTreeMap::new();
+        for ((i, j), entry) in bracket {
+            if i >= j || j >= variables.len() {
+                return Err(BuildError::Dimension {
+                    what: format!("bracket entry ({i}, {j})"),
+                    expected: variables.len(),
+                    found: j + 1,
+                });
+            }
+            let entry = match convention {
+                Convention::HamiltonianFirst => entry,
+                Convention::HamiltonianSecond => Expression::Negate(Box::new(entry)),
+            };
+            tensor.insert((i, j), entry);
+        }
+        let system =
+            Self { variables, parameters, tensor, hamiltonian, casimirs, convention };
+        system.check_indices()?;
+        Ok(system)
+    }
+
+    fn check_indices(&self) -> Result<(), BuildError> {
+        let formulas = self
+            .tensor
+            .values()
+            .chain(std::iter::once(&self.hamiltonian))
+            .chain(self.casimirs.iter().map(|c| &c.expression));
+        for formula in formulas {
+            let used = [
+                ("variable", formula.variables().last().copied(), self.variables.len()),
+                ("parameter", formula.parameters().last().copied(), self.parameters.len()),
+            ];
+            for (what, last, count) in used {
+                if let Some(index) = last.filter(|index| *index >= count) {
+                    return Err(BuildError::Dimension {
+                        what: format!("{what} number {index} in a formula"),
+                        expected: count,
+                        found: index + 1,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// d, the dimension of M.
+    pub fn dimension(&self) -> usize {
+        self.variables.len()
+    }
+
+    /// The variables' names.
+    pub fn variables(&self) -> &[String] {
+        &self.variables
+    }
+
+    /// The parameters.
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    /// The parameters' values, in order.
+    pub fn parameter_values(&self) -> Vec<f64> {
+        self.parameters.iter().map(|p| p.value).collect()
+    }
+
+    /// The nonzero entries Π_ij = {x_i, x_j}, i < j, in the paper's convention.
+    pub fn tensor(&self) -> &BTreeMap<(usize, usize), Expression> {
+        &self.tensor
+    }
+
+    /// H.
+    pub fn hamiltonian(&self) -> &Expression {
+        &self.hamiltonian
+    }
+
+    /// The Casimirs.
+    pub fn casimirs(&self) -> &[Casimir] {
+        &self.casimirs
+    }
+
+    /// The convention of the system's author.
+    pub fn convention(&self) -> Convention {
+        self.convention
+    }
+
+    /// (Π(x)·v)_i = Σ_j Π_ij(x) v_j in any algebra: the rows of the tensor on a covector.
+    ///
+    /// # Errors
+    /// [`AlgebraError`] where an entry has no value.
+    pub fn apply_tensor<A: Arithmetic>(
+        &self,
+        arithmetic: &mut A,
+        x: &[A::Element],
+        v: &[A::Element],
+    ) -> Result<Vec<A::Element>, AlgebraError> {
+        let one = leafwise_expression::Rational::one();
+        let mut rows: Vec<Vec<(leafwise_expression::Rational, A::Element)>> =
+            vec![Vec::new(); self.dimension()];
+        for (&(i, j), entry) in &self.tensor {
+            let entry = entry.evaluate_in(arithmetic, &mut |_, at| Ok(x[at].clone()))?;
+            if arithmetic.is_zero(&entry) {
+                continue;
+            }
+            rows[i].push((one.clone(), arithmetic.multiply(&entry, &v[j])));
+            rows[j].push((-&one, arithmetic.multiply(&entry, &v[i])));
+        }
+        Ok(rows.into_iter().map(|row| arithmetic.combine(&row)).collect())
+    }
+
+    /// The kernel x ↦ (f₁(x), …) of any formulas of this system.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a formula has no code.
+    pub fn observable_kernel(&self, formulas: &[&Expression]) -> Result<Kernel, BuildError> {
+        let mut graph = Graph::new();
+        let x: Vec<Term> = (0..self.dimension()).map(|i| graph.input(i)).collect();
+        let mut outputs = Vec::with_capacity(formulas.len());
+        for formula in formulas {
+            outputs.push(formula.evaluate_in(&mut graph, &mut |_, at| Ok(x[at].clone()))?);
+        }
+        Ok(Kernel::compile(&graph, &outputs, self.parameters.len(), self.dimension()))
+    }
+
+    /// The kernel x ↦ X_H(x) = −Π(x) ∇H(x).
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a formula or its derivative has no code.
+    pub fn vector_field_kernel(&self) -> Result<Kernel, BuildError> {
+        let mut graph = Graph::new();
+        let x: Vec<Term> = (0..self.dimension()).map(|i| graph.input(i)).collect();
+        let energy = self.hamiltonian.evaluate_in(&mut graph, &mut |_, at| Ok(x[at].clone()))?;
+        let mut gradient = Vec::with_capacity(x.len());
+        for i in 0..x.len() {
+            gradient.push(graph.derivative(&energy, i)?);
+        }
+        let field = self.apply_tensor(&mut graph, &x, &gradient)?;
+        let field: Vec<Term> = field.iter().map(|f| graph.negate(f)).collect();
+        Ok(Kernel::compile(&graph, &field, self.parameters.len(), x.len()))
+    }
+}
+
+/// ε and h as code.
+pub fn step_sizes(graph: &mut Graph) -> (Term, Term) {
+    (graph.step_size(StepSize::Epsilon), graph.step_size(StepSize::H))
+}

@@ -1,0 +1,55 @@
+//! What is adjoined to the polynomials: functions of the state, and constants of the parameters.
+
+use super::polynomial::{Coefficient, Polynomial};
+use crate::expression::Function;
+use crate::rational::Rational;
+
+/// A function of the state adjoined to the ring. Its derivative is again in the ring; its
+/// relation, where it has one, fixes a normal form.
+///
+/// | generator | relation used as a rewriting rule | exponents |
+/// |---|---|---|
+/// | `Inverse(u)` = 1/u, u with several terms and leading term 1·m | m·g → 1 − (u − m)·g | ≥ 0 |
+/// | `Root(u, q)` = u^(1/q) | g^q → u | 0 … q−1 |
+/// | `Power(u, a)` = uᵃ, a a function of the parameters | none | any |
+/// | `Function(cos, u)` | cos² → 1 − sin² | 0, 1 |
+/// | `Function(cosh, u)` | cosh² → 1 + sinh² | 0, 1 |
+/// | `Function(exp, u)` | none: e^{−u} is the exponent −1 | any |
+/// | any other `Function(f, u)` | none | any |
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Generator {
+    /// 1/u.
+    Inverse(Polynomial),
+    /// u^(1/q).
+    Root(Polynomial, u16),
+    /// uᵃ with an exponent that depends on parameters.
+    Power(Polynomial, Coefficient),
+    /// f(u).
+    Function(Function, Polynomial),
+}
+
+impl Generator {
+    /// The argument u.
+    pub fn argument(&self) -> &Polynomial {
+        match self {
+            Self::Inverse(u) | Self::Root(u, _) | Self::Power(u, _) | Self::Function(_, u) => u,
+        }
+    }
+}
+
+/// A constant of the coefficient field: a parameter, π, or a function of such.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Atom {
+    /// The parameter with this index.
+    Parameter(usize),
+    /// π.
+    Pi,
+    /// 1/c for a c of several terms.
+    Inverse(Coefficient),
+    /// c^r, r not an integer.
+    RationalPower(Coefficient, Rational),
+    /// c^d with a d that depends on parameters.
+    Power(Coefficient, Coefficient),
+    /// f(c).
+    Function(Function, Coefficient),
+}

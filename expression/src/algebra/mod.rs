@@ -1,0 +1,11 @@
+//! Exact algebra: a differential ring of Laurent polynomials with adjoined generators.
+
+mod generator;
+mod monomial;
+mod polynomial;
+mod ring;
+
+pub use generator::{Atom, Generator};
+pub use monomial::{Monomial, Symbol};
+pub use polynomial::{Coefficient, CoefficientRing, Polynomial, Terms};
+pub use ring::Ring;

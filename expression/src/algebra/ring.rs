@@ -1,0 +1,480 @@
+//! The differential ring in which Hamilton–Jacobi coefficients are computed exactly.
+
+use rustc_hash::FxHashMap;
+
+use super::generator::{Atom, Generator};
+use super::monomial::{Monomial, Symbol};
+use super::polynomial::{Coefficient, CoefficientRing, Polynomial};
+use crate::arithmetic::{AlgebraError, Arithmetic, function_derivative};
+use crate::expression::Function;
+use crate::rational::Rational;
+
+/// ℚ(parameters)[x₁^±, …, x_d^±, generators]: Laurent polynomials in the state variables and in
+/// adjoined functions of the state ([`Generator`]), closed under ∂/∂xᵢ.
+///
+/// Sums are collected, so cancellation is exact and zero is recognized wherever the generators'
+/// relations decide it. What they do not decide is not refused: it stays a sum of terms.
+#[derive(Clone, Debug)]
+pub struct Ring {
+    variables: usize,
+    generators: Vec<Generator>,
+    symbols: FxHashMap<Generator, Symbol>,
+    atoms: Vec<Atom>,
+    atom_symbols: FxHashMap<Atom, Symbol>,
+    derivatives: FxHashMap<(Symbol, usize), Polynomial>,
+    has_relations: bool,
+}
+
+impl Ring {
+    /// The ring over `variables` state variables, with no generator yet.
+    pub fn new(variables: usize) -> Self {
+        Self {
+            variables,
+            generators: Vec::new(),
+            symbols: FxHashMap::default(),
+            atoms: Vec::new(),
+            atom_symbols: FxHashMap::default(),
+            derivatives: FxHashMap::default(),
+            has_relations: false,
+        }
+    }
+
+    /// The number d of state variables.
+    pub fn variables(&self) -> usize {
+        self.variables
+    }
+
+    /// The variable xᵢ.
+    pub fn variable(&self, index: usize) -> Polynomial {
+        debug_assert!(index < self.variables);
+        Polynomial::symbol(index as Symbol)
+    }
+
+    /// The generator behind a symbol, `None` for a variable.
+    pub fn generator(&self, symbol: Symbol) -> Option<&Generator> {
+        usize::from(symbol).checked_sub(self.variables).map(|at| &self.generators[at])
+    }
+
+    /// The constant behind a symbol of a [`Coefficient`].
+    pub fn atom(&self, symbol: Symbol) -> &Atom {
+        &self.atoms[usize::from(symbol)]
+    }
+
+    fn adjoin(&mut self, generator: Generator) -> Symbol {
+        if let Some(&symbol) = self.symbols.get(&generator) {
+            return symbol;
+        }
+        let symbol = Symbol::try_from(self.variables + self.generators.len())
+            .expect("fewer than 65,536 symbols");
+        self.has_relations |= matches!(
+            generator,
+            Generator::Inverse(_)
+                | Generator::Root(..)
+                | Generator::Function(Function::Cos | Function::Cosh, _)
+        );
+        self.symbols.insert(generator.clone(), symbol);
+        self.generators.push(generator);
+        symbol
+    }
+
+    fn atom_symbol(&mut self, atom: Atom) -> Coefficient {
+        let next = Symbol::try_from(self.atoms.len()).expect("fewer than 65,536 constants");
+        let symbol = *self.atom_symbols.entry(atom.clone()).or_insert(next);
+        if symbol == next {
+            self.atoms.push(atom);
+        }
+        Coefficient::symbol(symbol)
+    }
+
+    /// ∂f/∂x_v.
+    ///
+    /// # Errors
+    /// [`AlgebraError`] when a generator's derivative does not exist, such as that of 1/0.
+    pub fn derivative(
+        &mut self,
+        f: &Polynomial,
+        variable: usize,
+    ) -> Result<Polynomial, AlgebraError> {
+        let mut parts = Vec::new();
+        let mut plain = Vec::new();
+        for (monomial, coefficient) in f.terms() {
+            for &(symbol, exponent) in monomial.factors() {
+                let rest = monomial.shifted(symbol, -1);
+                let factor = coefficient.scaled(&Rational::from_integer(exponent.into()));
+                if usize::from(symbol) == variable {
+                    plain.push((rest, factor));
+                } else if usize::from(symbol) >= self.variables {
+                    let inner = self.generator_derivative(symbol, variable)?;
+                    if !inner.is_zero() {
+                        parts.push((Rational::one(), inner.times_term(&rest, &factor)));
+                    }
+                }
+            }
+        }
+        parts.push((Rational::one(), Polynomial::collect(plain)));
+        let sum = Polynomial::combine(&parts);
+        Ok(self.normalize(sum))
+    }
+
+    /// ∇f.
+    ///
+    /// # Errors
+    /// Those of [`Ring::derivative`].
+    pub fn gradient(&mut self, f: &Polynomial) -> Result<Vec<Polynomial>, AlgebraError> {
+        (0..self.variables).map(|v| self.derivative(f, v)).collect()
+    }
+
+    fn generator_derivative(
+        &mut self,
+        symbol: Symbol,
+        variable: usize,
+    ) -> Result<Polynomial, AlgebraError> {
+        if let Some(known) = self.derivatives.get(&(symbol, variable)) {
+            return Ok(known.clone());
+        }
+        let generator = self.generators[usize::from(symbol) - self.variables].clone();
+        let inner = self.derivative(generator.argument(), variable)?;
+        let result = if inner.is_zero() {
+            Polynomial::zero()
+        } else {
+            let g = Polynomial::symbol(symbol);
+            let outer = match &generator {
+                Generator::Inverse(_) => {
+                    let square = self.multiply(&g, &g);
+                    self.negate(&square)
+                }
+                Generator::Root(u, q) => {
+                    let quotient = self.divide(&g, u)?;
+                    self.scale(&Rational::new(1, i64::from(*q)), &quotient)
+                }
+                Generator::Power(u, exponent) => {
+                    let quotient = self.divide(&g, u)?;
+                    quotient.times_term(&Monomial::one(), exponent)
+                }
+                Generator::Function(function, u) => function_derivative(self, *function, u, &g)?,
+            };
+            self.multiply(&outer, &inner)
+        };
+        self.derivatives.insert((symbol, variable), result.clone());
+        Ok(result)
+    }
+
+    /// The normal form under the generators' relations.
+    fn normalize(&mut self, mut f: Polynomial) -> Polynomial {
+        if !self.has_relations {
+            return f;
+        }
+        loop {
+            let mut settled = Vec::new();
+            let mut rewritten = Vec::new();
+            for (monomial, coefficient) in f.terms() {
+                match self.rewrite(monomial) {
+                    None => settled.push((monomial.clone(), coefficient.clone())),
+                    Some(replacement) => {
+                        rewritten.push(replacement.times_term(&Monomial::one(), coefficient));
+                    }
+                }
+            }
+            if rewritten.is_empty() {
+                return f;
+            }
+            f = Polynomial::collect(
+                settled.into_iter().chain(rewritten.iter().flat_map(|r| r.terms().to_vec())),
+            );
+        }
+    }
+
+    /// One application of a relation to a monomial, `None` when it is in normal form.
+    fn rewrite(&self, monomial: &Monomial) -> Option<Polynomial> {
+        let one = || Coefficient::from_rational(&Rational::one());
+        for &(symbol, exponent) in monomial.factors() {
+            let Some(generator) = self.generator(symbol) else { continue };
+            match generator {
+                Generator::Inverse(u) => {
+                    let (leading, _) = u.terms().last().expect("an inverse has terms");
+                    if exponent > 0 && monomial.is_multiple_of(leading) {
+                        let rest = monomial.multiply(&leading.inverse());
+                        let tail = u
+                            .terms()
+                            .iter()
+                            .rev()
+                            .skip(1)
+                            .map(|(m, c)| (rest.multiply(m), c.scaled(&-Rational::one())));
+                        return Some(Polynomial::collect(
+                            tail.chain(std::iter::once((rest.shifted(symbol, -1), one()))),
+                        ));
+                    }
+                    if exponent < 0 {
+                        let rest = monomial.shifted(symbol, 1);
+                        return Some(u.times_term(&rest, &one()));
+                    }
+                }
+                Generator::Root(u, q) => {
+                    if exponent >= *q as i16 {
+                        return Some(u.times_term(&monomial.shifted(symbol, -(*q as i16)), &one()));
+                    }
+                }
+                Generator::Function(function @ (Function::Cos | Function::Cosh), u) => {
+                    if exponent >= 2 {
+                        let (partner, sign) = if *function == Function::Cos {
+                            (Function::Sin, -Rational::one())
+                        } else {
+                            (Function::Sinh, Rational::one())
+                        };
+                        let partner = self.symbols[&Generator::Function(partner, u.clone())];
+                        let rest = monomial.shifted(symbol, -2);
+                        return Some(Polynomial::collect([
+                            (rest.clone(), one()),
+                            (rest.shifted(partner, 2), one().scaled(&sign)),
+                        ]));
+                    }
+                }
+                _ => {}
+            }
+        }
+        None
+    }
+
+    /// 1/c in the field of the parameters.
+    fn coefficient_inverse(&mut self, c: &Coefficient) -> Result<Coefficient, AlgebraError> {
+        match c.terms() {
+            [] => Err(AlgebraError::DivisionByZero),
+            [(m, r)] => Ok(Coefficient::term(m.inverse(), r.recip())),
+            _ => Ok(self.atom_symbol(Atom::Inverse(c.clone()))),
+        }
+    }
+
+    /// 1/f: an inverse monomial, or a Laurent monomial times an adjoined inverse of a primitive
+    /// polynomial with leading coefficient 1.
+    fn inverse(&mut self, f: &Polynomial) -> Result<Polynomial, AlgebraError> {
+        let content = f.content();
+        let Some((_, leading)) = f.terms().last() else {
+            return Err(AlgebraError::DivisionByZero);
+        };
+        let unit = self.coefficient_inverse(leading)?;
+        let outer = self.inverse_monomial(&content, unit.clone())?;
+        if f.terms().len() == 1 {
+            return Ok(outer);
+        }
+        let primitive = self.with_leading_one(f.times_term(&content.inverse(), &unit));
+        let inverse = Polynomial::symbol(self.adjoin(Generator::Inverse(primitive)));
+        Ok(self.multiply(&outer, &inverse))
+    }
+
+    /// The leading coefficient is 1 by construction; where the parameters' inverse is an opaque
+    /// constant the product does not collapse by itself, so it is set.
+    fn with_leading_one(&self, f: Polynomial) -> Polynomial {
+        let mut terms = f.terms().to_vec();
+        if let Some(last) = terms.last_mut() {
+            last.1 = Coefficient::from_rational(&Rational::one());
+        }
+        Polynomial::collect(terms)
+    }
+
+    /// unit / content, where factors that are roots, inverses, cosines or hyperbolic cosines go
+    /// through their relations rather than to negative exponents.
+    fn inverse_monomial(
+        &mut self,
+        content: &Monomial,
+        unit: Coefficient,
+    ) -> Result<Polynomial, AlgebraError> {
+        let mut plain = Monomial::one();
+        let mut factors = Vec::new();
+        for &(symbol, exponent) in content.factors() {
+            match self.generator(symbol).cloned() {
+                Some(Generator::Root(u, q)) => {
+                    // 1/g^e = g^(q−e)/u.
+                    let below = self.inverse(&u)?;
+                    let above =
+                        Polynomial::term(Monomial::power(symbol, q as i16 - exponent), one());
+                    factors.push(self.multiply(&above, &below));
+                }
+                Some(Generator::Inverse(u)) => {
+                    factors.push(self.integer_power(&u, exponent.into())?);
+                }
+                Some(Generator::Function(Function::Cos | Function::Cosh, _)) => {
+                    let base = Polynomial::symbol(symbol);
+                    // A single cosine: 1/cos is adjoined as a generator of its own.
+                    let inverse = Polynomial::symbol(self.adjoin(Generator::Inverse(base)));
+                    factors.push(self.integer_power(&inverse, exponent.into())?);
+                }
+                _ => plain = plain.shifted(symbol, -exponent),
+            }
+        }
+        let mut result = Polynomial::term(plain, unit);
+        for factor in factors {
+            result = self.multiply(&result, &factor);
+        }
+        Ok(result)
+    }
+
+    fn constant_function(
+        &mut self,
+        function: Function,
+        c: &Coefficient,
+    ) -> Result<Coefficient, AlgebraError> {
+        if let Some(value) = c.as_constant() {
+            let simple = match function {
+                Function::Exp | Function::Cos | Function::Cosh if value.is_zero() => {
+                    Some(Rational::one())
+                }
+                Function::Ln | Function::Acosh | Function::Acos if value.is_one() => {
+                    Some(Rational::zero())
+                }
+                Function::Ln if value.is_zero() || value.is_negative() => {
+                    return Err(outside(function, &value));
+                }
+                Function::Sqrt if value.is_negative() => return Err(outside(function, &value)),
+                Function::Exp | Function::Cos | Function::Cosh | Function::Ln
+                | Function::Acosh | Function::Acos => None,
+                _ if value.is_zero() => Some(Rational::zero()),
+                Function::Sqrt if value.is_one() => Some(Rational::one()),
+                _ => None,
+            };
+            if let Some(simple) = simple {
+                return Ok(Coefficient::constant(simple));
+            }
+        }
+        if function == Function::Sqrt {
+            return Ok(self.atom_symbol(Atom::RationalPower(c.clone(), Rational::new(1, 2))));
+        }
+        Ok(self.atom_symbol(Atom::Function(function, c.clone())))
+    }
+
+    fn rational_power(
+        &mut self,
+        f: &Polynomial,
+        exponent: &Rational,
+    ) -> Result<Polynomial, AlgebraError> {
+        if let Some(integer) = exponent.to_i64() {
+            return self.integer_power(f, integer);
+        }
+        let too_large = || AlgebraError::ExponentTooLarge { exponent: exponent.to_string() };
+        if f.is_zero() {
+            return if exponent.is_negative() {
+                Err(AlgebraError::DivisionByZero)
+            } else {
+                Ok(Polynomial::zero())
+            };
+        }
+        if let Some(c) = f.as_constant() {
+            let atom = self.atom_symbol(Atom::RationalPower(c, exponent.clone()));
+            return Ok(Polynomial::constant(atom));
+        }
+        let q = i64::try_from(exponent.denominator()).map_err(|_| too_large())?;
+        let p = i64::try_from(exponent.numerator()).map_err(|_| too_large())?;
+        if q > 4096 {
+            return Err(too_large());
+        }
+        // f^(p/q) = f^w g^r with p = w q + r, 0 ≤ r < q.
+        let (whole, rest) = (p.div_euclid(q), p.rem_euclid(q));
+        let root = self.adjoin(Generator::Root(f.clone(), q as u16));
+        let integer = self.integer_power(f, whole)?;
+        let fraction = Polynomial::term(Monomial::power(root, rest as i16), one());
+        Ok(self.multiply(&integer, &fraction))
+    }
+}
+
+fn one() -> Coefficient {
+    Coefficient::from_rational(&Rational::one())
+}
+
+fn outside(function: Function, value: &Rational) -> AlgebraError {
+    AlgebraError::OutsideDomain { function: function.name(), argument: value.to_string() }
+}
+
+/// Whether the leading term's leading rational coefficient is negative: the sign that odd and even
+/// functions pull out of their argument.
+fn has_negative_lead(f: &Polynomial) -> bool {
+    f.terms()
+        .last()
+        .and_then(|(_, c)| c.terms().last())
+        .is_some_and(|(_, r)| r.is_negative())
+}
+
+impl Arithmetic for Ring {
+    type Element = Polynomial;
+
+    fn constant(&mut self, value: &Rational) -> Polynomial {
+        Polynomial::constant(Coefficient::from_rational(value))
+    }
+
+    fn pi(&mut self) -> Polynomial {
+        Polynomial::constant(self.atom_symbol(Atom::Pi))
+    }
+
+    fn parameter(&mut self, index: usize) -> Polynomial {
+        Polynomial::constant(self.atom_symbol(Atom::Parameter(index)))
+    }
+
+    fn is_zero(&self, element: &Polynomial) -> bool {
+        element.is_zero()
+    }
+
+    fn as_rational(&self, element: &Polynomial) -> Option<Rational> {
+        element.as_constant().and_then(|c| c.as_constant())
+    }
+
+    fn combine(&mut self, terms: &[(Rational, Polynomial)]) -> Polynomial {
+        Polynomial::combine(terms)
+    }
+
+    fn multiply(&mut self, a: &Polynomial, b: &Polynomial) -> Polynomial {
+        self.normalize(a.product(b))
+    }
+
+    fn divide(&mut self, a: &Polynomial, b: &Polynomial) -> Result<Polynomial, AlgebraError> {
+        let inverse = self.inverse(b)?;
+        Ok(self.multiply(a, &inverse))
+    }
+
+    fn power(&mut self, a: &Polynomial, b: &Polynomial) -> Result<Polynomial, AlgebraError> {
+        let exponent = b.as_constant().ok_or(AlgebraError::VariableExponent)?;
+        if let Some(rational) = exponent.as_constant() {
+            return self.rational_power(a, &rational);
+        }
+        // a^(c + k) = a^c a^k for the integer part k of the exponent's rational term.
+        let whole = exponent
+            .terms()
+            .iter()
+            .find(|(m, _)| m.is_one())
+            .and_then(|(_, r)| if r.is_integer() { r.to_i64() } else { None })
+            .unwrap_or(0);
+        let fraction = Coefficient::combine(&[
+            (Rational::one(), exponent),
+            (Rational::from_integer(-whole), one()),
+        ]);
+        let integer = self.integer_power(a, whole)?;
+        let power = match a.as_constant() {
+            Some(c) => Polynomial::constant(self.atom_symbol(Atom::Power(c, fraction))),
+            None => Polynomial::symbol(self.adjoin(Generator::Power(a.clone(), fraction))),
+        };
+        Ok(self.multiply(&integer, &power))
+    }
+
+    fn apply(&mut self, function: Function, a: &Polynomial) -> Result<Polynomial, AlgebraError> {
+        if let Some(c) = a.as_constant() {
+            return Ok(Polynomial::constant(self.constant_function(function, &c)?));
+        }
+        if function == Function::Sqrt {
+            return self.rational_power(a, &Rational::new(1, 2));
+        }
+        let symmetric = !matches!(function, Function::Ln | Function::Acos | Function::Acosh);
+        if symmetric && has_negative_lead(a) {
+            let positive = a.scaled(&-Rational::one());
+            let value = self.apply(function, &positive)?;
+            return match function {
+                Function::Cos | Function::Cosh => Ok(value),
+                Function::Exp => self.inverse(&value),
+                _ => Ok(self.negate(&value)),
+            };
+        }
+        // The partner of a cosine stands in its relation.
+        match function {
+            Function::Cos => drop(self.adjoin(Generator::Function(Function::Sin, a.clone()))),
+            Function::Cosh => drop(self.adjoin(Generator::Function(Function::Sinh, a.clone()))),
+            _ => {}
+        }
+        Ok(Polynomial::symbol(self.adjoin(Generator::Function(function, a.clone()))))
+    }
+}

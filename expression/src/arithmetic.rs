@@ -1,0 +1,200 @@
+//! The operations that a formula needs, over whatever it is evaluated on.
+//!
+//! One [`Expression`](crate::Expression) is evaluated on exact polynomials
+//! ([`Ring`](crate::Ring)), on nodes of straight-line code ([`Graph`](crate::Graph)), on
+//! polynomials of a curve parameter, or on numbers. [`Arithmetic`] is the context that carries
+//! these operations; its elements are plain values.
+
+use thiserror::Error;
+
+use crate::expression::Function;
+use crate::rational::Rational;
+
+/// Why an exact operation has no result.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum AlgebraError {
+    /// A divisor is identically zero.
+    #[error("division by an expression that is identically zero")]
+    DivisionByZero,
+    /// A function at an argument where it has no finite value, such as `ln(0)`.
+    #[error("`{function}` of {argument} has no finite value")]
+    OutsideDomain {
+        /// The function's name.
+        function: &'static str,
+        /// The argument, as text.
+        argument: String,
+    },
+    /// An exponent that is neither rational nor a function of the parameters alone.
+    #[error("an exponent may contain numbers and parameters, not variables; write exp(b*ln(a))")]
+    VariableExponent,
+    /// An integer exponent past ±4096, whose expansion would not fit.
+    #[error("the exponent {exponent} is too large: at most 4096 in absolute value")]
+    ExponentTooLarge {
+        /// The exponent, as text.
+        exponent: String,
+    },
+    /// A function of a curve parameter that is not constant along the curve.
+    #[error("`{function}` of a non-constant polynomial is not a polynomial")]
+    NotPolynomial {
+        /// The function's name.
+        function: &'static str,
+    },
+}
+
+/// A commutative algebra over ℚ with the elementary functions of a scene's formulas.
+pub trait Arithmetic {
+    /// An element of the algebra.
+    type Element: Clone + std::fmt::Debug;
+
+    /// The rational number `value`.
+    fn constant(&mut self, value: &Rational) -> Self::Element;
+    /// π.
+    fn pi(&mut self) -> Self::Element;
+    /// The parameter with this index.
+    fn parameter(&mut self, index: usize) -> Self::Element;
+    /// Whether the element is recognized as zero: exact for normal forms, structural for code.
+    fn is_zero(&self, element: &Self::Element) -> bool;
+    /// The element as a rational number, if it is one.
+    fn as_rational(&self, element: &Self::Element) -> Option<Rational>;
+    /// Σ cᵢ eᵢ.
+    fn combine(&mut self, terms: &[(Rational, Self::Element)]) -> Self::Element;
+    /// a·b.
+    fn multiply(&mut self, a: &Self::Element, b: &Self::Element) -> Self::Element;
+    /// a/b.
+    ///
+    /// # Errors
+    /// [`AlgebraError::DivisionByZero`] when `b` is recognized as zero.
+    fn divide(
+        &mut self,
+        a: &Self::Element,
+        b: &Self::Element,
+    ) -> Result<Self::Element, AlgebraError>;
+    /// a^b for an exponent that is not a constant integer.
+    ///
+    /// # Errors
+    /// [`AlgebraError::VariableExponent`] when `b` depends on variables.
+    fn power(
+        &mut self,
+        a: &Self::Element,
+        b: &Self::Element,
+    ) -> Result<Self::Element, AlgebraError>;
+    /// f(a).
+    ///
+    /// # Errors
+    /// [`AlgebraError::OutsideDomain`] for a constant outside the domain of `function`.
+    fn apply(
+        &mut self,
+        function: Function,
+        a: &Self::Element,
+    ) -> Result<Self::Element, AlgebraError>;
+
+    /// 0.
+    fn zero(&mut self) -> Self::Element {
+        self.constant(&Rational::zero())
+    }
+    /// 1.
+    fn one(&mut self) -> Self::Element {
+        self.constant(&Rational::one())
+    }
+    /// a + b.
+    fn add(&mut self, a: &Self::Element, b: &Self::Element) -> Self::Element {
+        self.combine(&[(Rational::one(), a.clone()), (Rational::one(), b.clone())])
+    }
+    /// a − b.
+    fn subtract(&mut self, a: &Self::Element, b: &Self::Element) -> Self::Element {
+        self.combine(&[(Rational::one(), a.clone()), (-Rational::one(), b.clone())])
+    }
+    /// c·a.
+    fn scale(&mut self, c: &Rational, a: &Self::Element) -> Self::Element {
+        self.combine(&[(c.clone(), a.clone())])
+    }
+    /// −a.
+    fn negate(&mut self, a: &Self::Element) -> Self::Element {
+        self.scale(&-Rational::one(), a)
+    }
+    /// aⁿ by repeated squaring.
+    ///
+    /// # Errors
+    /// [`AlgebraError::DivisionByZero`] for a negative power of zero,
+    /// [`AlgebraError::ExponentTooLarge`] past ±4096.
+    fn integer_power(
+        &mut self,
+        a: &Self::Element,
+        exponent: i64,
+    ) -> Result<Self::Element, AlgebraError> {
+        if exponent.abs() > 4096 {
+            return Err(AlgebraError::ExponentTooLarge { exponent: exponent.to_string() });
+        }
+        let mut result = None;
+        let mut square = a.clone();
+        let mut remaining = exponent.unsigned_abs();
+        while remaining > 0 {
+            if remaining & 1 == 1 {
+                result = Some(match result {
+                    None => square.clone(),
+                    Some(r) => self.multiply(&r, &square),
+                });
+            }
+            remaining >>= 1;
+            if remaining > 0 {
+                square = self.multiply(&square, &square);
+            }
+        }
+        let one = self.one();
+        let result = result.unwrap_or_else(|| one.clone());
+        if exponent < 0 { self.divide(&one, &result) } else { Ok(result) }
+    }
+}
+
+/// f′(u), given u and g = f(u): the one table of derivatives.
+///
+/// # Errors
+/// Those of [`Arithmetic::divide`] and [`Arithmetic::apply`].
+pub fn function_derivative<A: Arithmetic>(
+    arithmetic: &mut A,
+    function: Function,
+    u: &A::Element,
+    g: &A::Element,
+) -> Result<A::Element, AlgebraError> {
+    let one = arithmetic.one();
+    let minus = -Rational::one();
+    match function {
+        Function::Exp => Ok(g.clone()),
+        Function::Ln => arithmetic.divide(&one, u),
+        Function::Sqrt => {
+            let twice = arithmetic.scale(&Rational::from_integer(2), g);
+            arithmetic.divide(&one, &twice)
+        }
+        Function::Sin => arithmetic.apply(Function::Cos, u),
+        Function::Cos => {
+            let sine = arithmetic.apply(Function::Sin, u)?;
+            Ok(arithmetic.negate(&sine))
+        }
+        Function::Sinh => arithmetic.apply(Function::Cosh, u),
+        Function::Cosh => arithmetic.apply(Function::Sinh, u),
+        Function::Tan | Function::Tanh => {
+            let square = arithmetic.multiply(g, g);
+            let sign = if function == Function::Tan { Rational::one() } else { minus };
+            Ok(arithmetic.combine(&[(Rational::one(), one), (sign, square)]))
+        }
+        Function::Asin | Function::Acos | Function::Asinh | Function::Acosh => {
+            let square = arithmetic.multiply(u, u);
+            let (constant, quadratic) = match function {
+                Function::Asinh => (Rational::one(), Rational::one()),
+                Function::Acosh => (minus.clone(), Rational::one()),
+                _ => (Rational::one(), minus.clone()),
+            };
+            let inside = arithmetic.combine(&[(constant, one.clone()), (quadratic, square)]);
+            let root = arithmetic.apply(Function::Sqrt, &inside)?;
+            let inverse = arithmetic.divide(&one, &root)?;
+            Ok(if function == Function::Acos { arithmetic.negate(&inverse) } else { inverse })
+        }
+        Function::Atan | Function::Atanh => {
+            let square = arithmetic.multiply(u, u);
+            let sign = if function == Function::Atan { Rational::one() } else { minus };
+            let below = arithmetic.combine(&[(Rational::one(), one.clone()), (sign, square)]);
+            arithmetic.divide(&one, &below)
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! Straight-line code as a graph: shared nodes, exact constants, exact derivatives.
+
+mod derivative;
+mod factor;
+mod lift;
+mod node;
+
+pub use lift::lift;
+pub use node::{Graph, Node, Operation, StepSize, Term, Tier};

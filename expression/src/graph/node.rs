@@ -1,0 +1,419 @@
+//! Nodes, their normal form, and the tiers that decide when each is computed.
+
+use rustc_hash::FxHashMap;
+
+use crate::arithmetic::{AlgebraError, Arithmetic};
+use crate::expression::Function;
+use crate::rational::Rational;
+
+/// A node of a [`Graph`]; nodes are numbered so that operands come before their uses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Node(pub(crate) u32);
+
+impl Node {
+    /// The node's number.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// The two step sizes of a K-HJ map M_{ε,h}: kernel inputs that change less often than the state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum StepSize {
+    /// The geometric parameter ε.
+    Epsilon,
+    /// The dynamic step h.
+    H,
+}
+
+/// How often a node's value changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Tier {
+    /// Never: an exact number.
+    Constant,
+    /// With parameters or step sizes: computed by the coefficient kernel.
+    Coefficient,
+    /// With the state: computed by the step kernel.
+    Step,
+}
+
+/// What a node computes.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Operation {
+    /// 1.
+    One,
+    /// π.
+    Pi,
+    /// The parameter with this index.
+    Parameter(u32),
+    /// ε or h.
+    StepSize(StepSize),
+    /// The kernel input with this index.
+    Input(u32),
+    /// Σ cᵢ nᵢ, at least two terms, sorted by node.
+    Sum(Box<[(Rational, Node)]>),
+    /// c·n for a node of the coefficient tier.
+    Scale(Rational, Node),
+    /// a·b, a ≤ b.
+    Product(Node, Node),
+    /// 1/a.
+    Reciprocal(Node),
+    /// f(a).
+    Function(Function, Node),
+    /// a^b, b of the coefficient tier.
+    Power(Node, Node),
+}
+
+/// A rational multiple of a node: the elements of straight-line code.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Term {
+    /// The exact factor; 0 for the zero element.
+    pub scale: Rational,
+    /// The node it multiplies.
+    pub node: Node,
+}
+
+/// Straight-line code under construction: every operation is interned, so equal subexpressions are
+/// one node; rational factors are pulled out of products and sums, so that proportional
+/// subexpressions are one node too.
+#[derive(Clone, Debug)]
+pub struct Graph {
+    operations: Vec<Operation>,
+    tiers: Vec<Tier>,
+    known: FxHashMap<Operation, Node>,
+    pub(crate) derivatives: FxHashMap<(Node, u32), Term>,
+}
+
+impl Default for Graph {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Graph {
+    /// The node 1.
+    pub const ONE: Node = Node(0);
+
+    /// A graph with the node 1 alone.
+    pub fn new() -> Self {
+        let mut known = FxHashMap::default();
+        known.insert(Operation::One, Self::ONE);
+        Self {
+            operations: vec![Operation::One],
+            tiers: vec![Tier::Constant],
+            known,
+            derivatives: FxHashMap::default(),
+        }
+    }
+
+    /// The kernel input with this index.
+    pub fn input(&mut self, index: usize) -> Term {
+        let index = u32::try_from(index).expect("fewer than 2^32 inputs");
+        self.unit(Operation::Input(index), Tier::Step)
+    }
+
+    /// ε or h.
+    pub fn step_size(&mut self, which: StepSize) -> Term {
+        self.unit(Operation::StepSize(which), Tier::Coefficient)
+    }
+
+    /// The operation of a node.
+    pub fn operation(&self, node: Node) -> &Operation {
+        &self.operations[node.index()]
+    }
+
+    /// When the node changes.
+    pub fn tier(&self, node: Node) -> Tier {
+        self.tiers[node.index()]
+    }
+
+    /// The number of nodes.
+    pub fn len(&self) -> usize {
+        self.operations.len()
+    }
+
+    /// Whether only the node 1 exists.
+    pub fn is_empty(&self) -> bool {
+        self.operations.len() == 1
+    }
+
+    fn intern(&mut self, operation: Operation, tier: Tier) -> Node {
+        if let Some(&node) = self.known.get(&operation) {
+            return node;
+        }
+        let node = Node(u32::try_from(self.operations.len()).expect("fewer than 2^32 nodes"));
+        self.known.insert(operation.clone(), node);
+        self.operations.push(operation);
+        self.tiers.push(tier);
+        node
+    }
+
+    fn unit(&mut self, operation: Operation, tier: Tier) -> Term {
+        Term { scale: Rational::one(), node: self.intern(operation, tier) }
+    }
+
+    fn number(value: Rational) -> Term {
+        Term { scale: value, node: Self::ONE }
+    }
+
+    /// A node of the coefficient tier that holds the whole term, its scale included.
+    fn coefficient_node(&mut self, term: &Term) -> Node {
+        debug_assert!(self.tier(term.node) == Tier::Coefficient);
+        if term.scale.is_one() {
+            return term.node;
+        }
+        if let Operation::Scale(inner, node) = self.operation(term.node).clone() {
+            return self.coefficient_node(&Term { scale: &inner * &term.scale, node });
+        }
+        self.intern(Operation::Scale(term.scale.clone(), term.node), Tier::Coefficient)
+    }
+
+    /// The factor of the coefficient tier in front of a state-dependent node, and the rest.
+    fn split_coefficient(&self, node: Node) -> (Option<Node>, Node) {
+        match *self.operation(node) {
+            Operation::Product(a, b)
+                if self.tier(a) == Tier::Coefficient && self.tier(b) == Tier::Step =>
+            {
+                (Some(a), b)
+            }
+            Operation::Product(a, b)
+                if self.tier(b) == Tier::Coefficient && self.tier(a) == Tier::Step =>
+            {
+                (Some(b), a)
+            }
+            _ => (None, node),
+        }
+    }
+
+    fn product_node(&mut self, a: Node, b: Node) -> Node {
+        let tier = self.tier(a).max(self.tier(b));
+        self.intern(Operation::Product(a.min(b), a.max(b)), tier)
+    }
+
+    /// coefficient · node, the coefficient's sign left outside where it is a plain number.
+    fn attach(&mut self, coefficient: &Term, node: Node) -> Term {
+        if coefficient.scale.is_zero() {
+            return Self::number(Rational::zero());
+        }
+        if coefficient.node == Self::ONE {
+            return Term { scale: coefficient.scale.clone(), node };
+        }
+        let sign = coefficient.scale.signum();
+        let magnitude =
+            Term { scale: coefficient.scale.abs(), node: coefficient.node };
+        let factor = self.coefficient_node(&magnitude);
+        Term { scale: Rational::from_integer(sign.into()), node: self.product_node(factor, node) }
+    }
+
+    /// Σ cᵢ nᵢ over constant and coefficient tiers.
+    fn sum_coefficients(&mut self, terms: &[(Rational, Node)]) -> Term {
+        let mut sums: Vec<(Rational, Node)> = Vec::with_capacity(terms.len());
+        let mut sorted = terms.to_vec();
+        sorted.sort_by_key(|t| t.1);
+        for (scale, node) in sorted {
+            match sums.last_mut() {
+                Some(last) if last.1 == node => last.0 += &scale,
+                _ => sums.push((scale, node)),
+            }
+        }
+        sums.retain(|t| !t.0.is_zero());
+        self.normal_sum(sums, Tier::Coefficient)
+    }
+
+    /// A sum of distinct sorted nodes with its scale pulled out: the scale that most terms share,
+    /// the smallest of those, with the first term positive. Proportional sums become one node.
+    fn normal_sum(&mut self, mut sums: Vec<(Rational, Node)>, tier: Tier) -> Term {
+        match sums.as_slice() {
+            [] => return Self::number(Rational::zero()),
+            [(scale, node)] => return Term { scale: scale.clone(), node: *node },
+            _ => {}
+        }
+        let mut sizes: Vec<Rational> = sums.iter().map(|t| t.0.abs()).collect();
+        sizes.sort();
+        let mut best = (0, &sizes[0]);
+        let mut start = 0;
+        for at in 0..sizes.len() {
+            if sizes[at] != sizes[start] {
+                start = at;
+            }
+            if at + 1 - start > best.0 {
+                best = (at + 1 - start, &sizes[at]);
+            }
+        }
+        let mut scale = best.1.clone();
+        if sums[0].0.is_negative() {
+            scale = -scale;
+        }
+        if !scale.is_one() {
+            let inverse = scale.recip();
+            for term in &mut sums {
+                term.0 = &term.0 * &inverse;
+            }
+        }
+        Term { scale, node: self.intern(Operation::Sum(sums.into_boxed_slice()), tier) }
+    }
+}
+
+impl Arithmetic for Graph {
+    type Element = Term;
+
+    fn constant(&mut self, value: &Rational) -> Term {
+        Self::number(value.clone())
+    }
+    fn pi(&mut self) -> Term {
+        self.unit(Operation::Pi, Tier::Coefficient)
+    }
+    fn parameter(&mut self, index: usize) -> Term {
+        let index = u32::try_from(index).expect("fewer than 2^32 parameters");
+        self.unit(Operation::Parameter(index), Tier::Coefficient)
+    }
+    fn is_zero(&self, element: &Term) -> bool {
+        element.scale.is_zero()
+    }
+    fn as_rational(&self, element: &Term) -> Option<Rational> {
+        (element.node == Self::ONE || element.scale.is_zero()).then(|| element.scale.clone())
+    }
+
+    fn combine(&mut self, terms: &[(Rational, Term)]) -> Term {
+        // Per state-dependent node: its rational factor and its factors of the coefficient tier.
+        let mut coefficients: Vec<(Rational, Node)> = Vec::new();
+        let mut order: Vec<Node> = Vec::new();
+        let mut parts: FxHashMap<Node, Vec<(Rational, Node)>> = FxHashMap::default();
+        for (factor, term) in terms {
+            let scale = factor * &term.scale;
+            if scale.is_zero() {
+                continue;
+            }
+            if self.tier(term.node) != Tier::Step {
+                coefficients.push((scale, term.node));
+                continue;
+            }
+            let (coefficient, rest) = self.split_coefficient(term.node);
+            parts
+                .entry(rest)
+                .or_insert_with(|| {
+                    order.push(rest);
+                    Vec::new()
+                })
+                .push((scale, coefficient.unwrap_or(Self::ONE)));
+        }
+        let mut sums: Vec<(Rational, Node)> = Vec::with_capacity(order.len() + 1);
+        for node in order {
+            let coefficient = self.sum_coefficients(&parts[&node]);
+            let term = self.attach(&coefficient, node);
+            if !term.scale.is_zero() {
+                sums.push((term.scale, term.node));
+            }
+        }
+        let constant = self.sum_coefficients(&coefficients);
+        if sums.is_empty() {
+            return constant;
+        }
+        if constant.node == Self::ONE {
+            if !constant.scale.is_zero() {
+                sums.push((constant.scale, Self::ONE));
+            }
+        } else {
+            let sign = Rational::from_integer(constant.scale.signum().into());
+            let magnitude = Term { scale: constant.scale.abs(), node: constant.node };
+            sums.push((sign, self.coefficient_node(&magnitude)));
+        }
+        sums.sort_by_key(|t| t.1);
+        self.normal_sum(sums, Tier::Step)
+    }
+
+    fn multiply(&mut self, a: &Term, b: &Term) -> Term {
+        let scale = &a.scale * &b.scale;
+        if scale.is_zero() {
+            return Self::number(Rational::zero());
+        }
+        if a.node == Self::ONE || b.node == Self::ONE {
+            return Term { scale, node: a.node.max(b.node) };
+        }
+        match (self.tier(a.node), self.tier(b.node)) {
+            (Tier::Step, Tier::Step) => Term { scale, node: self.product_node(a.node, b.node) },
+            (Tier::Step, _) | (_, Tier::Step) => {
+                let (step, outer) =
+                    if self.tier(a.node) == Tier::Step { (a, b) } else { (b, a) };
+                let (inner, rest) = self.split_coefficient(step.node);
+                let coefficient = match inner {
+                    None => outer.node,
+                    Some(inner) => self.product_node(inner, outer.node),
+                };
+                self.attach(&Term { scale, node: coefficient }, rest)
+            }
+            _ => Term { scale, node: self.product_node(a.node, b.node) },
+        }
+    }
+
+    fn divide(&mut self, a: &Term, b: &Term) -> Result<Term, AlgebraError> {
+        if b.scale.is_zero() {
+            return Err(AlgebraError::DivisionByZero);
+        }
+        if b.node == Self::ONE {
+            return Ok(Term { scale: &a.scale * &b.scale.recip(), node: a.node });
+        }
+        if a.node == b.node {
+            return Ok(Self::number(&a.scale * &b.scale.recip()));
+        }
+        let tier = self.tier(b.node);
+        let reciprocal = match *self.operation(b.node) {
+            Operation::Reciprocal(inner) => inner,
+            _ => self.intern(Operation::Reciprocal(b.node), tier),
+        };
+        let below = Term { scale: b.scale.recip(), node: reciprocal };
+        Ok(self.multiply(a, &below))
+    }
+
+    fn power(&mut self, a: &Term, b: &Term) -> Result<Term, AlgebraError> {
+        if self.tier(b.node) == Tier::Step {
+            return Err(AlgebraError::VariableExponent);
+        }
+        let half = self.as_rational(b).filter(|r| *r == Rational::new(1, 2));
+        if half.is_some() {
+            return self.apply(Function::Sqrt, a);
+        }
+        let base = self.unscaled(a);
+        let exponent = self.unscaled(b);
+        let tier = self.tier(base).max(Tier::Coefficient);
+        Ok(self.unit(Operation::Power(base, exponent), tier))
+    }
+
+    fn apply(&mut self, function: Function, a: &Term) -> Result<Term, AlgebraError> {
+        if let Some(value) = self.as_rational(a) {
+            if value.is_zero() {
+                let zero = Self::number(Rational::zero());
+                match function {
+                    Function::Exp | Function::Cos | Function::Cosh => {
+                        return Ok(Self::number(Rational::one()));
+                    }
+                    Function::Ln => {
+                        return Err(AlgebraError::OutsideDomain {
+                            function: function.name(),
+                            argument: value.to_string(),
+                        });
+                    }
+                    Function::Acos | Function::Acosh => {}
+                    _ => return Ok(zero),
+                }
+            }
+            if value.is_one() && function == Function::Ln {
+                return Ok(Self::number(Rational::zero()));
+            }
+        }
+        let argument = self.unscaled(a);
+        let tier = self.tier(argument).max(Tier::Coefficient);
+        Ok(self.unit(Operation::Function(function, argument), tier))
+    }
+}
+
+impl Graph {
+    /// A node that holds the whole term: an argument of a function carries its scale inside.
+    fn unscaled(&mut self, term: &Term) -> Node {
+        if term.scale.is_one() {
+            return term.node;
+        }
+        let tier = self.tier(term.node).max(Tier::Coefficient);
+        self.intern(Operation::Scale(term.scale.clone(), term.node), tier)
+    }
+}

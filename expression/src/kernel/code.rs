@@ -1,0 +1,192 @@
+//! Straight-line code: three-address instructions over numbered slots.
+
+use std::fmt;
+
+use crate::expression::Function;
+
+/// One operation on slots; each slot holds one number a lane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Instruction {
+    /// out ← a + b.
+    Add {
+        /// Result slot.
+        out: u32,
+        /// Left operand.
+        a: u32,
+        /// Right operand.
+        b: u32,
+    },
+    /// out ← a − b.
+    Subtract {
+        /// Result slot.
+        out: u32,
+        /// Left operand.
+        a: u32,
+        /// Right operand.
+        b: u32,
+    },
+    /// out ← a·b.
+    Multiply {
+        /// Result slot.
+        out: u32,
+        /// Left operand.
+        a: u32,
+        /// Right operand.
+        b: u32,
+    },
+    /// out ← a/b.
+    Divide {
+        /// Result slot.
+        out: u32,
+        /// Numerator.
+        a: u32,
+        /// Denominator.
+        b: u32,
+    },
+    /// out ← −a.
+    Negate {
+        /// Result slot.
+        out: u32,
+        /// Operand.
+        a: u32,
+    },
+    /// out ← f(a), by `libm`.
+    Apply {
+        /// The function.
+        function: Function,
+        /// Result slot.
+        out: u32,
+        /// Argument.
+        a: u32,
+    },
+    /// out ← a^b, by `libm::pow`.
+    Power {
+        /// Result slot.
+        out: u32,
+        /// Base.
+        a: u32,
+        /// Exponent.
+        b: u32,
+    },
+}
+
+impl Instruction {
+    /// The result slot.
+    pub fn output(&self) -> u32 {
+        match *self {
+            Self::Add { out, .. }
+            | Self::Subtract { out, .. }
+            | Self::Multiply { out, .. }
+            | Self::Divide { out, .. }
+            | Self::Negate { out, .. }
+            | Self::Apply { out, .. }
+            | Self::Power { out, .. } => out,
+        }
+    }
+
+    /// The operand slots; unary operations repeat theirs.
+    pub fn operands(&self) -> [u32; 2] {
+        match *self {
+            Self::Add { a, b, .. }
+            | Self::Subtract { a, b, .. }
+            | Self::Multiply { a, b, .. }
+            | Self::Divide { a, b, .. }
+            | Self::Power { a, b, .. } => [a, b],
+            Self::Negate { a, .. } | Self::Apply { a, .. } => [a, a],
+        }
+    }
+
+    /// The same operation with every slot renamed.
+    pub(super) fn renamed(self, mut name: impl FnMut(u32) -> u32) -> Self {
+        match self {
+            Self::Add { out, a, b } => Self::Add { out: name(out), a: name(a), b: name(b) },
+            Self::Subtract { out, a, b } => {
+                Self::Subtract { out: name(out), a: name(a), b: name(b) }
+            }
+            Self::Multiply { out, a, b } => {
+                Self::Multiply { out: name(out), a: name(a), b: name(b) }
+            }
+            Self::Divide { out, a, b } => Self::Divide { out: name(out), a: name(a), b: name(b) },
+            Self::Negate { out, a } => Self::Negate { out: name(out), a: name(a) },
+            Self::Apply { function, out, a } => {
+                Self::Apply { function, out: name(out), a: name(a) }
+            }
+            Self::Power { out, a, b } => Self::Power { out: name(out), a: name(a), b: name(b) },
+        }
+    }
+}
+
+/// A straight-line program: `slots[0..inputs]` are its inputs, `constants` stand in the slots they
+/// name, `outputs` are read after the last instruction.
+#[derive(Clone, Debug, Default)]
+pub struct Code {
+    /// The instructions in order.
+    pub instructions: Vec<Instruction>,
+    /// Numbers that stand in slots before the first instruction.
+    pub constants: Vec<(u32, f64)>,
+    /// The slots that hold the results.
+    pub outputs: Vec<u32>,
+    /// How many slots the program uses.
+    pub slots: usize,
+}
+
+impl Code {
+    /// The operations of one evaluation.
+    pub fn count(&self) -> OperationCount {
+        let mut count = OperationCount::default();
+        for instruction in &self.instructions {
+            match instruction {
+                Instruction::Add { .. } | Instruction::Subtract { .. } => count.additions += 1,
+                Instruction::Negate { .. } => count.negations += 1,
+                Instruction::Multiply { .. } => count.multiplications += 1,
+                Instruction::Divide { .. } => count.divisions += 1,
+                Instruction::Apply { .. } | Instruction::Power { .. } => count.functions += 1,
+            }
+        }
+        count
+    }
+}
+
+/// Exact numbers of operations of a program.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct OperationCount {
+    /// Additions and subtractions.
+    pub additions: usize,
+    /// Multiplications.
+    pub multiplications: usize,
+    /// Divisions.
+    pub divisions: usize,
+    /// Sign changes.
+    pub negations: usize,
+    /// Elementary functions and general powers.
+    pub functions: usize,
+}
+
+impl OperationCount {
+    /// All of them.
+    pub fn total(&self) -> usize {
+        self.additions + self.multiplications + self.divisions + self.negations + self.functions
+    }
+}
+
+impl fmt::Display for OperationCount {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} operations ({} additions, {} multiplications",
+            self.total(),
+            self.additions,
+            self.multiplications
+        )?;
+        for (count, name) in [
+            (self.divisions, "divisions"),
+            (self.negations, "negations"),
+            (self.functions, "functions"),
+        ] {
+            if count > 0 {
+                write!(f, ", {count} {name}")?;
+            }
+        }
+        write!(f, ")")
+    }
+}

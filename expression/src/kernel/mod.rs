@@ -1,0 +1,10 @@
+//! Straight-line kernels: compiled from a graph, evaluated W lanes at a time.
+
+mod allocate;
+mod code;
+mod compile;
+mod interpreter;
+
+pub use code::{Code, Instruction, OperationCount};
+pub use compile::Kernel;
+pub use interpreter::Workspace;

@@ -1,0 +1,117 @@
+//! Polynomials in one curve parameter with coefficients in any algebra.
+
+use crate::arithmetic::{AlgebraError, Arithmetic};
+use crate::expression::Function;
+use crate::rational::Rational;
+
+/// Σ cⱼ sʲ as its list of coefficients, without trailing zeros.
+pub type UnivariateElement<E> = Vec<E>;
+
+/// The algebra A[s] over an algebra A; functions and quotients only where the argument does not
+/// depend on s.
+#[derive(Debug)]
+pub struct Univariate<'a, A: Arithmetic> {
+    /// The coefficients' algebra.
+    pub inner: &'a mut A,
+}
+
+impl<A: Arithmetic> Univariate<'_, A> {
+    fn trim(&self, mut element: Vec<A::Element>) -> Vec<A::Element> {
+        while element.last().is_some_and(|c| self.inner.is_zero(c)) {
+            element.pop();
+        }
+        element
+    }
+
+    fn constant_part(
+        &mut self,
+        element: &[A::Element],
+        function: &'static str,
+    ) -> Result<A::Element, AlgebraError> {
+        match element {
+            [] => Ok(self.inner.zero()),
+            [c] => Ok(c.clone()),
+            _ => Err(AlgebraError::NotPolynomial { function }),
+        }
+    }
+}
+
+impl<A: Arithmetic> Arithmetic for Univariate<'_, A> {
+    type Element = UnivariateElement<A::Element>;
+
+    fn constant(&mut self, value: &Rational) -> Self::Element {
+        if value.is_zero() { Vec::new() } else { vec![self.inner.constant(value)] }
+    }
+    fn pi(&mut self) -> Self::Element {
+        vec![self.inner.pi()]
+    }
+    fn parameter(&mut self, index: usize) -> Self::Element {
+        vec![self.inner.parameter(index)]
+    }
+    fn is_zero(&self, element: &Self::Element) -> bool {
+        element.is_empty()
+    }
+    fn as_rational(&self, element: &Self::Element) -> Option<Rational> {
+        match element.as_slice() {
+            [] => Some(Rational::zero()),
+            [c] => self.inner.as_rational(c),
+            _ => None,
+        }
+    }
+    fn combine(&mut self, terms: &[(Rational, Self::Element)]) -> Self::Element {
+        let length = terms.iter().map(|(_, t)| t.len()).max().unwrap_or(0);
+        let sum = (0..length)
+            .map(|j| {
+                let column: Vec<_> = terms
+                    .iter()
+                    .filter_map(|(c, t)| t.get(j).map(|e| (c.clone(), e.clone())))
+                    .collect();
+                self.inner.combine(&column)
+            })
+            .collect();
+        self.trim(sum)
+    }
+    fn multiply(&mut self, a: &Self::Element, b: &Self::Element) -> Self::Element {
+        if a.is_empty() || b.is_empty() {
+            return Vec::new();
+        }
+        let product = (0..a.len() + b.len() - 1)
+            .map(|k| {
+                let mut column = Vec::new();
+                for j in k.saturating_sub(b.len() - 1)..=k.min(a.len() - 1) {
+                    if !self.inner.is_zero(&a[j]) && !self.inner.is_zero(&b[k - j]) {
+                        column.push((Rational::one(), self.inner.multiply(&a[j], &b[k - j])));
+                    }
+                }
+                self.inner.combine(&column)
+            })
+            .collect();
+        self.trim(product)
+    }
+    fn divide(
+        &mut self,
+        a: &Self::Element,
+        b: &Self::Element,
+    ) -> Result<Self::Element, AlgebraError> {
+        let below = self.constant_part(b, "/")?;
+        a.iter().map(|c| self.inner.divide(c, &below)).collect()
+    }
+    fn power(
+        &mut self,
+        a: &Self::Element,
+        b: &Self::Element,
+    ) -> Result<Self::Element, AlgebraError> {
+        let (base, exponent) = (self.constant_part(a, "^")?, self.constant_part(b, "^")?);
+        let value = self.inner.power(&base, &exponent)?;
+        Ok(self.trim(vec![value]))
+    }
+    fn apply(
+        &mut self,
+        function: Function,
+        a: &Self::Element,
+    ) -> Result<Self::Element, AlgebraError> {
+        let argument = self.constant_part(a, function.name())?;
+        let value = self.inner.apply(function, &argument)?;
+        Ok(self.trim(vec![value]))
+    }
+}

@@ -1,0 +1,282 @@
+//! Taylor coefficients of a formula along a curve x(h) = Σ xₖ hᵏ, extended order by order.
+
+use rustc_hash::FxHashMap;
+
+use crate::arithmetic::{AlgebraError, Arithmetic, function_derivative};
+use crate::expression::{Expression, Function};
+use crate::rational::Rational;
+
+/// A node of a [`Tape`].
+pub type TapeIndex = usize;
+
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+enum Step {
+    Constant(Rational),
+    Pi,
+    Parameter(usize),
+    Variable(usize),
+    Combination(Vec<(Rational, TapeIndex)>),
+    Product(TapeIndex, TapeIndex),
+    Quotient(TapeIndex, TapeIndex),
+    /// g = f(u); the derivative node d = f′(u) stands beside it, see [`Tape::derivatives`].
+    Function(Function, TapeIndex),
+    /// g = uᵃ with an exponent that is constant along the curve; d = a g/u.
+    Power(TapeIndex, TapeIndex),
+}
+
+/// Formulas as a list of operations with common subexpressions shared, ready to be expanded in
+/// Taylor coefficients over any [`Arithmetic`].
+///
+/// Every elementary function obeys one rule: with d = f′(u),
+/// g₀ = f(u₀) and k gₖ = Σ_{j=1..k} j uⱼ d_{k−j}; d needs only lower orders of g.
+#[derive(Clone, Debug, Default)]
+pub struct Tape {
+    steps: Vec<Step>,
+    known: FxHashMap<Step, TapeIndex>,
+    derivatives: FxHashMap<TapeIndex, TapeIndex>,
+}
+
+impl Tape {
+    /// An empty tape.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Records a formula and returns its node.
+    ///
+    /// # Errors
+    /// [`AlgebraError`] for a division by zero or an exponent that depends on variables.
+    pub fn record(&mut self, expression: &Expression) -> Result<TapeIndex, AlgebraError> {
+        let mut variables = |tape: &mut Self, index| Ok(tape.push(Step::Variable(index)));
+        expression.evaluate_in(self, &mut variables)
+    }
+
+    fn push(&mut self, step: Step) -> TapeIndex {
+        if let Some(&at) = self.known.get(&step) {
+            return at;
+        }
+        let at = self.steps.len();
+        self.known.insert(step.clone(), at);
+        self.steps.push(step);
+        at
+    }
+
+    fn is_constant(&self, at: TapeIndex) -> bool {
+        match &self.steps[at] {
+            Step::Constant(_) | Step::Pi | Step::Parameter(_) => true,
+            Step::Variable(_) => false,
+            Step::Combination(terms) => terms.iter().all(|(_, t)| self.is_constant(*t)),
+            Step::Product(a, b) | Step::Quotient(a, b) | Step::Power(a, b) => {
+                self.is_constant(*a) && self.is_constant(*b)
+            }
+            Step::Function(_, u) => self.is_constant(*u),
+        }
+    }
+}
+
+impl Arithmetic for Tape {
+    type Element = TapeIndex;
+
+    fn constant(&mut self, value: &Rational) -> TapeIndex {
+        self.push(Step::Constant(value.clone()))
+    }
+    fn pi(&mut self) -> TapeIndex {
+        self.push(Step::Pi)
+    }
+    fn parameter(&mut self, index: usize) -> TapeIndex {
+        self.push(Step::Parameter(index))
+    }
+    fn is_zero(&self, element: &TapeIndex) -> bool {
+        matches!(&self.steps[*element], Step::Constant(c) if c.is_zero())
+    }
+    fn as_rational(&self, element: &TapeIndex) -> Option<Rational> {
+        match &self.steps[*element] {
+            Step::Constant(c) => Some(c.clone()),
+            _ => None,
+        }
+    }
+    fn combine(&mut self, terms: &[(Rational, TapeIndex)]) -> TapeIndex {
+        let mut constant = Rational::zero();
+        let mut sums: Vec<(Rational, TapeIndex)> = Vec::new();
+        for (c, t) in terms {
+            if let Some(value) = self.as_rational(t) {
+                constant += &(c * &value);
+            } else if let Some(known) = sums.iter_mut().find(|(_, s)| s == t) {
+                known.0 += c;
+            } else {
+                sums.push((c.clone(), *t));
+            }
+        }
+        sums.retain(|(c, _)| !c.is_zero());
+        match sums.as_slice() {
+            [] => return self.constant(&constant),
+            [(c, t)] if c.is_one() && constant.is_zero() => return *t,
+            _ => {}
+        }
+        if !constant.is_zero() {
+            let one = self.constant(&Rational::one());
+            sums.push((constant, one));
+        }
+        self.push(Step::Combination(sums))
+    }
+    fn multiply(&mut self, a: &TapeIndex, b: &TapeIndex) -> TapeIndex {
+        match (self.as_rational(a), self.as_rational(b)) {
+            (Some(c), _) => self.combine(&[(c, *b)]),
+            (_, Some(c)) => self.combine(&[(c, *a)]),
+            _ => self.push(Step::Product(*a.min(b), *a.max(b))),
+        }
+    }
+    fn divide(&mut self, a: &TapeIndex, b: &TapeIndex) -> Result<TapeIndex, AlgebraError> {
+        match self.as_rational(b) {
+            Some(c) if c.is_zero() => Err(AlgebraError::DivisionByZero),
+            Some(c) => Ok(self.combine(&[(c.recip(), *a)])),
+            None if self.is_zero(a) => Ok(*a),
+            None => Ok(self.push(Step::Quotient(*a, *b))),
+        }
+    }
+    fn power(&mut self, a: &TapeIndex, b: &TapeIndex) -> Result<TapeIndex, AlgebraError> {
+        if !self.is_constant(*b) {
+            return Err(AlgebraError::VariableExponent);
+        }
+        if let Some(exponent) = self.as_rational(b).and_then(|r| r.to_i64()) {
+            return self.integer_power(a, exponent);
+        }
+        let at = self.push(Step::Power(*a, *b));
+        if !self.derivatives.contains_key(&at) {
+            let quotient = self.divide(&at, a)?;
+            let derivative = self.multiply(b, &quotient);
+            self.derivatives.insert(at, derivative);
+        }
+        Ok(at)
+    }
+    fn apply(&mut self, function: Function, a: &TapeIndex) -> Result<TapeIndex, AlgebraError> {
+        let step = Step::Function(function, *a);
+        let known = self.known.contains_key(&step);
+        let at = self.push(step);
+        // The node exists before its derivative is recorded: sine and cosine name each other.
+        if !known && !self.is_constant(*a) {
+            let derivative = function_derivative(self, function, a, &at)?;
+            self.derivatives.insert(at, derivative);
+        }
+        Ok(at)
+    }
+}
+
+/// The Taylor coefficients of every node of a tape known so far.
+#[derive(Clone, Debug)]
+pub struct TaylorState<E> {
+    coefficients: Vec<Vec<E>>,
+    order: usize,
+}
+
+impl<E: Clone + std::fmt::Debug> TaylorState<E> {
+    /// No order known yet.
+    pub fn new(tape: &Tape) -> Self {
+        Self { coefficients: vec![Vec::new(); tape.steps.len()], order: 0 }
+    }
+
+    /// Computes the coefficients of the next order k (0 at the first call) of all nodes, with
+    /// `variable(arithmetic, i)` the k-th coefficient of the variable xᵢ.
+    ///
+    /// # Errors
+    /// [`AlgebraError`] when a function or quotient has no value at the curve's start.
+    pub fn extend<A: Arithmetic<Element = E>>(
+        &mut self,
+        tape: &Tape,
+        arithmetic: &mut A,
+        mut variable: impl FnMut(&mut A, usize) -> E,
+    ) -> Result<(), AlgebraError> {
+        let k = self.order;
+        for at in 0..tape.steps.len() {
+            let coefficient = match &tape.steps[at] {
+                Step::Variable(index) => variable(arithmetic, *index),
+                Step::Constant(_) | Step::Pi | Step::Parameter(_) if k > 0 => arithmetic.zero(),
+                Step::Constant(c) => arithmetic.constant(c),
+                Step::Pi => arithmetic.pi(),
+                Step::Parameter(index) => arithmetic.parameter(*index),
+                Step::Combination(terms) => {
+                    let terms: Vec<_> = terms
+                        .iter()
+                        .map(|(c, t)| (c.clone(), self.coefficients[*t][k].clone()))
+                        .collect();
+                    arithmetic.combine(&terms)
+                }
+                Step::Product(a, b) => self.product(arithmetic, *a, *b, k),
+                Step::Quotient(a, b) => {
+                    let mut terms = vec![(Rational::one(), self.coefficients[*a][k].clone())];
+                    for j in 1..=k {
+                        let (bj, g) = (&self.coefficients[*b][j], &self.coefficients[at][k - j]);
+                        terms.push((-Rational::one(), arithmetic.multiply(bj, g)));
+                    }
+                    let above = arithmetic.combine(&terms);
+                    arithmetic.divide(&above, &self.coefficients[*b][0])?
+                }
+                Step::Function(f, u) if k == 0 => {
+                    arithmetic.apply(*f, &self.coefficients[*u][0])?
+                }
+                Step::Power(u, exponent) if k == 0 => {
+                    arithmetic.power(&self.coefficients[*u][0], &self.coefficients[*exponent][0])?
+                }
+                Step::Function(_, u) | Step::Power(u, _) => match tape.derivatives.get(&at) {
+                    None => arithmetic.zero(),
+                    Some(d) => self.quadrature(arithmetic, *u, *d, k),
+                },
+            };
+            self.coefficients[at].push(coefficient);
+        }
+        self.order += 1;
+        Ok(())
+    }
+
+    /// The coefficient of order k of a node.
+    pub fn coefficient(&self, node: TapeIndex, k: usize) -> &E {
+        &self.coefficients[node][k]
+    }
+
+    fn product<A: Arithmetic<Element = E>>(
+        &self,
+        arithmetic: &mut A,
+        a: TapeIndex,
+        b: TapeIndex,
+        k: usize,
+    ) -> E {
+        let mut terms = Vec::with_capacity(k + 1);
+        if a == b {
+            // u² = Σ_{j<k−j} 2 uⱼ u_{k−j} + u_{k/2}².
+            for j in 0..k.div_ceil(2) {
+                let (x, y) = (&self.coefficients[a][j], &self.coefficients[a][k - j]);
+                terms.push((Rational::from_integer(2), arithmetic.multiply(x, y)));
+            }
+            if k % 2 == 0 {
+                let x = &self.coefficients[a][k / 2];
+                terms.push((Rational::one(), arithmetic.multiply(x, x)));
+            }
+        } else {
+            for j in 0..=k {
+                let (x, y) = (&self.coefficients[a][j], &self.coefficients[b][k - j]);
+                if !arithmetic.is_zero(x) && !arithmetic.is_zero(y) {
+                    terms.push((Rational::one(), arithmetic.multiply(x, y)));
+                }
+            }
+        }
+        arithmetic.combine(&terms)
+    }
+
+    /// (1/k) Σ_{j=1..k} j uⱼ d_{k−j}.
+    fn quadrature<A: Arithmetic<Element = E>>(
+        &self,
+        arithmetic: &mut A,
+        u: TapeIndex,
+        d: TapeIndex,
+        k: usize,
+    ) -> E {
+        let mut terms = Vec::with_capacity(k);
+        for j in 1..=k {
+            let (x, y) = (&self.coefficients[u][j], &self.coefficients[d][k - j]);
+            if !arithmetic.is_zero(x) && !arithmetic.is_zero(y) {
+                terms.push((Rational::new(j as i64, k as i64), arithmetic.multiply(x, y)));
+            }
+        }
+        arithmetic.combine(&terms)
+    }
+}

@@ -1,0 +1,129 @@
+//! The truncated Karasev realization data K̂_ε.
+
+use leafwise_core::realization::{
+    Accuracy, RealizationCode, RealizationData, SourceSeries, SourceTarget,
+};
+use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_expression::{Arithmetic, Graph, Rational, Term};
+
+use crate::curve::KarasevCurve;
+use crate::series::KarasevSeries;
+
+/// K̂_ε = (S ⊂ T*M, ω_M, τⁿ[α_ε], τⁿ[β_ε], σ): Karasev's realization data truncated after εⁿ
+/// (paper, section 3.2).
+///
+/// α̂ = x + Σ_{k=1..n} εᵏ α_(k)(x, p) and β̂(x, p) = α̂(x, −p), so the increment α̂ − β̂ is twice the
+/// part of α̂ that is odd in p.
+#[derive(Clone, Debug)]
+pub struct TruncatedKarasev {
+    system: PoissonSystem,
+    order: usize,
+    series: KarasevSeries,
+}
+
+impl TruncatedKarasev {
+    /// The realization data of order n ≥ 1.
+    ///
+    /// # Errors
+    /// [`BuildError::Parameter`] when `order` is 0.
+    pub fn new(system: &PoissonSystem, order: usize) -> Result<Self, BuildError> {
+        if order == 0 {
+            return Err(BuildError::Parameter {
+                part: crate::register::INFO.name,
+                parameter: "order".to_owned(),
+                value: order.to_string(),
+                expected: "the truncation order is at least 1".to_owned(),
+            });
+        }
+        let series = KarasevSeries::new(system.clone());
+        Ok(Self { system: system.clone(), order, series })
+    }
+
+    /// n.
+    pub fn order(&self) -> usize {
+        self.order
+    }
+
+    /// The coefficients α_(0), …, α_(n) at ε = 1 as code of x and p.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where the tensor has no code.
+    pub fn coefficients(
+        &self,
+        graph: &mut Graph,
+        x: &[Term],
+        p: &[Term],
+    ) -> Result<Vec<Vec<Term>>, BuildError> {
+        let mut curve = KarasevCurve::new(&self.system, x)?;
+        let zero = vec![graph.zero(); p.len()];
+        for k in 0..self.order {
+            curve.push(graph, if k == 0 { p } else { &zero })?;
+        }
+        Ok((0..=self.order).map(|k| curve.source(graph, k)).collect())
+    }
+}
+
+impl RealizationData for TruncatedKarasev {
+    fn dimension(&self) -> usize {
+        self.system.dimension()
+    }
+
+    fn space_dimension(&self) -> usize {
+        2 * self.system.dimension()
+    }
+
+    fn accuracy(&self) -> Accuracy {
+        Accuracy::Order(self.order)
+    }
+
+    fn describe(&self) -> String {
+        format!("{} n = {}", crate::register::INFO.name, self.order)
+    }
+
+    fn section(&self, x: &[f64], z: &mut [f64]) {
+        z[..x.len()].copy_from_slice(x);
+        z[x.len()..].fill(0.0);
+    }
+
+    fn code(&self) -> Option<&dyn RealizationCode> {
+        Some(self)
+    }
+
+    fn series(&self) -> Option<&dyn SourceSeries> {
+        Some(&self.series)
+    }
+}
+
+impl RealizationCode for TruncatedKarasev {
+    fn source_and_target(
+        &self,
+        graph: &mut Graph,
+        epsilon: &Term,
+        z: &[Term],
+    ) -> Result<SourceTarget, BuildError> {
+        let (x, p) = z.split_at(self.dimension());
+        // α_ε(x, p) = α_1(x, εp): the rescaling of the paper's section 3.1.
+        let q: Vec<Term> = p.iter().map(|p| graph.multiply(epsilon, p)).collect();
+        let alpha = self.coefficients(graph, x, &q)?;
+        let mut offset = Vec::with_capacity(x.len());
+        let mut increment = Vec::with_capacity(x.len());
+        for i in 0..x.len() {
+            let signed: Vec<_> = (1..=self.order)
+                .map(|k| {
+                    let sign = if k % 2 == 0 { 1 } else { -1 };
+                    (Rational::from_integer(sign), alpha[k][i].clone())
+                })
+                .collect();
+            offset.push(graph.combine(&signed));
+            let odd: Vec<_> = (1..=self.order)
+                .step_by(2)
+                .map(|k| (Rational::from_integer(2), alpha[k][i].clone()))
+                .collect();
+            increment.push(graph.combine(&odd));
+        }
+        // The last order that does not vanish identically, against the first.
+        let last = (2..=self.order).rev().find(|k| alpha[*k].iter().any(|a| !graph.is_zero(a)));
+        let guard = last.map(|k| (alpha[1].clone(), alpha[k].clone()));
+        Ok(SourceTarget { base: x.to_vec(), offset, increment, guard })
+    }
+}
