@@ -22,10 +22,12 @@ impl Formula {
     /// [`SyntaxError`] when the text is not a formula, is nested more than
     /// [`DEPTH_LIMIT`](super::DEPTH_LIMIT) levels deep, or calls an unknown function.
     pub fn parse(text: &str) -> Result<Self, SyntaxError> {
-        let root = Parser::new(text)?.formula()?;
+        let root = Parser::new(text)
+            .and_then(Parser::formula)
+            .map_err(|error| *error)?;
         Ok(Self {
             text: text.to_owned(),
-            root,
+            root: *root,
         })
     }
 

@@ -16,8 +16,12 @@ pub const DEPTH_LIMIT: usize = 200;
 /// The greatest magnitude of an offset in brackets.
 const OFFSET_LIMIT: i64 = i32::MAX as i64;
 
+const CLOSE: &str = "an operator or `)`";
 const OPERAND: &str = "a number, a name or `(`";
 const SITE: &str = "a site such as i, i+1, 3 or N-1";
+
+/// Nodes and errors are boxed so that a level of recursion takes little of the stack.
+type Parsed = Result<Box<Node>, Box<SyntaxError>>;
 
 pub(super) struct Parser<'a> {
     text: &'a str,
@@ -29,7 +33,7 @@ pub(super) struct Parser<'a> {
 }
 
 impl<'a> Parser<'a> {
-    pub(super) fn new(text: &'a str) -> Result<Self, SyntaxError> {
+    pub(super) fn new(text: &'a str) -> Result<Self, Box<SyntaxError>> {
         Ok(Self {
             text,
             tokens: tokens(text)?,
@@ -40,21 +44,21 @@ impl<'a> Parser<'a> {
     }
 
     /// The formula that the whole text is.
-    pub(super) fn formula(mut self) -> Result<Node, SyntaxError> {
+    pub(super) fn formula(mut self) -> Parsed {
         let root = self.sum()?;
         self.end("an operator (a product is written with `*`)")?;
         Ok(root)
     }
 
     /// The single variable that the whole text is.
-    pub(super) fn single(mut self) -> Result<Reference, SyntaxError> {
+    pub(super) fn single(mut self) -> Result<Reference, Box<SyntaxError>> {
         let reference = self.reference()?;
         self.end("the end of the name")?;
         Ok(reference)
     }
 
     /// The two variables that the whole text is, with a comma between.
-    pub(super) fn pair(mut self) -> Result<(Reference, Reference), SyntaxError> {
+    pub(super) fn pair(mut self) -> Result<(Reference, Reference), Box<SyntaxError>> {
         let first = self.reference()?;
         self.expect(Symbol::Comma, "`,` and a second variable")?;
         let second = self.reference()?;
@@ -62,56 +66,45 @@ impl<'a> Parser<'a> {
         Ok((first, second))
     }
 
-    fn sum(&mut self) -> Result<Node, SyntaxError> {
+    fn sum(&mut self) -> Parsed {
         let first = self.product()?;
         if !matches!(self.symbol(), Some(Symbol::Plus | Symbol::Minus)) {
             return Ok(first);
         }
-        let start = first.span;
-        let mut terms = vec![first];
+        let mut terms = vec![*first];
         loop {
             let sign = self.next_span();
             if self.accept(Symbol::Plus) {
-                terms.push(self.product()?);
+                terms.push(*self.product()?);
             } else if self.accept(Symbol::Minus) {
-                let operand = self.product()?;
-                terms.push(node(
-                    sign.to(operand.span),
-                    Kind::Negate(Box::new(operand)),
-                )?);
+                terms.push(*negated(sign, self.product()?)?);
             } else {
-                let end = terms[terms.len() - 1].span;
-                return node(start.to(end), Kind::Sum(terms));
+                return list(terms, Kind::Sum);
             }
         }
     }
 
-    fn product(&mut self) -> Result<Node, SyntaxError> {
+    fn product(&mut self) -> Parsed {
         let mut left = self.unary()?;
         loop {
             if self.symbol() == Some(Symbol::Times) {
-                let start = left.span;
-                let mut factors = vec![left];
+                let mut factors = vec![*left];
                 while self.accept(Symbol::Times) {
-                    factors.push(self.unary()?);
+                    factors.push(*self.unary()?);
                 }
-                let end = factors[factors.len() - 1].span;
-                left = node(start.to(end), Kind::Product(factors))?;
+                left = list(factors, Kind::Product)?;
             } else if self.accept(Symbol::Divide) {
-                let right = self.unary()?;
-                let span = left.span.to(right.span);
-                left = node(span, Kind::Quotient(Box::new([left, right])))?;
+                left = pair([left, self.unary()?], Kind::Quotient)?;
             } else {
                 return Ok(left);
             }
         }
     }
 
-    fn unary(&mut self) -> Result<Node, SyntaxError> {
+    fn unary(&mut self) -> Parsed {
         let sign = self.next_span();
         if self.accept(Symbol::Minus) {
-            let operand = self.deeper(sign, Self::unary)?;
-            return node(sign.to(operand.span), Kind::Negate(Box::new(operand)));
+            return negated(sign, self.deeper(sign, Self::unary)?);
         }
         if self.accept(Symbol::Plus) {
             return self.deeper(sign, Self::unary);
@@ -119,18 +112,16 @@ impl<'a> Parser<'a> {
         self.power()
     }
 
-    fn power(&mut self) -> Result<Node, SyntaxError> {
+    fn power(&mut self) -> Parsed {
         let base = self.atom()?;
         let operator = self.next_span();
         if !self.accept(Symbol::Power) {
             return Ok(base);
         }
-        let exponent = self.deeper(operator, Self::unary)?;
-        let span = base.span.to(exponent.span);
-        node(span, Kind::Power(Box::new([base, exponent])))
+        pair([base, self.deeper(operator, Self::unary)?], Kind::Power)
     }
 
-    fn atom(&mut self) -> Result<Node, SyntaxError> {
+    fn atom(&mut self) -> Parsed {
         let Some(&token) = self.tokens.get(self.position) else {
             return Err(self.unexpected(OPERAND));
         };
@@ -140,15 +131,14 @@ impl<'a> Parser<'a> {
             TokenKind::Symbol(Symbol::Open) => {
                 self.position += 1;
                 let mut inner = self.deeper(token.span, Self::sum)?;
-                let close = self.expect(Symbol::Close, "an operator or `)`")?;
-                inner.span = token.span.to(close);
+                inner.span = token.span.to(self.expect(Symbol::Close, CLOSE)?);
                 Ok(inner)
             }
             TokenKind::Symbol(_) => Err(self.unexpected(OPERAND)),
         }
     }
 
-    fn number(&mut self, span: Span) -> Result<Node, SyntaxError> {
+    fn number(&mut self, span: Span) -> Parsed {
         self.position += 1;
         let exact = Rational::parse_decimal(span.of(self.text))
             .map_err(|error| SyntaxError::new(span, SyntaxErrorKind::Number(error)))?;
@@ -163,39 +153,44 @@ impl<'a> Parser<'a> {
         )
     }
 
-    fn named(&mut self, span: Span) -> Result<Node, SyntaxError> {
+    fn named(&mut self, span: Span) -> Parsed {
         let name = span.of(self.text);
-        let called = self.symbol_at(self.position + 1) == Some(Symbol::Open);
         if let Some(function) = Function::from_name(name) {
-            self.position += 1;
-            self.expect(Symbol::Open, "`(` and an argument after a function's name")?;
-            let argument = self.deeper(span, Self::sum)?;
-            let close = self.expect(Symbol::Close, "an operator or `)`")?;
-            return node(span.to(close), Kind::Call(function, Box::new(argument)));
+            return self.call(span, function);
         }
-        match name {
-            SUM => self.sum_over(span),
-            _ if called => {
-                let known = Function::NAMES.into_iter().chain([SUM]);
-                let suggestion = alias(name).or_else(|| nearest(name, known));
-                let kind = SyntaxErrorKind::UnknownFunction {
-                    name: name.to_owned(),
-                };
-                Err(SyntaxError::new(span, kind).suggesting(suggestion))
-            }
-            PI | LENGTH => {
-                self.position += 1;
-                node(span, if name == PI { Kind::Pi } else { Kind::Length })
-            }
+        if name == SUM {
+            return self.sum_over(span);
+        }
+        if self.symbol_at(self.position + 1) == Some(Symbol::Open) {
+            return Err(unknown_function(name, span));
+        }
+        self.value(name, span)
+    }
+
+    /// A constant, a variable or a parameter.
+    fn value(&mut self, name: &str, span: Span) -> Parsed {
+        let kind = match name {
+            PI => Kind::Pi,
+            LENGTH => Kind::Length,
             _ => {
                 let reference = self.reference()?;
                 let end = self.tokens[self.position - 1].span;
-                node(span.to(end), Kind::Reference(reference))
+                return node(span.to(end), Kind::Reference(reference));
             }
-        }
+        };
+        self.position += 1;
+        node(span, kind)
     }
 
-    fn sum_over(&mut self, start: Span) -> Result<Node, SyntaxError> {
+    fn call(&mut self, span: Span, function: Function) -> Parsed {
+        self.position += 1;
+        self.expect(Symbol::Open, "`(` and an argument after a function's name")?;
+        let argument = self.deeper(span, Self::sum)?;
+        let close = self.expect(Symbol::Close, CLOSE)?;
+        node(span.to(close), Kind::Call(function, argument))
+    }
+
+    fn sum_over(&mut self, start: Span) -> Parsed {
         self.position += 1;
         self.expect(Symbol::Open, "`(`, an index, `,` and a summand after `sum`")?;
         let index = self.index_name("the name of an index")?;
@@ -204,23 +199,17 @@ impl<'a> Parser<'a> {
             let kind = SyntaxErrorKind::DuplicateIndex {
                 name: name.to_owned(),
             };
-            return Err(SyntaxError::new(index, kind));
+            return Err(SyntaxError::new(index, kind).into());
         }
         self.expect(Symbol::Comma, "`,` and a summand")?;
         self.bound.push(name);
         let body = self.deeper(start, Self::sum)?;
         self.bound.pop();
-        let close = self.expect(Symbol::Close, "an operator or `)`")?;
-        node(
-            start.to(close),
-            Kind::SumOver {
-                index,
-                body: Box::new(body),
-            },
-        )
+        let close = self.expect(Symbol::Close, CLOSE)?;
+        node(start.to(close), Kind::SumOver { index, body })
     }
 
-    fn reference(&mut self) -> Result<Reference, SyntaxError> {
+    fn reference(&mut self) -> Result<Reference, Box<SyntaxError>> {
         let name = self.index_name("the name of a variable")?;
         if !self.accept(Symbol::OpenBracket) {
             return Ok(Reference { name, site: None });
@@ -233,7 +222,7 @@ impl<'a> Parser<'a> {
         })
     }
 
-    fn site(&mut self) -> Result<Site, SyntaxError> {
+    fn site(&mut self) -> Result<Site, Box<SyntaxError>> {
         let start = self.next_span();
         let mut anchor = Anchor::Start;
         let mut offset = 0i64;
@@ -279,7 +268,7 @@ impl<'a> Parser<'a> {
     }
 
     /// A name that stands for something the scene declares.
-    fn index_name(&mut self, expected: &'static str) -> Result<Span, SyntaxError> {
+    fn index_name(&mut self, expected: &'static str) -> Result<Span, Box<SyntaxError>> {
         match self.tokens.get(self.position) {
             Some(Token {
                 kind: TokenKind::Name,
@@ -294,24 +283,20 @@ impl<'a> Parser<'a> {
         }
     }
 
-    fn refuse_reserved(&self, span: Span, expected: &'static str) -> Result<(), SyntaxError> {
+    fn refuse_reserved(&self, span: Span, expected: &'static str) -> Result<(), Box<SyntaxError>> {
         let name = span.of(self.text);
         if super::scope::is_reserved(name) {
             let kind = SyntaxErrorKind::Expected {
                 expected,
                 found: name.to_owned(),
             };
-            return Err(SyntaxError::new(span, kind));
+            return Err(SyntaxError::new(span, kind).into());
         }
         Ok(())
     }
 
     /// `parse`, one level deeper.
-    fn deeper(
-        &mut self,
-        span: Span,
-        parse: fn(&mut Self) -> Result<Node, SyntaxError>,
-    ) -> Result<Node, SyntaxError> {
+    fn deeper(&mut self, span: Span, parse: fn(&mut Self) -> Parsed) -> Parsed {
         if self.depth == DEPTH_LIMIT {
             return Err(too_deep(span));
         }
@@ -338,7 +323,7 @@ impl<'a> Parser<'a> {
         found
     }
 
-    fn expect(&mut self, symbol: Symbol, expected: &'static str) -> Result<Span, SyntaxError> {
+    fn expect(&mut self, symbol: Symbol, expected: &'static str) -> Result<Span, Box<SyntaxError>> {
         let span = self.next_span();
         if self.accept(symbol) {
             Ok(span)
@@ -347,7 +332,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    fn end(&self, expected: &'static str) -> Result<(), SyntaxError> {
+    fn end(&self, expected: &'static str) -> Result<(), Box<SyntaxError>> {
         if self.position == self.tokens.len() {
             Ok(())
         } else {
@@ -364,7 +349,7 @@ impl<'a> Parser<'a> {
     }
 
     /// The error that the next token is not what is expected.
-    fn unexpected(&self, expected: &'static str) -> SyntaxError {
+    fn unexpected(&self, expected: &'static str) -> Box<SyntaxError> {
         let span = self.next_span();
         let kind = if self.position < self.tokens.len() {
             let found = span.of(self.text).chars().take(40).collect();
@@ -372,20 +357,47 @@ impl<'a> Parser<'a> {
         } else {
             SyntaxErrorKind::UnexpectedEnd { expected }
         };
-        SyntaxError::new(span, kind)
+        Box::new(SyntaxError::new(span, kind))
     }
 }
 
 /// A node above its children, refused when it would be too high.
-fn node(span: Span, kind: Kind) -> Result<Node, SyntaxError> {
+fn node(span: Span, kind: Kind) -> Parsed {
     let below = kind.children().iter().map(|child| child.height + 1).max();
     let height = below.unwrap_or(0);
     if height > DEPTH_LIMIT {
         return Err(too_deep(span));
     }
-    Ok(Node { span, height, kind })
+    Ok(Box::new(Node { span, height, kind }))
 }
 
-fn too_deep(span: Span) -> SyntaxError {
-    SyntaxError::new(span, SyntaxErrorKind::TooDeep { limit: DEPTH_LIMIT })
+fn negated(sign: Span, operand: Box<Node>) -> Parsed {
+    node(sign.to(operand.span), Kind::Negate(operand))
+}
+
+fn pair(parts: [Box<Node>; 2], kind: fn(Box<[Node; 2]>) -> Kind) -> Parsed {
+    let span = parts[0].span.to(parts[1].span);
+    node(span, kind(Box::new(parts.map(|part| *part))))
+}
+
+/// A sum or product of at least one part.
+fn list(parts: Vec<Node>, kind: fn(Vec<Node>) -> Kind) -> Parsed {
+    let span = parts[0].span.to(parts[parts.len() - 1].span);
+    node(span, kind(parts))
+}
+
+fn unknown_function(name: &str, span: Span) -> Box<SyntaxError> {
+    let known = Function::NAMES.into_iter().chain([SUM]);
+    let suggestion = alias(name).or_else(|| nearest(name, known));
+    let kind = SyntaxErrorKind::UnknownFunction {
+        name: name.to_owned(),
+    };
+    Box::new(SyntaxError::new(span, kind).suggesting(suggestion))
+}
+
+fn too_deep(span: Span) -> Box<SyntaxError> {
+    Box::new(SyntaxError::new(
+        span,
+        SyntaxErrorKind::TooDeep { limit: DEPTH_LIMIT },
+    ))
 }

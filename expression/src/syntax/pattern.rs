@@ -30,7 +30,9 @@ impl VariablePattern {
     /// # Errors
     /// [`SyntaxError`] when the text is something else.
     pub fn parse_one(text: &str) -> Result<Self, SyntaxError> {
-        let reference = Parser::new(text)?.single()?;
+        let reference = Parser::new(text)
+            .and_then(Parser::single)
+            .map_err(|error| *error)?;
         Ok(Self {
             text: text.to_owned(),
             reference,
@@ -43,7 +45,9 @@ impl VariablePattern {
     /// # Errors
     /// [`SyntaxError`] when the text is something else.
     pub fn parse_pair(text: &str) -> Result<(Self, Self), SyntaxError> {
-        let (first, second) = Parser::new(text)?.pair()?;
+        let (first, second) = Parser::new(text)
+            .and_then(Parser::pair)
+            .map_err(|error| *error)?;
         let pattern = |reference| Self {
             text: text.to_owned(),
             reference,

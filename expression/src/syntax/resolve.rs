@@ -44,14 +44,15 @@ impl Formula {
         match resolver.expression(self.root(), outermost.as_ref()) {
             Ok(expression) => Ok(Some(expression)),
             Err(Stop::Outside { .. }) => Ok(None),
-            Err(Stop::Error(error)) => Err(error),
+            Err(Stop::Error(error)) => Err(*error),
         }
     }
 }
 
-/// Why a part has no expression.
+/// Why a part has no expression. The error is boxed so that a level of recursion takes little of
+/// the stack.
 enum Stop {
-    Error(SyntaxError),
+    Error(Box<SyntaxError>),
     /// The index of this level reaches beyond an open boundary.
     Outside {
         level: usize,
@@ -60,7 +61,7 @@ enum Stop {
 
 impl From<SyntaxError> for Stop {
     fn from(error: SyntaxError) -> Self {
-        Stop::Error(error)
+        Stop::Error(Box::new(error))
     }
 }
 
@@ -72,37 +73,39 @@ struct Resolver<'a> {
 
 impl Resolver<'_> {
     fn expression(&mut self, node: &Node, bound: Option<&Bound<'_>>) -> Result<Expression, Stop> {
-        let boxed = |expression| Ok(Box::new(expression));
-        Ok(match &node.kind {
-            Kind::Number { exact, .. } => Expression::Constant(exact.clone()),
-            Kind::Pi => Expression::Pi,
-            Kind::Length => {
-                let length = length(self.scope.shown_length(), node.span, LENGTH)?;
-                Expression::Constant(Rational::from_integer(length as i64))
-            }
-            Kind::Reference(reference) => self.reference(reference, bound)?,
+        match &node.kind {
+            Kind::Number { exact, .. } => Ok(Expression::Constant(exact.clone())),
+            Kind::Pi => Ok(Expression::Pi),
+            Kind::Length => self.length(node.span),
+            Kind::Reference(reference) => self.reference(reference, bound),
             Kind::Call(function, argument) => {
-                Expression::Apply(*function, self.expression(argument, bound).and_then(boxed)?)
+                let argument = self.boxed(argument, bound)?;
+                Ok(Expression::Apply(*function, argument))
             }
-            Kind::SumOver { index, body } => self.sum_over(node.span, *index, body, bound)?,
-            Kind::Sum(terms) => Expression::Sum(self.expressions(terms, bound)?),
-            Kind::Product(factors) => Expression::Product(self.expressions(factors, bound)?),
-            Kind::Negate(operand) => match self.expression(operand, bound)? {
-                Expression::Constant(number) => Expression::Constant(-number),
-                operand => Expression::Negate(Box::new(operand)),
-            },
+            Kind::SumOver { index, body } => self.sum_over(node.span, *index, body, bound),
+            Kind::Sum(terms) => self.expressions(terms, bound).map(Expression::Sum),
+            Kind::Product(factors) => self.expressions(factors, bound).map(Expression::Product),
+            Kind::Negate(operand) => self.boxed(operand, bound).map(negated),
             Kind::Quotient(pair) => {
-                let numerator = self.expression(&pair[0], bound)?;
-                let denominator = self.expression(&pair[1], bound)?;
-                quotient(numerator, denominator)
+                let numerator = self.boxed(&pair[0], bound)?;
+                Ok(quotient(numerator, self.boxed(&pair[1], bound)?))
             }
             Kind::Power(pair) => {
-                let base = self.expression(&pair[0], bound)?;
-                let exponent = self.expression(&pair[1], bound)?;
+                let base = self.boxed(&pair[0], bound)?;
+                let exponent = self.boxed(&pair[1], bound)?;
                 self.check_exponent(&exponent, pair[1].span)?;
-                Expression::Power(Box::new(base), Box::new(exponent))
+                Ok(Expression::Power(base, exponent))
             }
-        })
+        }
+    }
+
+    fn boxed(&mut self, node: &Node, bound: Option<&Bound<'_>>) -> Result<Box<Expression>, Stop> {
+        self.expression(node, bound).map(Box::new)
+    }
+
+    fn length(&self, span: Span) -> Result<Expression, Stop> {
+        let length = length(self.scope.shown_length(), span, LENGTH)?;
+        Ok(Expression::Constant(Rational::from_integer(length as i64)))
     }
 
     fn expressions(
@@ -213,12 +216,19 @@ pub(super) fn check_terms(terms: usize, span: Span) -> Result<(), SyntaxError> {
     Ok(())
 }
 
-fn quotient(numerator: Expression, denominator: Expression) -> Expression {
+fn negated(operand: Box<Expression>) -> Expression {
+    match *operand {
+        Expression::Constant(number) => Expression::Constant(-number),
+        _ => Expression::Negate(operand),
+    }
+}
+
+fn quotient(numerator: Box<Expression>, denominator: Box<Expression>) -> Expression {
     if let (Expression::Constant(numerator), Expression::Constant(denominator)) =
-        (&numerator, &denominator)
+        (numerator.as_ref(), denominator.as_ref())
         && let Some(value) = numerator.checked_div(denominator)
     {
         return Expression::Constant(value);
     }
-    Expression::Quotient(Box::new(numerator), Box::new(denominator))
+    Expression::Quotient(numerator, denominator)
 }

@@ -4,7 +4,7 @@ use super::error::{SyntaxError, SyntaxErrorKind};
 use super::formula::Formula;
 use super::resolve::{check_terms, inner_index, length};
 use super::scope::{Bound, Entry, LENGTH, SUM, Scope, find};
-use super::tree::{Kind, Node, Reference};
+use super::tree::{Kind, Node, Reference, Span};
 use crate::expression::integer_power;
 
 impl Formula {
@@ -36,7 +36,9 @@ impl Formula {
             parameters,
             terms: 0,
         };
-        evaluator.value(self.root(), outermost.as_ref())
+        evaluator
+            .value(self.root(), outermost.as_ref())
+            .map_err(|error| *error)
     }
 }
 
@@ -48,49 +50,58 @@ struct Evaluator<'a> {
 }
 
 impl Evaluator<'_> {
-    fn value(&mut self, node: &Node, bound: Option<&Bound<'_>>) -> Result<f64, SyntaxError> {
-        Ok(match &node.kind {
-            Kind::Number { rounded, .. } => *rounded,
-            Kind::Pi => std::f64::consts::PI,
-            Kind::Length => length(self.scope.shown_length(), node.span, LENGTH)? as f64,
-            Kind::Reference(reference) => self.reference(reference, bound)?,
-            Kind::Call(function, argument) => function.apply(self.value(argument, bound)?),
-            Kind::SumOver { index, body } => {
-                let length = length(self.scope.longest(), node.span, SUM)?;
-                let mut inner = inner_index(self.text, *index, bound)?;
-                let mut sum = 0.0;
-                for value in 0..length {
-                    self.terms += 1;
-                    check_terms(self.terms, node.span)?;
-                    inner.value = value;
-                    sum += self.value(body, Some(&inner))?;
-                }
-                sum
-            }
+    /// The error is boxed so that a level of recursion takes little of the stack.
+    fn value(&mut self, node: &Node, bound: Option<&Bound<'_>>) -> Result<f64, Box<SyntaxError>> {
+        match &node.kind {
+            Kind::Number { rounded, .. } => Ok(*rounded),
+            Kind::Pi => Ok(std::f64::consts::PI),
+            Kind::Length => Ok(length(self.scope.shown_length(), node.span, LENGTH)? as f64),
+            Kind::Reference(reference) => Ok(self.reference(reference, bound)?),
+            Kind::Call(function, argument) => Ok(function.apply(self.value(argument, bound)?)),
+            Kind::SumOver { index, body } => self.sum_over(node.span, *index, body, bound),
             Kind::Sum(terms) => {
                 let mut sum = 0.0;
                 for term in terms {
                     sum += self.value(term, bound)?;
                 }
-                sum
+                Ok(sum)
             }
             Kind::Product(factors) => {
                 let mut product = 1.0;
                 for factor in factors {
                     product *= self.value(factor, bound)?;
                 }
-                product
+                Ok(product)
             }
-            Kind::Negate(operand) => -self.value(operand, bound)?,
-            Kind::Quotient(pair) => self.value(&pair[0], bound)? / self.value(&pair[1], bound)?,
+            Kind::Negate(operand) => Ok(-self.value(operand, bound)?),
+            Kind::Quotient(pair) => Ok(self.value(&pair[0], bound)? / self.value(&pair[1], bound)?),
             Kind::Power(pair) => {
                 let base = self.value(&pair[0], bound)?;
                 match self.integer(&pair[1].kind) {
-                    Some(exponent) => integer_power(base, exponent),
-                    None => libm::pow(base, self.value(&pair[1], bound)?),
+                    Some(exponent) => Ok(integer_power(base, exponent)),
+                    None => Ok(libm::pow(base, self.value(&pair[1], bound)?)),
                 }
             }
-        })
+        }
+    }
+
+    fn sum_over(
+        &mut self,
+        span: Span,
+        index: Span,
+        body: &Node,
+        bound: Option<&Bound<'_>>,
+    ) -> Result<f64, Box<SyntaxError>> {
+        let length = length(self.scope.longest(), span, SUM)?;
+        let mut inner = inner_index(self.text, index, bound)?;
+        let mut sum = 0.0;
+        for value in 0..length {
+            self.terms += 1;
+            check_terms(self.terms, span)?;
+            inner.value = value;
+            sum += self.value(body, Some(&inner))?;
+        }
+        Ok(sum)
     }
 
     /// The integer that an exponent is, when it is a number or `N`, negated or not.
