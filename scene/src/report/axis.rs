@@ -1,0 +1,286 @@
+//! Axes: where a value stands, and which values get a label.
+
+use super::canvas::{AXIS, Anchor, Canvas, GRID, TEXT};
+use super::html::power_of_ten;
+
+/// A linear or logarithmic axis over a finite, nonempty range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Axis {
+    /// Equal differences, equal distances.
+    Linear {
+        /// The lower end.
+        low: f64,
+        /// The upper end.
+        high: f64,
+    },
+    /// Equal ratios, equal distances; the ends are powers of ten.
+    Logarithmic {
+        /// The exponent of the lower end.
+        low: i32,
+        /// The exponent of the upper end.
+        high: i32,
+    },
+}
+
+/// Labels of an axis and the power of ten they leave out.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Ticks {
+    /// Values with their labels.
+    pub labels: Vec<(f64, String)>,
+    /// The factor common to all labels, as "×10⁻⁹", or nothing.
+    pub factor: String,
+}
+
+impl Axis {
+    /// A linear axis over the finite values, with a margin when `padding` is positive.
+    pub fn linear(values: impl IntoIterator<Item = f64>, padding: f64) -> Self {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for value in values.into_iter().filter(|value| value.is_finite()) {
+            low = low.min(value);
+            high = high.max(value);
+        }
+        if low > high {
+            return Self::Linear {
+                low: 0.0,
+                high: 1.0,
+            };
+        }
+        let magnitude = low.abs().max(high.abs());
+        let margin = match high - low {
+            0.0 if magnitude == 0.0 => 1.0,
+            span if span <= magnitude * 8.0 * f64::EPSILON => magnitude * 0.05,
+            span if span.is_finite() => span * padding,
+            _ => {
+                return Self::Linear {
+                    low: -f64::MAX / 4.0,
+                    high: f64::MAX / 4.0,
+                };
+            }
+        };
+        Self::Linear {
+            low: low - margin,
+            high: high + margin,
+        }
+    }
+
+    /// A logarithmic axis over the positive finite values, at least one decade long.
+    pub fn logarithmic(values: impl IntoIterator<Item = f64>) -> Self {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for value in values
+            .into_iter()
+            .filter(|value| value.is_finite() && *value > 0.0)
+        {
+            low = low.min(value);
+            high = high.max(value);
+        }
+        if low > high {
+            return Self::Logarithmic {
+                low: -17,
+                high: -15,
+            };
+        }
+        let low = libm::floor(libm::log10(low)) as i32;
+        let high = libm::ceil(libm::log10(high)) as i32;
+        Self::Logarithmic {
+            low,
+            high: high.max(low + 1),
+        }
+    }
+
+    /// Where a value stands: 0 at the lower end, 1 at the upper; clamped to the axis.
+    pub fn fraction(&self, value: f64) -> f64 {
+        let fraction = match *self {
+            Self::Linear { low, high } => (value - low) / (high - low),
+            Self::Logarithmic { low, high } if value > 0.0 => {
+                (libm::log10(value) - f64::from(low)) / f64::from(high - low)
+            }
+            Self::Logarithmic { .. } => 0.0,
+        };
+        if fraction.is_nan() {
+            0.0
+        } else {
+            fraction.clamp(0.0, 1.0)
+        }
+    }
+
+    /// About `count` labelled values.
+    pub fn ticks(&self, count: usize) -> Ticks {
+        match *self {
+            Self::Logarithmic { low, high } => {
+                let stride = ((high - low) as usize).div_ceil(count.max(1)).max(1);
+                let exponents = (low..=high).step_by(stride);
+                let label =
+                    |exponent| (libm::pow(10.0, f64::from(exponent)), power_of_ten(exponent));
+                Ticks {
+                    labels: exponents.map(label).collect(),
+                    factor: String::new(),
+                }
+            }
+            Self::Linear { low, high } => linear_ticks(low, high, count),
+        }
+    }
+}
+
+fn linear_ticks(low: f64, high: f64, count: usize) -> Ticks {
+    let rough = (high - low) / count.max(1) as f64;
+    let decade = libm::floor(libm::log10(rough));
+    let unit = libm::pow(10.0, decade);
+    let step = [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .map(|nice| nice * unit)
+        .find(|step| *step >= rough * 0.999)
+        .unwrap_or(10.0 * unit);
+    let (first, last) = (
+        libm::ceil(low / step - 1e-9),
+        libm::floor(high / step + 1e-9),
+    );
+    let magnitude = low.abs().max(high.abs());
+    let exponent = libm::floor(libm::log10(magnitude)) as i32;
+    let shift = if (-3..5).contains(&exponent) {
+        0
+    } else {
+        exponent
+    };
+    let scale = libm::pow(10.0, f64::from(-shift));
+    let decimals = (libm::floor(libm::log10(step * scale) + 1e-9) as i32)
+        .min(0)
+        .unsigned_abs();
+    let labels = (0..=(last - first).clamp(0.0, 50.0) as usize)
+        .map(|index| {
+            let value = (first + index as f64) * step;
+            let text = format!("{:.*}", decimals.min(15) as usize, value * scale);
+            let is_zero = text.chars().all(|digit| matches!(digit, '-' | '0' | '.'));
+            let text = if is_zero {
+                "0".to_owned()
+            } else {
+                text.replace('-', "−")
+            };
+            (value, text)
+        })
+        .collect();
+    let factor = if shift == 0 {
+        String::new()
+    } else {
+        format!("×{}", power_of_ten(shift))
+    };
+    Ticks { labels, factor }
+}
+
+/// A rectangle with two axes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    /// Left, top, right and bottom edge.
+    pub edges: [f64; 4],
+    /// The horizontal axis.
+    pub x: Axis,
+    /// The vertical axis.
+    pub y: Axis,
+}
+
+impl Frame {
+    /// The standard frame of a picture of this size.
+    pub fn new(width: f64, height: f64, x: Axis, y: Axis) -> Self {
+        Self {
+            edges: [62.0, 34.0, width - 18.0, height - 44.0],
+            x,
+            y,
+        }
+    }
+
+    /// The point of the picture where (x, y) stands.
+    pub fn point(&self, x: f64, y: f64) -> (f64, f64) {
+        let [left, top, right, bottom] = self.edges;
+        (
+            left + self.x.fraction(x) * (right - left),
+            bottom - self.y.fraction(y) * (bottom - top),
+        )
+    }
+
+    /// The width of the frame in pixels, as a count of bins.
+    pub fn columns(&self) -> usize {
+        (self.edges[2] - self.edges[0]).max(1.0) as usize
+    }
+
+    /// Grid, frame, labels and the two titles; the vertical one stands above its axis.
+    pub fn draw(&self, canvas: &mut Canvas, x_title: &str, y_title: &str) {
+        let [left, top, right, bottom] = self.edges;
+        let horizontal = self.x.ticks(((right - left) / 90.0) as usize);
+        let vertical = self.y.ticks(((bottom - top) / 42.0) as usize);
+        for (value, label) in &horizontal.labels {
+            let (x, _) = self.point(*value, 0.0);
+            canvas.path(&[(x, top), (x, bottom)], GRID, 1.0);
+            canvas.label(label, (x, bottom + 15.0), Anchor::Middle);
+        }
+        for (value, label) in &vertical.labels {
+            let (_, y) = self.point(0.0, *value);
+            canvas.path(&[(left, y), (right, y)], GRID, 1.0);
+            canvas.label(label, (left - 8.0, y), Anchor::End);
+        }
+        canvas.path(&[(left, top), (left, bottom), (right, bottom)], AXIS, 1.0);
+        let titled = |title: &str, factor: &str| match factor {
+            "" => title.to_owned(),
+            _ => format!("{title}  ({factor})"),
+        };
+        let x_title = titled(x_title, &horizontal.factor);
+        let y_title = titled(y_title, &vertical.factor);
+        canvas.label(
+            &x_title,
+            ((left + right) / 2.0, bottom + 34.0),
+            Anchor::Middle,
+        );
+        canvas.label_in(&y_title, (left, top - 17.0), Anchor::Start, TEXT, 13.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn texts(axis: Axis, count: usize) -> Vec<String> {
+        axis.ticks(count)
+            .labels
+            .into_iter()
+            .map(|(_, text)| text)
+            .collect()
+    }
+
+    #[test]
+    fn linear_labels_are_round_numbers() {
+        assert_eq!(
+            texts(Axis::linear([0.0, 100.0], 0.0), 5),
+            ["0", "20", "40", "60", "80", "100"]
+        );
+        assert_eq!(
+            texts(Axis::linear([-0.1, 0.1], 0.0), 4),
+            ["−0.10", "−0.05", "0", "0.05", "0.10"]
+        );
+    }
+
+    #[test]
+    fn small_numbers_share_one_factor() {
+        let ticks = Axis::linear([0.0, 4e-9], 0.0).ticks(4);
+        assert_eq!(ticks.factor, "×10⁻⁹");
+        assert_eq!(ticks.labels[1].1, "1");
+    }
+
+    #[test]
+    fn logarithmic_labels_skip_decades_when_there_are_many() {
+        assert_eq!(texts(Axis::logarithmic([1e-16, 1e-4]), 6).len(), 7);
+        assert_eq!(texts(Axis::logarithmic([2e-3, 3e-3]), 6), ["10⁻³", "10⁻²"]);
+    }
+
+    #[test]
+    fn degenerate_ranges_still_give_an_axis() {
+        for values in [
+            vec![],
+            vec![f64::NAN],
+            vec![3.0; 4],
+            vec![-f64::MAX, f64::MAX],
+            vec![0.0],
+        ] {
+            let axis = Axis::linear(values.clone(), 0.05);
+            assert!(!axis.ticks(4).labels.is_empty(), "{values:?}");
+            assert!((0.0..=1.0).contains(&axis.fraction(3.0)), "{values:?}");
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! What a report is made from.
+
+/// Everything a report shows; plain recorded data, nothing is recomputed.
+#[derive(Clone, Debug, Default)]
+pub struct ReportData {
+    /// The heading, as "Rigid body".
+    pub title: String,
+    /// Program and version, as "leafwise 0.1.0".
+    pub version: String,
+    /// The effective command line.
+    pub command: String,
+    /// The scene's file name.
+    pub scene_name: String,
+    /// The scene as run.
+    pub scene_text: String,
+    /// How the run ended.
+    pub outcome: Outcome,
+    /// Label and text for each line about the method: realization, dynamics, orders, step.
+    pub method: Vec<(String, String)>,
+    /// Label and value for each line of the summary.
+    pub facts: Vec<(String, String)>,
+    /// Deviation of each invariant, maxima over windows of every step.
+    pub invariants: Vec<InvariantSeries>,
+    /// Whether the drift plot has a logarithmic time axis, for long runs.
+    pub logarithmic_time: bool,
+    /// Energy at the recorded states.
+    pub energy: Option<TimeSeries>,
+    /// The recorded states to draw.
+    pub trajectory: Option<Trajectory>,
+    /// Solver evaluations a step.
+    pub solver: Option<TimeSeries>,
+}
+
+/// How a run ended.
+#[derive(Clone, Debug)]
+pub enum Outcome {
+    /// All steps were made.
+    Done {
+        /// What was done, as "1000 steps to t = 200".
+        message: String,
+    },
+    /// The run was stopped and can be resumed.
+    Interrupted {
+        /// Where it stopped.
+        message: String,
+    },
+    /// The run failed; what was recorded before is shown.
+    Failed {
+        /// What happened.
+        message: String,
+        /// The step that failed.
+        step: u64,
+        /// The time before that step.
+        time: f64,
+        /// The state before that step, by coordinate.
+        state: Vec<(String, f64)>,
+        /// What to try.
+        hint: String,
+    },
+}
+
+impl Default for Outcome {
+    fn default() -> Self {
+        Self::Done {
+            message: String::new(),
+        }
+    }
+}
+
+/// Values over time.
+#[derive(Clone, Debug, Default)]
+pub struct TimeSeries {
+    /// Times.
+    pub times: Vec<f64>,
+    /// One value for each time.
+    pub values: Vec<f64>,
+}
+
+/// How far an invariant strayed from its initial value.
+#[derive(Clone, Debug, Default)]
+pub struct InvariantSeries {
+    /// The invariant's name.
+    pub name: String,
+    /// Its value I(0).
+    pub reference: f64,
+    /// The end time of each window.
+    pub times: Vec<f64>,
+    /// max |I(t) − I(0)| over every step of each window.
+    pub deviations: Vec<f64>,
+}
+
+/// The states to draw.
+#[derive(Clone, Debug)]
+pub enum Trajectory {
+    /// A few coordinates of the state; the first three are drawn.
+    Orbit {
+        /// The coordinates' names.
+        names: Vec<String>,
+        /// Times of the recorded states.
+        times: Vec<f64>,
+        /// One point for each time, as long as `names`.
+        points: Vec<Vec<f64>>,
+        /// The symplectic leaf, where it is an ellipsoid in the first three coordinates.
+        leaf: Option<Ellipsoid>,
+    },
+    /// A field on the sites of a family.
+    Lattice {
+        /// The family's name.
+        name: String,
+        /// Times of the recorded fields.
+        times: Vec<f64>,
+        /// One field for each time.
+        fields: Vec<Vec<f64>>,
+    },
+}
+
+/// Σ ((x_i − c_i)/a_i)² = 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ellipsoid {
+    /// The center c.
+    pub center: [f64; 3],
+    /// The semi-axes a.
+    pub semi_axes: [f64; 3],
+}

@@ -1,0 +1,155 @@
+//! How far the invariants strayed, on a logarithmic axis.
+
+use super::axis::{Axis, Frame};
+use super::canvas::{ALARM, AXIS, Anchor, Canvas, SERIES, TEXT};
+use super::data::InvariantSeries;
+use super::decimate::maxima;
+use super::error::ReportError;
+use super::figure::Figure;
+use super::html::number;
+
+/// Where exact zeros are drawn, unless a deviation is smaller.
+const FLOOR: f64 = 1e-17;
+
+/// max |I − I(0)| of every invariant over time; log–log when `logarithmic_time`.
+pub(super) fn drift_figure(
+    invariants: &[InvariantSeries],
+    logarithmic_time: bool,
+) -> Result<Figure, ReportError> {
+    let (width, height) = (960.0, 380.0);
+    let times = || {
+        invariants
+            .iter()
+            .flat_map(|series| &series.times)
+            .map(|time| time.abs())
+    };
+    let x = if logarithmic_time {
+        Axis::logarithmic(times())
+    } else {
+        Axis::linear(times(), 0.0)
+    };
+    let floor = floor_of(invariants);
+    let deviations = invariants.iter().flat_map(|series| &series.deviations);
+    let drawn = deviations.map(|value| value.abs().max(floor));
+    let frame = Frame::new(width, height, x, Axis::logarithmic(drawn));
+    let mut canvas = Canvas::new(width, height);
+    frame.draw(
+        &mut canvas,
+        "time t",
+        "|I(t) − I(0)|, maximum over every step",
+    );
+    draw_round_off(&mut canvas, &frame, invariants);
+    let mut notes = Vec::new();
+    let mut zeros = 0;
+    for (index, series) in invariants.iter().enumerate() {
+        zeros += series
+            .deviations
+            .iter()
+            .filter(|value| **value == 0.0)
+            .count();
+        let unseen = draw_series(
+            &mut canvas,
+            &frame,
+            series,
+            SERIES[index % SERIES.len()],
+            floor,
+        );
+        if let Some(time) = unseen {
+            notes.push(format!(
+                "{} is not finite from t = {} on (red marks).",
+                series.name,
+                number(time, 4)
+            ));
+        }
+    }
+    if zeros > 0 {
+        let windows = if zeros == 1 { "window" } else { "windows" };
+        let level = number(floor, 2);
+        notes.push(format!(
+            "In {zeros} {windows} the deviation is exactly zero, drawn at {level}."
+        ));
+    }
+    Ok(Figure {
+        title: "Drift of the invariants".to_owned(),
+        svg: canvas.finish("Deviation of each invariant from its initial value over time")?,
+        legend: invariants
+            .iter()
+            .map(|series| series.name.clone())
+            .collect(),
+        caption: "The largest deviation of each invariant from its initial value, taken over \
+                  every step of each window, not only over the recorded states. A level curve is \
+                  a bounded error; growth like √t is the random walk of round-off, growth like t \
+                  a secular drift."
+            .to_owned(),
+        notes,
+    })
+}
+
+/// The power of ten at which exact zeros are drawn: 10⁻¹⁷, or below the smallest deviation.
+fn floor_of(invariants: &[InvariantSeries]) -> f64 {
+    let deviations = invariants.iter().flat_map(|series| &series.deviations);
+    let smallest = deviations
+        .map(|value| value.abs())
+        .filter(|value| *value > 0.0 && value.is_finite())
+        .fold(FLOOR, f64::min);
+    libm::pow(10.0, libm::floor(libm::log10(smallest)))
+}
+
+/// Draws one series; gives the time of the first value that is not finite.
+fn draw_series(
+    canvas: &mut Canvas,
+    frame: &Frame,
+    series: &InvariantSeries,
+    ink: super::canvas::Ink,
+    floor: f64,
+) -> Option<f64> {
+    let placed: Vec<_> = series
+        .times
+        .iter()
+        .zip(&series.deviations)
+        .filter(|(time, _)| matches!(frame.x, Axis::Linear { .. }) || **time != 0.0)
+        .map(|(time, value)| (frame.x.fraction(time.abs()), *value))
+        .collect();
+    let [left, top, right, _] = frame.edges;
+    let mut stretch = Vec::new();
+    for (fraction, value) in maxima(&placed, frame.columns()) {
+        let x = left + fraction * (right - left);
+        if value.is_finite() {
+            stretch.push((x, frame.point(0.0, value.abs().max(floor)).1));
+        } else {
+            canvas.path(&stretch, ink, 1.6);
+            stretch.clear();
+            canvas.path(&[(x, top), (x, top + 9.0)], ALARM, 1.6);
+        }
+    }
+    canvas.path(&stretch, ink, 1.6);
+    let first = series
+        .deviations
+        .iter()
+        .position(|value| !value.is_finite())?;
+    series.times.get(first).copied()
+}
+
+/// The rounding of the largest invariant's value, ε|I(0)|, where it lies on the axis.
+fn draw_round_off(canvas: &mut Canvas, frame: &Frame, invariants: &[InvariantSeries]) {
+    let largest = invariants
+        .iter()
+        .map(|series| series.reference.abs())
+        .filter(|value| value.is_finite())
+        .fold(0.0, f64::max);
+    let level = largest * f64::EPSILON;
+    let fraction = frame.y.fraction(level);
+    if fraction <= 0.0 || fraction >= 1.0 {
+        return;
+    }
+    let [left, _, right, _] = frame.edges;
+    let (_, y) = frame.point(0.0, level);
+    canvas.dashes((left, y), (right, y), AXIS, 1.0);
+    canvas.label_in(
+        "2⁻⁵² max |I(0)|",
+        (right - 4.0, y - 9.0),
+        Anchor::End,
+        TEXT,
+        11.0,
+    );
+}

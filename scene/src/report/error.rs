@@ -1,0 +1,17 @@
+//! Why a report could not be written.
+
+use thiserror::Error;
+
+/// Why a report could not be written.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ReportError {
+    /// The drawing library refused a figure.
+    #[error("cannot draw the figure \"{figure}\": {message}")]
+    Drawing {
+        /// The figure.
+        figure: String,
+        /// The library's message.
+        message: String,
+    },
+}

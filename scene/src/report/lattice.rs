@@ -1,0 +1,212 @@
+//! A field on a lattice: space against time in colour, and profiles.
+
+use super::axis::{Axis, Frame};
+use super::canvas::{ALARM, Anchor, Canvas, Ink, SERIES};
+use super::decimate::envelope;
+use super::error::ReportError;
+use super::figure::Figure;
+use super::html::number;
+
+/// The most cells across and up.
+const CELLS: (usize, usize) = (96, 60);
+
+/// How many colours the scale has.
+const LEVELS: usize = 32;
+
+/// Space–time picture and profiles of the recorded fields.
+pub(super) fn lattice_figures(
+    name: &str,
+    times: &[f64],
+    fields: &[Vec<f64>],
+) -> Result<Vec<Figure>, ReportError> {
+    let sites = fields.iter().map(Vec::len).max().unwrap_or(0);
+    let mut figures = Vec::new();
+    if fields.len() > 2 && sites > 0 {
+        figures.push(heat_figure(name, times, fields, sites)?);
+    }
+    if sites > 0 {
+        figures.push(profile_figure(name, times, fields, sites)?);
+    }
+    Ok(figures)
+}
+
+fn heat_figure(
+    name: &str,
+    times: &[f64],
+    fields: &[Vec<f64>],
+    sites: usize,
+) -> Result<Figure, ReportError> {
+    let (width, height) = (960.0, 440.0);
+    let values = || {
+        fields
+            .iter()
+            .flatten()
+            .copied()
+            .filter(|value| value.is_finite())
+    };
+    let (sum, count) = values().fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    let mean = if count > 0.0 { sum / count } else { 0.0 };
+    let color_axis = Axis::linear(values(), 0.0);
+    let x = Axis::Linear {
+        low: 0.0,
+        high: sites as f64,
+    };
+    let y = Axis::linear(times.iter().copied(), 0.0);
+    let mut frame = Frame::new(width, height, x, y);
+    frame.edges[2] = width - 92.0;
+    let mut canvas = Canvas::new(width, height);
+    frame.draw(&mut canvas, &format!("site i of {name}[i]"), "time t");
+    let (columns, rows) = (sites.min(CELLS.0), fields.len().min(CELLS.1));
+    let [left, top, right, bottom] = frame.edges;
+    let mut broken = 0;
+    for row in 0..rows {
+        let span = row * fields.len() / rows..(row + 1) * fields.len() / rows;
+        let levels: Vec<Option<usize>> = (0..columns)
+            .map(|column| {
+                let stretch = column * sites / columns..(column + 1) * sites / columns;
+                let value = farthest(&fields[span.clone()], stretch, mean)?;
+                Some((color_axis.fraction(value) * (LEVELS - 1) as f64).round() as usize)
+            })
+            .collect();
+        let at = |k: usize| left + (right - left) * k as f64 / columns as f64;
+        let up = |k: usize| bottom - (bottom - top) * k as f64 / rows as f64;
+        let mut start = 0;
+        for run in levels.chunk_by(|a, b| a == b) {
+            let ink = run[0].map_or(ALARM, color);
+            broken += if run[0].is_none() { run.len() } else { 0 };
+            canvas.cell(
+                (at(start), up(row + 1)),
+                (at(start + run.len()), up(row)),
+                ink,
+            );
+            start += run.len();
+        }
+    }
+    draw_scale(&mut canvas, &frame, color_axis, name);
+    let mut notes = Vec::new();
+    if broken > 0 {
+        notes.push(format!(
+            "{broken} cells hold values that are not finite (red)."
+        ));
+    }
+    Ok(Figure {
+        title: format!("{name} over space and time"),
+        svg: canvas.finish("The field over space and time")?,
+        legend: Vec::new(),
+        caption: "Each cell shows, among the sites and recorded times it covers, the value \
+                  farthest from the mean; a wave travelling at constant speed is a straight \
+                  stripe."
+            .to_owned(),
+        notes,
+    })
+}
+
+/// The value farthest from the mean in a block of fields; nothing where one is not finite.
+fn farthest(fields: &[Vec<f64>], stretch: std::ops::Range<usize>, mean: f64) -> Option<f64> {
+    let mut best: Option<f64> = None;
+    for value in fields
+        .iter()
+        .filter_map(|field| field.get(stretch.clone()))
+        .flatten()
+    {
+        if !value.is_finite() {
+            return None;
+        }
+        if best.is_none_or(|kept| (value - mean).abs() > (kept - mean).abs()) {
+            best = Some(*value);
+        }
+    }
+    best
+}
+
+fn draw_scale(canvas: &mut Canvas, frame: &Frame, axis: Axis, name: &str) {
+    let [_, top, right, bottom] = frame.edges;
+    let at = |fraction: f64| bottom - fraction * (bottom - top);
+    for level in 0..LEVELS {
+        let (low, high) = (
+            level as f64 / LEVELS as f64,
+            (level + 1) as f64 / LEVELS as f64,
+        );
+        canvas.cell(
+            (right + 18.0, at(high)),
+            (right + 32.0, at(low)),
+            color(level),
+        );
+    }
+    let ticks = axis.ticks(5);
+    for (value, label) in &ticks.labels {
+        canvas.label(
+            label,
+            (right + 38.0, at(axis.fraction(*value))),
+            Anchor::Start,
+        );
+    }
+    let title = format!("{name} {}", ticks.factor);
+    canvas.label(title.trim_end(), (right + 18.0, top - 17.0), Anchor::Start);
+}
+
+/// From dark blue over green to yellow, lighter throughout, so that it reads in grey too.
+fn color(level: usize) -> Ink {
+    const STOPS: [[f64; 3]; 5] = [
+        [68.0, 1.0, 84.0],
+        [59.0, 82.0, 139.0],
+        [33.0, 145.0, 140.0],
+        [94.0, 201.0, 98.0],
+        [253.0, 231.0, 37.0],
+    ];
+    let place = level as f64 / (LEVELS - 1) as f64 * (STOPS.len() - 1) as f64;
+    let below = (place as usize).min(STOPS.len() - 2);
+    let part = place - below as f64;
+    let [red, green, blue] = [0, 1, 2].map(|channel| {
+        let (from, to) = (STOPS[below][channel], STOPS[below + 1][channel]);
+        (from + part * (to - from)).round() as u8
+    });
+    plotters::style::RGBColor(red, green, blue)
+}
+
+fn profile_figure(
+    name: &str,
+    times: &[f64],
+    fields: &[Vec<f64>],
+    sites: usize,
+) -> Result<Figure, ReportError> {
+    let (width, height) = (960.0, 320.0);
+    let mut chosen = vec![0, fields.len() / 2, fields.len().saturating_sub(1)];
+    chosen.dedup();
+    let values = chosen.iter().flat_map(|index| &fields[*index]).copied();
+    let x = Axis::Linear {
+        low: 0.0,
+        high: sites.saturating_sub(1).max(1) as f64,
+    };
+    let frame = Frame::new(width, height, x, Axis::linear(values, 0.06));
+    let mut canvas = Canvas::new(width, height);
+    frame.draw(&mut canvas, &format!("site i of {name}[i]"), name);
+    let [left, _, right, _] = frame.edges;
+    for (series, index) in chosen.iter().enumerate() {
+        let placed: Vec<_> = fields[*index]
+            .iter()
+            .enumerate()
+            .map(|(site, value)| (frame.x.fraction(site as f64), *value))
+            .collect();
+        for stretch in placed.chunk_by(|a, b| a.1.is_finite() == b.1.is_finite()) {
+            if stretch[0].1.is_finite() {
+                let line: Vec<_> = envelope(stretch, frame.columns())
+                    .into_iter()
+                    .map(|(at, value)| (left + at * (right - left), frame.point(0.0, value).1))
+                    .collect();
+                canvas.path(&line, SERIES[series % SERIES.len()], 1.5);
+            }
+        }
+    }
+    let time = |index: &usize| times.get(*index).copied().unwrap_or(f64::NAN);
+    Ok(Figure {
+        title: format!("Profiles of {name}"),
+        svg: canvas.finish("The field at several times")?,
+        legend: chosen
+            .iter()
+            .map(|index| format!("t = {}", number(time(index), 4)))
+            .collect(),
+        caption: "The field at the first, the middle and the last recorded time.".to_owned(),
+        notes: Vec::new(),
+    })
+}

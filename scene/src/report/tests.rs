@@ -1,0 +1,243 @@
+//! Claims about reports.
+
+use super::*;
+
+fn sample(count: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let times: Vec<_> = (0..count).map(|k| 0.2 * k as f64).collect();
+    let radius = libm::sqrt(19.0);
+    let points = times
+        .iter()
+        .map(|t| {
+            let (a, b) = (0.9 * libm::sin(0.31 * t), 0.31 * t);
+            let across = libm::cos(a);
+            vec![
+                radius * across * libm::cos(b),
+                radius * across * libm::sin(b),
+                radius * libm::sin(a),
+            ]
+        })
+        .collect();
+    (times, points)
+}
+
+fn noise(k: usize) -> f64 {
+    let mixed = (k as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 40;
+    mixed as f64 / (1u64 << 24) as f64
+}
+
+fn rigid_body(count: usize) -> ReportData {
+    let (times, points) = sample(count);
+    let energy: Vec<_> = times
+        .iter()
+        .map(|t| 10.1 + 2e-5 * libm::sin(0.4 * t) * libm::sin(0.4 * t))
+        .collect();
+    let energy_drift = energy.iter().map(|value| value - 10.1).collect();
+    let spin = (0..count)
+        .map(|k| {
+            if k < 12 {
+                0.0
+            } else {
+                3.5e-15 * (0.05 + noise(k))
+            }
+        })
+        .collect();
+    ReportData {
+        title: "Rigid body <so(3)*> & \"friends\"".to_owned(),
+        version: "leafwise 0.1.0".to_owned(),
+        command: "leafwise run rigid_body.toml --set 'method.epsilon=0.1'".to_owned(),
+        scene_name: "rigid_body.toml".to_owned(),
+        scene_text: "[system]\nlibrary = \"rigid-body\" # 1 < 2 & <script>\n\n[method]\n\
+                     realization = { name = \"karasev-truncated\", order = 2 }\n\
+                     dynamics = { name = \"hamilton-jacobi\", order = 2 }\n\
+                     epsilon = 0.1\nh = 2.0\n\n[run]\ninitial = [1, 3, 3]\nsteps = 1000\n"
+            .to_owned(),
+        outcome: Outcome::Done {
+            message: "1000 steps to t = 200 in 0.004 s".to_owned(),
+        },
+        method: vec![
+            (
+                "Realization".to_owned(),
+                "karasev-truncated, n = 2: α̂ = x + (ε/2)π♯p + …".to_owned(),
+            ),
+            (
+                "Dynamic approximation".to_owned(),
+                "hamilton-jacobi, m = 2: Ŝ = h S₁".to_owned(),
+            ),
+            (
+                "Combined order in t = εh".to_owned(),
+                "2 (declared, a lower bound)".to_owned(),
+            ),
+        ],
+        facts: vec![
+            ("Steps".to_owned(), "1000 of εh = 0.2".to_owned()),
+            ("Evaluations per step".to_owned(), "3.02".to_owned()),
+            ("Integration time".to_owned(), "0.004 s".to_owned()),
+            ("Run directory".to_owned(), "runs/rigid_body".to_owned()),
+        ],
+        invariants: vec![
+            InvariantSeries {
+                name: "energy".to_owned(),
+                reference: 10.1,
+                times: times.clone(),
+                deviations: energy_drift,
+            },
+            InvariantSeries {
+                name: "spin".to_owned(),
+                reference: 19.0,
+                times: times.clone(),
+                deviations: spin,
+            },
+        ],
+        logarithmic_time: false,
+        energy: Some(TimeSeries {
+            times: times.clone(),
+            values: energy,
+        }),
+        trajectory: Some(Trajectory::Orbit {
+            names: ["x1", "x2", "x3"].map(str::to_owned).to_vec(),
+            times: times.clone(),
+            points,
+            leaf: Some(Ellipsoid {
+                center: [0.0; 3],
+                semi_axes: [libm::sqrt(19.0); 3],
+            }),
+        }),
+        solver: Some(TimeSeries {
+            values: (0..count)
+                .map(|k| if k % 7 == 0 { 4.0 } else { 3.0 })
+                .collect(),
+            times,
+        }),
+    }
+}
+
+fn lattice() -> ReportData {
+    let times: Vec<_> = (0..80).map(|k| 0.5 * k as f64).collect();
+    let wave = |i: usize, t: f64| {
+        let s = (i as f64 - 1.3 * t).rem_euclid(128.0) - 40.0;
+        1.0 + 2.0 / (libm::cosh(0.2 * s) * libm::cosh(0.2 * s))
+    };
+    let fields: Vec<Vec<f64>> = times
+        .iter()
+        .map(|t| (0..128).map(|i| wave(i, *t)).collect())
+        .collect();
+    ReportData {
+        title: "Volterra lattice".to_owned(),
+        trajectory: Some(Trajectory::Lattice {
+            name: "x".to_owned(),
+            times,
+            fields,
+        }),
+        ..rigid_body(200)
+    }
+}
+
+fn failed() -> ReportData {
+    let mut data = rigid_body(300);
+    data.outcome = Outcome::Failed {
+        message: "the solver did not converge: residual 3.1e-2 after 50 evaluations".to_owned(),
+        step: 270,
+        time: 54.0,
+        state: vec![("x1".to_owned(), 6.1e-25), ("x2".to_owned(), f64::NAN)],
+        hint: "a smaller time step, or realization = \"log-canonical\"".to_owned(),
+    };
+    data.logarithmic_time = true;
+    data.invariants[0].deviations[280] = f64::NAN;
+    data.invariants[1].deviations[290] = f64::INFINITY;
+    if let Some(energy) = &mut data.energy {
+        energy.values[280..].fill(f64::NAN);
+    }
+    if let Some(Trajectory::Orbit { points, leaf, .. }) = &mut data.trajectory {
+        points[299][1] = f64::NAN;
+        *leaf = None;
+    }
+    data
+}
+
+fn page(data: &ReportData) -> String {
+    render_report(data).expect("a report")
+}
+
+/// Checks that every tag is closed in order.
+fn assert_well_formed(html: &str) {
+    let mut open: Vec<&str> = Vec::new();
+    for piece in html.split('<').skip(1) {
+        let (tag, _) = piece.split_once('>').expect("every tag ends");
+        let name = tag.split([' ', '\n']).next().unwrap_or("");
+        match name.strip_prefix('/') {
+            Some(closed) => assert_eq!(open.pop(), Some(closed)),
+            None if name.starts_with('!') || name == "meta" || tag.ends_with('/') => {}
+            None => open.push(name),
+        }
+    }
+    assert!(open.is_empty(), "left open: {open:?}");
+}
+
+fn all() -> Vec<ReportData> {
+    vec![rigid_body(1001), lattice(), failed(), ReportData::default()]
+}
+
+#[test]
+fn pages_are_well_formed() {
+    for data in all() {
+        assert_well_formed(&page(&data));
+    }
+}
+
+#[test]
+fn pages_fetch_nothing_and_run_nothing() {
+    for data in all() {
+        let html = page(&data).replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+        for outside in ["http", "src=", "href=", "@import", "url(", "<script"] {
+            assert!(!html.contains(outside), "{outside} occurs");
+        }
+    }
+}
+
+#[test]
+fn special_characters_are_text() {
+    let html = page(&rigid_body(50));
+    assert!(html.contains("Rigid body &lt;so(3)*&gt; &amp; &quot;friends&quot;"));
+    assert!(html.contains("# 1 &lt; 2 &amp; &lt;script&gt;"));
+}
+
+#[test]
+fn values_that_are_not_finite_are_reported_and_never_drawn() {
+    let html = page(&failed());
+    assert!(html.contains("energy is not finite from t = 56 on"));
+    assert!(html.contains("Not finite: 20 of 300 values, the first at t = 56"));
+    assert!(html.contains("Not finite and not drawn: 1 of 300 states"));
+    assert!(html.contains("x2 = NaN"));
+    for piece in html.split("points=\"").skip(1) {
+        let points = piece.split('"').next().unwrap_or("");
+        assert!(!points.contains("NaN") && !points.contains("inf"));
+    }
+}
+
+#[test]
+fn exact_zeros_are_drawn_at_the_floor_and_counted() {
+    assert!(page(&rigid_body(400)).contains("the deviation is exactly zero, drawn at 1×10⁻¹⁷"));
+}
+
+#[test]
+fn a_long_run_stays_under_a_megabyte() {
+    let size = page(&rigid_body(200_000)).len();
+    assert!(size < 1 << 20, "{size} bytes");
+    let size = page(&lattice()).len();
+    assert!(size < 1 << 20, "{size} bytes");
+}
+
+#[test]
+fn growth_compares_the_last_tenth_with_the_first() {
+    let html = page(&ReportData {
+        invariants: vec![InvariantSeries {
+            name: "c".to_owned(),
+            reference: 0.0,
+            times: (0..20).map(f64::from).collect(),
+            deviations: (1..=20).map(f64::from).collect(),
+        }],
+        ..ReportData::default()
+    });
+    assert!(html.contains("<td class=\"number\">20</td><td class=\"number\">–</td>"));
+    assert!(html.contains("<td class=\"number\">10</td></tr>"));
+}
