@@ -37,6 +37,14 @@ pub(super) fn envelope(points: &[(f64, f64)], bins: usize) -> Vec<(f64, f64)> {
     })
 }
 
+/// The mean of each of `bins` equal stretches, at its first place.
+pub(super) fn means(points: &[(f64, f64)], bins: usize) -> Vec<(f64, f64)> {
+    reduce(points, bins, |bin, kept| {
+        let sum: f64 = bin.iter().map(|point| point.1).sum();
+        kept.push((bin[0].0, sum / bin.len() as f64));
+    })
+}
+
 /// Applies `keep` to runs of points whose first coordinates fall into one bin of [0, 1].
 fn reduce(
     points: &[(f64, f64)],

@@ -29,8 +29,12 @@ pub(super) fn drift_figure(
         Axis::linear(times(), 0.0)
     };
     let floor = floor_of(invariants);
-    let deviations = invariants.iter().flat_map(|series| &series.deviations);
-    let drawn = deviations.map(|value| value.abs().max(floor));
+    let drawn = invariants
+        .iter()
+        .flat_map(|series| series.times.iter().zip(&series.deviations));
+    let drawn = drawn
+        .filter(|(time, _)| **time != 0.0)
+        .map(|(_, value)| value.abs().max(floor));
     let frame = Frame::new(width, height, x, Axis::logarithmic(drawn));
     let mut canvas = Canvas::new(width, height);
     frame.draw(
@@ -42,11 +46,7 @@ pub(super) fn drift_figure(
     let mut notes = Vec::new();
     let mut zeros = 0;
     for (index, series) in invariants.iter().enumerate() {
-        zeros += series
-            .deviations
-            .iter()
-            .filter(|value| **value == 0.0)
-            .count();
+        zeros += zeros_of(series);
         let unseen = draw_series(
             &mut canvas,
             &frame,
@@ -95,6 +95,14 @@ fn floor_of(invariants: &[InvariantSeries]) -> f64 {
     libm::pow(10.0, libm::floor(libm::log10(smallest)))
 }
 
+/// The windows without any deviation; at t = 0 there is none by definition.
+fn zeros_of(series: &InvariantSeries) -> usize {
+    let windows = series.times.iter().zip(&series.deviations);
+    windows
+        .filter(|(time, value)| **time != 0.0 && **value == 0.0)
+        .count()
+}
+
 /// Draws one series; gives the time of the first value that is not finite.
 fn draw_series(
     canvas: &mut Canvas,
@@ -107,7 +115,7 @@ fn draw_series(
         .times
         .iter()
         .zip(&series.deviations)
-        .filter(|(time, _)| matches!(frame.x, Axis::Linear { .. }) || **time != 0.0)
+        .filter(|(time, _)| **time != 0.0)
         .map(|(time, value)| (frame.x.fraction(time.abs()), *value))
         .collect();
     let [left, top, right, _] = frame.edges;

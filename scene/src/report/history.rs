@@ -1,9 +1,9 @@
 //! One quantity over time: energy, solver evaluations.
 
 use super::axis::{Axis, Frame};
-use super::canvas::{ALARM, Canvas, SERIES};
+use super::canvas::{ALARM, Canvas, FAINT, SERIES};
 use super::data::TimeSeries;
-use super::decimate::envelope;
+use super::decimate::{envelope, means};
 use super::error::ReportError;
 use super::figure::Figure;
 use super::html::number;
@@ -32,7 +32,7 @@ pub(super) fn energy_figure(energy: &TimeSeries) -> Result<Figure, ReportError> 
         times: energy.times.clone(),
         values,
     };
-    let (svg, notes) = history(&series, title, "Energy over time")?;
+    let (svg, notes) = history(&series, title, "Energy over time", Dense::Envelope)?;
     Ok(Figure {
         title: "Energy".to_owned(),
         svg,
@@ -54,16 +54,28 @@ pub(super) fn solver_figure(solver: &TimeSeries) -> Result<Figure, ReportError> 
         solver,
         "evaluations per step",
         "Solver evaluations over time",
+        Dense::Mean,
     )?;
     Ok(Figure {
         title: "Solver".to_owned(),
         svg,
         legend: Vec::new(),
-        caption: "Evaluations of the target map in each step's solve. A rise warns that the orbit \
+        caption: "Evaluations of the target map in each step's solve. Where steps are too \
+                  many to tell apart, the line is their mean and the band their range. A rise \
+                  warns that the orbit \
                   nears the edge of the chart."
             .to_owned(),
         notes,
     })
+}
+
+/// What stands for many values under one pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Dense {
+    /// Their range.
+    Envelope,
+    /// Their range, faint, and their mean.
+    Mean,
 }
 
 /// A picture of one series and notes on values that are not finite.
@@ -71,6 +83,7 @@ pub(super) fn history(
     series: &TimeSeries,
     title: &str,
     description: &str,
+    dense: Dense,
 ) -> Result<(String, Vec<String>), ReportError> {
     let (width, height) = (480.0, 226.0);
     let x = Axis::linear(series.times.iter().copied(), 0.0);
@@ -92,7 +105,16 @@ pub(super) fn history(
                 .into_iter()
                 .map(|(fraction, value)| (at(fraction), frame.point(0.0, value).1))
                 .collect();
-            canvas.path(&points, SERIES[0], 1.4);
+            if dense == Dense::Mean && stretch.len() > frame.columns() {
+                canvas.path(&points, FAINT, 1.4);
+                let averages: Vec<_> = means(stretch, frame.columns() / 2)
+                    .into_iter()
+                    .map(|(fraction, value)| (at(fraction), frame.point(0.0, value).1))
+                    .collect();
+                canvas.path(&averages, SERIES[0], 1.6);
+            } else {
+                canvas.path(&points, SERIES[0], 1.4);
+            }
         } else {
             let x = at(stretch[0].0);
             canvas.path(&[(x, top), (x, top + 9.0)], ALARM, 1.6);

@@ -1,18 +1,23 @@
 //! The orbit: a projection of three coordinates, or the plane of two.
 
+use std::collections::BTreeSet;
+
 use super::axis::{Axis, Frame};
-use super::canvas::{Canvas, SERIES};
+use super::canvas::{Canvas, FAINT, SERIES};
 use super::data::{Ellipsoid, TimeSeries};
 use super::error::ReportError;
 use super::figure::Figure;
-use super::history::history;
+use super::history::{Dense, history};
 use super::space::space_picture;
 
 /// Points closer than this many pixels to the last one kept are left out.
 const NEAR: f64 = 0.6;
 
-/// The most points drawn of one orbit.
-const MOST: usize = 9000;
+/// The most points of a line.
+const MOST_JOINED: usize = 9000;
+
+/// The most dots of an orbit drawn without a line.
+const MOST_DOTS: usize = 3000;
 
 /// The orbit through the recorded states.
 pub(super) fn orbit_figure(
@@ -49,7 +54,7 @@ pub(super) fn orbit_figure(
                 times: times.to_vec(),
                 values,
             };
-            let (svg, _) = history(&series, name, "The state over time")?;
+            let (svg, _) = history(&series, name, "The state over time", Dense::Envelope)?;
             (
                 "State".to_owned(),
                 svg,
@@ -127,20 +132,20 @@ impl Stroke {
     };
     /// The side behind a surface.
     pub const FAR_SIDE: Self = Self {
-        ink: plotters::style::RGBColor(0xA9, 0xC6, 0xE0),
+        ink: FAINT,
         width: 1.0,
     };
 }
 
-/// A line through the points, or dots where neighbours lie too far apart for a line to mean
-/// anything; `stroke` chooses by the index of the point.
+/// A line through the points, or dots where neighbours lie too far apart or points too dense
+/// for a line to mean anything; `stroke` chooses by the index of the point.
 pub(super) fn draw_orbit(
     canvas: &mut Canvas,
     points: &[(f64, f64)],
     stroke: impl Fn(usize) -> Stroke,
 ) {
     let kept = thinned(points);
-    if is_line(points) {
+    if kept.len() <= MOST_JOINED && is_line(points) {
         for run in kept.chunk_by(|a, b| stroke(*a) == stroke(*b)) {
             let after = run
                 .last()
@@ -155,13 +160,25 @@ pub(super) fn draw_orbit(
         }
         return;
     }
-    let mut cells = std::collections::BTreeSet::new();
-    for index in kept {
-        let (x, y) = points[index];
-        if cells.insert(((x / 1.5) as i64, (y / 1.5) as i64)) {
-            let Stroke { ink, width } = stroke(index);
-            canvas.disc((x, y), width, ink);
+    for index in spread(points, kept) {
+        let Stroke { ink, width } = stroke(index);
+        canvas.disc(points[index], width, ink);
+    }
+}
+
+/// One point of each cell of a grid just coarse enough to leave few enough dots.
+fn spread(points: &[(f64, f64)], mut kept: Vec<usize>) -> Vec<usize> {
+    let mut cell = 1.5;
+    loop {
+        let mut taken = BTreeSet::new();
+        kept.retain(|index| {
+            let (x, y) = points[*index];
+            taken.insert(((x / cell) as i64, (y / cell) as i64))
+        });
+        if kept.len() <= MOST_DOTS {
+            return kept;
         }
+        cell *= 1.3;
     }
 }
 
@@ -184,7 +201,6 @@ fn thinned(points: &[(f64, f64)]) -> Vec<usize> {
             kept.push(index);
         }
     }
-    kept.truncate(MOST);
     kept
 }
 

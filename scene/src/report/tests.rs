@@ -228,6 +228,24 @@ fn a_long_run_stays_under_a_megabyte() {
 }
 
 #[test]
+fn an_orbit_that_fills_its_picture_stays_small() {
+    let mut data = rigid_body(100);
+    let points = (0..300_000)
+        .map(|k| vec![noise(k), noise(k * k), noise(k * k * k)])
+        .collect();
+    data.trajectory = Some(Trajectory::Orbit {
+        names: ["a", "b", "c"].map(str::to_owned).to_vec(),
+        times: (0..300_000).map(f64::from).collect(),
+        points,
+        leaf: None,
+    });
+    let html = page(&data);
+    let dots = html.matches("<circle").count();
+    assert!((1000..=6004).contains(&dots), "{dots} dots");
+    assert!(html.len() < 1 << 20, "{} bytes", html.len());
+}
+
+#[test]
 fn growth_compares_the_last_tenth_with_the_first() {
     let html = page(&ReportData {
         invariants: vec![InvariantSeries {
@@ -240,4 +258,60 @@ fn growth_compares_the_last_tenth_with_the_first() {
     });
     assert!(html.contains("<td class=\"number\">20</td><td class=\"number\">–</td>"));
     assert!(html.contains("<td class=\"number\">10</td></tr>"));
+}
+
+#[test]
+fn degenerate_data_gives_a_page() {
+    let extremes = [
+        0.0,
+        -0.0,
+        5e-324,
+        1.0,
+        f64::MAX,
+        -f64::MAX,
+        f64::NAN,
+        f64::INFINITY,
+    ];
+    for value in extremes {
+        for count in [0, 1, 2, 30] {
+            let times: Vec<_> = (0..count).map(|k| value * f64::from(k)).collect();
+            let series = TimeSeries {
+                times: times.clone(),
+                values: vec![value; count as usize],
+            };
+            let drift = InvariantSeries {
+                name: "c".to_owned(),
+                reference: value,
+                times: times.clone(),
+                deviations: vec![value; 1 + count as usize],
+            };
+            for dimension in 0..5 {
+                let orbit = Trajectory::Orbit {
+                    names: vec!["x".to_owned(); dimension],
+                    times: times.clone(),
+                    points: vec![vec![value; dimension]; count as usize],
+                    leaf: Some(Ellipsoid {
+                        center: [value; 3],
+                        semi_axes: [value; 3],
+                    }),
+                };
+                let lattice = Trajectory::Lattice {
+                    name: "x".to_owned(),
+                    times: times.clone(),
+                    fields: vec![vec![value; dimension]; count as usize],
+                };
+                for trajectory in [orbit, lattice] {
+                    let html = page(&ReportData {
+                        invariants: vec![drift.clone()],
+                        logarithmic_time: dimension % 2 == 0,
+                        energy: Some(series.clone()),
+                        solver: Some(series.clone()),
+                        trajectory: Some(trajectory),
+                        ..ReportData::default()
+                    });
+                    assert_well_formed(&html);
+                }
+            }
+        }
+    }
 }
