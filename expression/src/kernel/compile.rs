@@ -24,29 +24,22 @@ pub struct Kernel {
 impl Kernel {
     /// Compiles `outputs` of a graph over `parameters` parameters and `inputs` kernel inputs.
     pub fn compile(graph: &Graph, outputs: &[Term], parameters: usize, inputs: usize) -> Self {
-        let live = live_nodes(graph, outputs);
+        let uses = count_uses(graph, outputs);
+        let live: Vec<bool> = uses.iter().map(|count| *count > 0).collect();
         let imported = imported_coefficients(graph, outputs, &live);
 
         // Coefficient kernel: slots 0 .. parameters, then ε and h.
-        let mut coefficient = Emitter::new(parameters + 2);
-        for node in (0..graph.len() as u32).map(Node) {
-            if live[node.index()] && graph.tier(node) == Tier::Coefficient {
-                coefficient.emit_node(graph, node, parameters);
-            }
+        let mut coefficient = Emitter::new(graph, &uses, Tier::Coefficient, parameters, parameters + 2);
+        for &node in &imported {
+            let slot = coefficient.place(node);
+            coefficient.code.outputs.push(slot);
         }
-        coefficient.code.outputs =
-            imported.iter().map(|node| coefficient.places[node]).collect();
         let coefficient_code = coefficient.finish();
 
         // Step kernel: slots 0 .. inputs, then the coefficients.
-        let mut step = Emitter::new(inputs + imported.len());
+        let mut step = Emitter::new(graph, &uses, Tier::Step, parameters, inputs + imported.len());
         for (at, &node) in imported.iter().enumerate() {
             step.places.insert(node, (inputs + at) as u32);
-        }
-        for node in (0..graph.len() as u32).map(Node) {
-            if live[node.index()] && graph.tier(node) == Tier::Step {
-                step.emit_node(graph, node, parameters);
-            }
         }
         step.code.outputs = outputs.iter().map(|term| step.scaled(term)).collect();
         let step_code = step.finish();
@@ -85,21 +78,20 @@ impl Kernel {
     }
 }
 
-fn live_nodes(graph: &Graph, outputs: &[Term]) -> Vec<bool> {
-    let mut live = vec![false; graph.len()];
-    for term in outputs {
-        if !term.scale.is_zero() {
-            live[term.node.index()] = true;
-        }
+/// How often each node is read, by live nodes and by outputs; 0 for dead ones.
+fn count_uses(graph: &Graph, outputs: &[Term]) -> Vec<u32> {
+    let mut uses = vec![0; graph.len()];
+    for term in outputs.iter().filter(|term| !term.scale.is_zero()) {
+        uses[term.node.index()] += 1;
     }
     for index in (0..graph.len()).rev() {
-        if live[index] {
+        if uses[index] > 0 {
             for operand in operands(graph, Node(index as u32)) {
-                live[operand.index()] = true;
+                uses[operand.index()] += 1;
             }
         }
     }
-    live
+    uses
 }
 
 /// The coefficients that state-dependent operations or outputs read, by number.
@@ -130,26 +122,50 @@ fn operands(graph: &Graph, node: Node) -> Vec<Node> {
     }
 }
 
-struct Emitter {
+/// The multiplications by constants that a sum takes: one for each size of factor but 1.
+fn multiplications(terms: &[(Rational, Node)]) -> usize {
+    let mut sizes: Vec<Rational> =
+        terms.iter().filter(|t| t.1 != Graph::ONE).map(|t| t.0.abs()).collect();
+    sizes.sort();
+    sizes.dedup();
+    sizes.iter().filter(|size| !size.is_one()).count()
+}
+
+/// Emits code for what is asked for, operands first.
+struct Emitter<'a> {
+    graph: &'a Graph,
+    uses: &'a [u32],
+    tier: Tier,
+    parameters: usize,
     code: Code,
     fixed: usize,
     places: FxHashMap<Node, u32>,
     constants: FxHashMap<u64, u32>,
-    outputs: FxHashMap<(Node, u64), u32>,
+    scaled: FxHashMap<(Node, u64), u32>,
 }
 
 /// Constants are numbered from here until the number of temporaries is known.
 const CONSTANT_BASE: u32 = 1 << 31;
 
-impl Emitter {
-    fn new(fixed: usize) -> Self {
+impl<'a> Emitter<'a> {
+    fn new(
+        graph: &'a Graph,
+        uses: &'a [u32],
+        tier: Tier,
+        parameters: usize,
+        fixed: usize,
+    ) -> Self {
         let code = Code { slots: fixed, ..Code::default() };
         Self {
+            graph,
+            uses,
+            tier,
+            parameters,
             code,
             fixed,
             places: FxHashMap::default(),
             constants: FxHashMap::default(),
-            outputs: FxHashMap::default(),
+            scaled: FxHashMap::default(),
         }
     }
 
@@ -169,8 +185,41 @@ impl Emitter {
         out
     }
 
+    /// The slot of a node, emitting it and its operands where it has none yet. Operands have
+    /// smaller numbers; they are emitted in order so that deep graphs need no deep stack.
     fn place(&mut self, node: Node) -> u32 {
-        if node == Graph::ONE { self.number(1.0) } else { self.places[&node] }
+        if node == Graph::ONE {
+            return self.number(1.0);
+        }
+        if let Some(&known) = self.places.get(&node) {
+            return known;
+        }
+        let mut wanted = vec![node];
+        let mut pending = vec![node];
+        while let Some(next) = pending.pop() {
+            for operand in operands(self.graph, next) {
+                let absent = !self.places.contains_key(&operand);
+                if absent && operand != Graph::ONE && !wanted.contains(&operand) {
+                    wanted.push(operand);
+                    pending.push(operand);
+                }
+            }
+        }
+        wanted.sort_unstable();
+        for &part in &wanted {
+            // A sum that one other sum reads may be spelled out there.
+            if part == node || !self.is_inlined(part) {
+                self.emit(part);
+            }
+        }
+        self.places[&node]
+    }
+
+    /// Whether the node is a sum with a single reader of its own tier, which takes it apart.
+    fn is_inlined(&self, node: Node) -> bool {
+        self.uses[node.index()] == 1
+            && self.graph.tier(node) == self.tier
+            && matches!(self.graph.operation(node), Operation::Sum(_))
     }
 
     /// The slot that holds a whole term.
@@ -179,61 +228,91 @@ impl Emitter {
             return self.constant(&term.scale);
         }
         let key = (term.node, term.scale.to_f64().to_bits());
-        if let Some(&known) = self.outputs.get(&key) {
+        if let Some(&known) = self.scaled.get(&key) {
             return known;
         }
-        let a = self.place(term.node);
         let slot = if term.scale.is_one() {
-            a
-        } else if (-&term.scale).is_one() {
-            self.push(|out| Instruction::Negate { out, a })
+            self.place(term.node)
+        } else if self.is_inlined(term.node) {
+            self.emit_sum(&[(term.scale.clone(), term.node)])
         } else {
-            let b = self.constant(&term.scale);
-            self.push(|out| Instruction::Multiply { out, a, b })
+            let a = self.place(term.node);
+            if (-&term.scale).is_one() {
+                self.push(|out| Instruction::Negate { out, a })
+            } else {
+                let b = self.constant(&term.scale);
+                self.push(|out| Instruction::Multiply { out, a, b })
+            }
         };
-        self.outputs.insert(key, slot);
+        self.scaled.insert(key, slot);
         slot
     }
 
-    fn emit_node(&mut self, graph: &Graph, node: Node, parameters: usize) {
-        let slot = match graph.operation(node) {
+    fn emit(&mut self, node: Node) {
+        if self.places.contains_key(&node) {
+            return;
+        }
+        let parameters = self.parameters as u32;
+        let slot = match self.graph.operation(node).clone() {
             Operation::One => return,
             Operation::Pi => self.number(std::f64::consts::PI),
-            Operation::Parameter(index) => *index,
-            Operation::StepSize(StepSize::Epsilon) => parameters as u32,
-            Operation::StepSize(StepSize::H) => parameters as u32 + 1,
-            Operation::Input(index) => *index,
-            Operation::Sum(terms) => self.emit_sum(terms),
-            Operation::Scale(scale, a) => {
-                self.scaled(&Term { scale: scale.clone(), node: *a })
-            }
+            Operation::Parameter(index) | Operation::Input(index) => index,
+            Operation::StepSize(StepSize::Epsilon) => parameters,
+            Operation::StepSize(StepSize::H) => parameters + 1,
+            Operation::Sum(terms) => self.emit_sum(&terms),
+            Operation::Scale(scale, node) => self.scaled(&Term { scale, node }),
             Operation::Product(a, b) => {
-                let (a, b) = (self.place(*a), self.place(*b));
+                let (a, b) = (self.place(a), self.place(b));
                 self.push(|out| Instruction::Multiply { out, a, b })
             }
             Operation::Reciprocal(b) => {
-                let (a, b) = (self.number(1.0), self.place(*b));
+                let (a, b) = (self.number(1.0), self.place(b));
                 self.push(|out| Instruction::Divide { out, a, b })
             }
             Operation::Function(function, a) => {
-                let a = self.place(*a);
-                self.push(|out| Instruction::Apply { function: *function, out, a })
+                let a = self.place(a);
+                self.push(|out| Instruction::Apply { function, out, a })
             }
             Operation::Power(a, b) => {
-                let (a, b) = (self.place(*a), self.place(*b));
+                let (a, b) = (self.place(a), self.place(b));
                 self.push(|out| Instruction::Power { out, a, b })
             }
         };
         self.places.insert(node, slot);
     }
 
+    /// Takes apart the sums that only this one reads, where that costs no multiplication: every
+    /// constant is then rounded once, as an exact product of the rational factors on its way.
+    fn spell_out(&self, terms: &[(Rational, Node)]) -> Vec<(Rational, Node)> {
+        let mut spelled = Vec::with_capacity(terms.len());
+        for (scale, node) in terms {
+            match self.graph.operation(*node) {
+                Operation::Sum(inner) if self.is_inlined(*node) => {
+                    let inner = self.spell_out(inner);
+                    let scaled: Vec<_> = inner.iter().map(|(c, n)| (c * scale, *n)).collect();
+                    let outside = usize::from(!scale.abs().is_one());
+                    if multiplications(&scaled) <= multiplications(&inner) + outside {
+                        spelled.extend(scaled);
+                        continue;
+                    }
+                    spelled.push((scale.clone(), *node));
+                }
+                _ => spelled.push((scale.clone(), *node)),
+            }
+        }
+        spelled
+    }
+
     /// Σ cᵢ nᵢ: terms with the same |c| are added before they are multiplied.
     fn emit_sum(&mut self, terms: &[(Rational, Node)]) -> u32 {
+        let terms = self.spell_out(terms);
         let mut groups: Vec<(Rational, Vec<(bool, Node)>)> = Vec::new();
-        for (scale, node) in terms {
+        for (scale, node) in &terms {
             let (size, negative) = (scale.abs(), scale.is_negative());
             // The constant term is one number, not a product with 1.
-            let grouped = groups.iter_mut().find(|g| g.0 == size && *node != Graph::ONE);
+            let grouped = groups
+                .iter_mut()
+                .find(|g| g.0 == size && *node != Graph::ONE && g.1[0].1 != Graph::ONE);
             match grouped {
                 Some(group) => group.1.push((negative, *node)),
                 None => groups.push((size, vec![(negative, *node)])),

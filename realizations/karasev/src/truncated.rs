@@ -108,18 +108,18 @@ impl RealizationCode for TruncatedKarasev {
         let mut offset = Vec::with_capacity(x.len());
         let mut increment = Vec::with_capacity(x.len());
         for i in 0..x.len() {
-            let signed: Vec<_> = (1..=self.order)
-                .map(|k| {
-                    let sign = if k % 2 == 0 { 1 } else { -1 };
-                    (Rational::from_integer(sign), alpha[k][i].clone())
-                })
-                .collect();
-            offset.push(graph.combine(&signed));
-            let odd: Vec<_> = (1..=self.order)
-                .step_by(2)
-                .map(|k| (Rational::from_integer(2), alpha[k][i].clone()))
-                .collect();
-            increment.push(graph.combine(&odd));
+            let mut part = |first: usize| {
+                let terms: Vec<_> = (first..=self.order)
+                    .step_by(2)
+                    .map(|k| (Rational::one(), alpha[k][i].clone()))
+                    .collect();
+                graph.combine(&terms)
+            };
+            // One odd part for both: its round-off must be the same in β̂ and in α̂ − β̂, or the
+            // Casimirs that every truncation conserves would drift in proportion to time.
+            let (odd, even) = (part(1), part(2));
+            offset.push(graph.subtract(&even, &odd));
+            increment.push(graph.scale(&Rational::from_integer(2), &odd));
         }
         // The last order that does not vanish identically, against the first.
         let last = (2..=self.order).rev().find(|k| alpha[*k].iter().any(|a| !graph.is_zero(a)));
