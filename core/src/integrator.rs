@@ -29,7 +29,11 @@ impl Integrator {
         h: f64,
         initial: &[f64],
     ) -> Self {
-        assert_eq!(initial.len(), map.dimension(), "the initial state has the map's dimension");
+        assert_eq!(
+            initial.len(),
+            map.dimension(),
+            "the initial state has the map's dimension"
+        );
         Self {
             stepper: map.stepper(1, parameters, epsilon, h),
             state: initial.to_vec(),
@@ -66,16 +70,25 @@ impl Integrator {
     /// The solver's [`StepError`]; the state is then still x_k.
     pub fn step(&mut self) -> Result<(), StepError> {
         let mut outcome = [Ok(())];
-        self.stepper.increment(&self.state, &self.low, &mut self.increment, &mut outcome);
+        self.stepper
+            .increment(&self.state, &self.low, &mut self.increment, &mut outcome);
         let [outcome] = outcome;
         outcome?;
-        let sums_are_finite =
-            self.state.iter().zip(&self.increment).all(|(x, i)| (x + i).is_finite());
+        let sums_are_finite = self
+            .state
+            .iter()
+            .zip(&self.increment)
+            .all(|(x, i)| (x + i).is_finite());
         if !sums_are_finite {
-            return Err(StepError::NonFinite { what: "the new state" });
+            return Err(StepError::NonFinite {
+                what: "the new state",
+            });
         }
-        for ((x, low), increment) in
-            self.state.iter_mut().zip(&mut self.low).zip(&self.increment)
+        for ((x, low), increment) in self
+            .state
+            .iter_mut()
+            .zip(&mut self.low)
+            .zip(&self.increment)
         {
             let change = increment + *low;
             let sum = *x + change;

@@ -37,8 +37,12 @@ impl Method {
             realization: realization.describe(),
             reason: reason.to_owned(),
         };
-        let ends = realization.code().ok_or_else(|| missing("it offers no code for its maps"))?;
-        let points = bisection.code().ok_or_else(|| missing("the bisection offers no code"))?;
+        let ends = realization
+            .code()
+            .ok_or_else(|| missing("it offers no code for its maps"))?;
+        let points = bisection
+            .code()
+            .ok_or_else(|| missing("the bisection offers no code"))?;
         let mut graph = Graph::new();
         let y: Vec<Term> = (0..system.dimension()).map(|i| graph.input(i)).collect();
         let epsilon = graph.step_size(StepSize::Epsilon);
@@ -46,7 +50,12 @@ impl Method {
         let z = points.point(&mut graph, &epsilon, &h, &y)?;
         let ends = ends.source_and_target(&mut graph, &epsilon, &z)?;
         let newton = NewtonKernel::compile(&mut graph, &ends, system.parameters().len())?;
-        Ok(Self { realization, dynamics, bisection, newton })
+        Ok(Self {
+            realization,
+            dynamics,
+            bisection,
+            newton,
+        })
     }
 
     /// The geometric approximation R̂_ε.
@@ -84,13 +93,7 @@ impl StepMap for Method {
         self.realization.dimension()
     }
 
-    fn stepper(
-        &self,
-        lanes: usize,
-        parameters: &[f64],
-        epsilon: f64,
-        h: f64,
-    ) -> Box<dyn Stepper> {
+    fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
         self.newton.stepper(lanes, parameters, epsilon, h)
     }
 }

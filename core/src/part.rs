@@ -93,7 +93,12 @@ impl PartParameters {
         let unknown = |parameter: &str| BuildError::UnknownParameter {
             part: info.name,
             parameter: parameter.to_owned(),
-            known: info.parameters.iter().map(|p| p.name).collect::<Vec<_>>().join(", "),
+            known: info
+                .parameters
+                .iter()
+                .map(|p| p.name)
+                .collect::<Vec<_>>()
+                .join(", "),
         };
         if let Some(stranger) = self.values.keys().find(|key| known(key).is_none()) {
             return Err(unknown(stranger));

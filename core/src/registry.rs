@@ -71,9 +71,10 @@ impl Registry {
         let mut registry = Self::empty();
         for part in inventory::iter::<BuiltIn> {
             let fresh = match *part {
-                BuiltIn::Realization(part) => {
-                    registry.realizations.insert(part.info().name, part).is_none()
-                }
+                BuiltIn::Realization(part) => registry
+                    .realizations
+                    .insert(part.info().name, part)
+                    .is_none(),
                 BuiltIn::Dynamics(part) => {
                     registry.dynamics.insert(part.info().name, part).is_none()
                 }
@@ -125,5 +126,9 @@ fn unknown<'a>(
         .filter(|(likeness, _)| *likeness > 0.75)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, k)| k.to_owned());
-    BuildError::UnknownPart { kind: kind.noun(), name: name.to_owned(), suggestion }
+    BuildError::UnknownPart {
+        kind: kind.noun(),
+        name: name.to_owned(),
+        suggestion,
+    }
 }

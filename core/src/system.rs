@@ -79,8 +79,14 @@ impl PoissonSystem {
             };
             tensor.insert((i, j), entry);
         }
-        let system =
-            Self { variables, parameters, tensor, hamiltonian, casimirs, convention };
+        let system = Self {
+            variables,
+            parameters,
+            tensor,
+            hamiltonian,
+            casimirs,
+            convention,
+        };
         system.check_indices()?;
         Ok(system)
     }
@@ -93,8 +99,16 @@ impl PoissonSystem {
             .chain(self.casimirs.iter().map(|c| &c.expression));
         for formula in formulas {
             let used = [
-                ("variable", formula.variables().last().copied(), self.variables.len()),
-                ("parameter", formula.parameters().last().copied(), self.parameters.len()),
+                (
+                    "variable",
+                    formula.variables().last().copied(),
+                    self.variables.len(),
+                ),
+                (
+                    "parameter",
+                    formula.parameters().last().copied(),
+                    self.parameters.len(),
+                ),
             ];
             for (what, last, count) in used {
                 if let Some(index) = last.filter(|index| *index >= count) {
@@ -170,7 +184,10 @@ impl PoissonSystem {
             rows[i].push((one.clone(), arithmetic.multiply(&entry, &v[j])));
             rows[j].push((-&one, arithmetic.multiply(&entry, &v[i])));
         }
-        Ok(rows.into_iter().map(|row| arithmetic.combine(&row)).collect())
+        Ok(rows
+            .into_iter()
+            .map(|row| arithmetic.combine(&row))
+            .collect())
     }
 
     /// The kernel x ↦ (f₁(x), …) of any formulas of this system.
@@ -184,7 +201,12 @@ impl PoissonSystem {
         for formula in formulas {
             outputs.push(formula.evaluate_in(&mut graph, &mut |_, at| Ok(x[at].clone()))?);
         }
-        Ok(Kernel::compile(&graph, &outputs, self.parameters.len(), self.dimension()))
+        Ok(Kernel::compile(
+            &graph,
+            &outputs,
+            self.parameters.len(),
+            self.dimension(),
+        ))
     }
 
     /// The kernel x ↦ X_H(x) = −Π(x) ∇H(x).
@@ -194,18 +216,28 @@ impl PoissonSystem {
     pub fn vector_field_kernel(&self) -> Result<Kernel, BuildError> {
         let mut graph = Graph::new();
         let x: Vec<Term> = (0..self.dimension()).map(|i| graph.input(i)).collect();
-        let energy = self.hamiltonian.evaluate_in(&mut graph, &mut |_, at| Ok(x[at].clone()))?;
+        let energy = self
+            .hamiltonian
+            .evaluate_in(&mut graph, &mut |_, at| Ok(x[at].clone()))?;
         let mut gradient = Vec::with_capacity(x.len());
         for i in 0..x.len() {
             gradient.push(graph.derivative(&energy, i)?);
         }
         let field = self.apply_tensor(&mut graph, &x, &gradient)?;
         let field: Vec<Term> = field.iter().map(|f| graph.negate(f)).collect();
-        Ok(Kernel::compile(&graph, &field, self.parameters.len(), x.len()))
+        Ok(Kernel::compile(
+            &graph,
+            &field,
+            self.parameters.len(),
+            x.len(),
+        ))
     }
 }
 
 /// ε and h as code.
 pub fn step_sizes(graph: &mut Graph) -> (Term, Term) {
-    (graph.step_size(StepSize::Epsilon), graph.step_size(StepSize::H))
+    (
+        graph.step_size(StepSize::Epsilon),
+        graph.step_size(StepSize::H),
+    )
 }

@@ -124,7 +124,9 @@ pub trait Arithmetic {
         exponent: i64,
     ) -> Result<Self::Element, AlgebraError> {
         if exponent.abs() > 4096 {
-            return Err(AlgebraError::ExponentTooLarge { exponent: exponent.to_string() });
+            return Err(AlgebraError::ExponentTooLarge {
+                exponent: exponent.to_string(),
+            });
         }
         let mut result = None;
         let mut square = a.clone();
@@ -143,7 +145,11 @@ pub trait Arithmetic {
         }
         let one = self.one();
         let result = result.unwrap_or_else(|| one.clone());
-        if exponent < 0 { self.divide(&one, &result) } else { Ok(result) }
+        if exponent < 0 {
+            self.divide(&one, &result)
+        } else {
+            Ok(result)
+        }
     }
 }
 
@@ -175,7 +181,11 @@ pub fn function_derivative<A: Arithmetic>(
         Function::Cosh => arithmetic.apply(Function::Sinh, u),
         Function::Tan | Function::Tanh => {
             let square = arithmetic.multiply(g, g);
-            let sign = if function == Function::Tan { Rational::one() } else { minus };
+            let sign = if function == Function::Tan {
+                Rational::one()
+            } else {
+                minus
+            };
             Ok(arithmetic.combine(&[(Rational::one(), one), (sign, square)]))
         }
         Function::Asin | Function::Acos | Function::Asinh | Function::Acosh => {
@@ -188,11 +198,19 @@ pub fn function_derivative<A: Arithmetic>(
             let inside = arithmetic.combine(&[(constant, one.clone()), (quadratic, square)]);
             let root = arithmetic.apply(Function::Sqrt, &inside)?;
             let inverse = arithmetic.divide(&one, &root)?;
-            Ok(if function == Function::Acos { arithmetic.negate(&inverse) } else { inverse })
+            Ok(if function == Function::Acos {
+                arithmetic.negate(&inverse)
+            } else {
+                inverse
+            })
         }
         Function::Atan | Function::Atanh => {
             let square = arithmetic.multiply(u, u);
-            let sign = if function == Function::Atan { Rational::one() } else { minus };
+            let sign = if function == Function::Atan {
+                Rational::one()
+            } else {
+                minus
+            };
             let below = arithmetic.combine(&[(Rational::one(), one.clone()), (sign, square)]);
             arithmetic.divide(&one, &below)
         }

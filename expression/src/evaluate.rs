@@ -50,9 +50,11 @@ impl Expression {
                 match arithmetic.as_rational(&exponent) {
                     Some(constant) if constant.is_integer() => {
                         let integer =
-                            constant.to_i64().ok_or_else(|| AlgebraError::ExponentTooLarge {
-                                exponent: constant.to_string(),
-                            })?;
+                            constant
+                                .to_i64()
+                                .ok_or_else(|| AlgebraError::ExponentTooLarge {
+                                    exponent: constant.to_string(),
+                                })?;
                         arithmetic.integer_power(&base, integer)
                     }
                     _ => arithmetic.power(&base, &exponent),

@@ -18,7 +18,11 @@ const DEPTH: usize = 7;
 impl Extrapolation {
     /// No history.
     pub fn new(dimension: usize) -> Self {
-        Self { dimension, differences: vec![0.0; dimension * DEPTH], filled: 0 }
+        Self {
+            dimension,
+            differences: vec![0.0; dimension * DEPTH],
+            filled: 0,
+        }
     }
 
     /// Forgets the history.
@@ -35,7 +39,9 @@ impl Extrapolation {
         }
         let d = self.dimension;
         let size = |j: usize| {
-            self.differences[j * d..][..d].iter().fold(0.0_f64, |m, v| m.max(v.abs()))
+            self.differences[j * d..][..d]
+                .iter()
+                .fold(0.0_f64, |m, v| m.max(v.abs()))
         };
         let mut order = 1;
         let mut smallest = f64::INFINITY;

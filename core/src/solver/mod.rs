@@ -15,8 +15,7 @@ pub trait StepMap: Send + Sync {
     fn dimension(&self) -> usize;
     /// A worker that steps `lanes` trajectories at once with these parameters (a structure of
     /// arrays over the lanes) and step sizes.
-    fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64)
-    -> Box<dyn Stepper>;
+    fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper>;
 }
 
 /// One thread's worker of a [`StepMap`].
@@ -31,6 +30,8 @@ pub trait Stepper: Send {
         increment: &mut [f64],
         outcome: &mut [Result<(), StepError>],
     );
+    /// The solution y of β̂(L(y)) = x of a lane's last step.
+    fn solution(&self, lane: usize) -> Vec<f64>;
     /// Forgets earlier steps: the next solve starts cold.
     fn restart(&mut self);
     /// Work done so far.
@@ -60,6 +61,10 @@ pub struct SolverStatistics {
 impl SolverStatistics {
     /// The mean number of evaluations a step.
     pub fn evaluations_per_step(&self) -> f64 {
-        if self.steps == 0 { 0.0 } else { self.evaluations as f64 / self.steps as f64 }
+        if self.steps == 0 {
+            0.0
+        } else {
+            self.evaluations as f64 / self.steps as f64
+        }
     }
 }

@@ -57,11 +57,13 @@ impl DynamicApproximation for HamiltonJacobi {
         system: &PoissonSystem,
         realization: &dyn RealizationData,
     ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
-        let series = realization.series().ok_or_else(|| BuildError::Incompatible {
-            dynamics: self.describe(),
-            realization: realization.describe(),
-            reason: "it offers no series of its source map in a cotangent chart".to_owned(),
-        })?;
+        let series = realization
+            .series()
+            .ok_or_else(|| BuildError::Incompatible {
+                dynamics: self.describe(),
+                realization: realization.describe(),
+                reason: "it offers no series of its source map in a cotangent chart".to_owned(),
+            })?;
         let generating = generating_function(system, series, self.order)?;
         Ok(Arc::new(GraphOfDifferential { generating }))
     }

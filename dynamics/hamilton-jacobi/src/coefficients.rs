@@ -19,16 +19,26 @@ pub fn generating_function(
     let mut ring = Ring::new(system.dimension());
     let mut coefficients = Vec::new();
     let mut gradients: Vec<Vec<Polynomial>> = Vec::new();
-    for_each_coefficient(system, series, order.saturating_sub(1), &mut ring, |ring, l, s| {
-        if l % 2 == 0 {
-            return Ok(None);
-        }
-        let gradient = ring.gradient(&s)?;
-        coefficients.push(s);
-        gradients.push(gradient.clone());
-        Ok(Some(gradient))
-    })?;
-    Ok(GeneratingFunction { ring, coefficients, gradients })
+    for_each_coefficient(
+        system,
+        series,
+        order.saturating_sub(1),
+        &mut ring,
+        |ring, l, s| {
+            if l % 2 == 0 {
+                return Ok(None);
+            }
+            let gradient = ring.gradient(&s)?;
+            coefficients.push(s);
+            gradients.push(gradient.clone());
+            Ok(Some(gradient))
+        },
+    )?;
+    Ok(GeneratingFunction {
+        ring,
+        coefficients,
+        gradients,
+    })
 }
 
 /// Every S_l up to `last`, the even ones too: the identity S_{2j} = 0 (Proposition 1) holds for
@@ -67,7 +77,10 @@ fn for_each_coefficient(
     let mut alpha: Vec<Polynomial> = (0..d).map(|i| ring.variable(i)).collect();
     for l in 1..=last {
         state.extend(&tape, ring, |_, i| alpha[i].clone())?;
-        let s = ring.scale(&Rational::new(1, l as i64), state.coefficient(energy, l - 1));
+        let s = ring.scale(
+            &Rational::new(1, l as i64),
+            state.coefficient(energy, l - 1),
+        );
         let gradient = take(ring, l, s)?.unwrap_or_else(|| vec![Polynomial::zero(); d]);
         if l < last {
             alpha = source.push(ring, gradient)?;

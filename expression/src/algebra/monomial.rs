@@ -36,7 +36,9 @@ impl Monomial {
 
     /// The exponent of `symbol`, 0 where it does not occur.
     pub fn exponent(&self, symbol: Symbol) -> i16 {
-        self.0.binary_search_by_key(&symbol, |f| f.0).map_or(0, |at| self.0[at].1)
+        self.0
+            .binary_search_by_key(&symbol, |f| f.0)
+            .map_or(0, |at| self.0[at].1)
     }
 
     /// The product of two monomials.

@@ -61,12 +61,17 @@ impl<C: CoefficientRing> Terms<C> {
         if coefficient.is_zero() {
             return Self::zero();
         }
-        Self { terms: vec![(monomial, coefficient)] }
+        Self {
+            terms: vec![(monomial, coefficient)],
+        }
     }
 
     /// The monomial s.
     pub fn symbol(symbol: Symbol) -> Self {
-        Self::term(Monomial::power(symbol, 1), C::from_rational(&Rational::one()))
+        Self::term(
+            Monomial::power(symbol, 1),
+            C::from_rational(&Rational::one()),
+        )
     }
 
     /// The constant c.
@@ -116,13 +121,23 @@ impl<C: CoefficientRing> Terms<C> {
         if let [(factor, part)] = parts {
             return part.scaled(factor);
         }
-        Self::collect(parts.iter().filter(|(factor, _)| !factor.is_zero()).flat_map(
-            |(factor, part)| {
-                part.terms.iter().map(move |(m, c)| {
-                    (m.clone(), if factor.is_one() { c.clone() } else { c.scaled(factor) })
-                })
-            },
-        ))
+        Self::collect(
+            parts
+                .iter()
+                .filter(|(factor, _)| !factor.is_zero())
+                .flat_map(|(factor, part)| {
+                    part.terms.iter().map(move |(m, c)| {
+                        (
+                            m.clone(),
+                            if factor.is_one() {
+                                c.clone()
+                            } else {
+                                c.scaled(factor)
+                            },
+                        )
+                    })
+                }),
+        )
     }
 
     /// f·g.
@@ -134,7 +149,10 @@ impl<C: CoefficientRing> Terms<C> {
             return self.times_term(m, c);
         }
         Self::collect(self.terms.iter().flat_map(|(m, c)| {
-            other.terms.iter().map(move |(n, d)| (m.multiply(n), c.product(d)))
+            other
+                .terms
+                .iter()
+                .map(move |(n, d)| (m.multiply(n), c.product(d)))
         }))
     }
 
@@ -155,20 +173,31 @@ impl<C: CoefficientRing> Terms<C> {
         if factor.is_zero() {
             return Self::zero();
         }
-        Self { terms: self.terms.iter().map(|(m, c)| (m.clone(), c.scaled(factor))).collect() }
+        Self {
+            terms: self
+                .terms
+                .iter()
+                .map(|(m, c)| (m.clone(), c.scaled(factor)))
+                .collect(),
+        }
     }
 
     /// The monomial that divides every term, exponents of either sign included; 1 for 0.
     pub fn content(&self) -> Monomial {
         let mut terms = self.terms.iter();
-        let Some((first, _)) = terms.next() else { return Monomial::one() };
+        let Some((first, _)) = terms.next() else {
+            return Monomial::one();
+        };
         terms.fold(first.clone(), |common, (m, _)| common.common(m))
     }
 
     /// The symbols that occur.
     pub fn symbols(&self) -> Vec<Symbol> {
-        let mut symbols: Vec<Symbol> =
-            self.terms.iter().flat_map(|(m, _)| m.factors().iter().map(|f| f.0)).collect();
+        let mut symbols: Vec<Symbol> = self
+            .terms
+            .iter()
+            .flat_map(|(m, _)| m.factors().iter().map(|f| f.0))
+            .collect();
         symbols.sort_unstable();
         symbols.dedup();
         symbols

@@ -52,7 +52,9 @@ impl Ring {
 
     /// The generator behind a symbol, `None` for a variable.
     pub fn generator(&self, symbol: Symbol) -> Option<&Generator> {
-        usize::from(symbol).checked_sub(self.variables).map(|at| &self.generators[at])
+        usize::from(symbol)
+            .checked_sub(self.variables)
+            .map(|at| &self.generators[at])
     }
 
     /// The constant behind a symbol of a [`Coefficient`].
@@ -179,7 +181,9 @@ impl Ring {
                 return f;
             }
             f = Polynomial::collect(
-                settled.into_iter().chain(rewritten.iter().flat_map(|r| r.terms().to_vec())),
+                settled
+                    .into_iter()
+                    .chain(rewritten.iter().flat_map(|r| r.terms().to_vec())),
             );
         }
     }
@@ -188,7 +192,9 @@ impl Ring {
     fn rewrite(&self, monomial: &Monomial) -> Option<Polynomial> {
         let one = || Coefficient::from_rational(&Rational::one());
         for &(symbol, exponent) in monomial.factors() {
-            let Some(generator) = self.generator(symbol) else { continue };
+            let Some(generator) = self.generator(symbol) else {
+                continue;
+            };
             match generator {
                 Generator::Inverse(u) => {
                     let (leading, _) = u.terms().last().expect("an inverse has terms");
@@ -325,8 +331,12 @@ impl Ring {
                     return Err(outside(function, &value));
                 }
                 Function::Sqrt if value.is_negative() => return Err(outside(function, &value)),
-                Function::Exp | Function::Cos | Function::Cosh | Function::Ln
-                | Function::Acosh | Function::Acos => None,
+                Function::Exp
+                | Function::Cos
+                | Function::Cosh
+                | Function::Ln
+                | Function::Acosh
+                | Function::Acos => None,
                 _ if value.is_zero() => Some(Rational::zero()),
                 Function::Sqrt if value.is_one() => Some(Rational::one()),
                 _ => None,
@@ -349,7 +359,9 @@ impl Ring {
         if let Some(integer) = exponent.to_i64() {
             return self.integer_power(f, integer);
         }
-        let too_large = || AlgebraError::ExponentTooLarge { exponent: exponent.to_string() };
+        let too_large = || AlgebraError::ExponentTooLarge {
+            exponent: exponent.to_string(),
+        };
         if f.is_zero() {
             return if exponent.is_negative() {
                 Err(AlgebraError::DivisionByZero)
@@ -380,7 +392,10 @@ fn one() -> Coefficient {
 }
 
 fn outside(function: Function, value: &Rational) -> AlgebraError {
-    AlgebraError::OutsideDomain { function: function.name(), argument: value.to_string() }
+    AlgebraError::OutsideDomain {
+        function: function.name(),
+        argument: value.to_string(),
+    }
 }
 
 /// Whether the leading term's leading rational coefficient is negative: the sign that odd and even
@@ -475,6 +490,8 @@ impl Arithmetic for Ring {
             Function::Cosh => drop(self.adjoin(Generator::Function(Function::Sinh, a.clone()))),
             _ => {}
         }
-        Ok(Polynomial::symbol(self.adjoin(Generator::Function(function, a.clone()))))
+        Ok(Polynomial::symbol(
+            self.adjoin(Generator::Function(function, a.clone())),
+        ))
     }
 }

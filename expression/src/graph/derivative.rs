@@ -20,12 +20,19 @@ impl Graph {
             return Ok(self.zero());
         }
         if let Operation::Input(index) = *self.operation(node) {
-            return Ok(if index == input { self.one() } else { self.zero() });
+            return Ok(if index == input {
+                self.one()
+            } else {
+                self.zero()
+            });
         }
         if let Some(known) = self.derivatives.get(&(node, input)) {
             return Ok(known.clone());
         }
-        let unit = |node| Term { scale: Rational::one(), node };
+        let unit = |node| Term {
+            scale: Rational::one(),
+            node,
+        };
         let result = match self.operation(node).clone() {
             Operation::One
             | Operation::Pi

@@ -23,7 +23,10 @@ pub fn factor_in_graph(
     polynomials: &[Vec<FactoredTerm>],
     symbols: &FxHashMap<Symbol, Term>,
 ) -> Result<Vec<Term>, AlgebraError> {
-    polynomials.iter().map(|terms| horner(graph, terms.clone(), symbols)).collect()
+    polynomials
+        .iter()
+        .map(|terms| horner(graph, terms.clone(), symbols))
+        .collect()
 }
 
 fn horner(
@@ -32,12 +35,16 @@ fn horner(
     symbols: &FxHashMap<Symbol, Term>,
 ) -> Result<Term, AlgebraError> {
     terms.retain(|(_, c)| !graph.is_zero(c));
-    let Some((first, rest)) = terms.split_first() else { return Ok(graph.zero()) };
+    let Some((first, rest)) = terms.split_first() else {
+        return Ok(graph.zero());
+    };
     if rest.is_empty() {
         let power = monomial(graph, &first.0, symbols)?;
         return Ok(graph.multiply(&first.1, &power));
     }
-    let content = rest.iter().fold(first.0.clone(), |common, (m, _)| common.common(m));
+    let content = rest
+        .iter()
+        .fold(first.0.clone(), |common, (m, _)| common.common(m));
     if !content.is_one() {
         let inverse = content.inverse();
         for term in &mut terms {
@@ -54,8 +61,10 @@ fn horner(
                 .into_iter()
                 .partition(|(m, _)| m.exponent(factor.0) >= factor.1);
             let inverse = Monomial::power(factor.0, -factor.1);
-            let quotient =
-                with.into_iter().map(|(m, c)| (m.multiply(&inverse), c)).collect::<Vec<_>>();
+            let quotient = with
+                .into_iter()
+                .map(|(m, c)| (m.multiply(&inverse), c))
+                .collect::<Vec<_>>();
             let outer = monomial(graph, &Monomial::power(factor.0, factor.1), symbols)?;
             let inner = horner(graph, quotient, symbols)?;
             let head = graph.multiply(&outer, &inner);

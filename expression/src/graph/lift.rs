@@ -20,7 +20,11 @@ pub fn lift(
     outputs: &[Vec<(Term, Polynomial)>],
     variables: &[Term],
 ) -> Result<Vec<Term>, AlgebraError> {
-    let mut lifting = Lifting { ring, variables, symbols: FxHashMap::default() };
+    let mut lifting = Lifting {
+        ring,
+        variables,
+        symbols: FxHashMap::default(),
+    };
     let mut polynomials = Vec::with_capacity(outputs.len());
     for output in outputs {
         let mut merged: Vec<(Monomial, Vec<(Rational, Term)>)> = Vec::new();
@@ -39,8 +43,10 @@ pub fn lift(
                 merged[at].1.push((Rational::one(), c));
             }
         }
-        let terms: Vec<FactoredTerm> =
-            merged.into_iter().map(|(m, parts)| (m, graph.combine(&parts))).collect();
+        let terms: Vec<FactoredTerm> = merged
+            .into_iter()
+            .map(|(m, parts)| (m, graph.combine(&parts)))
+            .collect();
         polynomials.push(terms);
     }
     factor_in_graph(graph, &polynomials, &lifting.symbols)

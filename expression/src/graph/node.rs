@@ -149,11 +149,17 @@ impl Graph {
     }
 
     fn unit(&mut self, operation: Operation, tier: Tier) -> Term {
-        Term { scale: Rational::one(), node: self.intern(operation, tier) }
+        Term {
+            scale: Rational::one(),
+            node: self.intern(operation, tier),
+        }
     }
 
     fn number(value: Rational) -> Term {
-        Term { scale: value, node: Self::ONE }
+        Term {
+            scale: value,
+            node: Self::ONE,
+        }
     }
 
     /// A node of the coefficient tier that holds the whole term, its scale included.
@@ -163,9 +169,15 @@ impl Graph {
             return term.node;
         }
         if let Operation::Scale(inner, node) = self.operation(term.node).clone() {
-            return self.coefficient_node(&Term { scale: &inner * &term.scale, node });
+            return self.coefficient_node(&Term {
+                scale: &inner * &term.scale,
+                node,
+            });
         }
-        self.intern(Operation::Scale(term.scale.clone(), term.node), Tier::Coefficient)
+        self.intern(
+            Operation::Scale(term.scale.clone(), term.node),
+            Tier::Coefficient,
+        )
     }
 
     /// The factor of the coefficient tier in front of a state-dependent node, and the rest.
@@ -196,13 +208,21 @@ impl Graph {
             return Self::number(Rational::zero());
         }
         if coefficient.node == Self::ONE {
-            return Term { scale: coefficient.scale.clone(), node };
+            return Term {
+                scale: coefficient.scale.clone(),
+                node,
+            };
         }
         let sign = coefficient.scale.signum();
-        let magnitude =
-            Term { scale: coefficient.scale.abs(), node: coefficient.node };
+        let magnitude = Term {
+            scale: coefficient.scale.abs(),
+            node: coefficient.node,
+        };
         let factor = self.coefficient_node(&magnitude);
-        Term { scale: Rational::from_integer(sign.into()), node: self.product_node(factor, node) }
+        Term {
+            scale: Rational::from_integer(sign.into()),
+            node: self.product_node(factor, node),
+        }
     }
 
     /// Σ cᵢ nᵢ over constant and coefficient tiers.
@@ -225,7 +245,12 @@ impl Graph {
     fn normal_sum(&mut self, mut sums: Vec<(Rational, Node)>, tier: Tier) -> Term {
         match sums.as_slice() {
             [] => return Self::number(Rational::zero()),
-            [(scale, node)] => return Term { scale: scale.clone(), node: *node },
+            [(scale, node)] => {
+                return Term {
+                    scale: scale.clone(),
+                    node: *node,
+                };
+            }
             _ => {}
         }
         let mut sizes: Vec<Rational> = sums.iter().map(|t| t.0.abs()).collect();
@@ -250,7 +275,10 @@ impl Graph {
                 term.0 = &term.0 * &inverse;
             }
         }
-        Term { scale, node: self.intern(Operation::Sum(sums.into_boxed_slice()), tier) }
+        Term {
+            scale,
+            node: self.intern(Operation::Sum(sums.into_boxed_slice()), tier),
+        }
     }
 }
 
@@ -315,7 +343,10 @@ impl Arithmetic for Graph {
             }
         } else {
             let sign = Rational::from_integer(constant.scale.signum().into());
-            let magnitude = Term { scale: constant.scale.abs(), node: constant.node };
+            let magnitude = Term {
+                scale: constant.scale.abs(),
+                node: constant.node,
+            };
             sums.push((sign, self.coefficient_node(&magnitude)));
         }
         sums.sort_by_key(|t| t.1);
@@ -328,21 +359,39 @@ impl Arithmetic for Graph {
             return Self::number(Rational::zero());
         }
         if a.node == Self::ONE || b.node == Self::ONE {
-            return Term { scale, node: a.node.max(b.node) };
+            return Term {
+                scale,
+                node: a.node.max(b.node),
+            };
         }
         match (self.tier(a.node), self.tier(b.node)) {
-            (Tier::Step, Tier::Step) => Term { scale, node: self.product_node(a.node, b.node) },
+            (Tier::Step, Tier::Step) => Term {
+                scale,
+                node: self.product_node(a.node, b.node),
+            },
             (Tier::Step, _) | (_, Tier::Step) => {
-                let (step, outer) =
-                    if self.tier(a.node) == Tier::Step { (a, b) } else { (b, a) };
+                let (step, outer) = if self.tier(a.node) == Tier::Step {
+                    (a, b)
+                } else {
+                    (b, a)
+                };
                 let (inner, rest) = self.split_coefficient(step.node);
                 let coefficient = match inner {
                     None => outer.node,
                     Some(inner) => self.product_node(inner, outer.node),
                 };
-                self.attach(&Term { scale, node: coefficient }, rest)
+                self.attach(
+                    &Term {
+                        scale,
+                        node: coefficient,
+                    },
+                    rest,
+                )
             }
-            _ => Term { scale, node: self.product_node(a.node, b.node) },
+            _ => Term {
+                scale,
+                node: self.product_node(a.node, b.node),
+            },
         }
     }
 
@@ -351,7 +400,10 @@ impl Arithmetic for Graph {
             return Err(AlgebraError::DivisionByZero);
         }
         if b.node == Self::ONE {
-            return Ok(Term { scale: &a.scale * &b.scale.recip(), node: a.node });
+            return Ok(Term {
+                scale: &a.scale * &b.scale.recip(),
+                node: a.node,
+            });
         }
         if a.node == b.node {
             return Ok(Self::number(&a.scale * &b.scale.recip()));
@@ -361,7 +413,10 @@ impl Arithmetic for Graph {
             Operation::Reciprocal(inner) => inner,
             _ => self.intern(Operation::Reciprocal(b.node), tier),
         };
-        let below = Term { scale: b.scale.recip(), node: reciprocal };
+        let below = Term {
+            scale: b.scale.recip(),
+            node: reciprocal,
+        };
         Ok(self.multiply(a, &below))
     }
 

@@ -33,6 +33,15 @@ pub(super) fn reuse_slots(code: Code, fixed: usize) -> Code {
         // A renamed operand keeps its name although its slot may be the result's.
         instructions.push(instruction.renamed(|slot| names[slot as usize]));
     }
-    let outputs = code.outputs.iter().map(|&slot| names[slot as usize]).collect();
-    Code { instructions, constants: code.constants, outputs, slots: slots as usize }
+    let outputs = code
+        .outputs
+        .iter()
+        .map(|&slot| names[slot as usize])
+        .collect();
+    Code {
+        instructions,
+        constants: code.constants,
+        outputs,
+        slots: slots as usize,
+    }
 }

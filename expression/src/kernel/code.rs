@@ -99,19 +99,40 @@ impl Instruction {
     /// The same operation with every slot renamed.
     pub(super) fn renamed(self, mut name: impl FnMut(u32) -> u32) -> Self {
         match self {
-            Self::Add { out, a, b } => Self::Add { out: name(out), a: name(a), b: name(b) },
-            Self::Subtract { out, a, b } => {
-                Self::Subtract { out: name(out), a: name(a), b: name(b) }
-            }
-            Self::Multiply { out, a, b } => {
-                Self::Multiply { out: name(out), a: name(a), b: name(b) }
-            }
-            Self::Divide { out, a, b } => Self::Divide { out: name(out), a: name(a), b: name(b) },
-            Self::Negate { out, a } => Self::Negate { out: name(out), a: name(a) },
-            Self::Apply { function, out, a } => {
-                Self::Apply { function, out: name(out), a: name(a) }
-            }
-            Self::Power { out, a, b } => Self::Power { out: name(out), a: name(a), b: name(b) },
+            Self::Add { out, a, b } => Self::Add {
+                out: name(out),
+                a: name(a),
+                b: name(b),
+            },
+            Self::Subtract { out, a, b } => Self::Subtract {
+                out: name(out),
+                a: name(a),
+                b: name(b),
+            },
+            Self::Multiply { out, a, b } => Self::Multiply {
+                out: name(out),
+                a: name(a),
+                b: name(b),
+            },
+            Self::Divide { out, a, b } => Self::Divide {
+                out: name(out),
+                a: name(a),
+                b: name(b),
+            },
+            Self::Negate { out, a } => Self::Negate {
+                out: name(out),
+                a: name(a),
+            },
+            Self::Apply { function, out, a } => Self::Apply {
+                function,
+                out: name(out),
+                a: name(a),
+            },
+            Self::Power { out, a, b } => Self::Power {
+                out: name(out),
+                a: name(a),
+                b: name(b),
+            },
         }
     }
 }

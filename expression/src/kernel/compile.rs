@@ -29,7 +29,8 @@ impl Kernel {
         let imported = imported_coefficients(graph, outputs, &live);
 
         // Coefficient kernel: slots 0 .. parameters, then ε and h.
-        let mut coefficient = Emitter::new(graph, &uses, Tier::Coefficient, parameters, parameters + 2);
+        let mut coefficient =
+            Emitter::new(graph, &uses, Tier::Coefficient, parameters, parameters + 2);
         for &node in &imported {
             let slot = coefficient.place(node);
             coefficient.code.outputs.push(slot);
@@ -37,7 +38,13 @@ impl Kernel {
         let coefficient_code = coefficient.finish();
 
         // Step kernel: slots 0 .. inputs, then the coefficients.
-        let mut step = Emitter::new(graph, &uses, Tier::Step, parameters, inputs + imported.len());
+        let mut step = Emitter::new(
+            graph,
+            &uses,
+            Tier::Step,
+            parameters,
+            inputs + imported.len(),
+        );
         for (at, &node) in imported.iter().enumerate() {
             step.places.insert(node, (inputs + at) as u32);
         }
@@ -101,7 +108,12 @@ fn imported_coefficients(graph: &Graph, outputs: &[Term], live: &[bool]) -> Vec<
         .map(Node)
         .filter(|n| live[n.index()] && graph.tier(*n) == Tier::Step)
         .flat_map(|n| operands(graph, n))
-        .chain(outputs.iter().filter(|t| !t.scale.is_zero()).map(|t| t.node))
+        .chain(
+            outputs
+                .iter()
+                .filter(|t| !t.scale.is_zero())
+                .map(|t| t.node),
+        )
         .filter(|n| is_coefficient(*n))
         .collect();
     imported.sort_unstable();
@@ -124,8 +136,11 @@ fn operands(graph: &Graph, node: Node) -> Vec<Node> {
 
 /// The multiplications by constants that a sum takes: one for each size of factor but 1.
 fn multiplications(terms: &[(Rational, Node)]) -> usize {
-    let mut sizes: Vec<Rational> =
-        terms.iter().filter(|t| t.1 != Graph::ONE).map(|t| t.0.abs()).collect();
+    let mut sizes: Vec<Rational> = terms
+        .iter()
+        .filter(|t| t.1 != Graph::ONE)
+        .map(|t| t.0.abs())
+        .collect();
     sizes.sort();
     sizes.dedup();
     sizes.iter().filter(|size| !size.is_one()).count()
@@ -148,14 +163,11 @@ struct Emitter<'a> {
 const CONSTANT_BASE: u32 = 1 << 31;
 
 impl<'a> Emitter<'a> {
-    fn new(
-        graph: &'a Graph,
-        uses: &'a [u32],
-        tier: Tier,
-        parameters: usize,
-        fixed: usize,
-    ) -> Self {
-        let code = Code { slots: fixed, ..Code::default() };
+    fn new(graph: &'a Graph, uses: &'a [u32], tier: Tier, parameters: usize, fixed: usize) -> Self {
+        let code = Code {
+            slots: fixed,
+            ..Code::default()
+        };
         Self {
             graph,
             uses,
@@ -328,21 +340,34 @@ impl<'a> Emitter<'a> {
                     parts.push((negative, self.place(node)));
                 }
             } else {
-                let members: Vec<_> =
-                    members.into_iter().map(|(sign, node)| (sign, self.place(node))).collect();
+                let members: Vec<_> = members
+                    .into_iter()
+                    .map(|(sign, node)| (sign, self.place(node)))
+                    .collect();
                 let (negative, a) = self.add_up(&members);
                 let b = self.constant(&size);
-                parts.push((negative, self.push(|out| Instruction::Multiply { out, a, b })));
+                parts.push((
+                    negative,
+                    self.push(|out| Instruction::Multiply { out, a, b }),
+                ));
             }
         }
         let (negative, a) = self.add_up(&parts);
-        if negative { self.push(|out| Instruction::Negate { out, a }) } else { a }
+        if negative {
+            self.push(|out| Instruction::Negate { out, a })
+        } else {
+            a
+        }
     }
 
     /// ± the signed sum of slots: the returned flag says whether the sum was negated.
     fn add_up(&mut self, parts: &[(bool, u32)]) -> (bool, u32) {
         let all_negative = parts.iter().all(|p| p.0);
-        let first = if all_negative { 0 } else { parts.iter().position(|p| !p.0).unwrap_or(0) };
+        let first = if all_negative {
+            0
+        } else {
+            parts.iter().position(|p| !p.0).unwrap_or(0)
+        };
         let mut sum = parts[first].1;
         for (at, &(negative, b)) in parts.iter().enumerate() {
             if at != first {
@@ -377,7 +402,12 @@ impl<'a> Emitter<'a> {
             .collect();
         values.sort_unstable_by_key(|v| v.0);
         let code = Code {
-            instructions: self.code.instructions.iter().map(|i| i.renamed(name)).collect(),
+            instructions: self
+                .code
+                .instructions
+                .iter()
+                .map(|i| i.renamed(name))
+                .collect(),
             constants: values,
             outputs: self.code.outputs.iter().map(|&slot| name(slot)).collect(),
             slots: self.code.slots + constants as usize,

@@ -43,8 +43,16 @@ impl Kernel {
         h: &[f64],
     ) {
         let lanes = workspace.lanes;
-        assert_eq!(parameters.len(), self.parameters * lanes, "one value a parameter and lane");
-        assert_eq!((epsilon.len(), h.len()), (lanes, lanes), "one step size a lane");
+        assert_eq!(
+            parameters.len(),
+            self.parameters * lanes,
+            "one value a parameter and lane"
+        );
+        assert_eq!(
+            (epsilon.len(), h.len()),
+            (lanes, lanes),
+            "one step size a lane"
+        );
         let code = &self.coefficient_code;
         let mut slots = vec![0.0; code.slots * lanes];
         slots[..parameters.len()].copy_from_slice(parameters);
@@ -68,8 +76,17 @@ impl Kernel {
         let lanes = workspace.lanes;
         workspace.slots[..self.inputs * lanes].copy_from_slice(inputs);
         self.evaluate_in_place(workspace);
-        assert_eq!(outputs.len(), self.outputs() * lanes, "one value an output and lane");
-        for (&slot, out) in self.step_code.outputs.iter().zip(outputs.chunks_exact_mut(lanes)) {
+        assert_eq!(
+            outputs.len(),
+            self.outputs() * lanes,
+            "one value an output and lane"
+        );
+        for (&slot, out) in self
+            .step_code
+            .outputs
+            .iter()
+            .zip(outputs.chunks_exact_mut(lanes))
+        {
             out.copy_from_slice(&workspace.slots[slot as usize * lanes..][..lanes]);
         }
     }

@@ -40,7 +40,11 @@ impl<A: Arithmetic> Arithmetic for Univariate<'_, A> {
     type Element = UnivariateElement<A::Element>;
 
     fn constant(&mut self, value: &Rational) -> Self::Element {
-        if value.is_zero() { Vec::new() } else { vec![self.inner.constant(value)] }
+        if value.is_zero() {
+            Vec::new()
+        } else {
+            vec![self.inner.constant(value)]
+        }
     }
     fn pi(&mut self) -> Self::Element {
         vec![self.inner.pi()]

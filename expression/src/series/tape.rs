@@ -172,7 +172,10 @@ pub struct TaylorState<E> {
 impl<E: Clone + std::fmt::Debug> TaylorState<E> {
     /// No order known yet.
     pub fn new(tape: &Tape) -> Self {
-        Self { coefficients: vec![Vec::new(); tape.steps.len()], order: 0 }
+        Self {
+            coefficients: vec![Vec::new(); tape.steps.len()],
+            order: 0,
+        }
     }
 
     /// Computes the coefficients of the next order k (0 at the first call) of all nodes, with

@@ -4,10 +4,10 @@
 //! parity of k in σ: half of its coefficients vanish identically.
 
 use leafwise_core::PoissonSystem;
+use leafwise_expression::Expression;
 use leafwise_expression::arithmetic::{AlgebraError, Arithmetic};
 use leafwise_expression::rational::Rational;
 use leafwise_expression::series::{Tape, TapeIndex, TaylorState, Univariate};
-use leafwise_expression::Expression;
 
 /// The series of the curve over an algebra with elements `E`, one order at a time.
 ///
@@ -37,7 +37,12 @@ impl<E: Clone + std::fmt::Debug> KarasevCurve<E> {
         let rows = system.apply_tensor(&mut tape, &variables[..d], &variables[d..])?;
         let state = TaylorState::new(&tape);
         let coefficients = vec![x.iter().map(|value| vec![value.clone()]).collect()];
-        Ok(Self { tape, rows, state, coefficients })
+        Ok(Self {
+            tape,
+            rows,
+            state,
+            coefficients,
+        })
     }
 
     /// Given q_k (k = 0 at the first call), computes Y_{k+1}.
@@ -53,15 +58,16 @@ impl<E: Clone + std::fmt::Debug> KarasevCurve<E> {
         let d = q.len();
         let mut polynomials = Univariate { inner: arithmetic };
         let current = &self.coefficients[k];
-        self.state.extend(&self.tape, &mut polynomials, |ring, index| {
-            if index < d {
-                current[index].clone()
-            } else if ring.inner.is_zero(&q[index - d]) {
-                Vec::new()
-            } else {
-                vec![q[index - d].clone()]
-            }
-        })?;
+        self.state
+            .extend(&self.tape, &mut polynomials, |ring, index| {
+                if index < d {
+                    current[index].clone()
+                } else if ring.inner.is_zero(&q[index - d]) {
+                    Vec::new()
+                } else {
+                    vec![q[index - d].clone()]
+                }
+            })?;
         let next = self
             .rows
             .iter()
@@ -107,7 +113,10 @@ fn zero_mean_antiderivative<A: Arithmetic>(
         .filter(|(j, c)| j % 2 == 1 && !arithmetic.is_zero(c))
         .map(|(j, c)| {
             let m = j as i64 + 1;
-            (-(Rational::new(1, 2).powi(m) * Rational::new(1, m * (m + 1))), c.clone())
+            (
+                -(Rational::new(1, 2).powi(m) * Rational::new(1, m * (m + 1))),
+                c.clone(),
+            )
         })
         .collect();
     let mut w = vec![arithmetic.combine(&mean)];

@@ -21,8 +21,12 @@ impl KarasevSeries {
 
 impl SourceSeries for KarasevSeries {
     fn start(&self, ring: &mut Ring) -> Result<Box<dyn SourceRecursion>, BuildError> {
-        let x: Vec<Polynomial> = (0..self.system.dimension()).map(|i| ring.variable(i)).collect();
-        Ok(Box::new(Recursion { curve: KarasevCurve::new(&self.system, &x)? }))
+        let x: Vec<Polynomial> = (0..self.system.dimension())
+            .map(|i| ring.variable(i))
+            .collect();
+        Ok(Box::new(Recursion {
+            curve: KarasevCurve::new(&self.system, &x)?,
+        }))
     }
 }
 

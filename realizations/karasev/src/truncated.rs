@@ -36,7 +36,11 @@ impl TruncatedKarasev {
             });
         }
         let series = KarasevSeries::new(system.clone());
-        Ok(Self { system: system.clone(), order, series })
+        Ok(Self {
+            system: system.clone(),
+            order,
+            series,
+        })
     }
 
     /// n.
@@ -122,8 +126,15 @@ impl RealizationCode for TruncatedKarasev {
             increment.push(graph.scale(&Rational::from_integer(2), &odd));
         }
         // The last order that does not vanish identically, against the first.
-        let last = (2..=self.order).rev().find(|k| alpha[*k].iter().any(|a| !graph.is_zero(a)));
+        let last = (2..=self.order)
+            .rev()
+            .find(|k| alpha[*k].iter().any(|a| !graph.is_zero(a)));
         let guard = last.map(|k| (alpha[1].clone(), alpha[k].clone()));
-        Ok(SourceTarget { base: x.to_vec(), offset, increment, guard })
+        Ok(SourceTarget {
+            base: x.to_vec(),
+            offset,
+            increment,
+            guard,
+        })
     }
 }

@@ -1,0 +1,297 @@
+//! Jacobi's identity and Casimirs: proved in exact algebra, or sampled near a state.
+
+use std::collections::BTreeSet;
+
+use leafwise_expression::{
+    Arithmetic, Expression, Graph, Kernel, Polynomial, Rational, Ring, Term,
+};
+
+use crate::error::BuildError;
+use crate::system::PoissonSystem;
+
+/// What was found out about an identity f = 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The normal form is 0: it holds identically.
+    Proved,
+    /// The algebra could not decide; it holds to round-off at every sample.
+    NumericallyZero,
+    /// It fails.
+    Violated,
+    /// The algebra could not decide and no sample had a finite value.
+    Undecided,
+}
+
+/// The outcome of a check, with its worst component.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IdentityCheck {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The largest |Σ terms| / Σ |terms| over components and samples; 0 when proved.
+    pub residual: f64,
+    /// The indices of the worst component: a triple (i, j, k) for Jacobi, (i) for a Casimir.
+    pub worst: Vec<usize>,
+    /// The state where it was found; empty when proved.
+    pub at: Vec<f64>,
+}
+
+/// Normalized residuals below this are round-off: sums of a few hundred products at most.
+const ROUND_OFF: f64 = 1e-11;
+
+/// Samples of an identity that the algebra does not decide.
+const SAMPLES: usize = 8;
+
+/// Jacobi's identity Σ_cyc Σ_l Π_il ∂_l Π_jk = 0 for every triple that nonzero entries link.
+///
+/// # Errors
+/// [`BuildError::Algebra`] where an entry has no code at all.
+pub fn check_jacobi(
+    system: &PoissonSystem,
+    parameters: &[f64],
+    near: &[f64],
+) -> Result<IdentityCheck, BuildError> {
+    let triples = linked_triples(system);
+    let components = |arithmetic: &mut dyn FnMut(&[usize]) -> Result<(), BuildError>| {
+        triples.iter().try_for_each(|triple| arithmetic(triple))
+    };
+    let mut ring = Ring::new(system.dimension());
+    let x: Vec<Polynomial> = (0..system.dimension()).map(|i| ring.variable(i)).collect();
+    let mut undecided: Vec<Vec<usize>> = Vec::new();
+    let exact = components(&mut |triple| {
+        let terms = jacobi_terms(system, &mut ring, &x, triple, &mut |ring, f, l| {
+            ring.derivative(f, l)
+        })?;
+        let terms: Vec<_> = terms.into_iter().map(|t| (Rational::one(), t)).collect();
+        if !ring.combine(&terms).is_zero() {
+            undecided.push(triple.to_vec());
+        }
+        Ok(())
+    });
+    if exact.is_err() {
+        undecided = triples.iter().cloned().collect();
+    }
+    sample(system, parameters, near, &undecided, |graph, x, triple| {
+        jacobi_terms(system, graph, x, triple, &mut |graph, f, l| {
+            graph.derivative(f, l)
+        })
+    })
+}
+
+/// Π ∇C = 0 for the Casimir with this index.
+///
+/// # Errors
+/// [`BuildError::Algebra`] where the Casimir has no derivative.
+///
+/// # Panics
+/// When the system has no Casimir of this index.
+pub fn check_casimir(
+    system: &PoissonSystem,
+    casimir: usize,
+    parameters: &[f64],
+    near: &[f64],
+) -> Result<IdentityCheck, BuildError> {
+    let formula = &system.casimirs()[casimir].expression;
+    let rows: Vec<Vec<usize>> = (0..system.dimension()).map(|i| vec![i]).collect();
+    let mut ring = Ring::new(system.dimension());
+    let x: Vec<Polynomial> = (0..system.dimension()).map(|i| ring.variable(i)).collect();
+    let mut undecided = Vec::new();
+    let exact = rows.iter().try_for_each(|row| {
+        let terms = casimir_terms(system, formula, &mut ring, &x, row[0], &mut |ring, f, l| {
+            ring.derivative(f, l)
+        })?;
+        let terms: Vec<_> = terms.into_iter().map(|t| (Rational::one(), t)).collect();
+        if !ring.combine(&terms).is_zero() {
+            undecided.push(row.clone());
+        }
+        Ok::<(), BuildError>(())
+    });
+    if exact.is_err() {
+        undecided = rows;
+    }
+    sample(system, parameters, near, &undecided, |graph, x, row| {
+        casimir_terms(system, formula, graph, x, row[0], &mut |graph, f, l| {
+            graph.derivative(f, l)
+        })
+    })
+}
+
+type Differentiate<'a, A> = dyn FnMut(
+        &mut A,
+        &<A as Arithmetic>::Element,
+        usize,
+    ) -> Result<<A as Arithmetic>::Element, leafwise_expression::AlgebraError>
+    + 'a;
+
+/// Π_ij in any algebra, `None` where it is structurally zero.
+fn entry<A: Arithmetic>(
+    system: &PoissonSystem,
+    arithmetic: &mut A,
+    x: &[A::Element],
+    i: usize,
+    j: usize,
+) -> Result<Option<A::Element>, BuildError> {
+    let Some(formula) = system.tensor().get(&(i.min(j), i.max(j))) else {
+        return Ok(None);
+    };
+    let value = formula.evaluate_in(arithmetic, &mut |_, at| Ok(x[at].clone()))?;
+    Ok(Some(if i < j {
+        value
+    } else {
+        arithmetic.negate(&value)
+    }))
+}
+
+fn jacobi_terms<A: Arithmetic>(
+    system: &PoissonSystem,
+    arithmetic: &mut A,
+    x: &[A::Element],
+    triple: &[usize],
+    differentiate: &mut Differentiate<'_, A>,
+) -> Result<Vec<A::Element>, BuildError> {
+    let mut terms = Vec::new();
+    for (i, j, k) in
+        [(0, 1, 2), (1, 2, 0), (2, 0, 1)].map(|(a, b, c)| (triple[a], triple[b], triple[c]))
+    {
+        let Some(inner) = entry(system, arithmetic, x, j, k)? else {
+            continue;
+        };
+        let formula = &system.tensor()[&(j.min(k), j.max(k))];
+        for l in formula.variables() {
+            let Some(outer) = entry(system, arithmetic, x, i, l)? else {
+                continue;
+            };
+            let derivative = differentiate(arithmetic, &inner, l)?;
+            terms.push(arithmetic.multiply(&outer, &derivative));
+        }
+    }
+    Ok(terms)
+}
+
+fn casimir_terms<A: Arithmetic>(
+    system: &PoissonSystem,
+    casimir: &Expression,
+    arithmetic: &mut A,
+    x: &[A::Element],
+    row: usize,
+    differentiate: &mut Differentiate<'_, A>,
+) -> Result<Vec<A::Element>, BuildError> {
+    let value = casimir.evaluate_in(arithmetic, &mut |_, at| Ok(x[at].clone()))?;
+    let mut terms = Vec::new();
+    for j in casimir.variables() {
+        let Some(outer) = entry(system, arithmetic, x, row, j)? else {
+            continue;
+        };
+        let derivative = differentiate(arithmetic, &value, j)?;
+        terms.push(arithmetic.multiply(&outer, &derivative));
+    }
+    Ok(terms)
+}
+
+/// The triples i < j < k for which some term Π_il ∂_l Π_jk is not structurally zero.
+fn linked_triples(system: &PoissonSystem) -> BTreeSet<Vec<usize>> {
+    let mut neighbours = vec![BTreeSet::new(); system.dimension()];
+    for &(i, j) in system.tensor().keys() {
+        neighbours[i].insert(j);
+        neighbours[j].insert(i);
+    }
+    let mut triples = BTreeSet::new();
+    for (&(j, k), formula) in system.tensor() {
+        for l in formula.variables() {
+            for &i in &neighbours[l] {
+                let mut triple = vec![i, j, k];
+                triple.sort_unstable();
+                triple.dedup();
+                if triple.len() == 3 {
+                    triples.insert(triple);
+                }
+            }
+        }
+    }
+    triples
+}
+
+/// Deterministic states around `near`: up to 20 % away in each coordinate, signs kept.
+fn sample_states(near: &[f64]) -> Vec<Vec<f64>> {
+    let mut phase = 0.5_f64;
+    let mut next = move || {
+        phase = (phase + 0.618_033_988_749_894_9) % 1.0;
+        0.4 * phase - 0.2
+    };
+    let mut states = vec![near.to_vec()];
+    for _ in 1..SAMPLES {
+        states.push(
+            near.iter()
+                .map(|v| {
+                    if *v == 0.0 {
+                        next()
+                    } else {
+                        v * (1.0 + next())
+                    }
+                })
+                .collect(),
+        );
+    }
+    states
+}
+
+fn sample(
+    system: &PoissonSystem,
+    parameters: &[f64],
+    near: &[f64],
+    undecided: &[Vec<usize>],
+    mut terms: impl FnMut(&mut Graph, &[Term], &[usize]) -> Result<Vec<Term>, BuildError>,
+) -> Result<IdentityCheck, BuildError> {
+    if undecided.is_empty() {
+        return Ok(IdentityCheck {
+            verdict: Verdict::Proved,
+            residual: 0.0,
+            worst: Vec::new(),
+            at: Vec::new(),
+        });
+    }
+    let d = system.dimension();
+    let mut graph = Graph::new();
+    let x: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
+    let mut outputs = Vec::new();
+    let mut lengths = Vec::with_capacity(undecided.len());
+    for indices in undecided {
+        let terms = terms(&mut graph, &x, indices)?;
+        lengths.push(terms.len());
+        outputs.extend(terms);
+    }
+    let kernel = Kernel::compile(&graph, &outputs, parameters.len(), d);
+    let mut workspace = kernel.workspace(1);
+    kernel.prepare(&mut workspace, parameters, &[1.0], &[1.0]);
+    let mut values = vec![0.0; outputs.len()];
+    let mut check = IdentityCheck {
+        verdict: Verdict::Undecided,
+        residual: 0.0,
+        worst: undecided[0].clone(),
+        at: near.to_vec(),
+    };
+    for state in sample_states(near) {
+        kernel.evaluate(&mut workspace, &state, &mut values);
+        if values.iter().any(|v| !v.is_finite()) {
+            continue;
+        }
+        if check.verdict == Verdict::Undecided {
+            check.verdict = Verdict::NumericallyZero;
+        }
+        let mut rest = values.as_slice();
+        for (indices, &length) in undecided.iter().zip(&lengths) {
+            let (terms, others) = rest.split_at(length);
+            rest = others;
+            let size: f64 = terms.iter().map(|t| t.abs()).sum();
+            let residual = terms.iter().sum::<f64>().abs() / size;
+            if size > 0.0 && residual > check.residual {
+                check.residual = residual;
+                check.worst.clone_from(indices);
+                check.at.clone_from(&state);
+            }
+        }
+    }
+    if check.residual > ROUND_OFF {
+        check.verdict = Verdict::Violated;
+    }
+    Ok(check)
+}
