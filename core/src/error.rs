@@ -52,6 +52,21 @@ pub enum BuildError {
         /// The nearest registered name.
         suggestion: Option<String>,
     },
+    /// A lattice function that couples distant sites.
+    #[error(
+        "a formula of this lattice reaches {reach} sites away, too far for a template; shorten the \
+         lattice or write a Hamiltonian that couples neighbours"
+    )]
+    NotLocal {
+        /// The distance in sites.
+        reach: usize,
+    },
+    /// A scene's formula that does not fit the lattice it is written out on.
+    #[error("{message}")]
+    Lattice {
+        /// What is wrong.
+        message: String,
+    },
     /// Two parts that cannot be combined.
     #[error("{dynamics} cannot be combined with {realization}: {reason}")]
     Incompatible {

@@ -10,6 +10,7 @@
 //! - [`method`](mod@method): [`Method`], the two combined into a step map.
 //! - [`solver`]: the step solver, one Newton iteration a lane.
 //! - [`integrator`]: the compensated step loop.
+//! - [`lattice`]: long lattices in O(N) time and memory a step.
 //! - [`part`], [`registry`]: parts by name, built in or loaded.
 //! - [`diagnostics`]: realization error, tensor defect, fitted slopes, Jacobi and Casimir checks.
 //! - [`error`]: typed failures.
@@ -18,6 +19,7 @@ pub mod diagnostics;
 pub mod dynamics;
 pub mod error;
 pub mod integrator;
+pub mod lattice;
 pub mod method;
 pub mod part;
 pub mod realization;
@@ -34,5 +36,6 @@ pub use realization::{
     Accuracy, RealizationCode, RealizationData, SourceRecursion, SourceSeries, SourceTarget,
 };
 pub use registry::Registry;
-pub use solver::{SolverStatistics, StepMap, Stepper};
+pub use lattice::LatticeMethod;
+pub use solver::{Observe, SolverStatistics, StepMap, Stepper};
 pub use system::{Convention, PoissonSystem};

@@ -3,6 +3,7 @@
 use leafwise_expression::{Graph, Polynomial, Ring, Term};
 
 use crate::error::BuildError;
+use crate::lattice::RealizationStages;
 
 /// How well R̂_ε approximates realization data of (M, επ).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,6 +33,10 @@ pub trait RealizationData: Send + Sync + std::fmt::Debug {
     fn section(&self, x: &[f64], z: &mut [f64]);
     /// α̂ and β̂ as straight-line code.
     fn code(&self) -> Option<&dyn RealizationCode> {
+        None
+    }
+    /// α̂ and β̂ as sweeps over a lattice.
+    fn stages(&self) -> Option<&dyn RealizationStages> {
         None
     }
     /// The exact series of α along p(h), from which Hamilton–Jacobi coefficients are computed.

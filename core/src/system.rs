@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use leafwise_expression::{AlgebraError, Arithmetic, Expression, Kernel, StepSize};
-use leafwise_expression::{Graph, Term};
+use leafwise_expression::{AlgebraError, Arithmetic, Expression, Graph, Kernel, Rational, Term, Workspace};
 
 use crate::error::BuildError;
+use crate::solver::Observe;
 
 /// Which of the two signs a system's author means.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -173,8 +173,8 @@ impl PoissonSystem {
         x: &[A::Element],
         v: &[A::Element],
     ) -> Result<Vec<A::Element>, AlgebraError> {
-        let one = leafwise_expression::Rational::one();
-        let mut rows: Vec<Vec<(leafwise_expression::Rational, A::Element)>> =
+        let one = Rational::one();
+        let mut rows: Vec<Vec<(Rational, A::Element)>> =
             vec![Vec::new(); self.dimension()];
         for (&(i, j), entry) in &self.tensor {
             let entry = entry.evaluate_in(arithmetic, &mut |_, at| Ok(x[at].clone()))?;
@@ -234,10 +234,36 @@ impl PoissonSystem {
     }
 }
 
-/// ε and h as code.
-pub fn step_sizes(graph: &mut Graph) -> (Term, Term) {
-    (
-        graph.step_size(StepSize::Epsilon),
-        graph.step_size(StepSize::H),
-    )
+/// Formulas of a system compiled for one set of parameters.
+#[derive(Debug)]
+pub struct SystemObservables {
+    kernel: Kernel,
+    workspace: Workspace,
+}
+
+impl SystemObservables {
+    /// Compiles `formulas` of `system`.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a formula has no code.
+    pub fn new(
+        system: &PoissonSystem,
+        formulas: &[&Expression],
+        parameters: &[f64],
+    ) -> Result<Self, BuildError> {
+        let kernel = system.observable_kernel(formulas)?;
+        let mut workspace = kernel.workspace(1);
+        kernel.prepare(&mut workspace, parameters, &[1.0], &[1.0]);
+        Ok(Self { kernel, workspace })
+    }
+}
+
+impl Observe for SystemObservables {
+    fn observables(&self) -> usize {
+        self.kernel.outputs()
+    }
+
+    fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
+        self.kernel.evaluate(&mut self.workspace, state, values);
+    }
 }

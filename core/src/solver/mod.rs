@@ -45,6 +45,14 @@ pub trait Stepper: Send {
     fn restore(&mut self, memory: &[f64]) -> Result<(), usize>;
 }
 
+/// Functions of the state that a run watches.
+pub trait Observe: Send {
+    /// How many.
+    fn observables(&self) -> usize;
+    /// Writes their values at a state.
+    fn evaluate(&mut self, state: &[f64], values: &mut [f64]);
+}
+
 /// Work of a solver since it was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SolverStatistics {

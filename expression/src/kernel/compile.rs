@@ -25,12 +25,23 @@ impl Kernel {
     /// Compiles `outputs` of a graph over `parameters` parameters and `inputs` kernel inputs.
     pub fn compile(graph: &Graph, outputs: &[Term], parameters: usize, inputs: usize) -> Self {
         let uses = count_uses(graph, outputs);
+        Self::compile_with(graph, outputs, parameters, inputs, &uses, None)
+    }
+
+    fn compile_with(
+        graph: &Graph,
+        outputs: &[Term],
+        parameters: usize,
+        inputs: usize,
+        uses: &[u32],
+        input_slots: Option<FxHashMap<u32, u32>>,
+    ) -> Self {
         let live: Vec<bool> = uses.iter().map(|count| *count > 0).collect();
         let imported = imported_coefficients(graph, outputs, &live);
 
         // Coefficient kernel: slots 0 .. parameters, then ε and h.
         let mut coefficient =
-            Emitter::new(graph, &uses, Tier::Coefficient, parameters, parameters + 2);
+            Emitter::new(graph, uses, Tier::Coefficient, parameters, parameters + 2);
         for &node in &imported {
             let slot = coefficient.place(node);
             coefficient.code.outputs.push(slot);
@@ -45,6 +56,7 @@ impl Kernel {
             parameters,
             inputs + imported.len(),
         );
+        step.input_slots = input_slots;
         for (at, &node) in imported.iter().enumerate() {
             step.places.insert(node, (inputs + at) as u32);
         }
@@ -57,6 +69,27 @@ impl Kernel {
             coefficient_code,
             step_code,
         }
+    }
+
+    /// Compiles `outputs` with only the graph inputs they read: input k of the kernel is the
+    /// returned list's k-th graph input.
+    pub fn compile_used(
+        graph: &Graph,
+        outputs: &[Term],
+        parameters: usize,
+    ) -> (Self, Vec<usize>) {
+        let uses = count_uses(graph, outputs);
+        let mut used: Vec<usize> = (0..graph.len() as u32)
+            .map(Node)
+            .filter(|node| uses[node.index()] > 0)
+            .filter_map(|node| match graph.operation(node) {
+                Operation::Input(index) => Some(*index as usize),
+                _ => None,
+            })
+            .collect();
+        used.sort_unstable();
+        let slots = used.iter().enumerate().map(|(k, &index)| (index as u32, k as u32)).collect();
+        (Self::compile_with(graph, outputs, parameters, used.len(), &uses, Some(slots)), used)
     }
 
     /// The number of outputs.
@@ -157,6 +190,8 @@ struct Emitter<'a> {
     places: FxHashMap<Node, u32>,
     constants: FxHashMap<u64, u32>,
     scaled: FxHashMap<(Node, u64), u32>,
+    /// The slot of each graph input, where that is not its number.
+    input_slots: Option<FxHashMap<u32, u32>>,
 }
 
 /// Constants are numbered from here until the number of temporaries is known.
@@ -178,6 +213,7 @@ impl<'a> Emitter<'a> {
             places: FxHashMap::default(),
             constants: FxHashMap::default(),
             scaled: FxHashMap::default(),
+            input_slots: None,
         }
     }
 
@@ -268,7 +304,11 @@ impl<'a> Emitter<'a> {
         let slot = match self.graph.operation(node).clone() {
             Operation::One => return,
             Operation::Pi => self.number(std::f64::consts::PI),
-            Operation::Parameter(index) | Operation::Input(index) => index,
+            Operation::Parameter(index) => index,
+            Operation::Input(index) => match &self.input_slots {
+                None => index,
+                Some(slots) => slots[&index],
+            },
             Operation::StepSize(StepSize::Epsilon) => parameters,
             Operation::StepSize(StepSize::H) => parameters + 1,
             Operation::Sum(terms) => self.emit_sum(&terms),

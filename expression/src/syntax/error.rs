@@ -162,6 +162,12 @@ pub enum SyntaxErrorKind {
         /// The greatest number of terms.
         limit: usize,
     },
+    /// A lattice's function that is not one term a site.
+    #[error(
+        "on a lattice of this length a function is a combination of sums over sites, such as \
+         `sum(i, x[i]^2)/2`"
+    )]
+    NotASumOverSites,
     /// A state variable where only parameters, the index and numbers may stand.
     #[error("`{name}` is a state variable; only parameters, indices and numbers may stand here")]
     NotAFunctionOfParameters {

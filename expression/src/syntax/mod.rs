@@ -17,6 +17,7 @@
 //! `^` is right associative and binds tighter than the sign: `-x^2` is `-(x^2)`. The names `pi`,
 //! `N` (the length of the longest family), `sum` and those of the functions are reserved.
 
+mod density;
 mod display;
 mod error;
 mod formula;
@@ -31,6 +32,7 @@ mod tests;
 mod tree;
 mod value;
 
+pub use density::Density;
 pub use error::{SyntaxError, SyntaxErrorKind};
 pub use formula::Formula;
 pub use parser::DEPTH_LIMIT;

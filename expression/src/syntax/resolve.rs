@@ -36,11 +36,7 @@ impl Formula {
             level: 0,
             outer: None,
         });
-        let mut resolver = Resolver {
-            text: self.text(),
-            scope,
-            terms: 0,
-        };
+        let mut resolver = Resolver::new(self.text(), scope);
         match resolver.expression(self.root(), outermost.as_ref()) {
             Ok(expression) => Ok(Some(expression)),
             Err(Stop::Outside { .. }) => Ok(None),
@@ -51,7 +47,7 @@ impl Formula {
 
 /// Why a part has no expression. The error is boxed so that a level of recursion takes little of
 /// the stack.
-enum Stop {
+pub(super) enum Stop {
     Error(Box<SyntaxError>),
     /// The index of this level reaches beyond an open boundary.
     Outside {
@@ -65,14 +61,22 @@ impl From<SyntaxError> for Stop {
     }
 }
 
-struct Resolver<'a> {
+pub(super) struct Resolver<'a> {
     text: &'a str,
     scope: &'a Scope,
     terms: usize,
 }
 
-impl Resolver<'_> {
-    fn expression(&mut self, node: &Node, bound: Option<&Bound<'_>>) -> Result<Expression, Stop> {
+impl<'a> Resolver<'a> {
+    pub(super) fn new(text: &'a str, scope: &'a Scope) -> Self {
+        Self { text, scope, terms: 0 }
+    }
+
+    pub(super) fn expression(
+        &mut self,
+        node: &Node,
+        bound: Option<&Bound<'_>>,
+    ) -> Result<Expression, Stop> {
         match &node.kind {
             Kind::Number { exact, .. } => Ok(Expression::Constant(exact.clone())),
             Kind::Pi => Ok(Expression::Pi),

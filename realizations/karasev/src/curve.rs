@@ -82,6 +82,17 @@ impl<E: Clone + std::fmt::Debug> KarasevCurve<E> {
         self.coefficients.len() - 1
     }
 
+    /// The last known Y_k: per component its coefficients of powers of σ.
+    pub fn last(&self) -> &[Vec<E>] {
+        &self.coefficients[self.order()]
+    }
+
+    /// Puts other code for the same values in place of the last known Y_k.
+    pub fn replace_last(&mut self, coefficients: Vec<Vec<E>>) {
+        let order = self.order();
+        self.coefficients[order] = coefficients;
+    }
+
     /// α_(k) = Y_k(s = 0), k ≤ [`order`](Self::order).
     pub fn source<A: Arithmetic<Element = E>>(&self, arithmetic: &mut A, k: usize) -> Vec<E> {
         self.coefficients[k]

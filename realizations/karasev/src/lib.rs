@@ -7,12 +7,14 @@
 //!
 //! - [`curve`]: the curve's series, order by order, over any algebra.
 //! - [`truncated`]: [`TruncatedKarasev`], R̂_ε = τⁿ[K_ε] (paper, section 3.2).
+//! - [`stages`]: the same over a long lattice, one sweep an order.
 //! - [`series`]: α along p(h) in the exact ring, for Hamilton–Jacobi coefficients.
 //! - `register`: the part `karasev-truncated`.
 
 pub mod curve;
 mod register;
 pub mod series;
+pub mod stages;
 pub mod truncated;
 
 pub use curve::KarasevCurve;

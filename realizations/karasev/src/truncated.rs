@@ -3,6 +3,7 @@
 use leafwise_core::realization::{
     Accuracy, RealizationCode, RealizationData, SourceSeries, SourceTarget,
 };
+use leafwise_core::lattice::RealizationStages;
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::{Arithmetic, Graph, Rational, Term};
 
@@ -41,6 +42,11 @@ impl TruncatedKarasev {
             order,
             series,
         })
+    }
+
+    /// The system whose tensor is realized.
+    pub fn system(&self) -> &PoissonSystem {
+        &self.system
     }
 
     /// n.
@@ -93,6 +99,10 @@ impl RealizationData for TruncatedKarasev {
         Some(self)
     }
 
+    fn stages(&self) -> Option<&dyn RealizationStages> {
+        Some(self)
+    }
+
     fn series(&self) -> Option<&dyn SourceSeries> {
         Some(&self.series)
     }
@@ -112,16 +122,7 @@ impl RealizationCode for TruncatedKarasev {
         let mut offset = Vec::with_capacity(x.len());
         let mut increment = Vec::with_capacity(x.len());
         for i in 0..x.len() {
-            let mut part = |first: usize| {
-                let terms: Vec<_> = (first..=self.order)
-                    .step_by(2)
-                    .map(|k| (Rational::one(), alpha[k][i].clone()))
-                    .collect();
-                graph.combine(&terms)
-            };
-            // One odd part for both: its round-off must be the same in β̂ and in α̂ − β̂, or the
-            // Casimirs that every truncation conserves would drift in proportion to time.
-            let (odd, even) = (part(1), part(2));
+            let (odd, even) = odd_and_even(graph, &alpha, i);
             offset.push(graph.subtract(&even, &odd));
             increment.push(graph.scale(&Rational::from_integer(2), &odd));
         }
@@ -137,4 +138,19 @@ impl RealizationCode for TruncatedKarasev {
             guard,
         })
     }
+}
+
+/// The parts of α̂_i − x_i that are odd and even in p.
+///
+/// One odd part serves both ends: its round-off must be the same in β̂ and in α̂ − β̂, or the Casimirs
+/// that every truncation conserves would drift in proportion to time.
+pub(crate) fn odd_and_even(graph: &mut Graph, alpha: &[Vec<Term>], i: usize) -> (Term, Term) {
+    let mut part = |first: usize| {
+        let terms: Vec<_> = (first..alpha.len())
+            .step_by(2)
+            .map(|k| (Rational::one(), alpha[k][i].clone()))
+            .collect();
+        graph.combine(&terms)
+    };
+    (part(1), part(2))
 }

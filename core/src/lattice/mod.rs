@@ -1,0 +1,26 @@
+//! Long lattices: one template of code a class of sites, never one a site.
+//!
+//! A lattice of N sites is built on a *proxy lattice* of a few sites, written out. Every map of
+//! the method is local, so the code of a site at the proxy's centre is the code of every interior
+//! site; next to an open boundary each of the first and last W sites has code of its own. A step
+//! is a sequence of *stages* that sweep over the sites, each reading the fields of earlier stages
+//! in a neighbourhood: time and memory are O(N).
+//!
+//! - [`geometry`]: families, boundary, classes of sites.
+//! - [`stages`]: how a realization writes its maps as stages.
+//! - [`program`]: stages compiled to stencils, and their sweeps.
+//! - [`method`](mod@method): realization and dynamics combined over a lattice.
+//! - [`stepper`]: the linear iteration for β̂(L(y)) = x.
+//! - [`observables`]: sums over sites.
+
+pub mod geometry;
+pub mod method;
+pub mod observables;
+pub mod program;
+pub mod stages;
+pub mod stepper;
+
+pub use geometry::LatticeGeometry;
+pub use method::{LatticeMethod, LatticeSource};
+pub use observables::LatticeObservables;
+pub use stages::{RealizationStages, StageBuilder, StageEnds};

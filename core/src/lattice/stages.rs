@@ -1,0 +1,89 @@
+//! A method's maps as sweeps over sites.
+
+use leafwise_expression::{Graph, Term};
+
+use crate::error::BuildError;
+
+/// A field: one number a coordinate of the lattice, kept between stages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Field(pub(super) usize);
+
+/// Code over the proxy lattice, cut into stages.
+///
+/// Values that a later stage reads at neighbouring sites are stored as fields; what comes back is
+/// code that reads the field.
+pub struct StageBuilder {
+    /// The code of all stages.
+    pub graph: Graph,
+    pub(super) dimension: usize,
+    pub(super) fields: usize,
+    pub(super) stages: Vec<Vec<(Field, Vec<Term>)>>,
+    pub(super) current: Vec<(Field, Vec<Term>)>,
+}
+
+impl StageBuilder {
+    pub(super) fn new(dimension: usize) -> Self {
+        Self {
+            graph: Graph::new(),
+            dimension,
+            fields: 0,
+            stages: Vec::new(),
+            current: Vec::new(),
+        }
+    }
+
+    /// A fresh field that nothing writes yet, as code: the state itself.
+    pub(super) fn unwritten(&mut self) -> (Field, Vec<Term>) {
+        let field = Field(self.fields);
+        self.fields += 1;
+        let start = field.0 * self.dimension;
+        let code = (0..self.dimension).map(|v| self.graph.input(start + v)).collect();
+        (field, code)
+    }
+
+    /// Stores one value a proxy coordinate in a field at the end of the current stage; returns the
+    /// code that reads it in later ones.
+    pub fn store(&mut self, values: Vec<Term>) -> Vec<Term> {
+        let (field, code) = self.unwritten();
+        self.current.push((field, values));
+        code
+    }
+
+    /// Stores values that are an output of the whole program.
+    pub(super) fn output(&mut self, values: Vec<Term>) -> Field {
+        let (field, _) = self.unwritten();
+        self.current.push((field, values));
+        field
+    }
+
+    /// Ends the current stage: what it stored can be read from here on.
+    pub fn finish_stage(&mut self) {
+        if !self.current.is_empty() {
+            self.stages.push(std::mem::take(&mut self.current));
+        }
+    }
+}
+
+/// β̂ − y and α̂ − β̂ as code of the last stage, one term a proxy coordinate, with y the base point.
+#[derive(Clone, Debug)]
+pub struct StageEnds {
+    /// β̂ − y.
+    pub offset: Vec<Term>,
+    /// α̂ − β̂.
+    pub increment: Vec<Term>,
+}
+
+/// Realization data whose maps can be written as stages.
+pub trait RealizationStages {
+    /// α̂_ε and β̂_ε at (y, p), stage by stage. `y` and `p` are code over the proxy lattice.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where the tensor has no code.
+    fn stages(
+        &self,
+        builder: &mut StageBuilder,
+        epsilon: &Term,
+        y: &[Term],
+        p: &[Term],
+    ) -> Result<StageEnds, BuildError>;
+}

@@ -1,0 +1,171 @@
+//! The linear iteration y ← y − (β̂(L(y)) − x).
+
+use std::sync::Arc;
+
+use super::method::Fields;
+use super::program::{LatticeProgram, LatticeWorker};
+use crate::error::StepError;
+use crate::solver::{Extrapolation, SolverStatistics, Stepper};
+
+/// Budget of one step. At t‖DX‖ = 1 the iteration gains a factor of about two each time.
+const MOST_EVALUATIONS: usize = 200;
+
+/// Solves β̂(L(y)) = x by the iteration whose rate is the size of D(β̂∘L) − 1 = O(t), without any
+/// Jacobian: O(N) a step.
+///
+/// *Stop*: when what the next correction would add is below a small part of an ulp, judged by the
+/// observed rate, or when the corrections stagnate at round-off.
+pub struct LatticeStepper {
+    program: Arc<LatticeProgram>,
+    fields: Fields,
+    trajectories: Vec<Trajectory>,
+    statistics: SolverStatistics,
+}
+
+struct Trajectory {
+    worker: LatticeWorker,
+    extrapolation: Extrapolation,
+    displacement: Vec<f64>,
+}
+
+impl LatticeStepper {
+    pub(super) fn new(
+        program: Arc<LatticeProgram>,
+        fields: Fields,
+        lanes: usize,
+        parameters: &[f64],
+        epsilon: f64,
+        h: f64,
+    ) -> Self {
+        let trajectories = (0..lanes)
+            .map(|lane| {
+                let own: Vec<f64> =
+                    parameters.iter().skip(lane).step_by(lanes).copied().collect();
+                let worker = program.worker(&own, epsilon, h);
+                let dimension = worker.field(fields.y).len();
+                Trajectory {
+                    worker,
+                    extrapolation: Extrapolation::new(dimension),
+                    displacement: vec![0.0; dimension],
+                }
+            })
+            .collect();
+        Self { program, fields, trajectories, statistics: SolverStatistics::default() }
+    }
+
+    fn solve(
+        &mut self,
+        lane: usize,
+        x: &[f64],
+        low: &[f64],
+        increment: &mut [f64],
+    ) -> Result<(), StepError> {
+        let lanes = self.trajectories.len();
+        let Trajectory { worker, extrapolation, displacement } = &mut self.trajectories[lane];
+        extrapolation.predict(displacement);
+        let mut last = f64::INFINITY;
+        let mut evaluations = 0;
+        loop {
+            let y = worker.field_mut(self.fields.y);
+            for (i, y) in y.iter_mut().enumerate() {
+                *y = x[i * lanes + lane] + displacement[i];
+            }
+            self.program.run(worker);
+            evaluations += 1;
+            let (offset, change) =
+                (worker.field(self.fields.offset), worker.field(self.fields.increment));
+            let y = worker.field(self.fields.y);
+            let mut size = 0.0_f64;
+            let mut finite = true;
+            for i in 0..displacement.len() {
+                let here = i * lanes + lane;
+                // x − y is exact: they are close.
+                let correction = (x[here] - y[i]) - offset[i] + low[here];
+                displacement[i] = (y[i] - x[here]) + correction;
+                finite &= correction.is_finite() && change[i].is_finite();
+                if correction != 0.0 {
+                    size = size.max(correction.abs() / (x[here].abs() + change[i].abs()));
+                }
+            }
+            if !finite {
+                self.finish(evaluations);
+                return Err(StepError::NonFinite { what: "a correction of the lattice" });
+            }
+            // Without an observed rate the correction itself has to be negligible.
+            let rate = if last.is_finite() { size / last } else { 1.0 };
+            let converged = size * rate.min(1.0) <= f64::EPSILON / 64.0;
+            let stagnates = size >= 0.5 * last && size <= 64.0 * f64::EPSILON;
+            if converged || stagnates || size == 0.0 {
+                for (i, change) in change.iter().enumerate() {
+                    increment[i * lanes + lane] = *change;
+                }
+                extrapolation.record(displacement);
+                self.finish(evaluations);
+                return Ok(());
+            }
+            if evaluations >= MOST_EVALUATIONS {
+                self.finish(evaluations);
+                return Err(StepError::NoConvergence { evaluations, correction: size });
+            }
+            last = size;
+        }
+    }
+
+    fn finish(&mut self, evaluations: usize) {
+        self.statistics.steps += 1;
+        self.statistics.evaluations += evaluations as u64;
+        self.statistics.most_evaluations =
+            self.statistics.most_evaluations.max(evaluations as u64);
+    }
+}
+
+impl Stepper for LatticeStepper {
+    fn increment(
+        &mut self,
+        x: &[f64],
+        low: &[f64],
+        increment: &mut [f64],
+        outcome: &mut [Result<(), StepError>],
+    ) {
+        for lane in 0..self.trajectories.len() {
+            outcome[lane] = self.solve(lane, x, low, increment);
+            if outcome[lane].is_err() {
+                self.statistics.failures += 1;
+                let lanes = self.trajectories.len();
+                increment.iter_mut().skip(lane).step_by(lanes).for_each(|i| *i = 0.0);
+                self.trajectories[lane].extrapolation.clear();
+            }
+        }
+    }
+
+    fn solution(&self, lane: usize) -> Vec<f64> {
+        self.trajectories[lane].worker.field(self.fields.y).to_vec()
+    }
+
+    fn restart(&mut self) {
+        self.trajectories.iter_mut().for_each(|t| t.extrapolation.clear());
+    }
+
+    fn statistics(&self) -> SolverStatistics {
+        self.statistics
+    }
+
+    fn memory(&self) -> Vec<f64> {
+        let mut memory = Vec::new();
+        for trajectory in &self.trajectories {
+            trajectory.extrapolation.memory(&mut memory);
+        }
+        memory
+    }
+
+    fn restore(&mut self, memory: &[f64]) -> Result<(), usize> {
+        let each = self.trajectories.first().map_or(0, |t| t.extrapolation.memory_len());
+        if memory.len() != each * self.trajectories.len() {
+            return Err(each * self.trajectories.len());
+        }
+        for (trajectory, part) in self.trajectories.iter_mut().zip(memory.chunks_exact(each)) {
+            trajectory.extrapolation.restore(part);
+        }
+        Ok(())
+    }
+}

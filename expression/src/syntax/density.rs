@@ -1,0 +1,153 @@
+//! A function of a lattice as a sum of one term a site.
+
+use super::error::{SyntaxError, SyntaxErrorKind};
+use super::formula::Formula;
+use super::resolve::{Resolver, Stop, inner_index};
+use super::scope::Scope;
+use super::tree::{Kind, Node, Span};
+use crate::expression::Expression;
+use crate::rational::Rational;
+
+/// f = constant + Σ_i site(i), at one site.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Density {
+    /// What does not depend on the state.
+    pub constant: Expression,
+    /// The terms of the sums at the site asked for; those that reach outside an open boundary are
+    /// left out.
+    pub site: Expression,
+}
+
+impl Formula {
+    /// The site's share of a formula that is a combination of sums over sites,
+    /// Σ_k c_k sum(i, body_k) + c with coefficients that do not depend on the state.
+    ///
+    /// # Errors
+    /// [`SyntaxErrorKind::NotASumOverSites`] for any other form, and those of
+    /// [`Formula::resolve`].
+    pub fn density(&self, scope: &Scope, site: usize) -> Result<Density, SyntaxError> {
+        let mut parts = Parts::default();
+        split(self.root(), Vec::new(), &mut parts);
+        if let Some(span) = parts.misfit {
+            return Err(SyntaxError::new(span, SyntaxErrorKind::NotASumOverSites));
+        }
+        let mut resolver = Resolver::new(self.text(), scope);
+        let unboxed = |stop| match stop {
+            Stop::Error(error) => *error,
+            Stop::Outside { .. } => {
+                SyntaxError::new(self.root().span, SyntaxErrorKind::NotASumOverSites)
+            }
+        };
+        let mut constants = Vec::new();
+        for (factors, node) in parts.constants {
+            constants.push(resolver.scaled(&factors, node).map_err(unboxed)?);
+        }
+        let mut terms = Vec::new();
+        for (factors, index, body) in parts.sums {
+            let mut inner = inner_index(self.text(), index, None)?;
+            inner.value = site;
+            match resolver.expression(body, Some(&inner)) {
+                Ok(body) => {
+                    let mut product = vec![body];
+                    for factor in &factors {
+                        product.push(factor.resolve(&mut resolver).map_err(unboxed)?);
+                    }
+                    terms.push(Expression::Product(product));
+                }
+                Err(Stop::Outside { level }) if level == inner.level => {}
+                Err(stop) => return Err(unboxed(stop)),
+            }
+        }
+        Ok(Density { constant: Expression::Sum(constants), site: Expression::Sum(terms) })
+    }
+}
+
+/// A factor in front of a sum.
+#[derive(Clone, Copy)]
+enum Factor<'a> {
+    Minus,
+    Times(&'a Node),
+    Over(&'a Node),
+}
+
+impl Factor<'_> {
+    fn resolve(self, resolver: &mut Resolver<'_>) -> Result<Expression, Stop> {
+        match self {
+            Factor::Minus => Ok(Expression::Constant(-Rational::one())),
+            Factor::Times(node) => resolver.expression(node, None),
+            Factor::Over(node) => {
+                let below = resolver.expression(node, None)?;
+                let one = Expression::Constant(Rational::one());
+                Ok(Expression::Quotient(Box::new(one), Box::new(below)))
+            }
+        }
+    }
+}
+
+#[derive(Default)]
+struct Parts<'a> {
+    sums: Vec<(Vec<Factor<'a>>, Span, &'a Node)>,
+    constants: Vec<(Vec<Factor<'a>>, &'a Node)>,
+    misfit: Option<Span>,
+}
+
+fn split<'a>(node: &'a Node, factors: Vec<Factor<'a>>, parts: &mut Parts<'a>) {
+    let with = |factor| {
+        let mut longer = factors.clone();
+        longer.push(factor);
+        longer
+    };
+    match &node.kind {
+        _ if !has_sum(node) => {
+            if depends_on_sites(node) {
+                parts.misfit.get_or_insert(node.span);
+            }
+            parts.constants.push((factors, node));
+        }
+        Kind::SumOver { index, body } => parts.sums.push((factors, *index, body)),
+        Kind::Sum(terms) => terms.iter().for_each(|term| split(term, factors.clone(), parts)),
+        Kind::Negate(inner) => split(inner, with(Factor::Minus), parts),
+        Kind::Quotient(pair) if is_constant(&pair[1]) => {
+            split(&pair[0], with(Factor::Over(&pair[1])), parts);
+        }
+        Kind::Product(members) => {
+            let sums = members.iter().filter(|member| has_sum(member)).count();
+            let others = members.iter().filter(|member| !has_sum(member));
+            if sums != 1 || others.clone().any(|other| !is_constant(other)) {
+                parts.misfit.get_or_insert(node.span);
+                return;
+            }
+            let mut longer = factors;
+            longer.extend(others.map(Factor::Times));
+            if let Some(sum) = members.iter().find(|member| has_sum(member)) {
+                split(sum, longer, parts);
+            }
+        }
+        _ => {
+            parts.misfit.get_or_insert(node.span);
+        }
+    }
+}
+
+fn has_sum(node: &Node) -> bool {
+    matches!(node.kind, Kind::SumOver { .. }) || node.kind.children().iter().any(has_sum)
+}
+
+fn depends_on_sites(node: &Node) -> bool {
+    matches!(&node.kind, Kind::Reference(reference) if reference.site.is_some())
+        || node.kind.children().iter().any(depends_on_sites)
+}
+
+fn is_constant(node: &Node) -> bool {
+    !has_sum(node) && !depends_on_sites(node)
+}
+
+impl Resolver<'_> {
+    fn scaled(&mut self, factors: &[Factor<'_>], node: &Node) -> Result<Expression, Stop> {
+        let mut product = vec![self.expression(node, None)?];
+        for factor in factors {
+            product.push(factor.resolve(self)?);
+        }
+        Ok(Expression::Product(product))
+    }
+}
