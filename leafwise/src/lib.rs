@@ -1,8 +1,21 @@
 //! Poisson integrators assembled from symplectic realizations and Lagrangian bisections.
+//!
+//! - [`core`]: the vocabulary: systems, realizations, dynamic approximations, methods.
+//! - [`expression`]: formulas, exact algebra, straight-line kernels.
+//! - [`karasev`], [`hamilton_jacobi`]: the built-in parts.
+//! - [`systems`]: the problem library.
+//! - [`scene`]: scene files, composed, run and reported.
+//! - [`library`]: the problem library as a scene's source of systems.
+//! - [`prelude`]: what most programs need.
+
+pub mod library;
+pub mod prelude;
 
 pub use leafwise_core as core;
 pub use leafwise_expression as expression;
+pub use leafwise_hamilton_jacobi as hamilton_jacobi;
+pub use leafwise_karasev as karasev;
+pub use leafwise_scene as scene;
 pub use leafwise_systems as systems;
 
-use leafwise_hamilton_jacobi as _;
-use leafwise_karasev as _;
+pub use library::ProblemLibrary;

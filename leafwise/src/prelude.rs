@@ -1,0 +1,9 @@
+//! What most programs need: `use leafwise::prelude::*`.
+
+pub use leafwise_core::{
+    Integrator, Method, PartParameters, PoissonSystem, Registry, SolverStatistics, StepError,
+    StepMap,
+};
+pub use leafwise_scene::{ComposedRun, SceneDiagnostic, SceneDocument, compose};
+
+pub use crate::library::ProblemLibrary;
