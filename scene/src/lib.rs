@@ -2,12 +2,19 @@
 //!
 //! - [`document`]: the text as typed sections, every value with its place in the text;
 //! - [`diagnostic`]: what is wrong, underlined where it stands;
-//! - [`report`]: recorded data as one self-contained HTML page.
+//! - [`compose`]: the text as a Poisson system, a method and the plan of a run;
+//! - [`run`](mod@run): the run, into a directory with everything needed to resume and repeat it;
+//! - [`report`]: recorded data as one self-contained HTML page;
+//! - [`json`]: numbers as JSON.
 
+pub mod compose;
 pub mod diagnostic;
 pub mod document;
+pub mod json;
 pub mod report;
+pub mod run;
 
+pub use compose::{ComposedRun, ComposedSystem, Refusal, SceneChecks, compose, compose_system};
 pub use diagnostic::{SceneDiagnostic, formula_span, string_content};
 pub use document::{
     Boundary, BracketSpec, Convention, InitialSpec, Located, MethodSection, NoLibrary, Number,
@@ -15,3 +22,4 @@ pub use document::{
     SceneLibrary, SceneProblem, SceneProblemCause, Source, StepSpec, SystemSection,
 };
 pub use report::{ReportData, ReportError, render_report};
+pub use run::{Progress, RunError, RunOptions, RunOutcome, RunReport};

@@ -1,0 +1,107 @@
+//! The Jacobi identity and the Casimirs of a scene.
+
+use leafwise_core::diagnostics::{IdentityCheck, Verdict, check_casimir, check_jacobi};
+use leafwise_core::{BuildError, PoissonSystem};
+
+use super::Refusal;
+use crate::document::SceneDocument;
+
+/// What the instruments say of a scene's tensor and Casimirs, near its initial state.
+#[derive(Clone, Debug)]
+pub struct SceneChecks {
+    /// The Jacobi identity; the worst entry is a triple of coordinates.
+    pub jacobi: IdentityCheck,
+    /// Π ∇C = 0 for each Casimir in order.
+    pub casimirs: Vec<CasimirCheck>,
+}
+
+/// One Casimir's check.
+#[derive(Clone, Debug)]
+pub struct CasimirCheck {
+    /// Its name.
+    pub name: String,
+    /// The worst entry is the row of Π ∇C.
+    pub check: IdentityCheck,
+}
+
+impl SceneChecks {
+    /// Checks a system at its parameters' values near a state.
+    ///
+    /// # Errors
+    /// [`BuildError`] where a formula has no derivative.
+    pub fn of(system: &PoissonSystem, near: &[f64]) -> Result<Self, BuildError> {
+        let parameters = system.parameter_values();
+        let jacobi = check_jacobi(system, &parameters, near)?;
+        let mut casimirs = Vec::with_capacity(system.casimirs().len());
+        for (index, casimir) in system.casimirs().iter().enumerate() {
+            let check = check_casimir(system, index, &parameters, near)?;
+            casimirs.push(CasimirCheck {
+                name: casimir.name.clone(),
+                check,
+            });
+        }
+        Ok(Self { jacobi, casimirs })
+    }
+
+    /// Whether nothing was found violated.
+    pub fn pass(&self) -> bool {
+        self.jacobi.verdict != Verdict::Violated && self.false_casimir().is_none()
+    }
+
+    fn false_casimir(&self) -> Option<usize> {
+        self.casimirs
+            .iter()
+            .position(|casimir| casimir.check.verdict == Verdict::Violated)
+    }
+
+    /// Why a run of this scene is refused, if it is. With `allow_non_poisson` neither a tensor
+    /// that violates the Jacobi identity nor, then, its Casimirs are refused.
+    pub fn refusal(
+        &self,
+        document: &SceneDocument,
+        system: &PoissonSystem,
+        allow_non_poisson: bool,
+    ) -> Option<Refusal> {
+        let names = |indices: &[usize]| {
+            let names: Vec<&str> = indices
+                .iter()
+                .map(|i| system.variables()[*i].as_str())
+                .collect();
+            names.join(", ")
+        };
+        if self.jacobi.verdict == Verdict::Violated && !allow_non_poisson {
+            return Some(Box::new(document.diagnostic(
+                &document.system.bracket.place(),
+                format!(
+                    "the bracket is not Poisson: the Jacobi identity fails for {}, by {:.2e} of \
+                     its terms",
+                    names(&self.jacobi.worst),
+                    self.jacobi.residual
+                ),
+                "violates the Jacobi identity",
+                Some(
+                    "correct the bracket, or pass --allow-non-poisson to integrate it all the same"
+                        .to_owned(),
+                ),
+            )));
+        }
+        let index = self.false_casimir()?;
+        let (name, formula) = &document.system.casimirs[index];
+        let check = &self.casimirs[index].check;
+        Some(Box::new(document.diagnostic(
+            &document.place_in_formula(formula, 0..formula.value.len()),
+            format!(
+                "`{}` is not a Casimir: its bracket with {} does not vanish, by {:.2e} of its \
+                 terms",
+                name.value,
+                names(&check.worst),
+                check.residual
+            ),
+            "not conserved by every Hamiltonian",
+            Some(format!(
+                "correct it, or move it to run.record.observables = [\"{}\"] to watch it only",
+                formula.value
+            )),
+        )))
+    }
+}

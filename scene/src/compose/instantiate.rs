@@ -1,0 +1,138 @@
+//! Templates over families, written out at chosen lengths.
+
+use leafwise_core::Convention;
+use leafwise_core::system::{Casimir, Parameter};
+use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_expression::syntax::Scope;
+use leafwise_expression::{Expression, Graph};
+
+use super::Refusal;
+use super::names::{algebra_refusal, coordinate_names, parse, refusal, scope};
+use super::observables::{Observable, observables};
+use super::tensor::{Entries, entries};
+use crate::document::{self, Boundary, Located, SceneDocument};
+
+/// A scene's system with every site written out.
+#[derive(Clone, Debug)]
+pub struct Instantiated {
+    /// The coordinates: single variables, then `x[0]`, `x[1]`, … of each family.
+    pub names: Vec<String>,
+    /// {x_i, x_j} for i < j, as the scene's author wrote them.
+    pub bracket: Entries,
+    /// H.
+    pub hamiltonian: Expression,
+    /// The Casimirs by name.
+    pub casimirs: Vec<Casimir>,
+    /// What the run records.
+    pub observables: Vec<Observable>,
+}
+
+/// Writes the scene's templates out with its families at `lengths`, one for each family in the
+/// order of the scene. `N` inside formulas stays the scene's own length, so that a short lattice
+/// stands for a long one.
+///
+/// # Errors
+/// The first formula that cannot be read, underlined in the scene.
+pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instantiated, Refusal> {
+    check_lengths(document)?;
+    let scope = scope(document, lengths);
+    let names = coordinate_names(document, lengths);
+    let system = &document.system;
+    let hamiltonian = function(document, &scope, &system.hamiltonian)?;
+    let casimirs = system
+        .casimirs
+        .iter()
+        .map(|(name, formula)| {
+            let expression = function(document, &scope, formula)?;
+            Ok(Casimir {
+                name: name.value.clone(),
+                expression,
+            })
+        })
+        .collect::<Result<_, Refusal>>()?;
+    let bracket = entries(document, &scope, &names, lengths)?;
+    let observables = observables(document, &scope)?;
+    Ok(Instantiated {
+        names,
+        bracket,
+        hamiltonian,
+        casimirs,
+        observables,
+    })
+}
+
+/// The expression of a formula of the state, with code.
+pub(super) fn function(
+    document: &SceneDocument,
+    scope: &Scope,
+    formula: &Located<String>,
+) -> Result<Expression, Refusal> {
+    let parsed = parse(document, formula)?;
+    let expression = parsed
+        .resolve(scope, None)
+        .map_err(|error| refusal(document, formula, &error))?
+        .unwrap_or_else(|| Expression::Sum(Vec::new()));
+    let mut graph = Graph::new();
+    expression
+        .evaluate_in(&mut graph, &mut |graph, at| Ok(graph.input(at)))
+        .map_err(|error| algebra_refusal(document, formula, &error))?;
+    Ok(expression)
+}
+
+/// On a ring every family has the same length: a site index counts all of them.
+fn check_lengths(document: &SceneDocument) -> Result<(), Refusal> {
+    let system = &document.system;
+    let is_open = system
+        .boundary
+        .as_ref()
+        .is_some_and(|b| b.value == Boundary::Open);
+    let Some(((first, length), rest)) = system.families.split_first() else {
+        return Ok(());
+    };
+    let Some((other, differs)) = rest.iter().find(|(_, l)| l.value != length.value) else {
+        return Ok(());
+    };
+    if is_open {
+        return Ok(());
+    }
+    Err(Box::new(document.diagnostic(
+        &differs.place(),
+        format!(
+            "on a periodic boundary all families have one length, and `{}` has {} sites where \
+             `{}` has {}",
+            other.value, differs.value, first.value, length.value
+        ),
+        "another length",
+        Some("make them equal, or set boundary = \"open\"".to_owned()),
+    )))
+}
+
+impl Instantiated {
+    /// The Poisson system of the scene's parameters and convention.
+    ///
+    /// # Errors
+    /// [`BuildError::Dimension`] when a formula uses an index out of range.
+    pub fn system(self, document: &SceneDocument) -> Result<PoissonSystem, BuildError> {
+        let parameters = document
+            .system
+            .parameters
+            .iter()
+            .map(|(name, value)| Parameter {
+                name: name.value.clone(),
+                value: value.value.value,
+            })
+            .collect();
+        let convention = match document.system.convention {
+            document::Convention::HamiltonFirst => Convention::HamiltonianFirst,
+            document::Convention::HamiltonSecond => Convention::HamiltonianSecond,
+        };
+        PoissonSystem::new(
+            self.names,
+            parameters,
+            self.bracket,
+            self.hamiltonian,
+            self.casimirs,
+            convention,
+        )
+    }
+}

@@ -1,0 +1,40 @@
+//! From a scene's text to a Poisson system, a method and the plan of a run.
+//!
+//! - `names`: what formulas may refer to, and their errors placed in the file;
+//! - `tensor`, `lie_algebra`: the ways to write a bracket;
+//! - `instantiate`: templates over families written out at chosen lengths;
+//! - `system`: [`compose_system`], the Poisson system with its initial state;
+//! - `initial`: the initial state;
+//! - `observables`: what a run watches and what it records;
+//! - `parts`: realization and dynamic approximation by name;
+//! - `run`: [`compose`], all of it as a [`ComposedRun`];
+//! - `checks`: the Jacobi identity and the Casimirs;
+//! - `shape`: constant, linear, log-canonical, polynomial, general.
+
+mod checks;
+mod initial;
+mod instantiate;
+mod lie_algebra;
+mod names;
+mod observables;
+mod parts;
+mod run;
+mod shape;
+mod system;
+mod tensor;
+#[cfg(test)]
+mod tests;
+
+pub use checks::{CasimirCheck, SceneChecks};
+pub use instantiate::{Instantiated, instantiate};
+pub use lie_algebra::{LIE_ALGEBRAS, LieAlgebra, StructureEntry};
+pub use observables::Observable;
+pub use parts::PartChoice;
+pub use run::{ComposedRun, RunPlan, compose};
+pub use shape::{TensorShape, tensor_shape};
+pub use system::{ComposedSystem, DENSE_LIMIT, compose_system};
+
+use crate::diagnostic::SceneDiagnostic;
+
+/// A scene that cannot be composed: what is wrong, underlined where it stands.
+pub type Refusal = Box<SceneDiagnostic>;

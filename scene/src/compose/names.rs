@@ -1,0 +1,134 @@
+//! What formulas may refer to, and their errors placed in the file.
+
+use leafwise_expression::AlgebraError;
+use leafwise_expression::syntax::{self, Formula, Scope, SyntaxError, SyntaxErrorKind};
+
+use super::Refusal;
+use crate::document::{Boundary, Located, SceneDocument, nearest};
+
+/// The names of a scene with its families at the given lengths; `N` as a number stays the true
+/// length.
+pub(super) fn scope(document: &SceneDocument, lengths: &[usize]) -> Scope {
+    let system = &document.system;
+    let names = |list: &[Located<String>]| -> Vec<String> {
+        list.iter().map(|name| name.value.clone()).collect()
+    };
+    let parameters: Vec<String> = system
+        .parameters
+        .iter()
+        .map(|(name, _)| name.value.clone())
+        .collect();
+    let mut scope = Scope::new()
+        .with_variables(&names(&system.variables))
+        .with_parameters(&parameters);
+    let mut offset = system.variables.len();
+    for ((name, _), length) in system.families.iter().zip(lengths) {
+        scope = scope.with_family(&name.value, offset, *length);
+        offset += length;
+    }
+    if let Some(longest) = system.families.iter().map(|(_, length)| length.value).max() {
+        scope = scope.with_length(longest);
+    }
+    scope.with_boundary(
+        match system.boundary.as_ref().map(|boundary| boundary.value) {
+            Some(Boundary::Open) => syntax::Boundary::Open,
+            Some(Boundary::Periodic) | None => syntax::Boundary::Periodic,
+        },
+    )
+}
+
+/// The names of the coordinates: single variables, then `x[0]`, `x[1]`, … of each family.
+pub(super) fn coordinate_names(document: &SceneDocument, lengths: &[usize]) -> Vec<String> {
+    let system = &document.system;
+    let singles = system.variables.iter().map(|name| name.value.clone());
+    let sites = system
+        .families
+        .iter()
+        .zip(lengths)
+        .flat_map(|((name, _), length)| (0..*length).map(|i| format!("{}[{i}]", name.value)));
+    singles.chain(sites).collect()
+}
+
+/// Refuses names that formulas use for something else.
+pub(super) fn check_names(document: &SceneDocument) -> Result<(), Refusal> {
+    let system = &document.system;
+    let declared = system
+        .variables
+        .iter()
+        .chain(system.families.iter().map(|(name, _)| name))
+        .chain(system.parameters.iter().map(|(name, _)| name));
+    for name in declared {
+        Scope::check_name(&name.value).map_err(|error| refusal(document, name, &error))?;
+    }
+    let energy = system
+        .casimirs
+        .iter()
+        .find(|(name, _)| name.value == "energy");
+    if let Some((name, _)) = energy {
+        return Err(Box::new(document.diagnostic(
+            &name.place(),
+            "a Casimir cannot be called `energy`: that is the Hamiltonian's value",
+            "taken",
+            Some("give the Casimir another name".to_owned()),
+        )));
+    }
+    Ok(())
+}
+
+/// Parses a formula of the scene.
+pub(super) fn parse(
+    document: &SceneDocument,
+    formula: &Located<String>,
+) -> Result<Formula, Refusal> {
+    Formula::parse(&formula.value).map_err(|error| refusal(document, formula, &error))
+}
+
+/// An error of a formula, with the piece it is about underlined in the file.
+pub(super) fn refusal(
+    document: &SceneDocument,
+    formula: &Located<String>,
+    error: &SyntaxError,
+) -> Refusal {
+    let place = document.place_in_formula(formula, error.span.clone());
+    let label = match &error.kind {
+        SyntaxErrorKind::UnknownName { .. } => "neither a variable nor a parameter of this scene",
+        SyntaxErrorKind::UnknownFunction { .. } => "not a function",
+        SyntaxErrorKind::UnexpectedEnd { .. } => "something is missing here",
+        _ => "here",
+    };
+    let help = match (&error.suggestion, &error.kind) {
+        (Some(name), _) => Some(format!("did you mean `{name}`?")),
+        (None, SyntaxErrorKind::UnknownName { name }) => Some(unknown_name_help(document, name)),
+        (None, SyntaxErrorKind::UnknownFunction { .. }) => Some(format!(
+            "functions: {}",
+            leafwise_expression::Function::NAMES.join(", ")
+        )),
+        (None, _) => None,
+    };
+    Box::new(document.diagnostic(&place, error.kind.to_string(), label, help))
+}
+
+fn unknown_name_help(document: &SceneDocument, name: &str) -> String {
+    let system = &document.system;
+    let known: Vec<&str> = system
+        .variables
+        .iter()
+        .chain(system.families.iter().map(|(name, _)| name))
+        .chain(system.parameters.iter().map(|(name, _)| name))
+        .map(|name| name.value.as_str())
+        .collect();
+    match nearest(name, known.iter().copied()) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => format!("names of this scene: {}", known.join(", ")),
+    }
+}
+
+/// A formula that the exact algebra cannot evaluate, underlined as a whole.
+pub(super) fn algebra_refusal(
+    document: &SceneDocument,
+    formula: &Located<String>,
+    error: &AlgebraError,
+) -> Refusal {
+    let place = document.place_in_formula(formula, 0..formula.value.len());
+    Box::new(document.diagnostic(&place, error.to_string(), "in this formula", None))
+}

@@ -1,0 +1,262 @@
+//! Realization and dynamic approximation by name.
+
+use std::sync::Arc;
+
+use leafwise_core::part::{PartInfo, PartKind};
+use leafwise_core::{
+    BuildError, DynamicApproximation, PartParameters, PoissonSystem, RealizationData, Registry,
+};
+use serde::Serialize;
+
+use super::Refusal;
+use crate::document::{Located, ParameterValue, PartSpec, Place, SceneDocument, Source, nearest};
+
+/// What stands in for a part the scene leaves open.
+const DEFAULT_REALIZATION: &str = "karasev-truncated";
+const DEFAULT_DYNAMICS: &str = "hamilton-jacobi";
+const DEFAULT_DYNAMICS_ORDER: i64 = 4;
+
+/// A part as chosen, with all its parameters.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct PartChoice {
+    /// Realization or dynamics.
+    pub kind: PartKind,
+    /// The part's name.
+    pub name: &'static str,
+    /// Every parameter with its value.
+    pub parameters: Vec<(&'static str, i64)>,
+    /// Whether the scene left the choice open.
+    pub is_automatic: bool,
+}
+
+/// The parts of the scene's method, built for the system.
+pub(super) struct Parts {
+    pub realization: Arc<dyn RealizationData>,
+    pub dynamics: Arc<dyn DynamicApproximation>,
+    pub choices: Vec<PartChoice>,
+}
+
+/// Builds the parts that `[method]` names.
+///
+/// A part that is absent or called `auto` is chosen: Hamilton–Jacobi of order 4, and the Karasev
+/// realization of the dynamics' order, the smallest n for which Theorem 2 promises that order.
+pub(super) fn parts(
+    document: &SceneDocument,
+    system: &PoissonSystem,
+    registry: &Registry,
+) -> Result<Parts, Refusal> {
+    for (spec, kind) in [
+        (&document.method.composition, PartKind::Composition),
+        (&document.method.stepper, PartKind::Stepper),
+    ] {
+        if let Some(spec) = spec {
+            return Err(unknown_part(
+                document,
+                &spec.name,
+                kind,
+                &registry_names(registry, kind),
+            ));
+        }
+    }
+    let request = Request::new(
+        document,
+        document.method.dynamics.as_ref(),
+        DEFAULT_DYNAMICS,
+        DEFAULT_DYNAMICS_ORDER,
+    );
+    let part = registry
+        .dynamics(request.name())
+        .map_err(|_| request.unknown(PartKind::Dynamics, registry))?;
+    let given = request.parameters(part.info())?;
+    let dynamics = part
+        .build(&given)
+        .map_err(|error| request.refused(&error))?;
+    let dynamics_choice = request.choice(part.info(), &given);
+
+    let order = i64::try_from(dynamics.order()).unwrap_or(DEFAULT_DYNAMICS_ORDER);
+    let request = Request::new(
+        document,
+        document.method.realization.as_ref(),
+        DEFAULT_REALIZATION,
+        order,
+    );
+    let part = registry
+        .realization(request.name())
+        .map_err(|_| request.unknown(PartKind::Realization, registry))?;
+    let given = request.parameters(part.info())?;
+    let realization = part
+        .build(system, &given)
+        .map_err(|error| request.refused(&error))?;
+    let choices = vec![request.choice(part.info(), &given), dynamics_choice];
+    Ok(Parts {
+        realization,
+        dynamics,
+        choices,
+    })
+}
+
+/// What the scene asks of one part.
+struct Request<'a> {
+    document: &'a SceneDocument,
+    spec: Option<&'a PartSpec>,
+    default: &'static str,
+    default_order: i64,
+}
+
+impl<'a> Request<'a> {
+    fn new(
+        document: &'a SceneDocument,
+        spec: Option<&'a PartSpec>,
+        default: &'static str,
+        default_order: i64,
+    ) -> Self {
+        Self {
+            document,
+            spec,
+            default,
+            default_order,
+        }
+    }
+
+    /// The name to look up, unless the choice is open.
+    fn named(&self) -> Option<&'a Located<String>> {
+        self.spec
+            .map(|spec| &spec.name)
+            .filter(|name| name.value != "auto")
+    }
+
+    fn name(&self) -> &'a str {
+        self.named().map_or(self.default, |name| &name.value)
+    }
+
+    fn place(&self) -> Place {
+        match self.spec {
+            Some(spec) => spec.name.place(),
+            None => Place {
+                source: Source::Scene,
+                span: 0..0,
+            },
+        }
+    }
+
+    fn unknown(&self, kind: PartKind, registry: &Registry) -> Refusal {
+        let known = registry_names(registry, kind);
+        match self.spec {
+            Some(spec) => unknown_part(self.document, &spec.name, kind, &known),
+            None => Box::new(self.document.diagnostic(
+                &self.place(),
+                format!("no {} is called `{}`", kind.noun(), self.default),
+                "this program has no such part",
+                None,
+            )),
+        }
+    }
+
+    /// The scene's parameters as whole numbers, each one that the part has.
+    fn parameters(&self, info: &PartInfo) -> Result<PartParameters, Refusal> {
+        let mut given = PartParameters::new();
+        let mut names_order = false;
+        for (key, value) in self.spec.into_iter().flat_map(|spec| &spec.parameters) {
+            let known: Vec<&str> = info.parameters.iter().map(|p| p.name).collect();
+            if !known.contains(&key.value.as_str()) {
+                let help = match nearest(&key.value, known.iter().copied()) {
+                    Some(name) => format!("did you mean `{name}`?"),
+                    None => format!("it takes: {}", known.join(", ")),
+                };
+                return Err(Box::new(self.document.diagnostic(
+                    &key.place(),
+                    format!("`{}` has no parameter `{}`", info.name, key.value),
+                    "unknown parameter",
+                    Some(help),
+                )));
+            }
+            let number = match &value.value {
+                ParameterValue::Number(number) => number.literal.parse::<i64>().ok(),
+                ParameterValue::Text(_) | ParameterValue::Flag(_) => None,
+            };
+            let Some(number) = number else {
+                let summary = info.parameters.iter().find(|p| p.name == key.value);
+                return Err(Box::new(self.document.diagnostic(
+                    &value.place(),
+                    format!("`{}` of `{}` must be a whole number", key.value, info.name),
+                    "not a whole number",
+                    summary.map(|p| p.summary.to_owned()),
+                )));
+            };
+            names_order |= key.value == "order";
+            given = given.with(key.value.clone(), number);
+        }
+        if self.named().is_none() && !names_order {
+            given = given.with("order", self.default_order);
+        }
+        Ok(given)
+    }
+
+    fn refused(&self, error: &BuildError) -> Refusal {
+        let written = self.spec.into_iter().flat_map(|spec| &spec.parameters);
+        if let BuildError::Parameter {
+            part,
+            parameter,
+            value,
+            expected,
+        } = error
+        {
+            let place = written
+                .filter(|(key, _)| key.value == *parameter)
+                .map(|(_, value)| value.place())
+                .next();
+            return Box::new(self.document.diagnostic(
+                &place.unwrap_or_else(|| self.place()),
+                format!("{parameter} = {value} is not allowed for `{part}`"),
+                "not allowed",
+                Some(expected.clone()),
+            ));
+        }
+        Box::new(
+            self.document
+                .diagnostic(&self.place(), error.to_string(), "this part", None),
+        )
+    }
+
+    fn choice(&self, info: &'static PartInfo, given: &PartParameters) -> PartChoice {
+        let parameters = info
+            .parameters
+            .iter()
+            .map(|p| (p.name, given.get(info, p.name).unwrap_or(p.default)))
+            .collect();
+        PartChoice {
+            kind: info.kind,
+            name: info.name,
+            parameters,
+            is_automatic: self.named().is_none(),
+        }
+    }
+}
+
+fn registry_names(registry: &Registry, kind: PartKind) -> Vec<&'static str> {
+    registry
+        .parts()
+        .into_iter()
+        .filter(|info| info.kind == kind)
+        .map(|info| info.name)
+        .collect()
+}
+
+fn unknown_part(
+    document: &SceneDocument,
+    name: &Located<String>,
+    kind: PartKind,
+    known: &[&str],
+) -> Refusal {
+    let help = match nearest(&name.value, known.iter().copied()) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None if known.is_empty() => format!("this program has no {}; remove the line", kind.noun()),
+        None => format!("known: {}", known.join(", ")),
+    };
+    Box::new(document.diagnostic(
+        &document.place_in_formula(name, 0..name.value.len()),
+        format!("no {} is called `{}`", kind.noun(), name.value),
+        "unknown name",
+        Some(help),
+    ))
+}

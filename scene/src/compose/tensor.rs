@@ -1,0 +1,319 @@
+//! The ways to write a bracket, each to entries {x_i, x_j} with i < j.
+
+use std::collections::BTreeMap;
+
+use leafwise_expression::syntax::{Scope, VariablePattern};
+use leafwise_expression::{Arithmetic, Expression, Rational, Ring};
+
+use super::Refusal;
+use super::lie_algebra::{LIE_ALGEBRAS, LieAlgebra};
+use super::names::{algebra_refusal, parse, refusal};
+use crate::document::{BracketSpec, Located, Number, SceneDocument, nearest};
+
+/// {x_i, x_j} for i < j, as the scene's author wrote them.
+pub(super) type Entries = BTreeMap<(usize, usize), Expression>;
+
+/// The entries of the scene's bracket with its families at the given lengths.
+pub(super) fn entries(
+    document: &SceneDocument,
+    scope: &Scope,
+    names: &[String],
+    lengths: &[usize],
+) -> Result<Entries, Refusal> {
+    match &document.system.bracket.value {
+        BracketSpec::Entries(written) => {
+            let mut collector = Collector {
+                document,
+                names,
+                known: BTreeMap::new(),
+                ring: Ring::new(names.len()),
+            };
+            for (key, formula) in written {
+                collector.template(scope, lengths, key, formula)?;
+            }
+            Ok(collector
+                .known
+                .into_iter()
+                .map(|(at, (entry, _))| (at, entry))
+                .collect())
+        }
+        BracketSpec::LieAlgebra(name) => lie_algebra(document, name, names.len()),
+        BracketSpec::LogCanonical(rows) => log_canonical(document, rows, names),
+        BracketSpec::Magnetic(field) => magnetic(document, scope, field, names.len()),
+    }
+}
+
+struct Collector<'a> {
+    document: &'a SceneDocument,
+    names: &'a [String],
+    known: BTreeMap<(usize, usize), (Expression, &'a Located<String>)>,
+    ring: Ring,
+}
+
+impl<'a> Collector<'a> {
+    /// The entries of one key, at every site where it has an index.
+    fn template(
+        &mut self,
+        scope: &Scope,
+        lengths: &[usize],
+        key: &'a Located<String>,
+        formula: &'a Located<String>,
+    ) -> Result<(), Refusal> {
+        let (left, right) = VariablePattern::parse_pair(&key.value)
+            .map_err(|error| refusal(self.document, key, &error))?;
+        let parsed = parse(self.document, formula)?;
+        let index = left.index_name().or(right.index_name());
+        let sites: Vec<Option<(&str, usize)>> = match index {
+            None => vec![None],
+            Some(name) => {
+                let longest = lengths.iter().copied().max().unwrap_or(0);
+                (0..longest).map(|site| Some((name, site))).collect()
+            }
+        };
+        for site in sites {
+            let resolve = |pattern: &VariablePattern| {
+                pattern
+                    .resolve(scope, site)
+                    .map_err(|error| refusal(self.document, key, &error))
+            };
+            let (Some(i), Some(j)) = (resolve(&left)?, resolve(&right)?) else {
+                continue;
+            };
+            let entry = parsed
+                .resolve(scope, site)
+                .map_err(|error| refusal(self.document, formula, &error))?;
+            if let Some(entry) = entry {
+                self.insert(i, j, entry, key, formula)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn insert(
+        &mut self,
+        i: usize,
+        j: usize,
+        entry: Expression,
+        key: &'a Located<String>,
+        formula: &'a Located<String>,
+    ) -> Result<(), Refusal> {
+        let (document, names) = (self.document, self.names);
+        let in_ring = |ring: &mut Ring, entry: &Expression| {
+            entry
+                .evaluate_in(ring, &mut |ring, at| Ok(ring.variable(at)))
+                .map_err(|error| algebra_refusal(document, formula, &error))
+        };
+        let value = in_ring(&mut self.ring, &entry)?;
+        if i == j {
+            if self.ring.is_zero(&value) {
+                return Ok(());
+            }
+            return Err(Box::new(document.diagnostic(
+                &document.place_in_formula(key, 0..key.value.len()),
+                format!("{{{0},{0}}} is not zero", names[i]),
+                "a bracket is antisymmetric",
+                Some("remove this entry: the bracket of a function with itself vanishes".into()),
+            )));
+        }
+        let (at, entry) = if i < j {
+            ((i, j), entry)
+        } else {
+            ((j, i), Expression::Negate(Box::new(entry)))
+        };
+        let Some((earlier, earlier_key)) = self.known.get(&at) else {
+            self.known.insert(at, (entry, key));
+            return Ok(());
+        };
+        let (a, b) = (
+            in_ring(&mut self.ring, earlier)?,
+            in_ring(&mut self.ring, &entry)?,
+        );
+        let difference = self.ring.subtract(&a, &b);
+        if self.ring.is_zero(&difference) {
+            return Ok(());
+        }
+        let pair = format!("{{{}, {}}}", names[at.0], names[at.1]);
+        let (message, help) = if earlier_key.value == key.value {
+            (
+                format!("`{}` gives two different values for {pair}", key.value),
+                "on so short a ring the entry meets itself: make the family longer".to_owned(),
+            )
+        } else {
+            (
+                format!(
+                    "`{}` and `{}` contradict each other about {pair}",
+                    earlier_key.value, key.value
+                ),
+                "write each pair once: antisymmetry fills in the other".to_owned(),
+            )
+        };
+        Err(Box::new(document.diagnostic(
+            &document.place_in_formula(key, 0..key.value.len()),
+            message,
+            format!("contradicts `{}`", earlier_key.value),
+            Some(help),
+        )))
+    }
+}
+
+fn lie_algebra(
+    document: &SceneDocument,
+    name: &Located<String>,
+    dimension: usize,
+) -> Result<Entries, Refusal> {
+    let place = document.place_in_formula(name, 0..name.value.len());
+    let Some(algebra) = LieAlgebra::find(&name.value) else {
+        let known: Vec<&str> = LIE_ALGEBRAS.iter().map(|algebra| algebra.name).collect();
+        let help = match nearest(&name.value, known.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("known: {}", known.join(", ")),
+        };
+        let message = format!("unknown Lie algebra `{}`", name.value);
+        return Err(Box::new(document.diagnostic(
+            &place,
+            message,
+            "not known",
+            Some(help),
+        )));
+    };
+    if algebra.dimension() != dimension {
+        return Err(Box::new(document.diagnostic(
+            &place,
+            format!(
+                "`{}` has dimension {}, and this scene has {dimension} variables",
+                algebra.name,
+                algebra.dimension()
+            ),
+            format!("needs {} variables", algebra.dimension()),
+            Some(format!(
+                "for example: variables = [{}]",
+                algebra
+                    .coordinates
+                    .iter()
+                    .map(|name| format!("\"{name}\""))
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            )),
+        )));
+    }
+    let mut entries = Entries::new();
+    for &(i, j, terms) in algebra.bracket {
+        let sign = if i < j { 1 } else { -1 };
+        let sum = terms
+            .iter()
+            .map(|&(coefficient, k)| scaled(sign * coefficient, k))
+            .collect();
+        entries.insert((i.min(j), i.max(j)), Expression::Sum(sum));
+    }
+    Ok(entries)
+}
+
+fn scaled(coefficient: i64, variable: usize) -> Expression {
+    Expression::Product(vec![integer(coefficient), Expression::Variable(variable)])
+}
+
+fn integer(value: i64) -> Expression {
+    Expression::Constant(Rational::from_integer(value))
+}
+
+/// {x_i, x_j} = a_ij x_i x_j.
+fn log_canonical(
+    document: &SceneDocument,
+    rows: &[Vec<Located<Number>>],
+    names: &[String],
+) -> Result<Entries, Refusal> {
+    let exact = |number: &Located<Number>| {
+        Rational::parse_decimal(&number.value.literal).map_err(|error| {
+            Box::new(document.diagnostic(&number.place(), error.to_string(), "here", None))
+        })
+    };
+    if rows.len() != names.len() {
+        return Err(Box::new(document.diagnostic(
+            &document.system.bracket.place(),
+            format!(
+                "the matrix has {} rows for {} variables",
+                rows.len(),
+                names.len()
+            ),
+            "one row for each variable",
+            None,
+        )));
+    }
+    let mut entries = Entries::new();
+    for i in 0..rows.len() {
+        for j in 0..=i {
+            let (below, above) = (exact(&rows[i][j])?, exact(&rows[j][i])?);
+            if !(&below + &above).is_zero() {
+                let help = if i == j {
+                    "the diagonal of an antisymmetric matrix is zero".to_owned()
+                } else {
+                    format!(
+                        "its mirror image, row {} column {}, is {}",
+                        j + 1,
+                        i + 1,
+                        rows[j][i].value.literal
+                    )
+                };
+                return Err(Box::new(document.diagnostic(
+                    &rows[i][j].place(),
+                    "the matrix of a log-canonical bracket is antisymmetric, and this one is not",
+                    format!("row {}, column {}", i + 1, j + 1),
+                    Some(help),
+                )));
+            }
+            if i != j && !above.is_zero() {
+                let product = vec![
+                    Expression::Constant(above),
+                    Expression::Variable(j),
+                    Expression::Variable(i),
+                ];
+                entries.insert((j, i), Expression::Product(product));
+            }
+        }
+    }
+    Ok(entries)
+}
+
+/// Positions, then momenta: {x_i, p_j} = −δ_ij, {p_1, p_2} = B_3 and cyclic; in the plane
+/// {p_1, p_2} = B. The paper's Example 3 is the field (y, −z, x²).
+fn magnetic(
+    document: &SceneDocument,
+    scope: &Scope,
+    field: &[Located<String>],
+    dimension: usize,
+) -> Result<Entries, Refusal> {
+    let places: &[(usize, usize)] = match (field.len(), dimension) {
+        (3, 6) => &[(4, 5), (5, 3), (3, 4)],
+        (1, 4) => &[(2, 3)],
+        _ => {
+            return Err(Box::new(document.diagnostic(
+                &document.system.bracket.place(),
+                format!("{} field components do not fit {dimension} variables", field.len()),
+                "magnetic bracket",
+                Some(
+                    "in space: [Bx, By, Bz] over x, y, z, px, py, pz; in the plane: [B] over x, \
+                     y, px, py; the bracket is {x,px} = -1 and {px,py} = Bz"
+                        .to_owned(),
+                ),
+            )));
+        }
+    };
+    let mut entries = Entries::new();
+    for i in 0..dimension / 2 {
+        entries.insert((i, i + dimension / 2), integer(-1));
+    }
+    for (component, &(i, j)) in field.iter().zip(places) {
+        let formula = parse(document, component)?;
+        let value = formula
+            .resolve(scope, None)
+            .map_err(|error| refusal(document, component, &error))?
+            .unwrap_or_else(|| integer(0));
+        let entry = if i < j {
+            value
+        } else {
+            Expression::Negate(Box::new(value))
+        };
+        entries.insert((i.min(j), i.max(j)), entry);
+    }
+    Ok(entries)
+}

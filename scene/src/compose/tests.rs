@@ -1,0 +1,162 @@
+//! The ways to write a bracket agree, and what contradicts itself is refused where it stands.
+
+use leafwise_core::Registry;
+use leafwise_hamilton_jacobi as _;
+use leafwise_karasev as _;
+
+use super::{TensorShape, compose, compose_system, instantiate, tensor_shape};
+use crate::diagnostic::SceneDiagnostic;
+use crate::document::{NoLibrary, SceneDocument};
+
+fn document(system: &str, run: &str) -> SceneDocument {
+    let text = format!(
+        "[system]\n{system}\n[method]\nrealization = \"auto\"\ndynamics = \"auto\"\n\
+         time-step = 0.1\n[run]\nsteps = 1\n{run}\n"
+    );
+    SceneDocument::parse("scene.toml", &text, &NoLibrary)
+        .unwrap_or_else(|errors| panic!("{:?}", errors.diagnostics()))
+}
+
+fn entries(system: &str, point: &[f64]) -> Vec<((usize, usize), f64)> {
+    let initial = format!("initial = {point:?}");
+    let composed = compose_system(&document(system, &initial)).expect("a system");
+    let system = &composed.system;
+    system
+        .tensor()
+        .iter()
+        .map(|(at, entry)| (*at, entry.evaluate(point, &system.parameter_values())))
+        .filter(|(_, value)| *value != 0.0)
+        .collect()
+}
+
+fn refusal(system: &str, run: &str) -> SceneDiagnostic {
+    *compose_system(&document(system, run)).expect_err("a refusal")
+}
+
+#[test]
+fn named_brackets_are_their_entries() {
+    let x = [0.3, 1.7, -2.5];
+    let three = "variables = [\"x\", \"y\", \"z\"]\nhamiltonian = \"x\"\n";
+    let named = entries(&format!("{three}bracket = {{ lie-algebra = \"so3\" }}"), &x);
+    let written = "bracket = { \"x,y\" = \"-z\", \"y,z\" = \"-x\", \"z,x\" = \"-y\" }";
+    assert_eq!(named, entries(&format!("{three}{written}"), &x));
+    assert_eq!(named, [((0, 1), 2.5), ((0, 2), 1.7), ((1, 2), -0.3)]);
+
+    let named = "bracket = { log-canonical = [[0, 2, 0.5], [-2, 0, -1], [-0.5, 1, 0]] }";
+    let written = "bracket = { \"x,y\" = \"2*x*y\", \"x,z\" = \"x*z/2\", \"z,y\" = \"y*z\" }";
+    assert_eq!(
+        entries(&format!("{three}{named}"), &x),
+        entries(&format!("{three}{written}"), &x)
+    );
+}
+
+#[test]
+fn a_magnetic_bracket_is_the_papers_third_example() {
+    let six = "variables = [\"x\", \"y\", \"z\", \"px\", \"py\", \"pz\"]\nhamiltonian = \"px\"\n";
+    let named = format!("{six}bracket = {{ magnetic = [\"y\", \"-z\", \"x^2\"] }}");
+    let written = format!(
+        "{six}bracket = {{ \"x,px\" = -1, \"y,py\" = -1, \"z,pz\" = -1, \"px,py\" = \"x^2\", \
+         \"px,pz\" = \"z\", \"py,pz\" = \"y\" }}"
+    );
+    let point = [1.5, -0.5, 2.0, 0.0, 0.0, 0.0];
+    assert_eq!(entries(&named, &point), entries(&written, &point));
+}
+
+#[test]
+fn antisymmetric_repetition_is_harmless_and_contradiction_names_both_entries() {
+    let two = "variables = [\"x\", \"y\"]\nhamiltonian = \"x\"\n";
+    let run = "initial = [1, 1]";
+    let harmless = "bracket = { \"x,y\" = \"x*(x + y)\", \"y,x\" = \"-x^2 - x*y\" }";
+    compose_system(&document(&format!("{two}{harmless}"), run)).expect("consistent");
+    let diagnostic = refusal(
+        &format!("{two}bracket = {{ \"x,y\" = \"x\", \"y,x\" = \"x\" }}"),
+        run,
+    );
+    assert!(diagnostic.message.contains("`x,y`") && diagnostic.message.contains("`y,x`"));
+    assert_eq!(diagnostic.line_column(), (4, 27));
+    let diagnostic = refusal(&format!("{two}bracket = {{ \"x,x\" = \"y\" }}"), run);
+    assert_eq!(diagnostic.line_column(), (4, 14));
+}
+
+#[test]
+fn a_matrix_that_is_not_antisymmetric_is_refused_at_its_entry() {
+    let two = "variables = [\"x\", \"y\"]\nhamiltonian = \"x\"\n";
+    let diagnostic = refusal(
+        &format!("{two}bracket = {{ log-canonical = [[0, 2], [2, 0]] }}"),
+        "initial = [1, 1]",
+    );
+    assert_eq!(diagnostic.line_column(), (4, 39));
+}
+
+#[test]
+fn a_lattice_is_its_template_at_every_site() {
+    let lattice = "families = { x = 5 }\nhamiltonian = \"sum(i, x[i])\"\n\
+                   bracket = { \"x[i],x[i+1]\" = \"x[i]*x[i+1]\" }\nboundary = \"BOUNDARY\"";
+    let initial = "initial = { \"x[i]\" = \"i + N\", \"x[2]\" = \"-1\" }";
+    let count = |boundary: &str, lengths: &[usize]| {
+        let document = document(&lattice.replace("BOUNDARY", boundary), initial);
+        let composed = compose_system(&document).expect("a lattice");
+        assert_eq!(composed.initial, [5.0, 6.0, -1.0, 8.0, 9.0]);
+        instantiate(&document, lengths)
+            .expect("a proxy")
+            .bracket
+            .len()
+    };
+    assert_eq!(count("periodic", &[5]), 5);
+    assert_eq!(count("open", &[5]), 4);
+    assert_eq!(count("periodic", &[8]), 8);
+    let short = document(&lattice.replace("BOUNDARY", "periodic"), initial);
+    let diagnostic = *instantiate(&short, &[2]).expect_err("a ring of two meets itself");
+    assert!(diagnostic.message.contains("two different values"));
+}
+
+#[test]
+fn an_initial_field_outside_its_domain_names_the_site() {
+    let lattice = "families = { x = 6 }\nhamiltonian = \"sum(i, x[i])\"\n\
+                   bracket = { \"x[i],x[i+1]\" = \"x[i]*x[i+1]\" }";
+    let diagnostic = refusal(lattice, "initial = { \"x[i]\" = \"ln(3 - i)\" }");
+    assert!(
+        diagnostic.message.contains("x[3] is infinite"),
+        "{}",
+        diagnostic.message
+    );
+    assert_eq!(diagnostic.line_column().0, 11);
+    let diagnostic = refusal(lattice, "initial = { \"x[0]\" = 1 }");
+    assert!(diagnostic.message.contains("no value for x[1]"));
+}
+
+#[test]
+fn shapes_are_read_off_the_normal_form() {
+    let shape = |bracket: &str| {
+        let system = format!(
+            "variables = [\"x\", \"y\", \"z\"]\nparameters = {{ a = 2 }}\nhamiltonian = \"x\"\n\
+             bracket = {{ \"x,y\" = \"{bracket}\" }}"
+        );
+        tensor_shape(
+            &compose_system(&document(&system, "initial = [1, 1, 1]"))
+                .unwrap()
+                .system,
+        )
+    };
+    assert_eq!(shape("x - x"), TensorShape::Zero);
+    assert_eq!(shape("a^2"), TensorShape::Constant);
+    assert_eq!(shape("a*z + (x+1)^2 - x^2 - 1"), TensorShape::Linear);
+    assert_eq!(shape("a*x*y"), TensorShape::LogCanonical);
+    assert_eq!(shape("x*y + 1"), TensorShape::Polynomial(2));
+    assert_eq!(shape("z^3"), TensorShape::Polynomial(3));
+    assert_eq!(shape("exp(z)"), TensorShape::General);
+    assert_eq!(shape("1/z"), TensorShape::General);
+}
+
+#[test]
+fn parts_left_open_are_chosen_with_matching_orders() {
+    let system = "variables = [\"x\", \"y\"]\nhamiltonian = \"x^2 + y^2\"\n\
+                  bracket = { \"x,y\" = \"1\" }";
+    let run = compose(
+        &document(system, "initial = [1, 1]"),
+        &Registry::with_builtin(),
+    )
+    .expect("a run");
+    assert_eq!(run.method.declared_order(), 4);
+    assert!(run.plan.parts.iter().all(|part| part.is_automatic));
+}

@@ -1,0 +1,228 @@
+//! Everything later steps depend on, in one file that is replaced atomically.
+
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::Path;
+
+use leafwise_core::SolverStatistics;
+use leafwise_core::integrator::Checkpoint as IntegratorState;
+
+use super::error::RunError;
+use super::invariants::Windows;
+
+/// The file's name in the run directory.
+pub(super) const FILE: &str = "checkpoint.bin";
+
+/// The file begins with this: name and format version.
+const MAGIC: &[u8; 8] = b"leafwis1";
+
+/// A run between two steps.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Checkpoint {
+    /// x_k, its compensation and the solver's memory.
+    pub integrator: IntegratorState,
+    /// The solver's work so far.
+    pub statistics: SolverStatistics,
+    /// Seconds of integration so far.
+    pub wall_seconds: f64,
+    /// Bytes of `samples.csv`.
+    pub sample_bytes: u64,
+    /// Samples recorded.
+    pub samples: u64,
+    /// Invariants over windows.
+    pub windows: Windows,
+}
+
+/// Replaces `path` in one operation: readers see the old content or the new.
+pub(super) fn replace(path: &Path, content: &[u8]) -> Result<(), RunError> {
+    let temporary = path.with_extension("new");
+    let mut file = File::create(&temporary).map_err(RunError::io(&temporary))?;
+    file.write_all(content).map_err(RunError::io(&temporary))?;
+    file.sync_data().map_err(RunError::io(&temporary))?;
+    fs::rename(&temporary, path).map_err(RunError::io(path))
+}
+
+impl Checkpoint {
+    /// Writes the checkpoint of a directory.
+    pub fn write(&self, directory: &Path) -> Result<(), RunError> {
+        replace(&directory.join(FILE), &self.encode())
+    }
+
+    /// Reads the checkpoint of a directory.
+    pub fn read(directory: &Path) -> Result<Self, RunError> {
+        let path = directory.join(FILE);
+        let bytes = fs::read(&path).map_err(RunError::io(&path))?;
+        Self::decode(&bytes).ok_or_else(|| RunError::Damaged {
+            file: path,
+            reason: "it is not a whole checkpoint of this program".to_owned(),
+        })
+    }
+
+    /// The magic number, then every number in 8 bytes, least significant first; lists behind their
+    /// length.
+    fn encode(&self) -> Vec<u8> {
+        let mut out = Writer(MAGIC.to_vec());
+        out.whole(self.integrator.steps);
+        out.list(&self.integrator.state);
+        out.list(&self.integrator.compensation);
+        out.list(&self.integrator.memory);
+        for count in [
+            self.statistics.steps,
+            self.statistics.evaluations,
+            self.statistics.most_evaluations,
+            self.statistics.failures,
+        ] {
+            out.whole(count);
+        }
+        out.number(self.wall_seconds);
+        out.whole(self.sample_bytes);
+        out.whole(self.samples);
+        out.list(&self.windows.initial);
+        out.whole(self.windows.width);
+        out.whole(self.windows.filled);
+        out.list(&self.windows.current);
+        out.list(&self.windows.maxima);
+        out.whole(self.windows.evaluations.len() as u64);
+        self.windows
+            .evaluations
+            .iter()
+            .for_each(|count| out.whole(*count));
+        out.0
+    }
+
+    /// `None` unless the bytes are exactly one checkpoint.
+    fn decode(bytes: &[u8]) -> Option<Self> {
+        let mut from = Reader(bytes.strip_prefix(MAGIC)?);
+        let integrator = IntegratorState {
+            steps: from.whole()?,
+            state: from.list()?,
+            compensation: from.list()?,
+            memory: from.list()?,
+        };
+        let statistics = SolverStatistics {
+            steps: from.whole()?,
+            evaluations: from.whole()?,
+            most_evaluations: from.whole()?,
+            failures: from.whole()?,
+        };
+        let (wall_seconds, sample_bytes, samples) = (from.number()?, from.whole()?, from.whole()?);
+        let windows = Windows {
+            initial: from.list()?,
+            width: from.whole()?,
+            filled: from.whole()?,
+            current: from.list()?,
+            maxima: from.list()?,
+            evaluations: from.wholes()?,
+        };
+        let count = windows.initial.len();
+        let agrees = windows.current.len() == count
+            && windows.maxima.len() == count * windows.evaluations.len()
+            && integrator.compensation.len() == integrator.state.len();
+        let whole = from.0.is_empty() && agrees;
+        whole.then_some(Self {
+            integrator,
+            statistics,
+            wall_seconds,
+            sample_bytes,
+            samples,
+            windows,
+        })
+    }
+}
+
+struct Writer(Vec<u8>);
+
+impl Writer {
+    fn whole(&mut self, value: u64) {
+        self.0.extend_from_slice(&value.to_le_bytes());
+    }
+
+    fn number(&mut self, value: f64) {
+        self.0.extend_from_slice(&value.to_le_bytes());
+    }
+
+    fn list(&mut self, values: &[f64]) {
+        self.whole(values.len() as u64);
+        values.iter().for_each(|value| self.number(*value));
+    }
+}
+
+struct Reader<'a>(&'a [u8]);
+
+impl Reader<'_> {
+    fn eight(&mut self) -> Option<[u8; 8]> {
+        let (first, rest) = self.0.split_first_chunk::<8>()?;
+        self.0 = rest;
+        Some(*first)
+    }
+
+    fn whole(&mut self) -> Option<u64> {
+        self.eight().map(u64::from_le_bytes)
+    }
+
+    fn number(&mut self) -> Option<f64> {
+        self.eight().map(f64::from_le_bytes)
+    }
+
+    /// A list's length, which the rest must hold.
+    fn length(&mut self) -> Option<usize> {
+        let length = usize::try_from(self.whole()?).ok()?;
+        (length <= self.0.len() / 8).then_some(length)
+    }
+
+    fn list(&mut self) -> Option<Vec<f64>> {
+        (0..self.length()?).map(|_| self.number()).collect()
+    }
+
+    fn wholes(&mut self) -> Option<Vec<u64>> {
+        (0..self.length()?).map(|_| self.whole()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example() -> Checkpoint {
+        let mut windows = Windows::new(&[1.0, -0.0]);
+        (1..=5000_u64).for_each(|k| windows.push(&[k as f64, f64::NAN], || k));
+        Checkpoint {
+            integrator: IntegratorState {
+                steps: 5000,
+                state: vec![0.1, -0.0, 5e-324],
+                compensation: vec![1e-17, 0.0, f64::MIN_POSITIVE],
+                memory: vec![f64::INFINITY, 3.0],
+            },
+            statistics: SolverStatistics {
+                steps: 5000,
+                evaluations: 10_001,
+                most_evaluations: 7,
+                failures: 0,
+            },
+            wall_seconds: 0.25,
+            sample_bytes: 1 << 40,
+            samples: 77,
+            windows,
+        }
+    }
+
+    #[test]
+    fn a_checkpoint_reads_back_to_the_same_bits() {
+        let bytes = example().encode();
+        let back = Checkpoint::decode(&bytes).expect("a checkpoint");
+        assert_eq!(back.encode(), bytes);
+        assert_eq!(back.integrator, example().integrator);
+    }
+
+    #[test]
+    fn a_cut_or_lengthened_checkpoint_is_refused() {
+        let bytes = example().encode();
+        for cut in [0, 7, 8, 15, 100, bytes.len() - 1] {
+            assert_eq!(Checkpoint::decode(&bytes[..cut]), None, "{cut} bytes");
+        }
+        assert_eq!(Checkpoint::decode(&[bytes.clone(), vec![0]].concat()), None);
+        let mut long_list = bytes.clone();
+        long_list[16..24].copy_from_slice(&u64::MAX.to_le_bytes());
+        assert_eq!(Checkpoint::decode(&long_list), None);
+    }
+}

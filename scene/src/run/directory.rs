@@ -1,0 +1,186 @@
+//! The run directory: start afresh, resume, or refuse.
+
+use std::fs::{self, File, TryLockError};
+use std::path::{Path, PathBuf};
+
+use super::checkpoint::{self, Checkpoint};
+use super::error::RunError;
+use super::manifest::{self, Manifest, PROGRAM_VERSION};
+use super::samples;
+use crate::document::SceneDocument;
+
+/// The scene as run.
+pub(super) const SCENE: &str = "scene.toml";
+/// Maxima of the invariants' deviations over windows.
+pub(super) const WINDOWS: &str = "windows.csv";
+/// The last state, where samples do not hold it.
+pub(super) const FINAL_STATE: &str = "final_state.bin";
+/// The page to open.
+pub(super) const REPORT: &str = "report.html";
+/// Held by the program that writes.
+const LOCK: &str = ".lock";
+
+/// The most lines of a difference that a message shows.
+const MOST_LINES: usize = 12;
+
+/// `runs/` and the scene file's name without its extension.
+pub fn default_directory(document: &SceneDocument) -> PathBuf {
+    if let Some(out) = &document.run.out {
+        return PathBuf::from(&out.value);
+    }
+    let stem = Path::new(&document.name).file_stem().map(PathBuf::from);
+    Path::new("runs").join(stem.unwrap_or_else(|| PathBuf::from("scene")))
+}
+
+/// A directory that this program writes to, until dropped.
+pub(super) struct RunDirectory {
+    /// Where it is.
+    pub path: PathBuf,
+    /// The unfinished run it holds, and when that was begun.
+    pub unfinished: Option<(Checkpoint, String)>,
+    /// The lock ends with the file.
+    _lock: File,
+}
+
+impl RunDirectory {
+    /// Takes hold of `path` for a run of `scene`.
+    ///
+    /// A directory without a run in it must be empty. With `force` the run it holds is removed:
+    /// only the files that a run writes.
+    pub fn open(path: &Path, scene: &str, force: bool) -> Result<Self, RunError> {
+        let is_ours = path.join(LOCK).exists() || path.join(manifest::FILE).exists();
+        let is_empty = match fs::read_dir(path) {
+            Ok(mut entries) => entries.next().is_none(),
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => true,
+            Err(error) => return Err(RunError::io(path)(error)),
+        };
+        if !is_ours && !is_empty {
+            return Err(RunError::Foreign {
+                directory: path.to_owned(),
+            });
+        }
+        let stored = Manifest::read(path);
+        if let Some(stored) = stored.as_ref().filter(|_| !force) {
+            refuse_other(path, stored, scene)?;
+        }
+        fs::create_dir_all(path).map_err(RunError::io(path))?;
+        let lock_path = path.join(LOCK);
+        let lock = File::create(&lock_path).map_err(RunError::io(&lock_path))?;
+        match lock.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                return Err(RunError::Busy {
+                    directory: path.to_owned(),
+                });
+            }
+            Err(TryLockError::Error(error)) => return Err(RunError::io(&lock_path)(error)),
+        }
+        let unfinished = match stored {
+            Some(stored) if !force => Some((Checkpoint::read(path)?, stored.started)),
+            _ => None,
+        };
+        if unfinished.is_none() {
+            remove_run(path)?;
+        }
+        Ok(Self {
+            path: path.to_owned(),
+            unfinished,
+            _lock: lock,
+        })
+    }
+}
+
+/// Refuses a directory whose run has ended or is of another scene.
+fn refuse_other(path: &Path, stored: &Manifest, scene: &str) -> Result<(), RunError> {
+    let directory = path.to_owned();
+    if !stored.is_unfinished() {
+        let ended = if stored.outcome == "failed" {
+            "failed"
+        } else {
+            "finished"
+        };
+        return Err(RunError::Ended { directory, ended });
+    }
+    if stored.version != PROGRAM_VERSION {
+        return Err(RunError::VersionChanged {
+            directory,
+            version: stored.version.clone(),
+        });
+    }
+    let file = path.join(SCENE);
+    let before = fs::read_to_string(&file).map_err(RunError::io(&file))?;
+    if before != scene {
+        return Err(RunError::SceneChanged {
+            directory,
+            difference: difference(&before, scene),
+        });
+    }
+    Ok(())
+}
+
+/// Removes the files that a run writes, and nothing else.
+fn remove_run(path: &Path) -> Result<(), RunError> {
+    for name in [
+        manifest::FILE,
+        checkpoint::FILE,
+        SCENE,
+        samples::FILE,
+        WINDOWS,
+        FINAL_STATE,
+        REPORT,
+    ] {
+        let file = path.join(name);
+        match fs::remove_file(&file) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                return Err(RunError::io(file)(error));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// The lines between the common beginning and the common end of two texts.
+fn difference(before: &str, after: &str) -> String {
+    let (before, after): (Vec<&str>, Vec<&str>) =
+        (before.lines().collect(), after.lines().collect());
+    let start = before
+        .iter()
+        .zip(&after)
+        .take_while(|(a, b)| a == b)
+        .count();
+    let shorter = before.len().min(after.len()) - start;
+    let end = before
+        .iter()
+        .rev()
+        .zip(after.iter().rev())
+        .take(shorter)
+        .take_while(|(a, b)| a == b)
+        .count();
+    let changed = |lines: &[&str], sign: char| -> Vec<String> {
+        lines[start..lines.len() - end]
+            .iter()
+            .map(|line| format!("  {sign} {line}"))
+            .collect()
+    };
+    let mut lines = changed(&before, '-');
+    lines.extend(changed(&after, '+'));
+    let more = lines.len().saturating_sub(MOST_LINES);
+    lines.truncate(MOST_LINES);
+    if more > 0 {
+        lines.push(format!("  … and {more} more lines"));
+    }
+    lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::difference;
+
+    #[test]
+    fn a_difference_shows_the_lines_that_changed() {
+        assert_eq!(difference("a\nb\nc\n", "a\nB\nc\n"), "  - b\n  + B");
+        assert_eq!(difference("a\nc\n", "a\nb\nc\n"), "  + b");
+        assert_eq!(difference("a\na\n", "a\n"), "  - a");
+    }
+}

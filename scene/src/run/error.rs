@@ -1,0 +1,117 @@
+//! Why a run could not be started or kept on disk.
+
+use std::io;
+use std::path::PathBuf;
+
+use leafwise_core::BuildError;
+use thiserror::Error;
+
+use crate::compose::Refusal;
+use crate::report::ReportError;
+
+/// Why a run could not be started or kept on disk. A numerical failure is not one of these: it is
+/// an outcome, [`RunOutcome::Failed`](super::RunOutcome::Failed).
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// The tensor is not Poisson, or a Casimir is not one.
+    #[error("{0}")]
+    Refused(Refusal),
+    /// The directory holds a run that has ended.
+    #[error(
+        "{} holds a run that has {ended}; run again with --force to replace it, or with --out DIR \
+         to write elsewhere",
+        directory.display()
+    )]
+    Ended {
+        /// The run directory.
+        directory: PathBuf,
+        /// How: "finished", "failed".
+        ended: &'static str,
+    },
+    /// The directory holds an unfinished run of another scene.
+    #[error(
+        "{} holds an unfinished run of a different scene:\n{difference}\nundo the change to resume \
+         it, or run again with --force to replace it, or with --out DIR to write elsewhere",
+        directory.display()
+    )]
+    SceneChanged {
+        /// The run directory.
+        directory: PathBuf,
+        /// The lines that differ, `-` for the stored scene and `+` for the given one.
+        difference: String,
+    },
+    /// The directory holds an unfinished run of another version of the program.
+    #[error(
+        "{} was begun by version {version}, which may round differently; run again with --force \
+         to replace it, or with --out DIR to write elsewhere",
+        directory.display()
+    )]
+    VersionChanged {
+        /// The run directory.
+        directory: PathBuf,
+        /// The version that began it.
+        version: String,
+    },
+    /// The directory holds something else.
+    #[error(
+        "{} exists and is not a run directory; choose another with --out DIR",
+        directory.display()
+    )]
+    Foreign {
+        /// The directory.
+        directory: PathBuf,
+    },
+    /// Another process writes to the directory.
+    #[error("another program is writing to {}; wait for it, or use --out DIR", directory.display())]
+    Busy {
+        /// The run directory.
+        directory: PathBuf,
+    },
+    /// A file of an unfinished run that cannot be continued.
+    #[error(
+        "{} cannot be resumed from: {reason}; run again with --force to start over",
+        file.display()
+    )]
+    Damaged {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// Reading or writing failed.
+    #[error("cannot write {}: {source}", file.display())]
+    Io {
+        /// The file.
+        file: PathBuf,
+        /// The system's error.
+        source: io::Error,
+    },
+    /// An observable without code.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// The report could not be drawn.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+}
+
+impl RunError {
+    /// For `map_err` on operations on a file.
+    pub(super) fn io(file: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
+        let file = file.into();
+        move |source| Self::Io { file, source }
+    }
+
+    /// Whether the command line asks for something that the directory's content forbids.
+    pub fn is_usage(&self) -> bool {
+        matches!(
+            self,
+            Self::Ended { .. }
+                | Self::SceneChanged { .. }
+                | Self::VersionChanged { .. }
+                | Self::Foreign { .. }
+                | Self::Busy { .. }
+                | Self::Damaged { .. }
+        )
+    }
+}

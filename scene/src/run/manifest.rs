@@ -1,0 +1,203 @@
+//! What was run, with what, and how it ended: `manifest.json`.
+
+use std::fs;
+use std::path::Path;
+
+use leafwise_core::diagnostics::Verdict;
+use leafwise_expression::OperationCount;
+use serde::Deserialize;
+use serde_json::{Map, Value, json};
+
+use super::checkpoint::replace;
+use super::error::RunError;
+use super::outcome::{RunOutcome, RunReport};
+use super::time::now;
+use crate::compose::{ComposedRun, SceneChecks, TensorShape, tensor_shape};
+use crate::document::SceneDocument;
+use crate::json::{json_number, json_numbers};
+
+/// The version that is written into manifests and reports.
+pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// The file's name in the run directory.
+pub(super) const FILE: &str = "manifest.json";
+
+/// What of a stored manifest decides whether a run is resumed.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+pub struct Manifest {
+    /// The version of the program that began the run.
+    pub version: String,
+    /// `running`, `done`, `interrupted` or `failed`.
+    pub outcome: String,
+    /// When the run was begun.
+    pub started: String,
+}
+
+impl Manifest {
+    /// The manifest of a directory; `None` when there is none that can be read.
+    pub fn read(directory: &Path) -> Option<Self> {
+        let text = fs::read_to_string(directory.join(FILE)).ok()?;
+        serde_json::from_str(&text).ok()
+    }
+
+    /// Whether the run can go on.
+    pub fn is_unfinished(&self) -> bool {
+        self.outcome == "running" || self.outcome == "interrupted"
+    }
+}
+
+/// The word for an outcome.
+pub(super) fn outcome_word(outcome: &RunOutcome) -> &'static str {
+    match outcome {
+        RunOutcome::Done => "done",
+        RunOutcome::Interrupted => "interrupted",
+        RunOutcome::Failed(_) => "failed",
+    }
+}
+
+/// What a manifest says before the first step.
+pub(super) struct Beginning {
+    fields: Map<String, Value>,
+}
+
+impl Beginning {
+    /// Describes a run begun at `started`, or now.
+    pub fn new(
+        document: &SceneDocument,
+        run: &ComposedRun,
+        checks: &SceneChecks,
+        command: &str,
+        started: Option<String>,
+    ) -> Self {
+        let newton = run.method.newton();
+        let parts: Vec<Value> = run
+            .plan
+            .parts
+            .iter()
+            .map(|part| {
+                let parameters: Map<String, Value> = part
+                    .parameters
+                    .iter()
+                    .map(|(name, v)| ((*name).to_owned(), json!(v)))
+                    .collect();
+                json!({
+                    "kind": part.kind, "name": part.name, "parameters": parameters,
+                    "version": PROGRAM_VERSION, "origin": "built in",
+                    "chosen": if part.is_automatic { "automatically" } else { "by the scene" },
+                })
+            })
+            .collect();
+        let casimirs: Map<String, Value> = checks
+            .casimirs
+            .iter()
+            .map(|casimir| {
+                (
+                    casimir.name.clone(),
+                    json!(verdict_word(casimir.check.verdict)),
+                )
+            })
+            .collect();
+        let shape: TensorShape = tensor_shape(&run.system);
+        let fields = json!({
+            "program": "leafwise",
+            "version": PROGRAM_VERSION,
+            "command": command,
+            "scene": document.name,
+            "library": document.fragment.as_ref().map(|(id, _)| id),
+            "dimension": run.system.dimension(),
+            "tensor": shape.to_string(),
+            "checks": { "jacobi": verdict_word(checks.jacobi.verdict), "casimirs": casimirs },
+            "parts": parts,
+            "path": "expressions, compiled to straight-line code; interpreter, one lane",
+            "declared_order": run.method.declared_order(),
+            "epsilon": run.plan.epsilon,
+            "h": run.plan.h,
+            "kernels": {
+                "newton_iteration": operations(newton.operations()),
+                "residual": operations(newton.residual_operations()),
+                "coefficients": operations(newton.coefficient_operations()),
+            },
+            "started": started.unwrap_or_else(now),
+        });
+        match fields {
+            Value::Object(fields) => Self { fields },
+            _ => Self { fields: Map::new() },
+        }
+    }
+
+    /// Writes the manifest of a run that goes on.
+    pub fn write_running(&self, directory: &Path) -> Result<(), RunError> {
+        let mut fields = self.fields.clone();
+        fields.insert("outcome".to_owned(), json!("running"));
+        write(directory, fields)
+    }
+
+    /// Writes the manifest of a run that has ended.
+    pub fn write_ended(&self, report: &RunReport) -> Result<(), RunError> {
+        let mut fields = self.fields.clone();
+        let drift: Map<String, Value> = report
+            .invariants
+            .iter()
+            .map(|invariant| {
+                let entry = json!({
+                    "initial": json_number(invariant.initial),
+                    "maximum": json_number(invariant.maximum),
+                    "relative": invariant.relative().map(json_number),
+                });
+                (invariant.name.clone(), entry)
+            })
+            .collect();
+        let ending = json!({
+            "ended": now(),
+            "outcome": outcome_word(&report.outcome),
+            "steps": report.steps,
+            "time": json_number(report.time),
+            "wall_seconds": report.wall_seconds,
+            "samples": report.samples,
+            "solver": {
+                "evaluations": report.statistics.evaluations,
+                "evaluations_per_step": report.statistics.evaluations_per_step(),
+                "most_evaluations": report.statistics.most_evaluations,
+                "failures": report.statistics.failures,
+            },
+            "drift": drift,
+        });
+        if let Value::Object(ending) = ending {
+            fields.extend(ending);
+        }
+        if let RunOutcome::Failed(failure) = &report.outcome {
+            fields.insert(
+                "failure".to_owned(),
+                json!({
+                    "message": failure.message, "step": failure.step,
+                    "time": json_number(failure.time), "state": json_numbers(&failure.state),
+                    "hint": failure.hint,
+                }),
+            );
+        }
+        write(&report.directory, fields)
+    }
+}
+
+fn write(directory: &Path, fields: Map<String, Value>) -> Result<(), RunError> {
+    let text = format!("{:#}\n", Value::Object(fields));
+    replace(&directory.join(FILE), text.as_bytes())
+}
+
+fn operations(count: OperationCount) -> Value {
+    json!({
+        "total": count.total(), "additions": count.additions,
+        "multiplications": count.multiplications, "divisions": count.divisions,
+        "negations": count.negations, "functions": count.functions,
+    })
+}
+
+/// The word for a verdict.
+fn verdict_word(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Proved => "proved",
+        Verdict::NumericallyZero => "numerically zero",
+        Verdict::Violated => "violated",
+        _ => "undecided",
+    }
+}

@@ -1,0 +1,34 @@
+//! A composed scene, stepped into a run directory.
+//!
+//! - `execute`: [`run`], from a composed scene to a complete directory;
+//! - `drive`: the step loop;
+//! - `invariants`: energy and Casimirs at every step, their maxima over windows;
+//! - `samples`: recorded states, appended to `samples.csv`;
+//! - `checkpoint`: everything later steps depend on, written atomically;
+//! - `manifest`: what was run, with what, and how it ended;
+//! - `directory`: start afresh, resume, or refuse;
+//! - `summary`: `report.html` from what the directory holds;
+//! - `progress`: what a program shows meanwhile;
+//! - `outcome`, `error`: how a run ends.
+
+mod checkpoint;
+mod directory;
+mod drive;
+mod error;
+mod execute;
+mod invariants;
+mod manifest;
+mod outcome;
+mod progress;
+mod samples;
+mod summary;
+#[cfg(test)]
+mod tests;
+mod time;
+
+pub use directory::default_directory;
+pub use error::RunError;
+pub use execute::{RunOptions, run};
+pub use manifest::{Manifest, PROGRAM_VERSION};
+pub use outcome::{Failure, InvariantDrift, RunOutcome, RunReport};
+pub use progress::{Progress, Quiet, Status};

@@ -1,0 +1,144 @@
+//! Recorded states, appended to `samples.csv`.
+
+use std::fmt::Write as _;
+use std::fs::{File, OpenOptions};
+use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use super::error::RunError;
+
+/// States of more coordinates than this are not written out at every sample.
+pub(super) const WIDEST_STATE: usize = 64;
+
+/// Rows are handed to the operating system when this many bytes wait.
+const BATCH: usize = 1 << 16;
+
+/// The file's name in the run directory.
+pub(super) const FILE: &str = "samples.csv";
+
+/// The writer of `samples.csv`: a header, then one row for each sample, shortest decimals that
+/// read back as the same doubles.
+pub(super) struct Samples {
+    path: PathBuf,
+    file: File,
+    waiting: String,
+    bytes: u64,
+    count: u64,
+}
+
+impl Samples {
+    /// A new file with its header.
+    pub fn create(directory: &Path, columns: &[String]) -> Result<Self, RunError> {
+        let path = directory.join(FILE);
+        let file = File::create(&path).map_err(RunError::io(&path))?;
+        let mut samples = Self {
+            path,
+            file,
+            waiting: String::new(),
+            bytes: 0,
+            count: 0,
+        };
+        let header: Vec<String> = columns.iter().map(|column| quoted(column)).collect();
+        samples.waiting.push_str(&header.join(","));
+        samples.waiting.push('\n');
+        Ok(samples)
+    }
+
+    /// The file of an earlier session, cut back to what its checkpoint vouches for.
+    pub fn resume(directory: &Path, bytes: u64, count: u64) -> Result<Self, RunError> {
+        let path = directory.join(FILE);
+        let mut file = OpenOptions::new()
+            .write(true)
+            .open(&path)
+            .map_err(RunError::io(&path))?;
+        let length = file.metadata().map_err(RunError::io(&path))?.len();
+        if length < bytes {
+            return Err(RunError::Damaged {
+                file: path,
+                reason: format!("it has {length} bytes where the checkpoint counts {bytes}"),
+            });
+        }
+        file.set_len(bytes).map_err(RunError::io(&path))?;
+        file.seek(SeekFrom::Start(bytes))
+            .map_err(RunError::io(&path))?;
+        Ok(Self {
+            path,
+            file,
+            waiting: String::new(),
+            bytes,
+            count,
+        })
+    }
+
+    /// Appends one row.
+    pub fn push(&mut self, time: f64, state: &[f64], observables: &[f64]) -> Result<(), RunError> {
+        // Writing to a string cannot fail.
+        let _ = write!(self.waiting, "{time:?}");
+        for value in state.iter().chain(observables) {
+            let _ = write!(self.waiting, ",{value:?}");
+        }
+        self.waiting.push('\n');
+        self.count += 1;
+        if self.waiting.len() >= BATCH {
+            self.flush()
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Hands all rows to the operating system: they survive this program.
+    pub fn flush(&mut self) -> Result<(), RunError> {
+        self.file
+            .write_all(self.waiting.as_bytes())
+            .map_err(RunError::io(&self.path))?;
+        self.bytes += self.waiting.len() as u64;
+        self.waiting.clear();
+        Ok(())
+    }
+
+    /// Hands all rows to the disk: they survive the machine.
+    pub fn sync(&mut self) -> Result<(), RunError> {
+        self.flush()?;
+        self.file.sync_data().map_err(RunError::io(&self.path))
+    }
+
+    /// Bytes handed over, and rows pushed.
+    pub fn position(&self) -> (u64, u64) {
+        (self.bytes, self.count)
+    }
+}
+
+/// Rows of `samples.csv` as numbers, every `stride`-th and the last.
+pub(super) fn read(directory: &Path, stride: usize) -> io::Result<Vec<Vec<f64>>> {
+    let mut lines = BufReader::new(File::open(directory.join(FILE))?)
+        .lines()
+        .skip(1);
+    let parse = |line: &str| -> Vec<f64> {
+        line.split(',')
+            .map(|cell| cell.parse().unwrap_or(f64::NAN))
+            .collect()
+    };
+    let mut rows = Vec::new();
+    let mut last: Option<String> = None;
+    let mut at = 0_usize;
+    while let Some(line) = lines.next().transpose()? {
+        last = if at.is_multiple_of(stride) {
+            rows.push(parse(&line));
+            None
+        } else {
+            Some(line)
+        };
+        at += 1;
+    }
+    rows.extend(last.as_deref().map(parse));
+    Ok(rows)
+}
+
+/// A heading, in quotes where it holds a comma or a quote.
+fn quoted(column: &str) -> String {
+    if column.contains([',', '"']) {
+        format!("\"{}\"", column.replace('"', "\"\""))
+    } else {
+        column.to_owned()
+    }
+}

@@ -1,0 +1,326 @@
+//! What `report.html` shows, from what the directory holds.
+
+use super::drive::Session;
+use super::error::RunError;
+use super::invariants::Functions;
+use super::manifest::PROGRAM_VERSION;
+use super::outcome::{RunOutcome, RunReport};
+use super::samples::{self, WIDEST_STATE};
+use crate::compose::{ComposedRun, tensor_shape};
+use crate::document::SceneDocument;
+use crate::report::{Ellipsoid, InvariantSeries, Outcome, ReportData, TimeSeries, Trajectory};
+
+/// The most samples that a report is drawn from.
+const MOST_ROWS: u64 = 50_000;
+
+/// Runs of more steps than this are drawn over a logarithmic time axis.
+const LONG_RUN: u64 = 200_000;
+
+/// Gathers the report of a run that has ended.
+pub(super) fn report_data(
+    document: &SceneDocument,
+    run: &ComposedRun,
+    session: &Session<'_>,
+    report: &RunReport,
+    command: &str,
+) -> Result<ReportData, RunError> {
+    let stride = usize::try_from(report.samples.div_ceil(MOST_ROWS))
+        .unwrap_or(1)
+        .max(1);
+    let rows = samples::read(&report.directory, stride).map_err(RunError::io(&report.directory))?;
+    let times: Vec<f64> = rows.iter().map(|row| row[0]).collect();
+    let d = run.system.dimension();
+    let width = if d <= WIDEST_STATE { d } else { 0 };
+    let column = |at: usize| -> Vec<f64> {
+        rows.iter()
+            .map(|row| row.get(at).copied().unwrap_or(f64::NAN))
+            .collect()
+    };
+    let energy = run
+        .plan
+        .observables
+        .iter()
+        .position(|o| o.name() == "energy");
+    let windows = session.windows();
+    let time_step = run.plan.epsilon * run.plan.h;
+    let ends: Vec<f64> = windows
+        .ends()
+        .into_iter()
+        .map(|end| end as f64 * time_step)
+        .collect();
+    let invariants = report
+        .invariants
+        .iter()
+        .enumerate()
+        .map(|(index, invariant)| InvariantSeries {
+            name: invariant.name.clone(),
+            reference: invariant.initial,
+            times: ends.clone(),
+            deviations: windows.series(index),
+        })
+        .collect();
+    let evaluations = windows.evaluations_per_step();
+    let solver = TimeSeries {
+        times: ends.iter().take(evaluations.len()).copied().collect(),
+        values: evaluations,
+    };
+    Ok(ReportData {
+        title: title(&document.name),
+        version: format!("leafwise {PROGRAM_VERSION}"),
+        command: command.to_owned(),
+        scene_name: document.name.clone(),
+        scene_text: document.text.clone(),
+        outcome: outcome(run, report),
+        method: method_lines(run),
+        facts: facts(run, report),
+        invariants,
+        logarithmic_time: report.steps > LONG_RUN,
+        energy: energy.map(|at| TimeSeries {
+            times: times.clone(),
+            values: column(1 + width + at),
+        }),
+        trajectory: trajectory(run, times, &rows, width),
+        solver: (!solver.times.is_empty()).then_some(solver),
+    })
+}
+
+/// "rigid_body.toml" as "Rigid body".
+fn title(name: &str) -> String {
+    let stem = std::path::Path::new(name)
+        .file_stem()
+        .map(|stem| stem.to_string_lossy());
+    let words = stem.unwrap_or_default().replace(['_', '-'], " ");
+    let mut letters = words.chars();
+    match letters.next() {
+        Some(first) => first.to_uppercase().chain(letters).collect(),
+        None => "Run".to_owned(),
+    }
+}
+
+fn outcome(run: &ComposedRun, report: &RunReport) -> Outcome {
+    let at = format!("t = {}", short(report.time));
+    match &report.outcome {
+        RunOutcome::Done => Outcome::Done {
+            message: format!("{} steps to {at}", report.steps),
+        },
+        RunOutcome::Interrupted => Outcome::Interrupted {
+            message: format!(
+                "after {} of {} steps, at {at}; the same command resumes the run",
+                report.steps, run.plan.steps
+            ),
+        },
+        RunOutcome::Failed(failure) => Outcome::Failed {
+            message: failure.message.clone(),
+            step: failure.step,
+            time: failure.time,
+            state: run
+                .system
+                .variables()
+                .iter()
+                .cloned()
+                .zip(failure.state.iter().copied())
+                .collect(),
+            hint: failure.hint.clone(),
+        },
+    }
+}
+
+fn method_lines(run: &ComposedRun) -> Vec<(String, String)> {
+    let method = &run.method;
+    let newton = method.newton();
+    let line = |label: &str, text: String| (label.to_owned(), text);
+    vec![
+        line("Realization", method.realization().describe()),
+        line("Dynamics", method.dynamics().describe()),
+        line(
+            "Declared order",
+            format!(
+                "{} in t = εh (a lower bound: Theorem 2)",
+                method.declared_order()
+            ),
+        ),
+        line(
+            "Step",
+            format!(
+                "ε = {}, h = {}: t advances by {}",
+                short(run.plan.epsilon),
+                short(run.plan.h),
+                short(run.plan.epsilon * run.plan.h)
+            ),
+        ),
+        line("Tensor", tensor_shape(&run.system).to_string()),
+        line("One Newton iteration", newton.operations().to_string()),
+        line("Residual alone", newton.residual_operations().to_string()),
+    ]
+}
+
+fn facts(run: &ComposedRun, report: &RunReport) -> Vec<(String, String)> {
+    let statistics = &report.statistics;
+    let mut facts = vec![
+        ("Steps".to_owned(), report.steps.to_string()),
+        ("Time reached".to_owned(), short(report.time)),
+        (
+            "Solver".to_owned(),
+            format!(
+                "{:.2} evaluations a step, at most {}",
+                statistics.evaluations_per_step(),
+                statistics.most_evaluations
+            ),
+        ),
+        (
+            "Integration".to_owned(),
+            format!(
+                "{:.3} s, {:.0} steps a second",
+                report.wall_seconds,
+                report.steps as f64 / report.wall_seconds.max(1e-9)
+            ),
+        ),
+        (
+            "Samples".to_owned(),
+            format!("{}, every {} steps", report.samples, run.plan.every),
+        ),
+        ("Data".to_owned(), report.directory.display().to_string()),
+    ];
+    let parameters: Vec<String> = run
+        .system
+        .parameters()
+        .iter()
+        .map(|parameter| format!("{} = {}", parameter.name, short(parameter.value)))
+        .collect();
+    if !parameters.is_empty() {
+        facts.push(("Parameters".to_owned(), parameters.join(", ")));
+    }
+    facts
+}
+
+/// A number with up to twelve digits.
+fn short(value: f64) -> String {
+    let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
+    if rounded == 0.0 || (1e-4..1e9).contains(&rounded.abs()) {
+        format!("{rounded}")
+    } else {
+        format!("{rounded:e}")
+    }
+}
+
+fn trajectory(
+    run: &ComposedRun,
+    times: Vec<f64>,
+    rows: &[Vec<f64>],
+    width: usize,
+) -> Option<Trajectory> {
+    if width == 0 || rows.is_empty() {
+        return None;
+    }
+    if let Some((name, length)) = run.plan.families.first() {
+        let singles = width
+            - run
+                .plan
+                .families
+                .iter()
+                .map(|(_, length)| length)
+                .sum::<usize>();
+        let fields = rows
+            .iter()
+            .map(|row| row[1 + singles..1 + singles + length].to_vec())
+            .collect();
+        return Some(Trajectory::Lattice {
+            name: name.clone(),
+            times,
+            fields,
+        });
+    }
+    Some(Trajectory::Orbit {
+        names: run.system.variables().to_vec(),
+        times,
+        points: rows.iter().map(|row| row[1..=width].to_vec()).collect(),
+        leaf: leaf(run),
+    })
+}
+
+/// The symplectic leaf through the initial state, where a Casimir of a three-dimensional system
+/// makes it an ellipsoid: C(x) = C(0) + Σ (a_i x_i² + b_i x_i) with a_i of one sign. The form is
+/// read off C at seven points and tested at others.
+fn leaf(run: &ComposedRun) -> Option<Ellipsoid> {
+    if run.system.dimension() != 3 {
+        return None;
+    }
+    let mut invariants = Functions::invariants(&run.system).ok()?;
+    let start = invariants.at(&run.plan.initial).to_vec();
+    (1..start.len()).find_map(|index| {
+        let mut casimir = |x: [f64; 3]| invariants.at(&x)[index];
+        ellipsoid(&mut casimir, start[index], &run.plan.initial)
+    })
+}
+
+fn ellipsoid(
+    casimir: &mut dyn FnMut([f64; 3]) -> f64,
+    level: f64,
+    initial: &[f64],
+) -> Option<Ellipsoid> {
+    let origin = casimir([0.0; 3]);
+    let (mut a, mut b) = ([0.0; 3], [0.0; 3]);
+    for i in 0..3 {
+        let mut unit = [0.0; 3];
+        unit[i] = 1.0;
+        let plus = casimir(unit) - origin;
+        unit[i] = -1.0;
+        let minus = casimir(unit) - origin;
+        a[i] = (plus + minus) / 2.0;
+        b[i] = (plus - minus) / 2.0;
+    }
+    let form = |x: &[f64; 3]| {
+        (0..3)
+            .map(|i| (a[i] * x[i] + b[i]) * x[i])
+            .fold(origin, |sum, term| sum + term)
+    };
+    let probes = [
+        [0.7, -1.3, 2.1],
+        [-2.9, 0.4, 1.6],
+        [initial[0], initial[1], initial[2]],
+    ];
+    let agrees = probes.iter().all(|x| {
+        let (value, expected) = (casimir(*x), form(x));
+        let size = (0..3)
+            .map(|i| (a[i] * x[i] * x[i]).abs() + (b[i] * x[i]).abs())
+            .sum::<f64>();
+        (value - expected).abs() <= 1e-12 * (size + origin.abs())
+    });
+    let center = [0, 1, 2].map(|i| -b[i] / (2.0 * a[i]));
+    let radius = level - form(&center);
+    let semi_axes = [0, 1, 2].map(|i| libm::sqrt(radius / a[i]));
+    let is_ellipsoid = semi_axes.iter().all(|axis| axis.is_finite() && *axis > 0.0);
+    (agrees && is_ellipsoid).then_some(Ellipsoid { center, semi_axes })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quadratic_casimir_gives_its_ellipsoid_and_others_give_none() {
+        let start = [1.0, 3.0, 3.0];
+        let mut sphere = |x: [f64; 3]| x.iter().map(|x| x * x).sum::<f64>();
+        let leaf = ellipsoid(&mut sphere, 19.0, &start).expect("a sphere");
+        assert_eq!(leaf.center, [0.0; 3]);
+        assert!(
+            leaf.semi_axes
+                .iter()
+                .all(|a| (a - libm::sqrt(19.0)).abs() < 1e-15)
+        );
+        let mut ratio = |x: [f64; 3]| x[0] * x[2] / x[1];
+        assert_eq!(ellipsoid(&mut ratio, 1.0, &start), None);
+        let mut saddle = |x: [f64; 3]| x[0] * x[0] + x[1] * x[1] - x[2] * x[2];
+        assert_eq!(ellipsoid(&mut saddle, 1.0, &start), None);
+        let mut mixed = |x: [f64; 3]| x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + x[0] * x[1];
+        assert_eq!(ellipsoid(&mut mixed, 22.0, &start), None);
+    }
+
+    #[test]
+    fn titles_and_numbers_read_well() {
+        assert_eq!(title("scenes/rigid_body.toml"), "Rigid body");
+        assert_eq!(short(0.1 * 2.0 * 1000.0), "200");
+        assert_eq!(short(0.30000000000000004), "0.3");
+        assert_eq!(short(6e-25), "6e-25");
+    }
+}
