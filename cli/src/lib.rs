@@ -1,1 +1,65 @@
-//! leafwise-cli
+//! The `leafwise` program as a library: arguments in, text and an exit code out.
+//!
+//! - [`arguments`]: the command line.
+//! - [`console`]: where text goes.
+//! - [`failure`]: errors and their exit codes.
+//! - [`scene`]: reading a scene with its overrides.
+//! - [`commands`]: one module for each command.
+//! - [`bar`]: the progress bar.
+//! - [`table`]: aligned columns.
+
+pub mod arguments;
+pub mod bar;
+pub mod commands;
+pub mod console;
+pub mod failure;
+pub mod scene;
+pub mod table;
+
+use std::ffi::OsString;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use clap::Parser;
+
+use arguments::{Arguments, Command};
+use console::Console;
+use failure::{Failure, exit};
+
+/// Runs the program on its arguments, the program's own name first; returns the exit code.
+///
+/// `interrupt` asks a run to write a checkpoint and stop.
+pub fn run(
+    arguments: impl IntoIterator<Item = OsString>,
+    console: &mut Console<'_>,
+    interrupt: &Arc<AtomicBool>,
+) -> u8 {
+    let arguments = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            let text = error.render();
+            let shown = if console.color {
+                text.ansi().to_string()
+            } else {
+                text.to_string()
+            };
+            return if error.use_stderr() {
+                console.prose(shown.trim_end());
+                exit::USAGE
+            } else {
+                console.result(shown.trim_end());
+                exit::DONE
+            };
+        }
+    };
+    let json = arguments.command.wants_json();
+    let outcome = match arguments.command {
+        Command::Run(arguments) => commands::run::execute(&arguments, console, interrupt),
+        Command::Check(arguments) => commands::check::execute(&arguments, console),
+        Command::List(arguments) => commands::list::execute(&arguments, console),
+        Command::Describe(arguments) => commands::describe::execute(&arguments, console),
+        Command::Evaluate(arguments) => commands::evaluate::execute(&arguments, console),
+        Command::New(arguments) => commands::new::execute(&arguments, console),
+    };
+    outcome.unwrap_or_else(|failure: Failure| failure.print(console, json))
+}

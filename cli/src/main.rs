@@ -1,2 +1,34 @@
-//! leafwise
-fn main() {}
+//! The `leafwise` program.
+
+use std::io::{self, IsTerminal};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use leafwise_cli::console::Console;
+use leafwise_cli::failure::exit;
+
+fn main() -> ExitCode {
+    let interrupt = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&interrupt);
+    // The first interruption asks for a checkpoint, the second ends the program.
+    let handler = ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(exit::INTERRUPTED.into());
+        }
+    });
+    let is_terminal = io::stderr().is_terminal();
+    let color = is_terminal && std::env::var_os("NO_COLOR").is_none();
+    let (mut out, mut err) = (io::stdout(), io::stderr());
+    let mut console = Console::new(&mut out, &mut err, color, is_terminal);
+    if let Err(error) = handler {
+        console.prose(&format!(
+            "warning: Ctrl-C will not write a checkpoint: {error}"
+        ));
+    }
+    ExitCode::from(leafwise_cli::run(
+        std::env::args_os(),
+        &mut console,
+        &interrupt,
+    ))
+}

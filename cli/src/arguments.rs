@@ -1,0 +1,156 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Exit codes, for the help text.
+const CODES: &str = "Exit codes: 0 done, 1 the run failed, 2 usage, 3 invalid scene, \
+                     5 a check failed, 130 interrupted with a checkpoint written.";
+
+/// Poisson integrators assembled from symplectic realizations and Lagrangian bisections.
+#[derive(Debug, Parser)]
+#[command(name = "leafwise", version, after_help = CODES)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Integrate a scene into a run directory with a report
+    Run(RunArguments),
+    /// Check that the tensor is Poisson and the Casimirs are Casimirs
+    Check(CheckArguments),
+    /// List systems, realizations, dynamics and the Lie algebras a bracket may name
+    List(ListArguments),
+    /// Describe a part, a library system or a Lie algebra
+    Describe(DescribeArguments),
+    /// Evaluate a scene's realization and generating function at a point
+    Evaluate(EvaluateArguments),
+    /// Write a commented scene file to start from
+    New(NewArguments),
+}
+
+impl Command {
+    /// Whether the command was asked for JSON.
+    pub fn wants_json(&self) -> bool {
+        match self {
+            Self::Run(arguments) => arguments.json,
+            Self::Check(arguments) => arguments.json,
+            Self::List(arguments) => arguments.json,
+            Self::Describe(arguments) => arguments.json,
+            Self::Evaluate(arguments) => arguments.json,
+            Self::New(_) => false,
+        }
+    }
+}
+
+/// A scene file and its overrides.
+#[derive(Args, Clone, Debug)]
+pub struct SceneArguments {
+    /// The scene file
+    pub scene: PathBuf,
+    /// Override a value of the scene, as in --set method.epsilon=0.05
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub overrides: Vec<String>,
+}
+
+/// Arguments of `run`.
+#[derive(Args, Clone, Debug)]
+pub struct RunArguments {
+    /// What to run.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// Print what was built: shape, series, operation counts
+    #[arg(long)]
+    pub explain: bool,
+    /// Replace the run that the directory holds
+    #[arg(long)]
+    pub force: bool,
+    /// The run directory [default: runs/ and the scene's name]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Integrate a tensor that violates the Jacobi identity
+    #[arg(long)]
+    pub allow_non_poisson: bool,
+    /// Print nothing but errors
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// Arguments of `check`.
+#[derive(Args, Clone, Debug)]
+pub struct CheckArguments {
+    /// What to check.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What `list` can list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Kind {
+    /// The problem library
+    Systems,
+    /// Geometric approximations
+    Realizations,
+    /// Dynamic approximations
+    Dynamics,
+    /// Linear brackets known by name
+    LieAlgebras,
+}
+
+/// Arguments of `list`.
+#[derive(Args, Clone, Debug)]
+pub struct ListArguments {
+    /// One kind only
+    pub kind: Option<Kind>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `describe`.
+#[derive(Args, Clone, Debug)]
+pub struct DescribeArguments {
+    /// The name, as `leafwise list` prints it
+    pub name: String,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `evaluate`.
+#[derive(Args, Clone, Debug)]
+pub struct EvaluateArguments {
+    /// What to evaluate.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// The state, as comma-separated decimals [default: the scene's initial state]
+    #[arg(long, allow_hyphen_values = true, value_name = "X1,X2,…")]
+    pub x: Option<String>,
+    /// The momentum, as comma-separated decimals [default: zero]
+    #[arg(long, allow_hyphen_values = true, value_name = "P1,P2,…")]
+    pub p: Option<String>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `new`.
+#[derive(Args, Clone, Debug)]
+pub struct NewArguments {
+    /// The file to write [default: scene.toml, or the library system's name]
+    pub file: Option<PathBuf>,
+    /// Start from a system of the problem library
+    #[arg(long, value_name = "ID")]
+    pub library: Option<String>,
+}

@@ -1,0 +1,56 @@
+//! The progress bar.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use leafwise::scene::run::{Progress, Status};
+
+/// Shows a run on the terminal and stops it when asked to.
+pub struct Bar {
+    bar: ProgressBar,
+    interrupt: Arc<AtomicBool>,
+}
+
+impl Bar {
+    /// A bar for `steps` steps, drawn only if `is_shown`.
+    pub fn new(steps: u64, is_shown: bool, interrupt: &Arc<AtomicBool>) -> Self {
+        let target = if is_shown {
+            ProgressDrawTarget::stderr_with_hz(8)
+        } else {
+            ProgressDrawTarget::hidden()
+        };
+        let bar = ProgressBar::with_draw_target(Some(steps), target);
+        let template = "  {bar:30} {percent:>3} %  {human_pos} of {human_len} steps  {msg}  {eta}";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style.progress_chars("━━─"));
+        }
+        // A run that is over at once shows no bar.
+        bar.enable_steady_tick(Duration::from_millis(250));
+        Self {
+            bar,
+            interrupt: Arc::clone(interrupt),
+        }
+    }
+
+    /// Removes the bar.
+    pub fn finish(self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Progress for Bar {
+    fn show(&mut self, status: &Status) {
+        if self.bar.is_hidden() {
+            return;
+        }
+        self.bar.set_position(status.steps);
+        self.bar
+            .set_message(format!("energy {:.1e}", status.energy_drift));
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.interrupt.load(Ordering::Relaxed)
+    }
+}

@@ -1,0 +1,96 @@
+//! `leafwise check`: is the tensor Poisson, are the Casimirs Casimirs?
+
+use leafwise::core::Registry;
+use leafwise::core::diagnostics::{IdentityCheck, Verdict};
+use leafwise::scene::compose::{SceneChecks, compose};
+use leafwise::scene::json::{json_number, json_numbers};
+use serde_json::{Map, Value, json};
+
+use crate::arguments::CheckArguments;
+use crate::console::Console;
+use crate::failure::{Failure, exit};
+use crate::scene::load;
+use crate::table::words;
+
+/// Checks the scene; returns the exit code.
+///
+/// # Errors
+/// [`Failure`] when the scene is not valid.
+pub fn execute(arguments: &CheckArguments, console: &mut Console<'_>) -> Result<u8, Failure> {
+    let document = load(&arguments.scene)?;
+    let composed = compose(&document, &Registry::with_builtin())?;
+    let names = composed.system.variables();
+    let checks = SceneChecks::of(&composed.system, &composed.plan.initial)?;
+    let mut rows = vec![vec![
+        "  Jacobi identity".to_owned(),
+        describe(&checks.jacobi, "triple", names),
+    ]];
+    for casimir in &checks.casimirs {
+        rows.push(vec![
+            format!("  Casimir {}", casimir.name),
+            describe(&casimir.check, "coordinate", names),
+        ]);
+    }
+    if arguments.json {
+        let casimirs: Map<String, Value> = checks
+            .casimirs
+            .iter()
+            .map(|casimir| (casimir.name.clone(), as_json(&casimir.check, names)))
+            .collect();
+        console.json(&json!({
+            "outcome": if checks.pass() { "passed" } else { "violated" },
+            "jacobi": as_json(&checks.jacobi, names),
+            "casimirs": casimirs,
+        }));
+    } else {
+        for line in words(&rows) {
+            console.result(&line);
+        }
+    }
+    if checks.pass() {
+        return Ok(exit::DONE);
+    }
+    if let Some(refusal) = checks.refusal(&document, &composed.system, false) {
+        console.prose("");
+        console.prose(&refusal.render(console.color));
+    }
+    Ok(exit::CHECK_FAILED)
+}
+
+fn worst(check: &IdentityCheck, names: &[String]) -> Vec<String> {
+    check
+        .worst
+        .iter()
+        .map(|index| names[*index].clone())
+        .collect()
+}
+
+fn describe(check: &IdentityCheck, what: &str, names: &[String]) -> String {
+    match check.verdict {
+        Verdict::Proved => "proved: its normal form is zero".to_owned(),
+        Verdict::NumericallyZero => format!(
+            "numerically zero: at most {:.1e} of its terms near the initial state",
+            check.residual
+        ),
+        Verdict::Violated => format!(
+            "violated: {:.3e} of its terms at the worst {what} {}",
+            check.residual,
+            worst(check, names).join(", ")
+        ),
+        Verdict::Undecided => "undecided: it has no finite value near the initial state".to_owned(),
+    }
+}
+
+fn as_json(check: &IdentityCheck, names: &[String]) -> Value {
+    json!({
+        "verdict": match check.verdict {
+            Verdict::Proved => "proved",
+            Verdict::NumericallyZero => "numerically zero",
+            Verdict::Violated => "violated",
+            Verdict::Undecided => "undecided",
+        },
+        "residual": json_number(check.residual),
+        "worst": worst(check, names),
+        "at": json_numbers(&check.at),
+    })
+}

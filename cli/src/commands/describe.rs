@@ -1,0 +1,179 @@
+//! `leafwise describe`: one part, library system or Lie algebra.
+
+use leafwise::core::Registry;
+use leafwise::core::part::PartInfo;
+use leafwise::scene::compose::{LIE_ALGEBRAS, LieAlgebra};
+use leafwise::scene::document::nearest;
+use leafwise::systems::{LibrarySystem, SystemError};
+use serde_json::{Value, json};
+
+use crate::arguments::DescribeArguments;
+use crate::console::Console;
+use crate::failure::{Failure, exit};
+use crate::table::words;
+
+/// Text wider than this is wrapped.
+const WIDTH: usize = 88;
+
+/// Describes what the name stands for; returns the exit code.
+///
+/// # Errors
+/// [`Failure::Usage`] with the nearest name when there is none such.
+pub fn execute(arguments: &DescribeArguments, console: &mut Console<'_>) -> Result<u8, Failure> {
+    let name = arguments.name.as_str();
+    let registry = Registry::with_builtin();
+    let (lines, object) =
+        if let Some(info) = registry.parts().into_iter().find(|info| info.name == name) {
+            (part(info), json!(info))
+        } else if let Some(system) = leafwise::systems::find(name) {
+            system_text(system).map_err(|error| Failure::usage(error.to_string(), "report this"))?
+        } else if let Some(algebra) = LieAlgebra::find(name) {
+            lie_algebra(algebra)
+        } else {
+            return Err(unknown(name, &registry));
+        };
+    if arguments.json {
+        console.json(&object);
+    } else {
+        lines.iter().for_each(|line| console.result(line));
+    }
+    Ok(exit::DONE)
+}
+
+fn unknown(name: &str, registry: &Registry) -> Failure {
+    let mut known: Vec<&str> = registry.parts().iter().map(|info| info.name).collect();
+    known.extend(leafwise::systems::all().iter().map(|system| system.id));
+    known.extend(LIE_ALGEBRAS.iter().map(|algebra| algebra.name));
+    let help = match nearest(name, known.iter().copied()) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => "`leafwise list` prints every name".to_owned(),
+    };
+    Failure::usage(format!("nothing is called `{name}`"), help)
+}
+
+fn part(info: &PartInfo) -> Vec<String> {
+    let mut lines = vec![
+        format!("{} ({})", info.name, info.kind.noun()),
+        String::new(),
+    ];
+    for (label, text) in [
+        ("what", info.summary),
+        ("declares", info.declares),
+        ("domain", info.domain),
+        ("literature", info.literature),
+    ] {
+        labelled(&mut lines, label, text);
+    }
+    lines.push(String::new());
+    lines.push("  parameters:".to_owned());
+    let rows: Vec<Vec<String>> = info
+        .parameters
+        .iter()
+        .map(|p| {
+            vec![
+                format!("    {}", p.name),
+                format!("{} (default {})", p.summary, p.default),
+            ]
+        })
+        .collect();
+    lines.extend(words(&rows));
+    lines
+}
+
+fn system_text(system: &LibrarySystem) -> Result<(Vec<String>, Value), SystemError> {
+    let (about, defaults) = (system.about()?, system.defaults()?);
+    let dimension = system.dimension()?;
+    let mut lines = vec![
+        format!("{} (library system): {}", system.id, about.title),
+        String::new(),
+    ];
+    labelled(&mut lines, "what", &about.summary);
+    labelled(&mut lines, "dimension", &dimension.to_string());
+    labelled(&mut lines, "orbit", &about.orbit);
+    labelled(&mut lines, "literature", &about.reference.to_string());
+    lines.push(String::new());
+    let table = system.text.split("[system]").nth(1).unwrap_or_default();
+    let table = table.split("[default]").next().unwrap_or_default();
+    lines.push("  [system]".to_owned());
+    lines.extend(
+        table
+            .trim()
+            .lines()
+            .map(|line| format!("  {line}").trim_end().to_owned()),
+    );
+    lines.push(String::new());
+    lines.push(format!(
+        "  `leafwise new --library {}` writes a scene of it, with steps of {}.",
+        system.id, defaults.time_step
+    ));
+    let object = json!({
+        "name": system.id, "kind": "system", "title": about.title, "summary": about.summary,
+        "dimension": dimension, "orbit": about.orbit, "literature": about.reference.to_string(),
+        "time_step": defaults.time_step, "system": table.trim(),
+    });
+    Ok((lines, object))
+}
+
+fn lie_algebra(algebra: &LieAlgebra) -> (Vec<String>, Value) {
+    let coordinate = |k: usize| algebra.coordinates[k];
+    let entries: Vec<(String, String)> = algebra
+        .bracket
+        .iter()
+        .map(|(i, j, terms)| {
+            let sum: Vec<String> = terms
+                .iter()
+                .map(|(coefficient, k)| match coefficient {
+                    1 => coordinate(*k).to_owned(),
+                    -1 => format!("-{}", coordinate(*k)),
+                    _ => format!("{coefficient}*{}", coordinate(*k)),
+                })
+                .collect();
+            (
+                format!("{},{}", coordinate(*i), coordinate(*j)),
+                sum.join(" + "),
+            )
+        })
+        .collect();
+    let mut lines = vec![
+        format!("{} (Lie algebra): {}", algebra.name, algebra.summary),
+        String::new(),
+        format!("  variables = {:?}", algebra.coordinates),
+        format!(
+            "  bracket   = {{ lie-algebra = \"{}\" }}    which is",
+            algebra.name
+        ),
+        String::new(),
+    ];
+    lines.extend(
+        entries
+            .iter()
+            .map(|(pair, value)| format!("  {{{pair}}} = {value}")),
+    );
+    let bracket: serde_json::Map<String, Value> = entries
+        .into_iter()
+        .map(|(pair, value)| (pair, Value::from(value)))
+        .collect();
+    let object = json!({
+        "name": algebra.name, "kind": "lie-algebra", "summary": algebra.summary,
+        "variables": algebra.coordinates, "bracket": bracket,
+    });
+    (lines, object)
+}
+
+/// A label with its text beside it, wrapped.
+fn labelled(lines: &mut Vec<String>, label: &str, text: &str) {
+    let mut line = format!("  {label:<12}");
+    let mut is_empty = true;
+    for word in text.split_whitespace() {
+        if !is_empty && line.chars().count() + 1 + word.chars().count() > WIDTH {
+            lines.push(std::mem::replace(&mut line, " ".repeat(14)));
+            is_empty = true;
+        }
+        if !is_empty {
+            line.push(' ');
+        }
+        line.push_str(word);
+        is_empty = false;
+    }
+    lines.push(line);
+}

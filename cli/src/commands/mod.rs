@@ -1,0 +1,9 @@
+//! One module for each command.
+
+pub mod check;
+pub mod describe;
+pub mod evaluate;
+pub mod explain;
+pub mod list;
+pub mod new;
+pub mod run;

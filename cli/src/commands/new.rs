@@ -1,0 +1,88 @@
+//! `leafwise new`: a commented scene file.
+
+use std::fs::OpenOptions;
+use std::io::Write;
+use std::path::PathBuf;
+
+use crate::arguments::NewArguments;
+use crate::console::Console;
+use crate::failure::{Failure, exit};
+
+/// The scene that is written when no library system is asked for.
+const TEMPLATE: &str = include_str!("new_scene.toml");
+
+/// Writes the file; returns the exit code.
+///
+/// # Errors
+/// [`Failure::Usage`] when the file exists or the library has no such system.
+pub fn execute(arguments: &NewArguments, console: &mut Console<'_>) -> Result<u8, Failure> {
+    let text = match &arguments.library {
+        None => TEMPLATE.to_owned(),
+        Some(id) => library_scene(id)?,
+    };
+    let default = arguments.library.as_ref().map_or_else(
+        || "scene.toml".to_owned(),
+        |id| format!("{}.toml", id.replace('-', "_")),
+    );
+    let mut file = arguments
+        .file
+        .clone()
+        .unwrap_or_else(|| PathBuf::from(default));
+    if file.extension().is_none() {
+        file.set_extension("toml");
+    }
+    let written = OpenOptions::new()
+        .write(true)
+        .create_new(true)
+        .open(&file)
+        .and_then(|mut open| open.write_all(text.as_bytes()));
+    match written {
+        Ok(()) => {
+            console.prose(&format!(
+                "wrote {0}; `leafwise run {0}` integrates it",
+                file.display()
+            ));
+            Ok(exit::DONE)
+        }
+        Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => Err(Failure::usage(
+            format!("{} exists and is left as it is", file.display()),
+            "name another file: leafwise new NAME",
+        )),
+        Err(source) => Err(Failure::File {
+            action: "write",
+            file,
+            source,
+        }),
+    }
+}
+
+fn library_scene(id: &str) -> Result<String, Failure> {
+    let Some(system) = leafwise::systems::find(id) else {
+        let help = match leafwise::systems::nearest(id) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "`leafwise list systems` prints every name".to_owned(),
+        };
+        return Err(Failure::usage(
+            format!("the library has no system `{id}`"),
+            help,
+        ));
+    };
+    let malformed =
+        |error: leafwise::systems::SystemError| Failure::usage(error.to_string(), "report this");
+    let about = system.about().map_err(malformed)?;
+    let defaults = system.defaults().map_err(malformed)?;
+    Ok(format!(
+        "# {title}\n# {reference}\n# `leafwise describe {id}` shows its tensor, Hamiltonian and \
+         Casimirs.\n\n[system]\nlibrary = \"{id}\"\n# parameters = {{ … }}   replaces the \
+         library's values, by name\n\n[method]\n# The geometry, as a series in epsilon cut at \
+         this order.\nrealization = {{ name = \"karasev-truncated\", order = 4 }}\n# The \
+         dynamics, of even order.\ndynamics    = {{ name = \"hamilton-jacobi\", order = 4 }}\n# \
+         One step advances time by this much.\ntime-step   = {time_step}\n\n[run]\ninitial = \
+         {initial}\nsteps   = 1000\n# What is written down, every how many steps; the largest \
+         drifts are taken over every step.\nrecord  = {{ every = 1 }}\n",
+        title = about.title,
+        reference = about.reference,
+        time_step = defaults.time_step,
+        initial = defaults.initial,
+    ))
+}

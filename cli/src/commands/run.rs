@@ -1,0 +1,243 @@
+//! `leafwise run`: a scene into a run directory.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use leafwise::core::Registry;
+use leafwise::scene::compose::{ComposedRun, compose};
+use leafwise::scene::json::{json_number, json_numbers};
+use leafwise::scene::run::{
+    Failure as StepFailure, RunOptions, RunOutcome, RunReport, default_directory, run,
+};
+use serde_json::{Map, Value, json};
+
+use super::explain::explain;
+use crate::arguments::RunArguments;
+use crate::bar::Bar;
+use crate::console::Console;
+use crate::failure::{Failure, exit};
+use crate::scene::load;
+use crate::table::{duration, grouped, numbers};
+
+/// Coordinates of a state that a message shows.
+const SHOWN_COORDINATES: usize = 12;
+
+/// Integrates the scene; returns the exit code.
+///
+/// # Errors
+/// [`Failure`] when the run cannot be started or written.
+pub fn execute(
+    arguments: &RunArguments,
+    console: &mut Console<'_>,
+    interrupt: &Arc<AtomicBool>,
+) -> Result<u8, Failure> {
+    let start = Instant::now();
+    let document = load(&arguments.scene)?;
+    let composed = compose(&document, &Registry::with_builtin())?;
+    if arguments.explain {
+        for line in explain(&composed, start)? {
+            console.prose(&line);
+        }
+        console.prose("");
+    }
+    let options = RunOptions {
+        directory: arguments
+            .out
+            .clone()
+            .unwrap_or_else(|| default_directory(&document)),
+        force: arguments.force,
+        allow_non_poisson: arguments.allow_non_poisson,
+        command: command(arguments),
+    };
+    let is_shown = console.is_terminal && !arguments.quiet;
+    let mut bar = Bar::new(composed.plan.steps, is_shown, interrupt);
+    let report = run(&document, &composed, &options, &mut bar);
+    bar.finish();
+    let report = report?;
+    if !arguments.quiet {
+        for line in summary(&composed, &report, console) {
+            console.prose(&line);
+        }
+    }
+    if let RunOutcome::Failed(failure) = &report.outcome {
+        for line in failure_lines(&composed, failure, &report, console) {
+            console.prose(&line);
+        }
+    }
+    if arguments.json {
+        console.json(&report_json(&report));
+    }
+    Ok(match report.outcome {
+        RunOutcome::Done => exit::DONE,
+        RunOutcome::Interrupted => exit::INTERRUPTED,
+        RunOutcome::Failed(_) => exit::RUN_FAILED,
+    })
+}
+
+/// The command that repeats the run of the scene as stored, overrides already in it.
+fn command(arguments: &RunArguments) -> String {
+    let file = arguments
+        .scene
+        .scene
+        .file_name()
+        .map(|name| name.to_string_lossy().into_owned());
+    let mut command = format!("leafwise run {}", file.unwrap_or_default());
+    if arguments.allow_non_poisson {
+        command.push_str(" --allow-non-poisson");
+    }
+    command
+}
+
+fn summary(composed: &ComposedRun, report: &RunReport, console: &Console<'_>) -> Vec<String> {
+    let method = composed
+        .plan
+        .parts
+        .iter()
+        .map(|part| {
+            let parameters: Vec<String> = part
+                .parameters
+                .iter()
+                .map(|(name, value)| format!("{name} {value}"))
+                .collect();
+            format!("{} {}", part.name, parameters.join(" "))
+        })
+        .collect::<Vec<_>>()
+        .join(" + ");
+    let word = match report.outcome {
+        RunOutcome::Done => "done",
+        RunOutcome::Interrupted => "interrupted",
+        RunOutcome::Failed(_) => "failed",
+    };
+    let mut lines = vec![format!(
+        "{}: {} steps to t = {} with {method}",
+        console.bold(word),
+        grouped(report.steps),
+        short(report.time)
+    )];
+    if let Some(step) = report.resumed_at {
+        lines.push(format!("resumed at step {}", grouped(step)));
+    }
+    lines.push(String::new());
+    let mut rows = vec![vec![
+        String::new(),
+        "initial".to_owned(),
+        "largest drift".to_owned(),
+        "relative".to_owned(),
+    ]];
+    for invariant in &report.invariants {
+        rows.push(vec![
+            format!("  {}", invariant.name),
+            short(invariant.initial),
+            format!("{:.2e}", invariant.maximum),
+            invariant
+                .relative()
+                .map_or_else(|| "-".to_owned(), |ratio| format!("{ratio:.2e}")),
+        ]);
+    }
+    lines.extend(numbers(&rows));
+    lines.push(String::new());
+    let rate = report.steps as f64 / report.wall_seconds.max(1e-9);
+    lines.push(format!(
+        "  solver   {:.2} evaluations a step, at most {}",
+        report.statistics.evaluations_per_step(),
+        report.statistics.most_evaluations
+    ));
+    lines.push(format!(
+        "  time     {}, {} steps a second",
+        duration(report.wall_seconds),
+        grouped(rate as u64)
+    ));
+    lines.push(format!("  report   {}", report.report().display()));
+    if report.outcome == RunOutcome::Interrupted {
+        lines.push(String::new());
+        lines.push(format!(
+            "stopped at step {} of {}, with a checkpoint: the same command goes on from there",
+            grouped(report.steps),
+            grouped(composed.plan.steps)
+        ));
+    }
+    lines
+}
+
+fn failure_lines(
+    composed: &ComposedRun,
+    failure: &StepFailure,
+    report: &RunReport,
+    console: &Console<'_>,
+) -> Vec<String> {
+    let mut state: Vec<String> = composed
+        .system
+        .variables()
+        .iter()
+        .zip(&failure.state)
+        .take(SHOWN_COORDINATES)
+        .map(|(name, value)| format!("{name} = {value:?}"))
+        .collect();
+    if failure.state.len() > SHOWN_COORDINATES {
+        state.push(format!("… ({} coordinates)", failure.state.len()));
+    }
+    vec![
+        String::new(),
+        format!(
+            "{} step {} failed at t = {}: {}",
+            console.error_word(),
+            failure.step,
+            short(failure.time),
+            failure.message
+        ),
+        format!("  state before it: {}", state.join(", ")),
+        format!("  = help: {}", failure.hint),
+        format!(
+            "  = the {} samples before it are in {}",
+            grouped(report.samples),
+            report.directory.display()
+        ),
+    ]
+}
+
+/// The object of `run --json`.
+fn report_json(report: &RunReport) -> Value {
+    let drift: Map<String, Value> = report
+        .invariants
+        .iter()
+        .map(|invariant| (invariant.name.clone(), json_number(invariant.maximum)))
+        .collect();
+    let mut object = json!({
+        "outcome": match report.outcome {
+            RunOutcome::Done => "done",
+            RunOutcome::Interrupted => "interrupted",
+            RunOutcome::Failed(_) => "failed",
+        },
+        "final_state": json_numbers(&report.final_state),
+        "time": json_number(report.time),
+        "steps": report.steps,
+        "wall_seconds": report.wall_seconds,
+        "drift": drift,
+        "solver": {
+            "evaluations_per_step": report.statistics.evaluations_per_step(),
+            "failures": report.statistics.failures,
+        },
+        "run_directory": report.directory.display().to_string(),
+    });
+    if let RunOutcome::Failed(failure) = &report.outcome {
+        object["error"] = json!({
+            "message": failure.message,
+            "step": failure.step,
+            "time": json_number(failure.time),
+            "state": json_numbers(&failure.state),
+            "hint": failure.hint,
+        });
+    }
+    object
+}
+
+/// A number with up to ten digits.
+fn short(value: f64) -> String {
+    let rounded: f64 = format!("{value:.9e}").parse().unwrap_or(value);
+    if rounded == 0.0 || (1e-4..1e9).contains(&rounded.abs()) {
+        format!("{rounded}")
+    } else {
+        format!("{rounded:e}")
+    }
+}
