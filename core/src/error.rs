@@ -61,6 +61,17 @@ pub enum BuildError {
         /// The distance in sites.
         reach: usize,
     },
+    /// A tensor that is not the same at every interior site of a long lattice.
+    #[error(
+        "the bracket of {first} with {second} does not repeat from site to site; a long lattice is \
+         written with a free index, as in \"x[i],x[i+1]\""
+    )]
+    NotHomogeneous {
+        /// One coordinate of the entry.
+        first: String,
+        /// The other.
+        second: String,
+    },
     /// A scene's formula that does not fit the lattice it is written out on.
     #[error("{message}")]
     Lattice {

@@ -169,7 +169,7 @@ fn a_hamiltonian_that_couples_all_sites_is_refused() {
 fn an_energy_is_summed_over_sites() {
     for periodic in [true, false] {
         let chain = Chain::new(&[50, 50], periodic, "sum(i, x[i]*y[i+1]) - sum(i, y[i]^2)/2 + 3");
-        let mut observables = LatticeObservables::new(&chain, &[]).expect("densities");
+        let mut observables = LatticeObservables::new(&chain, &[], 0..1).expect("densities");
         let state: Vec<f64> = (0..100).map(|c| 1.0 + 0.3 * libm::sin(1.7 * c as f64)).collect();
         let mut value = [0.0];
         observables.evaluate(&state, &mut value);

@@ -48,6 +48,7 @@ pub(super) struct Fields {
 pub struct LatticeMethod {
     geometry: LatticeGeometry,
     proxy: PoissonSystem,
+    proxy_geometry: LatticeGeometry,
     program: Arc<LatticeProgram>,
     fields: Fields,
     realization: Arc<dyn RealizationData>,
@@ -105,6 +106,7 @@ impl LatticeMethod {
         Ok(Self {
             geometry: geometry.clone(),
             proxy: system,
+            proxy_geometry: proxy,
             program: Arc::new(program),
             fields,
             realization,
@@ -120,6 +122,11 @@ impl LatticeMethod {
     /// The system written out on the proxy lattice: what checks and instruments look at.
     pub fn proxy(&self) -> &PoissonSystem {
         &self.proxy
+    }
+
+    /// The proxy lattice.
+    pub fn proxy_geometry(&self) -> &LatticeGeometry {
+        &self.proxy_geometry
     }
 
     /// The geometric approximation, built on the proxy.
@@ -172,7 +179,9 @@ fn proxy_geometry(
             return Ok((geometry.clone(), 0));
         }
         let proxy = geometry.resized(trial);
-        let reach = reach(&source.write_out(&proxy)?, &proxy)?;
+        let system = source.write_out(&proxy)?;
+        check_homogeneous(&system, &proxy)?;
+        let reach = reach(&system, &proxy)?;
         if 2 * reach + 1 < trial {
             break reach;
         }
@@ -189,6 +198,41 @@ fn proxy_geometry(
         return Ok((geometry.clone(), 0));
     }
     Ok((geometry.resized(length), width))
+}
+
+/// Refuses a tensor whose entries change from one interior site to the next: one with a fixed site
+/// such as `x[0],x[5]`, of which a template would make many.
+fn check_homogeneous(system: &PoissonSystem, geometry: &LatticeGeometry) -> Result<(), BuildError> {
+    let offsets = geometry.offsets();
+    let length = geometry.length();
+    let is_interior = |site: usize| geometry.periodic || (2..length - 3).contains(&site);
+    let moved = |coordinate: usize| {
+        let (family, site) = geometry.locate(coordinate);
+        let next = (site + 1) % length;
+        (next < geometry.families[family].1).then(|| offsets[family] + next)
+    };
+    let mut graph = Graph::new();
+    for (&(a, b), entry) in system.tensor() {
+        if !is_interior(geometry.locate(a).1) || !is_interior(geometry.locate(b).1) {
+            continue;
+        }
+        let not_homogeneous = || BuildError::NotHomogeneous {
+            first: geometry.name(a),
+            second: geometry.name(b),
+        };
+        let (Some(c), Some(d)) = (moved(a), moved(b)) else { continue };
+        let here = entry.evaluate_in(&mut graph, &mut |graph, at| {
+            Ok(graph.input(moved(at).unwrap_or(at)))
+        })?;
+        let there = system.tensor().get(&(c.min(d), c.max(d))).ok_or_else(not_homogeneous)?;
+        let there = there.evaluate_in(&mut graph, &mut |graph, at| Ok(graph.input(at)))?;
+        let there = if c < d { there } else { graph.negate(&there) };
+        let difference = graph.subtract(&here, &there);
+        if !graph.is_zero(&difference) {
+            return Err(not_homogeneous());
+        }
+    }
+    Ok(())
 }
 
 /// How far dH and the tensor's rows at the centre of a written-out lattice look.

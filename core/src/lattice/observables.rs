@@ -1,5 +1,7 @@
 //! Sums over sites: energy, Casimirs, and what else a run watches.
 
+use std::ops::Range;
+
 use leafwise_expression::{Expression, Graph, Term};
 
 use super::method::LatticeSource;
@@ -21,7 +23,7 @@ pub struct SiteDensity {
 const REACH: usize = 8;
 
 /// Evaluates sums over sites in O(N), with a compensated sum in the order of the sites.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct LatticeObservables {
     program: LatticeProgram,
     worker: LatticeWorker,
@@ -32,12 +34,16 @@ pub struct LatticeObservables {
 }
 
 impl LatticeObservables {
-    /// Compiles every density of `source`.
+    /// Compiles the densities of `source` whose places lie in `selection`.
     ///
     /// # Errors
     /// [`BuildError::NotLocal`] when a density reaches further than 8 sites, and those of
     /// [`LatticeSource::densities`].
-    pub fn new(source: &dyn LatticeSource, parameters: &[f64]) -> Result<Self, BuildError> {
+    pub fn new(
+        source: &dyn LatticeSource,
+        parameters: &[f64],
+        selection: Range<usize>,
+    ) -> Result<Self, BuildError> {
         let geometry = source.geometry();
         let shorter =
             geometry.families.iter().map(|f| geometry.length() - f.1).max().unwrap_or(0);
@@ -53,7 +59,9 @@ impl LatticeObservables {
         let mut columns: Vec<Vec<Term>> = Vec::new();
         let mut constants = Vec::new();
         for site in 0..proxy.length() {
-            let densities = source.densities(&proxy, site)?;
+            let mut densities = source.densities(&proxy, site)?;
+            densities.truncate(selection.end);
+            densities.drain(..selection.start.min(densities.len()));
             columns.resize(densities.len(), Vec::new());
             if site == 0 {
                 constants = densities.iter().map(|d| d.constant.evaluate(&[], parameters)).collect();

@@ -7,6 +7,7 @@
 //! - `initial`: the initial state;
 //! - `observables`: what a run watches and what it records;
 //! - `parts`: realization and dynamic approximation by name;
+//! - `lattice`, `stepping`: families too long to be written out;
 //! - `run`: [`compose`], all of it as a [`ComposedRun`];
 //! - `checks`: the Jacobi identity and the Casimirs;
 //! - `shape`: constant, linear, log-canonical, polynomial, general.
@@ -14,12 +15,14 @@
 mod checks;
 mod initial;
 mod instantiate;
+mod lattice;
 mod lie_algebra;
 mod names;
 mod observables;
 mod parts;
 mod run;
 mod shape;
+mod stepping;
 mod system;
 mod tensor;
 #[cfg(test)]
@@ -31,6 +34,7 @@ pub use lie_algebra::{LIE_ALGEBRAS, LieAlgebra, StructureEntry};
 pub use observables::Observable;
 pub use parts::PartChoice;
 pub use run::{ComposedRun, RunPlan, compose};
+pub use stepping::{LatticeStepping, Stepping};
 pub use shape::{TensorShape, tensor_shape};
 pub use system::{ComposedSystem, DENSE_LIMIT, compose_system};
 

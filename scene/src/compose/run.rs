@@ -1,10 +1,13 @@
 //! All of a scene, ready to step.
 
-use leafwise_core::{BuildError, Method, PoissonSystem, Registry};
+use leafwise_core::lattice::{LatticeMethod, LatticeObservables};
+use leafwise_core::{BuildError, Method, PartParameters, PoissonSystem, Registry};
 
 use super::Refusal;
+use super::lattice::{SceneLattice, shortened};
 use super::observables::Observable;
-use super::parts::{PartChoice, parts};
+use super::parts::{PartChoice, Parts, parts};
+use super::stepping::{LatticeStepping, Stepping};
 use super::system::compose_system;
 use crate::document::{PartSpec, SceneDocument};
 
@@ -32,10 +35,12 @@ pub struct RunPlan {
 /// A scene with its system and method built.
 #[derive(Clone, Debug)]
 pub struct ComposedRun {
-    /// (M, π, H).
+    /// (M, π, H); for a long lattice, its system on the short one that its templates come from.
     pub system: PoissonSystem,
+    /// A state of `system` near the initial one.
+    pub near: Vec<f64>,
     /// The integrator.
-    pub method: Method,
+    pub method: Stepping,
     /// From where, how far, what to keep.
     pub plan: RunPlan,
 }
@@ -45,10 +50,22 @@ pub struct ComposedRun {
 /// # Errors
 /// The first thing wrong, underlined in the scene.
 pub fn compose(document: &SceneDocument, registry: &Registry) -> Result<ComposedRun, Refusal> {
-    let composed = compose_system(document)?;
+    let mut composed = compose_system(document)?;
     let parts = parts(document, &composed.system, registry)?;
-    let method = Method::compose(&composed.system, parts.realization, parts.dynamics)
-        .map_err(|error| method_refusal(document, &error))?;
+    let choices = parts.choices.clone();
+    let method = match SceneLattice::of(document)? {
+        None => Method::compose(&composed.system, parts.realization, parts.dynamics)
+            .map(|method| Stepping::Written(Box::new(method))),
+        Some(lattice) => compose_lattice(&lattice, &composed.system, parts, registry)
+            .map(|stepping| Stepping::Lattice(Box::new(stepping))),
+    };
+    let method = method.map_err(|error| method_refusal(document, &error))?;
+    if let Stepping::Lattice(lattice) = &method {
+        composed.system = lattice.method.proxy().clone();
+        let geometry = lattice.method.geometry();
+        let short = lattice.method.proxy_geometry();
+        composed.near = shortened(&composed.initial, geometry, short);
+    }
     let step = &document.method.step;
     let plan = RunPlan {
         epsilon: step.epsilon(),
@@ -57,7 +74,7 @@ pub fn compose(document: &SceneDocument, registry: &Registry) -> Result<Composed
         every: document.run.record.every,
         initial: composed.initial,
         observables: composed.observables,
-        parts: parts.choices,
+        parts: choices,
         families: document
             .system
             .families
@@ -67,9 +84,53 @@ pub fn compose(document: &SceneDocument, registry: &Registry) -> Result<Composed
     };
     Ok(ComposedRun {
         system: composed.system,
+        near: composed.near,
         method,
         plan,
     })
+}
+
+/// The method over a long lattice: the chosen parts again, on the proxy their order asks for.
+fn compose_lattice(
+    lattice: &SceneLattice<'_>,
+    trial: &PoissonSystem,
+    parts: Parts,
+    registry: &Registry,
+) -> Result<LatticeStepping, BuildError> {
+    let chosen = &parts.choices[0];
+    let given = chosen
+        .parameters
+        .iter()
+        .fold(PartParameters::new(), |given, (name, value)| given.with(*name, *value));
+    let method = LatticeMethod::compose(
+        lattice,
+        &|system| registry.realization(chosen.name)?.build(system, &given),
+        parts.dynamics,
+    )?;
+    let values = trial.parameter_values();
+    let invariants = trial.casimirs().len() + 1;
+    Ok(LatticeStepping {
+        invariants: LatticeObservables::new(lattice, &values, 0..invariants)?,
+        formulas: LatticeObservables::new(lattice, &values, invariants..usize::MAX)?,
+        method,
+    })
+}
+
+impl ComposedRun {
+    /// The dimension of the state, that of a long lattice at its true length.
+    pub fn dimension(&self) -> usize {
+        self.method.map().dimension()
+    }
+
+    /// The coordinates' names.
+    pub fn names(&self) -> Vec<String> {
+        match self.method.lattice() {
+            None => self.system.variables().to_vec(),
+            Some(geometry) => {
+                (0..geometry.dimension()).map(|coordinate| geometry.name(coordinate)).collect()
+            }
+        }
+    }
 }
 
 /// Parts that do not fit each other or the system.

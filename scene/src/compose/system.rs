@@ -1,15 +1,17 @@
 //! The Poisson system of a scene, with its initial state.
 
 use leafwise_core::PoissonSystem;
+use leafwise_core::lattice::LatticeSource;
 
 use super::Refusal;
 use super::initial::initial_state;
 use super::instantiate::instantiate;
+use super::lattice::{SceneLattice, shortened};
 use super::names::check_names;
 use super::observables::Observable;
 use crate::document::SceneDocument;
 
-/// The largest dimension of a lattice that is written out site by site.
+/// The largest dimension of a lattice that is written out site by site; longer ones are templates.
 pub const DENSE_LIMIT: usize = 24;
 
 /// A scene's system and where it starts.
@@ -21,6 +23,9 @@ pub struct ComposedSystem {
     pub initial: Vec<f64>,
     /// What the run records.
     pub observables: Vec<Observable>,
+    /// A state of `system` near the initial one: `initial` itself, or the same on the short lattice
+    /// that stands for a long one.
+    pub near: Vec<f64>,
 }
 
 /// Reads the formulas of a scene.
@@ -29,36 +34,21 @@ pub struct ComposedSystem {
 /// The first thing wrong, underlined in the scene.
 pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusal> {
     check_names(document)?;
-    let (system, observables) = system_of_families(document)?;
+    if let Some(lattice) = SceneLattice::of(document)? {
+        let (system, geometry, observables) = lattice.trial()?;
+        let initial = initial_state(document)?;
+        let near = shortened(&initial, lattice.geometry(), &geometry);
+        return Ok(ComposedSystem { system, initial, observables, near });
+    }
+    let (system, observables) = written_out(document)?;
     let initial = initial_state(document)?;
-    Ok(ComposedSystem {
-        system,
-        initial,
-        observables,
-    })
+    Ok(ComposedSystem { system, near: initial.clone(), initial, observables })
 }
 
-/// The system with its families written out at their true lengths, as long as that is short.
-fn system_of_families(
-    document: &SceneDocument,
-) -> Result<(PoissonSystem, Vec<Observable>), Refusal> {
-    let system = &document.system;
-    let lengths: Vec<usize> = system
-        .families
-        .iter()
-        .map(|(_, length)| length.value)
-        .collect();
-    if let (Some((name, _)), true) = (system.families.first(), system.dimension() > DENSE_LIMIT) {
-        return Err(Box::new(document.diagnostic(
-            &name.place(),
-            format!(
-                "lattices of more than {DENSE_LIMIT} sites are not integrated yet: this one has {}",
-                system.dimension()
-            ),
-            "this family",
-            Some("shorten it, for example with --set system.families.NAME=16".to_owned()),
-        )));
-    }
+/// The system with its families written out at their true lengths.
+fn written_out(document: &SceneDocument) -> Result<(PoissonSystem, Vec<Observable>), Refusal> {
+    let families = &document.system.families;
+    let lengths: Vec<usize> = families.iter().map(|(_, length)| length.value).collect();
     let mut instantiated = instantiate(document, &lengths)?;
     let observables = std::mem::take(&mut instantiated.observables);
     let system = instantiated.system(document).map_err(|error| {

@@ -3,7 +3,6 @@
 use std::time::{Duration, Instant};
 
 use leafwise_core::{Integrator, SolverStatistics};
-use leafwise_expression::Expression;
 
 use super::checkpoint::Checkpoint;
 use super::directory::RunDirectory;
@@ -50,22 +49,19 @@ impl<'a> Session<'a> {
     /// The first session of a run, or the next one after a checkpoint.
     pub fn new(run: &'a ComposedRun, directory: &'a RunDirectory) -> Result<Self, RunError> {
         let plan = &run.plan;
-        let mut invariants = Functions::invariants(&run.system)?;
-        let mut expressions: Vec<&Expression> = Vec::new();
+        let mut invariants = Functions::invariants(run)?;
+        let formulas = Functions::formulas(run)?;
         let mut columns = Vec::with_capacity(plan.observables.len());
+        let mut formula = 0..;
         for observable in &plan.observables {
             columns.push(match observable {
                 Observable::Invariant { index, .. } => Column::Invariant(*index),
-                Observable::Formula { expression, .. } => {
-                    expressions.push(expression);
-                    Column::Formula(expressions.len() - 1)
-                }
+                Observable::Formula { .. } => Column::Formula(formula.next().unwrap_or(0)),
             });
         }
-        let formulas = Functions::compile(&run.system, &expressions)?;
         let parameters = run.system.parameter_values();
         let mut integrator = Integrator::new(
-            &run.method,
+            run.method.map(),
             &parameters,
             plan.epsilon,
             plan.h,
@@ -126,7 +122,7 @@ impl<'a> Session<'a> {
     /// the last state.
     pub fn drive(&mut self, progress: &mut dyn Progress) -> Result<RunOutcome, RunError> {
         let total = self.run.plan.steps;
-        let stride = (COORDINATES_A_LOOK / self.run.system.dimension().max(1)).max(1);
+        let stride = (COORDINATES_A_LOOK / self.run.dimension().max(1)).max(1);
         let (mut flushed, mut saved) = (Instant::now(), Instant::now());
         let mut failure = self.check_values();
         let outcome = loop {
@@ -297,8 +293,8 @@ pub(super) fn invariant_name(run: &ComposedRun, index: usize) -> &str {
 /// The columns of `samples.csv`.
 fn headings(run: &ComposedRun) -> Vec<String> {
     let mut headings = vec!["t".to_owned()];
-    if run.system.dimension() <= WIDEST_STATE {
-        headings.extend(run.system.variables().iter().cloned());
+    if run.dimension() <= WIDEST_STATE {
+        headings.extend(run.names());
     }
     headings.extend(
         run.plan

@@ -44,7 +44,7 @@ pub fn run(
     options: &RunOptions,
     progress: &mut dyn Progress,
 ) -> Result<RunReport, RunError> {
-    let checks = SceneChecks::of(&composed.system, &composed.plan.initial)?;
+    let checks = SceneChecks::of(&composed.system, &composed.near)?;
     if let Some(refusal) = checks.refusal(document, &composed.system, options.allow_non_poisson) {
         return Err(RunError::Refused(refusal));
     }

@@ -1,44 +1,68 @@
 //! Energy and Casimirs at every step, and their deviations' maxima over windows.
 
-use leafwise_core::{BuildError, PoissonSystem};
-use leafwise_expression::{Expression, Kernel, Workspace};
+use leafwise_core::system::SystemObservables;
+use leafwise_core::{BuildError, Observe};
+use leafwise_expression::Expression;
+
+use crate::compose::{ComposedRun, Observable, Stepping};
 
 /// The most windows that are kept; one more and neighbours are merged.
 const MOST_WINDOWS: usize = 2048;
 
-/// A compiled list of functions of the state.
+/// A compiled list of functions of the state, with their last values.
 pub(super) struct Functions {
-    kernel: Kernel,
-    workspace: Workspace,
+    observer: Box<dyn Observe>,
     values: Vec<f64>,
 }
 
 impl Functions {
-    /// Compiles `formulas` at the system's parameters.
-    pub fn compile(system: &PoissonSystem, formulas: &[&Expression]) -> Result<Self, BuildError> {
-        let kernel = system.observable_kernel(formulas)?;
-        let mut workspace = kernel.workspace(1);
-        kernel.prepare(&mut workspace, &system.parameter_values(), &[0.0], &[0.0]);
-        Ok(Self {
-            kernel,
-            workspace,
-            values: vec![0.0; formulas.len()],
-        })
+    fn new(observer: impl Observe + 'static) -> Self {
+        let values = vec![0.0; observer.observables()];
+        Self { observer: Box::new(observer), values }
     }
 
     /// Energy, then each Casimir.
-    pub fn invariants(system: &PoissonSystem) -> Result<Self, BuildError> {
-        let formulas: Vec<&Expression> = std::iter::once(system.hamiltonian())
-            .chain(system.casimirs().iter().map(|casimir| &casimir.expression))
-            .collect();
-        Self::compile(system, &formulas)
+    pub fn invariants(run: &ComposedRun) -> Result<Self, BuildError> {
+        match &run.method {
+            Stepping::Lattice(lattice) => Ok(Self::new(lattice.invariants.clone())),
+            Stepping::Written(_) => {
+                let system = &run.system;
+                let casimirs = system.casimirs().iter().map(|casimir| &casimir.expression);
+                let formulas: Vec<_> =
+                    std::iter::once(system.hamiltonian()).chain(casimirs).collect();
+                Self::compile(run, &formulas)
+            }
+        }
+    }
+
+    /// The formulas of the state that the scene records.
+    pub fn formulas(run: &ComposedRun) -> Result<Self, BuildError> {
+        match &run.method {
+            Stepping::Lattice(lattice) => Ok(Self::new(lattice.formulas.clone())),
+            Stepping::Written(_) => {
+                let formulas: Vec<_> = run
+                    .plan
+                    .observables
+                    .iter()
+                    .filter_map(|observable| match observable {
+                        Observable::Invariant { .. } => None,
+                        Observable::Formula { expression, .. } => Some(expression),
+                    })
+                    .collect();
+                Self::compile(run, &formulas)
+            }
+        }
+    }
+
+    fn compile(run: &ComposedRun, formulas: &[&Expression]) -> Result<Self, BuildError> {
+        let values = run.system.parameter_values();
+        Ok(Self::new(SystemObservables::new(&run.system, formulas, &values)?))
     }
 
     /// The values at a state.
     pub fn at(&mut self, state: &[f64]) -> &[f64] {
         if !self.values.is_empty() {
-            self.kernel
-                .evaluate(&mut self.workspace, state, &mut self.values);
+            self.observer.evaluate(state, &mut self.values);
         }
         &self.values
     }

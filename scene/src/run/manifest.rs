@@ -69,7 +69,6 @@ impl Beginning {
         command: &str,
         started: Option<String>,
     ) -> Self {
-        let newton = run.method.newton();
         let parts: Vec<Value> = run
             .plan
             .parts
@@ -97,6 +96,20 @@ impl Beginning {
                 )
             })
             .collect();
+        let kernels = match run.method.written() {
+            Some(method) => json!({
+                "newton_iteration": operations(method.newton().operations()),
+                "residual": operations(method.newton().residual_operations()),
+                "coefficients": operations(method.newton().coefficient_operations()),
+            }),
+            None => run
+                .method
+                .costs()
+                .into_iter()
+                .map(|(label, cost)| (label.to_owned(), json!(cost)))
+                .collect::<Map<String, Value>>()
+                .into(),
+        };
         let shape: TensorShape = tensor_shape(&run.system);
         let fields = json!({
             "program": "leafwise",
@@ -104,7 +117,7 @@ impl Beginning {
             "command": command,
             "scene": document.name,
             "library": document.fragment.as_ref().map(|(id, _)| id),
-            "dimension": run.system.dimension(),
+            "dimension": run.dimension(),
             "tensor": shape.to_string(),
             "checks": { "jacobi": verdict_word(checks.jacobi.verdict), "casimirs": casimirs },
             "parts": parts,
@@ -112,11 +125,7 @@ impl Beginning {
             "declared_order": run.method.declared_order(),
             "epsilon": run.plan.epsilon,
             "h": run.plan.h,
-            "kernels": {
-                "newton_iteration": operations(newton.operations()),
-                "residual": operations(newton.residual_operations()),
-                "coefficients": operations(newton.coefficient_operations()),
-            },
+            "kernels": kernels,
             "started": started.unwrap_or_else(now),
         });
         match fields {

@@ -29,7 +29,7 @@ pub(super) fn report_data(
         .max(1);
     let rows = samples::read(&report.directory, stride).map_err(RunError::io(&report.directory))?;
     let times: Vec<f64> = rows.iter().map(|row| row[0]).collect();
-    let d = run.system.dimension();
+    let d = run.dimension();
     let width = if d <= WIDEST_STATE { d } else { 0 };
     let column = |at: usize| -> Vec<f64> {
         rows.iter()
@@ -113,13 +113,7 @@ fn outcome(run: &ComposedRun, report: &RunReport) -> Outcome {
             message: failure.message.clone(),
             step: failure.step,
             time: failure.time,
-            state: run
-                .system
-                .variables()
-                .iter()
-                .cloned()
-                .zip(failure.state.iter().copied())
-                .collect(),
+            state: run.names().into_iter().zip(failure.state.iter().copied()).collect(),
             hint: failure.hint.clone(),
         },
     }
@@ -127,9 +121,8 @@ fn outcome(run: &ComposedRun, report: &RunReport) -> Outcome {
 
 fn method_lines(run: &ComposedRun) -> Vec<(String, String)> {
     let method = &run.method;
-    let newton = method.newton();
     let line = |label: &str, text: String| (label.to_owned(), text);
-    vec![
+    let mut lines = vec![
         line("Realization", method.realization().describe()),
         line("Dynamics", method.dynamics().describe()),
         line(
@@ -149,9 +142,9 @@ fn method_lines(run: &ComposedRun) -> Vec<(String, String)> {
             ),
         ),
         line("Tensor", tensor_shape(&run.system).to_string()),
-        line("One Newton iteration", newton.operations().to_string()),
-        line("Residual alone", newton.residual_operations().to_string()),
-    ]
+    ];
+    lines.extend(method.costs().into_iter().map(|(label, cost)| line(label, cost)));
+    lines
 }
 
 fn facts(run: &ComposedRun, report: &RunReport) -> Vec<(String, String)> {
@@ -242,10 +235,10 @@ fn trajectory(
 /// makes it an ellipsoid: C(x) = C(0) + Σ (a_i x_i² + b_i x_i) with a_i of one sign. The form is
 /// read off C at seven points and tested at others.
 fn leaf(run: &ComposedRun) -> Option<Ellipsoid> {
-    if run.system.dimension() != 3 {
+    if run.dimension() != 3 {
         return None;
     }
-    let mut invariants = Functions::invariants(&run.system).ok()?;
+    let mut invariants = Functions::invariants(run).ok()?;
     let start = invariants.at(&run.plan.initial).to_vec();
     (1..start.len()).find_map(|index| {
         let mut casimir = |x: [f64; 3]| invariants.at(&x)[index];

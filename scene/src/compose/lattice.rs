@@ -1,0 +1,137 @@
+//! A scene's families as a lattice of any length.
+
+use leafwise_core::lattice::observables::SiteDensity;
+use leafwise_core::lattice::{LatticeGeometry, LatticeSource};
+use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_expression::syntax::Formula;
+
+use super::Refusal;
+use super::instantiate::instantiate;
+use super::names::{parse, refusal, scope};
+use super::observables::Observable;
+use super::system::DENSE_LIMIT;
+use crate::document::{Boundary, Located, SceneDocument};
+
+/// A scene whose families are too long to be written out.
+pub(super) struct SceneLattice<'a> {
+    document: &'a SceneDocument,
+    geometry: LatticeGeometry,
+}
+
+/// A lattice that every formula of a scene is tried on before anything is built.
+const TRIAL_LENGTH: usize = 9;
+
+impl<'a> SceneLattice<'a> {
+    /// The lattice of a scene with more than [`DENSE_LIMIT`] coordinates in families, `None` for
+    /// one that is written out.
+    ///
+    /// # Errors
+    /// A scene that has single variables beside such families.
+    pub fn of(document: &'a SceneDocument) -> Result<Option<Self>, Refusal> {
+        let system = &document.system;
+        if system.families.is_empty() || system.dimension() <= DENSE_LIMIT {
+            return Ok(None);
+        }
+        if let Some(single) = system.variables.first() {
+            return Err(Box::new(document.diagnostic(
+                &single.place(),
+                format!(
+                    "a lattice of more than {DENSE_LIMIT} coordinates has no single variables \
+                     beside its families"
+                ),
+                "this variable",
+                Some("make it a family, or shorten the lattice".to_owned()),
+            )));
+        }
+        let families = system
+            .families
+            .iter()
+            .map(|(name, length)| (name.value.clone(), length.value))
+            .collect();
+        let boundary = system.boundary.as_ref().map(|boundary| boundary.value);
+        let geometry =
+            LatticeGeometry { families, periodic: boundary != Some(Boundary::Open) };
+        Ok(Some(Self { document, geometry }))
+    }
+
+    /// The system on a short lattice with what the run records, errors underlined in the scene.
+    pub fn trial(&self) -> Result<(PoissonSystem, LatticeGeometry, Vec<Observable>), Refusal> {
+        let geometry = self.geometry.resized(TRIAL_LENGTH.min(self.geometry.length()));
+        let mut written = instantiate(self.document, &lengths(&geometry))?;
+        let observables = std::mem::take(&mut written.observables);
+        let bracket = &self.document.system.bracket;
+        let system = written.system(self.document).map_err(|error| {
+            self.document.diagnostic(&bracket.place(), error.to_string(), "here", None)
+        })?;
+        let scope = scope(self.document, &lengths(&geometry));
+        for formula in self.formulas() {
+            parse(self.document, formula)?
+                .density(&scope, geometry.length() / 2)
+                .map_err(|error| refusal(self.document, formula, &error))?;
+        }
+        Ok((system, geometry, observables))
+    }
+
+    /// What the run watches: the energy, the Casimirs, then formulas of the state.
+    fn formulas(&self) -> Vec<&'a Located<String>> {
+        let system = &self.document.system;
+        let named = |name: &str| {
+            name == "energy" || system.casimirs.iter().any(|(casimir, _)| casimir.value == name)
+        };
+        std::iter::once(&system.hamiltonian)
+            .chain(system.casimirs.iter().map(|(_, formula)| formula))
+            .chain(self.document.run.record.observables.iter().filter(|o| !named(&o.value)))
+            .collect()
+    }
+}
+
+/// The lengths of a lattice's families.
+fn lengths(geometry: &LatticeGeometry) -> Vec<usize> {
+    geometry.families.iter().map(|family| family.1).collect()
+}
+
+/// A state of a shorter lattice that looks like `state` at both ends.
+pub(super) fn shortened(
+    state: &[f64],
+    geometry: &LatticeGeometry,
+    shorter: &LatticeGeometry,
+) -> Vec<f64> {
+    let mut short = Vec::with_capacity(shorter.dimension());
+    let families = shorter.families.iter().zip(&geometry.families).zip(geometry.offsets());
+    for (((_, length), (_, full)), offset) in families {
+        for site in 0..*length {
+            let like = if site <= length / 2 { site } else { full - (length - site) };
+            short.push(state[offset + like]);
+        }
+    }
+    short
+}
+
+impl LatticeSource for SceneLattice<'_> {
+    fn geometry(&self) -> &LatticeGeometry {
+        &self.geometry
+    }
+
+    fn write_out(&self, geometry: &LatticeGeometry) -> Result<PoissonSystem, BuildError> {
+        instantiate(self.document, &lengths(geometry))
+            .map_err(|refusal| BuildError::Lattice { message: refusal.message.clone() })?
+            .system(self.document)
+    }
+
+    fn densities(
+        &self,
+        geometry: &LatticeGeometry,
+        site: usize,
+    ) -> Result<Vec<SiteDensity>, BuildError> {
+        let scope = scope(self.document, &lengths(geometry));
+        self.formulas()
+            .into_iter()
+            .map(|formula| {
+                let density = Formula::parse(&formula.value)
+                    .and_then(|parsed| parsed.density(&scope, site))
+                    .map_err(|error| BuildError::Lattice { message: error.to_string() })?;
+                Ok(SiteDensity { constant: density.constant, site: density.site })
+            })
+            .collect()
+    }
+}
