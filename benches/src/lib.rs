@@ -1,1 +1,48 @@
-//! leafwise-benches
+//! What the benches share: scenes from text, composed.
+
+use leafwise::ProblemLibrary;
+use leafwise::core::{Integrator, Registry};
+use leafwise::scene::{ComposedRun, SceneDocument, compose};
+
+/// A scene of a library system with its default start, Karasev n and Hamilton–Jacobi m.
+pub fn scene(library: &str, initial: &str, n: usize, m: usize, time_step: f64) -> String {
+    format!(
+        "[system]\nlibrary = \"{library}\"\n\
+         [method]\n\
+         realization = {{ name = \"karasev-truncated\", order = {n} }}\n\
+         dynamics = {{ name = \"hamilton-jacobi\", order = {m} }}\n\
+         time-step = {time_step}\n\
+         [run]\ninitial = {initial}\nsteps = 1\n"
+    )
+}
+
+/// The Volterra lattice on a ring of `sites` sites, n = m = 2.
+pub fn lattice_scene(sites: usize) -> String {
+    scene("volterra-lattice", "{ \"x[i]\" = \"1 + 0.1*sin(2*pi*i/N)\" }", 2, 2, 0.1)
+        .replace("\"volterra-lattice\"", &format!("\"volterra-lattice\"\nfamilies = {{ x = {sites} }}"))
+}
+
+/// The rigid body of the paper from (1, 3, 3).
+pub const RIGID_BODY: (&str, &str) = ("rigid-body", "[1, 3, 3]");
+
+/// The heavy top from a generic state.
+pub const HEAVY_TOP: (&str, &str) = ("heavy-top", "[0.5, -0.4, 1.2, 0.6, 0.0, 0.8]");
+
+/// The bounded Lotka–Volterra system of Cohen and Hairer.
+pub const PERIODIC_LOTKA_VOLTERRA: (&str, &str) = ("lotka-volterra-periodic", "[1, 1.9, 0.5]");
+
+/// Composes a scene.
+///
+/// # Panics
+/// When the scene is not valid: a defect of the bench.
+pub fn composed(text: &str) -> ComposedRun {
+    let document = SceneDocument::parse("bench.toml", text, &ProblemLibrary).expect("a scene");
+    compose(&document, &Registry::with_builtin()).expect("a method")
+}
+
+/// An integrator at the scene's initial state.
+pub fn integrator(run: &ComposedRun) -> Integrator {
+    let plan = &run.plan;
+    let parameters = run.system.parameter_values();
+    Integrator::new(run.method.map(), &parameters, plan.epsilon, plan.h, &plan.initial)
+}
