@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use leafwise::core::Integrator;
-use leafwise_benches::{composed, integrator, lattice_scene};
+use leafwise_benches::{composed, lattice_scene};
 
 const SITES: [usize; 4] = [1_000, 10_000, 100_000, 1_000_000];
 
@@ -30,9 +30,9 @@ fn lattice(criterion: &mut Criterion) {
         eprintln!("N = {sites}: built in {:.1} ms", built.as_secs_f64() * 1e3);
         group.throughput(Throughput::Elements(STEPS * sites as u64));
         group.bench_function(format!("N={sites}"), |bencher| {
-            bencher.iter_batched(|| integrator(&run), advance, BatchSize::PerIteration);
+            bencher.iter_batched(|| run.integrator(), advance, BatchSize::PerIteration);
         });
-        let statistics = advance(integrator(&run)).statistics();
+        let statistics = advance(run.integrator()).statistics();
         eprintln!("  {:.2} evaluations a step", statistics.evaluations_per_step());
     }
     group.finish();

@@ -1,11 +1,11 @@
 //! From scene text to the first step: parsing, exact algebra, code, one cold solve.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use leafwise_benches::{HEAVY_TOP, RIGID_BODY, composed, integrator, lattice_scene, scene};
+use leafwise_benches::{HEAVY_TOP, RIGID_BODY, composed, lattice_scene, scene};
 
 fn to_first_step(text: &str) -> f64 {
     let run = composed(text);
-    let mut integrator = integrator(&run);
+    let mut integrator = run.integrator();
     integrator.step().expect("a step");
     integrator.state()[0]
 }

@@ -2,7 +2,7 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use leafwise_benches::{
-    HEAVY_TOP, PERIODIC_LOTKA_VOLTERRA, RIGID_BODY, composed, integrator, scene,
+    HEAVY_TOP, PERIODIC_LOTKA_VOLTERRA, RIGID_BODY, composed, scene,
 };
 
 fn step(criterion: &mut Criterion) {
@@ -16,7 +16,7 @@ fn step(criterion: &mut Criterion) {
         group.sample_size(20);
         for (n, m) in orders {
             let run = composed(&scene(library, initial, n, m, 0.05));
-            let mut integrator = integrator(&run);
+            let mut integrator = run.integrator();
             group.bench_function(format!("n={n} m={m}"), |bencher| {
                 bencher.iter(|| integrator.step().expect("a step"));
             });

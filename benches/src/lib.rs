@@ -1,7 +1,7 @@
 //! What the benches share: scenes from text, composed.
 
 use leafwise::ProblemLibrary;
-use leafwise::core::{Integrator, Registry};
+use leafwise::core::Registry;
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
 
 /// A scene of a library system with its default start, Karasev n and Hamilton–Jacobi m.
@@ -38,11 +38,4 @@ pub const PERIODIC_LOTKA_VOLTERRA: (&str, &str) = ("lotka-volterra-periodic", "[
 pub fn composed(text: &str) -> ComposedRun {
     let document = SceneDocument::parse("bench.toml", text, &ProblemLibrary).expect("a scene");
     compose(&document, &Registry::with_builtin()).expect("a method")
-}
-
-/// An integrator at the scene's initial state.
-pub fn integrator(run: &ComposedRun) -> Integrator {
-    let plan = &run.plan;
-    let parameters = run.system.parameter_values();
-    Integrator::new(run.method.map(), &parameters, plan.epsilon, plan.h, &plan.initial)
 }

@@ -19,3 +19,7 @@ pub use leafwise_scene as scene;
 pub use leafwise_systems as systems;
 
 pub use library::ProblemLibrary;
+
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

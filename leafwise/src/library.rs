@@ -12,13 +12,7 @@ use leafwise_scene::SceneLibrary;
 ///              [run]\ninitial = [1, 3, 3]\nsteps = 10\n";
 /// let document = SceneDocument::parse("body.toml", scene, &ProblemLibrary).expect("a scene");
 /// let run = compose(&document, &Registry::with_builtin()).expect("a run");
-/// let mut integrator = Integrator::new(
-///     &run.method,
-///     &run.system.parameter_values(),
-///     run.plan.epsilon,
-///     run.plan.h,
-///     &run.plan.initial,
-/// );
+/// let mut integrator = run.integrator();
 /// integrator.step().expect("a step");
 /// assert_eq!(integrator.time(), 0.2);
 /// ```

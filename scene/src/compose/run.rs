@@ -1,7 +1,7 @@
 //! All of a scene, ready to step.
 
 use leafwise_core::lattice::{LatticeMethod, LatticeObservables};
-use leafwise_core::{BuildError, Method, PartParameters, PoissonSystem, Registry};
+use leafwise_core::{BuildError, Integrator, Method, PartParameters, PoissonSystem, Registry};
 
 use super::Refusal;
 use super::lattice::{SceneLattice, shortened};
@@ -120,6 +120,13 @@ impl ComposedRun {
     /// The dimension of the state, that of a long lattice at its true length.
     pub fn dimension(&self) -> usize {
         self.method.map().dimension()
+    }
+
+    /// An integrator at the scene's initial state, with its parameters and step sizes.
+    pub fn integrator(&self) -> Integrator {
+        let parameters = self.system.parameter_values();
+        let plan = &self.plan;
+        Integrator::new(self.method.map(), &parameters, plan.epsilon, plan.h, &plan.initial)
     }
 
     /// The coordinates' names.
