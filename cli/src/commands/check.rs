@@ -20,7 +20,7 @@ pub fn execute(arguments: &CheckArguments, console: &mut Console<'_>) -> Result<
     let document = load(&arguments.scene)?;
     let composed = compose(&document, &Registry::with_builtin())?;
     let names = composed.system.variables();
-    let checks = SceneChecks::of(&composed.system, &composed.plan.initial)?;
+    let checks = SceneChecks::of(&composed.system, &composed.near)?;
     let mut rows = vec![vec![
         "  Jacobi identity".to_owned(),
         describe(&checks.jacobi, "triple", names),

@@ -1,6 +1,6 @@
 //! `leafwise evaluate`: the realization and the generating function at a point.
 
-use leafwise::core::{BuildError, Registry};
+use leafwise::core::{BuildError, Method, Registry};
 use leafwise::expression::graph::lift;
 use leafwise::expression::{Arithmetic, Graph, Kernel, StepSize, Term};
 use leafwise::karasev::TruncatedKarasev;
@@ -31,6 +31,15 @@ struct Values {
 pub fn execute(arguments: &EvaluateArguments, console: &mut Console<'_>) -> Result<u8, Failure> {
     let document = load(&arguments.scene)?;
     let run = compose(&document, &Registry::with_builtin())?;
+    let Some(method) = run.method.written() else {
+        return Err(Failure::usage(
+            format!(
+                "a lattice of {} coordinates is not evaluated at a point",
+                run.dimension()
+            ),
+            "shorten it with --set system.families.NAME=8",
+        ));
+    };
     let d = run.system.dimension();
     let x = match &arguments.x {
         Some(text) => numbers(text, "--x", d)?,
@@ -40,7 +49,7 @@ pub fn execute(arguments: &EvaluateArguments, console: &mut Console<'_>) -> Resu
         Some(text) => numbers(text, "--p", d)?,
         None => vec![0.0; d],
     };
-    let values = evaluate(&run, &x, &p)?;
+    let values = evaluate(&run, method, &x, &p)?;
     if arguments.json {
         console.json(&as_json(&values));
     } else {
@@ -111,11 +120,16 @@ impl<'a> Evaluator<'a> {
     }
 }
 
-fn evaluate(run: &ComposedRun, x: &[f64], p: &[f64]) -> Result<Values, BuildError> {
+fn evaluate(
+    run: &ComposedRun,
+    method: &Method,
+    x: &[f64],
+    p: &[f64],
+) -> Result<Values, BuildError> {
     let d = x.len();
     let mut at = Evaluator::new(run, x, p);
     let (epsilon, inputs) = (at.epsilon.clone(), at.inputs.clone());
-    let realization = run.method.realization();
+    let realization = method.realization();
     let (mut alpha, mut beta) = (Vec::new(), Vec::new());
     if let Some(code) = realization.code() {
         let ends = code.source_and_target(&mut at.graph, &epsilon, &inputs)?;
@@ -145,7 +159,7 @@ fn evaluate(run: &ComposedRun, x: &[f64], p: &[f64]) -> Result<Values, BuildErro
         }
     }
     let mut generating = Vec::new();
-    if let Some(function) = run.method.bisection().generating_function() {
+    if let Some(function) = method.bisection().generating_function() {
         let one = at.graph.one();
         let square = at.graph.multiply(&epsilon, &epsilon);
         // S_l at ε is ε^{l−1} times S_l at 1.

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use leafwise::core::{BuildError, Integrator};
+use leafwise::core::{BuildError, Integrator, Method};
 use leafwise::expression::{Graph, Kernel, StepSize, Term};
 use leafwise::scene::compose::{ComposedRun, tensor_shape};
 
@@ -14,64 +14,40 @@ use crate::table::{duration, words};
 /// [`BuildError`] where a formula has no code.
 pub fn explain(run: &ComposedRun, start: Instant) -> Result<Vec<String>, BuildError> {
     let plan = &run.plan;
-    let method = &run.method;
     let parameters = run.system.parameter_values();
-    let mut integrator = Integrator::new(method, &parameters, plan.epsilon, plan.h, &plan.initial);
+    let map = run.method.map();
+    let mut integrator = Integrator::new(map, &parameters, plan.epsilon, plan.h, &plan.initial);
     let first_step = match integrator.step() {
         Ok(()) => duration(start.elapsed().as_secs_f64()),
         Err(error) => format!("the first step fails: {error}"),
     };
-    let mut rows: Vec<(String, String)> = Vec::new();
-    let mut line = |label: &str, text: String| rows.push((label.to_owned(), text));
-    line("dimension", run.system.dimension().to_string());
-    line("tensor", tensor_shape(&run.system).to_string());
-    line("realization", method.realization().describe());
-    line("dynamics", method.dynamics().describe());
-    line(
-        "declared order",
-        format!("{} in t = epsilon*h", method.declared_order()),
-    );
-    if let Some(generating) = method.bisection().generating_function() {
-        for (at, (s, gradient)) in generating
-            .coefficients
-            .iter()
-            .zip(&generating.gradients)
-            .enumerate()
-        {
-            let of_gradient: usize = gradient
-                .iter()
-                .map(|component| component.terms().len())
-                .sum();
-            line(
-                &format!("S_{}", 2 * at + 1),
-                format!("{} monomials, its gradient {of_gradient}", s.terms().len()),
-            );
-        }
+    let mut rows = vec![
+        ("Dimension".to_owned(), run.dimension().to_string()),
+        ("Tensor".to_owned(), tensor_shape(&run.system).to_string()),
+        (
+            "Realization".to_owned(),
+            run.method.realization().describe(),
+        ),
+        ("Dynamics".to_owned(), run.method.dynamics().describe()),
+        (
+            "Declared order".to_owned(),
+            format!("{} in t = εh", run.method.declared_order()),
+        ),
+    ];
+    match run.method.written() {
+        Some(method) => rows.extend(series(run, method)?),
+        None => rows.push((
+            "Templates".to_owned(),
+            format!("from a lattice of {} coordinates", run.system.dimension()),
+        )),
     }
-    if let Some(kernel) = one_form_kernel(run)? {
-        line(
-            "step kernel: all of dS",
-            kernel.step_operations().to_string(),
-        );
-        line(
-            "coefficients of dS",
-            kernel.coefficient_operations().to_string(),
-        );
-    }
-    let newton = method.newton();
-    line(
-        "step kernel: residual",
-        newton.residual_operations().to_string(),
+    rows.extend(
+        run.method
+            .costs()
+            .into_iter()
+            .map(|(label, cost)| (label.to_owned(), cost)),
     );
-    line(
-        "step kernel: Newton iteration",
-        newton.operations().to_string(),
-    );
-    line(
-        "coefficient kernel",
-        newton.coefficient_operations().to_string(),
-    );
-    line("scene text to first step", first_step);
+    rows.push(("Scene text to first step".to_owned(), first_step));
     let rows: Vec<Vec<String>> = rows
         .into_iter()
         .map(|(label, text)| vec![format!("  {label}"), text])
@@ -79,9 +55,36 @@ pub fn explain(run: &ComposedRun, start: Instant) -> Result<Vec<String>, BuildEr
     Ok(words(&rows))
 }
 
+/// Lines about S_1, S_3, … and the kernel of dS.
+fn series(run: &ComposedRun, method: &Method) -> Result<Vec<(String, String)>, BuildError> {
+    let mut rows = Vec::new();
+    if let Some(generating) = method.bisection().generating_function() {
+        let terms = generating.coefficients.iter().zip(&generating.gradients);
+        for (at, (s, gradient)) in terms.enumerate() {
+            let of_gradient: usize = gradient
+                .iter()
+                .map(|component| component.terms().len())
+                .sum();
+            rows.push((
+                format!("S_{}", 2 * at + 1),
+                format!("{} monomials, dS {of_gradient}", s.terms().len()),
+            ));
+        }
+    }
+    if let Some(kernel) = one_form_kernel(run, method)? {
+        rows.push((
+            "Step kernel of dS".to_owned(),
+            kernel.step_operations().to_string(),
+        ));
+        let coefficients = kernel.coefficient_operations().to_string();
+        rows.push(("Its coefficients, once".to_owned(), coefficients));
+    }
+    Ok(rows)
+}
+
 /// y ↦ dŜ(y) alone.
-fn one_form_kernel(run: &ComposedRun) -> Result<Option<Kernel>, BuildError> {
-    let Some(code) = run.method.bisection().code() else {
+fn one_form_kernel(run: &ComposedRun, method: &Method) -> Result<Option<Kernel>, BuildError> {
+    let Some(code) = method.bisection().code() else {
         return Ok(None);
     };
     let d = run.system.dimension();

@@ -167,8 +167,7 @@ fn failure_lines(
     console: &Console<'_>,
 ) -> Vec<String> {
     let mut state: Vec<String> = composed
-        .system
-        .variables()
+        .names()
         .iter()
         .zip(&failure.state)
         .take(SHOWN_COORDINATES)

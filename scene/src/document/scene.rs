@@ -148,7 +148,8 @@ fn without_consequences(problems: Vec<SceneProblem>) -> Vec<SceneProblem> {
         .collect();
     let is_consequence = |problem: &SceneProblem| match &problem.cause {
         SceneProblemCause::MissingKey { table, key, .. } => {
-            misspelled.iter().any(|(t, k)| t == table && k == key)
+            let stands_for = |k: &str| k == key || (k == "time-step" && key == "epsilon");
+            misspelled.iter().any(|(t, k)| t == table && stands_for(k))
         }
         _ => false,
     };

@@ -1,0 +1,99 @@
+//! A run that leaves a domain: exit code 1, the step, the state, what to try, and everything
+//! recorded before it on disk.
+
+use crate::support::{BODY, Place};
+
+/// Runs a scene that must fail, and returns the object it prints.
+fn fails(scene: &str, pieces: &[&str]) -> (Place, serde_json::Value) {
+    let here = Place::with(scene);
+    let said = here.leafwise(&["run", "scene.toml", "--json"]);
+    assert_eq!(said.code, Some(1), "{}{}", said.out, said.err);
+    said.says(&["failed at t =", "state before it:", "= help:", "runs/scene"]);
+    said.says(pieces);
+    let json = said.json();
+    assert_eq!(json["outcome"], "failed");
+    let (steps, failed) = (json["steps"].as_u64(), json["error"]["step"].as_u64());
+    assert_eq!(failed, steps.map(|steps| steps + 1));
+    // Every sample up to the last good state is there, and the last one is that state.
+    let samples = here.read("runs/scene/samples.csv");
+    let last: Vec<f64> = samples
+        .lines()
+        .last()
+        .expect("a sample")
+        .split(',')
+        .map(|cell| cell.parse().expect("a number"))
+        .collect();
+    let state: Vec<f64> = json["error"]["state"]
+        .as_array()
+        .expect("a state")
+        .iter()
+        .map(|value| value.as_f64().expect("a number"))
+        .collect();
+    assert_eq!(last[1..=state.len()], state);
+    let manifest = here.read("runs/scene/manifest.json");
+    assert!(manifest.contains("\"outcome\": \"failed\""));
+    assert!(
+        here.read("runs/scene/report.html")
+            .contains("Failed at step")
+    );
+    (here, json)
+}
+
+/// A particle on a line, {q, p} = -1, in a potential.
+fn particle(potential: &str, initial: &str, step: &str) -> String {
+    format!(
+        "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = \"-1\" }}\n\
+         hamiltonian = \"p^2/2 + {potential}\"\n[method]\nrealization = \"auto\"\n\
+         dynamics = {{ name = \"hamilton-jacobi\", order = 2 }}\ntime-step = {step}\n[run]\n\
+         initial = {initial}\nsteps = 1000\n"
+    )
+}
+
+#[test]
+fn the_logarithm_of_a_negative_number_ends_the_run() {
+    // A constant force toward the pole: q turns negative after about 14 steps.
+    let (_, json) = fails(
+        &particle("q + 1e-9*ln(q)", "[1, 0]", "0.1"),
+        &["energy has no finite value"],
+    );
+    let steps = json["steps"].as_u64().expect("a count");
+    assert!((10..20).contains(&steps), "{steps} steps");
+    let initially = fails(
+        &particle("q + ln(q)", "[-1, 0]", "0.1"),
+        &["at the initial state"],
+    );
+    assert_eq!(initially.1["steps"], 0);
+}
+
+#[test]
+fn a_division_by_zero_ends_the_run() {
+    fails(
+        &particle("1/q", "[0, 1]", "0.1"),
+        &["choose `initial` inside"],
+    );
+}
+
+#[test]
+fn a_step_outside_the_chart_ends_the_run() {
+    let scene = BODY.replace("time-step   = 0.1", "time-step   = 2.0");
+    fails(&scene, &["reduce epsilon*h"]);
+}
+
+#[test]
+fn a_solve_that_does_not_converge_ends_the_run() {
+    // The implicit midpoint rule with a quadratic force: near the blow-up its equation, quadratic
+    // in the midpoint, has no real solution.
+    let (_, json) = fails(
+        &particle("(-q^3)", "[1, 1]", "0.2"),
+        &["no convergence after"],
+    );
+    assert_eq!(json["solver"]["failures"], 1);
+}
+
+#[test]
+fn a_failed_run_is_not_overwritten_by_accident() {
+    let (here, _) = fails(&particle("1/q", "[0, 1]", "0.1"), &[]);
+    let said = here.leafwise(&["run", "scene.toml"]);
+    assert_eq!(said.code, Some(2));
+    said.says(&["has failed", "--force"]);
+}

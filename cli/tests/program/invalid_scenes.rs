@@ -1,0 +1,308 @@
+//! An invalid scene: exit code 3, the column in the file, the nearest valid name, and nothing
+//! written.
+
+use crate::support::{BODY, Place};
+
+/// Runs a changed rigid body, which must be refused at `place` with every piece said.
+fn refused(from: &str, to: &str, place: &str, pieces: &[&str]) {
+    let here = Place::with_body(from, to);
+    let said = here.leafwise(&["run", "scene.toml"]);
+    assert_eq!(said.code, Some(3), "{}", said.err);
+    said.says(&[&format!("scene.toml:{place}")]);
+    said.says(pieces);
+    assert!(said.err.starts_with("error:"), "{}", said.err);
+    assert!(here.is_untouched(), "something was written");
+    let json = here.leafwise(&["run", "scene.toml", "--json"]).json();
+    assert_eq!(json["outcome"], "refused");
+    let problem = &json["error"]["problems"][0];
+    assert_eq!(format!("{}:{}", problem["line"], problem["column"]), place);
+}
+
+#[test]
+fn an_unknown_variable_is_named_with_its_neighbour() {
+    refused(
+        "x1^2/(2*I1)",
+        "x7^2/(2*I1)",
+        "5:16",
+        &["unknown name `x7`", "did you mean `x1`?"],
+    );
+    refused(
+        "\"x2,x3\"",
+        "\"x2,y3\"",
+        "4:38",
+        &["unknown name `y3`", "did you mean `x3`?"],
+    );
+    refused(
+        "\"-x3\"",
+        "\"-z\"",
+        "4:29",
+        &["unknown name `z`", "x1, x2, x3, I1, I2, I3"],
+    );
+}
+
+#[test]
+fn an_unknown_parameter_is_named_with_its_neighbour() {
+    refused(
+        "2*I2",
+        "2*I22",
+        "5:38",
+        &["unknown name `I22`", "did you mean `I2`?"],
+    );
+}
+
+#[test]
+fn an_unknown_function_is_named_with_its_neighbour() {
+    refused(
+        "x1^2/(2*I1)",
+        "sine(x1)",
+        "5:16",
+        &["unknown function `sine`", "did you mean `sin`?"],
+    );
+    refused(
+        "x1^2/(2*I1)",
+        "log(x1)",
+        "5:16",
+        &["unknown function `log`", "did you mean `ln`?"],
+    );
+}
+
+#[test]
+fn a_formula_that_is_none_is_underlined_where_it_breaks() {
+    refused("x1^2/(2*I1) +", "x1^2/(2*I1", "5:27", &[]);
+    refused("x1^2 + x2^2 + x3^2", "x1^2 + * x2", "6:32", &["found `*`"]);
+}
+
+#[test]
+fn an_unknown_method_or_parameter_of_one_is_named_with_its_neighbour() {
+    let pieces = [
+        "no realization is called `karasev-truncate`",
+        "did you mean `karasev-truncated`?",
+    ];
+    refused(
+        "\"karasev-truncated\"",
+        "\"karasev-truncate\"",
+        "8:25",
+        &pieces,
+    );
+    let pieces = [
+        "no dynamic approximation is called `hamilton_jacobi`",
+        "`hamilton-jacobi`?",
+    ];
+    refused(
+        "\"hamilton-jacobi\"",
+        "\"hamilton_jacobi\"",
+        "9:25",
+        &pieces,
+    );
+    refused(
+        "order = 4",
+        "ordr = 4",
+        "8:45",
+        &[
+            "`karasev-truncated` has no parameter `ordr`",
+            "did you mean `order`?",
+        ],
+    );
+    refused(
+        "time-step   = 0.1",
+        "time-stepp   = 0.1",
+        "10:1",
+        &["did you mean `time-step`?"],
+    );
+    let stepper = "time-step   = 0.1\ncomposition = \"suzuki\"";
+    refused(
+        "time-step   = 0.1",
+        stepper,
+        "11:16",
+        &["no composition is called `suzuki`"],
+    );
+}
+
+#[test]
+fn contradictory_entries_are_both_named() {
+    refused(
+        "\"x2,x3\" = \"-x1\"",
+        "\"x2,x1\" = \"-x3\", \"x2,x3\" = \"-x1\"",
+        "4:35",
+        &[
+            "`x1,x2` and `x2,x1` contradict each other",
+            "antisymmetry fills in the other",
+        ],
+    );
+    refused(
+        "\"x2,x3\" = \"-x1\"",
+        "\"x2,x2\" = \"-x1\"",
+        "4:35",
+        &["{x2,x2} is not zero"],
+    );
+}
+
+#[test]
+fn an_initial_state_of_the_wrong_dimension_is_refused() {
+    refused("[1, 3, 3]", "[1, 3]", "12:11", &["2 entries", "expected 3"]);
+    refused(
+        "[1, 3, 3]",
+        "[1, 3, nan]",
+        "12:18",
+        &["must be a finite number"],
+    );
+    refused(
+        "[1, 3, 3]",
+        "{ x1 = 1, x2 = 3 }",
+        "12:11",
+        &["no value for x3"],
+    );
+    let field = "{ x1 = 1, x2 = 3, x3 = \"ln(-1)\" }";
+    refused(
+        "[1, 3, 3]",
+        field,
+        "12:35",
+        &["initial value of x3 is not a number"],
+    );
+}
+
+#[test]
+fn orders_outside_their_range_are_refused_with_what_is_allowed() {
+    refused(
+        "order = 4",
+        "order = 0",
+        "8:53",
+        &["order = 0 is not allowed", "1 to 40"],
+    );
+    refused(
+        "order = 4",
+        "order = -3",
+        "8:53",
+        &["order = -3 is not allowed"],
+    );
+    refused(
+        "order = 4",
+        "order = 2.5",
+        "8:53",
+        &["must be a whole number"],
+    );
+    refused(
+        "order = 2",
+        "order = 0",
+        "9:51",
+        &["order = 0 is not allowed", "at least 2"],
+    );
+    refused(
+        "order = 2",
+        "order = -2",
+        "9:51",
+        &["order = -2 is not allowed"],
+    );
+    refused(
+        "order = 2",
+        "order = 5",
+        "9:51",
+        &["order = 5 is not allowed", "take 4 or 6"],
+    );
+}
+
+#[test]
+fn a_division_by_what_is_identically_zero_is_refused() {
+    refused(
+        "x1^2/(2*I1)",
+        "x1^2/(x2 - x2)",
+        "5:16",
+        &["identically zero"],
+    );
+}
+
+#[test]
+fn an_unknown_observable_is_named_with_its_neighbour() {
+    refused(
+        "[\"energy\", \"spin\"]",
+        "[\"energy\", \"spinn\"]",
+        "14:50",
+        &["did you mean `spin`?"],
+    );
+}
+
+/// se(3)* with one structure constant changed: there every change breaks the Jacobi identity.
+fn broken() -> String {
+    let constants = [
+        ("l1,l2", "-2*l3"),
+        ("l2,l3", "-l1"),
+        ("l3,l1", "-l2"),
+        ("l1,p2", "-p3"),
+        ("l2,p3", "-p1"),
+        ("l3,p1", "-p2"),
+        ("l1,p3", "p2"),
+        ("l2,p1", "p3"),
+        ("l3,p2", "p1"),
+    ];
+    let entries: Vec<String> = constants
+        .iter()
+        .map(|(pair, value)| format!("\"{pair}\" = \"{value}\""))
+        .collect();
+    BODY.replace(
+        "\"x1\", \"x2\", \"x3\"",
+        "\"l1\", \"l2\", \"l3\", \"p1\", \"p2\", \"p3\"",
+    )
+    .replace(
+        "\"x1,x2\" = \"-x3\", \"x2,x3\" = \"-x1\", \"x3,x1\" = \"-x2\"",
+        &entries.join(", "),
+    )
+    .replace(
+        "x1^2/(2*I1) + x2^2/(2*I2) + x3^2/(2*I3)",
+        "l1^2/I1 + p2^2/I2 + p3*l2/I3",
+    )
+    .replace("{ spin = \"x1^2 + x2^2 + x3^2\" }", "{}")
+    .replace("[1, 3, 3]", "[1, 0.5, 0.3, 0.2, 0.7, 0.1]")
+    .replace(", \"spin\"", "")
+}
+
+#[test]
+fn a_tensor_that_violates_jacobi_fails_its_check_and_does_not_run_unless_told() {
+    let here = Place::with(&broken());
+    let said = here.leafwise(&["check", "scene.toml"]);
+    assert_eq!(said.code, Some(5), "{}", said.err);
+    assert!(
+        said.out.contains("Jacobi identity  violated"),
+        "{}",
+        said.out
+    );
+    said.says(&[
+        "scene.toml:4:15",
+        "the Jacobi identity fails for",
+        "--allow-non-poisson",
+    ]);
+    let json = here.leafwise(&["check", "scene.toml", "--json"]).json();
+    assert_eq!(json["outcome"], "violated");
+    assert_eq!(json["jacobi"]["verdict"], "violated");
+    assert_eq!(json["jacobi"]["worst"].as_array().map(Vec::len), Some(3));
+    assert!(
+        json["jacobi"]["residual"]
+            .as_f64()
+            .is_some_and(|residual| residual > 1e-3)
+    );
+
+    let said = here.leafwise(&["run", "scene.toml"]);
+    assert_eq!(said.code, Some(3), "{}", said.err);
+    said.says(&["scene.toml:4:15", "the Jacobi identity fails for"]);
+    assert!(here.is_untouched(), "something was written");
+
+    let said = here.leafwise(&["run", "scene.toml", "--allow-non-poisson"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+}
+
+#[test]
+fn a_casimir_that_is_not_one_is_refused() {
+    refused(
+        "spin = \"x1^2 + x2^2 + x3^2\"",
+        "spin = \"x1^2 + x2^2 + 2*x3^2\"",
+        "6:25",
+        &["`spin` is not a Casimir", "run.record.observables"],
+    );
+    let here = Place::with_body("x2^2 + x3^2\" }", "x2^2 + 2*x3^2\" }");
+    let said = here.leafwise(&["check", "scene.toml"]);
+    assert_eq!(said.code, Some(5), "{}", said.err);
+    assert!(
+        said.out.contains("Casimir spin     violated"),
+        "{}",
+        said.out
+    );
+}

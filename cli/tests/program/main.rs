@@ -1,0 +1,7 @@
+//! The program run as a process: exit codes, messages, files, signals.
+
+mod failing_runs;
+mod invalid_scenes;
+mod other_commands;
+mod runs;
+mod support;

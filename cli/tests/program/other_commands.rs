@@ -1,0 +1,154 @@
+//! `list`, `describe`, `evaluate`, `new`, and how the program treats its own command line.
+
+use crate::support::{BODY, Place};
+
+#[test]
+fn every_listed_name_is_described() {
+    let here = Place::new();
+    let said = here.leafwise(&["list", "--json"]);
+    assert_eq!(said.code, Some(0));
+    let lists = said.json();
+    let mut count = 0;
+    for list in lists.as_object().expect("an object").values() {
+        for entry in list.as_array().expect("a list") {
+            let name = entry["name"].as_str().expect("a name");
+            assert!(
+                !entry["summary"].as_str().expect("a summary").is_empty(),
+                "{name}"
+            );
+            let said = here.leafwise(&["describe", name]);
+            assert_eq!(said.code, Some(0), "{name}");
+            assert!(said.out.starts_with(name), "{}", said.out);
+            assert_eq!(
+                here.leafwise(&["describe", name, "--json"]).json()["name"],
+                name
+            );
+            count += 1;
+        }
+    }
+    assert!(count >= 20, "{count} names");
+    let one = here.leafwise(&["list", "dynamics"]);
+    assert!(
+        one.out.contains("hamilton-jacobi") && !one.out.contains("karasev"),
+        "{}",
+        one.out
+    );
+}
+
+#[test]
+fn an_unknown_name_is_a_usage_error_with_its_neighbour() {
+    let here = Place::new();
+    let said = here.leafwise(&["describe", "karasev-trunkated"]);
+    assert_eq!(said.code, Some(2));
+    said.says(&["did you mean `karasev-truncated`?"]);
+    let said = here.leafwise(&["new", "--library", "rigid-bodi"]);
+    assert_eq!(said.code, Some(2));
+    said.says(&["did you mean `rigid-body`?"]);
+    let said = here.leafwise(&["run", "missing.toml"]);
+    assert_eq!(said.code, Some(2));
+    said.says(&["there is no file missing.toml", "leafwise new"]);
+    assert_eq!(here.leafwise(&["walk"]).code, Some(2));
+    assert_eq!(here.leafwise(&["run"]).code, Some(2));
+    assert_eq!(here.leafwise(&["--help"]).code, Some(0));
+    assert!(here.is_untouched());
+}
+
+#[test]
+fn evaluate_gives_karasevs_coefficients_and_the_hamilton_jacobi_terms() {
+    let scene = BODY
+        .replace("order = 4", "order = 6")
+        .replace("order = 2", "order = 8")
+        .replace("time-step   = 0.1", "epsilon = 0.5\nh = 0.2");
+    let here = Place::with(&scene);
+    let at = [
+        "evaluate",
+        "scene.toml",
+        "--x",
+        "2,3,3",
+        "--p",
+        "1,2,3",
+        "--json",
+    ];
+    let json = here.leafwise(&at).json();
+    let list = |value: &serde_json::Value| -> Vec<f64> {
+        let numbers = value.as_array().expect("a list");
+        numbers
+            .iter()
+            .map(|number| number.as_f64().expect("a number"))
+            .collect()
+    };
+    let coefficients: Vec<Vec<f64>> = json["alpha_coefficients"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(list)
+        .collect();
+    assert_eq!(coefficients.len(), 7);
+    // The series of so(3)* in the weights of the paper: -x cross p / 2, B_2/2! (x cross p) cross p.
+    assert_eq!(coefficients[0], [2.0, 3.0, 3.0]);
+    assert_eq!(coefficients[1], [-1.5, 1.5, -0.5]);
+    let expected = [-11.0 / 12.0, -2.0 / 3.0, 0.75];
+    for (value, expected) in coefficients[2].iter().zip(expected) {
+        assert!((value - expected).abs() <= 1e-14, "{value}");
+    }
+    assert_eq!(coefficients[3], [0.0; 3]);
+    // alpha and beta are the sums at the scene's epsilon, with p and -p.
+    for (name, sign) in [("alpha", 1.0), ("beta", -1.0)] {
+        for (i, value) in list(&json[name]).into_iter().enumerate() {
+            let sum: f64 = (0..7)
+                .map(|k| coefficients[k][i] * (0..k).fold(1.0, |power, _| power * 0.5 * sign))
+                .sum();
+            assert!(
+                (value - sum).abs() <= 4e-15 * sum.abs().max(1.0),
+                "{name}[{i}]"
+            );
+        }
+    }
+    // The scene's epsilon does not enter the coefficients.
+    let other = here
+        .leafwise(&[&at[..], &["--set", "method.epsilon=0.25"]].concat())
+        .json();
+    assert_eq!(other["alpha_coefficients"], json["alpha_coefficients"]);
+
+    let json = here
+        .leafwise(&["evaluate", "scene.toml", "--x", "1,3,3", "--json"])
+        .json();
+    let terms = json["hamilton_jacobi"].as_object().expect("an object");
+    assert_eq!(terms.keys().collect::<Vec<_>>(), ["1", "3", "5", "7"]);
+    // S_7 from three independent derivations, at epsilon = 1/2: times 2^-6.
+    let s7 = terms["7"]["S"].as_f64().expect("a number");
+    let expected = 69_204_901.0 / 265_781_250.0 / 64.0;
+    assert!((s7 / expected - 1.0).abs() <= 1e-13, "{s7}");
+    assert_eq!(terms["7"]["dS"].as_array().map(Vec::len), Some(3));
+}
+
+#[test]
+fn evaluate_refuses_points_of_another_dimension() {
+    let here = Place::with(BODY);
+    let said = here.leafwise(&["evaluate", "scene.toml", "--x", "1,2"]);
+    assert_eq!(said.code, Some(2));
+    said.says(&["--x has 2 numbers"]);
+    let said = here.leafwise(&["evaluate", "scene.toml", "--p", "-1,two,3"]);
+    assert_eq!(said.code, Some(2));
+    said.says(&["`two` is not a decimal number"]);
+}
+
+#[test]
+fn a_new_scene_checks_and_runs_and_is_never_overwritten() {
+    let here = Place::new();
+    assert_eq!(here.leafwise(&["new"]).code, Some(0));
+    assert_eq!(here.leafwise(&["check", "scene.toml"]).code, Some(0));
+    let said = here.leafwise(&["run", "scene.toml", "--set", "run.steps=3"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    here.write("scene.toml", "mine");
+    let said = here.leafwise(&["new"]);
+    assert_eq!(said.code, Some(2));
+    said.says(&["scene.toml exists"]);
+    assert_eq!(here.read("scene.toml"), "mine");
+    for system in ["heavy-top", "lotka-volterra", "toda"] {
+        assert_eq!(here.leafwise(&["new", "--library", system]).code, Some(0));
+        let file = format!("{}.toml", system.replace('-', "_"));
+        let said = here.leafwise(&["run", &file, "--set", "run.steps=3"]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+    }
+}
