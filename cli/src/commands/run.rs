@@ -129,10 +129,8 @@ fn summary(composed: &ComposedRun, report: &RunReport, console: &Console<'_>) ->
         rows.push(vec![
             format!("  {}", invariant.name),
             short(invariant.initial),
-            format!("{:.2e}", invariant.maximum),
-            invariant
-                .relative()
-                .map_or_else(|| "-".to_owned(), |ratio| format!("{ratio:.2e}")),
+            drift(invariant.maximum),
+            invariant.relative().map_or_else(|| "-".to_owned(), drift),
         ]);
     }
     lines.extend(numbers(&rows));
@@ -238,5 +236,14 @@ fn short(value: f64) -> String {
         format!("{rounded}")
     } else {
         format!("{rounded:e}")
+    }
+}
+
+/// A deviation with three digits.
+fn drift(value: f64) -> String {
+    if value == 0.0 {
+        "0".to_owned()
+    } else {
+        format!("{value:.2e}")
     }
 }

@@ -49,19 +49,24 @@ impl<'a> SceneLattice<'a> {
             .map(|(name, length)| (name.value.clone(), length.value))
             .collect();
         let boundary = system.boundary.as_ref().map(|boundary| boundary.value);
-        let geometry =
-            LatticeGeometry { families, periodic: boundary != Some(Boundary::Open) };
+        let geometry = LatticeGeometry {
+            families,
+            periodic: boundary != Some(Boundary::Open),
+        };
         Ok(Some(Self { document, geometry }))
     }
 
     /// The system on a short lattice with what the run records, errors underlined in the scene.
     pub fn trial(&self) -> Result<(PoissonSystem, LatticeGeometry, Vec<Observable>), Refusal> {
-        let geometry = self.geometry.resized(TRIAL_LENGTH.min(self.geometry.length()));
+        let geometry = self
+            .geometry
+            .resized(TRIAL_LENGTH.min(self.geometry.length()));
         let mut written = instantiate(self.document, &lengths(&geometry))?;
         let observables = std::mem::take(&mut written.observables);
         let bracket = &self.document.system.bracket;
         let system = written.system(self.document).map_err(|error| {
-            self.document.diagnostic(&bracket.place(), error.to_string(), "here", None)
+            self.document
+                .diagnostic(&bracket.place(), error.to_string(), "here", None)
         })?;
         let scope = scope(self.document, &lengths(&geometry));
         for formula in self.formulas() {
@@ -76,11 +81,22 @@ impl<'a> SceneLattice<'a> {
     fn formulas(&self) -> Vec<&'a Located<String>> {
         let system = &self.document.system;
         let named = |name: &str| {
-            name == "energy" || system.casimirs.iter().any(|(casimir, _)| casimir.value == name)
+            name == "energy"
+                || system
+                    .casimirs
+                    .iter()
+                    .any(|(casimir, _)| casimir.value == name)
         };
         std::iter::once(&system.hamiltonian)
             .chain(system.casimirs.iter().map(|(_, formula)| formula))
-            .chain(self.document.run.record.observables.iter().filter(|o| !named(&o.value)))
+            .chain(
+                self.document
+                    .run
+                    .record
+                    .observables
+                    .iter()
+                    .filter(|o| !named(&o.value)),
+            )
             .collect()
     }
 }
@@ -97,10 +113,18 @@ pub(super) fn shortened(
     shorter: &LatticeGeometry,
 ) -> Vec<f64> {
     let mut short = Vec::with_capacity(shorter.dimension());
-    let families = shorter.families.iter().zip(&geometry.families).zip(geometry.offsets());
+    let families = shorter
+        .families
+        .iter()
+        .zip(&geometry.families)
+        .zip(geometry.offsets());
     for (((_, length), (_, full)), offset) in families {
         for site in 0..*length {
-            let like = if site <= length / 2 { site } else { full - (length - site) };
+            let like = if site <= length / 2 {
+                site
+            } else {
+                full - (length - site)
+            };
             short.push(state[offset + like]);
         }
     }
@@ -114,7 +138,9 @@ impl LatticeSource for SceneLattice<'_> {
 
     fn write_out(&self, geometry: &LatticeGeometry) -> Result<PoissonSystem, BuildError> {
         instantiate(self.document, &lengths(geometry))
-            .map_err(|refusal| BuildError::Lattice { message: refusal.message.clone() })?
+            .map_err(|refusal| BuildError::Lattice {
+                message: refusal.message.clone(),
+            })?
             .system(self.document)
     }
 
@@ -129,8 +155,13 @@ impl LatticeSource for SceneLattice<'_> {
             .map(|formula| {
                 let density = Formula::parse(&formula.value)
                     .and_then(|parsed| parsed.density(&scope, site))
-                    .map_err(|error| BuildError::Lattice { message: error.to_string() })?;
-                Ok(SiteDensity { constant: density.constant, site: density.site })
+                    .map_err(|error| BuildError::Lattice {
+                        message: error.to_string(),
+                    })?;
+                Ok(SiteDensity {
+                    constant: density.constant,
+                    site: density.site,
+                })
             })
             .collect()
     }

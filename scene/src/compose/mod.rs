@@ -34,8 +34,8 @@ pub use lie_algebra::{LIE_ALGEBRAS, LieAlgebra, StructureEntry};
 pub use observables::Observable;
 pub use parts::PartChoice;
 pub use run::{ComposedRun, RunPlan, compose};
-pub use stepping::{LatticeStepping, Stepping};
 pub use shape::{TensorShape, tensor_shape};
+pub use stepping::{LatticeStepping, Stepping};
 pub use system::{ComposedSystem, DENSE_LIMIT, compose_system};
 
 use crate::diagnostic::SceneDiagnostic;

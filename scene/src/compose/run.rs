@@ -101,7 +101,9 @@ fn compose_lattice(
     let given = chosen
         .parameters
         .iter()
-        .fold(PartParameters::new(), |given, (name, value)| given.with(*name, *value));
+        .fold(PartParameters::new(), |given, (name, value)| {
+            given.with(*name, *value)
+        });
     let method = LatticeMethod::compose(
         lattice,
         &|system| registry.realization(chosen.name)?.build(system, &given),
@@ -126,16 +128,22 @@ impl ComposedRun {
     pub fn integrator(&self) -> Integrator {
         let parameters = self.system.parameter_values();
         let plan = &self.plan;
-        Integrator::new(self.method.map(), &parameters, plan.epsilon, plan.h, &plan.initial)
+        Integrator::new(
+            self.method.map(),
+            &parameters,
+            plan.epsilon,
+            plan.h,
+            &plan.initial,
+        )
     }
 
     /// The coordinates' names.
     pub fn names(&self) -> Vec<String> {
         match self.method.lattice() {
             None => self.system.variables().to_vec(),
-            Some(geometry) => {
-                (0..geometry.dimension()).map(|coordinate| geometry.name(coordinate)).collect()
-            }
+            Some(geometry) => (0..geometry.dimension())
+                .map(|coordinate| geometry.name(coordinate))
+                .collect(),
         }
     }
 }

@@ -78,9 +78,18 @@ impl Stepping {
     pub fn costs(&self) -> Vec<(&'static str, String)> {
         match self {
             Self::Written(method) => vec![
-                ("One Newton iteration", method.newton().operations().to_string()),
-                ("Residual alone", method.newton().residual_operations().to_string()),
-                ("Coefficients, once", method.newton().coefficient_operations().to_string()),
+                (
+                    "One Newton iteration",
+                    method.newton().operations().to_string(),
+                ),
+                (
+                    "Residual alone",
+                    method.newton().residual_operations().to_string(),
+                ),
+                (
+                    "Coefficients, once",
+                    method.newton().coefficient_operations().to_string(),
+                ),
             ],
             Self::Lattice(lattice) => {
                 let program = lattice.method.program();
@@ -94,7 +103,10 @@ impl Stepping {
                             program.operations() as f64 / sites as f64
                         ),
                     ),
-                    ("Fields", format!("{} numbers a coordinate", program.fields())),
+                    (
+                        "Fields",
+                        format!("{} numbers a coordinate", program.fields()),
+                    ),
                 ]
             }
         }

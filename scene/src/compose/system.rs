@@ -38,11 +38,21 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
         let (system, geometry, observables) = lattice.trial()?;
         let initial = initial_state(document)?;
         let near = shortened(&initial, lattice.geometry(), &geometry);
-        return Ok(ComposedSystem { system, initial, observables, near });
+        return Ok(ComposedSystem {
+            system,
+            initial,
+            observables,
+            near,
+        });
     }
     let (system, observables) = written_out(document)?;
     let initial = initial_state(document)?;
-    Ok(ComposedSystem { system, near: initial.clone(), initial, observables })
+    Ok(ComposedSystem {
+        system,
+        near: initial.clone(),
+        initial,
+        observables,
+    })
 }
 
 /// The system with its families written out at their true lengths.

@@ -109,6 +109,8 @@ pub enum Trajectory {
         name: String,
         /// Times of the recorded fields.
         times: Vec<f64>,
+        /// Sites from one value of a field to the next; 1 where every site is there.
+        spacing: usize,
         /// One field for each time.
         fields: Vec<Vec<f64>>,
     },

@@ -17,15 +17,16 @@ const LEVELS: usize = 32;
 pub(super) fn lattice_figures(
     name: &str,
     times: &[f64],
+    spacing: usize,
     fields: &[Vec<f64>],
 ) -> Result<Vec<Figure>, ReportError> {
     let sites = fields.iter().map(Vec::len).max().unwrap_or(0);
     let mut figures = Vec::new();
     if fields.len() > 2 && sites > 0 {
-        figures.push(heat_figure(name, times, fields, sites)?);
+        figures.push(heat_figure(name, times, spacing, fields, sites)?);
     }
     if sites > 0 {
-        figures.push(profile_figure(name, times, fields, sites)?);
+        figures.push(profile_figure(name, times, spacing, fields, sites)?);
     }
     Ok(figures)
 }
@@ -33,6 +34,7 @@ pub(super) fn lattice_figures(
 fn heat_figure(
     name: &str,
     times: &[f64],
+    spacing: usize,
     fields: &[Vec<f64>],
     sites: usize,
 ) -> Result<Figure, ReportError> {
@@ -49,7 +51,7 @@ fn heat_figure(
     let color_axis = Axis::linear(values(), 0.0);
     let x = Axis::Linear {
         low: 0.0,
-        high: sites as f64,
+        high: sites as f64 * spacing as f64,
     };
     let y = Axis::linear(times.iter().copied(), 0.0);
     let mut frame = Frame::new(width, height, x, y);
@@ -167,6 +169,7 @@ fn color(level: usize) -> Ink {
 fn profile_figure(
     name: &str,
     times: &[f64],
+    spacing: usize,
     fields: &[Vec<f64>],
     sites: usize,
 ) -> Result<Figure, ReportError> {
@@ -176,7 +179,7 @@ fn profile_figure(
     let values = chosen.iter().flat_map(|index| &fields[*index]).copied();
     let x = Axis::Linear {
         low: 0.0,
-        high: sites.saturating_sub(1).max(1) as f64,
+        high: sites.saturating_sub(1).max(1) as f64 * spacing.max(1) as f64,
     };
     let frame = Frame::new(width, height, x, Axis::linear(values, 0.06));
     let mut canvas = Canvas::new(width, height);
@@ -186,7 +189,7 @@ fn profile_figure(
         let placed: Vec<_> = fields[*index]
             .iter()
             .enumerate()
-            .map(|(site, value)| (frame.x.fraction(site as f64), *value))
+            .map(|(site, value)| (frame.x.fraction(site as f64 * spacing as f64), *value))
             .collect();
         for stretch in placed.chunk_by(|a, b| a.1.is_finite() == b.1.is_finite()) {
             if stretch[0].1.is_finite() {

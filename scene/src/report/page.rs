@@ -178,9 +178,10 @@ fn figures(data: &ReportData) -> Result<String, ReportError> {
         Some(Trajectory::Lattice {
             name,
             times,
+            spacing,
             fields,
         }) => {
-            wide.extend(lattice_figures(name, times, fields)?);
+            wide.extend(lattice_figures(name, times, *spacing, fields)?);
         }
         None => {}
     }

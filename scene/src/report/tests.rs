@@ -126,6 +126,7 @@ fn lattice() -> ReportData {
         trajectory: Some(Trajectory::Lattice {
             name: "x".to_owned(),
             times,
+            spacing: 1,
             fields,
         }),
         ..rigid_body(200)
@@ -298,6 +299,7 @@ fn degenerate_data_gives_a_page() {
                 let lattice = Trajectory::Lattice {
                     name: "x".to_owned(),
                     times: times.clone(),
+                    spacing: count as usize,
                     fields: vec![vec![value; dimension]; count as usize],
                 };
                 for trajectory in [orbit, lattice] {

@@ -9,6 +9,7 @@ use leafwise_core::integrator::Checkpoint as IntegratorState;
 
 use super::error::RunError;
 use super::invariants::Windows;
+use super::snapshots::Snapshots;
 
 /// The file's name in the run directory.
 pub(super) const FILE: &str = "checkpoint.bin";
@@ -31,6 +32,8 @@ pub(super) struct Checkpoint {
     pub samples: u64,
     /// Invariants over windows.
     pub windows: Windows,
+    /// Fields of a long lattice.
+    pub snapshots: Snapshots,
 }
 
 /// Replaces `path` in one operation: readers see the old content or the new.
@@ -87,6 +90,10 @@ impl Checkpoint {
             .evaluations
             .iter()
             .for_each(|count| out.whole(*count));
+        out.whole(self.snapshots.every);
+        out.whole(self.snapshots.seen);
+        out.list(&self.snapshots.times);
+        out.list(&self.snapshots.values);
         out.0
     }
 
@@ -114,10 +121,17 @@ impl Checkpoint {
             maxima: from.list()?,
             evaluations: from.wholes()?,
         };
+        let snapshots = Snapshots {
+            every: from.whole()?,
+            seen: from.whole()?,
+            times: from.list()?,
+            values: from.list()?,
+        };
         let count = windows.initial.len();
         let agrees = windows.current.len() == count
             && windows.maxima.len() == count * windows.evaluations.len()
-            && integrator.compensation.len() == integrator.state.len();
+            && integrator.compensation.len() == integrator.state.len()
+            && snapshots.every > 0;
         let whole = from.0.is_empty() && agrees;
         whole.then_some(Self {
             integrator,
@@ -126,6 +140,7 @@ impl Checkpoint {
             sample_bytes,
             samples,
             windows,
+            snapshots,
         })
     }
 }
@@ -203,6 +218,12 @@ mod tests {
             sample_bytes: 1 << 40,
             samples: 77,
             windows,
+            snapshots: Snapshots {
+                every: 2,
+                seen: 3,
+                times: vec![0.5],
+                values: vec![-0.0],
+            },
         }
     }
 

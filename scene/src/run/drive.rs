@@ -11,6 +11,7 @@ use super::invariants::{Functions, Windows};
 use super::outcome::{Failure, RunOutcome};
 use super::progress::{Progress, Status};
 use super::samples::{Samples, WIDEST_STATE};
+use super::snapshots::Snapshots;
 use crate::compose::{ComposedRun, Observable};
 
 /// How often a checkpoint is written.
@@ -33,6 +34,7 @@ pub(super) struct Session<'a> {
     row: Vec<f64>,
     windows: Windows,
     samples: Samples,
+    snapshots: Snapshots,
     last_sample: Option<u64>,
     before: SolverStatistics,
     wall: Duration,
@@ -82,6 +84,7 @@ impl<'a> Session<'a> {
                 row,
                 windows,
                 samples,
+                snapshots: Snapshots::new(),
                 last_sample: None,
                 before,
                 wall,
@@ -112,6 +115,7 @@ impl<'a> Session<'a> {
             row,
             windows: checkpoint.windows.clone(),
             samples,
+            snapshots: checkpoint.snapshots.clone(),
             last_sample: Some(checkpoint.integrator.steps).filter(|k| k.is_multiple_of(plan.every)),
             before: checkpoint.statistics,
             wall: Duration::try_from_secs_f64(checkpoint.wall_seconds).unwrap_or_default(),
@@ -222,6 +226,11 @@ impl<'a> Session<'a> {
         };
         self.samples
             .push(self.integrator.time(), shown, &self.row)?;
+        if let Some(geometry) = self.run.method.lattice()
+            && state.len() > WIDEST_STATE
+        {
+            self.snapshots.push(geometry, self.integrator.time(), state);
+        }
         self.last_sample = Some(steps);
         Ok(())
     }
@@ -236,6 +245,7 @@ impl<'a> Session<'a> {
             sample_bytes,
             samples,
             windows: self.windows.clone(),
+            snapshots: self.snapshots.clone(),
         };
         checkpoint.write(&self.directory.path)
     }
@@ -269,6 +279,11 @@ impl<'a> Session<'a> {
     /// The invariants' deviations.
     pub fn windows(&self) -> &Windows {
         &self.windows
+    }
+
+    /// Fields of a long lattice.
+    pub fn snapshots(&self) -> &Snapshots {
+        &self.snapshots
     }
 
     /// Samples recorded.

@@ -18,7 +18,10 @@ pub(super) struct Functions {
 impl Functions {
     fn new(observer: impl Observe + 'static) -> Self {
         let values = vec![0.0; observer.observables()];
-        Self { observer: Box::new(observer), values }
+        Self {
+            observer: Box::new(observer),
+            values,
+        }
     }
 
     /// Energy, then each Casimir.
@@ -28,8 +31,9 @@ impl Functions {
             Stepping::Written(_) => {
                 let system = &run.system;
                 let casimirs = system.casimirs().iter().map(|casimir| &casimir.expression);
-                let formulas: Vec<_> =
-                    std::iter::once(system.hamiltonian()).chain(casimirs).collect();
+                let formulas: Vec<_> = std::iter::once(system.hamiltonian())
+                    .chain(casimirs)
+                    .collect();
                 Self::compile(run, &formulas)
             }
         }
@@ -56,7 +60,11 @@ impl Functions {
 
     fn compile(run: &ComposedRun, formulas: &[&Expression]) -> Result<Self, BuildError> {
         let values = run.system.parameter_values();
-        Ok(Self::new(SystemObservables::new(&run.system, formulas, &values)?))
+        Ok(Self::new(SystemObservables::new(
+            &run.system,
+            formulas,
+            &values,
+        )?))
     }
 
     /// The values at a state.

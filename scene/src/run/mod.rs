@@ -4,6 +4,7 @@
 //! - `drive`: the step loop;
 //! - `invariants`: energy and Casimirs at every step, their maxima over windows;
 //! - `samples`: recorded states, appended to `samples.csv`;
+//! - `snapshots`: fields of long lattices, thinned out for the report;
 //! - `checkpoint`: everything later steps depend on, written atomically;
 //! - `manifest`: what was run, with what, and how it ended;
 //! - `directory`: start afresh, resume, or refuse;
@@ -21,6 +22,7 @@ mod manifest;
 mod outcome;
 mod progress;
 mod samples;
+mod snapshots;
 mod summary;
 #[cfg(test)]
 mod tests;

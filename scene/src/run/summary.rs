@@ -6,6 +6,7 @@ use super::invariants::Functions;
 use super::manifest::PROGRAM_VERSION;
 use super::outcome::{RunOutcome, RunReport};
 use super::samples::{self, WIDEST_STATE};
+use super::snapshots::spacing;
 use crate::compose::{ComposedRun, tensor_shape};
 use crate::document::SceneDocument;
 use crate::report::{Ellipsoid, InvariantSeries, Outcome, ReportData, TimeSeries, Trajectory};
@@ -68,7 +69,7 @@ pub(super) fn report_data(
         title: title(&document.name),
         version: format!("leafwise {PROGRAM_VERSION}"),
         command: command.to_owned(),
-        scene_name: document.name.clone(),
+        scene_name: file_name(&document.name),
         scene_text: document.text.clone(),
         outcome: outcome(run, report),
         method: method_lines(run),
@@ -79,9 +80,18 @@ pub(super) fn report_data(
             times: times.clone(),
             values: column(1 + width + at),
         }),
-        trajectory: trajectory(run, times, &rows, width),
+        trajectory: trajectory(run, session, times, &rows, width),
         solver: (!solver.times.is_empty()).then_some(solver),
     })
+}
+
+/// A path's last part.
+fn file_name(path: &str) -> String {
+    let name = std::path::Path::new(path).file_name();
+    name.map_or_else(
+        || path.to_owned(),
+        |name| name.to_string_lossy().into_owned(),
+    )
 }
 
 /// "rigid_body.toml" as "Rigid body".
@@ -113,7 +123,11 @@ fn outcome(run: &ComposedRun, report: &RunReport) -> Outcome {
             message: failure.message.clone(),
             step: failure.step,
             time: failure.time,
-            state: run.names().into_iter().zip(failure.state.iter().copied()).collect(),
+            state: run
+                .names()
+                .into_iter()
+                .zip(failure.state.iter().copied())
+                .collect(),
             hint: failure.hint.clone(),
         },
     }
@@ -143,7 +157,12 @@ fn method_lines(run: &ComposedRun) -> Vec<(String, String)> {
         ),
         line("Tensor", tensor_shape(&run.system).to_string()),
     ];
-    lines.extend(method.costs().into_iter().map(|(label, cost)| line(label, cost)));
+    lines.extend(
+        method
+            .costs()
+            .into_iter()
+            .map(|(label, cost)| line(label, cost)),
+    );
     lines
 }
 
@@ -198,11 +217,22 @@ fn short(value: f64) -> String {
 
 fn trajectory(
     run: &ComposedRun,
+    session: &Session<'_>,
     times: Vec<f64>,
     rows: &[Vec<f64>],
     width: usize,
 ) -> Option<Trajectory> {
-    if width == 0 || rows.is_empty() {
+    if width == 0 {
+        let geometry = run.method.lattice()?;
+        let snapshots = session.snapshots();
+        return Some(Trajectory::Lattice {
+            name: geometry.families.first()?.0.clone(),
+            times: snapshots.times.clone(),
+            spacing: spacing(geometry),
+            fields: snapshots.fields(),
+        });
+    }
+    if rows.is_empty() {
         return None;
     }
     if let Some((name, length)) = run.plan.families.first() {
@@ -220,6 +250,7 @@ fn trajectory(
         return Some(Trajectory::Lattice {
             name: name.clone(),
             times,
+            spacing: 1,
             fields,
         });
     }
