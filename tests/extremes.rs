@@ -192,7 +192,7 @@ fn attempt(
                 increment.iter().all(|i| i.is_finite()),
                 "{increment:?} from {x:?}"
             );
-            Ok(stepper.solution(0))
+            Ok(stepper.solution(0).expect("a solved equation"))
         }
         Err(error) => {
             assert_eq!(increment, vec![0.0; d], "a failed step has no increment");

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use leafwise_expression::{Graph, Polynomial, Ring, Term};
 
-use crate::error::BuildError;
+use crate::error::{BuildError, StepError};
 use crate::realization::RealizationData;
 use crate::system::PoissonSystem;
 
@@ -13,6 +13,12 @@ use crate::system::PoissonSystem;
 pub trait DynamicApproximation: Send + Sync + std::fmt::Debug {
     /// m.
     fn order(&self) -> usize;
+    /// Whether the induced map is self-adjoint over a realization with β̂(x, p) = α̂(x, −p).
+    fn self_adjoint(&self) -> Option<bool>;
+    /// Whether y ↦ L(y) is solved for β̂(L(y)) = x, or taken at y = x.
+    fn correction(&self) -> Correction {
+        Correction::Bisection
+    }
     /// One line for reports: name and order.
     fn describe(&self) -> String;
     /// The bisection for this system and realization.
@@ -22,8 +28,17 @@ pub trait DynamicApproximation: Send + Sync + std::fmt::Debug {
     fn bisection(
         &self,
         system: &PoissonSystem,
-        realization: &dyn RealizationData,
+        realization: &Arc<dyn RealizationData>,
     ) -> Result<Arc<dyn LagrangianBisection>, BuildError>;
+}
+
+/// What a method does with β̂(L(y)) = x_k.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Correction {
+    /// Solves it: the map is α̂ ∘ (β̂|_L)⁻¹, Poisson over an exact realization.
+    Bisection,
+    /// Takes y = x_k (paper, Algorithm 2): Poisson to the order of the integrator only.
+    None,
 }
 
 /// A parametrization y ↦ L(y) ∈ S of a Lagrangian bisection: y ↦ (y, dŜ(y)) for Hamilton–Jacobi,
@@ -33,9 +48,45 @@ pub trait LagrangianBisection: Send + Sync + std::fmt::Debug {
     fn code(&self) -> Option<&dyn BisectionCode> {
         None
     }
+    /// y ↦ L(y) as numbers, for a bisection that offers no code.
+    fn worker(
+        &self,
+        parameters: &[f64],
+        epsilon: f64,
+        h: f64,
+    ) -> Option<Box<dyn BisectionWorker>> {
+        let _ = (parameters, epsilon, h);
+        None
+    }
     /// The generating function, where L is the graph of dŜ.
     fn generating_function(&self) -> Option<&GeneratingFunction> {
         None
+    }
+}
+
+/// One thread's evaluator of a bisection, for fixed parameters, ε and h.
+pub trait BisectionWorker: Send {
+    /// L(y), d_S numbers.
+    ///
+    /// # Errors
+    /// [`StepError`] when the integrator behind it does not converge.
+    fn point(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError>;
+    /// DL at the point of the last call, row-major d_S × d.
+    ///
+    /// # Errors
+    /// [`StepError`] where the tangent does not exist.
+    fn tangent(&mut self, tangent: &mut [f64]) -> Result<(), StepError>;
+    /// Whether D(β̂∘L) is so near the identity that the residual serves as the correction.
+    fn is_near_identity(&self) -> bool {
+        false
+    }
+    /// What later evaluations depend on, for a checkpoint; always of the same length.
+    fn memory(&self) -> Vec<f64> {
+        Vec::new()
+    }
+    /// Restores [`memory`](Self::memory).
+    fn restore(&mut self, memory: &[f64]) {
+        let _ = memory;
     }
 }
 

@@ -78,6 +78,22 @@ pub enum BuildError {
         /// What is wrong.
         message: String,
     },
+    /// A composition of a map without the symmetry it needs.
+    #[error("{composition} needs a self-adjoint map, and {map} is not known to be one")]
+    NotComposable {
+        /// The composition.
+        composition: &'static str,
+        /// The map.
+        map: String,
+    },
+    /// A system that a part does not fit.
+    #[error("{part} does not fit this system: {reason}")]
+    DoesNotFit {
+        /// The part's name.
+        part: &'static str,
+        /// Why.
+        reason: String,
+    },
     /// Two parts that cannot be combined.
     #[error("{dynamics} cannot be combined with {realization}: {reason}")]
     Incompatible {
@@ -114,6 +130,9 @@ pub enum StepError {
         /// Size of the last term over that of the first.
         ratio: f64,
     },
+    /// A diagnostic asked for the tangent of a map that offers none.
+    #[error("the map offers no exact tangent, so its tensor defect cannot be measured")]
+    NoTangent,
     /// A value that is not finite.
     #[error(
         "{what} is not finite: the state left the formulas' domain (ln of a negative number, a \

@@ -15,6 +15,7 @@
 //! - [`diagnostics`]: realization error, tensor defect, fitted slopes, Jacobi and Casimir checks.
 //! - [`error`]: typed failures.
 
+mod code_workers;
 pub mod diagnostics;
 pub mod dynamics;
 pub mod error;
@@ -27,15 +28,18 @@ pub mod registry;
 pub mod solver;
 pub mod system;
 
-pub use dynamics::{BisectionCode, DynamicApproximation, LagrangianBisection};
+pub use dynamics::{
+    BisectionCode, BisectionWorker, Correction, DynamicApproximation, LagrangianBisection,
+};
 pub use error::{BuildError, StepError};
 pub use integrator::Integrator;
 pub use method::Method;
 pub use part::{PartInfo, PartKind, PartParameters};
 pub use realization::{
-    Accuracy, RealizationCode, RealizationData, SourceRecursion, SourceSeries, SourceTarget,
+    Accuracy, Ends, LagrangianChart, RealizationCode, RealizationData, RealizationWorker,
+    SourceRecursion, SourceSeries, SourceTarget,
 };
 pub use registry::Registry;
 pub use lattice::LatticeMethod;
-pub use solver::{Observe, SolverStatistics, StepMap, Stepper};
+pub use solver::{MapProperties, Observe, SolverStatistics, StepMap, Stepper, Structure};
 pub use system::{Convention, PoissonSystem};

@@ -4,10 +4,14 @@ use std::sync::Arc;
 
 use leafwise_expression::{Graph, StepSize, Term};
 
-use crate::dynamics::{DynamicApproximation, LagrangianBisection};
+use crate::code_workers::{CodeBisection, CodeRealization};
+use crate::dynamics::{Correction, DynamicApproximation, LagrangianBisection};
 use crate::error::BuildError;
 use crate::realization::{Accuracy, RealizationData};
-use crate::solver::{NewtonKernel, StepMap, Stepper};
+use crate::solver::{
+    MakeWorkers, MapProperties, NewtonKernel, NewtonStepper, StepMap, Stepper, Structure,
+    WorkerStepper,
+};
 use crate::system::PoissonSystem;
 
 /// φ̂_{ε,h} = α̂_ε ∘ (β̂_ε|_L)⁻¹ (paper, Definition 2.4 and Algorithm 1): given x_k, find y with
@@ -17,11 +21,33 @@ pub struct Method {
     realization: Arc<dyn RealizationData>,
     dynamics: Arc<dyn DynamicApproximation>,
     bisection: Arc<dyn LagrangianBisection>,
-    newton: NewtonKernel,
+    path: Path,
+}
+
+/// How a step is computed.
+#[derive(Clone)]
+enum Path {
+    /// Both parts are code: one kernel for a Newton iteration.
+    Code(NewtonKernel),
+    /// The realization brought its own solve.
+    Fused(Arc<dyn StepMap>),
+    /// At least one part computes numbers.
+    Workers { code: Option<CodeRealization>, points: Option<CodeBisection> },
+}
+
+impl std::fmt::Debug for Path {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Code(_) => "one kernel",
+            Self::Fused(_) => "fused",
+            Self::Workers { .. } => "workers",
+        })
+    }
 }
 
 impl Method {
-    /// Combines the two approximations for a system and compiles what its steps need.
+    /// Combines the two approximations for a system and compiles what its steps need, by the
+    /// shortest path: one fused solve, one kernel, or workers.
     ///
     /// # Errors
     /// [`BuildError::Incompatible`] when the realization lacks what the bisection needs,
@@ -31,31 +57,74 @@ impl Method {
         realization: Arc<dyn RealizationData>,
         dynamics: Arc<dyn DynamicApproximation>,
     ) -> Result<Self, BuildError> {
-        let bisection = dynamics.bisection(system, realization.as_ref())?;
+        let bisection = dynamics.bisection(system, &realization)?;
+        let properties = properties_of(realization.as_ref(), dynamics.as_ref());
+        let fused = Arc::clone(&realization).fuse(system, Arc::clone(&bisection), properties);
+        if let Some(fused) = fused {
+            let path = Path::Fused(Arc::from(fused?));
+            return Ok(Self { realization, dynamics, bisection, path });
+        }
+        Self::compose_generic(system, realization, dynamics, bisection)
+    }
+
+    /// The same without a realization's own fused solve: for cross-checks.
+    ///
+    /// # Errors
+    /// Those of [`Method::compose`].
+    pub fn compose_unfused(
+        system: &PoissonSystem,
+        realization: Arc<dyn RealizationData>,
+        dynamics: Arc<dyn DynamicApproximation>,
+    ) -> Result<Self, BuildError> {
+        let bisection = dynamics.bisection(system, &realization)?;
+        Self::compose_generic(system, realization, dynamics, bisection)
+    }
+
+    fn compose_generic(
+        system: &PoissonSystem,
+        realization: Arc<dyn RealizationData>,
+        dynamics: Arc<dyn DynamicApproximation>,
+        bisection: Arc<dyn LagrangianBisection>,
+    ) -> Result<Self, BuildError> {
+        let (d, parameters) = (system.dimension(), system.parameters().len());
         let missing = |reason: &str| BuildError::Incompatible {
             dynamics: dynamics.describe(),
             realization: realization.describe(),
             reason: reason.to_owned(),
         };
-        let ends = realization
-            .code()
-            .ok_or_else(|| missing("it offers no code for its maps"))?;
-        let points = bisection
-            .code()
-            .ok_or_else(|| missing("the bisection offers no code"))?;
-        let mut graph = Graph::new();
-        let y: Vec<Term> = (0..system.dimension()).map(|i| graph.input(i)).collect();
-        let epsilon = graph.step_size(StepSize::Epsilon);
-        let h = graph.step_size(StepSize::H);
-        let z = points.point(&mut graph, &epsilon, &h, &y)?;
-        let ends = ends.source_and_target(&mut graph, &epsilon, &z)?;
-        let newton = NewtonKernel::compile(&mut graph, &ends, system.parameters().len())?;
-        Ok(Self {
-            realization,
-            dynamics,
-            bisection,
-            newton,
-        })
+        let path = match (realization.code(), bisection.code()) {
+            (Some(ends), Some(points)) if dynamics.correction() == Correction::Bisection => {
+                let mut graph = Graph::new();
+                let y: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
+                let epsilon = graph.step_size(StepSize::Epsilon);
+                let h = graph.step_size(StepSize::H);
+                let z = points.point(&mut graph, &epsilon, &h, &y)?;
+                let ends = ends.source_and_target(&mut graph, &epsilon, &z)?;
+                Path::Code(NewtonKernel::compile(&mut graph, &ends, parameters)?)
+            }
+            (code, points) => {
+                let probe = system.parameter_values();
+                if code.is_none() && realization.worker(&probe, 1.0).is_none() {
+                    return Err(missing("it offers neither code nor numbers for its maps"));
+                }
+                if points.is_none() && bisection.worker(&probe, 1.0, 1.0).is_none() {
+                    return Err(missing("the bisection offers neither code nor numbers"));
+                }
+                let space = realization.space_dimension();
+                let numbers = realization.worker(&probe, 1.0).is_some();
+                let code = match code.filter(|_| !numbers) {
+                    None => None,
+                    Some(code) => Some(CodeRealization::compile(code, d, space, parameters)?),
+                };
+                let numbers = bisection.worker(&probe, 1.0, 1.0).is_some();
+                let points = match points.filter(|_| !numbers) {
+                    None => None,
+                    Some(points) => Some(CodeBisection::compile(points, d, space, parameters)?),
+                };
+                Path::Workers { code, points }
+            }
+        };
+        Ok(Self { realization, dynamics, bisection, path })
     }
 
     /// The geometric approximation R̂_ε.
@@ -73,19 +142,38 @@ impl Method {
         self.bisection.as_ref()
     }
 
-    /// The compiled Newton iteration.
-    pub fn newton(&self) -> &NewtonKernel {
-        &self.newton
+    /// The compiled Newton iteration, where both parts are code.
+    pub fn newton(&self) -> Option<&NewtonKernel> {
+        match &self.path {
+            Path::Code(newton) => Some(newton),
+            _ => None,
+        }
+    }
+
+    /// How a step is computed, for reports: `one kernel`, `fused` or `workers`.
+    pub fn path(&self) -> String {
+        format!("{:?}", self.path)
     }
 
     /// Theorem 2's bound min(n, m) on the order in t = εh; m alone over an exact realization.
     pub fn declared_order(&self) -> usize {
-        let m = self.dynamics.order();
-        match self.realization.accuracy() {
-            Accuracy::Exact => m,
-            Accuracy::Order(n) => n.min(m),
-        }
+        self.properties().order
     }
+}
+
+/// What Theorems 1 and 2 promise of a realization and a dynamic approximation.
+pub(crate) fn properties_of(
+    realization: &dyn RealizationData,
+    dynamics: &dyn DynamicApproximation,
+) -> MapProperties {
+    let m = dynamics.order();
+    let (order, structure) = match (realization.accuracy(), dynamics.correction()) {
+        (Accuracy::Exact, Correction::Bisection) => (m, Structure::Exact),
+        (Accuracy::Exact, Correction::None) => (m, Structure::Order(m)),
+        (Accuracy::Order(n), Correction::Bisection) => (n.min(m), Structure::Order(n)),
+        (Accuracy::Order(n), Correction::None) => (n.min(m), Structure::Order(n.min(m))),
+    };
+    MapProperties { order, structure, self_adjoint: dynamics.self_adjoint() }
 }
 
 impl StepMap for Method {
@@ -93,7 +181,48 @@ impl StepMap for Method {
         self.realization.dimension()
     }
 
+    fn properties(&self) -> MapProperties {
+        properties_of(self.realization.as_ref(), self.dynamics.as_ref())
+    }
+
+    fn describe(&self) -> String {
+        format!("{} + {}", self.realization.describe(), self.dynamics.describe())
+    }
+
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
-        self.newton.stepper(lanes, parameters, epsilon, h)
+        match &self.path {
+            Path::Code(newton) => {
+                Box::new(NewtonStepper::new(newton, lanes, parameters, epsilon, h))
+            }
+            Path::Fused(map) => map.stepper(lanes, parameters, epsilon, h),
+            Path::Workers { code, points } => {
+                let realization = Arc::clone(&self.realization);
+                let bisection = Arc::clone(&self.bisection);
+                let (code, points) = (code.clone(), points.clone());
+                let make: Arc<MakeWorkers> = Arc::new(move |parameters: &[f64]| {
+                    let maps = match &code {
+                        Some(code) => code.worker(parameters, epsilon),
+                        None => realization
+                            .worker(parameters, epsilon)
+                            .expect("a worker was offered when the method was composed"),
+                    };
+                    let points = match &points {
+                        Some(points) => points.worker(parameters, epsilon, h),
+                        None => bisection
+                            .worker(parameters, epsilon, h)
+                            .expect("a worker was offered when the method was composed"),
+                    };
+                    (maps, points)
+                });
+                Box::new(WorkerStepper::new(
+                    &make,
+                    lanes,
+                    parameters,
+                    self.dimension(),
+                    self.realization.space_dimension(),
+                    self.dynamics.correction(),
+                ))
+            }
+        }
     }
 }

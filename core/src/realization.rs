@@ -1,9 +1,14 @@
 //! Realization data: the geometric approximation.
 
+use std::sync::Arc;
+
 use leafwise_expression::{Graph, Polynomial, Ring, Term};
 
-use crate::error::BuildError;
+use crate::dynamics::LagrangianBisection;
+use crate::error::{BuildError, StepError};
 use crate::lattice::RealizationStages;
+use crate::solver::{MapProperties, StepMap};
+use crate::system::PoissonSystem;
 
 /// How well R̂_ε approximates realization data of (M, επ).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +38,28 @@ pub trait RealizationData: Send + Sync + std::fmt::Debug {
     fn section(&self, x: &[f64], z: &mut [f64]);
     /// α̂ and β̂ as straight-line code.
     fn code(&self) -> Option<&dyn RealizationCode> {
+        None
+    }
+    /// α̂ and β̂ as numbers, for a realization that offers no code.
+    fn worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationWorker>> {
+        let _ = (parameters, epsilon);
+        None
+    }
+    /// The symplectic chart χ: T*M ⊃ U → S about σ, where points of S are not pairs (x, p).
+    fn chart(&self) -> Option<&dyn LagrangianChart> {
+        None
+    }
+    /// A self-contained step map that solves for the realization and the bisection in one go.
+    ///
+    /// # Errors
+    /// [`BuildError`] when the bisection cannot be fused.
+    fn fuse(
+        self: Arc<Self>,
+        system: &PoissonSystem,
+        bisection: Arc<dyn LagrangianBisection>,
+        properties: MapProperties,
+    ) -> Option<Result<Box<dyn StepMap>, BuildError>> {
+        let _ = (system, bisection, properties);
         None
     }
     /// α̂ and β̂ as sweeps over a lattice.
@@ -74,6 +101,54 @@ pub struct SourceTarget {
     /// First and last term of a truncated series: where the last is not the smaller one, the point
     /// is outside the chart. Empty for closed forms.
     pub guard: Option<(Vec<Term>, Vec<Term>)>,
+}
+
+/// A symplectic chart χ(x, p) ↦ z of (S, ω) with χ(x, 0) = σ(x) and inv(x, p) = (x, −p).
+pub trait LagrangianChart {
+    /// The coordinates of χ(x, p) as code; `epsilon` because a chart may rescale p.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where the chart has no code.
+    fn point(
+        &self,
+        graph: &mut Graph,
+        epsilon: &Term,
+        x: &[Term],
+        p: &[Term],
+    ) -> Result<Vec<Term>, BuildError>;
+}
+
+/// α̂ and β̂ at one point of S, as numbers: β̂ = base + offset, α̂ = β̂ + increment.
+#[derive(Clone, Debug)]
+pub struct Ends {
+    /// A point near both ends.
+    pub base: Vec<f64>,
+    /// β̂ − base.
+    pub offset: Vec<f64>,
+    /// α̂ − β̂.
+    pub increment: Vec<f64>,
+}
+
+impl Ends {
+    /// Room for dimension d.
+    pub fn new(dimension: usize) -> Self {
+        let room = || vec![0.0; dimension];
+        Self { base: room(), offset: room(), increment: room() }
+    }
+}
+
+/// One thread's evaluator of a realization's maps, for fixed parameters and ε.
+pub trait RealizationWorker: Send {
+    /// The ends at `z` (d_S numbers).
+    ///
+    /// # Errors
+    /// [`StepError::LeftChart`] and the like, with `ends` unspecified.
+    fn ends(&mut self, z: &[f64], ends: &mut Ends) -> Result<(), StepError>;
+    /// Dβ̂ and D(α̂ − β̂) at the point of the last call, row-major d × d_S.
+    ///
+    /// # Errors
+    /// [`StepError`] where the tangent does not exist.
+    fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError>;
 }
 
 /// The exact (untruncated) series of α∘χ along p(h) = Σ_{k≥1} pₖ hᵏ at ε = 1, where χ is a

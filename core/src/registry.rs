@@ -7,6 +7,7 @@ use crate::dynamics::DynamicApproximation;
 use crate::error::BuildError;
 use crate::part::{PartInfo, PartKind, PartParameters};
 use crate::realization::RealizationData;
+use crate::solver::StepMap;
 use crate::system::PoissonSystem;
 
 /// A realization that can be built for a system.
@@ -38,6 +39,36 @@ pub trait DynamicsPart: Send + Sync {
     ) -> Result<Arc<dyn DynamicApproximation>, BuildError>;
 }
 
+/// A step map that needs no realization.
+pub trait StepperPart: Send + Sync {
+    /// What it declares.
+    fn info(&self) -> &'static PartInfo;
+    /// The step map of a system.
+    ///
+    /// # Errors
+    /// [`BuildError`] when a parameter is out of range or the system does not fit.
+    fn build(
+        &self,
+        system: &PoissonSystem,
+        parameters: &PartParameters,
+    ) -> Result<Arc<dyn StepMap>, BuildError>;
+}
+
+/// A composition of step maps.
+pub trait CompositionPart: Send + Sync {
+    /// What it declares.
+    fn info(&self) -> &'static PartInfo;
+    /// The composition of `base`.
+    ///
+    /// # Errors
+    /// [`BuildError::NotComposable`] when `base` lacks the symmetry the composition needs.
+    fn build(
+        &self,
+        base: Arc<dyn StepMap>,
+        parameters: &PartParameters,
+    ) -> Result<Arc<dyn StepMap>, BuildError>;
+}
+
 /// A built-in part, submitted by its crate with `inventory::submit!`.
 #[derive(Clone, Copy)]
 pub enum BuiltIn {
@@ -45,6 +76,10 @@ pub enum BuiltIn {
     Realization(&'static dyn RealizationPart),
     /// A dynamic approximation.
     Dynamics(&'static dyn DynamicsPart),
+    /// A step map.
+    Stepper(&'static dyn StepperPart),
+    /// A composition.
+    Composition(&'static dyn CompositionPart),
 }
 
 inventory::collect!(BuiltIn);
@@ -54,6 +89,8 @@ inventory::collect!(BuiltIn);
 pub struct Registry {
     realizations: BTreeMap<&'static str, &'static dyn RealizationPart>,
     dynamics: BTreeMap<&'static str, &'static dyn DynamicsPart>,
+    steppers: BTreeMap<&'static str, &'static dyn StepperPart>,
+    compositions: BTreeMap<&'static str, &'static dyn CompositionPart>,
 }
 
 impl Registry {
@@ -78,6 +115,12 @@ impl Registry {
                 BuiltIn::Dynamics(part) => {
                     registry.dynamics.insert(part.info().name, part).is_none()
                 }
+                BuiltIn::Stepper(part) => {
+                    registry.steppers.insert(part.info().name, part).is_none()
+                }
+                BuiltIn::Composition(part) => {
+                    registry.compositions.insert(part.info().name, part).is_none()
+                }
             };
             assert!(fresh, "two built-in parts share a name");
         }
@@ -90,6 +133,8 @@ impl Registry {
             .values()
             .map(|p| p.info())
             .chain(self.dynamics.values().map(|p| p.info()))
+            .chain(self.steppers.values().map(|p| p.info()))
+            .chain(self.compositions.values().map(|p| p.info()))
             .collect()
     }
 
@@ -113,6 +158,28 @@ impl Registry {
             .get(name)
             .copied()
             .ok_or_else(|| unknown(PartKind::Dynamics, name, self.dynamics.keys()))
+    }
+
+    /// The stepper of this name.
+    ///
+    /// # Errors
+    /// [`BuildError::UnknownPart`] with the nearest name.
+    pub fn stepper(&self, name: &str) -> Result<&'static dyn StepperPart, BuildError> {
+        self.steppers
+            .get(name)
+            .copied()
+            .ok_or_else(|| unknown(PartKind::Stepper, name, self.steppers.keys()))
+    }
+
+    /// The composition of this name.
+    ///
+    /// # Errors
+    /// [`BuildError::UnknownPart`] with the nearest name.
+    pub fn composition(&self, name: &str) -> Result<&'static dyn CompositionPart, BuildError> {
+        self.compositions
+            .get(name)
+            .copied()
+            .ok_or_else(|| unknown(PartKind::Composition, name, self.compositions.keys()))
     }
 }
 

@@ -12,7 +12,7 @@ use super::stepper::LatticeStepper;
 use crate::dynamics::DynamicApproximation;
 use crate::error::BuildError;
 use crate::realization::RealizationData;
-use crate::solver::{StepMap, Stepper};
+use crate::solver::{MapProperties, StepMap, Stepper};
 use crate::system::PoissonSystem;
 
 /// A lattice system that can be written out at any length.
@@ -72,7 +72,7 @@ impl LatticeMethod {
         let (proxy, width) = proxy_geometry(source, dynamics.order())?;
         let system = source.write_out(&proxy)?;
         let realization = realize(&system)?;
-        let bisection = dynamics.bisection(&system, realization.as_ref())?;
+        let bisection = dynamics.bisection(&system, &realization)?;
         let missing = |reason: &str| BuildError::Incompatible {
             dynamics: dynamics.describe(),
             realization: realization.describe(),
@@ -148,6 +148,14 @@ impl LatticeMethod {
 impl StepMap for LatticeMethod {
     fn dimension(&self) -> usize {
         self.geometry.dimension()
+    }
+
+    fn properties(&self) -> MapProperties {
+        crate::method::properties_of(self.realization.as_ref(), self.dynamics.as_ref())
+    }
+
+    fn describe(&self) -> String {
+        format!("{} + {}", self.realization.describe(), self.dynamics.describe())
     }
 
     fn stepper(

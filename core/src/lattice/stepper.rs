@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::method::Fields;
 use super::program::{LatticeProgram, LatticeWorker};
 use crate::error::StepError;
+use crate::solver::iteration::{LinearIteration, Verdict};
 use crate::solver::{Extrapolation, SolverStatistics, Stepper};
 
 /// Budget of one step. At t‖DX‖ = 1 the iteration gains a factor of about two each time.
@@ -63,15 +64,13 @@ impl LatticeStepper {
         let lanes = self.trajectories.len();
         let Trajectory { worker, extrapolation, displacement } = &mut self.trajectories[lane];
         extrapolation.predict(displacement);
-        let mut last = f64::INFINITY;
-        let mut evaluations = 0;
+        let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         loop {
             let y = worker.field_mut(self.fields.y);
             for (i, y) in y.iter_mut().enumerate() {
                 *y = x[i * lanes + lane] + displacement[i];
             }
             self.program.run(worker);
-            evaluations += 1;
             let (offset, change) =
                 (worker.field(self.fields.offset), worker.field(self.fields.increment));
             let y = worker.field(self.fields.y);
@@ -87,27 +86,21 @@ impl LatticeStepper {
                     size = size.max(correction.abs() / (x[here].abs() + change[i].abs()));
                 }
             }
-            if !finite {
-                self.finish(evaluations);
-                return Err(StepError::NonFinite { what: "a correction of the lattice" });
-            }
-            // Without an observed rate the correction itself has to be negligible.
-            let rate = if last.is_finite() { size / last } else { 1.0 };
-            let converged = size * rate.min(1.0) <= f64::EPSILON / 64.0;
-            let stagnates = size >= 0.5 * last && size <= 64.0 * f64::EPSILON;
-            if converged || stagnates || size == 0.0 {
+            let verdict = match iteration.judge(if finite { size } else { f64::NAN }) {
+                Ok(verdict) => verdict,
+                Err(error) => {
+                    self.finish(iteration.evaluations());
+                    return Err(error);
+                }
+            };
+            if verdict == Verdict::Converged {
                 for (i, change) in change.iter().enumerate() {
                     increment[i * lanes + lane] = *change;
                 }
                 extrapolation.record(displacement);
-                self.finish(evaluations);
+                self.finish(iteration.evaluations());
                 return Ok(());
             }
-            if evaluations >= MOST_EVALUATIONS {
-                self.finish(evaluations);
-                return Err(StepError::NoConvergence { evaluations, correction: size });
-            }
-            last = size;
         }
     }
 
@@ -138,8 +131,8 @@ impl Stepper for LatticeStepper {
         }
     }
 
-    fn solution(&self, lane: usize) -> Vec<f64> {
-        self.trajectories[lane].worker.field(self.fields.y).to_vec()
+    fn solution(&self, lane: usize) -> Option<Vec<f64>> {
+        self.trajectories.get(lane).map(|t| t.worker.field(self.fields.y).to_vec())
     }
 
     fn restart(&mut self) {

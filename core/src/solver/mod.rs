@@ -1,18 +1,41 @@
 //! The step solver: β̂(L(y)) = x for y, and the increment α̂ − β̂ there.
 
 mod extrapolation;
+pub mod iteration;
 mod linear;
 mod newton;
+mod properties;
+mod workers;
 
 pub use extrapolation::Extrapolation;
+pub use iteration::LinearIteration;
 pub use newton::{NewtonKernel, NewtonStepper};
+pub use properties::{MapProperties, Structure};
+pub(crate) use workers::{MakeWorkers, WorkerStepper};
 
 use crate::error::StepError;
+
+/// The largest relative remainder that ends a solve: 1/32 of a unit roundoff. Unlike rounding it has
+/// a sign and adds up in proportion to the steps; at ¼ ulp it already showed in the Casimirs of the
+/// rigid body after 10⁶ steps (1.5e-13), here it does not (4e-15), for 2 % more evaluations.
+const LARGEST_REMAINDER: f64 = f64::EPSILON / 64.0;
+
+/// DΦ = 1 + D((α̂ − β̂)∘L)·D(β̂∘L)⁻¹ from the two tangents at the solution, all row-major d × d.
+pub(crate) fn tangent_of_map(target: &[f64], change: &[f64], d: usize) -> Option<Vec<f64>> {
+    let target = nalgebra::DMatrix::from_row_slice(d, d, target);
+    let change = nalgebra::DMatrix::from_row_slice(d, d, change);
+    let tangent = nalgebra::DMatrix::identity(d, d) + change * target.lu().try_inverse()?;
+    Some(tangent.transpose().as_slice().to_vec())
+}
 
 /// A step map M → M with a fixed choice of step sizes ready to be made.
 pub trait StepMap: Send + Sync {
     /// d.
     fn dimension(&self) -> usize;
+    /// What it promises.
+    fn properties(&self) -> MapProperties;
+    /// One line for reports: names and orders.
+    fn describe(&self) -> String;
     /// A worker that steps `lanes` trajectories at once with these parameters (a structure of
     /// arrays over the lanes) and step sizes.
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper>;
@@ -30,8 +53,17 @@ pub trait Stepper: Send {
         increment: &mut [f64],
         outcome: &mut [Result<(), StepError>],
     );
-    /// The solution y of β̂(L(y)) = x of a lane's last step.
-    fn solution(&self, lane: usize) -> Vec<f64>;
+    /// The solution y of β̂(L(y)) = x of a lane's last step, `None` for a map without a bisection.
+    fn solution(&self, lane: usize) -> Option<Vec<f64>> {
+        let _ = lane;
+        None
+    }
+    /// DΦ of a lane's last step, row-major d × d, exact through the solve; `None` where it is not
+    /// offered.
+    fn tangent(&mut self, lane: usize) -> Option<Vec<f64>> {
+        let _ = lane;
+        None
+    }
     /// Forgets earlier steps: the next solve starts cold.
     fn restart(&mut self);
     /// Work done so far.

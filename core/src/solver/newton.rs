@@ -7,7 +7,7 @@ use leafwise_expression::{Graph, Kernel, OperationCount, Term, Workspace};
 
 use super::extrapolation::Extrapolation;
 use super::linear::solve_in_place;
-use super::{SolverStatistics, StepMap, Stepper};
+use super::{LARGEST_REMAINDER, SolverStatistics, Stepper, tangent_of_map};
 use crate::error::{BuildError, StepError};
 use crate::realization::SourceTarget;
 
@@ -17,11 +17,6 @@ const MOST_EVALUATIONS: usize = 50;
 
 /// How much larger than the observed convergence constant the true one may be.
 const SAFETY: f64 = 4.0;
-
-/// The largest relative remainder that ends a solve: 1/32 of a unit roundoff. Unlike rounding it has
-/// a sign and adds up in proportion to the steps; at ¼ ulp it already showed in the Casimirs of the
-/// rigid body after 10⁶ steps (1.5e-13), here it does not (4e-15), for 2 % more evaluations.
-const LARGEST_REMAINDER: f64 = f64::EPSILON / 64.0;
 
 /// The code of one Newton iteration: y ↦ base − y, β̂ − base, α̂ − β̂, their Jacobians, the guard.
 #[derive(Clone, Debug)]
@@ -73,29 +68,6 @@ impl NewtonKernel {
         })
     }
 
-    /// A workspace for [`tangents`](Self::tangents), one lane.
-    pub fn workspace(&self, parameters: &[f64], epsilon: f64, h: f64) -> Workspace {
-        let mut workspace = self.kernel.workspace(1);
-        self.kernel
-            .prepare(&mut workspace, parameters, &[epsilon], &[h]);
-        workspace
-    }
-
-    /// D(β̂∘L)(y) and D((α̂ − β̂)∘L)(y), row-major.
-    pub fn tangents(&self, workspace: &mut Workspace, y: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let d = self.dimension;
-        for (i, value) in y.iter().enumerate() {
-            workspace.input_mut(i)[0] = *value;
-        }
-        self.kernel.evaluate_in_place(workspace);
-        let matrix = |from: usize| {
-            (from..from + d * d)
-                .map(|at| self.kernel.output(workspace, at)[0])
-                .collect()
-        };
-        (matrix(3 * d), matrix(3 * d + d * d))
-    }
-
     /// Operations of one Newton iteration, the linear solve apart.
     pub fn operations(&self) -> OperationCount {
         self.kernel.step_operations()
@@ -109,16 +81,6 @@ impl NewtonKernel {
     /// Operations once for each choice of parameters and step sizes.
     pub fn coefficient_operations(&self) -> OperationCount {
         self.kernel.coefficient_operations()
-    }
-}
-
-impl StepMap for NewtonKernel {
-    fn dimension(&self) -> usize {
-        self.dimension
-    }
-
-    fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
-        Box::new(NewtonStepper::new(self, lanes, parameters, epsilon, h))
     }
 }
 
@@ -344,8 +306,20 @@ impl Stepper for NewtonStepper {
         }
     }
 
-    fn solution(&self, lane: usize) -> Vec<f64> {
-        self.lanes[lane].y.clone()
+    fn solution(&self, lane: usize) -> Option<Vec<f64>> {
+        self.lanes.get(lane).map(|lane| lane.y.clone())
+    }
+
+    fn tangent(&mut self, lane: usize) -> Option<Vec<f64>> {
+        let d = self.dimension;
+        for i in 0..d {
+            self.workspace.input_mut(i)[lane] = self.lanes[lane].y[i];
+        }
+        self.kernel.evaluate_in_place(&mut self.workspace);
+        let matrix = |from: usize| -> Vec<f64> {
+            (from..from + d * d).map(|at| self.output(at, lane)).collect()
+        };
+        tangent_of_map(&matrix(3 * d), &matrix(3 * d + d * d), d)
     }
 
     fn restart(&mut self) {

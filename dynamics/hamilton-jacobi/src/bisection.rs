@@ -48,6 +48,11 @@ impl DynamicApproximation for HamiltonJacobi {
         self.order
     }
 
+    /// S is odd in h (paper, Proposition 1), so the map is its own adjoint.
+    fn self_adjoint(&self) -> Option<bool> {
+        Some(true)
+    }
+
     fn describe(&self) -> String {
         format!("{} m = {}", crate::register::INFO.name, self.order)
     }
@@ -55,7 +60,7 @@ impl DynamicApproximation for HamiltonJacobi {
     fn bisection(
         &self,
         system: &PoissonSystem,
-        realization: &dyn RealizationData,
+        realization: &Arc<dyn RealizationData>,
     ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
         let series = realization
             .series()
@@ -65,14 +70,15 @@ impl DynamicApproximation for HamiltonJacobi {
                 reason: "it offers no series of its source map in a cotangent chart".to_owned(),
             })?;
         let generating = generating_function(system, series, self.order)?;
-        Ok(Arc::new(GraphOfDifferential { generating }))
+        Ok(Arc::new(GraphOfDifferential { generating, realization: Arc::clone(realization) }))
     }
 }
 
-/// y ↦ (y, dŜ_{ε,h}(y)).
+/// y ↦ χ(y, dŜ_{ε,h}(y)), χ the realization's chart about σ; (y, dŜ(y)) itself on T*M.
 #[derive(Clone, Debug)]
 struct GraphOfDifferential {
     generating: GeneratingFunction,
+    realization: Arc<dyn RealizationData>,
 }
 
 impl LagrangianBisection for GraphOfDifferential {
@@ -105,6 +111,9 @@ impl BisectionCode for GraphOfDifferential {
             power = graph.multiply(&power, &square);
         }
         let p = lift(graph, &self.generating.ring, &outputs, y)?;
-        Ok(y.iter().cloned().chain(p).collect())
+        match self.realization.chart() {
+            None => Ok(y.iter().cloned().chain(p).collect()),
+            Some(chart) => chart.point(graph, epsilon, y, &p),
+        }
     }
 }

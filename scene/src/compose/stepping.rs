@@ -1,7 +1,6 @@
 //! The integrator of a scene: written out, or by templates over a lattice.
 
 use leafwise_core::lattice::{LatticeGeometry, LatticeMethod, LatticeObservables};
-use leafwise_core::realization::Accuracy;
 use leafwise_core::{DynamicApproximation, Method, RealizationData, StepMap};
 
 /// How a scene's steps are taken.
@@ -59,11 +58,7 @@ impl Stepping {
 
     /// Theorem 2's bound on the order in t.
     pub fn declared_order(&self) -> usize {
-        let m = self.dynamics().order();
-        match self.realization().accuracy() {
-            Accuracy::Exact => m,
-            Accuracy::Order(n) => n.min(m),
-        }
+        self.map().properties().order
     }
 
     /// The lattice, if it is one.
@@ -77,20 +72,17 @@ impl Stepping {
     /// What one iteration of the solver costs: labels and counts.
     pub fn costs(&self) -> Vec<(&'static str, String)> {
         match self {
-            Self::Written(method) => vec![
-                (
-                    "One Newton iteration",
-                    method.newton().operations().to_string(),
-                ),
-                (
-                    "Residual alone",
-                    method.newton().residual_operations().to_string(),
-                ),
-                (
-                    "Coefficients, once",
-                    method.newton().coefficient_operations().to_string(),
-                ),
-            ],
+            Self::Written(method) => match method.newton() {
+                None => vec![("Path", method.path())],
+                Some(newton) => vec![
+                    ("One Newton iteration", newton.operations().to_string()),
+                    ("Residual alone", newton.residual_operations().to_string()),
+                    (
+                        "Coefficients, once",
+                        newton.coefficient_operations().to_string(),
+                    ),
+                ],
+            },
             Self::Lattice(lattice) => {
                 let program = lattice.method.program();
                 let sites = lattice.method.geometry().length();

@@ -96,11 +96,11 @@ impl Beginning {
                 )
             })
             .collect();
-        let kernels = match run.method.written() {
-            Some(method) => json!({
-                "newton_iteration": operations(method.newton().operations()),
-                "residual": operations(method.newton().residual_operations()),
-                "coefficients": operations(method.newton().coefficient_operations()),
+        let kernels = match run.method.written().and_then(|method| method.newton()) {
+            Some(newton) => json!({
+                "newton_iteration": operations(newton.operations()),
+                "residual": operations(newton.residual_operations()),
+                "coefficients": operations(newton.coefficient_operations()),
             }),
             None => run
                 .method

@@ -1,0 +1,182 @@
+//! Workers made of straight-line code, for parts that meet one that computes numbers.
+
+use std::sync::Arc;
+
+use leafwise_expression::{Arithmetic, Graph, Kernel, StepSize, Term, Workspace};
+
+use crate::dynamics::{BisectionCode, BisectionWorker};
+use crate::error::{BuildError, StepError};
+use crate::realization::{Ends, RealizationCode, RealizationWorker};
+
+/// A realization's maps and their tangents as kernels of z.
+#[derive(Clone, Debug)]
+pub(crate) struct CodeRealization {
+    ends: Arc<Kernel>,
+    tangents: Arc<Kernel>,
+    dimension: usize,
+    has_guard: bool,
+}
+
+impl CodeRealization {
+    pub(crate) fn compile(
+        code: &dyn RealizationCode,
+        d: usize,
+        space: usize,
+        parameters: usize,
+    ) -> Result<Self, BuildError> {
+        let mut graph = Graph::new();
+        let z: Vec<Term> = (0..space).map(|i| graph.input(i)).collect();
+        let epsilon = graph.step_size(StepSize::Epsilon);
+        let code = code.source_and_target(&mut graph, &epsilon, &z)?;
+        let mut outputs = [code.base.clone(), code.offset.clone(), code.increment.clone()].concat();
+        if let Some((first, last)) = &code.guard {
+            outputs.extend_from_slice(first);
+            outputs.extend_from_slice(last);
+        }
+        let ends = Kernel::compile(&graph, &outputs, parameters, space);
+        let mut outputs = Vec::with_capacity(2 * d * space);
+        for i in 0..d {
+            let target = graph.add(&code.base[i], &code.offset[i]);
+            for k in 0..space {
+                outputs.push(graph.derivative(&target, k)?);
+            }
+        }
+        for i in 0..d {
+            for k in 0..space {
+                outputs.push(graph.derivative(&code.increment[i], k)?);
+            }
+        }
+        let tangents = Kernel::compile(&graph, &outputs, parameters, space);
+        Ok(Self {
+            ends: Arc::new(ends),
+            tangents: Arc::new(tangents),
+            dimension: d,
+            has_guard: code.guard.is_some(),
+        })
+    }
+
+    pub(crate) fn worker(&self, parameters: &[f64], epsilon: f64) -> Box<dyn RealizationWorker> {
+        Box::new(CodeRealizationWorker {
+            ends: prepared(&self.ends, parameters, epsilon, 1.0),
+            tangents: prepared(&self.tangents, parameters, epsilon, 1.0),
+            z: vec![0.0; self.ends.inputs()],
+            code: self.clone(),
+        })
+    }
+}
+
+fn prepared(kernel: &Kernel, parameters: &[f64], epsilon: f64, h: f64) -> Workspace {
+    let mut workspace = kernel.workspace(1);
+    kernel.prepare(&mut workspace, parameters, &[epsilon], &[h]);
+    workspace
+}
+
+fn write_input(workspace: &mut Workspace, values: &[f64]) {
+    for (i, value) in values.iter().enumerate() {
+        workspace.input_mut(i)[0] = *value;
+    }
+}
+
+struct CodeRealizationWorker {
+    code: CodeRealization,
+    ends: Workspace,
+    tangents: Workspace,
+    z: Vec<f64>,
+}
+
+impl RealizationWorker for CodeRealizationWorker {
+    fn ends(&mut self, z: &[f64], ends: &mut Ends) -> Result<(), StepError> {
+        let d = self.code.dimension;
+        self.z.copy_from_slice(z);
+        write_input(&mut self.ends, z);
+        let kernel = &self.code.ends;
+        kernel.evaluate_in_place(&mut self.ends);
+        let output = |index: usize| kernel.output(&self.ends, index)[0];
+        for i in 0..d {
+            ends.base[i] = output(i);
+            ends.offset[i] = output(d + i);
+            ends.increment[i] = output(2 * d + i);
+        }
+        if self.code.has_guard {
+            let size = |from: usize| (from..from + d).fold(0.0_f64, |m, i| m.max(output(i).abs()));
+            let (first, last) = (size(3 * d), size(4 * d));
+            if last >= first && last > 0.0 {
+                return Err(StepError::LeftChart { ratio: last / first });
+            }
+        }
+        Ok(())
+    }
+
+    fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError> {
+        write_input(&mut self.tangents, &self.z);
+        let kernel = &self.code.tangents;
+        kernel.evaluate_in_place(&mut self.tangents);
+        for (index, value) in target.iter_mut().chain(increment.iter_mut()).enumerate() {
+            *value = kernel.output(&self.tangents, index)[0];
+        }
+        Ok(())
+    }
+}
+
+/// A bisection and its tangent as a kernel of y.
+#[derive(Clone, Debug)]
+pub(crate) struct CodeBisection {
+    kernel: Arc<Kernel>,
+    space: usize,
+}
+
+impl CodeBisection {
+    pub(crate) fn compile(
+        code: &dyn BisectionCode,
+        d: usize,
+        space: usize,
+        parameters: usize,
+    ) -> Result<Self, BuildError> {
+        let mut graph = Graph::new();
+        let y: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
+        let epsilon = graph.step_size(StepSize::Epsilon);
+        let h = graph.step_size(StepSize::H);
+        let mut outputs = code.point(&mut graph, &epsilon, &h, &y)?;
+        for i in 0..space {
+            let coordinate = outputs[i].clone();
+            for j in 0..d {
+                outputs.push(graph.derivative(&coordinate, j)?);
+            }
+        }
+        let kernel = Kernel::compile(&graph, &outputs, parameters, d);
+        Ok(Self { kernel: Arc::new(kernel), space })
+    }
+
+    pub(crate) fn worker(
+        &self,
+        parameters: &[f64],
+        epsilon: f64,
+        h: f64,
+    ) -> Box<dyn BisectionWorker> {
+        let workspace = prepared(&self.kernel, parameters, epsilon, h);
+        Box::new(CodeBisectionWorker { code: self.clone(), workspace })
+    }
+}
+
+struct CodeBisectionWorker {
+    code: CodeBisection,
+    workspace: Workspace,
+}
+
+impl BisectionWorker for CodeBisectionWorker {
+    fn point(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
+        write_input(&mut self.workspace, y);
+        self.code.kernel.evaluate_in_place(&mut self.workspace);
+        for (index, value) in z.iter_mut().enumerate() {
+            *value = self.code.kernel.output(&self.workspace, index)[0];
+        }
+        Ok(())
+    }
+
+    fn tangent(&mut self, tangent: &mut [f64]) -> Result<(), StepError> {
+        for (index, value) in tangent.iter_mut().enumerate() {
+            *value = self.code.kernel.output(&self.workspace, self.code.space + index)[0];
+        }
+        Ok(())
+    }
+}
