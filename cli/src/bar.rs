@@ -22,7 +22,7 @@ impl Bar {
             ProgressDrawTarget::hidden()
         };
         let bar = ProgressBar::with_draw_target(Some(steps), target);
-        let template = "  {bar:30} {percent:>3} %  {human_pos} of {human_len} steps  {msg}  {eta}";
+        let template = "  {bar:20} {percent:>3} %  {human_pos} of {human_len} steps  {msg}  {eta}";
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style.progress_chars("━━─"));
         }

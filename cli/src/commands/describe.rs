@@ -22,16 +22,24 @@ const WIDTH: usize = 88;
 pub fn execute(arguments: &DescribeArguments, console: &mut Console<'_>) -> Result<u8, Failure> {
     let name = arguments.name.as_str();
     let registry = Registry::with_builtin();
-    let (lines, object) =
-        if let Some(info) = registry.parts().into_iter().find(|info| info.name == name) {
-            (part(info), json!(info))
-        } else if let Some(system) = leafwise::systems::find(name) {
-            system_text(system).map_err(|error| Failure::usage(error.to_string(), "report this"))?
-        } else if let Some(algebra) = LieAlgebra::find(name) {
-            lie_algebra(algebra)
-        } else {
-            return Err(unknown(name, &registry));
-        };
+    let mut found: Vec<(Vec<String>, Value)> = Vec::new();
+    if let Some(info) = registry.parts().into_iter().find(|info| info.name == name) {
+        found.push((part(info), json!(info)));
+    }
+    if let Some(system) = leafwise::systems::find(name) {
+        let text = system_text(system);
+        found.push(text.map_err(|error| Failure::usage(error.to_string(), "report this"))?);
+    }
+    found.extend(LieAlgebra::find(name).map(lie_algebra));
+    // A name may stand for a system and for the Lie algebra it lives on.
+    let Some((mut lines, mut object)) = found.pop() else {
+        return Err(unknown(name, &registry));
+    };
+    while let Some((before, outer)) = found.pop() {
+        lines = [before, vec![String::new()], lines].concat();
+        let inner = std::mem::replace(&mut object, outer);
+        object["lie_algebra"] = inner;
+    }
     if arguments.json {
         console.json(&object);
     } else {

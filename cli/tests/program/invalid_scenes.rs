@@ -209,6 +209,13 @@ fn a_division_by_what_is_identically_zero_is_refused() {
         "5:16",
         &["identically zero"],
     );
+    refused(
+        "x1^2/(2*I1)",
+        "ln(-1)",
+        "5:16",
+        &["`ln` of -1 has no finite value"],
+    );
+    refused("x1^2/(2*I1)", "x1^x2", "5:16", &["write exp(b*ln(a))"]);
 }
 
 #[test]
@@ -285,8 +292,15 @@ fn a_tensor_that_violates_jacobi_fails_its_check_and_does_not_run_unless_told() 
     said.says(&["scene.toml:4:15", "the Jacobi identity fails for"]);
     assert!(here.is_untouched(), "something was written");
 
+    // Told to, it runs, whatever the Casimirs are then.
+    let scene = broken().replace(
+        "casimirs    = {}",
+        "casimirs    = { square = \"p1^2 + l2\" }",
+    );
+    here.write("scene.toml", &scene);
     let said = here.leafwise(&["run", "scene.toml", "--allow-non-poisson"]);
     assert_eq!(said.code, Some(0), "{}", said.err);
+    said.says(&["square"]);
 }
 
 #[test]

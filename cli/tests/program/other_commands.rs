@@ -27,6 +27,9 @@ fn every_listed_name_is_described() {
         }
     }
     assert!(count >= 20, "{count} names");
+    let both = here.leafwise(&["describe", "so4", "--json"]).json();
+    assert_eq!(both["kind"], "system");
+    assert_eq!(both["lie_algebra"]["kind"], "lie-algebra");
     let one = here.leafwise(&["list", "dynamics"]);
     assert!(
         one.out.contains("hamilton-jacobi") && !one.out.contains("karasev"),

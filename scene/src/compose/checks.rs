@@ -69,12 +69,15 @@ impl SceneChecks {
                 .collect();
             names.join(", ")
         };
-        if self.jacobi.verdict == Verdict::Violated && !allow_non_poisson {
+        if self.jacobi.verdict == Verdict::Violated {
+            if allow_non_poisson {
+                return None;
+            }
             return Some(Box::new(document.diagnostic(
                 &document.system.bracket.place(),
                 format!(
-                    "the bracket is not Poisson: the Jacobi identity fails for {}, by {:.2e} of \
-                     its terms",
+                    "the bracket is not Poisson: the Jacobi identity fails for {}, where the sum is \
+                     {:.2e} of its terms' size",
                     names(&self.jacobi.worst),
                     self.jacobi.residual
                 ),
@@ -91,8 +94,8 @@ impl SceneChecks {
         Some(Box::new(document.diagnostic(
             &document.place_in_formula(formula, 0..formula.value.len()),
             format!(
-                "`{}` is not a Casimir: its bracket with {} does not vanish, by {:.2e} of its \
-                 terms",
+                "`{}` is not a Casimir: its bracket with {} does not vanish, the sum is {:.2e} of \
+                 its terms' size",
                 name.value,
                 names(&check.worst),
                 check.residual

@@ -150,12 +150,14 @@ impl ComposedRun {
 
 /// Parts that do not fit each other or the system.
 fn method_refusal(document: &SceneDocument, error: &BuildError) -> Refusal {
+    let hamiltonian = &document.system.hamiltonian;
+    let formula = document.place_in_formula(hamiltonian, 0..hamiltonian.value.len());
     let part = |spec: &Option<PartSpec>| spec.as_ref().map(|spec| spec.name.place());
     let place = match error {
-        BuildError::Algebra(_) => document.system.hamiltonian.place(),
+        BuildError::Algebra(_) => formula,
         _ => part(&document.method.dynamics)
             .or_else(|| part(&document.method.realization))
-            .unwrap_or_else(|| document.system.hamiltonian.place()),
+            .unwrap_or(formula),
     };
     Box::new(document.diagnostic(&place, error.to_string(), "here", None))
 }

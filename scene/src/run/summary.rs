@@ -182,14 +182,17 @@ fn facts(run: &ComposedRun, report: &RunReport) -> Vec<(String, String)> {
         (
             "Integration".to_owned(),
             format!(
-                "{:.3} s, {:.0} steps a second",
-                report.wall_seconds,
+                "{} s, {:.0} steps a second",
+                rounded(report.wall_seconds, 3),
                 report.steps as f64 / report.wall_seconds.max(1e-9)
             ),
         ),
         (
             "Samples".to_owned(),
-            format!("{}, every {} steps", report.samples, run.plan.every),
+            match run.plan.every {
+                1 => format!("{}, at every step", report.samples),
+                every => format!("{}, every {every} steps", report.samples),
+            },
         ),
         ("Data".to_owned(), report.directory.display().to_string()),
     ];
@@ -207,7 +210,12 @@ fn facts(run: &ComposedRun, report: &RunReport) -> Vec<(String, String)> {
 
 /// A number with up to twelve digits.
 fn short(value: f64) -> String {
-    let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
+    rounded(value, 12)
+}
+
+/// A number with up to this many digits, at least one.
+fn rounded(value: f64, digits: usize) -> String {
+    let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
     if rounded == 0.0 || (1e-4..1e9).contains(&rounded.abs()) {
         format!("{rounded}")
     } else {
@@ -346,5 +354,6 @@ mod tests {
         assert_eq!(short(0.1 * 2.0 * 1000.0), "200");
         assert_eq!(short(0.30000000000000004), "0.3");
         assert_eq!(short(6e-25), "6e-25");
+        assert_eq!(rounded(0.005_192_3, 3), "0.00519");
     }
 }

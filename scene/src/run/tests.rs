@@ -86,6 +86,41 @@ fn an_interrupted_run_resumes_to_the_same_bits() {
 }
 
 #[test]
+fn an_interrupted_lattice_resumes_to_the_same_bits() {
+    let lattice = r#"
+[system]
+families    = { x = 100 }
+bracket     = { "x[i],x[i+1]" = "x[i]*x[i+1]" }
+boundary    = "periodic"
+hamiltonian = "sum(i, x[i] + x[i]^2/8)"
+casimirs    = { logarithm = "sum(i, ln(x[i]))" }
+[method]
+realization = { name = "karasev-truncated", order = 2 }
+dynamics    = { name = "hamilton-jacobi", order = 2 }
+time-step   = 0.05
+[run]
+initial = { "x[i]" = "1 + 0.1*sin(2*pi*i/N)" }
+steps   = 1000
+record  = { every = 3, observables = ["energy", "sum(i, x[i]^2)"] }
+"#;
+    let root = tempfile::tempdir().expect("a directory");
+    let (whole, pieces) = (root.path().join("whole"), root.path().join("pieces"));
+    let reference = attempt(lattice, &whole, false, &mut Quiet).expect("a run");
+    assert_eq!(reference.outcome, RunOutcome::Done);
+    while attempt(lattice, &pieces, false, &mut StopAfter(5))
+        .expect("a session")
+        .outcome
+        == RunOutcome::Interrupted
+    {}
+    for file in ["samples.csv", "windows.csv", "final_state.bin"] {
+        let read = |directory: &Path| fs::read(directory.join(file)).expect(file);
+        assert!(read(&whole) == read(&pieces), "{file} differs");
+    }
+    let report = fs::read_to_string(pieces.join("report.html")).expect("a report");
+    assert!(report.contains("x over space and time"));
+}
+
+#[test]
 fn a_finished_run_and_a_changed_scene_are_refused_and_force_replaces() {
     let root = tempfile::tempdir().expect("a directory");
     let path = root.path().join("run");
