@@ -33,7 +33,10 @@ fn lattice(criterion: &mut Criterion) {
             bencher.iter_batched(|| run.integrator(), advance, BatchSize::PerIteration);
         });
         let statistics = advance(run.integrator()).statistics();
-        eprintln!("  {:.2} evaluations a step", statistics.evaluations_per_step());
+        eprintln!(
+            "  {:.2} evaluations a step",
+            statistics.evaluations_per_step()
+        );
     }
     group.finish();
 }

@@ -18,8 +18,17 @@ pub fn scene(library: &str, initial: &str, n: usize, m: usize, time_step: f64) -
 
 /// The Volterra lattice on a ring of `sites` sites, n = m = 2.
 pub fn lattice_scene(sites: usize) -> String {
-    scene("volterra-lattice", "{ \"x[i]\" = \"1 + 0.1*sin(2*pi*i/N)\" }", 2, 2, 0.1)
-        .replace("\"volterra-lattice\"", &format!("\"volterra-lattice\"\nfamilies = {{ x = {sites} }}"))
+    scene(
+        "volterra-lattice",
+        "{ \"x[i]\" = \"1 + 0.1*sin(2*pi*i/N)\" }",
+        2,
+        2,
+        0.1,
+    )
+    .replace(
+        "\"volterra-lattice\"",
+        &format!("\"volterra-lattice\"\nfamilies = {{ x = {sites} }}"),
+    )
 }
 
 /// The rigid body of the paper from (1, 3, 3).

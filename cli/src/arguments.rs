@@ -104,6 +104,10 @@ pub enum Kind {
     Realizations,
     /// Dynamic approximations
     Dynamics,
+    /// Step maps that need no realization
+    Steppers,
+    /// Compositions of step maps
+    Compositions,
     /// Linear brackets known by name
     LieAlgebras,
 }

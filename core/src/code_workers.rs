@@ -28,7 +28,12 @@ impl CodeRealization {
         let z: Vec<Term> = (0..space).map(|i| graph.input(i)).collect();
         let epsilon = graph.step_size(StepSize::Epsilon);
         let code = code.source_and_target(&mut graph, &epsilon, &z)?;
-        let mut outputs = [code.base.clone(), code.offset.clone(), code.increment.clone()].concat();
+        let mut outputs = [
+            code.base.clone(),
+            code.offset.clone(),
+            code.increment.clone(),
+        ]
+        .concat();
         if let Some((first, last)) = &code.guard {
             outputs.extend_from_slice(first);
             outputs.extend_from_slice(last);
@@ -101,7 +106,9 @@ impl RealizationWorker for CodeRealizationWorker {
             let size = |from: usize| (from..from + d).fold(0.0_f64, |m, i| m.max(output(i).abs()));
             let (first, last) = (size(3 * d), size(4 * d));
             if last >= first && last > 0.0 {
-                return Err(StepError::LeftChart { ratio: last / first });
+                return Err(StepError::LeftChart {
+                    ratio: last / first,
+                });
             }
         }
         Ok(())
@@ -144,7 +151,10 @@ impl CodeBisection {
             }
         }
         let kernel = Kernel::compile(&graph, &outputs, parameters, d);
-        Ok(Self { kernel: Arc::new(kernel), space })
+        Ok(Self {
+            kernel: Arc::new(kernel),
+            space,
+        })
     }
 
     pub(crate) fn worker(
@@ -154,7 +164,10 @@ impl CodeBisection {
         h: f64,
     ) -> Box<dyn BisectionWorker> {
         let workspace = prepared(&self.kernel, parameters, epsilon, h);
-        Box::new(CodeBisectionWorker { code: self.clone(), workspace })
+        Box::new(CodeBisectionWorker {
+            code: self.clone(),
+            workspace,
+        })
     }
 }
 
@@ -175,7 +188,10 @@ impl BisectionWorker for CodeBisectionWorker {
 
     fn tangent(&mut self, tangent: &mut [f64]) -> Result<(), StepError> {
         for (index, value) in tangent.iter_mut().enumerate() {
-            *value = self.code.kernel.output(&self.workspace, self.code.space + index)[0];
+            *value = self
+                .code
+                .kernel
+                .output(&self.workspace, self.code.space + index)[0];
         }
         Ok(())
     }

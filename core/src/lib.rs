@@ -33,6 +33,7 @@ pub use dynamics::{
 };
 pub use error::{BuildError, StepError};
 pub use integrator::Integrator;
+pub use lattice::LatticeMethod;
 pub use method::Method;
 pub use part::{PartInfo, PartKind, PartParameters};
 pub use realization::{
@@ -40,6 +41,5 @@ pub use realization::{
     SourceRecursion, SourceSeries, SourceTarget,
 };
 pub use registry::Registry;
-pub use lattice::LatticeMethod;
 pub use solver::{MapProperties, Observe, SolverStatistics, StepMap, Stepper, Structure};
 pub use system::{Convention, PoissonSystem};

@@ -32,7 +32,10 @@ enum Path {
     /// The realization brought its own solve.
     Fused(Arc<dyn StepMap>),
     /// At least one part computes numbers.
-    Workers { code: Option<CodeRealization>, points: Option<CodeBisection> },
+    Workers {
+        code: Option<CodeRealization>,
+        points: Option<CodeBisection>,
+    },
 }
 
 impl std::fmt::Debug for Path {
@@ -62,7 +65,12 @@ impl Method {
         let fused = Arc::clone(&realization).fuse(system, Arc::clone(&bisection), properties);
         if let Some(fused) = fused {
             let path = Path::Fused(Arc::from(fused?));
-            return Ok(Self { realization, dynamics, bisection, path });
+            return Ok(Self {
+                realization,
+                dynamics,
+                bisection,
+                path,
+            });
         }
         Self::compose_generic(system, realization, dynamics, bisection)
     }
@@ -124,7 +132,12 @@ impl Method {
                 Path::Workers { code, points }
             }
         };
-        Ok(Self { realization, dynamics, bisection, path })
+        Ok(Self {
+            realization,
+            dynamics,
+            bisection,
+            path,
+        })
     }
 
     /// The geometric approximation R̂_ε.
@@ -173,7 +186,11 @@ pub(crate) fn properties_of(
         (Accuracy::Order(n), Correction::Bisection) => (n.min(m), Structure::Order(n)),
         (Accuracy::Order(n), Correction::None) => (n.min(m), Structure::Order(n.min(m))),
     };
-    MapProperties { order, structure, self_adjoint: dynamics.self_adjoint() }
+    MapProperties {
+        order,
+        structure,
+        self_adjoint: dynamics.self_adjoint(),
+    }
 }
 
 impl StepMap for Method {
@@ -186,7 +203,11 @@ impl StepMap for Method {
     }
 
     fn describe(&self) -> String {
-        format!("{} + {}", self.realization.describe(), self.dynamics.describe())
+        format!(
+            "{} + {}",
+            self.realization.describe(),
+            self.dynamics.describe()
+        )
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {

@@ -1,6 +1,7 @@
 //! Parts by name: what they are, what parameters they take, where they come from.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use serde::Serialize;
 
@@ -42,8 +43,80 @@ pub struct ParameterInfo {
     pub name: &'static str,
     /// What it means and what is allowed.
     pub summary: &'static str,
-    /// The value taken when the scene names none.
-    pub default: i64,
+    /// The value taken when the scene names none; its type is the parameter's.
+    pub default: ParameterDefault,
+}
+
+/// The type of a part's parameter with its default.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum ParameterDefault {
+    /// A whole number.
+    Integer(i64),
+    /// A number.
+    Real(f64),
+    /// A word.
+    Text(&'static str),
+}
+
+impl fmt::Display for ParameterDefault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Integer(value) => value.fmt(f),
+            Self::Real(value) => value.fmt(f),
+            Self::Text(value) => value.fmt(f),
+        }
+    }
+}
+
+/// A value given to a part's parameter.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum ParameterSetting {
+    /// A whole number.
+    Integer(i64),
+    /// A number.
+    Real(f64),
+    /// A word.
+    Text(String),
+}
+
+impl fmt::Display for ParameterSetting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Integer(value) => value.fmt(f),
+            Self::Real(value) => value.fmt(f),
+            Self::Text(value) => value.fmt(f),
+        }
+    }
+}
+
+impl From<i64> for ParameterSetting {
+    fn from(value: i64) -> Self {
+        Self::Integer(value)
+    }
+}
+
+impl From<f64> for ParameterSetting {
+    fn from(value: f64) -> Self {
+        Self::Real(value)
+    }
+}
+
+impl From<&str> for ParameterSetting {
+    fn from(value: &str) -> Self {
+        Self::Text(value.to_owned())
+    }
+}
+
+impl From<ParameterDefault> for ParameterSetting {
+    fn from(value: ParameterDefault) -> Self {
+        match value {
+            ParameterDefault::Integer(value) => Self::Integer(value),
+            ParameterDefault::Real(value) => Self::Real(value),
+            ParameterDefault::Text(value) => Self::Text(value.to_owned()),
+        }
+    }
 }
 
 /// What a part declares about itself.
@@ -66,9 +139,9 @@ pub struct PartInfo {
 }
 
 /// The parameters a scene gives to a part.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PartParameters {
-    values: BTreeMap<String, i64>,
+    values: BTreeMap<String, ParameterSetting>,
 }
 
 impl PartParameters {
@@ -78,8 +151,8 @@ impl PartParameters {
     }
 
     /// The same with one more.
-    pub fn with(mut self, name: impl Into<String>, value: i64) -> Self {
-        self.values.insert(name.into(), value);
+    pub fn with(mut self, name: impl Into<String>, value: impl Into<ParameterSetting>) -> Self {
+        self.values.insert(name.into(), value.into());
         self
     }
 
@@ -88,7 +161,7 @@ impl PartParameters {
     /// # Errors
     /// [`BuildError::UnknownParameter`] when a given name is not one of `info`'s, or the one asked
     /// for is not.
-    pub fn get(&self, info: &PartInfo, name: &str) -> Result<i64, BuildError> {
+    pub fn setting(&self, info: &PartInfo, name: &str) -> Result<ParameterSetting, BuildError> {
         let known = |parameter: &str| info.parameters.iter().find(|p| p.name == parameter);
         let unknown = |parameter: &str| BuildError::UnknownParameter {
             part: info.name,
@@ -104,6 +177,64 @@ impl PartParameters {
             return Err(unknown(stranger));
         }
         let parameter = known(name).ok_or_else(|| unknown(name))?;
-        Ok(self.values.get(name).copied().unwrap_or(parameter.default))
+        Ok(self
+            .values
+            .get(name)
+            .cloned()
+            .unwrap_or_else(|| parameter.default.into()))
+    }
+
+    /// A whole number.
+    ///
+    /// # Errors
+    /// Those of [`setting`](Self::setting), and [`BuildError::Parameter`] for another type.
+    pub fn get(&self, info: &PartInfo, name: &str) -> Result<i64, BuildError> {
+        match self.setting(info, name)? {
+            ParameterSetting::Integer(value) => Ok(value),
+            other => Err(wrong_type(info, name, &other, "a whole number")),
+        }
+    }
+
+    /// A number.
+    ///
+    /// # Errors
+    /// Those of [`setting`](Self::setting), and [`BuildError::Parameter`] for another type.
+    pub fn real(&self, info: &PartInfo, name: &str) -> Result<f64, BuildError> {
+        match self.setting(info, name)? {
+            ParameterSetting::Integer(value) => Ok(value as f64),
+            ParameterSetting::Real(value) => Ok(value),
+            other => Err(wrong_type(info, name, &other, "a number")),
+        }
+    }
+
+    /// One of the words `allowed`.
+    ///
+    /// # Errors
+    /// Those of [`setting`](Self::setting), and [`BuildError::Parameter`] for anything else.
+    pub fn word(
+        &self,
+        info: &PartInfo,
+        name: &str,
+        allowed: &[&'static str],
+    ) -> Result<&'static str, BuildError> {
+        let value = self.setting(info, name)?;
+        let expected = || format!("one of {}", allowed.join(", "));
+        match &value {
+            ParameterSetting::Text(word) => allowed
+                .iter()
+                .find(|known| *known == word)
+                .copied()
+                .ok_or_else(|| wrong_type(info, name, &value, &expected())),
+            other => Err(wrong_type(info, name, other, &expected())),
+        }
+    }
+}
+
+fn wrong_type(info: &PartInfo, name: &str, value: &ParameterSetting, expected: &str) -> BuildError {
+    BuildError::Parameter {
+        part: info.name,
+        parameter: name.to_owned(),
+        value: value.to_string(),
+        expected: format!("`{name}` is {expected}"),
     }
 }

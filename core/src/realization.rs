@@ -133,7 +133,11 @@ impl Ends {
     /// Room for dimension d.
     pub fn new(dimension: usize) -> Self {
         let room = || vec![0.0; dimension];
-        Self { base: room(), offset: room(), increment: room() }
+        Self {
+            base: room(),
+            offset: room(),
+            increment: room(),
+        }
     }
 }
 

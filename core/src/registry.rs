@@ -118,9 +118,10 @@ impl Registry {
                 BuiltIn::Stepper(part) => {
                     registry.steppers.insert(part.info().name, part).is_none()
                 }
-                BuiltIn::Composition(part) => {
-                    registry.compositions.insert(part.info().name, part).is_none()
-                }
+                BuiltIn::Composition(part) => registry
+                    .compositions
+                    .insert(part.info().name, part)
+                    .is_none(),
             };
             assert!(fresh, "two built-in parts share a name");
         }

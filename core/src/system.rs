@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use leafwise_expression::{AlgebraError, Arithmetic, Expression, Graph, Kernel, Rational, Term, Workspace};
+use leafwise_expression::{
+    AlgebraError, Arithmetic, Expression, Graph, Kernel, Rational, Term, Workspace,
+};
 
 use crate::error::BuildError;
 use crate::solver::Observe;
@@ -174,8 +176,7 @@ impl PoissonSystem {
         v: &[A::Element],
     ) -> Result<Vec<A::Element>, AlgebraError> {
         let one = Rational::one();
-        let mut rows: Vec<Vec<(Rational, A::Element)>> =
-            vec![Vec::new(); self.dimension()];
+        let mut rows: Vec<Vec<(Rational, A::Element)>> = vec![Vec::new(); self.dimension()];
         for (&(i, j), entry) in &self.tensor {
             let entry = entry.evaluate_in(arithmetic, &mut |_, at| Ok(x[at].clone()))?;
             if arithmetic.is_zero(&entry) {

@@ -25,6 +25,9 @@ impl SceneLibrary for ProblemLibrary {
     }
 
     fn ids(&self) -> Vec<&str> {
-        leafwise_systems::all().iter().map(|system| system.id).collect()
+        leafwise_systems::all()
+            .iter()
+            .map(|system| system.id)
+            .collect()
     }
 }

@@ -20,15 +20,26 @@ struct Chain {
 
 impl Chain {
     fn new(lengths: &[usize], periodic: bool, hamiltonian: &'static str) -> Self {
-        let families =
-            ["x", "y"].iter().zip(lengths).map(|(name, n)| ((*name).to_owned(), *n)).collect();
-        Self { geometry: LatticeGeometry { families, periodic }, hamiltonian }
+        let families = ["x", "y"]
+            .iter()
+            .zip(lengths)
+            .map(|(name, n)| ((*name).to_owned(), *n))
+            .collect();
+        Self {
+            geometry: LatticeGeometry { families, periodic },
+            hamiltonian,
+        }
     }
 
     fn scope(&self, geometry: &LatticeGeometry) -> Scope {
-        let boundary = if geometry.periodic { Boundary::Periodic } else { Boundary::Open };
-        let mut scope =
-            Scope::new().with_boundary(boundary).with_length(self.geometry.length());
+        let boundary = if geometry.periodic {
+            Boundary::Periodic
+        } else {
+            Boundary::Open
+        };
+        let mut scope = Scope::new()
+            .with_boundary(boundary)
+            .with_length(self.geometry.length());
         for ((name, length), offset) in geometry.families.iter().zip(geometry.offsets()) {
             scope = scope.with_family(name, offset, *length);
         }
@@ -54,8 +65,13 @@ impl LatticeSource for Chain {
             for site in 0..geometry.length() {
                 let at = Some(("i", site));
                 let ends = (a.resolve(&scope, at), b.resolve(&scope, at));
-                let (Ok(Some(a)), Ok(Some(b))) = ends else { continue };
-                let value = entry.resolve(&scope, at).expect("known names").expect("inside");
+                let (Ok(Some(a)), Ok(Some(b))) = ends else {
+                    continue;
+                };
+                let value = entry
+                    .resolve(&scope, at)
+                    .expect("known names")
+                    .expect("inside");
                 let value = if a < b {
                     value
                 } else {
@@ -65,8 +81,13 @@ impl LatticeSource for Chain {
             }
         }
         let hamiltonian = Formula::parse(self.hamiltonian).expect("a formula");
-        let hamiltonian = hamiltonian.resolve(&scope, None).expect("names").expect("inside");
-        let names = (0..geometry.dimension()).map(|c| geometry.name(c)).collect();
+        let hamiltonian = hamiltonian
+            .resolve(&scope, None)
+            .expect("names")
+            .expect("inside");
+        let names = (0..geometry.dimension())
+            .map(|c| geometry.name(c))
+            .collect();
         PoissonSystem::new(
             names,
             Vec::new(),
@@ -85,15 +106,21 @@ impl LatticeSource for Chain {
         let formula = Formula::parse(self.hamiltonian).expect("a formula");
         let density = formula
             .density(&self.scope(geometry), site)
-            .map_err(|error| BuildError::Lattice { message: error.to_string() })?;
-        Ok(vec![SiteDensity { constant: density.constant, site: density.site }])
+            .map_err(|error| BuildError::Lattice {
+                message: error.to_string(),
+            })?;
+        Ok(vec![SiteDensity {
+            constant: density.constant,
+            site: density.site,
+        }])
     }
 }
 
 fn compose(chain: &Chain, n: i64, m: i64) -> Result<LatticeMethod, BuildError> {
     let registry = Registry::with_builtin();
-    let dynamics =
-        registry.dynamics("hamilton-jacobi")?.build(&PartParameters::new().with("order", m))?;
+    let dynamics = registry
+        .dynamics("hamilton-jacobi")?
+        .build(&PartParameters::new().with("order", m))?;
     LatticeMethod::compose(
         chain,
         &|system| {
@@ -123,7 +150,9 @@ fn written_out(chain: &Chain, n: i64, m: i64) -> Method {
 /// solves of a few units in the last place.
 fn assert_agrees(chain: &Chain, n: i64, m: i64) {
     let d = chain.geometry.dimension();
-    let initial: Vec<f64> = (0..d).map(|c| 1.0 + 0.3 * libm::sin(1.7 * c as f64)).collect();
+    let initial: Vec<f64> = (0..d)
+        .map(|c| 1.0 + 0.3 * libm::sin(1.7 * c as f64))
+        .collect();
     let lattice = compose(chain, n, m).expect("a lattice method");
     let method = written_out(chain, n, m);
     let mut a = Integrator::new(&lattice, &[], 1.0, 0.02, &initial);
@@ -134,18 +163,30 @@ fn assert_agrees(chain: &Chain, n: i64, m: i64) {
     }
     for (coordinate, (a, b)) in a.state().iter().zip(b.state()).enumerate() {
         let tolerance = 20.0 * 8.0 * f64::EPSILON * b.abs().max(1.0);
-        assert!((a - b).abs() <= tolerance, "{}: {a} {b}", chain.geometry.name(coordinate));
+        assert!(
+            (a - b).abs() <= tolerance,
+            "{}: {a} {b}",
+            chain.geometry.name(coordinate)
+        );
     }
 }
 
 #[test]
 fn a_ring_equals_its_written_out_form() {
-    assert_agrees(&Chain::new(&[16], true, "sum(i, x[i] + 0.1*x[i]^2*x[i+1])"), 3, 2);
+    assert_agrees(
+        &Chain::new(&[16], true, "sum(i, x[i] + 0.1*x[i]^2*x[i+1])"),
+        3,
+        2,
+    );
 }
 
 #[test]
 fn an_open_chain_equals_its_written_out_form() {
-    assert_agrees(&Chain::new(&[14], false, "sum(i, x[i] + 0.1*x[i]^2*x[i+1])"), 3, 2);
+    assert_agrees(
+        &Chain::new(&[14], false, "sum(i, x[i] + 0.1*x[i]^2*x[i+1])"),
+        3,
+        2,
+    );
 }
 
 #[test]
@@ -156,27 +197,43 @@ fn higher_dynamic_orders_have_longer_templates() {
 
 #[test]
 fn families_of_different_lengths_share_an_open_chain() {
-    assert_agrees(&Chain::new(&[13, 14], false, "sum(i, x[i]*y[i]) + sum(i, y[i]^2)/2"), 2, 2);
+    assert_agrees(
+        &Chain::new(&[13, 14], false, "sum(i, x[i]*y[i]) + sum(i, y[i]^2)/2"),
+        2,
+        2,
+    );
 }
 
 #[test]
 fn a_hamiltonian_that_couples_all_sites_is_refused() {
     let chain = Chain::new(&[100], true, "sum(i, x[i])^2");
-    assert!(matches!(compose(&chain, 2, 2), Err(BuildError::NotLocal { .. })));
+    assert!(matches!(
+        compose(&chain, 2, 2),
+        Err(BuildError::NotLocal { .. })
+    ));
 }
 
 #[test]
 fn an_energy_is_summed_over_sites() {
     for periodic in [true, false] {
-        let chain = Chain::new(&[50, 50], periodic, "sum(i, x[i]*y[i+1]) - sum(i, y[i]^2)/2 + 3");
+        let chain = Chain::new(
+            &[50, 50],
+            periodic,
+            "sum(i, x[i]*y[i+1]) - sum(i, y[i]^2)/2 + 3",
+        );
         let mut observables = LatticeObservables::new(&chain, &[], 0..1).expect("densities");
-        let state: Vec<f64> = (0..100).map(|c| 1.0 + 0.3 * libm::sin(1.7 * c as f64)).collect();
+        let state: Vec<f64> = (0..100)
+            .map(|c| 1.0 + 0.3 * libm::sin(1.7 * c as f64))
+            .collect();
         let mut value = [0.0];
         observables.evaluate(&state, &mut value);
         let system = chain.write_out(chain.geometry()).expect("fits");
         let expected = system.hamiltonian().evaluate(&state, &[]);
         // 100 terms of size 1 to 2, added plainly.
-        assert!((value[0] - expected).abs() < 100.0 * 200.0 * f64::EPSILON, "{value:?} {expected}");
+        assert!(
+            (value[0] - expected).abs() < 100.0 * 200.0 * f64::EPSILON,
+            "{value:?} {expected}"
+        );
     }
 }
 

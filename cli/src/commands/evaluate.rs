@@ -1,5 +1,6 @@
 //! `leafwise evaluate`: the realization and the generating function at a point.
 
+use leafwise::core::part::ParameterSetting;
 use leafwise::core::{BuildError, Method, Registry};
 use leafwise::expression::graph::lift;
 use leafwise::expression::{Arithmetic, Graph, Kernel, StepSize, Term};
@@ -149,7 +150,10 @@ fn evaluate(
         .filter(|part| part.name == "karasev-truncated")
         .flat_map(|part| &part.parameters)
         .find(|(name, _)| *name == "order")
-        .and_then(|(_, order)| usize::try_from(*order).ok());
+        .and_then(|(_, order)| match order {
+            ParameterSetting::Integer(order) => usize::try_from(*order).ok(),
+            _ => None,
+        });
     let mut coefficients = Vec::new();
     if let Some(order) = order {
         let series = TruncatedKarasev::new(&run.system, order)?;

@@ -11,10 +11,12 @@ use crate::failure::{Failure, exit};
 use crate::table::words;
 
 /// Every kind, in the order in which they are listed.
-const KINDS: [(Kind, &str); 4] = [
+const KINDS: [(Kind, &str); 6] = [
     (Kind::Systems, "systems"),
     (Kind::Realizations, "realizations"),
     (Kind::Dynamics, "dynamics"),
+    (Kind::Steppers, "steppers"),
+    (Kind::Compositions, "compositions"),
     (Kind::LieAlgebras, "lie-algebras"),
 ];
 
@@ -39,11 +41,17 @@ pub fn execute(arguments: &ListArguments, console: &mut Console<'_>) -> Result<u
             object.insert(heading.to_owned(), Value::Array(list));
             continue;
         }
+        if entries.is_empty() && arguments.kind.is_none() {
+            continue;
+        }
         if !is_first {
             console.result("");
         }
         is_first = false;
         console.result(&format!("{heading}:"));
+        if entries.is_empty() {
+            console.result("  none in this program");
+        }
         let rows: Vec<Vec<String>> = entries
             .into_iter()
             .map(|(name, text)| vec![format!("  {name}"), text])
@@ -79,6 +87,8 @@ fn entries(kind: Kind, registry: &Registry) -> Vec<(String, String)> {
             .collect(),
         Kind::Realizations => parts(PartKind::Realization),
         Kind::Dynamics => parts(PartKind::Dynamics),
+        Kind::Steppers => parts(PartKind::Stepper),
+        Kind::Compositions => parts(PartKind::Composition),
         Kind::LieAlgebras => LIE_ALGEBRAS
             .iter()
             .map(|algebra| (algebra.name.to_owned(), algebra.summary.to_owned()))

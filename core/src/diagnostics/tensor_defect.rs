@@ -62,7 +62,8 @@ impl TensorDefect {
         let mut increment = vec![0.0; d];
         let mut outcome = [Ok(())];
         self.stepper.restart();
-        self.stepper.increment(x, &vec![0.0; d], &mut increment, &mut outcome);
+        self.stepper
+            .increment(x, &vec![0.0; d], &mut increment, &mut outcome);
         let [outcome] = outcome;
         outcome?;
         let next: Vec<f64> = x.iter().zip(&increment).map(|(x, i)| x + i).collect();
@@ -71,7 +72,12 @@ impl TensorDefect {
         let (before, after) = (self.tensor_at(x), self.tensor_at(&next));
         let defect = &tangent * before * tangent.transpose() - &after;
         let norm = |m: &DMatrix<f64>| libm::sqrt(m.iter().map(|v| v * v).sum::<f64>() / 2.0);
-        Ok(Defect { norm: norm(&defect), scale: norm(&after), tangent: rows, next })
+        Ok(Defect {
+            norm: norm(&defect),
+            scale: norm(&after),
+            tangent: rows,
+            next,
+        })
     }
 
     fn tensor_at(&mut self, x: &[f64]) -> DMatrix<f64> {

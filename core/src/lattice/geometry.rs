@@ -41,7 +41,10 @@ impl LatticeGeometry {
             .iter()
             .map(|(name, own)| (name.clone(), length.saturating_sub(longest - own)))
             .collect();
-        Self { families, periodic: self.periodic }
+        Self {
+            families,
+            periodic: self.periodic,
+        }
     }
 
     /// Family and site of a coordinate.
@@ -80,13 +83,31 @@ pub(super) fn site_classes(
     periodic: bool,
 ) -> Vec<SiteClass> {
     if periodic {
-        return vec![SiteClass { start: 0, end: length, proxy: proxy / 2 }];
+        return vec![SiteClass {
+            start: 0,
+            end: length,
+            proxy: proxy / 2,
+        }];
     }
     if length == proxy {
-        return (0..length).map(|s| SiteClass { start: s, end: s + 1, proxy: s }).collect();
+        return (0..length)
+            .map(|s| SiteClass {
+                start: s,
+                end: s + 1,
+                proxy: s,
+            })
+            .collect();
     }
-    let left = (0..width).map(|s| SiteClass { start: s, end: s + 1, proxy: s });
-    let interior = SiteClass { start: width, end: length - width, proxy: proxy / 2 };
+    let left = (0..width).map(|s| SiteClass {
+        start: s,
+        end: s + 1,
+        proxy: s,
+    });
+    let interior = SiteClass {
+        start: width,
+        end: length - width,
+        proxy: proxy / 2,
+    };
     let right = (0..width).map(|k| SiteClass {
         start: length - width + k,
         end: length - width + k + 1,

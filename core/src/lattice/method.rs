@@ -81,7 +81,9 @@ impl LatticeMethod {
         let stages = realization
             .stages()
             .ok_or_else(|| missing("its maps cannot be written as sweeps over a lattice"))?;
-        let points = bisection.code().ok_or_else(|| missing("the bisection offers no code"))?;
+        let points = bisection
+            .code()
+            .ok_or_else(|| missing("the bisection offers no code"))?;
 
         let mut builder = StageBuilder::new(system.dimension());
         let epsilon = builder.graph.step_size(StepSize::Epsilon);
@@ -99,7 +101,10 @@ impl LatticeMethod {
         builder.finish_stage();
         let program = LatticeProgram::compile(
             geometry,
-            Proxy { geometry: &proxy, width },
+            Proxy {
+                geometry: &proxy,
+                width,
+            },
             &builder,
             system.parameters().len(),
         )?;
@@ -155,18 +160,23 @@ impl StepMap for LatticeMethod {
     }
 
     fn describe(&self) -> String {
-        format!("{} + {}", self.realization.describe(), self.dynamics.describe())
+        format!(
+            "{} + {}",
+            self.realization.describe(),
+            self.dynamics.describe()
+        )
     }
 
-    fn stepper(
-        &self,
-        lanes: usize,
-        parameters: &[f64],
-        epsilon: f64,
-        h: f64,
-    ) -> Box<dyn Stepper> {
+    fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
         let programs = Arc::clone(&self.program);
-        Box::new(LatticeStepper::new(programs, self.fields, lanes, parameters, epsilon, h))
+        Box::new(LatticeStepper::new(
+            programs,
+            self.fields,
+            lanes,
+            parameters,
+            epsilon,
+            h,
+        ))
     }
 }
 
@@ -199,7 +209,12 @@ fn proxy_geometry(
         trial = 2 * trial + 1;
     };
     // S_l takes l − 1 times the reach of the tensor and of dH to either side, and dS_l once more.
-    let shorter = geometry.families.iter().map(|f| geometry.length() - f.1).max().unwrap_or(0);
+    let shorter = geometry
+        .families
+        .iter()
+        .map(|f| geometry.length() - f.1)
+        .max()
+        .unwrap_or(0);
     let width = (reach * order.saturating_sub(1).max(1)).max(shorter) + shorter;
     let length = 2 * width + 3;
     if geometry.length() <= length {
@@ -228,11 +243,16 @@ fn check_homogeneous(system: &PoissonSystem, geometry: &LatticeGeometry) -> Resu
             first: geometry.name(a),
             second: geometry.name(b),
         };
-        let (Some(c), Some(d)) = (moved(a), moved(b)) else { continue };
+        let (Some(c), Some(d)) = (moved(a), moved(b)) else {
+            continue;
+        };
         let here = entry.evaluate_in(&mut graph, &mut |graph, at| {
             Ok(graph.input(moved(at).unwrap_or(at)))
         })?;
-        let there = system.tensor().get(&(c.min(d), c.max(d))).ok_or_else(not_homogeneous)?;
+        let there = system
+            .tensor()
+            .get(&(c.min(d), c.max(d)))
+            .ok_or_else(not_homogeneous)?;
         let there = there.evaluate_in(&mut graph, &mut |graph, at| Ok(graph.input(at)))?;
         let there = if c < d { there } else { graph.negate(&there) };
         let difference = graph.subtract(&here, &there);
@@ -251,7 +271,9 @@ fn reach(system: &PoissonSystem, geometry: &LatticeGeometry) -> Result<usize, Bu
     let mut graph = Graph::new();
     let x: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
     let v: Vec<Term> = (d..2 * d).map(|i| graph.input(i)).collect();
-    let energy = system.hamiltonian().evaluate_in(&mut graph, &mut |_, at| Ok(x[at].clone()))?;
+    let energy = system
+        .hamiltonian()
+        .evaluate_in(&mut graph, &mut |_, at| Ok(x[at].clone()))?;
     let rows = system.apply_tensor(&mut graph, &x, &v)?;
     let mut reach = [0, 0];
     for (family, (_, length)) in geometry.families.iter().enumerate() {

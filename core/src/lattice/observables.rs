@@ -45,8 +45,12 @@ impl LatticeObservables {
         selection: Range<usize>,
     ) -> Result<Self, BuildError> {
         let geometry = source.geometry();
-        let shorter =
-            geometry.families.iter().map(|f| geometry.length() - f.1).max().unwrap_or(0);
+        let shorter = geometry
+            .families
+            .iter()
+            .map(|f| geometry.length() - f.1)
+            .max()
+            .unwrap_or(0);
         let width = REACH + shorter;
         let length = 2 * width + 3;
         let (proxy, width) = if geometry.length() <= length {
@@ -64,14 +68,21 @@ impl LatticeObservables {
             densities.drain(..selection.start.min(densities.len()));
             columns.resize(densities.len(), Vec::new());
             if site == 0 {
-                constants = densities.iter().map(|d| d.constant.evaluate(&[], parameters)).collect();
+                constants = densities
+                    .iter()
+                    .map(|d| d.constant.evaluate(&[], parameters))
+                    .collect();
             }
             for (column, density) in columns.iter_mut().zip(&densities) {
                 column.push(code(&mut builder.graph, &density.site, &x)?);
             }
         }
         // A density stands in the place of the longest family, one number a site.
-        let longest = proxy.families.iter().position(|f| f.1 == proxy.length()).unwrap_or(0);
+        let longest = proxy
+            .families
+            .iter()
+            .position(|f| f.1 == proxy.length())
+            .unwrap_or(0);
         let start = proxy.offsets()[longest];
         let densities = columns
             .into_iter()
@@ -84,20 +95,26 @@ impl LatticeObservables {
         builder.finish_stage();
         let program = LatticeProgram::compile(
             geometry,
-            Proxy { geometry: &proxy, width },
+            Proxy {
+                geometry: &proxy,
+                width,
+            },
             &builder,
             parameters.len(),
         )?;
         let worker = program.worker(parameters, 1.0, 1.0);
-        Ok(Self { program, worker, state, densities, constants, sites: geometry.length() })
+        Ok(Self {
+            program,
+            worker,
+            state,
+            densities,
+            constants,
+            sites: geometry.length(),
+        })
     }
 }
 
-fn code(
-    graph: &mut Graph,
-    density: &Expression,
-    x: &[Term],
-) -> Result<Term, BuildError> {
+fn code(graph: &mut Graph, density: &Expression, x: &[Term]) -> Result<Term, BuildError> {
     Ok(density.evaluate_in(graph, &mut |_, at| Ok(x[at].clone()))?)
 }
 
@@ -124,7 +141,11 @@ fn compensated_sum(start: f64, terms: &[f64]) -> f64 {
     let (mut sum, mut low) = (start, 0.0);
     for &term in terms {
         let next = sum + term;
-        low += if sum.abs() >= term.abs() { (sum - next) + term } else { (term - next) + sum };
+        low += if sum.abs() >= term.abs() {
+            (sum - next) + term
+        } else {
+            (term - next) + sum
+        };
         sum = next;
     }
     sum + low

@@ -101,9 +101,16 @@ impl LatticeProgram {
     pub fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> LatticeWorker {
         let prepared = |kernel: &Kernel, lanes: usize| {
             let mut workspace = kernel.workspace(lanes);
-            let spread: Vec<f64> =
-                parameters.iter().flat_map(|p| std::iter::repeat_n(*p, lanes)).collect();
-            kernel.prepare(&mut workspace, &spread, &vec![epsilon; lanes], &vec![h; lanes]);
+            let spread: Vec<f64> = parameters
+                .iter()
+                .flat_map(|p| std::iter::repeat_n(*p, lanes))
+                .collect();
+            kernel.prepare(
+                &mut workspace,
+                &spread,
+                &vec![epsilon; lanes],
+                &vec![h; lanes],
+            );
             workspace
         };
         let workspaces = self
@@ -117,7 +124,10 @@ impl LatticeProgram {
             })
             .collect();
         let dimension = self.geometry.dimension();
-        LatticeWorker { workspaces, fields: vec![vec![0.0; dimension]; self.fields] }
+        LatticeWorker {
+            workspaces,
+            fields: vec![vec![0.0; dimension]; self.fields],
+        }
     }
 
     /// Runs every stage on the fields of `worker`.
@@ -221,11 +231,22 @@ fn compile_stencil(
         let (family, site) = proxy.geometry.locate(coordinate);
         let shift = shift(proxy.geometry, class.proxy, site);
         if translated && shift.unsigned_abs() > proxy.width {
-            return Err(BuildError::NotLocal { reach: shift.unsigned_abs() });
+            return Err(BuildError::NotLocal {
+                reach: shift.unsigned_abs(),
+            });
         }
-        taps.push(Tap { field, family, shift });
+        taps.push(Tap {
+            field,
+            family,
+            shift,
+        });
     }
-    Ok(Some(Stencil { class, kernel, taps, outputs }))
+    Ok(Some(Stencil {
+        class,
+        kernel,
+        taps,
+        outputs,
+    }))
 }
 
 /// How far `site` is from `here`, the shorter way round on a ring.

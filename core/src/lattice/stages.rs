@@ -37,7 +37,9 @@ impl StageBuilder {
         let field = Field(self.fields);
         self.fields += 1;
         let start = field.0 * self.dimension;
-        let code = (0..self.dimension).map(|v| self.graph.input(start + v)).collect();
+        let code = (0..self.dimension)
+            .map(|v| self.graph.input(start + v))
+            .collect();
         (field, code)
     }
 

@@ -40,8 +40,12 @@ impl LatticeStepper {
     ) -> Self {
         let trajectories = (0..lanes)
             .map(|lane| {
-                let own: Vec<f64> =
-                    parameters.iter().skip(lane).step_by(lanes).copied().collect();
+                let own: Vec<f64> = parameters
+                    .iter()
+                    .skip(lane)
+                    .step_by(lanes)
+                    .copied()
+                    .collect();
                 let worker = program.worker(&own, epsilon, h);
                 let dimension = worker.field(fields.y).len();
                 Trajectory {
@@ -51,7 +55,12 @@ impl LatticeStepper {
                 }
             })
             .collect();
-        Self { program, fields, trajectories, statistics: SolverStatistics::default() }
+        Self {
+            program,
+            fields,
+            trajectories,
+            statistics: SolverStatistics::default(),
+        }
     }
 
     fn solve(
@@ -62,7 +71,11 @@ impl LatticeStepper {
         increment: &mut [f64],
     ) -> Result<(), StepError> {
         let lanes = self.trajectories.len();
-        let Trajectory { worker, extrapolation, displacement } = &mut self.trajectories[lane];
+        let Trajectory {
+            worker,
+            extrapolation,
+            displacement,
+        } = &mut self.trajectories[lane];
         extrapolation.predict(displacement);
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         loop {
@@ -71,8 +84,10 @@ impl LatticeStepper {
                 *y = x[i * lanes + lane] + displacement[i];
             }
             self.program.run(worker);
-            let (offset, change) =
-                (worker.field(self.fields.offset), worker.field(self.fields.increment));
+            let (offset, change) = (
+                worker.field(self.fields.offset),
+                worker.field(self.fields.increment),
+            );
             let y = worker.field(self.fields.y);
             let mut size = 0.0_f64;
             let mut finite = true;
@@ -107,8 +122,7 @@ impl LatticeStepper {
     fn finish(&mut self, evaluations: usize) {
         self.statistics.steps += 1;
         self.statistics.evaluations += evaluations as u64;
-        self.statistics.most_evaluations =
-            self.statistics.most_evaluations.max(evaluations as u64);
+        self.statistics.most_evaluations = self.statistics.most_evaluations.max(evaluations as u64);
     }
 }
 
@@ -125,18 +139,26 @@ impl Stepper for LatticeStepper {
             if outcome[lane].is_err() {
                 self.statistics.failures += 1;
                 let lanes = self.trajectories.len();
-                increment.iter_mut().skip(lane).step_by(lanes).for_each(|i| *i = 0.0);
+                increment
+                    .iter_mut()
+                    .skip(lane)
+                    .step_by(lanes)
+                    .for_each(|i| *i = 0.0);
                 self.trajectories[lane].extrapolation.clear();
             }
         }
     }
 
     fn solution(&self, lane: usize) -> Option<Vec<f64>> {
-        self.trajectories.get(lane).map(|t| t.worker.field(self.fields.y).to_vec())
+        self.trajectories
+            .get(lane)
+            .map(|t| t.worker.field(self.fields.y).to_vec())
     }
 
     fn restart(&mut self) {
-        self.trajectories.iter_mut().for_each(|t| t.extrapolation.clear());
+        self.trajectories
+            .iter_mut()
+            .for_each(|t| t.extrapolation.clear());
     }
 
     fn statistics(&self) -> SolverStatistics {
@@ -152,7 +174,10 @@ impl Stepper for LatticeStepper {
     }
 
     fn restore(&mut self, memory: &[f64]) -> Result<(), usize> {
-        let each = self.trajectories.first().map_or(0, |t| t.extrapolation.memory_len());
+        let each = self
+            .trajectories
+            .first()
+            .map_or(0, |t| t.extrapolation.memory_len());
         if memory.len() != each * self.trajectories.len() {
             return Err(each * self.trajectories.len());
         }

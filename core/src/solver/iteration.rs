@@ -25,7 +25,11 @@ pub struct LinearIteration {
 impl LinearIteration {
     /// A fresh iteration with a budget of evaluations.
     pub fn new(most: usize) -> Self {
-        Self { last: f64::INFINITY, evaluations: 0, most }
+        Self {
+            last: f64::INFINITY,
+            evaluations: 0,
+            most,
+        }
     }
 
     /// Evaluations so far.
@@ -41,10 +45,16 @@ impl LinearIteration {
     pub fn judge(&mut self, size: f64) -> Result<Verdict, StepError> {
         self.evaluations += 1;
         if !size.is_finite() {
-            return Err(StepError::NonFinite { what: "a correction" });
+            return Err(StepError::NonFinite {
+                what: "a correction",
+            });
         }
         // Without an observed rate the correction itself has to be negligible.
-        let rate = if self.last.is_finite() { size / self.last } else { 1.0 };
+        let rate = if self.last.is_finite() {
+            size / self.last
+        } else {
+            1.0
+        };
         let converged = size * rate.min(1.0) <= super::LARGEST_REMAINDER;
         let stagnates = size >= 0.5 * self.last && size <= 64.0 * f64::EPSILON;
         if converged || stagnates || size == 0.0 {

@@ -317,7 +317,9 @@ impl Stepper for NewtonStepper {
         }
         self.kernel.evaluate_in_place(&mut self.workspace);
         let matrix = |from: usize| -> Vec<f64> {
-            (from..from + d * d).map(|at| self.output(at, lane)).collect()
+            (from..from + d * d)
+                .map(|at| self.output(at, lane))
+                .collect()
         };
         tangent_of_map(&matrix(3 * d), &matrix(3 * d + d * d), d)
     }

@@ -55,7 +55,12 @@ impl WorkerStepper {
         let d = dimension;
         let trajectories = (0..lanes)
             .map(|lane| {
-                let own: Vec<f64> = parameters.iter().skip(lane).step_by(lanes).copied().collect();
+                let own: Vec<f64> = parameters
+                    .iter()
+                    .skip(lane)
+                    .step_by(lanes)
+                    .copied()
+                    .collect();
                 let (realization, bisection) = make(&own);
                 Trajectory {
                     realization,
@@ -74,7 +79,11 @@ impl WorkerStepper {
                 }
             })
             .collect();
-        Self { trajectories, correction, statistics: SolverStatistics::default() }
+        Self {
+            trajectories,
+            correction,
+            statistics: SolverStatistics::default(),
+        }
     }
 }
 
@@ -89,7 +98,8 @@ impl Trajectory {
     fn tangents(&mut self) -> Result<(), StepError> {
         let d = self.y.len();
         self.bisection.tangent(&mut self.point)?;
-        self.realization.tangents(&mut self.target_of_z, &mut self.change_of_z)?;
+        self.realization
+            .tangents(&mut self.target_of_z, &mut self.change_of_z)?;
         product(&self.target_of_z, &self.point, d, &mut self.target);
         product(&self.change_of_z, &self.point, d, &mut self.change);
         Ok(())
@@ -126,7 +136,9 @@ impl Trajectory {
             if newton {
                 self.tangents()?;
                 if !solve_in_place(&mut self.target, &mut self.residual) {
-                    return Err(StepError::NonFinite { what: "a Newton correction" });
+                    return Err(StepError::NonFinite {
+                        what: "a Newton correction",
+                    });
                 }
             }
             let mut size = 0.0_f64;
@@ -168,7 +180,9 @@ fn finite(increment: &[f64]) -> Result<(), StepError> {
     if increment.iter().all(|v| v.is_finite()) {
         return Ok(());
     }
-    Err(StepError::NonFinite { what: "the increment" })
+    Err(StepError::NonFinite {
+        what: "the increment",
+    })
 }
 
 /// The d × d product of a d × s and an s × d matrix, row-major.
@@ -195,8 +209,7 @@ impl Stepper for WorkerStepper {
                 values.iter().skip(lane).step_by(lanes).copied().collect()
             };
             let mut own_increment = vec![0.0; x.len() / lanes];
-            let result =
-                trajectory.solve(&own(x), &own(low), &mut own_increment, self.correction);
+            let result = trajectory.solve(&own(x), &own(low), &mut own_increment, self.correction);
             self.statistics.steps += 1;
             outcome[lane] = match result {
                 Ok(evaluations) => {
@@ -214,12 +227,16 @@ impl Stepper for WorkerStepper {
                 }
             };
             let places = increment.iter_mut().skip(lane).step_by(lanes);
-            places.zip(&own_increment).for_each(|(place, value)| *place = *value);
+            places
+                .zip(&own_increment)
+                .for_each(|(place, value)| *place = *value);
         }
     }
 
     fn solution(&self, lane: usize) -> Option<Vec<f64>> {
-        self.trajectories.get(lane).map(|trajectory| trajectory.y.clone())
+        self.trajectories
+            .get(lane)
+            .map(|trajectory| trajectory.y.clone())
     }
 
     fn tangent(&mut self, lane: usize) -> Option<Vec<f64>> {
@@ -235,7 +252,9 @@ impl Stepper for WorkerStepper {
     }
 
     fn restart(&mut self) {
-        self.trajectories.iter_mut().for_each(|t| t.extrapolation.clear());
+        self.trajectories
+            .iter_mut()
+            .for_each(|t| t.extrapolation.clear());
     }
 
     fn statistics(&self) -> SolverStatistics {

@@ -70,7 +70,10 @@ impl DynamicApproximation for HamiltonJacobi {
                 reason: "it offers no series of its source map in a cotangent chart".to_owned(),
             })?;
         let generating = generating_function(system, series, self.order)?;
-        Ok(Arc::new(GraphOfDifferential { generating, realization: Arc::clone(realization) }))
+        Ok(Arc::new(GraphOfDifferential {
+            generating,
+            realization: Arc::clone(realization),
+        }))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{ParameterInfo, PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::{BuiltIn, DynamicsPart};
 use leafwise_core::{BuildError, DynamicApproximation};
 
@@ -20,7 +20,7 @@ pub(crate) static INFO: PartInfo = PartInfo {
     parameters: &[ParameterInfo {
         name: "order",
         summary: "the order m in h, even, 2 to 20: S_1, S_3, ..., S_(m-1)",
-        default: 2,
+        default: ParameterDefault::Integer(2),
     }],
 };
 

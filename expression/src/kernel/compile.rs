@@ -73,11 +73,7 @@ impl Kernel {
 
     /// Compiles `outputs` with only the graph inputs they read: input k of the kernel is the
     /// returned list's k-th graph input.
-    pub fn compile_used(
-        graph: &Graph,
-        outputs: &[Term],
-        parameters: usize,
-    ) -> (Self, Vec<usize>) {
+    pub fn compile_used(graph: &Graph, outputs: &[Term], parameters: usize) -> (Self, Vec<usize>) {
         let uses = count_uses(graph, outputs);
         let mut used: Vec<usize> = (0..graph.len() as u32)
             .map(Node)
@@ -88,8 +84,15 @@ impl Kernel {
             })
             .collect();
         used.sort_unstable();
-        let slots = used.iter().enumerate().map(|(k, &index)| (index as u32, k as u32)).collect();
-        (Self::compile_with(graph, outputs, parameters, used.len(), &uses, Some(slots)), used)
+        let slots = used
+            .iter()
+            .enumerate()
+            .map(|(k, &index)| (index as u32, k as u32))
+            .collect();
+        (
+            Self::compile_with(graph, outputs, parameters, used.len(), &uses, Some(slots)),
+            used,
+        )
     }
 
     /// The number of outputs.

@@ -58,7 +58,10 @@ impl Formula {
                 Err(stop) => return Err(unboxed(stop)),
             }
         }
-        Ok(Density { constant: Expression::Sum(constants), site: Expression::Sum(terms) })
+        Ok(Density {
+            constant: Expression::Sum(constants),
+            site: Expression::Sum(terms),
+        })
     }
 }
 
@@ -105,7 +108,9 @@ fn split<'a>(node: &'a Node, factors: Vec<Factor<'a>>, parts: &mut Parts<'a>) {
             parts.constants.push((factors, node));
         }
         Kind::SumOver { index, body } => parts.sums.push((factors, *index, body)),
-        Kind::Sum(terms) => terms.iter().for_each(|term| split(term, factors.clone(), parts)),
+        Kind::Sum(terms) => terms
+            .iter()
+            .for_each(|term| split(term, factors.clone(), parts)),
         Kind::Negate(inner) => split(inner, with(Factor::Minus), parts),
         Kind::Quotient(pair) if is_constant(&pair[1]) => {
             split(&pair[0], with(Factor::Over(&pair[1])), parts);

@@ -69,7 +69,11 @@ pub(super) struct Resolver<'a> {
 
 impl<'a> Resolver<'a> {
     pub(super) fn new(text: &'a str, scope: &'a Scope) -> Self {
-        Self { text, scope, terms: 0 }
+        Self {
+            text,
+            scope,
+            terms: 0,
+        }
     }
 
     pub(super) fn expression(

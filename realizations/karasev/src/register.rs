@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{ParameterInfo, PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::{BuiltIn, RealizationPart};
 use leafwise_core::{BuildError, PoissonSystem, RealizationData};
 
@@ -19,7 +19,7 @@ pub(crate) static INFO: PartInfo = PartInfo {
     parameters: &[ParameterInfo {
         name: "order",
         summary: "the truncation order n, 1 to 40",
-        default: 4,
+        default: ParameterDefault::Integer(4),
     }],
 };
 

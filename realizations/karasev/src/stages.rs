@@ -19,7 +19,10 @@ impl RealizationStages for TruncatedKarasev {
         p: &[Term],
     ) -> Result<StageEnds, BuildError> {
         let d = self.dimension();
-        let q: Vec<Term> = p.iter().map(|p| builder.graph.multiply(epsilon, p)).collect();
+        let q: Vec<Term> = p
+            .iter()
+            .map(|p| builder.graph.multiply(epsilon, p))
+            .collect();
         let zero = vec![builder.graph.zero(); d];
         let mut curve = KarasevCurve::new(self.system(), y)?;
         for k in 0..self.order() {
@@ -47,7 +50,10 @@ fn store_curve(builder: &mut StageBuilder, curve: &[Vec<Term>]) -> Vec<Vec<Term>
     let powers = curve.iter().map(Vec::len).max().unwrap_or(0);
     let zero = builder.graph.zero();
     let column = |j: usize| -> Vec<Term> {
-        curve.iter().map(|c| c.get(j).cloned().unwrap_or_else(|| zero.clone())).collect()
+        curve
+            .iter()
+            .map(|c| c.get(j).cloned().unwrap_or_else(|| zero.clone()))
+            .collect()
     };
     let mut stored: Vec<Vec<Term>> = vec![Vec::new(); curve.len()];
     let mut fields: Vec<(Vec<Term>, Vec<Term>)> = Vec::new();
@@ -55,10 +61,14 @@ fn store_curve(builder: &mut StageBuilder, curve: &[Vec<Term>]) -> Vec<Vec<Term>
         let values = column(j);
         let code = if values.iter().all(|v| builder.graph.is_zero(v)) {
             values
-        } else if let Some((ratio, known)) =
-            fields.iter().find_map(|(of, code)| Some((ratio(&values, of)?, code)))
+        } else if let Some((ratio, known)) = fields
+            .iter()
+            .find_map(|(of, code)| Some((ratio(&values, of)?, code)))
         {
-            known.iter().map(|k| builder.graph.scale(&ratio, k)).collect()
+            known
+                .iter()
+                .map(|k| builder.graph.scale(&ratio, k))
+                .collect()
         } else {
             let code = builder.store(values.clone());
             fields.push((values, code.clone()));

@@ -1,9 +1,9 @@
 //! The truncated Karasev realization data K̂_ε.
 
+use leafwise_core::lattice::RealizationStages;
 use leafwise_core::realization::{
     Accuracy, RealizationCode, RealizationData, SourceSeries, SourceTarget,
 };
-use leafwise_core::lattice::RealizationStages;
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::{Arithmetic, Graph, Rational, Term};
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{PartInfo, PartKind};
+use leafwise_core::part::{ParameterDefault, ParameterSetting, PartInfo, PartKind};
 use leafwise_core::{
     BuildError, DynamicApproximation, PartParameters, PoissonSystem, RealizationData, Registry,
 };
@@ -17,14 +17,14 @@ const DEFAULT_DYNAMICS: &str = "hamilton-jacobi";
 const DEFAULT_DYNAMICS_ORDER: i64 = 4;
 
 /// A part as chosen, with all its parameters.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PartChoice {
     /// Realization or dynamics.
     pub kind: PartKind,
     /// The part's name.
     pub name: &'static str,
     /// Every parameter with its value.
-    pub parameters: Vec<(&'static str, i64)>,
+    pub parameters: Vec<(&'static str, ParameterSetting)>,
     /// Whether the scene left the choice open.
     pub is_automatic: bool,
 }
@@ -156,6 +156,7 @@ impl<'a> Request<'a> {
     fn parameters(&self, info: &PartInfo) -> Result<PartParameters, Refusal> {
         let mut given = PartParameters::new();
         let mut names_order = false;
+        let part = info.name;
         for (key, value) in self.spec.into_iter().flat_map(|spec| &spec.parameters) {
             let known: Vec<&str> = info.parameters.iter().map(|p| p.name).collect();
             if !known.contains(&key.value.as_str()) {
@@ -170,21 +171,34 @@ impl<'a> Request<'a> {
                     Some(help),
                 )));
             }
-            let number = match &value.value {
-                ParameterValue::Number(number) => number.literal.parse::<i64>().ok(),
-                ParameterValue::Text(_) | ParameterValue::Flag(_) => None,
+            let info = info.parameters.iter().find(|p| p.name == key.value);
+            let setting: Option<ParameterSetting> = match (&value.value, info.map(|p| p.default)) {
+                (ParameterValue::Number(number), Some(ParameterDefault::Integer(_))) => {
+                    number.literal.parse::<i64>().ok().map(Into::into)
+                }
+                (ParameterValue::Number(number), Some(ParameterDefault::Real(_))) => {
+                    Some(number.value.into())
+                }
+                (ParameterValue::Text(word), Some(ParameterDefault::Text(_))) => {
+                    Some(word.as_str().into())
+                }
+                _ => None,
             };
-            let Some(number) = number else {
-                let summary = info.parameters.iter().find(|p| p.name == key.value);
+            let Some(setting) = setting else {
+                let expected = match info.map(|p| p.default) {
+                    Some(ParameterDefault::Text(_)) => "a word in quotes",
+                    Some(ParameterDefault::Real(_)) => "a number",
+                    _ => "a whole number",
+                };
                 return Err(Box::new(self.document.diagnostic(
                     &value.place(),
-                    format!("`{}` of `{}` must be a whole number", key.value, info.name),
-                    "not a whole number",
-                    summary.map(|p| p.summary.to_owned()),
+                    format!("`{}` of `{part}` must be {expected}", key.value),
+                    format!("not {expected}"),
+                    info.map(|p| p.summary.to_owned()),
                 )));
             };
             names_order |= key.value == "order";
-            given = given.with(key.value.clone(), number);
+            given = given.with(key.value.clone(), setting);
         }
         if self.named().is_none() && !names_order {
             given = given.with("order", self.default_order);
@@ -222,7 +236,14 @@ impl<'a> Request<'a> {
         let parameters = info
             .parameters
             .iter()
-            .map(|p| (p.name, given.get(info, p.name).unwrap_or(p.default)))
+            .map(|p| {
+                (
+                    p.name,
+                    given
+                        .setting(info, p.name)
+                        .unwrap_or_else(|_| p.default.into()),
+                )
+            })
             .collect();
         PartChoice {
             kind: info.kind,

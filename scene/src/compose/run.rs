@@ -102,7 +102,7 @@ fn compose_lattice(
         .parameters
         .iter()
         .fold(PartParameters::new(), |given, (name, value)| {
-            given.with(*name, *value)
+            given.with(*name, value.clone())
         });
     let method = LatticeMethod::compose(
         lattice,
