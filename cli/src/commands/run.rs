@@ -186,9 +186,9 @@ fn failure_lines(
         format!("  state before it: {}", state.join(", ")),
         format!("  = help: {}", failure.hint),
         format!(
-            "  = the {} samples before it are in {}",
-            grouped(report.samples),
-            report.directory.display()
+            "  = everything recorded before it is in {} (samples: {})",
+            report.directory.display(),
+            grouped(report.samples)
         ),
     ]
 }

@@ -69,7 +69,7 @@ fn the_logarithm_of_a_negative_number_ends_the_run() {
 fn a_division_by_zero_ends_the_run() {
     fails(
         &particle("1/q", "[0, 1]", "0.1"),
-        &["choose `initial` inside"],
+        &["check `initial` and the parameters"],
     );
 }
 

@@ -100,6 +100,9 @@ fn overrides_are_run_and_stored() {
     let said = here.leafwise(&["run", "scene.toml", "--set", "method.epsilonn=1"]);
     assert_eq!(said.code, Some(3));
     said.says(&["did you mean `epsilon`?"]);
+    let said = here.leafwise(&["run", "scene.toml", "--set", "system.parameters.I22=1"]);
+    assert_eq!(said.code, Some(3));
+    said.says(&["unknown parameter `I22`", "did you mean `I2`?"]);
     let said = here.leafwise(&["run", "scene.toml", "--set", "run.steps"]);
     assert_eq!(said.code, Some(2));
 }

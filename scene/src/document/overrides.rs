@@ -76,6 +76,7 @@ fn apply(document: &mut DocumentMut, path: &str, value: &str) -> Result<(), Refu
     let keys = Key::parse(path)
         .map_err(|_| refuse("the path is not dotted keys such as method.epsilon"))?;
     check_path(&keys, path)?;
+    check_declared(document, &keys, path)?;
     let (_, parents) = keys
         .split_last()
         .ok_or_else(|| refuse("the path is empty"))?;
@@ -185,6 +186,38 @@ fn check_path(keys: &[Key], path: &str) -> Result<(), Refusal> {
         return Err((cause, 0..path.len()));
     }
     Ok(())
+}
+
+/// Refuses a value for a parameter or family that the scene does not declare: it would change
+/// nothing. Beside `library` the names are those of the library system, and are checked there.
+fn check_declared(document: &DocumentMut, keys: &[Key], path: &str) -> Result<(), Refusal> {
+    let [system, kind, name] = keys else {
+        return Ok(());
+    };
+    let kind = match (system.get(), kind.get()) {
+        ("system", "parameters") => "parameter",
+        ("system", "families") => "family",
+        _ => return Ok(()),
+    };
+    let table = document.get("system").and_then(Item::as_table_like);
+    let Some(table) = table.filter(|table| !table.contains_key("library")) else {
+        return Ok(());
+    };
+    let declared = table.get(keys[1].get()).and_then(Item::as_table_like);
+    let valid: Vec<String> = declared
+        .into_iter()
+        .flat_map(|declared| declared.iter().map(|(name, _)| name.to_owned()))
+        .collect();
+    if valid.iter().any(|known| known == name.get()) {
+        return Ok(());
+    }
+    let cause = SceneProblemCause::UnknownName {
+        kind,
+        name: name.get().to_owned(),
+        nearest: nearest(name.get(), valid.iter().map(String::as_str)),
+        valid,
+    };
+    Err((cause, segment(path, name.get())))
 }
 
 fn segment(path: &str, name: &str) -> Range<usize> {

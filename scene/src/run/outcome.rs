@@ -44,8 +44,8 @@ impl Failure {
             "this state"
         };
         let hint = if steps == 0 {
-            "choose `initial` inside the formulas' domain: no ln or root of a negative number, no \
-             division by zero"
+            "check `initial` and the parameters: no ln or root of a negative number, no division \
+             by zero"
         } else {
             "reduce epsilon*h, raise the realization's order, or check `initial`: the state left \
              the formulas' domain (ln or root of a negative number, division by zero)"
