@@ -117,6 +117,17 @@ fn violated(system: &PoissonSystem, near: &[f64]) -> bool {
 
 const NEAR: [f64; 6] = [0.5, -0.3, 0.8, 1.0, 0.4, -0.6];
 
+/// The Jacobiator of {l1, l2} → (1 + 10⁻⁹){l1, l2} is 10⁻⁹ of its terms, a hundred times the
+/// round-off of a handful of products and more than any sample could hide.
+#[test]
+fn a_change_in_the_tenth_digit_of_se3_fails() {
+    for entry in 0..9 {
+        let check = check_jacobi(&se3_with(entry, 1.000_000_001), &[], &NEAR).expect("code");
+        assert_eq!(check.verdict, Verdict::Violated, "entry {entry}: {check:?}");
+        assert!(check.residual < 1.1e-9, "entry {entry}: {check:?}");
+    }
+}
+
 #[test]
 fn se3_itself_is_proved() {
     let check = check_jacobi(&se3_with(0, 1.0), &[], &NEAR).expect("code");
