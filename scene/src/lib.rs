@@ -2,7 +2,7 @@
 //!
 //! - [`document`]: the text as typed sections, every value with its place in the text;
 //! - [`diagnostic`]: what is wrong, underlined where it stands;
-//! - [`compose`]: the text as a Poisson system, a method and the plan of a run;
+//! - [`compose`](mod@compose): the text as a Poisson system, a method and the plan of a run;
 //! - [`run`](mod@run): the run, into a directory with everything needed to resume and repeat it;
 //! - [`report`]: recorded data as one self-contained HTML page;
 //! - [`json`]: numbers as JSON.

@@ -3,7 +3,7 @@
 use leafwise::core::part::ParameterSetting;
 use leafwise::core::{BuildError, Method, Registry};
 use leafwise::expression::graph::lift;
-use leafwise::expression::{Arithmetic, Graph, Kernel, StepSize, Term};
+use leafwise::expression::{Arithmetic, Graph, Kernel, Rational, StepSize, Term};
 use leafwise::karasev::TruncatedKarasev;
 use leafwise::scene::compose::{ComposedRun, compose};
 use leafwise::scene::json::{json_number, json_numbers};
@@ -44,13 +44,23 @@ pub fn execute(arguments: &EvaluateArguments, console: &mut Console<'_>) -> Resu
     let d = run.system.dimension();
     let x = match &arguments.x {
         Some(text) => numbers(text, "--x", d)?,
-        None => run.plan.initial.clone(),
+        None => run
+            .plan
+            .initial
+            .iter()
+            .filter_map(|x| Rational::from_f64(*x))
+            .collect(),
     };
     let p = match &arguments.p {
         Some(text) => numbers(text, "--p", d)?,
-        None => vec![0.0; d],
+        None => vec![Rational::zero(); d],
     };
-    let values = evaluate(&run, method, &x, &p)?;
+    let values = evaluate(&run, method, &x, &p).map_err(|error| {
+        Failure::usage(
+            format!("nothing can be evaluated at this point: {error}"),
+            "choose --x and --p inside the domain of the scene's formulas",
+        )
+    })?;
     if arguments.json {
         console.json(&as_json(&values));
     } else {
@@ -61,12 +71,13 @@ pub fn execute(arguments: &EvaluateArguments, console: &mut Console<'_>) -> Resu
     Ok(exit::DONE)
 }
 
-fn numbers(text: &str, option: &str, dimension: usize) -> Result<Vec<f64>, Failure> {
+/// The decimals of an option, exactly.
+fn numbers(text: &str, option: &str, dimension: usize) -> Result<Vec<Rational>, Failure> {
     let mut values = Vec::new();
     for piece in text.split(',') {
-        match piece.trim().parse::<f64>() {
-            Ok(value) if value.is_finite() => values.push(value),
-            _ => {
+        match Rational::parse_decimal(piece.trim()) {
+            Ok(value) => values.push(value),
+            Err(_) => {
                 return Err(Failure::usage(
                     format!("{option}: `{}` is not a decimal number", piece.trim()),
                     format!("write {dimension} numbers with commas between, as in {option} 1,3,3"),
@@ -86,23 +97,26 @@ fn numbers(text: &str, option: &str, dimension: usize) -> Result<Vec<f64>, Failu
     Ok(values)
 }
 
-/// Code with the inputs x_0 …, p_0 … and its compiled outputs at one point.
+/// Code at one point. The point enters as exact numbers, so that polynomials of it are formed
+/// exactly and rounded once.
 struct Evaluator<'a> {
     run: &'a ComposedRun,
-    point: Vec<f64>,
     graph: Graph,
     epsilon: Term,
     inputs: Vec<Term>,
 }
 
 impl<'a> Evaluator<'a> {
-    fn new(run: &'a ComposedRun, x: &[f64], p: &[f64]) -> Self {
+    fn new(run: &'a ComposedRun, x: &[Rational], p: &[Rational]) -> Self {
         let mut graph = Graph::new();
-        let inputs = (0..x.len() + p.len()).map(|i| graph.input(i)).collect();
+        let inputs = x
+            .iter()
+            .chain(p)
+            .map(|value| graph.constant(value))
+            .collect();
         let epsilon = graph.step_size(StepSize::Epsilon);
         Self {
             run,
-            point: [x, p].concat(),
             graph,
             epsilon,
             inputs,
@@ -111,12 +125,12 @@ impl<'a> Evaluator<'a> {
 
     fn values(&self, outputs: &[Term]) -> Vec<f64> {
         let parameters = self.run.system.parameter_values();
-        let kernel = Kernel::compile(&self.graph, outputs, parameters.len(), self.inputs.len());
+        let kernel = Kernel::compile(&self.graph, outputs, parameters.len(), 0);
         let mut workspace = kernel.workspace(1);
         let plan = &self.run.plan;
         kernel.prepare(&mut workspace, &parameters, &[plan.epsilon], &[plan.h]);
         let mut values = vec![0.0; outputs.len()];
-        kernel.evaluate(&mut workspace, &self.point, &mut values);
+        kernel.evaluate(&mut workspace, &[], &mut values);
         values
     }
 }
@@ -124,8 +138,8 @@ impl<'a> Evaluator<'a> {
 fn evaluate(
     run: &ComposedRun,
     method: &Method,
-    x: &[f64],
-    p: &[f64],
+    x: &[Rational],
+    p: &[Rational],
 ) -> Result<Values, BuildError> {
     let d = x.len();
     let mut at = Evaluator::new(run, x, p);

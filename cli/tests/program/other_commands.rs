@@ -126,6 +126,35 @@ fn evaluate_gives_karasevs_coefficients_and_the_hamilton_jacobi_terms() {
 }
 
 #[test]
+fn evaluate_takes_decimals_exactly() {
+    // The ninth coefficient of the paper's Lotka-Volterra system at decimals that are no doubles:
+    // rounding the point alone would cost five digits here. Value from the reference derivation.
+    let here = Place::new();
+    assert_eq!(
+        here.leafwise(&["new", "--library", "lotka-volterra"]).code,
+        Some(0)
+    );
+    let json = here
+        .leafwise(&[
+            "evaluate",
+            "lotka_volterra.toml",
+            "--set",
+            "method.realization.order=8",
+            "--x",
+            "0.5,1.5,0.25",
+            "--p",
+            "-0.3,0.2,0.7",
+            "--json",
+        ])
+        .json();
+    let value = json["alpha_coefficients"][8][0].as_f64().expect("a number");
+    assert!(
+        (value / 6.842424503709904e-10 - 1.0).abs() <= 1e-15,
+        "{value:e}"
+    );
+}
+
+#[test]
 fn evaluate_refuses_points_of_another_dimension() {
     let here = Place::with(BODY);
     let said = here.leafwise(&["evaluate", "scene.toml", "--x", "1,2"]);
