@@ -3,6 +3,7 @@
 //! - [`rational`]: exact rationals of arbitrary precision.
 //! - [`syntax`]: scene formulas with byte spans, indexed families and typed errors.
 //! - [`expression`]: resolved formulas over numbered variables and parameters.
+//! - [`analytic`]: functions that a crate evaluates itself, with their derivatives.
 //! - [`arithmetic`]: the operations a formula needs, over any algebra.
 //! - [`algebra`]: the differential ring of Laurent polynomials with adjoined functions.
 //! - [`series`]: Taylor coefficients of formulas along a curve, one order at a time.
@@ -10,6 +11,7 @@
 //! - [`kernel`]: coefficient kernel and step kernel, evaluated W lanes at a time.
 
 pub mod algebra;
+pub mod analytic;
 pub mod arithmetic;
 mod evaluate;
 pub mod expression;
@@ -20,6 +22,7 @@ pub mod series;
 pub mod syntax;
 
 pub use algebra::{Polynomial, Ring};
+pub use analytic::AnalyticFunction;
 pub use arithmetic::{AlgebraError, Arithmetic};
 pub use expression::{Expression, Function};
 pub use graph::{Graph, StepSize, Term};

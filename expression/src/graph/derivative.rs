@@ -76,6 +76,15 @@ impl Graph {
                     self.multiply(&outer, &inner)
                 }
             }
+            Operation::Analytic(function, order, a) => {
+                let inner = self.node_derivative(a, input)?;
+                if self.is_zero(&inner) {
+                    inner
+                } else {
+                    let outer = self.apply_analytic(function, order + 1, &unit(a));
+                    self.multiply(&outer, &inner)
+                }
+            }
             Operation::Power(a, exponent) => {
                 let inner = self.node_derivative(a, input)?;
                 if self.is_zero(&inner) {

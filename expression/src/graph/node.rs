@@ -2,6 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
+use crate::analytic::AnalyticFunction;
 use crate::arithmetic::{AlgebraError, Arithmetic};
 use crate::expression::Function;
 use crate::rational::Rational;
@@ -60,6 +61,8 @@ pub enum Operation {
     Reciprocal(Node),
     /// f(a).
     Function(Function, Node),
+    /// f⁽ᵏ⁾(a).
+    Analytic(AnalyticFunction, u32, Node),
     /// a^b, b of the coefficient tier.
     Power(Node, Node),
 }
@@ -463,6 +466,13 @@ impl Arithmetic for Graph {
 }
 
 impl Graph {
+    /// f⁽ᵏ⁾(a) for k = `order`.
+    pub fn apply_analytic(&mut self, function: AnalyticFunction, order: u32, a: &Term) -> Term {
+        let argument = self.unscaled(a);
+        let tier = self.tier(argument).max(Tier::Coefficient);
+        self.unit(Operation::Analytic(function, order, argument), tier)
+    }
+
     /// A node that holds the whole term: an argument of a function carries its scale inside.
     fn unscaled(&mut self, term: &Term) -> Node {
         if term.scale.is_one() {

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::analytic::AnalyticFunction;
 use crate::expression::Function;
 
 /// One operation on slots; each slot holds one number a lane.
@@ -59,6 +60,17 @@ pub enum Instruction {
         /// Argument.
         a: u32,
     },
+    /// out ← f⁽ᵏ⁾(a), by the function's own code.
+    ApplyAnalytic {
+        /// The function.
+        function: AnalyticFunction,
+        /// k.
+        order: u32,
+        /// Result slot.
+        out: u32,
+        /// Argument.
+        a: u32,
+    },
     /// out ← a^b, by `libm::pow`.
     Power {
         /// Result slot.
@@ -80,6 +92,7 @@ impl Instruction {
             | Self::Divide { out, .. }
             | Self::Negate { out, .. }
             | Self::Apply { out, .. }
+            | Self::ApplyAnalytic { out, .. }
             | Self::Power { out, .. } => out,
         }
     }
@@ -92,7 +105,9 @@ impl Instruction {
             | Self::Multiply { a, b, .. }
             | Self::Divide { a, b, .. }
             | Self::Power { a, b, .. } => [a, b],
-            Self::Negate { a, .. } | Self::Apply { a, .. } => [a, a],
+            Self::Negate { a, .. } | Self::Apply { a, .. } | Self::ApplyAnalytic { a, .. } => {
+                [a, a]
+            }
         }
     }
 
@@ -125,6 +140,17 @@ impl Instruction {
             },
             Self::Apply { function, out, a } => Self::Apply {
                 function,
+                out: name(out),
+                a: name(a),
+            },
+            Self::ApplyAnalytic {
+                function,
+                order,
+                out,
+                a,
+            } => Self::ApplyAnalytic {
+                function,
+                order,
                 out: name(out),
                 a: name(a),
             },
@@ -161,7 +187,9 @@ impl Code {
                 Instruction::Negate { .. } => count.negations += 1,
                 Instruction::Multiply { .. } => count.multiplications += 1,
                 Instruction::Divide { .. } => count.divisions += 1,
-                Instruction::Apply { .. } | Instruction::Power { .. } => count.functions += 1,
+                Instruction::Apply { .. }
+                | Instruction::ApplyAnalytic { .. }
+                | Instruction::Power { .. } => count.functions += 1,
             }
         }
         count

@@ -165,7 +165,10 @@ fn operands(graph: &Graph, node: Node) -> Vec<Node> {
         | Operation::StepSize(_)
         | Operation::Input(_) => Vec::new(),
         Operation::Sum(terms) => terms.iter().map(|t| t.1).collect(),
-        Operation::Scale(_, a) | Operation::Reciprocal(a) | Operation::Function(_, a) => vec![*a],
+        Operation::Scale(_, a)
+        | Operation::Reciprocal(a)
+        | Operation::Function(_, a)
+        | Operation::Analytic(_, _, a) => vec![*a],
         Operation::Product(a, b) | Operation::Power(a, b) => vec![*a, *b],
     }
 }
@@ -327,6 +330,15 @@ impl<'a> Emitter<'a> {
             Operation::Function(function, a) => {
                 let a = self.place(a);
                 self.push(|out| Instruction::Apply { function, out, a })
+            }
+            Operation::Analytic(function, order, a) => {
+                let a = self.place(a);
+                self.push(|out| Instruction::ApplyAnalytic {
+                    function,
+                    order,
+                    out,
+                    a,
+                })
             }
             Operation::Power(a, b) => {
                 let (a, b) = (self.place(a), self.place(b));

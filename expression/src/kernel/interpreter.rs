@@ -150,6 +150,15 @@ fn run_lanes<const W: usize>(code: &Code, slots: &mut [[f64; W]]) {
                 let a = slots[a as usize];
                 slots[out as usize] = std::array::from_fn(|w| function.apply(a[w]));
             }
+            Instruction::ApplyAnalytic {
+                function,
+                order,
+                out,
+                a,
+            } => {
+                let a = slots[a as usize];
+                slots[out as usize] = std::array::from_fn(|w| function.derivative(order, a[w]));
+            }
             Instruction::Power { out, a, b } => {
                 let (a, b) = (slots[a as usize], slots[b as usize]);
                 slots[out as usize] = std::array::from_fn(|w| libm::pow(a[w], b[w]));

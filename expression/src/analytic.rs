@@ -1,0 +1,124 @@
+//! Functions known by their values and those of their derivatives, where no formula serves.
+
+use std::fmt;
+use std::hash::{Hash, Hasher};
+
+/// An analytic function f of one variable that a crate evaluates itself: straight-line code calls
+/// it and its derivatives f⁽ᵏ⁾ like elementary functions.
+///
+/// For closed forms with a removable singularity, such as sin(√s/2)/√s at s = 0, whose formula
+/// neither has a value there nor is accurate nearby. Two functions of the same name are one.
+#[derive(Clone, Copy)]
+pub struct AnalyticFunction {
+    name: &'static str,
+    derivative: fn(u32, f64) -> f64,
+}
+
+impl AnalyticFunction {
+    /// The function with f⁽ᵏ⁾(s) = `derivative(k, s)`, NaN outside its domain: the same bits on
+    /// every machine, so without the elementary functions of `std`.
+    pub const fn new(name: &'static str, derivative: fn(u32, f64) -> f64) -> Self {
+        Self { name, derivative }
+    }
+
+    /// The name that identifies it.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// f⁽ᵏ⁾(s).
+    pub fn derivative(&self, order: u32, s: f64) -> f64 {
+        (self.derivative)(order, s)
+    }
+}
+
+impl PartialEq for AnalyticFunction {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+impl Eq for AnalyticFunction {}
+
+impl Hash for AnalyticFunction {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.name.hash(state);
+    }
+}
+
+impl fmt::Debug for AnalyticFunction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::AnalyticFunction;
+    use crate::arithmetic::Arithmetic;
+    use crate::expression::Function;
+    use crate::graph::{Graph, Term};
+    use crate::kernel::Kernel;
+    use crate::rational::Rational;
+
+    const SINE: AnalyticFunction = AnalyticFunction::new("sine", |order, s| match order % 4 {
+        0 => libm::sin(s),
+        1 => libm::cos(s),
+        2 => -libm::sin(s),
+        _ => -libm::cos(s),
+    });
+
+    /// f(2 x y) and its derivatives to the third order, f once a node of its own and once a formula.
+    #[test]
+    fn code_and_derivatives_are_those_of_the_elementary_function() {
+        let mut graph = Graph::new();
+        let (x, y) = (graph.input(0), graph.input(1));
+        let product = graph.multiply(&x, &y);
+        let argument = graph.scale(&Rational::from_integer(2), &product);
+        let opaque = graph.apply_analytic(SINE, 0, &argument);
+        assert_eq!(opaque, graph.apply_analytic(SINE, 0, &argument));
+        let known = graph.apply(Function::Sin, &argument).expect("code");
+        let mut outputs: Vec<Term> = Vec::new();
+        for term in [opaque, known] {
+            let mut derivative = term;
+            outputs.push(derivative.clone());
+            for input in [0, 1, 0] {
+                derivative = graph.derivative(&derivative, input).expect("code");
+                outputs.push(derivative.clone());
+            }
+        }
+        let kernel = Kernel::compile(&graph, &outputs, 0, 2);
+        // f to its third derivative, and sine and cosine.
+        assert_eq!(kernel.step_operations().functions, 6);
+        for lanes in [1, 3, 8] {
+            let mut workspace = kernel.workspace(lanes);
+            let sizes = vec![1.0; lanes];
+            kernel.prepare(&mut workspace, &[], &sizes, &sizes);
+            let mut values = vec![0.0; 8 * lanes];
+            kernel.evaluate(
+                &mut workspace,
+                &[vec![0.7; lanes], vec![-0.4; lanes]].concat(),
+                &mut values,
+            );
+            for k in 0..4 {
+                let (found, expected) = (values[k * lanes], values[(4 + k) * lanes]);
+                let error = (found - expected).abs();
+                assert!(error <= 4.0 * f64::EPSILON, "f^({k}): {found} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_constant_argument_is_evaluated_with_the_coefficients() {
+        let mut graph = Graph::new();
+        let half = graph.constant(&Rational::new(1, 2));
+        let value = graph.apply_analytic(SINE, 1, &half);
+        assert!(graph.derivative(&value, 0).expect("code").scale.is_zero());
+        let kernel = Kernel::compile(&graph, &[value], 0, 0);
+        let mut workspace = kernel.workspace(1);
+        kernel.prepare(&mut workspace, &[], &[1.0], &[1.0]);
+        let mut values = [0.0];
+        kernel.evaluate(&mut workspace, &[], &mut values);
+        assert_eq!(values[0], libm::cos(0.5));
+    }
+}
