@@ -31,14 +31,15 @@ struct Series {
 fn errors(id: &str, n: i64, point: (&[f64], &[f64]), largest: f64, octaves: i32) -> Series {
     let system = library(id).system;
     let part = realization(&system, n);
-    let mut instrument =
-        RealizationInstrument::new(&system, part.as_ref(), &system.parameter_values())
-            .expect("a realization with code");
+    let mut instrument = RealizationInstrument::new(&system, &part, &system.parameter_values())
+        .expect("a realization with code");
     let mut roundoff = 0.0_f64;
     let points = (0..=6 * octaves)
         .map(|k| largest * libm::exp2(-f64::from(k) / 6.0))
         .map(|epsilon| {
-            let error = instrument.measure(epsilon, point.0, point.1);
+            let error = instrument
+                .measure(epsilon, point.0, point.1)
+                .expect("inside the chart");
             roundoff = roundoff.max(error.scale * UNIT_ROUNDOFF * OPERATIONS);
             (epsilon, error.source)
         })
@@ -111,9 +112,11 @@ fn on_the_magnetic_bracket_n_3_is_exact() {
     let system = library("magnetic").system;
     let part = realization(&system, 3);
     let mut instrument =
-        RealizationInstrument::new(&system, part.as_ref(), &[]).expect("a realization with code");
+        RealizationInstrument::new(&system, &part, &[]).expect("a realization with code");
     for epsilon in [0.01, 0.1, 1.0, 3.0] {
-        let error = instrument.measure(epsilon, &MAGNETIC_X, &MAGNETIC_P);
+        let error = instrument
+            .measure(epsilon, &MAGNETIC_X, &MAGNETIC_P)
+            .expect("in the chart");
         let bound = OPERATIONS * UNIT_ROUNDOFF * error.scale.max(1.0);
         println!(
             "magnetic n = 3 eps = {epsilon}: {:.1e} of {:.1e}",

@@ -6,7 +6,31 @@ use leafwise_expression::{Arithmetic, Graph, Kernel, StepSize, Term, Workspace};
 
 use crate::dynamics::{BisectionCode, BisectionWorker};
 use crate::error::{BuildError, StepError};
-use crate::realization::{Ends, RealizationCode, RealizationWorker};
+use crate::realization::{Ends, RealizationCode, RealizationData, RealizationWorker};
+
+/// An evaluator of any realization's maps: its own worker, or one compiled from its code.
+///
+/// # Errors
+/// [`BuildError::Incompatible`] when it offers neither, [`BuildError::Algebra`] where its code
+/// cannot be differentiated.
+pub fn realization_worker(
+    realization: &dyn RealizationData,
+    parameters: &[f64],
+    epsilon: f64,
+) -> Result<Box<dyn RealizationWorker>, BuildError> {
+    if let Some(code) = realization.code() {
+        let (d, space) = (realization.dimension(), realization.space_dimension());
+        let compiled = CodeRealization::compile(code, d, space, parameters.len())?;
+        return Ok(compiled.worker(parameters, epsilon));
+    }
+    realization
+        .worker(parameters, epsilon)
+        .ok_or_else(|| BuildError::Incompatible {
+            dynamics: "an evaluation".to_owned(),
+            realization: realization.describe(),
+            reason: "it offers neither code nor numbers for its maps".to_owned(),
+        })
+}
 
 /// A realization's maps and their tangents as kernels of z.
 #[derive(Clone, Debug)]

@@ -121,13 +121,14 @@ pub enum StepError {
         /// The last Newton correction, relative to the state's components.
         correction: f64,
     },
-    /// The solution lies where the realization's series no longer decays: outside its chart.
+    /// The solution lies outside the realization's chart: its series no longer decays, or its
+    /// closed form ends.
     #[error(
         "the step left the realization's chart: the last term of its series is {ratio:.2} times \
-         the first; reduce epsilon*h"
+         the first, or a closed form's radius is reached {ratio:.2} times; reduce epsilon*h"
     )]
     LeftChart {
-        /// Size of the last term over that of the first.
+        /// Size of the last term over that of the first; distance from the section over the radius.
         ratio: f64,
     },
     /// A diagnostic asked for the tangent of a map that offers none.

@@ -8,6 +8,7 @@
 //! - [`realization`]: [`RealizationData`], the geometric approximation.
 //! - [`dynamics`]: [`DynamicApproximation`] and [`LagrangianBisection`], the dynamic one.
 //! - [`method`](mod@method): [`Method`], the two combined into a step map.
+//! - [`quadrature`]: Gauss–Legendre rules.
 //! - [`solver`]: the step solver, one Newton iteration a lane.
 //! - [`integrator`]: the compensated step loop.
 //! - [`lattice`]: long lattices in O(N) time and memory a step.
@@ -23,11 +24,13 @@ pub mod integrator;
 pub mod lattice;
 pub mod method;
 pub mod part;
+pub mod quadrature;
 pub mod realization;
 pub mod registry;
 pub mod solver;
 pub mod system;
 
+pub use code_workers::realization_worker;
 pub use dynamics::{
     BisectionCode, BisectionWorker, Correction, DynamicApproximation, LagrangianBisection,
 };

@@ -98,8 +98,9 @@ pub struct SourceTarget {
     pub offset: Vec<Term>,
     /// α̂ − β̂.
     pub increment: Vec<Term>,
-    /// First and last term of a truncated series: where the last is not the smaller one, the point
-    /// is outside the chart. Empty for closed forms.
+    /// First and last term of a truncated series, or the radius of a closed form's chart and how
+    /// far the point reaches in it: where the last is not the smaller one, the point is outside the
+    /// chart. `None` for closed forms that hold everywhere.
     pub guard: Option<(Vec<Term>, Vec<Term>)>,
 }
 

@@ -1,21 +1,26 @@
 //! How far α̂ is from a Poisson map, and α̂, β̂ from a dual pair.
 
-use leafwise_expression::{Arithmetic, Graph, Kernel, Rational, StepSize, Term, Workspace};
+use std::sync::Arc;
 
-use crate::error::BuildError;
-use crate::realization::RealizationData;
+use leafwise_expression::{Kernel, Workspace};
+use nalgebra::DMatrix;
+
+use crate::code_workers::CodeRealization;
+use crate::error::{BuildError, StepError};
+use crate::realization::{Ends, RealizationData, RealizationWorker};
 use crate::system::PoissonSystem;
 
-/// ε Π(α̂) − {α̂, α̂}_ω and {α̂_i, β̂_j}_ω at points of a cotangent chart, with exact derivatives.
+/// ε Π(α̂) − {α̂, α̂}_ω and {α̂_i, β̂_j}_ω at points of a cotangent chart, from the exact tangents of
+/// both maps.
 ///
 /// On T*M with ω = dp_i ∧ dx^i the bracket is {f, g}_ω = Σ_k ∂f/∂x^k ∂g/∂p_k − ∂f/∂p_k ∂g/∂x^k.
-#[derive(Debug)]
 pub struct RealizationInstrument {
-    kernel: Kernel,
+    realization: Arc<dyn RealizationData>,
+    code: Option<CodeRealization>,
+    tensor: Kernel,
     workspace: Workspace,
+    entries: Vec<(usize, usize)>,
     parameters: Vec<f64>,
-    dimension: usize,
-    values: Vec<f64>,
 }
 
 /// The errors at one point.
@@ -32,110 +37,120 @@ pub struct RealizationError {
 }
 
 impl RealizationInstrument {
-    /// Compiles the instrument for a realization whose space is T*M in coordinates (x, p).
+    /// The instrument for a realization whose space is T*M in coordinates (x, p).
     ///
     /// # Errors
-    /// [`BuildError::Incompatible`] when the realization has no code or another space,
-    /// [`BuildError::Algebra`] where a derivative has no code.
+    /// [`BuildError::Incompatible`] when the realization has another space or offers neither code
+    /// nor numbers, [`BuildError::Algebra`] where a derivative has no code.
     pub fn new(
         system: &PoissonSystem,
-        realization: &dyn RealizationData,
+        realization: &Arc<dyn RealizationData>,
         parameters: &[f64],
     ) -> Result<Self, BuildError> {
         let d = system.dimension();
-        let code = realization
-            .code()
-            .filter(|_| realization.space_dimension() == 2 * d);
-        let code = code.ok_or_else(|| BuildError::Incompatible {
+        let missing = || BuildError::Incompatible {
             dynamics: "the realization error".to_owned(),
             realization: realization.describe(),
-            reason: "it offers no code for its maps on T*M".to_owned(),
-        })?;
-        let mut graph = Graph::new();
-        let z: Vec<Term> = (0..2 * d).map(|i| graph.input(i)).collect();
-        let epsilon = graph.step_size(StepSize::Epsilon);
-        let ends = code.source_and_target(&mut graph, &epsilon, &z)?;
-        let beta: Vec<Term> = (0..d)
-            .map(|i| graph.add(&ends.base[i], &ends.offset[i]))
-            .collect();
-        let alpha: Vec<Term> = (0..d)
-            .map(|i| graph.add(&beta[i], &ends.increment[i]))
-            .collect();
-        let mut outputs = Vec::new();
-        for (map, sign) in [(&alpha, 1), (&beta, -1)] {
-            for i in 0..d {
-                for j in i + 1..d {
-                    let tensor = match system.tensor().get(&(i, j)) {
-                        None => graph.zero(),
-                        Some(entry) => {
-                            entry.evaluate_in(&mut graph, &mut |_, at| Ok(map[at].clone()))?
-                        }
-                    };
-                    let tensor = graph.multiply(&epsilon, &tensor);
-                    let bracket = canonical_bracket(&mut graph, &map[i], &map[j], d)?;
-                    outputs.push(graph.scale(&Rational::from_integer(sign), &tensor));
-                    outputs.push(bracket);
-                }
-            }
+            reason: "it offers no maps on T*M".to_owned(),
+        };
+        if realization.space_dimension() != 2 * d {
+            return Err(missing());
         }
-        for i in 0..d {
-            for j in 0..d {
-                outputs.push(canonical_bracket(&mut graph, &alpha[i], &beta[j], d)?);
+        let code = match realization.code() {
+            Some(code) => Some(CodeRealization::compile(code, d, 2 * d, parameters.len())?),
+            None => {
+                realization.worker(parameters, 1.0).ok_or_else(missing)?;
+                None
             }
-        }
-        let kernel = Kernel::compile(&graph, &outputs, parameters.len(), 2 * d);
-        let workspace = kernel.workspace(1);
-        let values = vec![0.0; outputs.len()];
+        };
+        let formulas: Vec<_> = system.tensor().values().collect();
+        let tensor = system.observable_kernel(&formulas)?;
+        let mut workspace = tensor.workspace(1);
+        tensor.prepare(&mut workspace, parameters, &[1.0], &[1.0]);
         Ok(Self {
-            kernel,
+            realization: Arc::clone(realization),
+            code,
+            tensor,
             workspace,
+            entries: system.tensor().keys().copied().collect(),
             parameters: parameters.to_vec(),
-            dimension: d,
-            values,
         })
+    }
+
+    fn worker(&self, epsilon: f64) -> Box<dyn RealizationWorker> {
+        match &self.code {
+            Some(code) => code.worker(&self.parameters, epsilon),
+            None => self
+                .realization
+                .worker(&self.parameters, epsilon)
+                .expect("a worker was offered when the instrument was made"),
+        }
     }
 
     /// The errors at (x, p) for this ε.
     ///
-    /// # Panics
-    /// When `x` or `p` does not have the system's dimension.
-    pub fn measure(&mut self, epsilon: f64, x: &[f64], p: &[f64]) -> RealizationError {
-        let d = self.dimension;
-        assert_eq!((x.len(), p.len()), (d, d), "one coordinate a variable");
-        self.kernel
-            .prepare(&mut self.workspace, &self.parameters, &[epsilon], &[1.0]);
+    /// # Errors
+    /// The realization's [`StepError`], such as [`StepError::LeftChart`].
+    pub fn measure(
+        &mut self,
+        epsilon: f64,
+        x: &[f64],
+        p: &[f64],
+    ) -> Result<RealizationError, StepError> {
+        let d = x.len();
         let z: Vec<f64> = x.iter().chain(p).copied().collect();
-        self.kernel
-            .evaluate(&mut self.workspace, &z, &mut self.values);
-        let pairs = d * (d - 1) / 2;
-        let mut scale = 0.0_f64;
-        let mut difference = |pairs: &[f64]| {
-            let mut sum = 0.0;
-            for pair in pairs.chunks_exact(2) {
-                scale = scale.max(pair[0].abs()).max(pair[1].abs());
-                sum += (pair[0] - pair[1]) * (pair[0] - pair[1]);
-            }
-            libm::sqrt(sum)
+        let mut worker = self.worker(epsilon);
+        let mut ends = Ends::new(d);
+        worker.ends(&z, &mut ends)?;
+        let mut target = vec![0.0; 2 * d * d];
+        let mut increment = vec![0.0; 2 * d * d];
+        worker.tangents(&mut target, &mut increment)?;
+        let target = DMatrix::from_row_slice(d, 2 * d, &target);
+        let source = &target + DMatrix::from_row_slice(d, 2 * d, &increment);
+        let beta: Vec<f64> = ends
+            .base
+            .iter()
+            .zip(&ends.offset)
+            .map(|(b, o)| b + o)
+            .collect();
+        let alpha: Vec<f64> = beta
+            .iter()
+            .zip(&ends.increment)
+            .map(|(b, i)| b + i)
+            .collect();
+        let bracket = |f: &DMatrix<f64>, g: &DMatrix<f64>| {
+            f.columns(0, d) * g.columns(d, d).transpose()
+                - f.columns(d, d) * g.columns(0, d).transpose()
         };
-        let source = difference(&self.values[..2 * pairs]);
-        let target = difference(&self.values[2 * pairs..4 * pairs]);
-        let dual_pair = libm::sqrt(self.values[4 * pairs..].iter().map(|v| v * v).sum());
-        RealizationError {
-            source,
-            target,
-            dual_pair,
+        let own = [bracket(&source, &source), bracket(&target, &target)];
+        let tensors = [
+            self.tensor_at(&alpha) * epsilon,
+            self.tensor_at(&beta) * -epsilon,
+        ];
+        let scale = own
+            .iter()
+            .chain(&tensors)
+            .flat_map(|m| m.iter())
+            .fold(0.0_f64, |largest, v| largest.max(v.abs()));
+        let norm = |m: DMatrix<f64>| libm::sqrt(m.iter().map(|v| v * v).sum());
+        // Antisymmetric matrices hold every pair twice.
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        Ok(RealizationError {
+            source: half * norm(&tensors[0] - &own[0]),
+            target: half * norm(&tensors[1] - &own[1]),
+            dual_pair: norm(bracket(&source, &target)),
             scale,
-        }
+        })
     }
-}
 
-fn canonical_bracket(graph: &mut Graph, f: &Term, g: &Term, d: usize) -> Result<Term, BuildError> {
-    let mut terms = Vec::with_capacity(2 * d);
-    for k in 0..d {
-        let (fx, gp) = (graph.derivative(f, k)?, graph.derivative(g, d + k)?);
-        terms.push((Rational::one(), graph.multiply(&fx, &gp)));
-        let (fp, gx) = (graph.derivative(f, d + k)?, graph.derivative(g, k)?);
-        terms.push((-Rational::one(), graph.multiply(&fp, &gx)));
+    fn tensor_at(&mut self, x: &[f64]) -> DMatrix<f64> {
+        let mut values = vec![0.0; self.entries.len()];
+        self.tensor.evaluate(&mut self.workspace, x, &mut values);
+        let mut matrix = DMatrix::zeros(x.len(), x.len());
+        for (&(i, j), value) in self.entries.iter().zip(values) {
+            matrix[(i, j)] = value;
+            matrix[(j, i)] = -value;
+        }
+        matrix
     }
-    Ok(graph.combine(&terms))
 }

@@ -178,8 +178,14 @@ impl NewtonStepper {
         state.correction = lane;
         state.evaluations += 1;
         if !solvable || !size.is_finite() {
-            return Err(StepError::NonFinite {
-                what: "a Newton correction",
+            // An iterate outside the chart has no value: the guard tells the cause.
+            return Err(match self.check_chart(at) {
+                Err(StepError::LeftChart { ratio }) if ratio.is_finite() => {
+                    StepError::LeftChart { ratio }
+                }
+                _ => StepError::NonFinite {
+                    what: "a Newton correction",
+                },
             });
         }
         if state.last.is_finite() && state.last > 0.0 && size > 16.0 * f64::EPSILON {

@@ -8,14 +8,17 @@
 //! - [`curve`]: the curve's series, order by order, over any algebra.
 //! - [`truncated`]: [`TruncatedKarasev`], R̂_ε = τⁿ[K_ε] (paper, section 3.2).
 //! - [`stages`]: the same over a long lattice, one sweep an order.
+//! - [`collocated`]: [`CollocatedKarasev`], the defining relation solved at Gauss nodes.
 //! - [`series`]: α along p(h) in the exact ring, for Hamilton–Jacobi coefficients.
-//! - `register`: the part `karasev-truncated`.
+//! - `register`: the parts `karasev-truncated` and `karasev-collocated`.
 
+pub mod collocated;
 pub mod curve;
 mod register;
 pub mod series;
 pub mod stages;
 pub mod truncated;
 
+pub use collocated::CollocatedKarasev;
 pub use curve::KarasevCurve;
 pub use truncated::TruncatedKarasev;

@@ -1,4 +1,4 @@
-//! The part `karasev-truncated`.
+//! The parts `karasev-truncated` and `karasev-collocated`.
 
 use std::sync::Arc;
 
@@ -6,6 +6,7 @@ use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, P
 use leafwise_core::registry::{BuiltIn, RealizationPart};
 use leafwise_core::{BuildError, PoissonSystem, RealizationData};
 
+use crate::collocated::CollocatedKarasev;
 use crate::truncated::TruncatedKarasev;
 
 pub(crate) static INFO: PartInfo = PartInfo {
@@ -52,3 +53,53 @@ impl RealizationPart for Part {
 }
 
 inventory::submit! { BuiltIn::Realization(&Part) }
+
+pub(crate) static COLLOCATED: PartInfo = PartInfo {
+    name: "karasev-collocated",
+    kind: PartKind::Realization,
+    summary: "Karasev's realization by collocation at Gauss nodes: numerically exact, any tensor",
+    declares: "exact to round-off with points = 0 (as many nodes as the step needs); with q nodes \
+               the bracket defect is O(epsilon^(2q)); self-adjoint",
+    domain: "where the curve of the step can be resolved by 24 nodes; any tensor the formulas can \
+             say",
+    literature: "Cabrera, Martin de Diego, Vaquero, Approximating Symplectic Realizations, \
+                 section 3.2, remark on other approximations; M. V. Karasev, Math. USSR Izv. 28 \
+                 (1987)",
+    parameters: &[ParameterInfo {
+        name: "points",
+        summary: "the number q of Gauss nodes, 1 to 24; 0: as many as the step needs",
+        default: ParameterDefault::Integer(0),
+    }],
+};
+
+struct CollocatedPart;
+
+impl RealizationPart for CollocatedPart {
+    fn info(&self) -> &'static PartInfo {
+        &COLLOCATED
+    }
+
+    fn build(
+        &self,
+        system: &PoissonSystem,
+        parameters: &PartParameters,
+    ) -> Result<Arc<dyn RealizationData>, BuildError> {
+        let points = parameters.get(&COLLOCATED, "points")?;
+        if !(0..=24).contains(&points) {
+            return Err(BuildError::Parameter {
+                part: COLLOCATED.name,
+                parameter: "points".to_owned(),
+                value: points.to_string(),
+                expected: "the number of nodes lies in 1 to 24; 0 leaves it open".to_owned(),
+            });
+        }
+        let points = if points == 0 {
+            None
+        } else {
+            Some(points as usize)
+        };
+        Ok(Arc::new(CollocatedKarasev::new(system, points)?))
+    }
+}
+
+inventory::submit! { BuiltIn::Realization(&CollocatedPart) }

@@ -1,0 +1,119 @@
+//! Karasev's realization data, numerically exact.
+
+use std::sync::Arc;
+
+use leafwise_core::{
+    Accuracy, BuildError, LagrangianBisection, MapProperties, PoissonSystem, RealizationData,
+    RealizationWorker, SourceSeries, StepMap,
+};
+
+use super::curve::Curve;
+use super::field::Field;
+use super::fused::FusedStep;
+use super::worker::CollocatedWorker;
+use crate::series::KarasevSeries;
+
+/// K_ε = (S ⊂ T*M, ω_M, α_ε, β_ε, σ) by collocation at q Gauss nodes, for any tensor with values
+/// and first derivatives of Π(y)p.
+///
+/// With a fixed q the bracket defect of α̂ is O(ε^{2q}); the automatic choice adds nodes until the
+/// defect is at round-off for the step at hand.
+#[derive(Clone, Debug)]
+pub struct CollocatedKarasev {
+    field: Field,
+    points: Option<usize>,
+    series: KarasevSeries,
+}
+
+/// Where the automatic choice starts, and where it gives up: the curve is then too long for its
+/// chart.
+const FEWEST_POINTS: usize = 2;
+const MOST_POINTS: usize = 24;
+
+impl CollocatedKarasev {
+    /// The realization at `points` nodes, or at as many as the step needs.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where the tensor has no code.
+    pub fn new(system: &PoissonSystem, points: Option<usize>) -> Result<Self, BuildError> {
+        Ok(Self {
+            field: Field::compile(system)?,
+            points,
+            series: KarasevSeries::new(system.clone()),
+        })
+    }
+
+    pub(super) fn curve(&self, parameters: &[f64]) -> Curve {
+        Curve::new(
+            &self.field,
+            parameters,
+            self.points.unwrap_or(FEWEST_POINTS),
+        )
+    }
+
+    pub(super) fn most_points(&self) -> Option<usize> {
+        if self.points.is_some() {
+            None
+        } else {
+            Some(MOST_POINTS)
+        }
+    }
+}
+
+impl RealizationData for CollocatedKarasev {
+    fn dimension(&self) -> usize {
+        self.field.dimension
+    }
+
+    fn space_dimension(&self) -> usize {
+        2 * self.field.dimension
+    }
+
+    fn accuracy(&self) -> Accuracy {
+        match self.points {
+            None => Accuracy::Exact,
+            Some(q) => Accuracy::Order(2 * q - 1),
+        }
+    }
+
+    fn describe(&self) -> String {
+        match self.points {
+            None => format!(
+                "{} (as many nodes as needed)",
+                crate::register::COLLOCATED.name
+            ),
+            Some(q) => format!("{} q = {q}", crate::register::COLLOCATED.name),
+        }
+    }
+
+    fn section(&self, x: &[f64], z: &mut [f64]) {
+        z[..x.len()].copy_from_slice(x);
+        z[x.len()..].fill(0.0);
+    }
+
+    fn series(&self) -> Option<&dyn SourceSeries> {
+        Some(&self.series)
+    }
+
+    fn worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationWorker>> {
+        Some(Box::new(CollocatedWorker {
+            curve: self.curve(parameters),
+            epsilon,
+            most_points: self.most_points(),
+            z: vec![0.0; 2 * self.field.dimension],
+        }))
+    }
+
+    fn fuse(
+        self: Arc<Self>,
+        system: &PoissonSystem,
+        bisection: Arc<dyn LagrangianBisection>,
+        properties: MapProperties,
+    ) -> Option<Result<Box<dyn StepMap>, BuildError>> {
+        // Only the graph of a one-form says p at x̂.
+        bisection.generating_function()?;
+        let parameters = system.parameters().len();
+        let fused = FusedStep::compile(self, bisection, properties, parameters);
+        Some(fused.map(|fused| Box::new(fused) as Box<dyn StepMap>))
+    }
+}

@@ -1,0 +1,222 @@
+//! Karasev's realization by collocation: its order in the number of nodes, its exactness, and the
+//! fused step.
+
+#![allow(
+    clippy::print_stdout,
+    reason = "measured numbers, read with --nocapture"
+)]
+
+use std::sync::Arc;
+
+use leafwise::core::diagnostics::{RealizationInstrument, TensorDefect};
+use leafwise::core::{
+    Accuracy, Ends, Integrator, Method, PartParameters, PoissonSystem, RealizationData, Registry,
+    realization_worker,
+};
+use leafwise_tests::library;
+use leafwise_tests::numbers::{distance, largest};
+use leafwise_tests::orders::measure;
+
+fn collocated(system: &PoissonSystem, points: i64) -> Arc<dyn RealizationData> {
+    let registry = Registry::with_builtin();
+    let part = registry
+        .realization("karasev-collocated")
+        .expect("a built-in part");
+    part.build(system, &PartParameters::new().with("points", points))
+        .expect("nodes in range")
+}
+
+fn truncated(system: &PoissonSystem, n: i64) -> Arc<dyn RealizationData> {
+    let registry = Registry::with_builtin();
+    let part = registry
+        .realization("karasev-truncated")
+        .expect("a built-in part");
+    part.build(system, &PartParameters::new().with("order", n))
+        .expect("an order in range")
+}
+
+fn methods(system: &PoissonSystem, m: i64) -> (Method, Method) {
+    let registry = Registry::with_builtin();
+    let part = registry
+        .dynamics("hamilton-jacobi")
+        .expect("a built-in part");
+    let dynamics = part
+        .build(&PartParameters::new().with("order", m))
+        .expect("an even order");
+    let realization = collocated(system, 0);
+    let fused = Method::compose(system, Arc::clone(&realization), Arc::clone(&dynamics));
+    let generic = Method::compose_unfused(system, realization, dynamics);
+    (
+        fused.expect("a fused method"),
+        generic.expect("a generic method"),
+    )
+}
+
+/// α̂_ε(x, P).
+fn source(
+    realization: &Arc<dyn RealizationData>,
+    parameters: &[f64],
+    epsilon: f64,
+    x: &[f64],
+) -> Vec<f64> {
+    let mut worker =
+        realization_worker(realization.as_ref(), parameters, epsilon).expect("maps on T*M");
+    let z: Vec<f64> = x.iter().chain(&P).copied().collect();
+    let mut ends = Ends::new(x.len());
+    worker.ends(&z, &mut ends).expect("in the chart");
+    (0..x.len())
+        .map(|i| ends.base[i] + ends.offset[i] + ends.increment[i])
+        .collect()
+}
+
+const P: [f64; 3] = [0.3, -0.2, 0.1];
+
+/// The bracket defect of α at q nodes is O(ε^{2q}); the next term is smaller by ε, or by ε² where
+/// symmetry removes the odd one.
+#[test]
+fn the_bracket_defect_has_slope_2q() {
+    for (id, largest_epsilon, gap) in [("rigid-body", 6.0, 2.0), ("lotka-volterra", 0.6, 1.0)] {
+        let system = library(id).system;
+        for q in 1..=6 {
+            let realization = collocated(&system, q);
+            assert_eq!(realization.accuracy(), Accuracy::Order(2 * q as usize - 1));
+            let values = system.parameter_values();
+            let mut instrument =
+                RealizationInstrument::new(&system, &realization, &values).expect("numbers");
+            let mut plateau = 0.0_f64;
+            let points: Vec<_> = (0..120)
+                .map(|k| largest_epsilon * libm::exp2(-f64::from(k) / 24.0))
+                .map(|epsilon| {
+                    let error = instrument
+                        .measure(epsilon, &[1.0, 3.0, 3.0], &P)
+                        .expect("in the chart");
+                    plateau = plateau.max(100.0 * f64::EPSILON * error.scale);
+                    (epsilon, error.source)
+                })
+                .collect();
+            let expected = 2.0 * q as f64;
+            // The tolerance holds what the next term adds over the fitted range.
+            let slope = measure(&points, plateau, gap).expect("points above round-off");
+            println!("{id} q = {q}: slope {slope}");
+            assert!(
+                slope.slope.exponent > expected - slope.tolerance,
+                "{id} q = {q}: {slope}: {points:?}"
+            );
+        }
+    }
+}
+
+/// With as many nodes as needed all three defects are round-off: 100 operations on the brackets.
+#[test]
+fn the_automatic_choice_is_exact() {
+    for id in ["rigid-body", "lotka-volterra", "gradient"] {
+        let problem = library(id);
+        let values = problem.system.parameter_values();
+        let realization = collocated(&problem.system, 0);
+        let mut instrument =
+            RealizationInstrument::new(&problem.system, &realization, &values).expect("numbers");
+        for epsilon in [0.01, 0.1, 0.3] {
+            let error = instrument
+                .measure(epsilon, &problem.initial, &P)
+                .expect("in the chart");
+            println!("{id} eps = {epsilon}: {error:?}");
+            let bound = 100.0 * f64::EPSILON * error.scale.max(epsilon);
+            assert!(
+                error.source < bound && error.target < bound,
+                "{id}: {error:?}"
+            );
+            assert!(error.dual_pair < bound, "{id}: {error:?}");
+        }
+    }
+}
+
+/// Two solves of the same equations: each ends within a few ulp of the solution.
+#[test]
+fn the_fused_and_the_generic_step_agree() {
+    for (id, m, t) in [
+        ("rigid-body", 2, 0.1),
+        ("rigid-body", 8, 0.1),
+        ("lotka-volterra-periodic", 4, 0.05),
+        ("heavy-top", 4, 0.1),
+        ("gradient", 4, 0.1),
+    ] {
+        let problem = library(id);
+        let values = problem.system.parameter_values();
+        let (fused, generic) = methods(&problem.system, m);
+        assert_eq!(
+            (fused.path().as_str(), generic.path().as_str()),
+            ("fused", "workers")
+        );
+        let mut a = Integrator::new(&fused, &values, 1.0, t, &problem.initial);
+        let mut b = Integrator::new(&generic, &values, 1.0, t, &problem.initial);
+        for _ in 0..10 {
+            a.step().expect("a step");
+            b.step().expect("a step");
+        }
+        let difference = distance(a.state(), b.state()) / largest(a.state());
+        println!("{id} m = {m}: {difference:.1e}");
+        assert!(
+            difference < 10.0 * 16.0 * f64::EPSILON,
+            "{id} m = {m}: {difference:e}"
+        );
+    }
+}
+
+/// The step is a Poisson map: its tensor defect is round-off of the tensor's products with DΦ,
+/// 64 u of the largest summand.
+#[test]
+fn collocated_steps_are_poisson_maps() {
+    for (id, t) in [
+        ("rigid-body", 0.1),
+        ("lotka-volterra-periodic", 0.05),
+        ("heavy-top", 0.1),
+    ] {
+        let problem = library(id);
+        let values = problem.system.parameter_values();
+        for m in [2, 4, 6, 8] {
+            let (fused, generic) = methods(&problem.system, m);
+            for method in [&fused, &generic] {
+                let mut instrument = TensorDefect::new(&problem.system, method, &values, 1.0, t)
+                    .expect("an instrument");
+                let defect = instrument.measure(&problem.initial).expect("a step");
+                let size = defect.tangent.iter().fold(1.0_f64, |s, v| s.max(v.abs()));
+                let bound = 64.0 * f64::EPSILON * defect.scale * size * size;
+                println!("{id} m = {m} {}: {:.1e}", method.path(), defect.norm);
+                assert!(
+                    defect.norm < bound,
+                    "{id} m = {m}: {:e} > {bound:e}",
+                    defect.norm
+                );
+            }
+        }
+    }
+}
+
+/// Collocation and truncation approximate one realization: they differ by O(εⁿ⁺¹), at least.
+#[test]
+fn truncations_approach_the_collocated_realization() {
+    let problem = library("gradient");
+    let system = &problem.system;
+    let values = system.parameter_values();
+    let exact = collocated(system, 0);
+    for n in 1..=8 {
+        let approximate = truncated(system, n);
+        let points: Vec<_> = (0..20)
+            .map(|k| 1.5 * libm::exp2(-f64::from(k) / 4.0))
+            .map(|epsilon| {
+                let [a, b] = [&exact, &approximate]
+                    .map(|realization| source(realization, &values, epsilon, &problem.initial));
+                (epsilon, distance(&a, &b))
+            })
+            .collect();
+        let plateau = 20.0 * f64::EPSILON * largest(&problem.initial);
+        let Some(slope) = measure(&points, plateau, 1.0) else {
+            panic!("n = {n}: too few points above round-off: {points:?}");
+        };
+        println!("gradient n = {n}: slope {slope}");
+        assert!(
+            slope.slope.exponent > n as f64 + 0.7,
+            "n = {n}: {slope}: {points:?}"
+        );
+    }
+}
