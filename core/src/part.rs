@@ -156,27 +156,27 @@ impl PartParameters {
         self
     }
 
+    /// Accepts only names of `info`'s parameters: for parts that read none.
+    ///
+    /// # Errors
+    /// [`BuildError::UnknownParameter`] for the first other name.
+    pub fn refuse_unknown(&self, info: &PartInfo) -> Result<(), BuildError> {
+        let known = |name: &String| info.parameters.iter().any(|p| p.name == name);
+        match self.values.keys().find(|name| !known(name)) {
+            Some(stranger) => Err(unknown_parameter(info, stranger)),
+            None => Ok(()),
+        }
+    }
+
     /// The value of a parameter of `info`, its default where none is given.
     ///
     /// # Errors
     /// [`BuildError::UnknownParameter`] when a given name is not one of `info`'s, or the one asked
     /// for is not.
     pub fn setting(&self, info: &PartInfo, name: &str) -> Result<ParameterSetting, BuildError> {
-        let known = |parameter: &str| info.parameters.iter().find(|p| p.name == parameter);
-        let unknown = |parameter: &str| BuildError::UnknownParameter {
-            part: info.name,
-            parameter: parameter.to_owned(),
-            known: info
-                .parameters
-                .iter()
-                .map(|p| p.name)
-                .collect::<Vec<_>>()
-                .join(", "),
-        };
-        if let Some(stranger) = self.values.keys().find(|key| known(key).is_none()) {
-            return Err(unknown(stranger));
-        }
-        let parameter = known(name).ok_or_else(|| unknown(name))?;
+        self.refuse_unknown(info)?;
+        let parameter = info.parameters.iter().find(|p| p.name == name);
+        let parameter = parameter.ok_or_else(|| unknown_parameter(info, name))?;
         Ok(self
             .values
             .get(name)
@@ -227,6 +227,19 @@ impl PartParameters {
                 .ok_or_else(|| wrong_type(info, name, &value, &expected())),
             other => Err(wrong_type(info, name, other, &expected())),
         }
+    }
+}
+
+fn unknown_parameter(info: &PartInfo, parameter: &str) -> BuildError {
+    let names: Vec<_> = info.parameters.iter().map(|p| p.name).collect();
+    BuildError::UnknownParameter {
+        part: info.name,
+        parameter: parameter.to_owned(),
+        known: if names.is_empty() {
+            "none".to_owned()
+        } else {
+            names.join(", ")
+        },
     }
 }
 
