@@ -33,6 +33,12 @@ pub fn execute(arguments: &EvaluateArguments, console: &mut Console<'_>) -> Resu
     let document = load(&arguments.scene)?;
     let run = compose(&document, &Registry::with_builtin())?;
     let Some(method) = run.method.written() else {
+        if run.method.lattice().is_none() {
+            return Err(Failure::usage(
+                "a stepper has no realization to evaluate",
+                "name a realization and dynamics, with --set method.realization=karasev-truncated",
+            ));
+        }
         return Err(Failure::usage(
             format!(
                 "a lattice of {} coordinates is not evaluated at a point",

@@ -25,18 +25,20 @@ pub fn explain(run: &ComposedRun, start: Instant) -> Result<Vec<String>, BuildEr
         ("Dimension".to_owned(), run.dimension().to_string()),
         ("Tensor".to_owned(), tensor_shape(&run.system).to_string()),
         (
-            "Realization".to_owned(),
-            run.method.realization().describe(),
-        ),
-        ("Dynamics".to_owned(), run.method.dynamics().describe()),
-        (
             "Declared order".to_owned(),
             format!("{} in t = εh", run.method.declared_order()),
         ),
     ];
-    match run.method.written() {
-        Some(method) => rows.extend(series(run, method)?),
-        None => rows.push((
+    rows.extend(
+        run.method
+            .parts()
+            .into_iter()
+            .map(|(label, text)| (label.to_owned(), text)),
+    );
+    match (run.method.written(), run.method.lattice()) {
+        (Some(method), _) => rows.extend(series(run, method)?),
+        (None, None) => {}
+        (None, Some(_)) => rows.push((
             "Templates".to_owned(),
             format!("from a lattice of {} coordinates", run.system.dimension()),
         )),

@@ -3,8 +3,10 @@
 use std::sync::Arc;
 
 use leafwise_core::part::{ParameterDefault, ParameterSetting, PartInfo, PartKind};
+use leafwise_core::registry::CompositionPart;
 use leafwise_core::{
     BuildError, DynamicApproximation, PartParameters, PoissonSystem, RealizationData, Registry,
+    StepMap,
 };
 use serde::Serialize;
 
@@ -29,11 +31,28 @@ pub struct PartChoice {
     pub is_automatic: bool,
 }
 
-/// The parts of the scene's method, built for the system.
+/// What the scene's method is built of.
 pub(super) struct Parts {
-    pub realization: Arc<dyn RealizationData>,
-    pub dynamics: Arc<dyn DynamicApproximation>,
+    pub base: Base,
+    pub composition: Option<(&'static dyn CompositionPart, PartParameters)>,
     pub choices: Vec<PartChoice>,
+}
+
+/// What is stepped, or composed.
+pub(super) enum Base {
+    /// Realization and dynamics.
+    Pair(Arc<dyn RealizationData>, Arc<dyn DynamicApproximation>),
+    /// A stepper in their place.
+    Stepper(Arc<dyn StepMap>),
+}
+
+impl Parts {
+    /// The realization as chosen, for building it again on another lattice.
+    pub fn realization(&self) -> Option<&PartChoice> {
+        self.choices
+            .iter()
+            .find(|choice| choice.kind == PartKind::Realization)
+    }
 }
 
 /// Builds the parts that `[method]` names.
@@ -45,19 +64,65 @@ pub(super) fn parts(
     system: &PoissonSystem,
     registry: &Registry,
 ) -> Result<Parts, Refusal> {
-    for (spec, kind) in [
-        (&document.method.composition, PartKind::Composition),
-        (&document.method.stepper, PartKind::Stepper),
-    ] {
-        if let Some(spec) = spec {
-            return Err(unknown_part(
-                document,
-                &spec.name,
-                kind,
-                &registry_names(registry, kind),
-            ));
+    let mut choices = Vec::new();
+    let base = match &document.method.stepper {
+        Some(spec) => stepper(document, spec, system, registry, &mut choices)?,
+        None => pair(document, system, registry, &mut choices)?,
+    };
+    let composition = match &document.method.composition {
+        None => None,
+        Some(spec) => {
+            let request = Request::new(document, Some(spec), "", 0);
+            let part = registry
+                .composition(request.name())
+                .map_err(|_| request.unknown(PartKind::Composition, registry))?;
+            let given = request.parameters(part.info())?;
+            choices.push(request.choice(part.info(), &given));
+            Some((part, given))
         }
+    };
+    Ok(Parts {
+        base,
+        composition,
+        choices,
+    })
+}
+
+/// The stepper that stands in place of realization and dynamics.
+fn stepper(
+    document: &SceneDocument,
+    spec: &PartSpec,
+    system: &PoissonSystem,
+    registry: &Registry,
+    choices: &mut Vec<PartChoice>,
+) -> Result<Base, Refusal> {
+    let method = &document.method;
+    if let Some(other) = method.realization.as_ref().or(method.dynamics.as_ref()) {
+        return Err(Box::new(document.diagnostic(
+            &other.name.place(),
+            "a stepper stands in place of realization and dynamics",
+            "beside `stepper`",
+            Some("remove this line, or the stepper".to_owned()),
+        )));
     }
+    let request = Request::new(document, Some(spec), "", 0);
+    let part = registry
+        .stepper(request.name())
+        .map_err(|_| request.unknown(PartKind::Stepper, registry))?;
+    let given = request.parameters(part.info())?;
+    let map = part
+        .build(system, &given)
+        .map_err(|error| request.refused(&error))?;
+    choices.push(request.choice(part.info(), &given));
+    Ok(Base::Stepper(map))
+}
+
+fn pair(
+    document: &SceneDocument,
+    system: &PoissonSystem,
+    registry: &Registry,
+    choices: &mut Vec<PartChoice>,
+) -> Result<Base, Refusal> {
     let request = Request::new(
         document,
         document.method.dynamics.as_ref(),
@@ -87,12 +152,9 @@ pub(super) fn parts(
     let realization = part
         .build(system, &given)
         .map_err(|error| request.refused(&error))?;
-    let choices = vec![request.choice(part.info(), &given), dynamics_choice];
-    Ok(Parts {
-        realization,
-        dynamics,
-        choices,
-    })
+    choices.push(request.choice(part.info(), &given));
+    choices.push(dynamics_choice);
+    Ok(Base::Pair(realization, dynamics))
 }
 
 /// What the scene asks of one part.
@@ -200,7 +262,7 @@ impl<'a> Request<'a> {
             names_order |= key.value == "order";
             given = given.with(key.value.clone(), setting);
         }
-        if self.named().is_none() && !names_order {
+        if self.named().is_none() && !names_order && self.default_order > 0 {
             given = given.with("order", self.default_order);
         }
         Ok(given)

@@ -1,14 +1,18 @@
 //! All of a scene, ready to step.
 
+use std::sync::Arc;
+
 use leafwise_core::lattice::{LatticeMethod, LatticeObservables};
-use leafwise_core::{BuildError, Integrator, Method, PartParameters, PoissonSystem, Registry};
+use leafwise_core::{
+    BuildError, Integrator, Method, PartParameters, PoissonSystem, Registry, StepMap,
+};
 
 use super::Refusal;
 use super::lattice::{SceneLattice, shortened};
 use super::observables::Observable;
-use super::parts::{PartChoice, Parts, parts};
-use super::stepping::{LatticeStepping, Stepping};
-use super::system::compose_system;
+use super::parts::{Base, PartChoice, Parts, parts};
+use super::stepping::{LatticeStepping, MapStepping, Stepping};
+use super::system::{DENSE_LIMIT, compose_system};
 use crate::document::{PartSpec, SceneDocument};
 
 /// What a run does.
@@ -33,7 +37,7 @@ pub struct RunPlan {
 }
 
 /// A scene with its system and method built.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct ComposedRun {
     /// (M, π, H); for a long lattice, its system on the short one that its templates come from.
     pub system: PoissonSystem,
@@ -54,8 +58,7 @@ pub fn compose(document: &SceneDocument, registry: &Registry) -> Result<Composed
     let parts = parts(document, &composed.system, registry)?;
     let choices = parts.choices.clone();
     let method = match SceneLattice::of(document)? {
-        None => Method::compose(&composed.system, parts.realization, parts.dynamics)
-            .map(|method| Stepping::Written(Box::new(method))),
+        None => compose_written(&composed.system, parts),
         Some(lattice) => compose_lattice(&lattice, &composed.system, parts, registry)
             .map(|stepping| Stepping::Lattice(Box::new(stepping))),
     };
@@ -90,6 +93,25 @@ pub fn compose(document: &SceneDocument, registry: &Registry) -> Result<Composed
     })
 }
 
+/// The map of parts that are written out.
+fn compose_written(system: &PoissonSystem, parts: Parts) -> Result<Stepping, BuildError> {
+    let (base, method): (Arc<dyn StepMap>, _) = match parts.base {
+        Base::Pair(realization, dynamics) => {
+            let method = Method::compose(system, realization, dynamics)?;
+            if parts.composition.is_none() {
+                return Ok(Stepping::Written(Box::new(method)));
+            }
+            (Arc::new(method.clone()), Some(Box::new(method)))
+        }
+        Base::Stepper(map) => (map, None),
+    };
+    let map = match parts.composition {
+        None => base,
+        Some((composition, given)) => composition.build(base, &given)?,
+    };
+    Ok(Stepping::Map(MapStepping { map, method }))
+}
+
 /// The method over a long lattice: the chosen parts again, on the proxy their order asks for.
 fn compose_lattice(
     lattice: &SceneLattice<'_>,
@@ -97,7 +119,15 @@ fn compose_lattice(
     parts: Parts,
     registry: &Registry,
 ) -> Result<LatticeStepping, BuildError> {
-    let chosen = &parts.choices[0];
+    let chosen = parts.realization().cloned();
+    let (Base::Pair(_, dynamics), Some(chosen)) = (parts.base, chosen) else {
+        return Err(BuildError::Lattice {
+            message: format!(
+                "a stepper is not offered on a lattice of more than {DENSE_LIMIT} coordinates; \
+                 name a realization and dynamics"
+            ),
+        });
+    };
     let given = chosen
         .parameters
         .iter()
@@ -107,13 +137,18 @@ fn compose_lattice(
     let method = LatticeMethod::compose(
         lattice,
         &|system| registry.realization(chosen.name)?.build(system, &given),
-        parts.dynamics,
+        dynamics,
     )?;
+    let composition = match parts.composition {
+        None => None,
+        Some((part, given)) => Some(part.build(Arc::new(method.clone()), &given)?),
+    };
     let values = trial.parameter_values();
     let invariants = trial.casimirs().len() + 1;
     Ok(LatticeStepping {
         invariants: LatticeObservables::new(lattice, &values, 0..invariants)?,
         formulas: LatticeObservables::new(lattice, &values, invariants..usize::MAX)?,
+        composition,
         method,
     })
 }
@@ -155,7 +190,10 @@ fn method_refusal(document: &SceneDocument, error: &BuildError) -> Refusal {
     let part = |spec: &Option<PartSpec>| spec.as_ref().map(|spec| spec.name.place());
     let place = match error {
         BuildError::Algebra(_) => formula,
+        BuildError::NotComposable { .. } => part(&document.method.composition)
+            .unwrap_or_else(|| document.system.hamiltonian.place()),
         _ => part(&document.method.dynamics)
+            .or_else(|| part(&document.method.stepper))
             .or_else(|| part(&document.method.realization))
             .unwrap_or(formula),
     };

@@ -1,22 +1,37 @@
-//! The integrator of a scene: written out, or by templates over a lattice.
+//! The integrator of a scene: parts written out, a map of its own, or templates over a lattice.
+
+use std::sync::Arc;
 
 use leafwise_core::lattice::{LatticeGeometry, LatticeMethod, LatticeObservables};
-use leafwise_core::{DynamicApproximation, Method, RealizationData, StepMap};
+use leafwise_core::{Method, StepMap, Structure};
 
 /// How a scene's steps are taken.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub enum Stepping {
-    /// Every coordinate has code of its own; the solver is Newton's.
+    /// Realization and dynamics, every coordinate with code of its own.
     Written(Box<Method>),
+    /// A composition, or a stepper that stands in place of realization and dynamics.
+    Map(MapStepping),
     /// One template a class of sites; the solver is the linear iteration.
     Lattice(Box<LatticeStepping>),
 }
 
+/// A step map that is not a method by itself.
+#[derive(Clone)]
+pub struct MapStepping {
+    /// The map that is stepped.
+    pub map: Arc<dyn StepMap>,
+    /// The method it is composed of, if it is one.
+    pub method: Option<Box<Method>>,
+}
+
 /// A lattice's method and its observers.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct LatticeStepping {
     /// The method.
     pub method: LatticeMethod,
+    /// A composition of it, which is then stepped.
+    pub composition: Option<Arc<dyn StepMap>>,
     /// Energy and Casimirs.
     pub invariants: LatticeObservables,
     /// Formulas of the state that the scene records.
@@ -28,51 +43,83 @@ impl Stepping {
     pub fn map(&self) -> &dyn StepMap {
         match self {
             Self::Written(method) => method.as_ref(),
-            Self::Lattice(lattice) => &lattice.method,
+            Self::Map(stepping) => stepping.map.as_ref(),
+            Self::Lattice(lattice) => match &lattice.composition {
+                Some(composition) => composition.as_ref(),
+                None => &lattice.method,
+            },
         }
     }
 
-    /// The method of a system that is written out.
+    /// The method of realization and dynamics that is written out, composed or not.
     pub fn written(&self) -> Option<&Method> {
         match self {
             Self::Written(method) => Some(method),
+            Self::Map(stepping) => stepping.method.as_deref(),
             Self::Lattice(_) => None,
         }
     }
 
-    /// The geometric approximation.
-    pub fn realization(&self) -> &dyn RealizationData {
-        match self {
-            Self::Written(method) => method.realization(),
-            Self::Lattice(lattice) => lattice.method.realization(),
-        }
-    }
-
-    /// The dynamic approximation.
-    pub fn dynamics(&self) -> &dyn DynamicApproximation {
-        match self {
-            Self::Written(method) => method.dynamics(),
-            Self::Lattice(lattice) => lattice.method.dynamics(),
-        }
-    }
-
-    /// Theorem 2's bound on the order in t.
+    /// The declared order in t = εh, a lower bound.
     pub fn declared_order(&self) -> usize {
         self.map().properties().order
+    }
+
+    /// What the steps are made of: labels and descriptions.
+    pub fn parts(&self) -> Vec<(&'static str, String)> {
+        let mut lines = match (self, self.written()) {
+            (_, Some(method)) => vec![
+                ("Realization", method.realization().describe()),
+                ("Dynamics", method.dynamics().describe()),
+            ],
+            (Self::Lattice(lattice), _) => vec![
+                ("Realization", lattice.method.realization().describe()),
+                ("Dynamics", lattice.method.dynamics().describe()),
+            ],
+            _ => vec![("Stepper", self.map().describe())],
+        };
+        let is_composed = match self {
+            Self::Map(stepping) => stepping.method.is_some(),
+            Self::Lattice(lattice) => lattice.composition.is_some(),
+            Self::Written(_) => false,
+        };
+        if is_composed {
+            lines.push(("Composition", self.map().describe()));
+        }
+        let properties = self.map().properties();
+        lines.push((
+            "Structure",
+            match properties.structure {
+                Structure::Exact => "a Poisson map, to round-off".to_owned(),
+                Structure::Order(n) => format!("a Poisson map up to order {n}"),
+                Structure::None => "not a Poisson map".to_owned(),
+            },
+        ));
+        lines
     }
 
     /// The lattice, if it is one.
     pub fn lattice(&self) -> Option<&LatticeGeometry> {
         match self {
-            Self::Written(_) => None,
+            Self::Written(_) | Self::Map(_) => None,
             Self::Lattice(lattice) => Some(lattice.method.geometry()),
         }
     }
 
+    /// How a step is computed, for the manifest.
+    pub fn path(&self) -> String {
+        let path = match (self, self.written()) {
+            (_, Some(method)) => method.path(),
+            (Self::Lattice(_), _) => "sweeps over a lattice".to_owned(),
+            _ => "a step map of its own".to_owned(),
+        };
+        format!("expressions, compiled to straight-line code; {path}; interpreter")
+    }
+
     /// What one iteration of the solver costs: labels and counts.
     pub fn costs(&self) -> Vec<(&'static str, String)> {
-        match self {
-            Self::Written(method) => match method.newton() {
+        if let Some(method) = self.written() {
+            return match method.newton() {
                 None => vec![("Path", method.path())],
                 Some(newton) => vec![
                     ("One Newton iteration", newton.operations().to_string()),
@@ -82,25 +129,26 @@ impl Stepping {
                         newton.coefficient_operations().to_string(),
                     ),
                 ],
-            },
-            Self::Lattice(lattice) => {
-                let program = lattice.method.program();
-                let sites = lattice.method.geometry().length();
-                vec![
-                    (
-                        "One iteration",
-                        format!(
-                            "{} operations, {:.1} a site",
-                            program.operations(),
-                            program.operations() as f64 / sites as f64
-                        ),
-                    ),
-                    (
-                        "Fields",
-                        format!("{} numbers a coordinate", program.fields()),
-                    ),
-                ]
-            }
+            };
         }
+        let Self::Lattice(lattice) = self else {
+            return Vec::new();
+        };
+        let program = lattice.method.program();
+        let sites = lattice.method.geometry().length();
+        vec![
+            (
+                "One iteration",
+                format!(
+                    "{} operations, {:.1} a site",
+                    program.operations(),
+                    program.operations() as f64 / sites as f64
+                ),
+            ),
+            (
+                "Fields",
+                format!("{} numbers a coordinate", program.fields()),
+            ),
+        ]
     }
 }

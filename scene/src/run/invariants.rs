@@ -28,7 +28,7 @@ impl Functions {
     pub fn invariants(run: &ComposedRun) -> Result<Self, BuildError> {
         match &run.method {
             Stepping::Lattice(lattice) => Ok(Self::new(lattice.invariants.clone())),
-            Stepping::Written(_) => {
+            Stepping::Written(_) | Stepping::Map(_) => {
                 let system = &run.system;
                 let casimirs = system.casimirs().iter().map(|casimir| &casimir.expression);
                 let formulas: Vec<_> = std::iter::once(system.hamiltonian())
@@ -43,7 +43,7 @@ impl Functions {
     pub fn formulas(run: &ComposedRun) -> Result<Self, BuildError> {
         match &run.method {
             Stepping::Lattice(lattice) => Ok(Self::new(lattice.formulas.clone())),
-            Stepping::Written(_) => {
+            Stepping::Written(_) | Stepping::Map(_) => {
                 let formulas: Vec<_> = run
                     .plan
                     .observables

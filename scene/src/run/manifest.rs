@@ -121,7 +121,7 @@ impl Beginning {
             "tensor": shape.to_string(),
             "checks": { "jacobi": verdict_word(checks.jacobi.verdict), "casimirs": casimirs },
             "parts": parts,
-            "path": "expressions, compiled to straight-line code; interpreter, one lane",
+            "path": run.method.path(),
             "declared_order": run.method.declared_order(),
             "epsilon": run.plan.epsilon,
             "h": run.plan.h,

@@ -136,9 +136,12 @@ fn outcome(run: &ComposedRun, report: &RunReport) -> Outcome {
 fn method_lines(run: &ComposedRun) -> Vec<(String, String)> {
     let method = &run.method;
     let line = |label: &str, text: String| (label.to_owned(), text);
-    let mut lines = vec![
-        line("Realization", method.realization().describe()),
-        line("Dynamics", method.dynamics().describe()),
+    let mut lines: Vec<_> = method
+        .parts()
+        .into_iter()
+        .map(|(label, text)| line(label, text))
+        .collect();
+    lines.extend([
         line(
             "Declared order",
             format!(
@@ -156,7 +159,7 @@ fn method_lines(run: &ComposedRun) -> Vec<(String, String)> {
             ),
         ),
         line("Tensor", tensor_shape(&run.system).to_string()),
-    ];
+    ]);
     lines.extend(
         method
             .costs()
