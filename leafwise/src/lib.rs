@@ -11,6 +11,7 @@
 pub mod library;
 pub mod prelude;
 
+pub use leafwise_composition as composition;
 pub use leafwise_core as core;
 pub use leafwise_expression as expression;
 pub use leafwise_hamilton_jacobi as hamilton_jacobi;

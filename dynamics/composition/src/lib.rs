@@ -1,0 +1,19 @@
+//! Symmetric compositions of self-adjoint step maps.
+//!
+//! Ψ_h = Φ_{γ_s h} ∘ … ∘ Φ_{γ_1 h} with γ_i = γ_{s+1−i} and Σγ_i = 1 is self-adjoint when Φ is, is
+//! a Poisson map when Φ is, and has the order that the γ_i were solved for (Hairer, Lubich, Wanner,
+//! *Geometric Numerical Integration*, section V.3).
+//!
+//! - [`coefficients`]: the γ_i of each scheme, with their sources.
+//! - [`scheme`]: a scheme: its order, its γ_i, what it declares.
+//! - [`composed`]: the composition as a step map.
+//! - `register`: the parts `triple-jump`, `suzuki-4`, `yoshida-6`, `kahan-li-6`, `kahan-li-8`,
+//!   `suzuki-umeno-8`, `kahan-li-10`, `sofroniou-spaletta-10`.
+
+pub mod coefficients;
+pub mod composed;
+mod register;
+pub mod scheme;
+
+pub use composed::Composed;
+pub use scheme::Scheme;

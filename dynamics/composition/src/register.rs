@@ -1,0 +1,172 @@
+//! The parts, one a scheme.
+
+use std::sync::Arc;
+
+use leafwise_core::BuildError;
+use leafwise_core::part::{PartInfo, PartKind, PartParameters};
+use leafwise_core::registry::{BuiltIn, CompositionPart};
+use leafwise_core::solver::StepMap;
+
+use crate::coefficients;
+use crate::composed::Composed;
+use crate::scheme::Scheme;
+
+const DOMAIN: &str = "any self-adjoint step map; some stages step backwards in time";
+
+struct Part(Scheme);
+
+impl CompositionPart for Part {
+    fn info(&self) -> &'static PartInfo {
+        self.0.info
+    }
+
+    fn build(
+        &self,
+        base: Arc<dyn StepMap>,
+        parameters: &PartParameters,
+    ) -> Result<Arc<dyn StepMap>, BuildError> {
+        parameters.refuse_unknown(self.0.info)?;
+        Ok(Arc::new(Composed::new(base, self.0)?))
+    }
+}
+
+impl Scheme {
+    /// The scheme of this name.
+    pub fn find(name: &str) -> Option<Self> {
+        Self::all().into_iter().find(|s| s.info.name == name)
+    }
+
+    /// Every scheme.
+    pub fn all() -> [Self; 8] {
+        [
+            TRIPLE_JUMP.0,
+            SUZUKI_4.0,
+            YOSHIDA_6.0,
+            KAHAN_LI_6.0,
+            KAHAN_LI_8.0,
+            SUZUKI_UMENO_8.0,
+            KAHAN_LI_10.0,
+            SOFRONIOU_SPALETTA_10.0,
+        ]
+    }
+}
+
+static TRIPLE_JUMP: Part = Part(Scheme {
+    info: &PartInfo {
+        name: "triple-jump",
+        kind: PartKind::Composition,
+        summary: "three stages, the fewest for order 4; large error constants",
+        declares: "order 4 over a self-adjoint map of order 2 (3 stages a step); self-adjoint; Poisson as the map is",
+        domain: DOMAIN,
+        literature: "Yoshida, Construction of higher order symplectic integrators (1990); Forest, Ruth (1990); Creutz, Gocksch (1989); Suzuki (1990)",
+        parameters: &[],
+    },
+    order: 4,
+    half: &coefficients::TRIPLE_JUMP,
+});
+inventory::submit! { BuiltIn::Composition(&TRIPLE_JUMP) }
+
+static SUZUKI_4: Part = Part(Scheme {
+    info: &PartInfo {
+        name: "suzuki-4",
+        kind: PartKind::Composition,
+        summary: "Suzuki's fractal: five stages, far smaller error constants than the triple jump",
+        declares: "order 4 over a self-adjoint map of order 2 (5 stages a step); self-adjoint; Poisson as the map is",
+        domain: DOMAIN,
+        literature: "Suzuki, Fractal decomposition of exponential operators (1990)",
+        parameters: &[],
+    },
+    order: 4,
+    half: &coefficients::SUZUKI_4,
+});
+inventory::submit! { BuiltIn::Composition(&SUZUKI_4) }
+
+static YOSHIDA_6: Part = Part(Scheme {
+    info: &PartInfo {
+        name: "yoshida-6",
+        kind: PartKind::Composition,
+        summary: "Yoshida's solution A, seven stages",
+        declares: "order 6 over a self-adjoint map of order 2 (7 stages a step); self-adjoint; Poisson as the map is",
+        domain: DOMAIN,
+        literature: "Yoshida, Construction of higher order symplectic integrators (1990), table 1",
+        parameters: &[],
+    },
+    order: 6,
+    half: &coefficients::YOSHIDA_6,
+});
+inventory::submit! { BuiltIn::Composition(&YOSHIDA_6) }
+
+static KAHAN_LI_6: Part = Part(Scheme {
+    info: &PartInfo {
+        name: "kahan-li-6",
+        kind: PartKind::Composition,
+        summary: "nine stages, smaller coefficients than solution A",
+        declares: "order 6 over a self-adjoint map of order 2 (9 stages a step); self-adjoint; Poisson as the map is",
+        domain: DOMAIN,
+        literature: "Kahan, Li, Composition constants for raising the orders of unconventional schemes for ordinary differential equations (1997), s9odr6a",
+        parameters: &[],
+    },
+    order: 6,
+    half: &coefficients::KAHAN_LI_6,
+});
+inventory::submit! { BuiltIn::Composition(&KAHAN_LI_6) }
+
+static KAHAN_LI_8: Part = Part(Scheme {
+    info: &PartInfo {
+        name: "kahan-li-8",
+        kind: PartKind::Composition,
+        summary: "seventeen stages, small error constants",
+        declares: "order 8 over a self-adjoint map of order 2 (17 stages a step); self-adjoint; Poisson as the map is",
+        domain: DOMAIN,
+        literature: "Kahan, Li (1997), s17odr8a",
+        parameters: &[],
+    },
+    order: 8,
+    half: &coefficients::KAHAN_LI_8,
+});
+inventory::submit! { BuiltIn::Composition(&KAHAN_LI_8) }
+
+static SUZUKI_UMENO_8: Part = Part(Scheme {
+    info: &PartInfo {
+        name: "suzuki-umeno-8",
+        kind: PartKind::Composition,
+        summary: "fifteen stages, the fewest known for order 8",
+        declares: "order 8 over a self-adjoint map of order 2 (15 stages a step); self-adjoint; Poisson as the map is",
+        domain: DOMAIN,
+        literature: "Suzuki, Umeno (1993); McLachlan, On the numerical integration of ordinary differential equations by symmetric composition methods (1995)",
+        parameters: &[],
+    },
+    order: 8,
+    half: &coefficients::SUZUKI_UMENO_8,
+});
+inventory::submit! { BuiltIn::Composition(&SUZUKI_UMENO_8) }
+
+static KAHAN_LI_10: Part = Part(Scheme {
+    info: &PartInfo {
+        name: "kahan-li-10",
+        kind: PartKind::Composition,
+        summary: "thirty-one stages, the fewest known for order 10",
+        declares: "order 10 over a self-adjoint map of order 2 (31 stages a step); self-adjoint; Poisson as the map is",
+        domain: DOMAIN,
+        literature: "Kahan, Li (1997), s31odr10a",
+        parameters: &[],
+    },
+    order: 10,
+    half: &coefficients::KAHAN_LI_10,
+});
+inventory::submit! { BuiltIn::Composition(&KAHAN_LI_10) }
+
+static SOFRONIOU_SPALETTA_10: Part = Part(Scheme {
+    info: &PartInfo {
+        name: "sofroniou-spaletta-10",
+        kind: PartKind::Composition,
+        summary: "thirty-five stages, error constants far below those of kahan-li-10",
+        declares: "order 10 over a self-adjoint map of order 2 (35 stages a step); self-adjoint; Poisson as the map is",
+        domain: DOMAIN,
+        literature: "Sofroniou, Spaletta, Derivation of symmetric composition constants for symmetric integrators (2005)",
+        parameters: &[],
+    },
+    order: 10,
+    half: &coefficients::SOFRONIOU_SPALETTA_10,
+});
+inventory::submit! { BuiltIn::Composition(&SOFRONIOU_SPALETTA_10) }
