@@ -1,0 +1,99 @@
+//! The ends α, β and the identities of a dual pair.
+
+use std::sync::Arc;
+
+use leafwise_core::diagnostics::RealizationInstrument;
+use leafwise_core::{Ends, PoissonSystem, RealizationData, StepError, realization_worker};
+
+use crate::largest;
+
+/// β − x, α − β and their base x at a point of S, by the realization's code or numbers.
+///
+/// # Errors
+/// The realization's [`StepError`].
+///
+/// # Panics
+/// When it offers neither.
+pub fn ends(
+    system: &PoissonSystem,
+    realization: &dyn RealizationData,
+    epsilon: f64,
+    z: &[f64],
+) -> Result<Ends, StepError> {
+    let mut worker = realization_worker(realization, &system.parameter_values(), epsilon)
+        .expect("maps of some kind");
+    let mut ends = Ends::new(system.dimension());
+    worker.ends(z, &mut ends)?;
+    Ok(ends)
+}
+
+/// α and β at (x, p).
+///
+/// # Errors
+/// The realization's [`StepError`].
+pub fn source_and_target(
+    system: &PoissonSystem,
+    realization: &dyn RealizationData,
+    epsilon: f64,
+    x: &[f64],
+    p: &[f64],
+) -> Result<(Vec<f64>, Vec<f64>), StepError> {
+    let ends = ends(system, realization, epsilon, &[x, p].concat())?;
+    let beta: Vec<f64> = ends
+        .base
+        .iter()
+        .zip(&ends.offset)
+        .map(|(b, o)| b + o)
+        .collect();
+    let alpha = beta
+        .iter()
+        .zip(&ends.increment)
+        .map(|(b, i)| b + i)
+        .collect();
+    Ok((alpha, beta))
+}
+
+/// The largest of ε Π(α) − {α, α}, ε Π(β) + {β, β} and {α, β} over the size of the brackets.
+///
+/// # Errors
+/// The realization's [`StepError`].
+///
+/// # Panics
+/// When the realization has no maps on T*M.
+pub fn dual_pair_error(
+    system: &PoissonSystem,
+    realization: &Arc<dyn RealizationData>,
+    epsilon: f64,
+    x: &[f64],
+    p: &[f64],
+) -> Result<f64, StepError> {
+    let parameters = system.parameter_values();
+    let mut instrument =
+        RealizationInstrument::new(system, realization, &parameters).expect("maps on T*M");
+    let error = instrument.measure(epsilon, x, p)?;
+    Ok(largest([error.source, error.target, error.dual_pair]) / error.scale)
+}
+
+/// The larger of |β(x, p) − α(x, −p)| and |α(σ(x)) − x|, |β(σ(x)) − x| over the size of x.
+///
+/// # Errors
+/// The realization's [`StepError`].
+pub fn inversion_and_section_error(
+    system: &PoissonSystem,
+    realization: &dyn RealizationData,
+    epsilon: f64,
+    x: &[f64],
+    p: &[f64],
+) -> Result<f64, StepError> {
+    let minus: Vec<f64> = p.iter().map(|p| -p).collect();
+    let (alpha, beta) = source_and_target(system, realization, epsilon, x, p)?;
+    let (source, target) = source_and_target(system, realization, epsilon, x, &minus)?;
+    let mut z = vec![f64::NAN; realization.space_dimension()];
+    realization.section(x, &mut z);
+    let fixed = ends(system, realization, epsilon, &z)?;
+    let size = largest(alpha.iter().chain(&beta).chain(x).copied());
+    let section = fixed.base.iter().zip(x).map(|(b, x)| b - x);
+    let section = section.chain(fixed.offset).chain(fixed.increment);
+    let inversion = crate::distance(&beta, &source).max(crate::distance(&alpha, &target));
+    Ok(largest(section).max(inversion) / size)
+}

@@ -1,0 +1,153 @@
+//! x ∓ ½ ε Π p.
+
+use leafwise_core::lattice::{RealizationStages, StageBuilder, StageEnds};
+use leafwise_core::realization::{
+    Accuracy, RealizationCode, RealizationData, SourceSeries, SourceTarget,
+};
+use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_expression::graph::lift;
+use leafwise_expression::{Arithmetic, Graph, Polynomial, Rational, Ring, Term};
+
+use crate::register::INFO;
+use crate::series::ConstantSeries;
+
+/// Realization data of a tensor without variables: α_ε = x − ½ ε Π p, β_ε = x + ½ ε Π p.
+///
+/// From {x_i, p_j} = δ_ij follow {α_i, α_j} = ε Π_ij, {β_i, β_j} = −ε Π_ij, {α_i, β_j} = 0.
+#[derive(Clone, Debug)]
+pub struct ConstantRealization {
+    dimension: usize,
+    ring: Ring,
+    /// Π_ij for i < j, nonzero.
+    entries: Vec<((usize, usize), Polynomial)>,
+    series: ConstantSeries,
+}
+
+impl ConstantRealization {
+    /// The realization data of a system's tensor.
+    ///
+    /// # Errors
+    /// [`BuildError::DoesNotFit`] with the first entry whose normal form contains variables,
+    /// [`BuildError::Algebra`] where an entry has no normal form.
+    pub fn new(system: &PoissonSystem) -> Result<Self, BuildError> {
+        let mut ring = Ring::new(system.dimension());
+        let mut entries = Vec::with_capacity(system.tensor().len());
+        for (&(i, j), entry) in system.tensor() {
+            let value = entry.evaluate_in(&mut ring, &mut |ring, at| Ok(ring.variable(at)))?;
+            if value.as_constant().is_none() {
+                let [first, second] = [i, j].map(|at| &system.variables()[at]);
+                return Err(BuildError::DoesNotFit {
+                    part: INFO.name,
+                    reason: format!(
+                        "{{{first}, {second}}} depends on the variables; the tensor must be \
+                         constant, parameters allowed"
+                    ),
+                });
+            }
+            if !value.is_zero() {
+                entries.push(((i, j), value));
+            }
+        }
+        Ok(Self {
+            dimension: system.dimension(),
+            ring,
+            series: ConstantSeries::new(system.clone()),
+            entries,
+        })
+    }
+
+    /// ½ ε Π p as code.
+    fn half_row_sums(
+        &self,
+        graph: &mut Graph,
+        epsilon: &Term,
+        p: &[Term],
+    ) -> Result<Vec<Term>, BuildError> {
+        let outputs: Vec<_> = self
+            .entries
+            .iter()
+            .map(|(_, entry)| vec![(epsilon.clone(), entry.clone())])
+            .collect();
+        let entries = lift(graph, &self.ring, &outputs, &[])?;
+        let half = Rational::new(1, 2);
+        let mut rows = vec![Vec::new(); self.dimension];
+        for (((i, j), _), entry) in self.entries.iter().zip(&entries) {
+            rows[*i].push((half.clone(), graph.multiply(entry, &p[*j])));
+            rows[*j].push((-&half, graph.multiply(entry, &p[*i])));
+        }
+        Ok(rows.iter().map(|row| graph.combine(row)).collect())
+    }
+
+    fn ends(&self, graph: &mut Graph, epsilon: &Term, p: &[Term]) -> Result<StageEnds, BuildError> {
+        let offset = self.half_row_sums(graph, epsilon, p)?;
+        let minus_two = Rational::from_integer(-2);
+        let increment = offset.iter().map(|o| graph.scale(&minus_two, o)).collect();
+        Ok(StageEnds { offset, increment })
+    }
+}
+
+impl RealizationData for ConstantRealization {
+    fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    fn space_dimension(&self) -> usize {
+        2 * self.dimension
+    }
+
+    fn accuracy(&self) -> Accuracy {
+        Accuracy::Exact
+    }
+
+    fn describe(&self) -> String {
+        INFO.name.to_owned()
+    }
+
+    fn section(&self, x: &[f64], z: &mut [f64]) {
+        z[..x.len()].copy_from_slice(x);
+        z[x.len()..].fill(0.0);
+    }
+
+    fn code(&self) -> Option<&dyn RealizationCode> {
+        Some(self)
+    }
+
+    fn stages(&self) -> Option<&dyn RealizationStages> {
+        Some(self)
+    }
+
+    fn series(&self) -> Option<&dyn SourceSeries> {
+        Some(&self.series)
+    }
+}
+
+impl RealizationCode for ConstantRealization {
+    fn source_and_target(
+        &self,
+        graph: &mut Graph,
+        epsilon: &Term,
+        z: &[Term],
+    ) -> Result<SourceTarget, BuildError> {
+        let (x, p) = z.split_at(self.dimension);
+        let StageEnds { offset, increment } = self.ends(graph, epsilon, p)?;
+        Ok(SourceTarget {
+            base: x.to_vec(),
+            offset,
+            increment,
+            guard: None,
+        })
+    }
+}
+
+impl RealizationStages for ConstantRealization {
+    /// One stage: the rows of Π read p at neighbouring sites.
+    fn stages(
+        &self,
+        builder: &mut StageBuilder,
+        epsilon: &Term,
+        _y: &[Term],
+        p: &[Term],
+    ) -> Result<StageEnds, BuildError> {
+        self.ends(&mut builder.graph, epsilon, p)
+    }
+}

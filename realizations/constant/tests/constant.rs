@@ -1,0 +1,128 @@
+//! The realization of a constant tensor is exact, and with S_1 its step is the implicit midpoint
+//! rule.
+
+use std::sync::Arc;
+
+use leafwise_constant::ConstantRealization;
+use leafwise_core::{BuildError, PoissonSystem, RealizationData};
+use leafwise_realization_claims::realizations::{dual_pair_error, inversion_and_section_error};
+use leafwise_realization_claims::steps::{
+    is_even_order, measured_order, method, run, structure_error,
+};
+use leafwise_realization_claims::systems::{from_formulas, library};
+use leafwise_realization_claims::{UNIT_ROUNDOFF, distance, largest};
+use proptest::collection::vec;
+use proptest::prelude::*;
+
+/// A degenerate tensor of rank 4 in five variables with a parameter, the Hamiltonian a polynomial;
+/// Π w = 0 for w = (0, a, −a² − 2, 0, −a), so that w·x is a Casimir.
+fn degenerate() -> PoissonSystem {
+    from_formulas(
+        &["x1", "x2", "x3", "x4", "x5"],
+        &[("a", 0.7)],
+        &[
+            ("x1", "x2", "1"),
+            ("x1", "x4", "2"),
+            ("x2", "x4", "a^2"),
+            ("x3", "x4", "a"),
+            ("x5", "x1", "-1"),
+            ("x4", "x5", "2 - a^2 + a^2"),
+        ],
+        "(x1^2 + x2^2 + x3^2 + x4^2 + x5^2)/2 + x1*x2^2/5 + x4^4/20 - x3*x5/3",
+        &["a*x2 - (a^2 + 2)*x3 - a*x5"],
+    )
+}
+
+fn realization(system: &PoissonSystem) -> Arc<dyn RealizationData> {
+    Arc::new(ConstantRealization::new(system).expect("a constant tensor"))
+}
+
+proptest! {
+    #[test]
+    fn the_maps_are_a_dual_pair(x in vec(-2.0..2.0_f64, 5), p in vec(-3.0..3.0_f64, 5), epsilon in 0.01..2.0_f64) {
+        let system = degenerate();
+        let realization = realization(&system);
+        let error = dual_pair_error(&system, &realization, epsilon, &x, &p).expect("maps");
+        prop_assert!(error <= 1e-13, "{error:e}");
+        let error = inversion_and_section_error(&system, realization.as_ref(), epsilon, &x, &p);
+        prop_assert!(error.expect("maps") <= 4.0 * UNIT_ROUNDOFF);
+    }
+
+    #[test]
+    fn steps_are_poisson_and_keep_the_casimir(x in vec(0.2..1.5_f64, 5), half_order in 1..4_usize) {
+        let system = degenerate();
+        let map = method(&system, &realization(&system), 2 * half_order);
+        let error = structure_error(&system, &map, 0.1, &x).expect("a step");
+        prop_assert!(error.tensor <= 64.0 && error.casimirs <= 64.0, "{error:?}");
+    }
+}
+
+/// x⁺ = x + h X_H((x + x⁺)/2), solved by fixed-point iteration on the vector field alone.
+fn implicit_midpoint(system: &PoissonSystem, h: f64, x: &[f64]) -> Vec<f64> {
+    let kernel = system.vector_field_kernel().expect("code");
+    let mut workspace = kernel.workspace(1);
+    kernel.prepare(&mut workspace, &system.parameter_values(), &[1.0], &[1.0]);
+    let mut next = x.to_vec();
+    let mut field = vec![0.0; x.len()];
+    for _ in 0..100 {
+        let middle: Vec<f64> = x.iter().zip(&next).map(|(a, b)| 0.5 * (a + b)).collect();
+        kernel.evaluate(&mut workspace, &middle, &mut field);
+        next = x.iter().zip(&field).map(|(x, f)| x + h * f).collect();
+    }
+    next
+}
+
+#[test]
+fn the_first_coefficient_gives_the_implicit_midpoint_rule() {
+    let system = degenerate();
+    let map = method(&system, &realization(&system), 2);
+    let x = [0.5, -0.3, 0.8, 1.1, -0.6];
+    for h in [0.01, 0.05, 0.2] {
+        let expected = implicit_midpoint(&system, h, &x);
+        let found = run(&system, &map, h, 1, &x).expect("a step");
+        let bound = 16.0 * UNIT_ROUNDOFF * largest(expected.clone());
+        assert!(
+            distance(&found, &expected) <= bound,
+            "{found:?} {expected:?}"
+        );
+    }
+}
+
+#[test]
+fn measured_orders_are_those_declared() {
+    let system = degenerate();
+    let realization = realization(&system);
+    for (m, steps) in [
+        (2, [16, 32, 64, 128]),
+        (4, [16, 32, 64, 128]),
+        (6, [8, 16, 32, 64]),
+        (8, [6, 8, 12, 16]),
+    ] {
+        let map = method(&system, &realization, m);
+        let x = [0.5, -0.3, 0.8, 1.1, -0.6];
+        let slope = measured_order(&system, &map, &x, 1.0, &steps).expect("points");
+        println!("constant, m = {m}: {slope:?}");
+        assert!(is_even_order(slope, m), "m = {m}: {slope:?}");
+    }
+}
+
+#[test]
+fn an_entry_with_variables_is_named() {
+    let system = library("rigid-body").system;
+    let refusal = ConstantRealization::new(&system).expect_err("a linear tensor");
+    let BuildError::DoesNotFit { part, reason } = refusal else {
+        panic!("{refusal:?}");
+    };
+    assert_eq!(part, "constant");
+    assert!(reason.contains("{x1, x2}"), "{reason}");
+}
+
+/// (x + 1)² − x² − 2x is 1: the normal form decides, not the way it is written.
+#[test]
+fn constancy_is_decided_by_the_normal_form() {
+    let entry = "(x + 1)^2 - x^2 - 2*x";
+    let system = from_formulas(&["x", "y"], &[], &[("x", "y", entry)], "x^2 + y^4", &[]);
+    let realization = realization(&system);
+    let error = dual_pair_error(&system, &realization, 0.3, &[0.4, -2.0], &[1.5, 0.2]);
+    assert!(error.expect("maps") <= 1e-13);
+}
