@@ -1,9 +1,11 @@
 //! What the tests of exact realizations share.
 //!
+//! - [`lattice`]: a long lattice beside the same one written out.
 //! - [`systems`]: Poisson systems of the library by id, or from a few formulas.
 //! - [`realizations`]: the ends α, β and the identities of a dual pair.
 //! - [`steps`]: the tensor and the Casimirs under one step; measured orders.
 
+pub mod lattice;
 pub mod realizations;
 pub mod steps;
 pub mod systems;

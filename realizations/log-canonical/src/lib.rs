@@ -1,0 +1,15 @@
+//! The exact realization of a log-canonical Poisson tensor.
+//!
+//! For {x_i, x_j} = a_ij x_i x_j, every Lotka–Volterra system among them,
+//! α_i = x_i e^{−u_i}, β_i = x_i e^{u_i} with u_i = ½ ε Σ_j a_ij x_j p_j, and σ(x) = (x, 0). The
+//! chart is not Karasev's: the two agree to first order in ε only.
+//!
+//! - [`realization`]: [`LogCanonical`], its maps as code and as sweeps over a lattice.
+//! - [`series`]: α along p(h) in the exact ring, for Hamilton–Jacobi coefficients.
+//! - `register`: the part `log-canonical`.
+
+pub mod realization;
+mod register;
+pub mod series;
+
+pub use realization::LogCanonical;
