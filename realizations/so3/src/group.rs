@@ -1,0 +1,140 @@
+//! T*SO(3) itself: points are a unit quaternion and a momentum.
+
+use leafwise_core::realization::{
+    Accuracy, LagrangianChart, RealizationCode, RealizationData, SourceSeries, SourceTarget,
+};
+use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_expression::{Arithmetic, Function, Graph, Rational, Term};
+
+use crate::chart::{Chart, ChartSeries};
+use crate::exponential::guard;
+use crate::register;
+use crate::tensor::RotationTensor;
+use crate::vector::cross;
+
+/// (T*SO(3), ω, α, β, σ): α(R, m) = m, β(R, m) = Rᵀm, σ(x) = (1, x), R held as the unit quaternion
+/// (q0, v), z = (q0, v, m).
+///
+/// What lives on T*M reaches it through χ(x, p) = (R(ελp), α_ε(x, p)) in a chart of rotations;
+/// α∘χ and β∘χ are those of [`So3Cotangent`](crate::So3Cotangent) in the same chart.
+#[derive(Clone, Debug)]
+pub struct So3Group {
+    chart: Chart,
+    tensor: RotationTensor,
+    series: ChartSeries,
+}
+
+impl So3Group {
+    /// The realization of `system`'s tensor, χ in this chart of rotations.
+    ///
+    /// # Errors
+    /// [`BuildError::DoesNotFit`] when the tensor is not a constant multiple of that of so(3)*.
+    pub fn new(system: &PoissonSystem, chart: Chart) -> Result<Self, BuildError> {
+        let tensor = RotationTensor::new(register::GROUP.name, system)?;
+        Ok(Self {
+            series: chart.series(&tensor),
+            chart,
+            tensor,
+        })
+    }
+
+    /// The chart of rotations behind χ.
+    pub fn chart_of_rotations(&self) -> Chart {
+        self.chart
+    }
+}
+
+impl RealizationData for So3Group {
+    fn dimension(&self) -> usize {
+        3
+    }
+
+    fn space_dimension(&self) -> usize {
+        7
+    }
+
+    fn accuracy(&self) -> Accuracy {
+        Accuracy::Exact
+    }
+
+    fn describe(&self) -> String {
+        format!("{} chart = {}", register::GROUP.name, self.chart.name())
+    }
+
+    fn section(&self, x: &[f64], z: &mut [f64]) {
+        z[..4].copy_from_slice(&[1.0, 0.0, 0.0, 0.0]);
+        z[4..].copy_from_slice(x);
+    }
+
+    fn code(&self) -> Option<&dyn RealizationCode> {
+        Some(self)
+    }
+
+    fn chart(&self) -> Option<&dyn LagrangianChart> {
+        Some(self)
+    }
+
+    fn series(&self) -> Option<&dyn SourceSeries> {
+        Some(self.series.as_dyn())
+    }
+}
+
+impl RealizationCode for So3Group {
+    fn source_and_target(
+        &self,
+        graph: &mut Graph,
+        _epsilon: &Term,
+        z: &[Term],
+    ) -> Result<SourceTarget, BuildError> {
+        let (rotation, m) = z.split_at(4);
+        let (scalar, vector) = (&rotation[0], &rotation[1..]);
+        // Rᵀm − m = 2 v×(v×m) − 2 q0 v×m, of the size of a step.
+        let once = cross(graph, vector, m);
+        let twice = cross(graph, vector, &once);
+        let mut offset = Vec::with_capacity(3);
+        for (twice, once) in twice.into_iter().zip(&once) {
+            let turned = graph.multiply(scalar, once);
+            offset.push(graph.combine(&[
+                (Rational::from_integer(2), twice),
+                (Rational::from_integer(-2), turned),
+            ]));
+        }
+        let increment = offset.iter().map(|o| graph.negate(o)).collect();
+        let guard = match self.chart {
+            Chart::Cayley => None,
+            Chart::Exponential => {
+                let half = graph.apply(Function::Acos, scalar)?;
+                let angle = graph.scale(&Rational::from_integer(2), &half);
+                Some(guard(graph, angle))
+            }
+        };
+        Ok(SourceTarget {
+            base: m.to_vec(),
+            offset,
+            increment,
+            guard,
+        })
+    }
+}
+
+impl LagrangianChart for So3Group {
+    fn point(
+        &self,
+        graph: &mut Graph,
+        epsilon: &Term,
+        x: &[Term],
+        p: &[Term],
+    ) -> Result<Vec<Term>, BuildError> {
+        let q = self.tensor.scaled_momentum(graph, epsilon, p)?;
+        let mut point = self.chart.quaternion(graph, &q)?;
+        let source = self.chart.source(graph, x, &q);
+        for i in 0..3 {
+            point.push(graph.combine(&[
+                (Rational::one(), x[i].clone()),
+                (Rational::new(-1, 2), source.moment[i].clone()),
+                (Rational::one(), source.even[i].clone()),
+            ]));
+        }
+        Ok(point)
+    }
+}
