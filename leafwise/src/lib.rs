@@ -17,6 +17,7 @@ pub use leafwise_expression as expression;
 pub use leafwise_hamilton_jacobi as hamilton_jacobi;
 pub use leafwise_karasev as karasev;
 pub use leafwise_scene as scene;
+pub use leafwise_so3 as so3;
 pub use leafwise_systems as systems;
 
 pub use library::ProblemLibrary;
