@@ -9,6 +9,7 @@
 //! - [`dynamics`]: [`DynamicApproximation`] and [`LagrangianBisection`], the dynamic one.
 //! - [`method`](mod@method): [`Method`], the two combined into a step map.
 //! - [`quadrature`]: Gauss–Legendre rules.
+//! - [`runge_kutta`]: tableaux and stage equations.
 //! - [`solver`]: the step solver, one Newton iteration a lane.
 //! - [`integrator`]: the compensated step loop.
 //! - [`lattice`]: long lattices in O(N) time and memory a step.
@@ -27,6 +28,7 @@ pub mod part;
 pub mod quadrature;
 pub mod realization;
 pub mod registry;
+pub mod runge_kutta;
 pub mod solver;
 pub mod system;
 

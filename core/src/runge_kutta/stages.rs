@@ -1,0 +1,237 @@
+//! The stage equations of an implicit, possibly partitioned, Runge–Kutta method.
+
+use nalgebra::{DMatrix, DVector, Dyn, LU};
+
+use super::smooth_map::SmoothMapEvaluator;
+use super::tableau::PartitionedTableau;
+use crate::error::StepError;
+use crate::solver::LinearIteration;
+use crate::solver::iteration::Verdict;
+
+/// Budget of one solve.
+const MOST_EVALUATIONS: usize = 50;
+
+/// The Jacobians are evaluated anew while a correction is above this fraction of the one before.
+const SLOW: f64 = 0.01;
+
+/// Solves Z_i = z + τ Σ_j a_ij F(Z_j) and returns τ Σ_j b_j F(Z_j), for ż = F(z) and a step τ.
+///
+/// Newton's iteration on the displacements Z_i − z, its Jacobian kept while it contracts fast, until
+/// a further correction is negligible against |Z_i| + |τ DF(Z_i)| |Z_i|, componentwise: the effect
+/// of round-off in Z. It starts from the displacements of the last solve.
+#[derive(Clone, Debug)]
+pub struct StageSolver {
+    field: SmoothMapEvaluator,
+    tableau: PartitionedTableau,
+    time_step: f64,
+    /// Z_i − z, F(Z_i) and DF(Z_i), one stage after the other.
+    displacements: Vec<f64>,
+    slopes: Vec<f64>,
+    jacobians: Vec<f64>,
+    /// z of the last solve, and a stage.
+    start: Vec<f64>,
+    stage: Vec<f64>,
+}
+
+impl StageSolver {
+    /// For the field F, coefficients and the step τ; cold.
+    ///
+    /// # Panics
+    /// When F has not as many components as coordinates.
+    pub fn new(
+        field: SmoothMapEvaluator,
+        tableau: impl Into<PartitionedTableau>,
+        time_step: f64,
+    ) -> Self {
+        let n = field.map().inputs();
+        assert_eq!(field.map().outputs(), n, "a vector field");
+        let tableau = tableau.into();
+        let s = tableau.stages();
+        Self {
+            field,
+            tableau,
+            time_step,
+            displacements: vec![0.0; s * n],
+            slopes: vec![0.0; s * n],
+            jacobians: vec![0.0; s * n * n],
+            start: vec![0.0; n],
+            stage: vec![0.0; n],
+        }
+    }
+
+    /// Writes τ Σ_j b_j F(Z_j) for the step from `start`; returns how often the stages' slopes were
+    /// evaluated.
+    ///
+    /// # Errors
+    /// [`StepError::NoConvergence`], [`StepError::NonFinite`]; the next solve then starts cold.
+    pub fn solve(&mut self, start: &[f64], change: &mut [f64]) -> Result<usize, StepError> {
+        self.start.copy_from_slice(start);
+        let outcome = self.iterate();
+        if outcome.is_err() {
+            self.clear();
+        }
+        let n = self.start.len();
+        for (c, change) in change.iter_mut().enumerate() {
+            let sum: f64 = self
+                .tableau
+                .weights()
+                .iter()
+                .zip(self.slopes.chunks(n))
+                .map(|(b, slope)| b * slope[c])
+                .sum();
+            *change = self.time_step * sum;
+        }
+        outcome
+    }
+
+    fn iterate(&mut self) -> Result<usize, StepError> {
+        let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
+        let mut last = f64::INFINITY;
+        let mut newton: Option<LU<f64, Dyn, Dyn>> = None;
+        loop {
+            self.evaluate_slopes();
+            let lu = match newton.take() {
+                Some(lu) => lu,
+                None => {
+                    self.evaluate_jacobians();
+                    self.matrix().lu()
+                }
+            };
+            let mut correction = self.residual();
+            if !lu.solve_mut(&mut correction) {
+                return Err(StepError::NonFinite {
+                    what: "a correction of the stages",
+                });
+            }
+            let size = self.correct(correction.as_slice());
+            if iteration.judge(size)? == Verdict::Converged {
+                return Ok(iteration.evaluations());
+            }
+            newton = (size <= SLOW * last).then_some(lu);
+            last = size;
+        }
+    }
+
+    /// Z_i into `stage`.
+    fn place(&mut self, stage: usize) {
+        let n = self.start.len();
+        let displacement = &self.displacements[stage * n..][..n];
+        for (c, z) in self.stage.iter_mut().enumerate() {
+            *z = self.start[c] + displacement[c];
+        }
+    }
+
+    fn evaluate_slopes(&mut self) {
+        let n = self.start.len();
+        for i in 0..self.tableau.stages() {
+            self.place(i);
+            self.field
+                .value(&self.stage, &mut self.slopes[i * n..][..n]);
+        }
+    }
+
+    fn evaluate_jacobians(&mut self) {
+        let n = self.start.len();
+        for i in 0..self.tableau.stages() {
+            self.place(i);
+            self.field
+                .jacobian(&self.stage, &mut self.jacobians[i * n * n..][..n * n]);
+        }
+    }
+
+    /// 1 − τ a_ij DF(Z_j).
+    fn matrix(&self) -> DMatrix<f64> {
+        let n = self.start.len();
+        DMatrix::from_fn(self.slopes.len(), self.slopes.len(), |row, column| {
+            let (i, c, j, k) = (row / n, row % n, column / n, column % n);
+            let unit = if row == column { 1.0 } else { 0.0 };
+            let a = self.tableau.row(i, c)[j];
+            unit - self.time_step * a * self.jacobians[(j * n + c) * n + k]
+        })
+    }
+
+    /// τ Σ_j a_ij F(Z_j) − (Z_i − z).
+    fn residual(&self) -> DVector<f64> {
+        let n = self.start.len();
+        DVector::from_fn(self.slopes.len(), |row, _| {
+            let (i, c) = (row / n, row % n);
+            let sum: f64 = self
+                .tableau
+                .row(i, c)
+                .iter()
+                .zip(self.slopes.chunks(n))
+                .map(|(a, slope)| a * slope[c])
+                .sum();
+            self.time_step * sum - self.displacements[row]
+        })
+    }
+
+    /// Adds a correction to the stages, and to the slopes to first order; returns its relative size.
+    fn correct(&mut self, correction: &[f64]) -> f64 {
+        let n = self.start.len();
+        let mut size = 0.0_f64;
+        for (displacement, change) in self.displacements.iter_mut().zip(correction) {
+            *displacement += change;
+        }
+        for (i, correction) in correction.chunks(n).enumerate() {
+            self.place(i);
+            let jacobian = &self.jacobians[i * n * n..][..n * n];
+            for (c, row) in jacobian.chunks(n).enumerate() {
+                let (mut change, mut reach) = (0.0, 0.0);
+                for k in 0..n {
+                    change += row[k] * correction[k];
+                    reach += (row[k] * self.stage[k]).abs();
+                }
+                self.slopes[i * n + c] += change;
+                let scale = self.stage[c].abs() + (self.time_step * reach).abs();
+                // A coordinate that came to 0 by this very correction has no scale yet.
+                let relative = if scale == 0.0 {
+                    1.0
+                } else {
+                    correction[c].abs() / scale
+                };
+                if correction[c] != 0.0 && (relative > size || relative.is_nan()) {
+                    size = relative;
+                }
+            }
+        }
+        size
+    }
+
+    /// D(z + τ Σ b_j F(Z_j)) · V at the last solve, for V of as many rows as coordinates: exact
+    /// through the stage equations. `None` where they are singular.
+    pub fn tangent(&mut self, seeds: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+        let n = self.start.len();
+        self.evaluate_jacobians();
+        let mut stages = DMatrix::from_fn(self.slopes.len(), seeds.ncols(), |row, column| {
+            seeds[(row % n, column)]
+        });
+        if !self.matrix().lu().solve_mut(&mut stages) {
+            return None;
+        }
+        let mut tangent = seeds.clone();
+        for (j, b) in self.tableau.weights().iter().enumerate() {
+            let jacobian = DMatrix::from_row_slice(n, n, &self.jacobians[j * n * n..][..n * n]);
+            tangent += jacobian * stages.rows(j * n, n) * (self.time_step * b);
+        }
+        tangent.iter().all(|v| v.is_finite()).then_some(tangent)
+    }
+
+    /// Forgets the last solve.
+    pub fn clear(&mut self) {
+        self.displacements.fill(0.0);
+    }
+
+    /// What the next solve depends on: the displacements of the last one.
+    pub fn memory(&self) -> &[f64] {
+        &self.displacements
+    }
+
+    /// Restores [`memory`](Self::memory).
+    ///
+    /// # Panics
+    /// When `memory` has another length.
+    pub fn restore(&mut self, memory: &[f64]) {
+        self.displacements.copy_from_slice(memory);
+    }
+}
