@@ -75,6 +75,8 @@ pub trait BisectionWorker: Send {
     fn is_near_identity(&self) -> bool {
         false
     }
+    /// Forgets earlier evaluations: the next one starts cold.
+    fn restart(&mut self) {}
     /// What later evaluations depend on, for a checkpoint; always of the same length.
     fn memory(&self) -> Vec<f64> {
         Vec::new()

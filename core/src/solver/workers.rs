@@ -153,6 +153,13 @@ impl Trajectory {
                 break;
             }
         }
+        let mut evaluations = iteration.evaluations();
+        if !newton && self.residual.iter().any(|r| *r != 0.0) {
+            // The increment varies with y far more than the residual does: without its tangent the
+            // last correction enters by one more evaluation.
+            self.evaluate()?;
+            evaluations += 1;
+        }
         for i in 0..d {
             let row = &self.change[i * d..][..d];
             let first_order: f64 = if newton {
@@ -167,7 +174,7 @@ impl Trajectory {
             self.displacement[i] = self.y[i] - x[i];
         }
         self.extrapolation.record(&self.displacement);
-        Ok(iteration.evaluations())
+        Ok(evaluations)
     }
 }
 
@@ -222,6 +229,7 @@ impl Stepper for WorkerStepper {
                 Err(error) => {
                     self.statistics.failures += 1;
                     trajectory.extrapolation.clear();
+                    trajectory.bisection.restart();
                     own_increment.fill(0.0);
                     Err(error)
                 }
@@ -252,9 +260,10 @@ impl Stepper for WorkerStepper {
     }
 
     fn restart(&mut self) {
-        self.trajectories
-            .iter_mut()
-            .for_each(|t| t.extrapolation.clear());
+        for trajectory in &mut self.trajectories {
+            trajectory.extrapolation.clear();
+            trajectory.bisection.restart();
+        }
     }
 
     fn statistics(&self) -> SolverStatistics {
