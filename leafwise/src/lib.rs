@@ -11,6 +11,7 @@
 pub mod library;
 pub mod prelude;
 
+pub use leafwise_collective as collective;
 pub use leafwise_composition as composition;
 pub use leafwise_core as core;
 pub use leafwise_expression as expression;
