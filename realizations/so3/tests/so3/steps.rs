@@ -176,11 +176,12 @@ fn the_casimir_and_the_tensor_are_kept() {
             }
             println!(
                 "{} m = {m}: tensor defect {:.1e} of {:.1}, Casimir {drift:.1e} over {STEPS} \
-                 steps, {:.2} evaluations a step",
+                 steps, {:.2} evaluations a step of {}",
                 realization.describe(),
                 defect.norm,
                 defect.scale,
                 integrator.statistics().evaluations_per_step(),
+                map.newton().expect("one kernel").operations(),
             );
             assert!(defect.norm <= 64.0 * UNIT * 4.0 * defect.scale);
             assert!(drift <= 64.0 * UNIT);
