@@ -30,6 +30,8 @@ pub enum Command {
     Describe(DescribeArguments),
     /// Evaluate a scene's realization and generating function at a point
     Evaluate(EvaluateArguments),
+    /// Measure what every part declares: orders, tensor defects, drift, cost
+    Verify(VerifyArguments),
     /// Write a commented scene file to start from
     New(NewArguments),
 }
@@ -43,6 +45,7 @@ impl Command {
             Self::List(arguments) => arguments.json,
             Self::Describe(arguments) => arguments.json,
             Self::Evaluate(arguments) => arguments.json,
+            Self::Verify(arguments) => arguments.json,
             Self::New(_) => false,
         }
     }
@@ -93,6 +96,26 @@ pub struct CheckArguments {
     /// Print one JSON object on standard output
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `verify`.
+#[derive(Args, Clone, Debug)]
+pub struct VerifyArguments {
+    /// Measure on this scene's system, from its initial state and with its step [default: the rigid
+    /// body, the periodic Lotka-Volterra system and the heavy top]
+    pub scene: Option<PathBuf>,
+    /// Override a value of the scene, as in --set method.epsilon=0.05
+    #[arg(long = "set", value_name = "KEY=VALUE", requires = "scene")]
+    pub overrides: Vec<String>,
+    /// The whole library and several orders of every part
+    #[arg(long)]
+    pub full: bool,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// Write the table as a page to open in a browser
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
 }
 
 /// What `list` can list.

@@ -6,19 +6,26 @@
 //! - [`systems`]: the problem library.
 //! - [`scene`]: scene files, composed, run and reported.
 //! - [`library`]: the problem library as a scene's source of systems.
+//! - [`verify`]: what every part really does, measured against what it declares.
 //! - [`prelude`]: what most programs need.
 
 pub mod library;
 pub mod prelude;
+pub mod verify;
 
 pub use leafwise_collective as collective;
 pub use leafwise_composition as composition;
+pub use leafwise_constant as constant;
 pub use leafwise_core as core;
+pub use leafwise_darboux_magnetic as darboux_magnetic;
 pub use leafwise_expression as expression;
 pub use leafwise_hamilton_jacobi as hamilton_jacobi;
 pub use leafwise_karasev as karasev;
+pub use leafwise_lie_poisson as lie_poisson;
+pub use leafwise_log_canonical as log_canonical;
 pub use leafwise_scene as scene;
 pub use leafwise_so3 as so3;
+pub use leafwise_splitting as splitting;
 pub use leafwise_systems as systems;
 
 pub use library::ProblemLibrary;

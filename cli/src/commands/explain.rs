@@ -35,6 +35,14 @@ pub fn explain(run: &ComposedRun, start: Instant) -> Result<Vec<String>, BuildEr
             .into_iter()
             .map(|(label, text)| (label.to_owned(), text)),
     );
+    for part in &run.plan.parts {
+        if let Some(reason) = part.reason {
+            rows.push((
+                "Chosen".to_owned(),
+                format!("{}, since {reason}", part.name),
+            ));
+        }
+    }
     match (run.method.written(), run.method.lattice()) {
         (Some(method), _) => rows.extend(series(run, method)?),
         (None, None) => {}

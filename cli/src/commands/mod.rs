@@ -7,3 +7,5 @@ pub mod explain;
 pub mod list;
 pub mod new;
 pub mod run;
+pub mod verify;
+mod verify_page;

@@ -11,6 +11,7 @@ use leafwise_core::{
 use serde::Serialize;
 
 use super::Refusal;
+use super::system::DENSE_LIMIT;
 use crate::document::{Located, ParameterValue, PartSpec, Place, SceneDocument, Source, nearest};
 
 /// What stands in for a part the scene leaves open.
@@ -29,6 +30,8 @@ pub struct PartChoice {
     pub parameters: Vec<(&'static str, ParameterSetting)>,
     /// Whether the scene left the choice open.
     pub is_automatic: bool,
+    /// Why it was taken, where it was chosen by the tensor.
+    pub reason: Option<&'static str>,
 }
 
 /// What the scene's method is built of.
@@ -57,8 +60,9 @@ impl Parts {
 
 /// Builds the parts that `[method]` names.
 ///
-/// A part that is absent or called `auto` is chosen: Hamilton–Jacobi of order 4, and the Karasev
-/// realization of the dynamics' order, the smallest n for which Theorem 2 promises that order.
+/// A part that is absent or called `auto` is chosen: Hamilton–Jacobi of order 4, and the cheapest
+/// exact realization that fits the tensor; where none does, or parameters are given with `auto`,
+/// Karasev's truncated after the dynamics' order, the smallest n for which Theorem 2 promises it.
 pub(super) fn parts(
     document: &SceneDocument,
     system: &PoissonSystem,
@@ -145,6 +149,14 @@ fn pair(
         DEFAULT_REALIZATION,
         order,
     );
+    let is_open = request.named().is_none() && !request.has_parameters();
+    if let Some((realization, choice)) =
+        is_open.then(|| exact(document, system, registry)).flatten()
+    {
+        choices.push(choice);
+        choices.push(dynamics_choice);
+        return Ok(Base::Pair(realization, dynamics));
+    }
     let part = registry
         .realization(request.name())
         .map_err(|_| request.unknown(PartKind::Realization, registry))?;
@@ -155,6 +167,57 @@ fn pair(
     choices.push(request.choice(part.info(), &given));
     choices.push(dynamics_choice);
     Ok(Base::Pair(realization, dynamics))
+}
+
+/// The exact realizations that a choice left open tries, the cheapest first, and why each is taken.
+const EXACT: [(&str, &str); 5] = [
+    ("constant", "the tensor is constant: a closed form"),
+    (
+        "log-canonical",
+        "the tensor is log-canonical: a closed form",
+    ),
+    (
+        "so3-exponential",
+        "the tensor is that of so(3)*: a closed form",
+    ),
+    (
+        "lie-poisson",
+        "the tensor is linear: matrix functions of the coadjoint map",
+    ),
+    (
+        "karasev-collocated",
+        "the tensor has no closed form here: collocation, exact to round-off",
+    ),
+];
+
+/// The cheapest exact realization that fits the tensor; on a long lattice, one that can be swept.
+fn exact(
+    document: &SceneDocument,
+    system: &PoissonSystem,
+    registry: &Registry,
+) -> Option<(Arc<dyn RealizationData>, PartChoice)> {
+    let is_long = document.system.dimension() > DENSE_LIMIT;
+    EXACT.iter().find_map(|(name, reason)| {
+        let part = registry.realization(name).ok()?;
+        let realization = part.build(system, &PartParameters::new()).ok()?;
+        if is_long && realization.stages().is_none() {
+            return None;
+        }
+        let info = part.info();
+        let parameters = info
+            .parameters
+            .iter()
+            .map(|p| (p.name, p.default.into()))
+            .collect();
+        let choice = PartChoice {
+            kind: PartKind::Realization,
+            name: info.name,
+            parameters,
+            is_automatic: true,
+            reason: Some(reason),
+        };
+        Some((realization, choice))
+    })
 }
 
 /// What the scene asks of one part.
@@ -185,6 +248,11 @@ impl<'a> Request<'a> {
         self.spec
             .map(|spec| &spec.name)
             .filter(|name| name.value != "auto")
+    }
+
+    /// Whether the scene gives parameters although it names no part.
+    fn has_parameters(&self) -> bool {
+        self.spec.is_some_and(|spec| !spec.parameters.is_empty())
     }
 
     fn name(&self) -> &'a str {
@@ -312,6 +380,7 @@ impl<'a> Request<'a> {
             name: info.name,
             parameters,
             is_automatic: self.named().is_none(),
+            reason: None,
         }
     }
 }
