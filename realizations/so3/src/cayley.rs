@@ -1,4 +1,4 @@
-//! The Cayley chart R = (1 − ½[q]×)⁻¹(1 + ½[q]×), q = εp: rational, for every q.
+//! The Cayley chart R = (1 − ½\[q\]×)⁻¹(1 + ½\[q\]×), q = εp: rational, for every q.
 
 use leafwise_core::BuildError;
 use leafwise_core::realization::{SourceRecursion, SourceSeries};
@@ -32,7 +32,7 @@ pub(crate) fn quaternion(graph: &mut Graph, q: &[Term]) -> Result<Vec<Term>, Alg
     Ok(quaternion)
 }
 
-/// [hᵏ] of α = x − ½ x×q + ¼ q (q·x) along q(h) = λ p(h): a finite convolution.
+/// The coefficients of hᵏ in α = x − ½ x×q + ¼ q (q·x) along q(h) = λ p(h): a finite convolution.
 #[derive(Clone, Debug)]
 pub struct CayleySeries {
     tensor: RotationTensor,

@@ -14,9 +14,9 @@ use crate::vector::cross;
 /// (x, p) ↦ (R(εp), α_ε(x, p)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Chart {
-    /// R = exp [q]×, ‖q‖ < 2π.
+    /// R = exp \[q\]×, ‖q‖ < 2π.
     Exponential,
-    /// R = (1 − ½[q]×)⁻¹(1 + ½[q]×).
+    /// R = (1 − ½\[q\]×)⁻¹(1 + ½\[q\]×).
     Cayley,
 }
 

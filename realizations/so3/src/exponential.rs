@@ -1,4 +1,4 @@
-//! The exponential chart R = exp [q]×, q = εp: Karasev's realization in closed form.
+//! The exponential chart R = exp \[q\]×, q = εp: Karasev's realization in closed form.
 
 use leafwise_expression::{Arithmetic, Graph, Rational, Term};
 
@@ -17,7 +17,7 @@ pub(crate) fn even_part(graph: &mut Graph, moment: &[Term], q: &[Term]) -> Vec<T
     times(graph, &coefficient, &twice)
 }
 
-/// (cos(θ/2), sin(θ/2) q/θ), the quaternion of exp [q]×.
+/// (cos(θ/2), sin(θ/2) q/θ), the quaternion of exp \[q\]×.
 pub(crate) fn quaternion(graph: &mut Graph, q: &[Term]) -> Vec<Term> {
     let square = dot(graph, q, q);
     let sine = graph.apply_analytic(HALF_SINE, 0, &square);

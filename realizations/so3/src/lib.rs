@@ -4,8 +4,8 @@
 //! In a cotangent chart about σ, x·dp = ⟨α, vee(dR Rᵀ)⟩ (J. E. Marsden, T. S. Ratiu, *Introduction
 //! to Mechanics and Symmetry*, chapters 13 and 15):
 //!
-//! - [`exponential`]: R = exp [εp]×, which is Karasev's realization summed; ε‖p‖ < 2π.
-//! - [`cayley`]: R = (1 − ½[εp]×)⁻¹(1 + ½[εp]×), rational and defined for every p.
+//! - [`exponential`]: R = exp \[εp\]×, which is Karasev's realization summed; ε‖p‖ < 2π.
+//! - [`cayley`]: R = (1 − ½\[εp\]×)⁻¹(1 + ½\[εp\]×), rational and defined for every p.
 //! - [`chart`]: [`Chart`], one of the two.
 //! - [`cotangent`]: [`So3Cotangent`], the parts `so3-exponential` and `so3-cayley`.
 //! - [`group`]: [`So3Group`], the part `so3-group`: points are unit quaternions with momenta.
