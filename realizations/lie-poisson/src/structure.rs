@@ -1,0 +1,109 @@
+//! Structure constants c_ij^k of a linear tensor.
+
+use std::sync::Arc;
+
+use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_expression::graph::lift;
+use leafwise_expression::{Arithmetic, Graph, Kernel, Polynomial, Ring};
+use nalgebra::{DMatrix, DVector};
+
+use crate::register::INFO;
+
+/// The nonzero c_ij^k, i < j, of Π_ij(x) = Σ_k c_ij^k x_k as functions of the parameters.
+#[derive(Clone, Debug)]
+pub struct StructureConstants {
+    dimension: usize,
+    places: Vec<[usize; 3]>,
+    kernel: Arc<Kernel>,
+}
+
+impl StructureConstants {
+    /// Those of a system's tensor.
+    ///
+    /// # Errors
+    /// [`BuildError::DoesNotFit`] with the first entry whose normal form is not linear and
+    /// homogeneous in the variables, [`BuildError::Algebra`] where an entry has no normal form.
+    pub fn new(system: &PoissonSystem) -> Result<Self, BuildError> {
+        let d = system.dimension();
+        let mut ring = Ring::new(d);
+        let (mut graph, mut places, mut outputs) = (Graph::new(), Vec::new(), Vec::new());
+        for (&(i, j), entry) in system.tensor() {
+            let value = entry.evaluate_in(&mut ring, &mut |ring, at| Ok(ring.variable(at)))?;
+            for (monomial, coefficient) in value.terms() {
+                let &[(symbol, 1)] = monomial.factors() else {
+                    return Err(not_linear(system, i, j));
+                };
+                if ring.generator(symbol).is_some() {
+                    return Err(not_linear(system, i, j));
+                }
+                places.push([i, j, usize::from(symbol)]);
+                outputs.push(vec![(
+                    graph.one(),
+                    Polynomial::constant(coefficient.clone()),
+                )]);
+            }
+        }
+        let code = lift(&mut graph, &ring, &outputs, &[])?;
+        let kernel = Kernel::compile(&graph, &code, system.parameters().len(), d);
+        Ok(Self {
+            dimension: d,
+            places,
+            kernel: Arc::new(kernel),
+        })
+    }
+
+    /// The constants for these parameters.
+    pub fn at(&self, parameters: &[f64]) -> LieAlgebra {
+        let mut workspace = self.kernel.workspace(1);
+        self.kernel
+            .prepare(&mut workspace, parameters, &[1.0], &[1.0]);
+        let mut values = vec![0.0; self.places.len()];
+        let origin = vec![0.0; self.dimension];
+        self.kernel.evaluate(&mut workspace, &origin, &mut values);
+        LieAlgebra {
+            dimension: self.dimension,
+            constants: self.places.iter().copied().zip(values).collect(),
+        }
+    }
+}
+
+fn not_linear(system: &PoissonSystem, i: usize, j: usize) -> BuildError {
+    let [first, second] = [i, j].map(|at| &system.variables()[at]);
+    BuildError::DoesNotFit {
+        part: INFO.name,
+        reason: format!(
+            "{{{first}, {second}}} is not a linear form in the variables with coefficients of the \
+             parameters"
+        ),
+    }
+}
+
+/// Structure constants as numbers.
+#[derive(Clone, Debug)]
+pub struct LieAlgebra {
+    dimension: usize,
+    constants: Vec<([usize; 3], f64)>,
+}
+
+impl LieAlgebra {
+    /// Π(v), Π_ij = Σ_k c_ij^k v_k.
+    pub fn tensor(&self, v: &DVector<f64>) -> DMatrix<f64> {
+        let mut tensor = DMatrix::zeros(self.dimension, self.dimension);
+        for &([i, j, k], c) in &self.constants {
+            let value = c * v[k];
+            tensor[(i, j)] += value;
+            tensor[(j, i)] -= value;
+        }
+        tensor
+    }
+
+    /// The coadjoint map A(p), A_ik = Σ_j c_ij^k p_j, so that A(p) y = Π(y) p.
+    pub fn coadjoint(&self, p: &[f64]) -> DMatrix<f64> {
+        let mut map = DMatrix::zeros(self.dimension, self.dimension);
+        for &([i, j, k], c) in &self.constants {
+            map[(i, k)] += c * p[j];
+            map[(j, k)] -= c * p[i];
+        }
+        map
+    }
+}

@@ -1,0 +1,185 @@
+//! α, β and their tangents as numbers.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use leafwise_core::StepError;
+use leafwise_core::realization::{Ends, RealizationWorker};
+use nalgebra::{DMatrix, DVector, Dyn, LU, Schur};
+
+use crate::even_part::{Fraction, LARGEST, fractions, needed};
+use crate::structure::LieAlgebra;
+
+/// Iterations of the eigenvalue solver, many times what it takes.
+const MOST_ITERATIONS: usize = 1000;
+
+/// One thread's evaluator for fixed parameters and ε.
+///
+/// α, β = x + f(W) x ∓ ½ Z x with W = Z²/4 and f of [`even_part`](crate::even_part): the increment
+/// α − β = −Z x is exact up to one product. Tangents differentiate the fractions: with
+/// y = (1 + sW)⁻¹ x, ∂_p of W(1 + sW)⁻¹x is (1 + sW)⁻¹ ∂_p W y, and by A(p) v = Π(v) p
+/// ∂_p W y = ¼ ε (Π(Zy) + Z Π(y)).
+pub struct LiePoissonWorker {
+    algebra: LieAlgebra,
+    epsilon: f64,
+    known: BTreeMap<usize, Arc<[Fraction]>>,
+    last: Option<Point>,
+}
+
+/// What the tangents need of the last point.
+struct Point {
+    x: DVector<f64>,
+    map: DMatrix<f64>,
+    quarter_square: DMatrix<f64>,
+    resolvents: Vec<Resolvent>,
+}
+
+/// r, 1 + sW and y = (1 + sW)⁻¹ x.
+struct Resolvent {
+    weight: f64,
+    factors: LU<f64, Dyn, Dyn>,
+    solution: DVector<f64>,
+}
+
+impl LiePoissonWorker {
+    /// A worker for an algebra and ε.
+    pub fn new(algebra: LieAlgebra, epsilon: f64) -> Self {
+        Self {
+            algebra,
+            epsilon,
+            known: BTreeMap::new(),
+            last: None,
+        }
+    }
+
+    fn fractions(&mut self, bound: f64) -> Arc<[Fraction]> {
+        let n = needed(bound);
+        let known = self.known.entry(n);
+        Arc::clone(known.or_insert_with(|| fractions(n).into()))
+    }
+
+    fn evaluate(&mut self, z: &[f64]) -> Result<Point, StepError> {
+        let (x, p) = z.split_at(z.len() / 2);
+        let x = DVector::from_column_slice(x);
+        let map = self.algebra.coadjoint(p) * self.epsilon;
+        let quarter_square = &map * &map * 0.25;
+        let bound = norm(&quarter_square);
+        check_chart(&map, bound)?;
+        let d = x.len();
+        let mut resolvents = Vec::new();
+        for fraction in self.fractions(bound).iter() {
+            let matrix = DMatrix::identity(d, d) + &quarter_square * fraction.shift;
+            let factors = matrix.lu();
+            let solution = factors.solve(&x).ok_or(SINGULAR)?;
+            resolvents.push(Resolvent {
+                weight: fraction.weight,
+                factors,
+                solution,
+            });
+        }
+        Ok(Point {
+            x,
+            map,
+            quarter_square,
+            resolvents,
+        })
+    }
+}
+
+const SINGULAR: StepError = StepError::NonFinite {
+    what: "the inverse of a function of the coadjoint map",
+};
+
+/// The smaller of the row sum and the column sum norm: a bound of every eigenvalue.
+fn norm(matrix: &DMatrix<f64>) -> f64 {
+    let rows = matrix
+        .row_iter()
+        .map(|row| row.iter().map(|v| v.abs()).sum::<f64>());
+    let columns = matrix
+        .column_iter()
+        .map(|column| column.iter().map(|v| v.abs()).sum::<f64>());
+    let largest = |sums: &mut dyn Iterator<Item = f64>| {
+        sums.fold(0.0, |m: f64, v| if v <= m { m } else { v })
+    };
+    let (rows, columns) = (
+        largest(&mut rows.into_iter()),
+        largest(&mut columns.into_iter()),
+    );
+    if rows <= columns { rows } else { columns }
+}
+
+/// Refuses Z with an eigenvalue of imaginary part 2π or more: along p ↦ τp one of them met ±2πi.
+/// `bound` is a norm of Z²/4, so that |λ| ≤ 2√bound.
+fn check_chart(map: &DMatrix<f64>, bound: f64) -> Result<(), StepError> {
+    use std::f64::consts::PI;
+    if !bound.is_finite() {
+        return Err(StepError::NonFinite {
+            what: "the coadjoint map",
+        });
+    }
+    if bound > LARGEST {
+        return Err(StepError::LeftChart {
+            ratio: libm::sqrt(bound / LARGEST),
+        });
+    }
+    if bound < PI * PI {
+        return Ok(());
+    }
+    let schur = Schur::try_new(map.clone(), f64::EPSILON, MOST_ITERATIONS);
+    let eigenvalues = schur.ok_or(SINGULAR)?.complex_eigenvalues();
+    let widest = eigenvalues
+        .iter()
+        .fold(0.0_f64, |m, value| m.max(value.im.abs()));
+    if widest < 2.0 * PI {
+        return Ok(());
+    }
+    Err(StepError::LeftChart {
+        ratio: widest / (2.0 * PI),
+    })
+}
+
+impl RealizationWorker for LiePoissonWorker {
+    fn ends(&mut self, z: &[f64], ends: &mut Ends) -> Result<(), StepError> {
+        self.last = None;
+        let point = self.evaluate(z)?;
+        let mut sum = DVector::zeros(point.x.len());
+        for resolvent in &point.resolvents {
+            sum.axpy(resolvent.weight, &resolvent.solution, 1.0);
+        }
+        let even = &point.quarter_square * sum;
+        let image = &point.map * &point.x;
+        for i in 0..point.x.len() {
+            ends.base[i] = point.x[i];
+            ends.offset[i] = even[i] + 0.5 * image[i];
+            ends.increment[i] = -image[i];
+        }
+        self.last = Some(point);
+        Ok(())
+    }
+
+    fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError> {
+        let point = self.last.as_ref().ok_or(StepError::NoTangent)?;
+        let d = point.x.len();
+        let tensor = self.algebra.tensor(&point.x) * self.epsilon;
+        let mut by_x = DMatrix::identity(d, d) + &point.map * 0.5;
+        let mut by_p = &tensor * 0.5;
+        for resolvent in &point.resolvents {
+            let y = &resolvent.solution;
+            let image = self.algebra.tensor(&(&point.map * y));
+            let through = &point.map * self.algebra.tensor(y);
+            let change = (image + through) * (0.25 * self.epsilon);
+            let solve = |right: &DMatrix<f64>| resolvent.factors.solve(right).ok_or(SINGULAR);
+            by_p += solve(&change)? * resolvent.weight;
+            by_x += solve(&point.quarter_square)? * resolvent.weight;
+        }
+        for i in 0..d {
+            for k in 0..d {
+                target[2 * d * i + k] = by_x[(i, k)];
+                target[2 * d * i + d + k] = by_p[(i, k)];
+                increment[2 * d * i + k] = -point.map[(i, k)];
+                increment[2 * d * i + d + k] = -tensor[(i, k)];
+            }
+        }
+        Ok(())
+    }
+}

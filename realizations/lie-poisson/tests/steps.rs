@@ -1,0 +1,134 @@
+//! Hamilton–Jacobi over numbers: Newton converges, tensor and Casimirs stay at round-off.
+
+#![allow(
+    clippy::print_stdout,
+    reason = "measured numbers are shown with --nocapture"
+)]
+
+mod common;
+
+use std::sync::Arc;
+
+use common::{ALGEBRAS, algebra};
+use leafwise_core::{PoissonSystem, RealizationData, StepError, StepMap};
+use leafwise_lie_poisson::LiePoisson;
+use leafwise_realization_claims::steps::{
+    is_even_order, measured_order, method, run, structure_error,
+};
+use leafwise_realization_claims::{UNIT_ROUNDOFF, largest};
+use proptest::collection::vec;
+use proptest::prelude::*;
+
+fn realization(system: &PoissonSystem) -> Arc<dyn RealizationData> {
+    Arc::new(LiePoisson::new(system).expect("a linear tensor"))
+}
+
+fn start(d: usize) -> Vec<f64> {
+    (0..d)
+        .map(|i| 1.0 + 0.5 * libm::sin(2.3 * i as f64))
+        .collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn steps_are_poisson_and_keep_the_casimirs(at in 0..ALGEBRAS.len(), half_order in 1..=4_usize, x in vec(0.3..1.5_f64, 6)) {
+        let system = algebra(ALGEBRAS[at]);
+        let map = method(&system, &realization(&system), 2 * half_order);
+        let error = structure_error(&system, &map, 0.1, &x[..system.dimension()]).expect("a step");
+        prop_assert!(error.tensor <= 64.0 && error.casimirs <= 64.0, "{}: {error:?}", ALGEBRAS[at]);
+    }
+}
+
+#[test]
+fn newton_converges_over_workers() {
+    for name in ALGEBRAS {
+        let system = algebra(name);
+        let map = method(&system, &realization(&system), 4);
+        assert_eq!(map.path(), "workers");
+        let x = start(system.dimension());
+        let mut stepper = map.stepper(1, &system.parameter_values(), 1.0, 0.1);
+        let (mut state, zero) = (x.clone(), vec![0.0; x.len()]);
+        let mut increment = zero.clone();
+        for _ in 0..100 {
+            let mut outcome = [Ok(())];
+            stepper.increment(&state, &zero, &mut increment, &mut outcome);
+            assert_eq!(outcome[0], Ok(()), "{name}");
+            state.iter_mut().zip(&increment).for_each(|(x, i)| *x += i);
+        }
+        let work = stepper.statistics();
+        println!(
+            "{name}: {:.2} evaluations a step, at most {}",
+            work.evaluations_per_step(),
+            work.most_evaluations
+        );
+        assert!(
+            work.evaluations_per_step() <= 5.0 && work.most_evaluations <= 8,
+            "{name}: {work:?}"
+        );
+    }
+}
+
+/// Over a thousand steps the Casimirs wander as a random walk of a step's round-off would.
+#[test]
+fn casimirs_do_not_drift() {
+    const STEPS: usize = 1000;
+    for name in ALGEBRAS {
+        let system = algebra(name);
+        let formulas: Vec<_> = system.casimirs().iter().map(|c| &c.expression).collect();
+        let kernel = system.observable_kernel(&formulas).expect("code");
+        let mut workspace = kernel.workspace(1);
+        kernel.prepare(&mut workspace, &system.parameter_values(), &[1.0], &[1.0]);
+        let mut values = |x: &[f64]| {
+            let mut values = vec![0.0; formulas.len()];
+            kernel.evaluate(&mut workspace, x, &mut values);
+            values
+        };
+        let map = method(&system, &realization(&system), 4);
+        let x = start(system.dimension());
+        let end = run(&system, &map, 0.05 * STEPS as f64, STEPS, &x).expect("steps");
+        let (before, after) = (values(&x), values(&end));
+        for (before, after) in before.iter().zip(&after) {
+            let size = largest(x.iter().chain(&end).copied());
+            let drift = (after - before).abs() / (size * size);
+            println!("{name}: Casimir moved by {drift:.1e} of |x|² in {STEPS} steps");
+            assert!(
+                drift <= 64.0 * UNIT_ROUNDOFF * libm::sqrt(STEPS as f64),
+                "{name}: {drift:e}"
+            );
+        }
+    }
+}
+
+#[test]
+fn measured_orders_are_those_declared() {
+    for (name, time) in [("rigid-body", 1.0), ("heavy-top", 1.0), ("sl2", 0.5)] {
+        let system = algebra(name);
+        let realization = realization(&system);
+        let x = start(system.dimension());
+        for (m, steps) in [
+            (2, [16, 32, 64, 128]),
+            (4, [16, 24, 32, 48]),
+            (6, [12, 16, 20, 24]),
+        ] {
+            let map = method(&system, &realization, m);
+            let slope = measured_order(&system, &map, &x, time, &steps).expect("points");
+            println!("{name}, m = {m}: {slope:?}");
+            assert!(is_even_order(slope, m), "{name}, m = {m}: {slope:?}");
+        }
+    }
+}
+
+/// A step far too large ends in an error, and the state before it is intact.
+#[test]
+fn a_step_past_the_wall_is_refused() {
+    let system = algebra("rigid-body");
+    let map = method(&system, &realization(&system), 2);
+    let outcome = run(&system, &map, 40.0, 1, &[1.0, 3.0, 3.0]);
+    let refused = matches!(
+        outcome,
+        Err(StepError::LeftChart { .. } | StepError::NoConvergence { .. })
+    );
+    assert!(refused, "{outcome:?}");
+}
