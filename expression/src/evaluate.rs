@@ -4,6 +4,10 @@ use crate::arithmetic::{AlgebraError, Arithmetic};
 use crate::expression::Expression;
 use crate::rational::Rational;
 
+/// What stands for the variable xᵢ in an algebra.
+pub type VariableIn<'a, A> =
+    dyn FnMut(&mut A, usize) -> Result<<A as Arithmetic>::Element, AlgebraError> + 'a;
+
 impl Expression {
     /// The formula's value in `arithmetic`, with `variable(arithmetic, i)` for the variable xᵢ.
     ///
@@ -12,7 +16,7 @@ impl Expression {
     pub fn evaluate_in<A: Arithmetic>(
         &self,
         arithmetic: &mut A,
-        variable: &mut dyn FnMut(&mut A, usize) -> Result<A::Element, AlgebraError>,
+        variable: &mut VariableIn<'_, A>,
     ) -> Result<A::Element, AlgebraError> {
         match self {
             Self::Constant(value) => Ok(arithmetic.constant(value)),

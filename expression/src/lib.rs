@@ -24,6 +24,7 @@ pub mod syntax;
 pub use algebra::{Polynomial, Ring};
 pub use analytic::AnalyticFunction;
 pub use arithmetic::{AlgebraError, Arithmetic};
+pub use evaluate::VariableIn;
 pub use expression::{Expression, Function};
 pub use graph::{Graph, StepSize, Term};
 pub use kernel::{Kernel, OperationCount, Workspace};

@@ -95,12 +95,11 @@ fn summary(composed: &ComposedRun, report: &RunReport, console: &Console<'_>) ->
         .parts
         .iter()
         .map(|part| {
-            let parameters: Vec<String> = part
+            let parameters = part
                 .parameters
                 .iter()
-                .map(|(name, value)| format!("{name} {value}"))
-                .collect();
-            format!("{} {}", part.name, parameters.join(" "))
+                .map(|(name, value)| format!(" {name} {value}"));
+            parameters.fold(part.name.to_owned(), |text, parameter| text + &parameter)
         })
         .collect::<Vec<_>>()
         .join(" + ");

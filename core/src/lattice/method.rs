@@ -35,6 +35,9 @@ pub trait LatticeSource {
     ) -> Result<Vec<SiteDensity>, BuildError>;
 }
 
+/// Builds a realization for the proxy system.
+pub type Realize<'a> = dyn Fn(&PoissonSystem) -> Result<Arc<dyn RealizationData>, BuildError> + 'a;
+
 /// The fields a solver reads and writes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fields {
@@ -65,7 +68,7 @@ impl LatticeMethod {
     /// [`BuildError::Incompatible`] when the realization cannot be written as stages.
     pub fn compose(
         source: &dyn LatticeSource,
-        realize: &dyn Fn(&PoissonSystem) -> Result<Arc<dyn RealizationData>, BuildError>,
+        realize: &Realize<'_>,
         dynamics: Arc<dyn DynamicApproximation>,
     ) -> Result<Self, BuildError> {
         let geometry = source.geometry();

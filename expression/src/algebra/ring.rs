@@ -215,25 +215,23 @@ impl Ring {
                         return Some(u.times_term(&rest, &one()));
                     }
                 }
-                Generator::Root(u, q) => {
-                    if exponent >= *q as i16 {
-                        return Some(u.times_term(&monomial.shifted(symbol, -(*q as i16)), &one()));
-                    }
+                Generator::Root(u, q) if exponent >= *q as i16 => {
+                    return Some(u.times_term(&monomial.shifted(symbol, -(*q as i16)), &one()));
                 }
-                Generator::Function(function @ (Function::Cos | Function::Cosh), u) => {
-                    if exponent >= 2 {
-                        let (partner, sign) = if *function == Function::Cos {
-                            (Function::Sin, -Rational::one())
-                        } else {
-                            (Function::Sinh, Rational::one())
-                        };
-                        let partner = self.symbols[&Generator::Function(partner, u.clone())];
-                        let rest = monomial.shifted(symbol, -2);
-                        return Some(Polynomial::collect([
-                            (rest.clone(), one()),
-                            (rest.shifted(partner, 2), one().scaled(&sign)),
-                        ]));
-                    }
+                Generator::Function(function @ (Function::Cos | Function::Cosh), u)
+                    if exponent >= 2 =>
+                {
+                    let (partner, sign) = if *function == Function::Cos {
+                        (Function::Sin, -Rational::one())
+                    } else {
+                        (Function::Sinh, Rational::one())
+                    };
+                    let partner = self.symbols[&Generator::Function(partner, u.clone())];
+                    let rest = monomial.shifted(symbol, -2);
+                    return Some(Polynomial::collect([
+                        (rest.clone(), one()),
+                        (rest.shifted(partner, 2), one().scaled(&sign)),
+                    ]));
                 }
                 _ => {}
             }

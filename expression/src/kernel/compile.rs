@@ -49,13 +49,7 @@ impl Kernel {
         let coefficient_code = coefficient.finish();
 
         // Step kernel: slots 0 .. inputs, then the coefficients.
-        let mut step = Emitter::new(
-            graph,
-            &uses,
-            Tier::Step,
-            parameters,
-            inputs + imported.len(),
-        );
+        let mut step = Emitter::new(graph, uses, Tier::Step, parameters, inputs + imported.len());
         step.input_slots = input_slots;
         for (at, &node) in imported.iter().enumerate() {
             step.places.insert(node, (inputs + at) as u32);

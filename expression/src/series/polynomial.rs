@@ -7,7 +7,7 @@ use crate::rational::Rational;
 /// Σ cⱼ sʲ as its list of coefficients, without trailing zeros.
 pub type UnivariateElement<E> = Vec<E>;
 
-/// The algebra A[s] over an algebra A; functions and quotients only where the argument does not
+/// The algebra of polynomials in s over an algebra A; functions and quotients only where the argument does not
 /// depend on s.
 #[derive(Debug)]
 pub struct Univariate<'a, A: Arithmetic> {

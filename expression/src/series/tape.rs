@@ -250,7 +250,7 @@ impl<E: Clone + std::fmt::Debug> TaylorState<E> {
                 let (x, y) = (&self.coefficients[a][j], &self.coefficients[a][k - j]);
                 terms.push((Rational::from_integer(2), arithmetic.multiply(x, y)));
             }
-            if k % 2 == 0 {
+            if k.is_multiple_of(2) {
                 let x = &self.coefficients[a][k / 2];
                 terms.push((Rational::one(), arithmetic.multiply(x, x)));
             }
