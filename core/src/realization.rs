@@ -168,7 +168,7 @@ pub trait SourceSeries {
 
 /// One order of [`SourceSeries`] after the other.
 pub trait SourceRecursion {
-    /// Given pₖ (d polynomials; k = 1 at the first call), the coefficient αₖ = [hᵏ] α(x, p(h)).
+    /// Given pₖ (d polynomials; k = 1 at the first call), the coefficient αₖ of hᵏ in α(x, p(h)).
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where the tensor is outside the algebra.

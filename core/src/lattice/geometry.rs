@@ -1,6 +1,6 @@
 //! Families of sites and the classes that share code.
 
-/// Families x[0] … x[N−1], a[0] …, stored one after the other.
+/// Families `x[0]` … `x[N-1]`, `a[0]` …, stored one after the other.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LatticeGeometry {
     /// The families' names and lengths.

@@ -11,7 +11,7 @@ use leafwise_expression::series::{Tape, TapeIndex, TaylorState, Univariate};
 
 /// The series of the curve over an algebra with elements `E`, one order at a time.
 ///
-/// Y_{k+1} is the zero-mean antiderivative of [hᵏ] Π(Y) q with q(h) = Σ hᵏ q_k: for q = p constant
+/// Y_{k+1} is the zero-mean antiderivative of the hᵏ-coefficient of Π(Y) q with q(h) = Σ hᵏ q_k: for q = p constant
 /// this is Karasev's curve in powers of ε; for q_k = p_{k+1} it is the curve along
 /// p(h) = Σ_{k≥1} p_k hᵏ.
 #[derive(Clone, Debug)]

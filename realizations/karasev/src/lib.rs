@@ -6,7 +6,7 @@
 //! and non-perturbative semiclassical quantization*, section 3.3).
 //!
 //! - [`curve`]: the curve's series, order by order, over any algebra.
-//! - [`truncated`]: [`TruncatedKarasev`], R̂_ε = τⁿ[K_ε] (paper, section 3.2).
+//! - [`truncated`]: [`TruncatedKarasev`], R̂_ε = τⁿK_ε (paper, section 3.2).
 //! - [`stages`]: the same over a long lattice, one sweep an order.
 //! - [`collocated`]: [`CollocatedKarasev`], the defining relation solved at Gauss nodes.
 //! - [`series`]: α along p(h) in the exact ring, for Hamilton–Jacobi coefficients.

@@ -10,7 +10,7 @@ use leafwise_expression::{Arithmetic, Graph, Rational, Term};
 use crate::curve::KarasevCurve;
 use crate::series::KarasevSeries;
 
-/// K̂_ε = (S ⊂ T*M, ω_M, τⁿ[α_ε], τⁿ[β_ε], σ): Karasev's realization data truncated after εⁿ
+/// K̂_ε = (S ⊂ T*M, ω_M, τⁿα_ε, τⁿβ_ε, σ): Karasev's realization data truncated after εⁿ
 /// (paper, section 3.2).
 ///
 /// α̂ = x + Σ_{k=1..n} εᵏ α_(k)(x, p) and β̂(x, p) = α̂(x, −p), so the increment α̂ − β̂ is twice the
