@@ -194,3 +194,19 @@ pub fn flow(system: &PoissonSystem, initial: &[f64], time: f64, steps: usize) ->
     }
     x
 }
+
+/// x⁺ = x + h X_H((x + x⁺)/2), solved by fixed-point iteration on the vector field alone.
+///
+/// # Panics
+/// When the vector field has no code.
+pub fn implicit_midpoint(system: &PoissonSystem, h: f64, x: &[f64]) -> Vec<f64> {
+    let kernel = system.vector_field_kernel().expect("code");
+    let parameters = system.parameter_values();
+    let mut next = x.to_vec();
+    for _ in 0..100 {
+        let middle: Vec<f64> = x.iter().zip(&next).map(|(a, b)| 0.5 * (a + b)).collect();
+        let field = evaluate(&kernel, &parameters, &middle);
+        next = x.iter().zip(&field).map(|(x, f)| x + h * f).collect();
+    }
+    next
+}

@@ -13,7 +13,7 @@ use leafwise_core::{BuildError, PoissonSystem, RealizationData};
 use leafwise_realization_claims::lattice::{Chain, by_templates_and_written_out};
 use leafwise_realization_claims::realizations::{dual_pair_error, inversion_and_section_error};
 use leafwise_realization_claims::steps::{
-    is_even_order, measured_order, method, run, structure_error,
+    implicit_midpoint, is_even_order, measured_order, method, run, structure_error,
 };
 use leafwise_realization_claims::systems::{from_formulas, library};
 use leafwise_realization_claims::{UNIT_ROUNDOFF, distance, largest};
@@ -61,21 +61,6 @@ proptest! {
         let error = structure_error(&system, &map, 0.1, &x).expect("a step");
         prop_assert!(error.tensor <= 64.0 && error.casimirs <= 64.0, "{error:?}");
     }
-}
-
-/// x⁺ = x + h X_H((x + x⁺)/2), solved by fixed-point iteration on the vector field alone.
-fn implicit_midpoint(system: &PoissonSystem, h: f64, x: &[f64]) -> Vec<f64> {
-    let kernel = system.vector_field_kernel().expect("code");
-    let mut workspace = kernel.workspace(1);
-    kernel.prepare(&mut workspace, &system.parameter_values(), &[1.0], &[1.0]);
-    let mut next = x.to_vec();
-    let mut field = vec![0.0; x.len()];
-    for _ in 0..100 {
-        let middle: Vec<f64> = x.iter().zip(&next).map(|(a, b)| 0.5 * (a + b)).collect();
-        kernel.evaluate(&mut workspace, &middle, &mut field);
-        next = x.iter().zip(&field).map(|(x, f)| x + h * f).collect();
-    }
-    next
 }
 
 #[test]

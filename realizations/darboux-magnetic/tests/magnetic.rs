@@ -1,0 +1,201 @@
+//! The realization of a magnetic bracket is exact, and with S_1 its step is the implicit midpoint
+//! rule in Darboux coordinates.
+
+#![allow(
+    clippy::print_stdout,
+    reason = "measured numbers are shown with --nocapture"
+)]
+
+use std::sync::Arc;
+
+use leafwise_core::{BuildError, PartParameters, PoissonSystem, RealizationData, Registry};
+use leafwise_darboux_magnetic::DarbouxMagnetic;
+use leafwise_realization_claims::realizations::{
+    dual_pair_error, inversion_and_section_error, source_and_target,
+};
+use leafwise_realization_claims::steps::{
+    implicit_midpoint, is_even_order, measured_order, method, run, structure_error,
+};
+use leafwise_realization_claims::systems::{from_formulas, library};
+use leafwise_realization_claims::{UNIT_ROUNDOFF, distance, largest};
+use proptest::collection::vec;
+use proptest::prelude::*;
+
+/// The paper's potential for the field x² dx∧dy + y dy∧dz + z dx∧dz.
+const POTENTIAL: &str = "0; x^3/3; y^2/2 + x*z";
+
+/// Systems with a potential each: the paper's, one in another gauge, and one in the plane with
+/// variables in another order, positive sign, parameters and functions that are not polynomials.
+fn systems() -> [(PoissonSystem, &'static str); 3] {
+    let paper = library("magnetic").system;
+    let gauge = "2*x*y; x^3/3 + x^2 + z^2; y^2/2 + x*z + 2*y*z";
+    let plane = from_formulas(
+        &["px", "x", "y", "py"],
+        &[("b", 0.7), ("k", 1.3)],
+        &[
+            ("x", "px", "1"),
+            ("y", "py", "1"),
+            ("px", "py", "-b - k*cos(k*x) - x/sqrt(1 + x^2 + y^2)"),
+        ],
+        "(px^2 + py^2)/2 + x^2/2 + y^4/4 + x*y/5",
+        &[],
+    );
+    [
+        (paper.clone(), POTENTIAL),
+        (paper, gauge),
+        (plane, "0; b*x + sin(k*x) + sqrt(1 + x^2 + y^2)"),
+    ]
+}
+
+fn realization(system: &PoissonSystem, potential: &str) -> Arc<dyn RealizationData> {
+    Arc::new(DarbouxMagnetic::new(system, potential).expect("a magnetic bracket"))
+}
+
+proptest! {
+    #[test]
+    fn the_maps_are_a_dual_pair(at in 0..3_usize, x in vec(-2.0..2.0_f64, 6), p in vec(-2.0..2.0_f64, 6), epsilon in 0.01..1.0_f64) {
+        let (system, potential) = systems()[at].clone();
+        let d = system.dimension();
+        let realization = realization(&system, potential);
+        let error = dual_pair_error(&system, &realization, epsilon, &x[..d], &p[..d]).expect("maps");
+        prop_assert!(error <= 1e-13, "{potential}: {error:e}");
+        let error = inversion_and_section_error(&system, realization.as_ref(), epsilon, &x[..d], &p[..d]);
+        prop_assert!(error.expect("maps") <= 16.0 * UNIT_ROUNDOFF);
+    }
+
+    #[test]
+    fn steps_are_poisson(at in 0..3_usize, half_order in 1..=3_usize, x in vec(0.2..1.5_f64, 6)) {
+        let (system, potential) = systems()[at].clone();
+        let map = method(&system, &realization(&system, potential), 2 * half_order);
+        let error = structure_error(&system, &map, 0.05, &x[..system.dimension()]).expect("a step");
+        prop_assert!(error.tensor <= 64.0, "{potential}: {error:?}");
+    }
+
+    /// The formula of the definition, evaluated by hand for the paper's potential.
+    #[test]
+    fn the_maps_are_those_of_darboux_coordinates(x in vec(-2.0..2.0_f64, 6), p in vec(-2.0..2.0_f64, 6)) {
+        let potential = |x: &[f64]| [0.0, x[0] * x[0] * x[0] / 3.0, x[1] * x[1] / 2.0 + x[0] * x[2]];
+        let (system, text) = systems()[0].clone();
+        let (found, _) = source_and_target(&system, realization(&system, text).as_ref(), 1.0, &x, &p).expect("maps");
+        // ξ = DΦ^{−T}(a, b): ξ_x = a + A′ᵀ b, ξ_P = b; Π′ = −1 on (x, P).
+        let pulled = [
+            p[0] + x[0] * x[0] * p[4] + x[2] * p[5],
+            p[1] + x[1] * p[5],
+            p[2] + x[0] * p[5],
+        ];
+        let here = potential(&x);
+        let position: Vec<f64> = (0..3).map(|i| x[i] + 0.5 * p[3 + i]).collect();
+        let there = potential(&position);
+        let mut expected = position.clone();
+        expected.extend((0..3).map(|i| x[3 + i] - here[i] - 0.5 * pulled[i] + there[i]));
+        prop_assert!(distance(&found, &expected) <= 64.0 * UNIT_ROUNDOFF * 10.0, "{found:?} {expected:?}");
+    }
+}
+
+#[test]
+fn the_first_coefficient_gives_the_midpoint_rule_in_darboux_coordinates() {
+    let (system, potential) = systems()[0].clone();
+    let darboux = from_formulas(
+        &["x", "y", "z", "px", "py", "pz"],
+        &[],
+        &[("x", "px", "-1"), ("y", "py", "-1"), ("z", "pz", "-1")],
+        "(px^2 + (py + x^3/3)^2 + (pz + y^2/2 + x*z)^2 + x^2 + y^2 + z^2)/2",
+        &[],
+    );
+    let a = |x: &[f64]| {
+        [
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            x[0] * x[0] * x[0] / 3.0,
+            x[1] * x[1] / 2.0 + x[0] * x[2],
+        ]
+    };
+    let map = method(&system, &realization(&system, potential), 2);
+    let x = [1.0, 0.5, -0.5, 0.3, 0.2, 0.4];
+    for h in [0.01, 0.05, 0.2] {
+        let start: Vec<f64> = x.iter().zip(a(&x)).map(|(x, a)| x - a).collect();
+        let end = implicit_midpoint(&darboux, h, &start);
+        let expected: Vec<f64> = end.iter().zip(a(&end)).map(|(x, a)| x + a).collect();
+        let found = run(&system, &map, h, 1, &x).expect("a step");
+        let bound = 16.0 * UNIT_ROUNDOFF * largest(expected.clone());
+        assert!(
+            distance(&found, &expected) <= bound,
+            "{found:?} {expected:?}"
+        );
+    }
+}
+
+#[test]
+fn measured_orders_are_those_declared() {
+    for (system, potential) in systems() {
+        let realization = realization(&system, potential);
+        let x = [0.8, 0.5, -0.5, 0.3, 0.2, 0.4];
+        let x = &x[..system.dimension()];
+        for (m, steps) in [
+            (2, [16, 32, 64, 128]),
+            (4, [16, 24, 32, 64]),
+            (6, [12, 16, 20, 24]),
+        ] {
+            let map = method(&system, &realization, m);
+            let slope = measured_order(&system, &map, x, 1.0, &steps).expect("points");
+            println!("darboux-magnetic, A = {potential}, m = {m}: {slope:?}");
+            assert!(is_even_order(slope, m), "m = {m}: {slope:?}");
+        }
+    }
+}
+
+#[test]
+fn what_does_not_fit_is_named() {
+    let magnetic = library("magnetic").system;
+    let reason =
+        |system: &PoissonSystem, potential: &str| match DarbouxMagnetic::new(system, potential)
+            .expect_err("refused")
+        {
+            BuildError::DoesNotFit { part, reason } => {
+                assert_eq!(part, "darboux-magnetic");
+                reason
+            }
+            other => panic!("{other}"),
+        };
+    assert_eq!(
+        reason(&magnetic, "0; x^3/3; y^2/2"),
+        "{px, pz} is not -dA(px)/dz + dA(pz)/dx, so that px - A(px) and pz - A(pz) do not commute"
+    );
+    assert!(reason(&library("rigid-body").system, POTENTIAL).contains("`x1`"));
+    let scaled = from_formulas(&["x", "p"], &[], &[("x", "p", "2")], "x", &[]);
+    assert!(reason(&scaled, "0").contains("{x, p} is not 1 or -1"));
+}
+
+#[test]
+fn a_potential_that_cannot_be_read_says_what_to_write() {
+    let magnetic = library("magnetic").system;
+    let part = Registry::with_builtin()
+        .realization("darboux-magnetic")
+        .expect("linked");
+    let refuse =
+        |parameters: PartParameters| match part.build(&magnetic, &parameters).expect_err("refused")
+        {
+            BuildError::Parameter {
+                parameter,
+                expected,
+                ..
+            } => {
+                assert_eq!(parameter, "potential");
+                assert!(
+                    expected.contains("formulas of x, y, z for the momenta px, py, pz"),
+                    "{expected}"
+                );
+                expected
+            }
+            other => panic!("{other}"),
+        };
+    assert!(refuse(PartParameters::new()).contains("missing"));
+    let with = |text: &str| PartParameters::new().with("potential", text);
+    assert!(refuse(with("0; x^3/3")).contains("2 components"));
+    assert!(refuse(with("0; w^3/3; 0")).contains("for py: unknown"));
+    assert!(refuse(with("0; x^; 0")).contains("for py"));
+    assert!(refuse(with("0; px; 0")).contains("the momentum px"));
+    assert!(part.build(&magnetic, &with(POTENTIAL)).is_ok());
+}
