@@ -1,0 +1,138 @@
+//! Exact quotients and square roots of Laurent polynomials.
+
+use std::cmp::Ordering;
+
+use leafwise_expression::Rational;
+use leafwise_expression::algebra::{Coefficient, CoefficientRing, Monomial, Polynomial, Terms};
+
+/// q with q·g = f, `None` where there is none with no new pole: in a symbol without negative powers
+/// in f and g, q has none either.
+pub(crate) fn quotient(f: &Polynomial, g: &Polynomial) -> Option<Polynomial> {
+    let q = divide(f, g, &|a: &Coefficient, b: &Coefficient| {
+        divide(a, b, &|a: &Rational, b: &Rational| Some(a * &b.recip()))
+    })?;
+    let regular = |f: &Polynomial, symbol| f.terms().iter().all(|(m, _)| m.exponent(symbol) >= 0);
+    let no_new_pole = |symbol| regular(&q, symbol) || !regular(f, symbol) || !regular(g, symbol);
+    q.symbols().into_iter().all(no_new_pole).then_some(q)
+}
+
+/// Division with leading terms. Laurent polynomials have no well-ordering, so the number of terms
+/// of a quotient is limited.
+fn divide<C: CoefficientRing>(
+    f: &Terms<C>,
+    g: &Terms<C>,
+    divide_coefficients: &dyn Fn(&C, &C) -> Option<C>,
+) -> Option<Terms<C>> {
+    let (divisor, unit) = leading(g)?;
+    let mut rest = f.clone();
+    let mut terms: Vec<(Monomial, C)> = Vec::new();
+    let most = 4 * f.terms().len() + 4;
+    while let Some((monomial, coefficient)) = leading(&rest) {
+        if terms.len() == most {
+            return None;
+        }
+        let monomial = monomial.multiply(&divisor.inverse());
+        let coefficient = divide_coefficients(coefficient, unit)?;
+        let taken = g.times_term(&monomial, &coefficient);
+        rest = Terms::combine(&[(Rational::one(), rest), (-Rational::one(), taken)]);
+        terms.push((monomial, coefficient));
+    }
+    Some(Terms::collect(terms))
+}
+
+/// The largest term in the lexicographic order of exponents, which products respect.
+fn leading<C: CoefficientRing>(f: &Terms<C>) -> Option<(&Monomial, &C)> {
+    let compare = |a: &Monomial, b: &Monomial| {
+        let difference = a.multiply(&b.inverse());
+        let first = difference.factors().first();
+        first.map_or(Ordering::Equal, |&(_, exponent)| exponent.cmp(&0))
+    };
+    let largest = f.terms().iter().max_by(|a, b| compare(&a.0, &b.0));
+    largest.map(|(m, c)| (m, c))
+}
+
+/// ω with ω² = f for a monomial f whose coefficient is a rational square times even powers of
+/// parameters; `None` for any other.
+pub(crate) fn square_root(f: &Polynomial) -> Option<Polynomial> {
+    root(f, &|c| root(c, &|r| rational_root(r)))
+}
+
+fn root<C: CoefficientRing>(
+    f: &Terms<C>,
+    root_of_coefficient: &dyn Fn(&C) -> Option<C>,
+) -> Option<Terms<C>> {
+    let [(monomial, coefficient)] = f.terms() else {
+        return None;
+    };
+    let mut half = Monomial::one();
+    for &(symbol, exponent) in monomial.factors() {
+        if exponent % 2 != 0 {
+            return None;
+        }
+        half = half.multiply(&Monomial::power(symbol, exponent / 2));
+    }
+    Some(Terms::term(half, root_of_coefficient(coefficient)?))
+}
+
+fn rational_root(r: &Rational) -> Option<Rational> {
+    if r.is_negative() {
+        return None;
+    }
+    let (above, below) = (r.numerator().sqrt(), r.denominator().sqrt());
+    let exact = &above * &above == r.numerator() && &below * &below == r.denominator();
+    let root = Rational::new(i64::try_from(above).ok()?, i64::try_from(below).ok()?);
+    exact.then_some(root)
+}
+
+#[cfg(test)]
+mod tests {
+    use leafwise_expression::{Arithmetic, Rational, Ring};
+
+    use super::{quotient, square_root};
+
+    #[test]
+    fn squares_of_monomials_have_roots() {
+        let mut ring = Ring::new(2);
+        let (x, a) = (ring.variable(0), ring.parameter(0));
+        let scaled = ring.scale(&Rational::new(3, 4), &x);
+        let monomial = ring.divide(&scaled, &a).expect("a parameter");
+        let square = ring.multiply(&monomial, &monomial);
+        assert_eq!(square_root(&square), Some(monomial.clone()));
+        assert_eq!(square_root(&ring.negate(&square)), None);
+        assert_eq!(square_root(&monomial), None);
+        assert_eq!(
+            square_root(&ring.scale(&Rational::from_integer(2), &square)),
+            None
+        );
+        let y = ring.variable(1);
+        let sum = ring.add(&x, &y);
+        assert_eq!(square_root(&ring.multiply(&sum, &sum)), None);
+    }
+
+    #[test]
+    fn a_product_divided_by_a_factor_is_the_other() {
+        let mut ring = Ring::new(3);
+        let [x, y, z] = [0, 1, 2].map(|i| ring.variable(i));
+        let a = ring.parameter(0);
+        let ax = ring.multiply(&a, &x);
+        let f = ring.combine(&[
+            (Rational::new(2, 3), ax),
+            (-Rational::one(), y.clone()),
+            (Rational::one(), z.clone()),
+        ]);
+        let g = ring.subtract(&x, &y);
+        let product = ring.multiply(&f, &g);
+        assert_eq!(quotient(&product, &g), Some(f.clone()));
+        assert_eq!(quotient(&product, &f), Some(g.clone()));
+        assert_eq!(quotient(&f, &g), None);
+    }
+
+    #[test]
+    fn a_quotient_has_no_new_pole() {
+        let mut ring = Ring::new(2);
+        let [x, y] = [0, 1].map(|i| ring.variable(i));
+        assert_eq!(quotient(&y, &x), None);
+        let inverse = ring.divide(&y, &x).expect("a Laurent monomial");
+        assert_eq!(quotient(&inverse, &y), ring.integer_power(&x, -1).ok());
+    }
+}

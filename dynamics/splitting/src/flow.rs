@@ -1,0 +1,171 @@
+//! The motion of one coordinate under a piece, found by its Lie series.
+
+use std::collections::BTreeSet;
+
+use leafwise_expression::{AlgebraError, Arithmetic, Polynomial, Rational, Ring};
+
+use crate::division::{quotient, square_root};
+
+/// The longest Lie series that is tried.
+const LONGEST: usize = 8;
+
+/// A Lie series whose terms have more monomials than this is not going to end.
+const MOST_MONOMIALS: usize = 256;
+
+/// x_i(t) − x_i under ẋ = X(x), with D f = Σ_j X^j ∂_j f.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Motion {
+    /// Σ_k tᵏ/k! v_k: the Lie series ends. v_1, v_2, …; none where x_i rests.
+    Polynomial(Vec<Polynomial>),
+    /// w (e^{tφ} − 1): v = Dx_i = φw, Dv = φv, Dφ = 0. Lotka–Volterra, with w = x_i.
+    Exponential {
+        /// w.
+        base: Polynomial,
+        /// φ.
+        rate: Polynomial,
+    },
+    /// t v φ₁(tφ), the same where φ does not divide v.
+    Affine {
+        /// v.
+        velocity: Polynomial,
+        /// φ.
+        rate: Polynomial,
+    },
+    /// w sin(ωt) + u (1 − cos ωt): v = Dx_i = ωw, a = Dv = ω²u, Da = −ω²v, Dω = 0. One rounded angle
+    /// serves sine and cosine, so that rounding does not stretch: |x|² on so(3)* drifted by
+    /// 2.5e-17 a step where sin(ωt)/ω was multiplied by v.
+    Rotation {
+        /// ω.
+        frequency: Polynomial,
+        /// w.
+        sine: Polynomial,
+        /// u.
+        versine: Polynomial,
+    },
+    /// t v c₁(t²λ) + t² a c₂(t²λ): v = Dx_i, a = Dv, Da = −λv, Dλ = 0, where λ is no square or does
+    /// not divide.
+    Oscillation {
+        /// v.
+        velocity: Polynomial,
+        /// a.
+        acceleration: Polynomial,
+        /// λ, the square of the frequency; negative for hyperbolic motions.
+        square: Polynomial,
+    },
+}
+
+/// A coordinate's motion and what it was concluded from.
+#[derive(Clone, Debug)]
+pub struct CoordinateFlow {
+    /// The motion.
+    pub motion: Motion,
+    /// The variables whose velocity was read. The motion stays what it is when the field changes
+    /// along other variables.
+    pub reads: BTreeSet<usize>,
+}
+
+/// The motion of x_i under the field X, `None` where it is none of [`Motion`].
+///
+/// # Errors
+/// [`AlgebraError`] where a derivative does not exist.
+pub fn coordinate_flow(
+    ring: &mut Ring,
+    field: &[Polynomial],
+    index: usize,
+) -> Result<Option<CoordinateFlow>, AlgebraError> {
+    let mut reads = BTreeSet::from([index]);
+    let mut series: Vec<Polynomial> = Vec::new();
+    let mut next = field[index].clone();
+    while !next.is_zero() {
+        series.push(next);
+        if let Some(motion) = closed_form(ring, field, &series, &mut reads)? {
+            return Ok(Some(CoordinateFlow { motion, reads }));
+        }
+        let last = &series[series.len() - 1];
+        if series.len() > LONGEST || last.terms().len() > MOST_MONOMIALS {
+            return Ok(None);
+        }
+        next = lie_derivative(ring, field, last, &mut reads)?;
+    }
+    let motion = Motion::Polynomial(series);
+    Ok(Some(CoordinateFlow { motion, reads }))
+}
+
+/// The closed form that the last term of a Lie series reveals: φ at the second, λ at the third.
+fn closed_form(
+    ring: &mut Ring,
+    field: &[Polynomial],
+    series: &[Polynomial],
+    reads: &mut BTreeSet<usize>,
+) -> Result<Option<Motion>, AlgebraError> {
+    let (velocity, ratio) = match series {
+        [velocity, acceleration] => (velocity, quotient(acceleration, velocity)),
+        [velocity, _, third] => (velocity, quotient(third, velocity)),
+        _ => return Ok(None),
+    };
+    let Some(ratio) = ratio else {
+        return Ok(None);
+    };
+    if !lie_derivative(ring, field, &ratio, reads)?.is_zero() {
+        return Ok(None);
+    }
+    Ok(Some(match series {
+        [_, acceleration, _] => oscillation(velocity, acceleration, &ring.negate(&ratio)),
+        _ => match quotient(velocity, &ratio) {
+            Some(base) => Motion::Exponential { base, rate: ratio },
+            None => Motion::Affine {
+                velocity: velocity.clone(),
+                rate: ratio,
+            },
+        },
+    }))
+}
+
+fn oscillation(velocity: &Polynomial, acceleration: &Polynomial, square: &Polynomial) -> Motion {
+    let rotation = || {
+        let frequency = square_root(square)?;
+        Some(Motion::Rotation {
+            sine: quotient(velocity, &frequency)?,
+            versine: quotient(acceleration, square)?,
+            frequency,
+        })
+    };
+    rotation().unwrap_or_else(|| Motion::Oscillation {
+        velocity: velocity.clone(),
+        acceleration: acceleration.clone(),
+        square: square.clone(),
+    })
+}
+
+/// D f = Σ_j X^j ∂_j f over the variables that f depends on, which are noted in `reads`.
+fn lie_derivative(
+    ring: &mut Ring,
+    field: &[Polynomial],
+    f: &Polynomial,
+    reads: &mut BTreeSet<usize>,
+) -> Result<Polynomial, AlgebraError> {
+    let mut parts = Vec::new();
+    for variable in variables(ring, f) {
+        reads.insert(variable);
+        if !field[variable].is_zero() {
+            let derivative = ring.derivative(f, variable)?;
+            parts.push((
+                Rational::one(),
+                ring.multiply(&field[variable], &derivative),
+            ));
+        }
+    }
+    Ok(ring.combine(&parts))
+}
+
+/// The variables that f depends on, through its generators too.
+pub(crate) fn variables(ring: &Ring, f: &Polynomial) -> BTreeSet<usize> {
+    let mut found = BTreeSet::new();
+    for symbol in f.symbols() {
+        match ring.generator(symbol) {
+            None => drop(found.insert(usize::from(symbol))),
+            Some(generator) => found.extend(variables(ring, generator.argument())),
+        }
+    }
+    found
+}

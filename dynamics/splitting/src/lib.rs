@@ -1,0 +1,29 @@
+//! Poisson integrators by splitting: H = Σ H_i with exact flows of the pieces.
+//!
+//! Each H_i generates a flow that is known in closed form; it is a Poisson map and keeps every
+//! Casimir, and so does their product (McLachlan, Quispel, *Splitting methods*, Acta Numerica 11,
+//! 341–434 (2002); Hairer, Lubich, Wanner, *Geometric Numerical Integration*, section VII.4.2).
+//! Strang's product φ¹_{h/2} ∘ … ∘ φʳ_h ∘ … ∘ φ¹_{h/2} has order 2 and is self-adjoint, so that every
+//! symmetric composition applies over it.
+//!
+//! - [`flow`]: the motion of one coordinate under a piece, found by its Lie series in exact algebra.
+//! - [`piece`](mod@piece): a Hamiltonian with an exact flow, and what can be added to it.
+//! - [`pieces`]: the pieces of a system's Hamiltonian.
+//! - [`entire`]: the entire functions that close the Lie series.
+//! - [`code`]: flows as straight-line code.
+//! - [`splitting`]: Strang's product as a step map.
+//! - `division`, `display`: exact quotients in the ring, terms as text.
+//! - `register`: the part `splitting`.
+
+pub mod code;
+mod display;
+mod division;
+pub mod entire;
+pub mod flow;
+pub mod piece;
+pub mod pieces;
+mod register;
+pub mod splitting;
+
+pub use piece::Piece;
+pub use splitting::Splitting;

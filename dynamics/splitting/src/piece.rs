@@ -1,0 +1,115 @@
+//! A Hamiltonian with an exact flow.
+
+use leafwise_core::PoissonSystem;
+use leafwise_expression::{AlgebraError, Arithmetic, Polynomial, Rational, Ring};
+
+use crate::flow::{CoordinateFlow, Motion, coordinate_flow, variables};
+
+/// The tensor in exact algebra, by rows.
+pub(crate) struct Tensor {
+    /// For each j, the i with Π_ij ≠ 0 and that entry.
+    columns: Vec<Vec<(usize, Polynomial)>>,
+}
+
+impl Tensor {
+    pub(crate) fn new(system: &PoissonSystem, ring: &mut Ring) -> Result<Self, AlgebraError> {
+        let mut columns = vec![Vec::new(); system.dimension()];
+        for (&(i, j), formula) in system.tensor() {
+            let entry =
+                formula.evaluate_in(ring, &mut |ring: &mut Ring, at| Ok(ring.variable(at)))?;
+            if !entry.is_zero() {
+                columns[i].push((j, ring.negate(&entry)));
+                columns[j].push((i, entry));
+            }
+        }
+        Ok(Self { columns })
+    }
+
+    /// X_K = −Π∇K, the components that are not zero.
+    pub(crate) fn field(
+        &self,
+        ring: &mut Ring,
+        hamiltonian: &Polynomial,
+    ) -> Result<Vec<(usize, Polynomial)>, AlgebraError> {
+        let mut parts = std::collections::BTreeMap::<usize, Vec<(Rational, Polynomial)>>::new();
+        for j in variables(ring, hamiltonian) {
+            let derivative = ring.derivative(hamiltonian, j)?;
+            for (i, entry) in &self.columns[j] {
+                let product = ring.multiply(entry, &derivative);
+                parts
+                    .entry(*i)
+                    .or_default()
+                    .push((-Rational::one(), product));
+            }
+        }
+        let sums = parts
+            .into_iter()
+            .map(|(i, parts)| (i, ring.combine(&parts)));
+        Ok(sums.filter(|(_, sum)| !sum.is_zero()).collect())
+    }
+}
+
+/// A Hamiltonian K, its field X_K and the flow of X_K, coordinate by coordinate.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    hamiltonian: Polynomial,
+    field: Vec<Polynomial>,
+    flows: Vec<CoordinateFlow>,
+}
+
+impl Piece {
+    /// K = 0 in dimension d.
+    pub(crate) fn empty(dimension: usize) -> Self {
+        let still = |index| CoordinateFlow {
+            motion: Motion::Polynomial(Vec::new()),
+            reads: std::collections::BTreeSet::from([index]),
+        };
+        Self {
+            hamiltonian: Polynomial::zero(),
+            field: vec![Polynomial::zero(); dimension],
+            flows: (0..dimension).map(still).collect(),
+        }
+    }
+
+    /// K.
+    pub fn hamiltonian(&self) -> &Polynomial {
+        &self.hamiltonian
+    }
+
+    /// The motion of each coordinate.
+    pub fn motions(&self) -> impl Iterator<Item = &Motion> {
+        self.flows.iter().map(|flow| &flow.motion)
+    }
+
+    /// Adds a Hamiltonian with its field, where the sum still has an exact flow; the coordinate
+    /// whose motion is none of [`Motion`] otherwise, the piece being unchanged.
+    pub(crate) fn add(
+        &mut self,
+        ring: &mut Ring,
+        hamiltonian: &Polynomial,
+        field: &[(usize, Polynomial)],
+    ) -> Result<Result<(), usize>, AlgebraError> {
+        let mut before = Vec::with_capacity(field.len());
+        for (i, velocity) in field {
+            let sum = ring.add(&self.field[*i], velocity);
+            before.push((*i, std::mem::replace(&mut self.field[*i], sum)));
+        }
+        let moved = |flow: &CoordinateFlow| field.iter().any(|(i, _)| flow.reads.contains(i));
+        let affected: Vec<usize> = (0..self.flows.len())
+            .filter(|i| moved(&self.flows[*i]))
+            .collect();
+        let mut flows = Vec::with_capacity(affected.len());
+        for &index in &affected {
+            let Some(flow) = coordinate_flow(ring, &self.field, index)? else {
+                before.into_iter().for_each(|(i, old)| self.field[i] = old);
+                return Ok(Err(index));
+            };
+            flows.push(flow);
+        }
+        for (index, flow) in affected.into_iter().zip(flows) {
+            self.flows[index] = flow;
+        }
+        self.hamiltonian = ring.add(&self.hamiltonian, hamiltonian);
+        Ok(Ok(()))
+    }
+}

@@ -1,0 +1,125 @@
+//! The pieces of a system's Hamiltonian.
+
+use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_expression::{Expression, Polynomial, Ring};
+
+use crate::display::Names;
+use crate::piece::{Piece, Tensor};
+
+/// A term of the Hamiltonian with its field.
+struct Atom {
+    hamiltonian: Polynomial,
+    field: Vec<(usize, Polynomial)>,
+}
+
+/// H = Σ H_i (up to Casimirs) with an exact flow of each H_i.
+///
+/// The summands of H as its author wrote them, and the monomials of those that have no exact flow as
+/// a whole, are added one after the other to the first piece that still has an exact flow with them:
+/// the kinetic and the potential part of a Hamiltonian come out, and the even and odd sites of a
+/// lattice.
+///
+/// # Errors
+/// [`BuildError::DoesNotFit`] with the monomial that has no exact flow, [`BuildError::Algebra`] where
+/// a formula is outside the algebra.
+pub fn find_pieces(system: &PoissonSystem, ring: &mut Ring) -> Result<Vec<Piece>, BuildError> {
+    let tensor = Tensor::new(system, ring)?;
+    let mut pieces: Vec<Piece> = Vec::new();
+    for summand in summands(system.hamiltonian()) {
+        let f = summand.evaluate_in(ring, &mut |ring: &mut Ring, at| Ok(ring.variable(at)))?;
+        for atom in atoms(system, ring, &tensor, f)? {
+            place(ring, &mut pieces, &atom, system.dimension())?;
+        }
+    }
+    Ok(pieces)
+}
+
+/// A summand as a whole where it has an exact flow, its monomials otherwise; none that is a Casimir.
+fn atoms(
+    system: &PoissonSystem,
+    ring: &mut Ring,
+    tensor: &Tensor,
+    summand: Polynomial,
+) -> Result<Vec<Atom>, BuildError> {
+    let whole = Atom {
+        field: tensor.field(ring, &summand)?,
+        hamiltonian: summand,
+    };
+    let alone = |ring: &mut Ring, atom: &Atom| {
+        Piece::empty(system.dimension()).add(ring, &atom.hamiltonian, &atom.field)
+    };
+    if whole.field.is_empty() {
+        return Ok(Vec::new());
+    }
+    if alone(ring, &whole)?.is_ok() {
+        return Ok(vec![whole]);
+    }
+    let mut atoms = Vec::new();
+    for (monomial, coefficient) in whole.hamiltonian.terms() {
+        let term = Polynomial::term(monomial.clone(), coefficient.clone());
+        let atom = Atom {
+            field: tensor.field(ring, &term)?,
+            hamiltonian: term,
+        };
+        if let Err(coordinate) = alone(ring, &atom)? {
+            return Err(refusal(system, ring, &atom.hamiltonian, coordinate));
+        }
+        if !atom.field.is_empty() {
+            atoms.push(atom);
+        }
+    }
+    Ok(atoms)
+}
+
+fn refusal(
+    system: &PoissonSystem,
+    ring: &Ring,
+    term: &Polynomial,
+    coordinate: usize,
+) -> BuildError {
+    let names = Names { system, ring };
+    BuildError::DoesNotFit {
+        part: crate::register::INFO.name,
+        reason: format!(
+            "its Hamiltonian does not split: under the term `{}` alone the motion of {} is neither \
+             polynomial in time, nor exponential, nor a rotation",
+            names.polynomial(term),
+            system.variables()[coordinate]
+        ),
+    }
+}
+
+/// Adds an atom to the first piece that keeps an exact flow with it, or to a new one.
+fn place(
+    ring: &mut Ring,
+    pieces: &mut Vec<Piece>,
+    atom: &Atom,
+    dimension: usize,
+) -> Result<(), BuildError> {
+    for piece in pieces.iter_mut() {
+        if piece.add(ring, &atom.hamiltonian, &atom.field)?.is_ok() {
+            return Ok(());
+        }
+    }
+    let mut piece = Piece::empty(dimension);
+    let added = piece.add(ring, &atom.hamiltonian, &atom.field)?;
+    debug_assert!(added.is_ok(), "an atom has an exact flow");
+    pieces.push(piece);
+    Ok(())
+}
+
+/// The summands of a formula, through signs and common denominators.
+fn summands(formula: &Expression) -> Vec<Expression> {
+    match formula {
+        Expression::Sum(terms) => terms.iter().flat_map(summands).collect(),
+        Expression::Negate(inner) => {
+            let negate = |term| Expression::Negate(Box::new(term));
+            summands(inner).into_iter().map(negate).collect()
+        }
+        Expression::Quotient(above, below) => {
+            let over = |term| Expression::Quotient(Box::new(term), below.clone());
+            summands(above).into_iter().map(over).collect()
+        }
+        other => vec![other.clone()],
+    }
+}
