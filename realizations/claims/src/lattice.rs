@@ -11,7 +11,7 @@ use leafwise_hamilton_jacobi::HamiltonJacobi;
 
 use crate::steps::method;
 
-/// A chain x[0] … x[N−1] with one bracket template.
+/// A chain `x[0]` … `x[N−1]` with one bracket template.
 #[derive(Clone, Debug)]
 pub struct Chain {
     geometry: LatticeGeometry,
