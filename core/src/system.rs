@@ -210,6 +210,31 @@ impl PoissonSystem {
         ))
     }
 
+    /// ∇H(x) as code; `x` are the graph's first inputs.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where H or its derivative has no code.
+    pub fn gradient(&self, graph: &mut Graph, x: &[Term]) -> Result<Vec<Term>, BuildError> {
+        let energy = self
+            .hamiltonian
+            .evaluate_in(graph, &mut |_, at| Ok(x[at].clone()))?;
+        let mut gradient = Vec::with_capacity(x.len());
+        for i in 0..x.len() {
+            gradient.push(graph.derivative(&energy, i)?);
+        }
+        Ok(gradient)
+    }
+
+    /// X_H(x) = −Π(x) ∇H(x) as code; `x` are the graph's first inputs.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a formula or its derivative has no code.
+    pub fn vector_field(&self, graph: &mut Graph, x: &[Term]) -> Result<Vec<Term>, BuildError> {
+        let gradient = self.gradient(graph, x)?;
+        let field = self.apply_tensor(graph, x, &gradient)?;
+        Ok(field.iter().map(|f| graph.negate(f)).collect())
+    }
+
     /// The kernel x ↦ X_H(x) = −Π(x) ∇H(x).
     ///
     /// # Errors
@@ -217,15 +242,7 @@ impl PoissonSystem {
     pub fn vector_field_kernel(&self) -> Result<Kernel, BuildError> {
         let mut graph = Graph::new();
         let x: Vec<Term> = (0..self.dimension()).map(|i| graph.input(i)).collect();
-        let energy = self
-            .hamiltonian
-            .evaluate_in(&mut graph, &mut |_, at| Ok(x[at].clone()))?;
-        let mut gradient = Vec::with_capacity(x.len());
-        for i in 0..x.len() {
-            gradient.push(graph.derivative(&energy, i)?);
-        }
-        let field = self.apply_tensor(&mut graph, &x, &gradient)?;
-        let field: Vec<Term> = field.iter().map(|f| graph.negate(f)).collect();
+        let field = self.vector_field(&mut graph, &x)?;
         Ok(Kernel::compile(
             &graph,
             &field,

@@ -59,6 +59,11 @@ impl StageSolver {
         }
     }
 
+    /// The number of coordinates of z.
+    pub fn dimension(&self) -> usize {
+        self.start.len()
+    }
+
     /// Writes τ Σ_j b_j F(Z_j) for the step from `start`; returns how often the stages' slopes were
     /// evaluated.
     ///
