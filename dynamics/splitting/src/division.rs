@@ -1,19 +1,35 @@
 //! Exact quotients and square roots of Laurent polynomials.
 
 use std::cmp::Ordering;
+use std::collections::BTreeSet;
 
 use leafwise_expression::Rational;
-use leafwise_expression::algebra::{Coefficient, CoefficientRing, Monomial, Polynomial, Terms};
+use leafwise_expression::algebra::{
+    Coefficient, CoefficientRing, Monomial, Polynomial, Symbol, Terms,
+};
 
 /// q with q·g = f, `None` where there is none with no new pole: in a symbol without negative powers
-/// in f and g, q has none either.
+/// in f and g, be it of the state or a parameter, q has none either.
 pub(crate) fn quotient(f: &Polynomial, g: &Polynomial) -> Option<Polynomial> {
     let q = divide(f, g, &|a: &Coefficient, b: &Coefficient| {
         divide(a, b, &|a: &Rational, b: &Rational| Some(a * &b.recip()))
     })?;
-    let regular = |f: &Polynomial, symbol| f.terms().iter().all(|(m, _)| m.exponent(symbol) >= 0);
-    let no_new_pole = |symbol| regular(&q, symbol) || !regular(f, symbol) || !regular(g, symbol);
-    q.symbols().into_iter().all(no_new_pole).then_some(q)
+    let known = |poles: &dyn Fn(&Polynomial) -> BTreeSet<Symbol>| {
+        let known: BTreeSet<Symbol> = poles(f).union(&poles(g)).copied().collect();
+        poles(&q).is_subset(&known)
+    };
+    let of_state = |f: &Polynomial| poles(f);
+    let of_parameters = |f: &Polynomial| f.terms().iter().flat_map(|(_, c)| poles(c)).collect();
+    (known(&of_state) && known(&of_parameters)).then_some(q)
+}
+
+/// The symbols with negative powers.
+fn poles<C: CoefficientRing>(f: &Terms<C>) -> BTreeSet<Symbol> {
+    let factors = f.terms().iter().flat_map(|(m, _)| m.factors());
+    factors
+        .filter(|(_, exponent)| *exponent < 0)
+        .map(|(symbol, _)| *symbol)
+        .collect()
 }
 
 /// Division with leading terms. Laurent polynomials have no well-ordering, so the number of terms
@@ -134,5 +150,9 @@ mod tests {
         assert_eq!(quotient(&y, &x), None);
         let inverse = ring.divide(&y, &x).expect("a Laurent monomial");
         assert_eq!(quotient(&inverse, &y), ring.integer_power(&x, -1).ok());
+        // x + 1/a, where a may be 0.
+        let (a, one) = (ring.parameter(0), ring.one());
+        let product = ring.multiply(&a, &x);
+        assert_eq!(quotient(&ring.add(&product, &one), &a), None);
     }
 }

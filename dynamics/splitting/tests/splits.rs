@@ -200,13 +200,14 @@ fn rates_that_do_not_divide_may_vanish() {
         initial: Vec::new(),
         time_step: 0.5,
     };
-    for hamiltonian in ["y*q*p + p", "p^2/2 + y*q^2/2 + q"] {
+    problem.parameters = vec![("a".to_owned(), 0.0)];
+    for hamiltonian in ["y*q*p + p", "p^2/2 + y*q^2/2 + q", "a*q*p + y*p"] {
         problem.hamiltonian = hamiltonian.to_owned();
         let system = problem.system();
         let splitting = Splitting::new(&system).expect("one piece");
         assert_eq!(splitting.pieces().len(), 1);
         let mut instrument =
-            TensorDefect::new(&system, &splitting, &[], 1.0, 0.5).expect("a tensor");
+            TensorDefect::new(&system, &splitting, &[0.0], 1.0, 0.5).expect("a tensor");
         for y in [-1.3, 0.0, 1e-7, 0.9, 30.0] {
             problem.initial = vec![0.3, 1.1, y];
             let exact = gauss(&system, &problem.initial, 0.5, 40);
