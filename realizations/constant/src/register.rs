@@ -14,7 +14,9 @@ pub(crate) static INFO: PartInfo = PartInfo {
     summary: "x -+ (1/2) epsilon Pi p, for tensors without variables",
     declares: "exact; self-adjoint",
     domain: "all points; tensors of numbers and parameters",
-    literature: "A. Weinstein, The local structure of Poisson manifolds, J. Differential Geom. 18 (1983); K. Feng, Difference schemes for Hamiltonian formalism and symplectic geometry, J. Comput. Math. 4 (1986)",
+    literature: "A. Weinstein, The local structure of Poisson manifolds, J. Differential Geom. 18 \
+                 (1983); K. Feng, Difference schemes for Hamiltonian formalism and symplectic \
+                 geometry, J. Comput. Math. 4 (1986)",
     parameters: &[],
 };
 

@@ -45,7 +45,11 @@ fn realization(system: &PoissonSystem) -> Arc<dyn RealizationData> {
 
 proptest! {
     #[test]
-    fn the_maps_are_a_dual_pair(x in vec(-2.0..2.0_f64, 5), p in vec(-3.0..3.0_f64, 5), epsilon in 0.01..2.0_f64) {
+    fn the_maps_are_a_dual_pair(
+        x in vec(-2.0..2.0_f64, 5),
+        p in vec(-3.0..3.0_f64, 5),
+        epsilon in 0.01..2.0_f64,
+    ) {
         let system = degenerate();
         let realization = realization(&system);
         let error = dual_pair_error(&system, &realization, epsilon, &x, &p).expect("maps");

@@ -53,13 +53,19 @@ fn realization(system: &PoissonSystem, potential: &str) -> Arc<dyn RealizationDa
 
 proptest! {
     #[test]
-    fn the_maps_are_a_dual_pair(at in 0..3_usize, x in vec(-2.0..2.0_f64, 6), p in vec(-2.0..2.0_f64, 6), epsilon in 0.01..1.0_f64) {
+    fn the_maps_are_a_dual_pair(
+        at in 0..3_usize,
+        x in vec(-2.0..2.0_f64, 6),
+        p in vec(-2.0..2.0_f64, 6),
+        epsilon in 0.01..1.0_f64,
+    ) {
         let (system, potential) = systems()[at].clone();
         let d = system.dimension();
         let realization = realization(&system, potential);
-        let error = dual_pair_error(&system, &realization, epsilon, &x[..d], &p[..d]).expect("maps");
+        let (x, p) = (&x[..d], &p[..d]);
+        let error = dual_pair_error(&system, &realization, epsilon, x, p).expect("maps");
         prop_assert!(error <= 1e-13, "{potential}: {error:e}");
-        let error = inversion_and_section_error(&system, realization.as_ref(), epsilon, &x[..d], &p[..d]);
+        let error = inversion_and_section_error(&system, realization.as_ref(), epsilon, x, p);
         prop_assert!(error.expect("maps") <= 16.0 * UNIT_ROUNDOFF);
     }
 
@@ -73,10 +79,17 @@ proptest! {
 
     /// The formula of the definition, evaluated by hand for the paper's potential.
     #[test]
-    fn the_maps_are_those_of_darboux_coordinates(x in vec(-2.0..2.0_f64, 6), p in vec(-2.0..2.0_f64, 6)) {
-        let potential = |x: &[f64]| [0.0, x[0] * x[0] * x[0] / 3.0, x[1] * x[1] / 2.0 + x[0] * x[2]];
+    fn the_maps_are_those_of_darboux_coordinates(
+        x in vec(-2.0..2.0_f64, 6),
+        p in vec(-2.0..2.0_f64, 6),
+    ) {
+        let potential = |x: &[f64]| {
+            [0.0, x[0] * x[0] * x[0] / 3.0, x[1] * x[1] / 2.0 + x[0] * x[2]]
+        };
         let (system, text) = systems()[0].clone();
-        let (found, _) = source_and_target(&system, realization(&system, text).as_ref(), 1.0, &x, &p).expect("maps");
+        let realization = realization(&system, text);
+        let ends = source_and_target(&system, realization.as_ref(), 1.0, &x, &p);
+        let (found, _) = ends.expect("maps");
         // ξ = DΦ^{−T}(a, b): ξ_x = a + A′ᵀ b, ξ_P = b; Π′ = −1 on (x, P).
         let pulled = [
             p[0] + x[0] * x[0] * p[4] + x[2] * p[5],
@@ -88,7 +101,9 @@ proptest! {
         let there = potential(&position);
         let mut expected = position.clone();
         expected.extend((0..3).map(|i| x[3 + i] - here[i] - 0.5 * pulled[i] + there[i]));
-        prop_assert!(distance(&found, &expected) <= 64.0 * UNIT_ROUNDOFF * 10.0, "{found:?} {expected:?}");
+        // Some ten operations on numbers below 10.
+        let bound = 64.0 * UNIT_ROUNDOFF * 10.0;
+        prop_assert!(distance(&found, &expected) <= bound, "{found:?} {expected:?}");
     }
 }
 

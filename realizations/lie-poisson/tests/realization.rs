@@ -82,7 +82,8 @@ proptest! {
         let p = inside(&system, realization.as_ref(), 0.9, p[..d].to_vec());
         let p: Vec<f64> = p.iter().map(|p| scale * p).collect();
         let error = dual_pair_error(&system, &realization, 1.0, &x[..d], &p);
-        prop_assert!(error.clone().expect("inside") <= 1e-13, "{}: {error:?} at {p:?}", ALGEBRAS[at]);
+        let error = error.expect("inside");
+        prop_assert!(error <= 1e-13, "{}: {error:e} at {p:?}", ALGEBRAS[at]);
         let error = inversion_and_section_error(&system, realization.as_ref(), 1.0, &x[..d], &p);
         prop_assert!(error.expect("inside") <= 16.0 * UNIT_ROUNDOFF);
     }
@@ -96,12 +97,14 @@ proptest! {
         let p = inside(&system, realization.as_ref(), 0.9, p[..d].to_vec());
         let p: Vec<f64> = p.iter().map(|p| scale * p).collect();
         let map = coadjoint(&system, &p);
-        let (alpha, beta) = source_and_target(&system, realization.as_ref(), 1.0, &x[..d], &p).expect("inside");
+        let ends = source_and_target(&system, realization.as_ref(), 1.0, &x[..d], &p);
+        let (alpha, beta) = ends.expect("inside");
         let (mut term, mut mean, mut end) = (alpha.clone(), alpha.clone(), alpha.clone());
         let mut size = largest(alpha.clone());
         for k in 1..200 {
             let factor = 1.0 / f64::from(k);
-            term = (0..d).map(|i| factor * (0..d).map(|j| map[j][i] * term[j]).sum::<f64>()).collect();
+            let image = |i: usize| (0..d).map(|j| map[j][i] * term[j]).sum::<f64>();
+            term = (0..d).map(|i| factor * image(i)).collect();
             for i in 0..d {
                 mean[i] += term[i] / f64::from(k + 1);
                 end[i] += term[i];

@@ -33,7 +33,11 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
-    fn steps_are_poisson_and_keep_the_casimirs(at in 0..ALGEBRAS.len(), half_order in 1..=4_usize, x in vec(0.3..1.5_f64, 6)) {
+    fn steps_are_poisson_and_keep_the_casimirs(
+        at in 0..ALGEBRAS.len(),
+        half_order in 1..=4_usize,
+        x in vec(0.3..1.5_f64, 6),
+    ) {
         let system = algebra(ALGEBRAS[at]);
         let map = method(&system, &realization(&system), 2 * half_order);
         let error = structure_error(&system, &map, 0.1, &x[..system.dimension()]).expect("a step");

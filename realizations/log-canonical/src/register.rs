@@ -14,7 +14,8 @@ pub(crate) static INFO: PartInfo = PartInfo {
     summary: "x exp(-+ (1/2) epsilon sum_j a_ij x_j p_j), for {x_i, x_j} = a_ij x_i x_j",
     declares: "exact; self-adjoint",
     domain: "all points where the exponentials are finite; a_ij of numbers and parameters",
-    literature: "S. Li, D. Rupel, Symplectic groupoids for cluster manifolds, arXiv:1807.03450 (2018)",
+    literature: "S. Li, D. Rupel, Symplectic groupoids for cluster manifolds, arXiv:1807.03450 \
+                 (2018)",
     parameters: &[],
 };
 

@@ -45,7 +45,11 @@ fn four_species() -> PoissonSystem {
 
 proptest! {
     #[test]
-    fn the_maps_are_a_dual_pair(x in vec(-2.0..2.0_f64, 4), p in vec(-2.0..2.0_f64, 4), epsilon in 0.01..1.0_f64) {
+    fn the_maps_are_a_dual_pair(
+        x in vec(-2.0..2.0_f64, 4),
+        p in vec(-2.0..2.0_f64, 4),
+        epsilon in 0.01..1.0_f64,
+    ) {
         let system = four_species();
         let realization = realization(&system);
         let error = dual_pair_error(&system, &realization, epsilon, &x, &p).expect("maps");
@@ -63,7 +67,11 @@ proptest! {
     }
 
     #[test]
-    fn the_ends_are_formed_without_cancellation(x in vec(0.1..2.0_f64, 4), p in vec(-1.0..1.0_f64, 4), size in 1..40_i32) {
+    fn the_ends_are_formed_without_cancellation(
+        x in vec(0.1..2.0_f64, 4),
+        p in vec(-1.0..1.0_f64, 4),
+        size in 1..40_i32,
+    ) {
         let system = four_species();
         let a: f64 = 1.3;
         let rates = [
@@ -73,10 +81,13 @@ proptest! {
             [libm::exp(-a), 1.0 - a * a, -1.0 / a, 0.0],
         ];
         let epsilon = libm::exp2(-f64::from(size));
-        let found = ends(&system, realization(&system).as_ref(), epsilon, &[x.clone(), p.clone()].concat()).expect("maps");
+        let point = [x.clone(), p.clone()].concat();
+        let found = ends(&system, realization(&system).as_ref(), epsilon, &point);
+        let found = found.expect("maps");
         for i in 0..4 {
             let terms = |abs: bool| -> f64 {
-                (0..4).map(|j| rates[i][j] * x[j] * p[j]).map(|t| if abs { t.abs() } else { t }).sum()
+                let terms = (0..4).map(|j| rates[i][j] * x[j] * p[j]);
+                terms.map(|t| if abs { t.abs() } else { t }).sum()
             };
             let u = 0.5 * epsilon * terms(false);
             // Round-off of the sum u relative to its summands, and a few roundings of the value.
