@@ -23,6 +23,7 @@ pub use leafwise_hamilton_jacobi as hamilton_jacobi;
 pub use leafwise_karasev as karasev;
 pub use leafwise_lie_poisson as lie_poisson;
 pub use leafwise_log_canonical as log_canonical;
+pub use leafwise_reference as reference;
 pub use leafwise_scene as scene;
 pub use leafwise_so3 as so3;
 pub use leafwise_splitting as splitting;

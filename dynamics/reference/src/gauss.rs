@@ -1,0 +1,69 @@
+//! Gauss methods: the part `gauss`.
+
+use std::sync::Arc;
+
+use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
+use leafwise_core::registry::{BuiltIn, StepperPart};
+use leafwise_core::runge_kutta::Tableau;
+use leafwise_core::{BuildError, PoissonSystem, StepMap};
+
+use crate::implicit::gauss_map;
+
+pub(crate) static INFO: PartInfo = PartInfo {
+    name: "gauss",
+    kind: PartKind::Stepper,
+    summary: "collocation at s Gauss nodes",
+    declares: "order 2s; self-adjoint; a Poisson map for constant tensors only; keeps quadratic \
+               invariants; exact tangent",
+    domain: "any system the formulas can say; steps for which Newton's iteration converges",
+    literature: "J. C. Butcher, Math. Comp. 18 (1964); Hairer, Lubich, Wanner, Geometric \
+                 Numerical Integration, sections II.1.3 and VI.4",
+    parameters: &[STAGES],
+};
+
+/// The parameter `stages`.
+pub(crate) const STAGES: ParameterInfo = ParameterInfo {
+    name: "stages",
+    summary: "the stages s of a Gauss method, 1 to 8",
+    default: ParameterDefault::Integer(2),
+};
+
+/// The stages asked for.
+///
+/// # Errors
+/// [`BuildError::Parameter`] outside 1 to 8.
+pub(crate) fn stages(
+    info: &'static PartInfo,
+    parameters: &PartParameters,
+) -> Result<usize, BuildError> {
+    let stages = parameters.get(info, STAGES.name)?;
+    usize::try_from(stages)
+        .ok()
+        .filter(|stages| (1..=8).contains(stages))
+        .ok_or_else(|| BuildError::Parameter {
+            part: info.name,
+            parameter: STAGES.name.to_owned(),
+            value: stages.to_string(),
+            expected: "the number of stages lies in 1 to 8".to_owned(),
+        })
+}
+
+struct Part;
+
+impl StepperPart for Part {
+    fn info(&self) -> &'static PartInfo {
+        &INFO
+    }
+
+    fn build(
+        &self,
+        system: &PoissonSystem,
+        parameters: &PartParameters,
+    ) -> Result<Arc<dyn StepMap>, BuildError> {
+        let stages = stages(&INFO, parameters)?;
+        let description = format!("{} s = {stages}", INFO.name);
+        gauss_map(system, Tableau::gauss(stages), description)
+    }
+}
+
+inventory::submit! { BuiltIn::Stepper(&Part) }

@@ -1,0 +1,40 @@
+//! The implicit midpoint rule: the part `implicit-midpoint`.
+
+use std::sync::Arc;
+
+use leafwise_core::part::{PartInfo, PartKind, PartParameters};
+use leafwise_core::registry::{BuiltIn, StepperPart};
+use leafwise_core::runge_kutta::Tableau;
+use leafwise_core::{BuildError, PoissonSystem, StepMap};
+
+use crate::implicit::gauss_map;
+
+pub(crate) static INFO: PartInfo = PartInfo {
+    name: "implicit-midpoint",
+    kind: PartKind::Stepper,
+    summary: "x+ = x + t X((x + x+)/2)",
+    declares: "order 2; self-adjoint; a Poisson map for constant tensors only; keeps quadratic \
+               invariants; exact tangent",
+    domain: "any system the formulas can say; steps for which Newton's iteration converges",
+    literature: "Hairer, Lubich, Wanner, Geometric Numerical Integration, sections II.1 and VI.4",
+    parameters: &[],
+};
+
+struct Part;
+
+impl StepperPart for Part {
+    fn info(&self) -> &'static PartInfo {
+        &INFO
+    }
+
+    fn build(
+        &self,
+        system: &PoissonSystem,
+        parameters: &PartParameters,
+    ) -> Result<Arc<dyn StepMap>, BuildError> {
+        parameters.refuse_unknown(&INFO)?;
+        gauss_map(system, Tableau::gauss(1), INFO.name.to_owned())
+    }
+}
+
+inventory::submit! { BuiltIn::Stepper(&Part) }

@@ -1,0 +1,25 @@
+//! Baselines: methods that need no realization, on the same compiled kernels as those that do.
+//!
+//! Comparisons then measure methods and not implementations. Each part says truthfully what it
+//! preserves: most are not Poisson maps. All take εh as the time step of ẋ = X_H(x) = −Π(x) ∇H(x).
+//!
+//! - [`rk4`]: the classical Runge–Kutta method.
+//! - [`dop853`]: Dormand and Prince's pair of order 8(5,3), adaptive inside a step.
+//! - [`implicit_midpoint`], [`gauss`]: symplectic for constant tensors.
+//! - [`energy_preserving`]: Cohen and Hairer's methods of order 2 and 4.
+//! - [`spherical_midpoint`]: a Poisson map on products of so(3)*.
+//! - [`projection`]: a method followed by projection onto energy and Casimirs.
+//!
+//! - `one_step`: a method as a step map, one trajectory a lane.
+//! - `implicit`: what the implicit Runge–Kutta methods share.
+
+pub mod dop853;
+mod dop853_coefficients;
+pub mod energy_preserving;
+pub mod gauss;
+mod implicit;
+pub mod implicit_midpoint;
+mod one_step;
+pub mod projection;
+pub mod rk4;
+pub mod spherical_midpoint;

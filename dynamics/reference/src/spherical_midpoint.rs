@@ -1,0 +1,250 @@
+//! The spherical midpoint rule on products of so(3)*: the part `spherical-midpoint`.
+
+use std::sync::Arc;
+
+use leafwise_core::part::{PartInfo, PartKind, PartParameters};
+use leafwise_core::registry::{BuiltIn, StepperPart};
+use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
+use leafwise_core::solver::LinearIteration;
+use leafwise_core::solver::iteration::Verdict;
+use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
+use leafwise_expression::{Arithmetic, Polynomial, Ring};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+
+use crate::one_step::{OneStep, ReferenceMap, larger, reach, relative, vector_field};
+
+pub(crate) static INFO: PartInfo = PartInfo {
+    name: "spherical-midpoint",
+    kind: PartKind::Stepper,
+    summary: "x+ = x + t X(|x| (x + x+)/|x + x+|), triple by triple",
+    declares: "order 2; self-adjoint; exactly Poisson; keeps every |x|; exact tangent",
+    domain: "products of so(3)*: triples with {x1,x2} = c x3 and cyclic, c constant",
+    literature: "R. McLachlan, K. Modin, O. Verdier, Symplectic integrators for spin systems, \
+                 Phys. Rev. E 89 (2014); A minimal-variable symplectic integrator on spheres, \
+                 Math. Comp. 86 (2017)",
+    parameters: &[],
+};
+
+/// Budget of one solve.
+const MOST_EVALUATIONS: usize = 50;
+
+/// D = t X(Γ(x, D)) with Γ = |x| (2x + D)/|2x + D| in each triple. X(Γ) is normal to Γ, so
+/// |x + D|² − |x|² = D·(2x + D) = 0.
+struct SphericalMidpoint {
+    field: SmoothMapEvaluator,
+    time_step: f64,
+    start: Vec<f64>,
+    change: Vec<f64>,
+    middle: Vec<f64>,
+    values: Vec<f64>,
+    jacobian: Vec<f64>,
+}
+
+impl SphericalMidpoint {
+    fn new(field: &SmoothMap, parameters: &[f64], time_step: f64) -> Self {
+        let d = field.inputs();
+        let room = || vec![0.0; d];
+        Self {
+            field: field.evaluator(parameters, 1.0, 1.0),
+            time_step,
+            start: room(),
+            change: room(),
+            middle: room(),
+            values: room(),
+            jacobian: vec![0.0; d * d],
+        }
+    }
+
+    /// Γ of a triple, ∂Γ/∂D and ∂Γ/∂x; all 0 at the origin, where the field vanishes.
+    fn middle(&self, triple: usize) -> (Vector3<f64>, Matrix3<f64>, Matrix3<f64>) {
+        let x = Vector3::from_column_slice(&self.start[3 * triple..][..3]);
+        let sum = 2.0 * x + Vector3::from_column_slice(&self.change[3 * triple..][..3]);
+        let (radius, length) = (norm(&x), norm(&sum));
+        if radius == 0.0 {
+            return (Vector3::zeros(), Matrix3::zeros(), Matrix3::zeros());
+        }
+        let unit = sum / length;
+        let turn = (Matrix3::identity() - unit * unit.transpose()) * (radius / length);
+        let stretch = unit * (x / radius).transpose();
+        (unit * radius, turn, stretch + 2.0 * turn)
+    }
+
+    /// X(Γ) and DX(Γ) at the current change; returns ∂Γ/∂D and ∂Γ/∂x, block-diagonal.
+    fn evaluate(&mut self) -> (DMatrix<f64>, DMatrix<f64>) {
+        let d = self.start.len();
+        let (mut by_change, mut by_start) = (DMatrix::zeros(d, d), DMatrix::zeros(d, d));
+        for triple in 0..d / 3 {
+            let (middle, change, start) = self.middle(triple);
+            self.middle[3 * triple..][..3].copy_from_slice(middle.as_slice());
+            let at = (3 * triple, 3 * triple);
+            by_change.view_mut(at, (3, 3)).copy_from(&change);
+            by_start.view_mut(at, (3, 3)).copy_from(&start);
+        }
+        self.field.value(&self.middle, &mut self.values);
+        self.field.jacobian(&self.middle, &mut self.jacobian);
+        (by_change, by_start)
+    }
+
+    /// t DX(Γ).
+    fn field_tangent(&self) -> DMatrix<f64> {
+        let d = self.start.len();
+        DMatrix::from_row_slice(d, d, &self.jacobian) * self.time_step
+    }
+
+    fn solve(&mut self) -> Result<usize, StepError> {
+        let d = self.start.len();
+        let t = self.time_step;
+        let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
+        loop {
+            let (by_change, _) = self.evaluate();
+            let mut correction = DVector::from_fn(d, |c, _| t * self.values[c] - self.change[c]);
+            let matrix = DMatrix::identity(d, d) - self.field_tangent() * by_change;
+            if !matrix.lu().solve_mut(&mut correction) {
+                return Err(StepError::NonFinite {
+                    what: "a correction of the midpoint",
+                });
+            }
+            let mut size = 0.0;
+            for c in 0..d {
+                self.change[c] += correction[c];
+                let sensitivity = reach(&self.jacobian[c * d..][..d], &self.middle);
+                let scale = self.start[c].abs() + (t * sensitivity).abs();
+                size = larger(relative(correction[c], scale), size);
+            }
+            if iteration.judge(size)? == Verdict::Converged {
+                return Ok(iteration.evaluations());
+            }
+        }
+    }
+}
+
+fn norm(v: &Vector3<f64>) -> f64 {
+    libm::sqrt(v.iter().map(|c| c * c).sum())
+}
+
+impl OneStep for SphericalMidpoint {
+    fn increment(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError> {
+        self.start.copy_from_slice(x);
+        let evaluations = self.solve()?;
+        increment.copy_from_slice(&self.change);
+        Ok(evaluations)
+    }
+
+    fn tangent(&mut self) -> Option<DMatrix<f64>> {
+        let d = self.start.len();
+        let (by_change, by_start) = self.evaluate();
+        let field = self.field_tangent();
+        let mut change = &field * by_start;
+        let matrix = DMatrix::identity(d, d) - field * by_change;
+        matrix
+            .lu()
+            .solve_mut(&mut change)
+            .then(|| DMatrix::identity(d, d) + change)
+    }
+
+    fn restart(&mut self) {
+        self.change.fill(0.0);
+    }
+
+    fn memory(&self) -> Vec<f64> {
+        self.change.clone()
+    }
+
+    fn restore(&mut self, memory: &[f64]) {
+        self.change.copy_from_slice(memory);
+    }
+}
+
+/// Whether the tensor is that of a product of so(3)*: in each triple {x1,x2} = c x3,
+/// {x2,x3} = c x1, {x3,x1} = c x2 with one c, and nothing else.
+fn check_triples(system: &PoissonSystem) -> Result<(), BuildError> {
+    let unfit = |reason: String| BuildError::DoesNotFit {
+        part: INFO.name,
+        reason,
+    };
+    let d = system.dimension();
+    if d == 0 || !d.is_multiple_of(3) {
+        return Err(unfit(format!(
+            "its {d} variables do not form triples of so(3)*"
+        )));
+    }
+    let mut ring = Ring::new(d);
+    let x: Vec<Polynomial> = (0..d).map(|i| ring.variable(i)).collect();
+    let mut factors: Vec<Option<Polynomial>> = vec![None; d / 3];
+    for (&(i, j), entry) in system.tensor() {
+        let entry = entry.evaluate_in(&mut ring, &mut |_, at| Ok(x[at].clone()))?;
+        if ring.is_zero(&entry) {
+            continue;
+        }
+        let name = |i: usize| &system.variables()[i];
+        let reason = || format!("{{{}, {}}} is not that of so(3)*", name(i), name(j));
+        let first = i / 3 * 3;
+        if j >= first + 3 {
+            return Err(unfit(reason()));
+        }
+        // (0, 1) → +x3, (1, 2) → +x1, (0, 2) → −x2.
+        let third = first + 3 - (i - first) - (j - first);
+        let signed = if j - i == 2 {
+            ring.negate(&entry)
+        } else {
+            entry
+        };
+        let factor = ring.derivative(&signed, third)?;
+        let again = ring.multiply(&factor, &x[third]);
+        let difference = ring.subtract(&again, &signed);
+        let mut constant = ring.is_zero(&difference);
+        for k in 0..d {
+            let slope = ring.derivative(&factor, k)?;
+            constant &= ring.is_zero(&slope);
+        }
+        let known = factors[i / 3].get_or_insert_with(|| factor.clone());
+        let difference = ring.subtract(known, &factor);
+        if !constant || !ring.is_zero(&difference) {
+            return Err(unfit(reason()));
+        }
+    }
+    let entries = |triple: usize| {
+        let first = 3 * triple;
+        let pairs = [(0, 1), (0, 2), (1, 2)].map(|(i, j)| (first + i, first + j));
+        pairs.iter().all(|pair| system.tensor().contains_key(pair))
+    };
+    match (0..d / 3).find(|triple| !entries(*triple)) {
+        None => Ok(()),
+        Some(triple) => Err(unfit(format!(
+            "the triple from {} on lacks a bracket",
+            system.variables()[3 * triple]
+        ))),
+    }
+}
+
+struct Part;
+
+impl StepperPart for Part {
+    fn info(&self) -> &'static PartInfo {
+        &INFO
+    }
+
+    fn build(
+        &self,
+        system: &PoissonSystem,
+        parameters: &PartParameters,
+    ) -> Result<Arc<dyn StepMap>, BuildError> {
+        parameters.refuse_unknown(&INFO)?;
+        check_triples(system)?;
+        let field = vector_field(system)?;
+        Ok(Arc::new(ReferenceMap {
+            dimension: system.dimension(),
+            properties: MapProperties {
+                order: 2,
+                structure: Structure::Exact,
+                self_adjoint: Some(true),
+            },
+            description: INFO.name.to_owned(),
+            make: Box::new(move |parameters, time_step| {
+                Box::new(SphericalMidpoint::new(&field, parameters, time_step))
+            }),
+        }))
+    }
+}
+
+inventory::submit! { BuiltIn::Stepper(&Part) }

@@ -1,0 +1,152 @@
+//! The parts: parameters, refusals, failures, checkpoints, lanes.
+
+mod common;
+
+use common::{lotka_volterra, map, none, parts, pendulum, rigid_body, spins, system, try_map};
+use leafwise_core::{BuildError, Convention, Integrator, StepError, Stepper};
+
+#[test]
+fn parameters_out_of_range_are_refused() {
+    let system = rigid_body();
+    for (part, parameters) in [
+        ("gauss", none().with("stages", 0)),
+        ("gauss", none().with("stages", 9)),
+        ("dop853", none().with("tolerance", 0.0)),
+        ("dop853", none().with("tolerance", f64::NAN)),
+        ("energy-preserving", none().with("order", 3)),
+        ("projection", none().with("base", "euler")),
+        ("projection", none().with("stages", -2)),
+    ] {
+        let error = try_map(part, &system, &parameters).err();
+        assert!(
+            matches!(error, Some(BuildError::Parameter { .. })),
+            "{part}: {error:?}"
+        );
+    }
+    for part in ["rk4", "implicit-midpoint", "spherical-midpoint"] {
+        let error = try_map(part, &system, &none().with("order", 2)).err();
+        assert!(
+            matches!(error, Some(BuildError::UnknownParameter { .. })),
+            "{part}: {error:?}"
+        );
+    }
+}
+
+/// Signs, couplings, unequal or missing brackets, and dimensions.
+#[test]
+fn the_spherical_midpoint_refuses_other_tensors() {
+    let of = |d, bracket: &[((usize, usize), &str)]| {
+        system(d, bracket, "x1^2", &[], Convention::HamiltonianFirst)
+    };
+    let others = [
+        lotka_volterra(),
+        pendulum(),
+        of(3, &[((1, 2), "x3"), ((1, 3), "x2"), ((2, 3), "x1")]),
+        of(3, &[((1, 2), "x3"), ((1, 3), "-2*x2"), ((2, 3), "x1")]),
+        of(3, &[((1, 2), "x3"), ((1, 3), "-x2")]),
+        of(
+            3,
+            &[((1, 2), "x1*x3"), ((1, 3), "-x1*x2"), ((2, 3), "x1^2")],
+        ),
+        common::heavy_top(),
+    ];
+    for other in others {
+        let error = try_map("spherical-midpoint", &other, &none()).err();
+        assert!(
+            matches!(error, Some(BuildError::DoesNotFit { .. })),
+            "{:?}: {error:?}",
+            other.tensor()
+        );
+    }
+    let scaled = of(3, &[((1, 2), "3*x3"), ((1, 3), "-3*x2"), ((2, 3), "3*x1")]);
+    assert!(try_map("spherical-midpoint", &scaled, &none()).is_ok());
+}
+
+#[test]
+fn a_step_that_cannot_be_taken_is_a_typed_error() {
+    let system = lotka_volterra();
+    for (part, parameters, _) in parts() {
+        let map = map(part, &system, &parameters);
+        let mut run = Integrator::new(map.as_ref(), &[], 1.0, 0.1, &[1.0, 0.0, 0.5]);
+        let error = run.step().expect_err("the field divides by zero there");
+        assert!(
+            matches!(error, StepError::NonFinite { .. }),
+            "{part}: {error}"
+        );
+    }
+    let system = spins();
+    for part in ["implicit-midpoint", "gauss", "spherical-midpoint"] {
+        let map = map(part, &system, &none());
+        let start = [0.6, 0.0, 0.8, -0.48, 0.6, 0.64];
+        let mut run = Integrator::new(map.as_ref(), &[], 1.0, 1e9, &start);
+        // A solution of a step this large may exist; where none is found the state is intact.
+        if let Err(error) = run.step() {
+            assert!(
+                matches!(
+                    error,
+                    StepError::NoConvergence { .. } | StepError::NonFinite { .. }
+                ),
+                "{part}: {error}"
+            );
+            assert_eq!(run.state(), start);
+        }
+    }
+}
+
+fn step(stepper: &mut dyn Stepper, x: &mut [f64]) {
+    let lanes = x.len() / 3;
+    let mut increment = vec![0.0; x.len()];
+    let mut outcome = vec![Ok(()); lanes];
+    stepper.increment(x, &vec![0.0; x.len()], &mut increment, &mut outcome);
+    assert_eq!(outcome, vec![Ok(()); lanes]);
+    x.iter_mut().zip(increment).for_each(|(x, i)| *x += i);
+}
+
+fn bits(x: &[f64]) -> Vec<u64> {
+    x.iter().map(|v| v.to_bits()).collect()
+}
+
+#[test]
+fn a_resumed_run_has_the_same_bits() {
+    let system = lotka_volterra();
+    for (part, parameters, _) in parts() {
+        let map = map(part, &system, &parameters);
+        let mut x = vec![1.0, 1.9, 0.5];
+        let mut through = map.stepper(1, &[], 1.0, 0.1);
+        for _ in 0..5 {
+            step(through.as_mut(), &mut x);
+        }
+        let (mut y, memory) = (x.clone(), through.memory());
+        let mut resumed = map.stepper(1, &[], 1.0, 0.1);
+        resumed.restore(&memory).expect("a memory of this map");
+        assert_eq!(resumed.restore(&[0.0; 99]), Err(memory.len()));
+        for _ in 0..5 {
+            step(through.as_mut(), &mut x);
+            step(resumed.as_mut(), &mut y);
+        }
+        assert_eq!(bits(&x), bits(&y), "{part}");
+    }
+}
+
+#[test]
+fn lanes_have_the_bits_of_single_runs() {
+    let system = lotka_volterra();
+    let starts = [[1.0, 1.9, 0.5], [0.8, 1.5, 0.7]];
+    for (part, parameters, _) in parts() {
+        let map = map(part, &system, &parameters);
+        let mut together: Vec<f64> = (0..3).flat_map(|c| starts.map(|s| s[c])).collect();
+        let mut stepper = map.stepper(2, &[], 1.0, 0.1);
+        for _ in 0..3 {
+            step(stepper.as_mut(), &mut together);
+        }
+        for (lane, start) in starts.iter().enumerate() {
+            let mut alone = start.to_vec();
+            let mut stepper = map.stepper(1, &[], 1.0, 0.1);
+            for _ in 0..3 {
+                step(stepper.as_mut(), &mut alone);
+            }
+            let own: Vec<f64> = together.iter().skip(lane).step_by(2).copied().collect();
+            assert_eq!(bits(&alone), bits(&own), "{part}");
+        }
+    }
+}
