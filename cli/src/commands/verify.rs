@@ -109,7 +109,8 @@ pub(super) fn cells(row: &Row) -> Vec<String> {
     };
     let order = match measured.order {
         Some(order) => format!("{order:.2}"),
-        None => "round-off".to_owned(),
+        None if measured.smallest_error < 1e-12 => "round-off".to_owned(),
+        None => "not seen".to_owned(),
     };
     cells.extend([
         format!("{order} ({}){}", row.declared_order, flag(measured, 0)),

@@ -70,7 +70,7 @@ pub fn measure(
     horizon: f64,
 ) -> Result<Measured, StepError> {
     let declared = map.properties();
-    let (errors, order) = global_order(problem, map, flow, horizon)?;
+    let Convergence { errors, order } = global_order(problem, map, flow, horizon)?;
     let smallest_error = errors.iter().map(|e| e.1).fold(f64::INFINITY, f64::min);
     let defects = defects(problem, map);
     let self_adjointness = self_adjointness(problem, map)?;
@@ -98,7 +98,16 @@ pub fn measure(
 
 fn distance(a: &[f64], b: &[f64]) -> f64 {
     let size = b.iter().fold(f64::MIN_POSITIVE, |m, v| m.max(v.abs()));
-    a.iter().zip(b).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) / size
+    a.iter()
+        .zip(b)
+        .fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()))
+        / size
+}
+
+/// Global errors (t, error) and the order fitted to them.
+struct Convergence {
+    errors: Vec<(f64, f64)>,
+    order: Option<Slope>,
 }
 
 /// Global errors over `horizon` at a geometric sequence of steps, and the fitted order.
@@ -107,11 +116,11 @@ fn global_order(
     map: &dyn StepMap,
     flow: &[f64],
     horizon: f64,
-) -> Result<(Vec<(f64, f64)>, Option<Slope>), StepError> {
+) -> Result<Convergence, StepError> {
     let values = problem.system.parameter_values();
     let mut errors = Vec::new();
     let mut failure = None;
-    for steps in [6_u32, 8, 11, 16, 22, 32, 45, 64, 90, 128] {
+    for steps in [8_u32, 12, 18, 27, 40, 60, 90, 135, 200, 300] {
         let t = horizon / f64::from(steps);
         let mut integrator = Integrator::new(map, &values, 1.0, t, &problem.initial);
         let outcome = (0..steps).try_for_each(|_| integrator.step());
@@ -124,19 +133,15 @@ fn global_order(
     if let (true, Some(error)) = (errors.is_empty(), failure) {
         return Err(error);
     }
-    // The asymptotic regime: errors below a hundredth, at most the last six.
+    // The asymptotic regime: errors below a hundredth.
     let asymptotic: Vec<_> = errors.iter().copied().filter(|e| e.1 < 1e-2).collect();
-    let slope = fit_slope(&asymptotic, 64.0 * f64::EPSILON);
-    Ok((errors, slope))
+    let order = fit_slope(&asymptotic, 64.0 * f64::EPSILON);
+    Ok(Convergence { errors, order })
 }
 
 /// The order is a lower bound; the next term of the error may hide a quarter of an order in the
 /// range of steps that is measured.
-fn judge_order(
-    declared: MapProperties,
-    order: Option<Slope>,
-    errors: &[(f64, f64)],
-) -> Judgement {
+fn judge_order(declared: MapProperties, order: Option<Slope>, errors: &[(f64, f64)]) -> Judgement {
     let round_off = errors.iter().filter(|e| e.1 < 64.0 * f64::EPSILON).count();
     match order {
         Some(slope) => {
@@ -166,7 +171,9 @@ fn defects(problem: &Problem, map: &dyn StepMap) -> Defects {
         let Ok(mut instrument) = TensorDefect::new(&problem.system, map, &values, 1.0, t) else {
             continue;
         };
-        let Ok(defect) = instrument.measure(&problem.initial) else { continue };
+        let Ok(defect) = instrument.measure(&problem.initial) else {
+            continue;
+        };
         let stretch = defect.tangent.iter().fold(1.0_f64, |m, v| m.max(v.abs()));
         let scale = defect.scale * stretch * stretch;
         if scale > 0.0 {
@@ -178,8 +185,16 @@ fn defects(problem: &Problem, map: &dyn StepMap) -> Defects {
         }
     }
     let plateau = ROUND_OFF * f64::EPSILON;
-    let round_off = if points.is_empty() { None } else { Some(worst <= plateau) };
-    Defects { at_step, slope: fit_slope(&points, plateau), round_off }
+    let round_off = if points.is_empty() {
+        None
+    } else {
+        Some(worst <= plateau)
+    };
+    Defects {
+        at_step,
+        slope: fit_slope(&points, plateau),
+        round_off,
+    }
 }
 
 fn judge_structure(declared: MapProperties, defects: &Defects) -> Judgement {
@@ -216,7 +231,11 @@ fn judge_symmetry(declared: MapProperties, defect: f64) -> Judgement {
 }
 
 fn judgement(met: bool) -> Judgement {
-    if met { Judgement::Met } else { Judgement::NotMet }
+    if met {
+        Judgement::Met
+    } else {
+        Judgement::NotMet
+    }
 }
 
 struct Drift {
@@ -235,32 +254,43 @@ fn observables(system: &PoissonSystem) -> Option<SystemObservables> {
 
 fn drift(problem: &Problem, map: &dyn StepMap) -> Result<Drift, StepError> {
     let values = problem.system.parameter_values();
-    let mut integrator =
-        Integrator::new(map, &values, 1.0, problem.time_step, &problem.initial);
+    let mut integrator = Integrator::new(map, &values, 1.0, problem.time_step, &problem.initial);
     let start = Instant::now();
     for _ in 0..DRIFT_STEPS {
         integrator.step()?;
     }
     let nanoseconds = start.elapsed().as_secs_f64() * 1e9 / DRIFT_STEPS as f64;
     let evaluations = integrator.statistics().evaluations_per_step();
-    let mut drift = Drift { energy: f64::NAN, casimirs: 0.0, evaluations, nanoseconds };
-    let Some(mut observer) = observables(&problem.system) else { return Ok(drift) };
+    let mut drift = Drift {
+        energy: f64::NAN,
+        casimirs: 0.0,
+        evaluations,
+        nanoseconds,
+    };
+    let Some(mut observer) = observables(&problem.system) else {
+        return Ok(drift);
+    };
     let count = observer.observables();
     let (mut initial, mut now) = (vec![0.0; count], vec![0.0; count]);
     observer.evaluate(&problem.initial, &mut initial);
     let mut largest = vec![0.0_f64; count];
-    let mut integrator =
-        Integrator::new(map, &values, 1.0, problem.time_step, &problem.initial);
+    let mut integrator = Integrator::new(map, &values, 1.0, problem.time_step, &problem.initial);
     for _ in 0..DRIFT_STEPS {
         integrator.step()?;
         observer.evaluate(integrator.state(), &mut now);
         for ((largest, now), initial) in largest.iter_mut().zip(&now).zip(&initial) {
             let scale = if *initial == 0.0 { 1.0 } else { initial.abs() };
             let change = (now - initial).abs() / scale;
-            *largest = if change > *largest || change.is_nan() { change } else { *largest };
+            *largest = if change > *largest || change.is_nan() {
+                change
+            } else {
+                *largest
+            };
         }
     }
     drift.energy = largest[0];
-    drift.casimirs = largest[1..].iter().fold(0.0, |m, v| if *v > m { *v } else { m });
+    drift.casimirs = largest[1..]
+        .iter()
+        .fold(0.0, |m, v| if *v > m { *v } else { m });
     Ok(drift)
 }

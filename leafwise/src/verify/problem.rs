@@ -66,7 +66,9 @@ impl Problem {
     /// [`BuildError`] when the reference stepper is not registered, its [`StepError`] as text.
     pub fn flow(&self, registry: &Registry, t: f64) -> Result<Vec<f64>, FlowError> {
         let parameters = PartParameters::new().with("stages", REFERENCE_STAGES);
-        let map = registry.stepper("gauss")?.build(&self.system, &parameters)?;
+        let map = registry
+            .stepper("gauss")?
+            .build(&self.system, &parameters)?;
         let values = self.system.parameter_values();
         let step = t / f64::from(REFERENCE_STEPS);
         let mut integrator = Integrator::new(map.as_ref(), &values, 1.0, step, &self.initial);

@@ -36,7 +36,9 @@ pub struct Row {
 impl Row {
     /// Whether every declaration that could be judged is met.
     pub fn is_met(&self) -> bool {
-        self.measured.as_ref().is_some_and(|m| !m.judgements.contains(&Judgement::NotMet))
+        self.measured
+            .as_ref()
+            .is_some_and(|m| !m.judgements.contains(&Judgement::NotMet))
     }
 }
 
@@ -75,7 +77,9 @@ pub fn survey(
             let map = match map {
                 Ok(map) => map,
                 Err(error) => {
-                    survey.refused.push((format!("{name} on {}", problem.name), error.to_string()));
+                    survey
+                        .refused
+                        .push((format!("{name} on {}", problem.name), error.to_string()));
                     continue;
                 }
             };
@@ -111,11 +115,18 @@ type Candidate = (String, Result<Arc<dyn StepMap>, BuildError>);
 /// The parameters a part is tried with: its defaults, or several orders.
 fn settings(registry: &Registry, name: &str, options: &SurveyOptions) -> Vec<PartParameters> {
     let with = |key: &str, values: &[i64]| {
-        values.iter().map(|v| PartParameters::new().with(key, *v)).collect()
+        values
+            .iter()
+            .map(|v| PartParameters::new().with(key, *v))
+            .collect()
     };
     let info = registry.parts().into_iter().find(|info| info.name == name);
     let takes = |key: &str| {
-        info.is_some_and(|info| info.parameters.iter().any(|parameter| parameter.name == key))
+        info.is_some_and(|info| {
+            info.parameters
+                .iter()
+                .any(|parameter| parameter.name == key)
+        })
     };
     match name {
         "hamilton-jacobi" if options.full => with("order", &[2, 4, 6, 8]),
@@ -128,7 +139,12 @@ fn settings(registry: &Registry, name: &str, options: &SurveyOptions) -> Vec<Par
 
 fn maps(registry: &Registry, problem: &Problem, options: &SurveyOptions) -> Vec<Candidate> {
     let of_kind = |kind: PartKind| -> Vec<&'static str> {
-        registry.parts().into_iter().filter(|p| p.kind == kind).map(|p| p.name).collect()
+        registry
+            .parts()
+            .into_iter()
+            .filter(|p| p.kind == kind)
+            .map(|p| p.name)
+            .collect()
     };
     let mut maps: Vec<Candidate> = Vec::new();
     for realization in of_kind(PartKind::Realization) {
@@ -142,15 +158,21 @@ fn maps(registry: &Registry, problem: &Problem, options: &SurveyOptions) -> Vec<
     }
     for stepper in of_kind(PartKind::Stepper) {
         for given in settings(registry, stepper, options) {
-            let map = registry.stepper(stepper).and_then(|p| p.build(&problem.system, &given));
-            let name = map.as_ref().map_or_else(|_| stepper.to_owned(), |map| map.describe());
+            let map = registry
+                .stepper(stepper)
+                .and_then(|p| p.build(&problem.system, &given));
+            let name = map
+                .as_ref()
+                .map_or_else(|_| stepper.to_owned(), |map| map.describe());
             maps.push((name, map));
         }
     }
     for composition in of_kind(PartKind::Composition) {
         let (base_name, base) = default_method(registry, problem);
         let map = base.and_then(|base| {
-            registry.composition(composition)?.build(base, &PartParameters::new())
+            registry
+                .composition(composition)?
+                .build(base, &PartParameters::new())
         });
         maps.push((format!("{composition} of {base_name}"), map));
     }
@@ -164,23 +186,54 @@ fn pair(
     (dynamics, d): (&str, &PartParameters),
 ) -> Candidate {
     let method = || -> Result<Method, BuildError> {
-        let realization = registry.realization(realization)?.build(&problem.system, r)?;
+        let realization = registry
+            .realization(realization)?
+            .build(&problem.system, r)?;
         let dynamics = registry.dynamics(dynamics)?.build(d)?;
         Method::compose(&problem.system, realization, dynamics)
     };
     let method = method();
-    let name = method
-        .as_ref()
-        .map_or_else(|_| format!("{realization} + {dynamics}"), |method| method.describe());
-    (name, method.map(|method| Arc::new(method) as Arc<dyn StepMap>))
+    let name = method.as_ref().map_or_else(
+        |_| format!("{realization} + {dynamics}"),
+        |method| method.describe(),
+    );
+    (
+        name,
+        method.map(|method| Arc::new(method) as Arc<dyn StepMap>),
+    )
 }
 
-/// What compositions are measured over: Hamilton–Jacobi of order 2 over a truncation that is finer
-/// than any of them.
+/// The realizations that a composition is measured over, the first that fits: exact ones, so that
+/// the composition's own order is seen.
+const BASES: [&str; 5] = [
+    "constant",
+    "log-canonical",
+    "so3-exponential",
+    "lie-poisson",
+    "karasev-collocated",
+];
+
+/// What compositions are measured over: Hamilton–Jacobi of order 2 over an exact realization.
 fn default_method(
     registry: &Registry,
     problem: &Problem,
 ) -> (String, Result<Arc<dyn StepMap>, BuildError>) {
-    let order = |n: i64| PartParameters::new().with("order", n);
-    pair(registry, problem, ("karasev-truncated", &order(12)), ("hamilton-jacobi", &order(2)))
+    let defaults = PartParameters::new();
+    let order = PartParameters::new().with("order", 2);
+    let mut candidates = BASES.iter().map(|base| {
+        pair(
+            registry,
+            problem,
+            (base, &defaults),
+            ("hamilton-jacobi", &order),
+        )
+    });
+    candidates.find(|(_, map)| map.is_ok()).unwrap_or_else(|| {
+        pair(
+            registry,
+            problem,
+            ("karasev-truncated", &defaults),
+            ("hamilton-jacobi", &order),
+        )
+    })
 }

@@ -18,6 +18,9 @@ pub(super) struct SceneLattice<'a> {
     geometry: LatticeGeometry,
 }
 
+/// The largest dimension of a lattice that is written out for a stepper.
+pub(super) const STEPPER_LIMIT: usize = 1024;
+
 /// A lattice that every formula of a scene is tried on before anything is built.
 const TRIAL_LENGTH: usize = 9;
 
@@ -29,7 +32,13 @@ impl<'a> SceneLattice<'a> {
     /// A scene that has single variables beside such families.
     pub fn of(document: &'a SceneDocument) -> Result<Option<Self>, Refusal> {
         let system = &document.system;
-        if system.families.is_empty() || system.dimension() <= DENSE_LIMIT {
+        // A stepper has no templates: its lattice is written out, up to a length.
+        let limit = if document.method.stepper.is_some() {
+            STEPPER_LIMIT
+        } else {
+            DENSE_LIMIT
+        };
+        if system.families.is_empty() || system.dimension() <= limit {
             return Ok(None);
         }
         if let Some(single) = system.variables.first() {

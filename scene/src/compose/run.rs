@@ -8,11 +8,11 @@ use leafwise_core::{
 };
 
 use super::Refusal;
-use super::lattice::{SceneLattice, shortened};
+use super::lattice::{STEPPER_LIMIT, SceneLattice, shortened};
 use super::observables::Observable;
 use super::parts::{Base, PartChoice, Parts, parts};
 use super::stepping::{LatticeStepping, MapStepping, Stepping};
-use super::system::{DENSE_LIMIT, compose_system};
+use super::system::compose_system;
 use crate::document::{PartSpec, SceneDocument};
 
 /// What a run does.
@@ -123,7 +123,7 @@ fn compose_lattice(
     let (Base::Pair(_, dynamics), Some(chosen)) = (parts.base, chosen) else {
         return Err(BuildError::Lattice {
             message: format!(
-                "a stepper is not offered on a lattice of more than {DENSE_LIMIT} coordinates; \
+                "a stepper is not offered on a lattice of more than {STEPPER_LIMIT} coordinates; \
                  name a realization and dynamics"
             ),
         });
