@@ -5,6 +5,8 @@ use std::sync::Arc;
 use leafwise_core::diagnostics::RealizationInstrument;
 use leafwise_core::{Ends, PoissonSystem, RealizationData, StepError, realization_worker};
 
+use nalgebra::DMatrix;
+
 use crate::largest;
 
 /// β − x, α − β and their base x at a point of S, by the realization's code or numbers.
@@ -53,7 +55,8 @@ pub fn source_and_target(
     Ok((alpha, beta))
 }
 
-/// The largest of ε Π(α) − {α, α}, ε Π(β) + {β, β} and {α, β} over the size of the brackets.
+/// The largest of ε Π(α) − {α, α}, ε Π(β) + {β, β} and {α, β} over the largest summand of the
+/// brackets, Σ_k |∂f/∂x^k| |∂g/∂p_k|.
 ///
 /// # Errors
 /// The realization's [`StepError`].
@@ -71,7 +74,19 @@ pub fn dual_pair_error(
     let mut instrument =
         RealizationInstrument::new(system, realization, &parameters).expect("maps on T*M");
     let error = instrument.measure(epsilon, x, p)?;
-    Ok(largest([error.source, error.target, error.dual_pair]) / error.scale)
+    let mut worker = realization_worker(realization.as_ref(), &parameters, epsilon).expect("maps");
+    let d = x.len();
+    worker.ends(&[x, p].concat(), &mut Ends::new(d))?;
+    let (mut target, mut increment) = (vec![0.0; 2 * d * d], vec![0.0; 2 * d * d]);
+    worker.tangents(&mut target, &mut increment)?;
+    let target = DMatrix::from_row_slice(d, 2 * d, &target);
+    let source = &target + DMatrix::from_row_slice(d, 2 * d, &increment);
+    let summands = [&source, &target].map(|map| {
+        let map = map.abs();
+        (map.columns(0, d) * map.columns(d, d).transpose()).max()
+    });
+    let scale = largest(summands).max(error.scale);
+    Ok(largest([error.source, error.target, error.dual_pair]) / scale)
 }
 
 /// The larger of |β(x, p) − α(x, −p)| and |α(σ(x)) − x|, |β(σ(x)) − x| over the size of x.
