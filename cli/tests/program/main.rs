@@ -3,5 +3,6 @@
 mod failing_runs;
 mod invalid_scenes;
 mod other_commands;
+mod parts;
 mod runs;
 mod support;

@@ -1,0 +1,120 @@
+//! Parts by name: `verify`, `auto`, steppers and compositions in a scene.
+
+use crate::support::{BODY, Place};
+
+#[test]
+fn every_declaration_of_every_part_is_met() {
+    let here = Place::new();
+    let said = here.leafwise(&["verify", "--json", "--html", "verify.html"]);
+    let json = said.json();
+    let failing: Vec<_> = json["rows"]
+        .as_array()
+        .expect("rows")
+        .iter()
+        .filter(|row| row["met"] != true)
+        .map(|row| format!("{} on {}: {}", row["map"], row["problem"], row["measured"]))
+        .collect();
+    assert!(failing.is_empty(), "{}", failing.join("\n"));
+    assert_eq!(said.code, Some(0));
+    assert_eq!(json["outcome"], "met");
+    let rows = json["rows"].as_array().expect("rows").len();
+    assert!(rows >= 50, "{rows} step maps");
+    for row in json["rows"].as_array().expect("rows") {
+        let measured = &row["measured"];
+        assert!(measured["evaluations_per_step"].is_number(), "{row}");
+        assert!(measured["casimir_drift"].is_number(), "{row}");
+    }
+    assert!(
+        json["refused"]
+            .as_array()
+            .is_some_and(|refused| !refused.is_empty())
+    );
+    let page = here.read("verify.html");
+    assert!(page.contains("<h2>rigid-body</h2>") && !page.contains("http"));
+}
+
+#[test]
+fn verify_measures_on_a_scene() {
+    let here = Place::with(BODY);
+    let said = here.leafwise(&["verify", "scene.toml", "--json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let json = said.json();
+    assert!(json["rows"].as_array().expect("rows").len() >= 20);
+}
+
+#[test]
+fn auto_takes_a_closed_form_and_says_why() {
+    let here = Place::with(BODY);
+    let said = here.leafwise(&[
+        "run",
+        "scene.toml",
+        "--set",
+        "method.realization=auto",
+        "--explain",
+    ]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    said.says(&["so3-exponential", "since the tensor is that of so(3)*"]);
+}
+
+#[test]
+fn a_composition_raises_the_order_of_a_scene() {
+    let here = Place::with(BODY);
+    let drift = |composition: &str| {
+        let set = format!("method.composition={composition}");
+        let said = here.leafwise(&[
+            "run",
+            "scene.toml",
+            "--set",
+            "method.realization=auto",
+            "--set",
+            "method.dynamics.order=2",
+            "--set",
+            &set,
+            "--force",
+            "--json",
+        ]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        said.json()["drift"]["energy"].as_f64().expect("a number")
+    };
+    assert!(drift("suzuki-umeno-8") < 1e-3 * drift("none"));
+}
+
+#[test]
+fn a_stepper_stands_in_place_of_realization_and_dynamics() {
+    let here = Place::with(BODY);
+    // An override replaces what it cannot stand beside; a scene that names both is refused.
+    let said = here.leafwise(&[
+        "run",
+        "scene.toml",
+        "--set",
+        "method.stepper=splitting",
+        "--json",
+    ]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert_eq!(said.json()["solver"]["evaluations_per_step"], 1.0);
+    here.write(
+        "scene.toml",
+        &BODY.replace("[run]", "stepper = \"splitting\"\n[run]"),
+    );
+    let said = here.leafwise(&["run", "scene.toml", "--force"]);
+    assert_eq!(said.code, Some(3), "{}", said.out);
+    said.says(&["a stepper stands in place of realization and dynamics"]);
+    let said = here.leafwise(&["run", "scene.toml", "--set", "method.stepper=splittin"]);
+    assert_eq!(said.code, Some(3));
+    said.says(&["did you mean `splitting`?"]);
+}
+
+#[test]
+fn a_map_that_is_not_self_adjoint_is_not_composed() {
+    let here = Place::with(BODY);
+    let said = here.leafwise(&[
+        "run",
+        "scene.toml",
+        "--set",
+        "method.dynamics=collective",
+        "--set",
+        "method.composition=suzuki-4",
+    ]);
+    assert_eq!(said.code, Some(3), "{}", said.out);
+    said.says(&["self-adjoint"]);
+}
