@@ -98,7 +98,10 @@ fn a_stepper_stands_in_place_of_realization_and_dynamics() {
     );
     let said = here.leafwise(&["run", "scene.toml", "--force"]);
     assert_eq!(said.code, Some(3), "{}", said.out);
-    said.says(&["a stepper stands in place of realization and dynamics"]);
+    said.says(&[
+        "`realization` cannot stand beside `stepper`",
+        "scene.toml:8:1",
+    ]);
     let said = here.leafwise(&["run", "scene.toml", "--set", "method.stepper=splittin"]);
     assert_eq!(said.code, Some(3));
     said.says(&["did you mean `splitting`?"]);

@@ -51,7 +51,10 @@ mod tests {
         let mut a = [0.0, 2.0, 1.0, 1.0, 1.0, 0.0, 3.0, 0.0, 1.0];
         let mut r = [7.0, 3.0, 6.0];
         assert!(solve_in_place(&mut a, &mut r));
-        assert_eq!(r, [1.0, 2.0, 3.0]);
+        // The residual of elimination with pivoting: a few roundings of entries up to 7.
+        for (found, expected) in r.iter().zip([1.0, 2.0, 3.0]) {
+            assert!((found - expected).abs() <= 8.0 * f64::EPSILON, "{r:?}");
+        }
     }
 
     #[test]

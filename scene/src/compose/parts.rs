@@ -100,15 +100,6 @@ fn stepper(
     registry: &Registry,
     choices: &mut Vec<PartChoice>,
 ) -> Result<Base, Refusal> {
-    let method = &document.method;
-    if let Some(other) = method.realization.as_ref().or(method.dynamics.as_ref()) {
-        return Err(Box::new(document.diagnostic(
-            &other.name.place(),
-            "a stepper stands in place of realization and dynamics",
-            "beside `stepper`",
-            Some("remove this line, or the stepper".to_owned()),
-        )));
-    }
     let request = Request::new(document, Some(spec), "", 0);
     let part = registry
         .stepper(request.name())
