@@ -69,7 +69,7 @@ fn problems(arguments: &VerifyArguments) -> Result<Vec<Problem>, Failure> {
             overrides: arguments.overrides.clone(),
         })?;
         let problem = Problem::of_scene(&document)
-            .map_err(|message| Failure::usage(message, "correct the scene"))?;
+            .map_err(|error| Failure::usage(error.to_string(), "correct the scene"))?;
         return Ok(vec![problem]);
     }
     let all: Vec<&str> = if arguments.full {
@@ -80,8 +80,9 @@ fn problems(arguments: &VerifyArguments) -> Result<Vec<Problem>, Failure> {
     };
     all.into_iter()
         .map(|id| {
-            Problem::of_library(id)
-                .map_err(|message| Failure::usage(message, "this is a defect of the library"))
+            Problem::of_library(id).map_err(|error| {
+                Failure::usage(error.to_string(), "this is a defect of the library")
+            })
         })
         .collect()
 }

@@ -9,5 +9,5 @@ mod problem;
 mod survey;
 
 pub use measure::{Judgement, Measured, measure};
-pub use problem::Problem;
+pub use problem::{FlowError, Problem, ProblemError};
 pub use survey::{Row, Survey, SurveyOptions, survey};

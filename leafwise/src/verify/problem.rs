@@ -1,7 +1,7 @@
 //! A system with a state to start from and a flow to compare with.
 
 use leafwise_core::{BuildError, Integrator, PartParameters, PoissonSystem, Registry, StepError};
-use leafwise_scene::{SceneDocument, compose_system};
+use leafwise_scene::{Refusal, SceneDocument, compose_system};
 
 use crate::library::ProblemLibrary;
 
@@ -27,9 +27,9 @@ impl Problem {
     /// The problem of a scene, at its initial state and step.
     ///
     /// # Errors
-    /// The scene's first error, as text.
-    pub fn of_scene(document: &SceneDocument) -> Result<Self, String> {
-        let composed = compose_system(document).map_err(|refusal| refusal.to_string())?;
+    /// [`ProblemError::Refused`] with the scene's first error.
+    pub fn of_scene(document: &SceneDocument) -> Result<Self, ProblemError> {
+        let composed = compose_system(document).map_err(ProblemError::Refused)?;
         let step = &document.method.step;
         Ok(Self {
             name: document
@@ -45,18 +45,18 @@ impl Problem {
     /// A system of the library at its default state and step.
     ///
     /// # Errors
-    /// What is wrong with the library's entry, as text.
-    pub fn of_library(id: &str) -> Result<Self, String> {
-        let entry = leafwise_systems::find(id).ok_or_else(|| format!("no system `{id}`"))?;
-        let defaults = entry.defaults().map_err(|error| error.to_string())?;
+    /// [`ProblemError::UnknownSystem`]; the others are defects of the library.
+    pub fn of_library(id: &str) -> Result<Self, ProblemError> {
+        let unknown = || ProblemError::UnknownSystem { id: id.to_owned() };
+        let entry = leafwise_systems::find(id).ok_or_else(unknown)?;
+        let defaults = entry.defaults()?;
         let initial = &defaults.initial;
         let text = format!(
             "[system]\nlibrary = \"{id}\"\n[method]\ntime-step = {:?}\n[run]\ninitial = {initial}\n\
              steps = 1\n",
             defaults.time_step
         );
-        let document = SceneDocument::parse(id, &text, &ProblemLibrary)
-            .map_err(|errors| errors.to_string())?;
+        let document = SceneDocument::parse(id, &text, &ProblemLibrary)?;
         Self::of_scene(&document)
     }
 
@@ -79,8 +79,30 @@ impl Problem {
     }
 }
 
+/// Why a problem could not be set up.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProblemError {
+    /// The library has no system of this name.
+    #[error("the library has no system `{id}`")]
+    UnknownSystem {
+        /// The name.
+        id: String,
+    },
+    /// The library's entry cannot be read.
+    #[error("{0}")]
+    Library(#[from] leafwise_systems::SystemError),
+    /// The scene cannot be read.
+    #[error("{0}")]
+    Scene(#[from] leafwise_scene::SceneErrors),
+    /// The scene's system cannot be built.
+    #[error("{0}")]
+    Refused(Refusal),
+}
+
 /// Why a reference flow could not be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum FlowError {
     /// The reference stepper could not be built.
     #[error("the reference stepper: {0}")]
