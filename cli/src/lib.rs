@@ -21,6 +21,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use clap::Parser;
+use serde_json::json;
 
 use arguments::{Arguments, Command};
 use console::Console;
@@ -34,7 +35,9 @@ pub fn run(
     console: &mut Console<'_>,
     interrupt: &Arc<AtomicBool>,
 ) -> u8 {
-    let arguments = match Arguments::try_parse_from(arguments) {
+    let given: Vec<OsString> = arguments.into_iter().collect();
+    let asks_for_json = given.iter().any(|argument| argument == "--json");
+    let arguments = match Arguments::try_parse_from(given) {
         Ok(arguments) => arguments,
         Err(error) => {
             let text = error.render();
@@ -45,6 +48,12 @@ pub fn run(
             };
             return if error.use_stderr() {
                 console.prose(shown.trim_end());
+                if asks_for_json {
+                    let plain = text.to_string();
+                    let first = plain.split("\n\n").next().unwrap_or_default();
+                    let message = first.trim_start_matches("error: ");
+                    console.json(&json!({ "outcome": "refused", "error": { "message": message } }));
+                }
                 exit::USAGE
             } else {
                 console.result(shown.trim_end());

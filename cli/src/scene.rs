@@ -1,9 +1,11 @@
 //! Reading a scene with its overrides.
 
 use std::fs;
+use std::path::Path;
+use std::string::FromUtf8Error;
 
 use leafwise::ProblemLibrary;
-use leafwise::scene::SceneDocument;
+use leafwise::scene::{SceneDiagnostic, SceneDocument};
 
 use crate::arguments::SceneArguments;
 use crate::failure::Failure;
@@ -15,7 +17,7 @@ use crate::failure::Failure;
 /// `=`, [`Failure::Scene`] for everything wrong inside.
 pub fn load(arguments: &SceneArguments) -> Result<SceneDocument, Failure> {
     let file = &arguments.scene;
-    let text = fs::read_to_string(file).map_err(|source| {
+    let bytes = fs::read(file).map_err(|source| {
         if source.kind() == std::io::ErrorKind::NotFound {
             return Failure::usage(
                 format!("there is no file {}", file.display()),
@@ -28,6 +30,7 @@ pub fn load(arguments: &SceneArguments) -> Result<SceneDocument, Failure> {
             source,
         }
     })?;
+    let text = String::from_utf8(bytes).map_err(|error| not_utf8(file, &error))?;
     let mut overrides = Vec::with_capacity(arguments.overrides.len());
     for given in &arguments.overrides {
         let Some((path, value)) = given.split_once('=') else {
@@ -41,4 +44,17 @@ pub fn load(arguments: &SceneArguments) -> Result<SceneDocument, Failure> {
     let name = file.display().to_string();
     SceneDocument::parse_with(&name, &text, &overrides, &ProblemLibrary)
         .map_err(|errors| Failure::Scene(errors.diagnostics()))
+}
+
+/// A scene in another encoding, at the first byte that is not UTF-8.
+fn not_utf8(file: &Path, error: &FromUtf8Error) -> Failure {
+    let at = error.utf8_error().valid_up_to();
+    Failure::Scene(vec![SceneDiagnostic {
+        message: "the scene is not UTF-8 text".to_owned(),
+        label: "the first byte that is not".to_owned(),
+        source_name: file.display().to_string(),
+        source_text: String::from_utf8_lossy(error.as_bytes()).into_owned(),
+        span: at..at + char::REPLACEMENT_CHARACTER.len_utf8(),
+        help: Some("save it in the encoding UTF-8".to_owned()),
+    }])
 }

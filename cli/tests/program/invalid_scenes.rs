@@ -320,3 +320,35 @@ fn a_casimir_that_is_not_one_is_refused() {
         said.out
     );
 }
+
+#[test]
+fn a_scene_in_another_encoding_is_refused_at_its_first_odd_byte() {
+    let here = Place::new();
+    let mut latin: Vec<u8> = b"[system]\n# vitesse ".to_vec();
+    latin.extend_from_slice(b"\xe9lev\xe9e\n");
+    std::fs::write(here.path("scene.toml"), latin).expect("a writable directory");
+    let said = here.leafwise(&["run", "scene.toml"]);
+    assert_eq!(said.code, Some(3), "{}", said.err);
+    said.says(&["not UTF-8", "scene.toml:2:11"]);
+    assert!(here.is_untouched());
+}
+
+#[test]
+fn a_lattice_longer_than_any_memory_is_refused() {
+    let here = Place::with(
+        r#"[system]
+families    = { x = 1_000_000_000_000 }
+bracket     = { "x[i],x[i+1]" = "x[i]*x[i+1]" }
+hamiltonian = "sum(i, x[i])"
+[method]
+time-step = 0.1
+[run]
+initial = { "x[i]" = "1" }
+steps   = 1
+"#,
+    );
+    let said = here.leafwise(&["run", "scene.toml"]);
+    assert_eq!(said.code, Some(3), "{}", said.err);
+    said.says(&["scene.toml:2:21", "a whole number of at most 100000000"]);
+    assert!(here.is_untouched());
+}

@@ -184,3 +184,21 @@ fn a_new_scene_checks_and_runs_and_is_never_overwritten() {
         assert_eq!(said.code, Some(0), "{}", said.err);
     }
 }
+
+#[test]
+fn a_command_line_that_is_none_gives_json_too_where_asked() {
+    let here = Place::with(BODY);
+    for arguments in [
+        &["run", "--json"][..],
+        &["list", "gadgets", "--json"],
+        &["evaluate", "scene.toml", "--y", "1", "--json"],
+    ] {
+        let said = here.leafwise(arguments);
+        assert_eq!(said.code, Some(2), "{}", said.err);
+        let json = said.json();
+        assert_eq!(json["outcome"], "refused");
+        assert!(json["error"]["message"].is_string(), "{json}");
+    }
+    let said = here.leafwise(&["run"]);
+    assert_eq!((said.code, said.out.as_str()), (Some(2), ""));
+}

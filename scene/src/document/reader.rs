@@ -1,5 +1,7 @@
 //! Typed access to a parsed TOML table; every failure is recorded with its place.
 
+use std::num::IntErrorKind;
+
 use toml::de::{DeTable, DeValue};
 
 use super::error::{SceneProblem, SceneProblemCause};
@@ -212,19 +214,40 @@ impl<'a> Item<'a> {
 
     /// A whole number of at least `minimum`.
     pub fn whole(&self, minimum: u64, problems: &mut Problems) -> Option<Located<u64>> {
+        self.whole_in(minimum, u64::MAX, problems)
+    }
+
+    /// A whole number from `minimum` to `maximum`.
+    pub fn whole_in(
+        &self,
+        minimum: u64,
+        maximum: u64,
+        problems: &mut Problems,
+    ) -> Option<Located<u64>> {
         let DeValue::Integer(integer) = self.value else {
             self.wrong_type("a whole number", problems);
             return None;
         };
         let digits = integer.as_str().replace('_', "");
         match u64::from_str_radix(digits.trim_start_matches('+'), integer.radix()) {
-            Ok(value) if value >= minimum => Some(Located::new(value, self.place())),
-            _ => {
+            Ok(value) if (minimum..=maximum).contains(&value) => {
+                Some(Located::new(value, self.place()))
+            }
+            outcome => {
+                let is_too_large = match outcome {
+                    Ok(value) => value > maximum,
+                    Err(error) => *error.kind() == IntErrorKind::PosOverflow,
+                };
+                let allowed = if is_too_large {
+                    format!("a whole number of at most {maximum}")
+                } else {
+                    format!("a whole number of at least {minimum}")
+                };
                 problems.push(
                     SceneProblemCause::OutOfRange {
                         key: self.title.clone(),
                         value: self.written().to_owned(),
-                        allowed: format!("a whole number of at least {minimum}"),
+                        allowed,
                     },
                     self.place(),
                 );

@@ -277,8 +277,11 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
     Some(system)
 }
 
+/// More sites than a run can hold in memory, so that a slip of the keyboard is told as one.
+const MOST_SITES: u64 = 100_000_000;
+
 fn length(item: &Item<'_>, problems: &mut Problems) -> Option<Located<usize>> {
-    let length = item.whole(1, problems)?;
+    let length = item.whole_in(1, MOST_SITES, problems)?;
     Some(length.map(|length| usize::try_from(length).unwrap_or(usize::MAX)))
 }
 

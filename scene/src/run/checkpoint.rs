@@ -54,7 +54,7 @@ impl Checkpoint {
     /// Reads the checkpoint of a directory.
     pub fn read(directory: &Path) -> Result<Self, RunError> {
         let path = directory.join(FILE);
-        let bytes = fs::read(&path).map_err(RunError::io(&path))?;
+        let bytes = fs::read(&path).map_err(RunError::resuming(&path))?;
         Self::decode(&bytes).ok_or_else(|| RunError::Damaged {
             file: path,
             reason: "it is not a whole checkpoint of this program".to_owned(),

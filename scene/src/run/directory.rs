@@ -108,7 +108,7 @@ fn refuse_other(path: &Path, stored: &Manifest, scene: &str) -> Result<(), RunEr
         });
     }
     let file = path.join(SCENE);
-    let before = fs::read_to_string(&file).map_err(RunError::io(&file))?;
+    let before = fs::read_to_string(&file).map_err(RunError::resuming(&file))?;
     if before != scene {
         return Err(RunError::SceneChanged {
             directory,

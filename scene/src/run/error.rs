@@ -96,6 +96,19 @@ pub enum RunError {
 }
 
 impl RunError {
+    /// For `map_err` on opening a file that an unfinished run must have.
+    pub(super) fn resuming(file: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
+        let file = file.into();
+        move |source| {
+            if source.kind() == io::ErrorKind::NotFound {
+                let reason = "it is missing".to_owned();
+                Self::Damaged { file, reason }
+            } else {
+                Self::Io { file, source }
+            }
+        }
+    }
+
     /// For `map_err` on operations on a file.
     pub(super) fn io(file: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
         let file = file.into();

@@ -50,7 +50,7 @@ impl Samples {
         let mut file = OpenOptions::new()
             .write(true)
             .open(&path)
-            .map_err(RunError::io(&path))?;
+            .map_err(RunError::resuming(&path))?;
         let length = file.metadata().map_err(RunError::io(&path))?.len();
         if length < bytes {
             return Err(RunError::Damaged {

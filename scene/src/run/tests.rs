@@ -145,6 +145,24 @@ fn a_finished_run_and_a_changed_scene_are_refused_and_force_replaces() {
 }
 
 #[test]
+fn an_unfinished_run_that_lost_a_file_says_which_and_starts_over_with_force() {
+    for file in ["checkpoint.bin", "samples.csv", "scene.toml"] {
+        let root = tempfile::tempdir().expect("a directory");
+        let path = root.path().join("run");
+        attempt(SCENE, &path, false, &mut StopAfter(1)).expect("a session");
+        fs::remove_file(path.join(file)).expect(file);
+        let error = attempt(SCENE, &path, false, &mut Quiet).expect_err(file);
+        let text = error.to_string();
+        assert!(
+            text.contains(file) && text.contains("missing") && text.contains("--force"),
+            "{text}"
+        );
+        let report = attempt(SCENE, &path, true, &mut Quiet).expect("a run");
+        assert_eq!(report.outcome, RunOutcome::Done);
+    }
+}
+
+#[test]
 fn a_directory_with_other_files_is_left_alone() {
     let root = tempfile::tempdir().expect("a directory");
     fs::write(root.path().join("thesis.tex"), "x").expect("writable");

@@ -33,6 +33,10 @@ fn wrong_types_say_what_was_expected_and_what_was_found() {
         "`every` must be a whole number of at least 1, found 0"
     );
     assert_eq!(
+        seen(&broken("steps   = 1000", "steps = 99999999999999999999")).3,
+        "`steps` must be a whole number of at most 18446744073709551615, found 99999999999999999999"
+    );
+    assert_eq!(
         seen(&broken(
             "variables   = [\"x1\", \"x2\", \"x3\"]",
             "variables = [\"x1\", 2]"
