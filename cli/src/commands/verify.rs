@@ -96,7 +96,7 @@ pub(super) const HEADINGS: [&str; 9] = [
     "structure",
     "self-adjoint",
     "Casimirs",
-    "energy",
+    "energy, growth",
     "evaluations, ns",
 ];
 
@@ -130,7 +130,10 @@ pub(super) fn cells(row: &Row) -> Vec<String> {
         ),
         format!("{:.1e}{}", measured.self_adjointness, flag(measured, 2)),
         format!("{:.1e}", measured.casimir_drift),
-        format!("{:.1e}", measured.energy_drift),
+        match measured.energy_growth {
+            Some(growth) => format!("{:.1e} x{growth:.1}", measured.energy_drift),
+            None => format!("{:.1e}", measured.energy_drift),
+        },
         format!(
             "{:.2}, {:.0}",
             measured.evaluations_per_step, measured.nanoseconds_per_step
@@ -226,6 +229,7 @@ fn measured_json(measured: &Measured) -> Value {
         "self_adjointness": json_number(measured.self_adjointness),
         "casimir_drift": json_number(measured.casimir_drift),
         "energy_drift": json_number(measured.energy_drift),
+        "energy_growth": measured.energy_growth.map(json_number),
         "evaluations_per_step": json_number(measured.evaluations_per_step),
         "nanoseconds_per_step": json_number(measured.nanoseconds_per_step),
         "judgements": {

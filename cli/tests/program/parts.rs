@@ -121,3 +121,39 @@ fn a_map_that_is_not_self_adjoint_is_not_composed() {
     assert_eq!(said.code, Some(3), "{}", said.out);
     said.says(&["self-adjoint"]);
 }
+
+#[test]
+fn a_pair_that_cannot_be_combined_is_refused_with_what_fits() {
+    let here = Place::with(BODY);
+    let refused = |sets: &[&str], pieces: &[&str]| {
+        let mut arguments = vec!["check", "scene.toml"];
+        for set in sets {
+            arguments.extend(["--set", *set]);
+        }
+        let said = here.leafwise(&arguments);
+        assert_eq!(said.code, Some(3), "{}", said.out);
+        said.says(pieces);
+    };
+    refused(
+        &["method.realization=log-canonical"],
+        &[
+            "log-canonical does not fit",
+            "these fit: ",
+            "so3-exponential",
+            "karasev-collocated",
+        ],
+    );
+    refused(
+        &[
+            "method.realization=lie-poisson",
+            "method.dynamics=collective",
+        ],
+        &[
+            "collective",
+            "cannot be combined with lie-poisson",
+            "these fit: ",
+            "so3-cayley",
+        ],
+    );
+    refused(&["method.realization=darboux-magnetic"], &["potential"]);
+}

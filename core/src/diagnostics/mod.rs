@@ -1,16 +1,25 @@
 //! Instruments: what a system, a realization or a method really is, measured.
 //!
+//! - [`drift`]: invariants at every step, and their growth.
 //! - [`identity`]: is the tensor Poisson, is a Casimir one?
 //! - [`realization_error`]: ε Π(α̂) − {α̂, α̂}_ω, and the dual-pair error {α̂_i, β̂_j}_ω.
+//! - [`section`]: α̂∘σ = β̂∘σ = id.
+//! - [`self_adjointness`]: Φ_{−h}∘Φ_h = id.
 //! - [`tensor_defect`]: DΦ Π DΦᵀ − Π∘Φ with the exact tangent map.
 //! - [`slope`]: fitted orders, points under the round-off plateau dropped.
 
+pub mod drift;
 pub mod identity;
 pub mod realization_error;
+pub mod section;
+pub mod self_adjointness;
 pub mod slope;
 pub mod tensor_defect;
 
+pub use drift::{InvariantDrift, measure_drift};
 pub use identity::{IdentityCheck, Verdict, check_casimir, check_jacobi};
 pub use realization_error::RealizationInstrument;
+pub use section::section_defect;
+pub use self_adjointness::self_adjointness_defect;
 pub use slope::{Slope, fit_slope};
 pub use tensor_defect::TensorDefect;

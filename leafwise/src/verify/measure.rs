@@ -2,11 +2,11 @@
 
 use std::time::Instant;
 
-use leafwise_core::diagnostics::{Slope, TensorDefect, fit_slope};
-use leafwise_core::system::SystemObservables;
-use leafwise_core::{
-    Integrator, MapProperties, Observe, PoissonSystem, StepError, StepMap, Structure,
+use leafwise_core::diagnostics::{
+    InvariantDrift, Slope, TensorDefect, fit_slope, measure_drift, self_adjointness_defect,
 };
+use leafwise_core::system::SystemObservables;
+use leafwise_core::{Integrator, MapProperties, PoissonSystem, StepError, StepMap, Structure};
 use serde::Serialize;
 
 use super::problem::Problem;
@@ -44,6 +44,8 @@ pub struct Measured {
     pub casimir_drift: f64,
     /// The same of the energy.
     pub energy_drift: f64,
+    /// The energy's largest deviation over the last tenth of the steps over that of the first.
+    pub energy_growth: Option<f64>,
     /// Solver evaluations a step.
     pub evaluations_per_step: f64,
     /// Nanoseconds a step, interpreter and observers apart.
@@ -73,7 +75,9 @@ pub fn measure(
     let Convergence { errors, order } = global_order(problem, map, flow, horizon)?;
     let smallest_error = errors.iter().map(|e| e.1).fold(f64::INFINITY, f64::min);
     let defects = defects(problem, map);
-    let self_adjointness = self_adjointness(problem, map)?;
+    let values = problem.system.parameter_values();
+    let (t, start) = (problem.time_step, &problem.initial);
+    let self_adjointness = self_adjointness_defect(map, &values, 1.0, t, start)?;
     let run = drift(problem, map)?;
     let structure_order = defects.slope.map(|slope| slope.exponent - 1.0);
     let judgements = [
@@ -90,6 +94,7 @@ pub fn measure(
         self_adjointness,
         casimir_drift: run.casimirs,
         energy_drift: run.energy,
+        energy_growth: run.growth,
         evaluations_per_step: run.evaluations,
         nanoseconds_per_step: run.nanoseconds,
         judgements,
@@ -212,17 +217,6 @@ fn judge_structure(declared: MapProperties, defects: &Defects) -> Judgement {
     }
 }
 
-/// Φ_{−h}∘Φ_h from cold starts.
-fn self_adjointness(problem: &Problem, map: &dyn StepMap) -> Result<f64, StepError> {
-    let values = problem.system.parameter_values();
-    let t = problem.time_step;
-    let mut there = Integrator::new(map, &values, 1.0, t, &problem.initial);
-    there.step()?;
-    let mut back = Integrator::new(map, &values, 1.0, -t, there.state());
-    back.step()?;
-    Ok(distance(back.state(), &problem.initial))
-}
-
 fn judge_symmetry(declared: MapProperties, defect: f64) -> Judgement {
     match declared.self_adjoint {
         Some(true) => judgement(defect <= ROUND_OFF * f64::EPSILON),
@@ -240,6 +234,7 @@ fn judgement(met: bool) -> Judgement {
 
 struct Drift {
     energy: f64,
+    growth: Option<f64>,
     casimirs: f64,
     evaluations: f64,
     nanoseconds: f64,
@@ -254,43 +249,29 @@ fn observables(system: &PoissonSystem) -> Option<SystemObservables> {
 
 fn drift(problem: &Problem, map: &dyn StepMap) -> Result<Drift, StepError> {
     let values = problem.system.parameter_values();
-    let mut integrator = Integrator::new(map, &values, 1.0, problem.time_step, &problem.initial);
-    let start = Instant::now();
+    let start = || Integrator::new(map, &values, 1.0, problem.time_step, &problem.initial);
+    let mut integrator = start();
+    let started = Instant::now();
     for _ in 0..DRIFT_STEPS {
         integrator.step()?;
     }
-    let nanoseconds = start.elapsed().as_secs_f64() * 1e9 / DRIFT_STEPS as f64;
+    let nanoseconds = started.elapsed().as_secs_f64() * 1e9 / DRIFT_STEPS as f64;
     let evaluations = integrator.statistics().evaluations_per_step();
-    let mut drift = Drift {
-        energy: f64::NAN,
-        casimirs: 0.0,
+    let invariants = match observables(&problem.system) {
+        Some(mut observer) => measure_drift(&mut start(), &mut observer, DRIFT_STEPS)?,
+        None => Vec::new(),
+    };
+    Ok(Drift {
+        energy: invariants
+            .first()
+            .map_or(f64::NAN, InvariantDrift::relative),
+        growth: invariants.first().and_then(|energy| energy.growth),
+        casimirs: invariants
+            .iter()
+            .skip(1)
+            .map(InvariantDrift::relative)
+            .fold(0.0, f64::max),
         evaluations,
         nanoseconds,
-    };
-    let Some(mut observer) = observables(&problem.system) else {
-        return Ok(drift);
-    };
-    let count = observer.observables();
-    let (mut initial, mut now) = (vec![0.0; count], vec![0.0; count]);
-    observer.evaluate(&problem.initial, &mut initial);
-    let mut largest = vec![0.0_f64; count];
-    let mut integrator = Integrator::new(map, &values, 1.0, problem.time_step, &problem.initial);
-    for _ in 0..DRIFT_STEPS {
-        integrator.step()?;
-        observer.evaluate(integrator.state(), &mut now);
-        for ((largest, now), initial) in largest.iter_mut().zip(&now).zip(&initial) {
-            let scale = if *initial == 0.0 { 1.0 } else { initial.abs() };
-            let change = (now - initial).abs() / scale;
-            *largest = if change > *largest || change.is_nan() {
-                change
-            } else {
-                *largest
-            };
-        }
-    }
-    drift.energy = largest[0];
-    drift.casimirs = largest[1..]
-        .iter()
-        .fold(0.0, |m, v| if *v > m { *v } else { m });
-    Ok(drift)
+    })
 }

@@ -50,6 +50,14 @@ pub(super) enum Base {
 }
 
 impl Parts {
+    /// The dynamic approximation, unless a stepper stands in its place.
+    pub fn dynamics(&self) -> Option<Arc<dyn DynamicApproximation>> {
+        match &self.base {
+            Base::Pair(_, dynamics) => Some(Arc::clone(dynamics)),
+            Base::Stepper(_) => None,
+        }
+    }
+
     /// The realization as chosen, for building it again on another lattice.
     pub fn realization(&self) -> Option<&PartChoice> {
         self.choices
@@ -152,12 +160,34 @@ fn pair(
         .realization(request.name())
         .map_err(|_| request.unknown(PartKind::Realization, registry))?;
     let given = request.parameters(part.info())?;
-    let realization = part
-        .build(system, &given)
-        .map_err(|error| request.refused(&error))?;
+    let realization = part.build(system, &given).map_err(|error| {
+        let mut refusal = request.refused(&error);
+        if matches!(error, BuildError::DoesNotFit { .. }) {
+            refusal.help = Some(what_fits(system, registry, dynamics.as_ref()));
+        }
+        refusal
+    })?;
     choices.push(request.choice(part.info(), &given));
     choices.push(dynamics_choice);
     Ok(Base::Pair(realization, dynamics))
+}
+
+/// The realizations that fit a system and a dynamic approximation, as a piece of advice.
+pub(super) fn what_fits(
+    system: &PoissonSystem,
+    registry: &Registry,
+    dynamics: &dyn DynamicApproximation,
+) -> String {
+    let fits = |name: &&str| {
+        let part = registry.realization(name)?;
+        let realization = part.build(system, &PartParameters::new())?;
+        dynamics.bisection(system, &realization).map(drop)
+    };
+    let names: Vec<&str> = registry_names(registry, PartKind::Realization)
+        .into_iter()
+        .filter(|name| fits(name).is_ok())
+        .collect();
+    format!("these fit: {}", names.join(", "))
 }
 
 /// The exact realizations that a choice left open tries, the cheapest first, and why each is taken.

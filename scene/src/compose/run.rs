@@ -10,7 +10,7 @@ use leafwise_core::{
 use super::Refusal;
 use super::lattice::{STEPPER_LIMIT, SceneLattice, shortened};
 use super::observables::Observable;
-use super::parts::{Base, PartChoice, Parts, parts};
+use super::parts::{Base, PartChoice, Parts, parts, what_fits};
 use super::stepping::{LatticeStepping, MapStepping, Stepping};
 use super::system::compose_system;
 use crate::document::{PartSpec, SceneDocument};
@@ -57,12 +57,19 @@ pub fn compose(document: &SceneDocument, registry: &Registry) -> Result<Composed
     let mut composed = compose_system(document)?;
     let parts = parts(document, &composed.system, registry)?;
     let choices = parts.choices.clone();
+    let dynamics = parts.dynamics();
     let method = match SceneLattice::of(document)? {
         None => compose_written(&composed.system, parts),
         Some(lattice) => compose_lattice(&lattice, &composed.system, parts, registry)
             .map(|stepping| Stepping::Lattice(Box::new(stepping))),
     };
-    let method = method.map_err(|error| method_refusal(document, &error))?;
+    let method = method.map_err(|error| {
+        let mut refusal = method_refusal(document, &error);
+        if let (BuildError::Incompatible { .. }, Some(dynamics)) = (&error, &dynamics) {
+            refusal.help = Some(what_fits(&composed.system, registry, dynamics.as_ref()));
+        }
+        refusal
+    })?;
     if let Stepping::Lattice(lattice) = &method {
         composed.system = lattice.method.proxy().clone();
         let geometry = lattice.method.geometry();

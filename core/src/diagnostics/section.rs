@@ -1,0 +1,33 @@
+//! Is σ a section of both maps?
+
+use crate::code_workers::realization_worker;
+use crate::error::{BuildError, StepError};
+use crate::realization::{Ends, RealizationData};
+
+/// max |α̂(σ(x)) − x| and max |β̂(σ(x)) − x| over the coordinates, relative to x: the section
+/// identity α̂∘σ = β̂∘σ = id.
+///
+/// # Errors
+/// [`BuildError`] when the realization offers no maps; the maps' [`StepError`] inside.
+pub fn section_defect(
+    realization: &dyn RealizationData,
+    parameters: &[f64],
+    epsilon: f64,
+    x: &[f64],
+) -> Result<Result<f64, StepError>, BuildError> {
+    let mut worker = realization_worker(realization, parameters, epsilon)?;
+    let mut z = vec![0.0; realization.space_dimension()];
+    realization.section(x, &mut z);
+    let mut ends = Ends::new(x.len());
+    if let Err(error) = worker.ends(&z, &mut ends) {
+        return Ok(Err(error));
+    }
+    let size = x.iter().fold(f64::MIN_POSITIVE, |m, v| m.max(v.abs()));
+    let defect = (0..x.len()).fold(0.0_f64, |largest, i| {
+        let beta = (ends.base[i] - x[i]) + ends.offset[i];
+        largest
+            .max(beta.abs())
+            .max((beta + ends.increment[i]).abs())
+    });
+    Ok(Ok(defect / size))
+}
