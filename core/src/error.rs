@@ -124,7 +124,7 @@ pub enum StepError {
     /// The solution lies outside the realization's chart: its series no longer decays, or its
     /// closed form ends.
     #[error(
-        "the step left the realization's chart: the last term of its series is {ratio:.2} times \
+        "the step left the realization's chart: the last term of its series is {ratio:.1e} times \
          the first, or a closed form's radius is reached {ratio:.2} times; reduce epsilon*h"
     )]
     LeftChart {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::method::Fields;
 use super::program::{LatticeProgram, LatticeWorker};
 use crate::error::StepError;
-use crate::solver::iteration::{LinearIteration, Verdict};
+use crate::solver::iteration::{CorrectionSize, LinearIteration, Verdict};
 use crate::solver::{Extrapolation, SolverStatistics, Stepper};
 
 /// Budget of one step. At t‖DX‖ = 1 the iteration gains a factor of about two each time.
@@ -89,7 +89,7 @@ impl LatticeStepper {
                 worker.field(self.fields.increment),
             );
             let y = worker.field(self.fields.y);
-            let mut size = 0.0_f64;
+            let mut size = CorrectionSize::default();
             let mut finite = true;
             for i in 0..displacement.len() {
                 let here = i * lanes + lane;
@@ -97,12 +97,16 @@ impl LatticeStepper {
                 let correction = (x[here] - y[i]) - offset[i] + low[here];
                 displacement[i] = (y[i] - x[here]) + correction;
                 finite &= correction.is_finite() && change[i].is_finite();
-                if correction != 0.0 {
-                    size = size.max(correction.abs() / (x[here].abs() + change[i].abs()));
-                }
+                size.take(correction, x[here].abs() + change[i].abs());
             }
-            let verdict = match iteration.judge(if finite { size } else { f64::NAN }) {
-                Ok(verdict) => verdict,
+            let verdict = match iteration.judge_correction(&size) {
+                Ok(verdict) if finite => verdict,
+                Ok(_) => {
+                    self.finish(iteration.evaluations());
+                    return Err(StepError::NonFinite {
+                        what: "a correction of the lattice",
+                    });
+                }
                 Err(error) => {
                     self.finish(iteration.evaluations());
                     return Err(error);

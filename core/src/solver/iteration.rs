@@ -2,6 +2,49 @@
 
 use crate::error::StepError;
 
+/// A correction this small beside the whole state is round-off of its largest component.
+pub(super) const NORMWISE_ROUND_OFF: f64 = 16.0 * f64::EPSILON;
+
+/// The size of a correction, component by component and as a whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CorrectionSize {
+    component: f64,
+    largest: f64,
+    state: f64,
+}
+
+impl CorrectionSize {
+    /// Takes in a component's correction and the scale it is judged against, the size of the state
+    /// there and of what is added to it. A component that has no scale yet counts as 1.
+    pub fn take(&mut self, correction: f64, scale: f64) {
+        let size = correction.abs();
+        if size != 0.0 {
+            self.component = larger(self.component, size / (scale + size));
+        }
+        self.largest = larger(self.largest, size);
+        self.state = larger(self.state, scale);
+    }
+
+    /// The largest relative correction of a component, at most 1; NaN where one is not finite.
+    pub fn component(&self) -> f64 {
+        self.component
+    }
+
+    /// The largest correction over the largest scale.
+    pub fn norm(&self) -> f64 {
+        if self.largest == 0.0 {
+            0.0
+        } else {
+            self.largest / self.state
+        }
+    }
+}
+
+/// max that keeps NaN.
+fn larger(a: f64, b: f64) -> f64 {
+    if a >= b { a } else { b }
+}
+
 /// What to do after a correction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
@@ -20,6 +63,7 @@ pub struct LinearIteration {
     last: f64,
     evaluations: usize,
     most: usize,
+    stuck: usize,
 }
 
 impl LinearIteration {
@@ -29,6 +73,7 @@ impl LinearIteration {
             last: f64::INFINITY,
             evaluations: 0,
             most,
+            stuck: 0,
         }
     }
 
@@ -43,6 +88,19 @@ impl LinearIteration {
     /// [`StepError::NonFinite`] for a size that is not finite, [`StepError::NoConvergence`] when
     /// the budget is spent.
     pub fn judge(&mut self, size: f64) -> Result<Verdict, StepError> {
+        self.judge_state(size, f64::INFINITY)
+    }
+
+    /// Takes in the sizes of a correction of a state, whose components may be round-off of larger
+    /// ones: where they stop to shrink and the whole is at round-off, nothing more is to be had.
+    ///
+    /// # Errors
+    /// Those of [`judge`](Self::judge).
+    pub fn judge_correction(&mut self, correction: &CorrectionSize) -> Result<Verdict, StepError> {
+        self.judge_state(correction.component, correction.norm())
+    }
+
+    fn judge_state(&mut self, size: f64, norm: f64) -> Result<Verdict, StepError> {
         self.evaluations += 1;
         if !size.is_finite() {
             return Err(StepError::NonFinite {
@@ -57,7 +115,13 @@ impl LinearIteration {
         };
         let converged = size * rate.min(1.0) <= super::LARGEST_REMAINDER;
         let stagnates = size >= 0.5 * self.last && size <= 64.0 * f64::EPSILON;
-        if converged || stagnates || size == 0.0 {
+        self.stuck = if size >= 0.5 * self.last {
+            self.stuck + 1
+        } else {
+            0
+        };
+        let is_round_off = self.stuck >= 2 && norm <= NORMWISE_ROUND_OFF;
+        if converged || stagnates || is_round_off || size == 0.0 {
             return Ok(Verdict::Converged);
         }
         if self.evaluations >= self.most {

@@ -8,7 +8,7 @@ mod properties;
 mod workers;
 
 pub use extrapolation::Extrapolation;
-pub use iteration::LinearIteration;
+pub use iteration::{CorrectionSize, LinearIteration};
 pub use newton::{NewtonKernel, NewtonStepper};
 pub use properties::{MapProperties, Structure};
 pub(crate) use workers::{MakeWorkers, WorkerStepper};

@@ -6,6 +6,7 @@ use leafwise_expression::{Arithmetic, Rational};
 use leafwise_expression::{Graph, Kernel, OperationCount, Term, Workspace};
 
 use super::extrapolation::Extrapolation;
+use super::iteration::{CorrectionSize, NORMWISE_ROUND_OFF};
 use super::linear::solve_in_place;
 use super::{LARGEST_REMAINDER, SolverStatistics, Stepper, tangent_of_map};
 use crate::error::{BuildError, StepError};
@@ -107,6 +108,8 @@ struct Lane {
     /// The largest ‖δ_{k+1}‖/‖δ_k‖² of recent steps; infinite before any was seen.
     constant: f64,
     last: f64,
+    /// How many corrections in a row did not shrink.
+    stuck: usize,
     evaluations: usize,
     active: bool,
 }
@@ -129,6 +132,7 @@ impl NewtonStepper {
             extrapolation: Extrapolation::new(d),
             constant: f64::INFINITY,
             last: f64::INFINITY,
+            stuck: 0,
             evaluations: 0,
             active: false,
         };
@@ -166,13 +170,22 @@ impl NewtonStepper {
             }
         }
         let solvable = lane.iter().all(|r| r.is_finite()) && solve_in_place(&mut matrix, &mut lane);
-        let mut size = 0.0_f64;
+        let own = |i: usize| x[i * lanes + at].abs() + self.output(2 * d + i, at).abs();
+        let state_size = (0..d).map(own).fold(0.0, f64::max);
+        let mut correction = CorrectionSize::default();
         for i in 0..d {
-            let scale = x[i * lanes + at].abs() + self.output(2 * d + i, at).abs();
-            if lane[i] != 0.0 {
-                size = size.max(lane[i].abs() / scale);
-            }
+            // A component may be the round-off of what the others put into it, Σ_j |D − 1|_ij |y_j|;
+            // never that of more than the state, however large a step is tried.
+            let reach: f64 = (0..d)
+                .map(|j| {
+                    let unit = if i == j { 1.0 } else { 0.0 };
+                    let slope = (self.output(3 * d + i * d + j, at) - unit).abs();
+                    slope * (self.lanes[at].y[j].abs() + lane[j].abs())
+                })
+                .sum();
+            correction.take(lane[i], own(i) + reach.min(state_size));
         }
+        let size = correction.component();
         let state = &mut self.lanes[at];
         state.jacobian = matrix;
         state.correction = lane;
@@ -202,8 +215,11 @@ impl NewtonStepper {
         } else {
             SAFETY * state.constant * size * size
         };
-        let stagnates = size >= 0.5 * state.last && size <= 64.0 * f64::EPSILON;
-        let done = remainder <= LARGEST_REMAINDER || stagnates;
+        let is_stuck = size >= 0.5 * state.last;
+        state.stuck = if is_stuck { state.stuck + 1 } else { 0 };
+        let stagnates = is_stuck && size <= 64.0 * f64::EPSILON;
+        let is_round_off = state.stuck >= 2 && correction.norm() <= NORMWISE_ROUND_OFF;
+        let done = remainder <= LARGEST_REMAINDER || stagnates || is_round_off;
         for i in 0..d {
             state.y[i] += state.correction[i];
         }
@@ -262,6 +278,7 @@ impl Stepper for NewtonStepper {
                 lane.y[i] = x[i * lanes + at] + lane.correction[i];
             }
             lane.last = f64::INFINITY;
+            lane.stuck = 0;
             lane.evaluations = 0;
             lane.active = true;
         }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::iteration::{LinearIteration, Verdict};
+use super::iteration::{CorrectionSize, LinearIteration, Verdict};
 use super::{Extrapolation, SolverStatistics, Stepper};
 use crate::dynamics::{BisectionWorker, Correction};
 use crate::error::StepError;
@@ -141,15 +141,12 @@ impl Trajectory {
                     });
                 }
             }
-            let mut size = 0.0_f64;
+            let mut correction = CorrectionSize::default();
             for i in 0..d {
-                let scale = x[i].abs() + self.ends.increment[i].abs();
-                if self.residual[i] != 0.0 {
-                    size = larger(size, self.residual[i].abs() / scale);
-                }
+                correction.take(self.residual[i], x[i].abs() + self.ends.increment[i].abs());
                 self.y[i] += self.residual[i];
             }
-            if iteration.judge(size)? == Verdict::Converged {
+            if iteration.judge_correction(&correction)? == Verdict::Converged {
                 break;
             }
         }
@@ -176,11 +173,6 @@ impl Trajectory {
         self.extrapolation.record(&self.displacement);
         Ok(evaluations)
     }
-}
-
-/// max that keeps NaN.
-fn larger(a: f64, b: f64) -> f64 {
-    if a >= b { a } else { b }
 }
 
 fn finite(increment: &[f64]) -> Result<(), StepError> {

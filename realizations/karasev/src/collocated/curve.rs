@@ -1,8 +1,8 @@
 //! The nodal values Y_j = x + ε Σ_k A_jk Π(Y_k) p at fixed (x, p).
 
 use leafwise_core::StepError;
-use leafwise_core::solver::LinearIteration;
 use leafwise_core::solver::iteration::Verdict;
+use leafwise_core::solver::{CorrectionSize, LinearIteration};
 use nalgebra::{DMatrix, DVector};
 
 use super::field::{Field, FieldWorker};
@@ -87,20 +87,17 @@ impl Curve {
         let mut iteration = LinearIteration::new(MOST_ITERATIONS);
         loop {
             self.evaluate(p);
-            let mut size = 0.0_f64;
+            let mut size = CorrectionSize::default();
             for j in 0..q {
                 let row = &self.rule.matrix[j * q..][..q];
                 for i in 0..d {
                     let offset = self.combination(epsilon, row, i);
                     let change = (x[i] - self.nodes[j * d + i]) + offset;
-                    let scale = x[i].abs() + offset.abs();
-                    if change != 0.0 {
-                        size = larger(size, change.abs() / scale);
-                    }
+                    size.take(change, x[i].abs() + offset.abs());
                     self.nodes[j * d + i] = x[i] + offset;
                 }
             }
-            match iteration.judge(size) {
+            match iteration.judge_correction(&size) {
                 Ok(Verdict::Continue) => {}
                 Ok(Verdict::Converged) => {
                     self.evaluate(p);
@@ -136,15 +133,12 @@ impl Curve {
             let change = jacobian.lu().solve(&residual).ok_or(StepError::NonFinite {
                 what: "a Newton correction of the curve",
             })?;
-            let mut size = 0.0_f64;
+            let mut size = CorrectionSize::default();
             for (index, change) in change.iter().enumerate() {
                 self.nodes[index] += change;
-                if *change != 0.0 {
-                    let scale = x[index % d].abs() + self.nodes[index].abs();
-                    size = larger(size, change.abs() / scale);
-                }
+                size.take(*change, x[index % d].abs() + self.nodes[index].abs());
             }
-            if iteration.judge(size)? == Verdict::Converged {
+            if iteration.judge_correction(&size)? == Verdict::Converged {
                 self.evaluate(p);
                 return Ok(());
             }
@@ -176,9 +170,4 @@ impl Curve {
         let y = &self.nodes[k * d..][..d];
         self.field.slopes(y, p, by_y, by_p);
     }
-}
-
-/// max that keeps NaN.
-pub(super) fn larger(a: f64, b: f64) -> f64 {
-    if a >= b { a } else { b }
 }

@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use leafwise_core::solver::iteration::Verdict;
-use leafwise_core::solver::{Extrapolation, LinearIteration};
+use leafwise_core::solver::{CorrectionSize, Extrapolation, LinearIteration};
 use leafwise_core::{
     BuildError, LagrangianBisection, MapProperties, RealizationData, RealizationWorker,
     SolverStatistics, StepError, StepMap, Stepper,
@@ -15,7 +15,7 @@ use leafwise_core::{
 use leafwise_expression::{Graph, Kernel, StepSize, Term, Workspace};
 use nalgebra::DMatrix;
 
-use super::curve::{Curve, larger};
+use super::curve::Curve;
 use super::data::CollocatedKarasev;
 use super::worker::{CollocatedWorker, SHORT_TAIL};
 
@@ -159,7 +159,7 @@ impl Trajectory {
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         loop {
             self.curve.evaluate(&self.p);
-            let mut size = 0.0_f64;
+            let mut size = CorrectionSize::default();
             for i in 0..d {
                 let end = self.curve.combination(epsilon, &self.curve.rule.end, i);
                 let mut mean = 0.0;
@@ -167,10 +167,7 @@ impl Trajectory {
                     let row = &self.curve.rule.matrix[j * q..][..q];
                     let offset = self.curve.combination(epsilon, row, i) - end + low[i];
                     let change = (x[i] - self.curve.nodes[j * d + i]) + offset;
-                    let scale = x[i].abs() + offset.abs();
-                    if change != 0.0 {
-                        size = larger(size, change.abs() / scale);
-                    }
+                    size.take(change, x[i].abs() + offset.abs());
                     self.curve.nodes[j * d + i] = x[i] + offset;
                     mean += self.curve.rule.weights[j] * offset;
                 }
@@ -178,7 +175,7 @@ impl Trajectory {
                 self.centre[i] = x[i] + mean;
             }
             self.one_form();
-            if iteration.judge(size)? == Verdict::Converged {
+            if iteration.judge_correction(&size)? == Verdict::Converged {
                 return Ok(iteration.evaluations());
             }
         }
