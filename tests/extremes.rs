@@ -5,7 +5,9 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
-use leafwise::core::{Integrator, Method, PoissonSystem, StepError, StepMap};
+use leafwise::core::{
+    Integrator, Method, PartParameters, PoissonSystem, Registry, StepError, StepMap,
+};
 use leafwise::expression::{Arithmetic, Graph, Kernel, StepSize, Term};
 use leafwise_tests::methods::increment;
 use leafwise_tests::numbers::{UNIT_ROUNDOFF, distance, largest};
@@ -419,6 +421,45 @@ fn components_that_are_round_off_of_others_converge() {
         for step in 0..200 {
             let outcome = integrator.step();
             assert!(outcome.is_ok(), "{x:?}, step {step}: {outcome:?}");
+        }
+    }
+}
+
+/// The same for parts that compute numbers: their solves are iterations of their own.
+#[test]
+fn zero_components_step_over_every_path() {
+    let registry = Registry::with_builtin();
+    for id in ["heavy-top", "so4", "rigid-body"] {
+        let problem = library(id);
+        let parameters = problem.system.parameter_values();
+        for (realization, dynamics) in [
+            ("karasev-collocated", "hamilton-jacobi"),
+            ("lie-poisson", "hamilton-jacobi"),
+            ("karasev-truncated", "collective"),
+        ] {
+            let defaults = PartParameters::new();
+            let realization = registry
+                .realization(realization)
+                .and_then(|part| part.build(&problem.system, &defaults))
+                .expect("a realization");
+            let dynamics = registry
+                .dynamics(dynamics)
+                .and_then(|part| part.build(&defaults))
+                .expect("a dynamic approximation");
+            let method = Method::compose(&problem.system, realization, dynamics).expect("a pair");
+            for kept in 0..problem.initial.len() {
+                let mut x = vec![0.0; problem.initial.len()];
+                x[kept] = 1.0;
+                let mut integrator = Integrator::new(&method, &parameters, 1.0, 0.05, &x);
+                for step in 0..30 {
+                    let outcome = integrator.step();
+                    let name = method.describe();
+                    assert!(
+                        outcome.is_ok(),
+                        "{id}, {name} from {x:?}, {step}: {outcome:?}"
+                    );
+                }
+            }
         }
     }
 }

@@ -124,8 +124,8 @@ pub enum StepError {
     /// The solution lies outside the realization's chart: its series no longer decays, or its
     /// closed form ends.
     #[error(
-        "the step left the realization's chart: the last term of its series is {ratio:.1e} times \
-         the first, or a closed form's radius is reached {ratio:.2} times; reduce epsilon*h"
+        "the step left the realization's chart: the last term of its series over the first, or a \
+         radius over its limit, is {ratio:.1e}; reduce epsilon*h"
     )]
     LeftChart {
         /// Size of the last term over that of the first; distance from the section over the radius.

@@ -247,3 +247,42 @@ fn a_million_sites_are_built_as_quickly_as_a_hundred() {
     };
     assert_eq!(operations(1_000_000), 10_000 * operations(100));
 }
+
+/// At an open end a spring is missing, not the mass it hangs on.
+#[test]
+fn a_term_that_reaches_outside_leaves_the_others_of_its_summand() {
+    let together = Chain::new(&[30, 30], false, "sum(i, x[i]^2/2 + (y[i+1] - y[i])^2/2)");
+    let halved = Chain::new(&[30, 30], false, "sum(i, (x[i]^2 + (y[i+1] - y[i])^2)/2)");
+    let apart = Chain::new(
+        &[30, 30],
+        false,
+        "sum(i, x[i]^2/2) + sum(i, (y[i+1] - y[i])^2/2)",
+    );
+    let state: Vec<f64> = (0..60)
+        .map(|c| 1.0 + 0.3 * libm::sin(1.7 * f64::from(c)))
+        .collect();
+    let mut expected: f64 = state[..30].iter().map(|p| p * p / 2.0).sum();
+    expected += state[30..]
+        .windows(2)
+        .map(|q| (q[1] - q[0]) * (q[1] - q[0]) / 2.0)
+        .sum::<f64>();
+    for chain in [together, halved, apart] {
+        let mut value = [0.0];
+        let mut densities = LatticeObservables::new(&chain, &[], 0..1).expect("densities");
+        densities.evaluate(&state, &mut value);
+        let system = chain.write_out(chain.geometry()).expect("fits");
+        let written = system.hamiltonian().evaluate(&state, &[]);
+        // 60 terms of size 1, added in different orders.
+        let tolerance = 60.0 * 60.0 * f64::EPSILON;
+        assert!(
+            (value[0] - expected).abs() < tolerance,
+            "{}: {value:?}",
+            chain.hamiltonian
+        );
+        assert!(
+            (written - expected).abs() < tolerance,
+            "{}: {written}",
+            chain.hamiltonian
+        );
+    }
+}

@@ -73,6 +73,10 @@ fn part(info: &PartInfo) -> Vec<String> {
         labelled(&mut lines, label, text);
     }
     lines.push(String::new());
+    if info.parameters.is_empty() {
+        lines.push("  no parameters".to_owned());
+        return lines;
+    }
     lines.push("  parameters:".to_owned());
     let rows: Vec<Vec<String>> = info
         .parameters

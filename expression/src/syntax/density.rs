@@ -46,16 +46,12 @@ impl Formula {
         for (factors, index, body) in parts.sums {
             let mut inner = inner_index(self.text(), index, None)?;
             inner.value = site;
-            match resolver.expression(body, Some(&inner)) {
-                Ok(body) => {
-                    let mut product = vec![body];
-                    for factor in &factors {
-                        product.push(factor.resolve(&mut resolver).map_err(unboxed)?);
-                    }
-                    terms.push(Expression::Product(product));
+            if let Some(body) = resolver.inside(body, &inner).map_err(unboxed)? {
+                let mut product = vec![body];
+                for factor in &factors {
+                    product.push(factor.resolve(&mut resolver).map_err(unboxed)?);
                 }
-                Err(Stop::Outside { level }) if level == inner.level => {}
-                Err(stop) => return Err(unboxed(stop)),
+                terms.push(Expression::Product(product));
             }
         }
         Ok(Density {
@@ -143,7 +139,8 @@ fn depends_on_sites(node: &Node) -> bool {
         || node.kind.children().iter().any(depends_on_sites)
 }
 
-fn is_constant(node: &Node) -> bool {
+/// Whether a formula has the same value at every site.
+pub(super) fn is_constant(node: &Node) -> bool {
     !has_sum(node) && !depends_on_sites(node)
 }
 

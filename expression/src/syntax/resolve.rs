@@ -1,5 +1,6 @@
 //! From a formula to an exact expression at one site.
 
+use super::density::is_constant;
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::formula::Formula;
 use super::scope::{Bound, LENGTH, Place, SUM, Scope, find};
@@ -17,7 +18,7 @@ impl Formula {
     /// The expression that the formula is at one site.
     ///
     /// `index` is the name and the value of the free index. At an open boundary a summand of
-    /// `sum(i, …)` that reaches outside by way of `i` is dropped; a formula that reaches outside
+    /// `sum(i, …)`, each of its additive terms, that reaches outside by way of `i` is dropped; a formula that reaches outside
     /// by way of the free index is absent: `Ok(None)`. Quotients and signs of numbers are carried
     /// out.
     ///
@@ -174,13 +175,58 @@ impl<'a> Resolver<'a> {
             self.terms += 1;
             check_terms(self.terms, span)?;
             inner.value = value;
-            match self.expression(body, Some(&inner)) {
-                Ok(term) => terms.push(term),
-                Err(Stop::Outside { level }) if level == inner.level => {}
-                Err(stop) => return Err(stop),
-            }
+            terms.extend(self.inside(body, &inner)?);
         }
         Ok(Expression::Sum(terms))
+    }
+
+    /// A summand without its additive terms that reach outside by way of the index `inner`; `None`
+    /// when nothing is left. Constant factors and divisors are carried to the terms.
+    pub(super) fn inside(
+        &mut self,
+        node: &Node,
+        inner: &Bound<'_>,
+    ) -> Result<Option<Expression>, Stop> {
+        match &node.kind {
+            Kind::Sum(terms) => {
+                let mut kept = Vec::with_capacity(terms.len());
+                for term in terms {
+                    kept.extend(self.inside(term, inner)?);
+                }
+                Ok(if kept.is_empty() {
+                    None
+                } else {
+                    Some(Expression::Sum(kept))
+                })
+            }
+            Kind::Negate(operand) => Ok(self
+                .inside(operand, inner)?
+                .map(|kept| negated(Box::new(kept)))),
+            Kind::Quotient(pair) if is_constant(&pair[1]) => {
+                let Some(above) = self.inside(&pair[0], inner)? else {
+                    return Ok(None);
+                };
+                let below = self.boxed(&pair[1], Some(inner))?;
+                Ok(Some(quotient(Box::new(above), below)))
+            }
+            Kind::Product(factors)
+                if factors.iter().filter(|factor| !is_constant(factor)).count() == 1 =>
+            {
+                let mut product = Vec::with_capacity(factors.len());
+                for factor in factors {
+                    let Some(factor) = self.inside(factor, inner)? else {
+                        return Ok(None);
+                    };
+                    product.push(factor);
+                }
+                Ok(Some(Expression::Product(product)))
+            }
+            _ => match self.expression(node, Some(inner)) {
+                Ok(term) => Ok(Some(term)),
+                Err(Stop::Outside { level }) if level == inner.level => Ok(None),
+                Err(stop) => Err(stop),
+            },
+        }
     }
 }
 
