@@ -55,15 +55,18 @@ fn collective(integrator: &str, stages: i64) -> (&'static str, PartParameters) {
     ("collective", given)
 }
 
+/// A system, an exact realization, one that offers code, and a step.
+struct Case {
+    problem: Problem,
+    exact: Arc<dyn RealizationData>,
+    code: Arc<dyn RealizationData>,
+    t: f64,
+}
+
 /// The four systems, each with an exact realization and one that offers code, which collective
 /// integrators need: a closed form, or the truncation after n = 8, whose first missing term,
 /// 2(t‖Z‖/2π)^10 with t‖Z‖ below 0.1, is far below round-off at the step that is taken.
-fn cases() -> Vec<(
-    Problem,
-    Arc<dyn RealizationData>,
-    Arc<dyn RealizationData>,
-    f64,
-)> {
+fn cases() -> Vec<Case> {
     let case = |id: &str, exact: &str, code: &str, n: i64, t: f64| {
         let problem = library(id);
         let exact = realization(&problem.system, exact, PartParameters::new());
@@ -74,7 +77,12 @@ fn cases() -> Vec<(
             given
         };
         let code = realization(&problem.system, code, given);
-        (problem, exact, code, t)
+        Case {
+            problem,
+            exact,
+            code,
+            t,
+        }
     };
     vec![
         case("rigid-body", "so3-exponential", "so3-exponential", 0, 0.1),
@@ -129,7 +137,10 @@ fn assert_poisson(problem: &Problem, map: &dyn StepMap, t: f64) {
 
 #[test]
 fn hamilton_jacobi_over_exact_realizations_is_poisson() {
-    for (problem, exact, _, t) in cases() {
+    for Case {
+        problem, exact, t, ..
+    } in cases()
+    {
         for m in [2, 4, 6, 8] {
             assert_poisson(
                 &problem,
@@ -142,7 +153,10 @@ fn hamilton_jacobi_over_exact_realizations_is_poisson() {
 
 #[test]
 fn corrected_collective_methods_over_exact_realizations_are_poisson() {
-    for (problem, _, code, t) in cases() {
+    for Case {
+        problem, code, t, ..
+    } in cases()
+    {
         for (integrator, stages) in [
             ("stormer-verlet", 0),
             ("implicit-midpoint", 0),
@@ -159,7 +173,10 @@ fn corrected_collective_methods_over_exact_realizations_are_poisson() {
 #[test]
 fn compositions_over_exact_realizations_are_poisson() {
     let registry = Registry::with_builtin();
-    for (problem, exact, _, t) in cases() {
+    for Case {
+        problem, exact, t, ..
+    } in cases()
+    {
         for name in [
             "triple-jump",
             "suzuki-4",
@@ -210,7 +227,13 @@ fn realizations_of_so3_in_the_exponential_chart_are_one() {
 
 #[test]
 fn sigma_is_a_section_of_every_realization() {
-    for (problem, exact, code, _) in cases() {
+    for Case {
+        problem,
+        exact,
+        code,
+        ..
+    } in cases()
+    {
         let values = problem.system.parameter_values();
         for realization in [&exact, &code] {
             let defect = section_defect(realization.as_ref(), &values, 0.7, &problem.initial)
