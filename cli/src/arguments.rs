@@ -107,7 +107,7 @@ pub struct VerifyArguments {
     /// Override a value of the scene, as in --set method.epsilon=0.05
     #[arg(long = "set", value_name = "KEY=VALUE", requires = "scene")]
     pub overrides: Vec<String>,
-    /// The whole library and several orders of every part
+    /// The whole library and several orders of every part: takes many minutes
     #[arg(long)]
     pub full: bool,
     /// Print one JSON object on standard output

@@ -155,5 +155,9 @@ fn a_pair_that_cannot_be_combined_is_refused_with_what_fits() {
             "so3-cayley",
         ],
     );
-    refused(&["method.realization=darboux-magnetic"], &["potential"]);
+    let magnetic = "[system]\nlibrary = \"magnetic\"\n[method]\n\
+                    realization = \"darboux-magnetic\"\ntime-step = 0.1\n\
+                    [run]\ninitial = [1, 0, 0, 0, 1, 0]\nsteps = 1\n";
+    here.write("scene.toml", magnetic);
+    refused(&[], &["potential"]);
 }
