@@ -4,7 +4,8 @@ mod allocate;
 mod code;
 mod compile;
 mod interpreter;
+mod workspace;
 
 pub use code::{Code, Instruction, OperationCount};
 pub use compile::Kernel;
-pub use interpreter::Workspace;
+pub use workspace::Workspace;

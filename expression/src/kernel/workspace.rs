@@ -1,0 +1,113 @@
+//! Slots and coefficients of one caller of a kernel, and what it does with them.
+
+use super::compile::Kernel;
+use super::interpreter::run;
+
+/// Slots and coefficients of one caller of a [`Kernel`], for a fixed number of lanes.
+///
+/// Lane-wise layout: `inputs` and `outputs` are structures of arrays, coordinate j of lane w at
+/// `[j*lanes + w]`. A lane's result has the same bits whatever the number of lanes.
+#[derive(Clone, Debug)]
+pub struct Workspace {
+    lanes: usize,
+    slots: Vec<f64>,
+}
+
+impl Kernel {
+    /// A workspace for `lanes` trajectories, its coefficients not yet prepared (all NaN).
+    ///
+    /// # Panics
+    /// When `lanes` is 0.
+    pub fn workspace(&self, lanes: usize) -> Workspace {
+        assert!(lanes > 0, "a kernel evaluates at least one lane");
+        let mut slots = vec![f64::NAN; self.step_code.slots * lanes];
+        for &(slot, value) in &self.step_code.constants {
+            slots[slot as usize * lanes..][..lanes].fill(value);
+        }
+        Workspace { lanes, slots }
+    }
+
+    /// Runs the coefficient kernel: `parameters` as a structure of arrays over the lanes, one ε and
+    /// h for each lane.
+    ///
+    /// # Panics
+    /// When a slice does not have `parameters × lanes` or `lanes` entries.
+    pub fn prepare(
+        &self,
+        workspace: &mut Workspace,
+        parameters: &[f64],
+        epsilon: &[f64],
+        h: &[f64],
+    ) {
+        let lanes = workspace.lanes;
+        assert_eq!(
+            parameters.len(),
+            self.parameters * lanes,
+            "one value a parameter and lane"
+        );
+        assert_eq!(
+            (epsilon.len(), h.len()),
+            (lanes, lanes),
+            "one step size a lane"
+        );
+        let code = &self.coefficient_code;
+        let mut slots = vec![0.0; code.slots * lanes];
+        slots[..parameters.len()].copy_from_slice(parameters);
+        slots[parameters.len()..][..lanes].copy_from_slice(epsilon);
+        slots[parameters.len() + lanes..][..lanes].copy_from_slice(h);
+        for &(slot, value) in &code.constants {
+            slots[slot as usize * lanes..][..lanes].fill(value);
+        }
+        run(code, &mut slots, lanes);
+        for (at, &slot) in code.outputs.iter().enumerate() {
+            workspace.slots[(self.inputs + at) * lanes..][..lanes]
+                .copy_from_slice(&slots[slot as usize * lanes..][..lanes]);
+        }
+    }
+
+    /// Runs the step kernel on `inputs` (inputs × lanes), writes `outputs` (outputs × lanes).
+    ///
+    /// # Panics
+    /// When a slice has another length.
+    pub fn evaluate(&self, workspace: &mut Workspace, inputs: &[f64], outputs: &mut [f64]) {
+        let lanes = workspace.lanes;
+        workspace.slots[..self.inputs * lanes].copy_from_slice(inputs);
+        self.evaluate_in_place(workspace);
+        assert_eq!(
+            outputs.len(),
+            self.outputs() * lanes,
+            "one value an output and lane"
+        );
+        for (&slot, out) in self
+            .step_code
+            .outputs
+            .iter()
+            .zip(outputs.chunks_exact_mut(lanes))
+        {
+            out.copy_from_slice(&workspace.slots[slot as usize * lanes..][..lanes]);
+        }
+    }
+
+    /// Runs the step kernel on the inputs that stand in the workspace.
+    pub fn evaluate_in_place(&self, workspace: &mut Workspace) {
+        run(&self.step_code, &mut workspace.slots, workspace.lanes);
+    }
+
+    /// The values of one output, a number a lane.
+    pub fn output<'a>(&self, workspace: &'a Workspace, index: usize) -> &'a [f64] {
+        let lanes = workspace.lanes;
+        &workspace.slots[self.step_code.outputs[index] as usize * lanes..][..lanes]
+    }
+}
+
+impl Workspace {
+    /// The number of lanes.
+    pub fn lanes(&self) -> usize {
+        self.lanes
+    }
+
+    /// The values of one input, a number a lane.
+    pub fn input_mut(&mut self, index: usize) -> &mut [f64] {
+        &mut self.slots[index * self.lanes..][..self.lanes]
+    }
+}
