@@ -13,7 +13,7 @@
 //! - [`solver`]: the step solver, one Newton iteration a lane.
 //! - [`integrator`]: the compensated step loop.
 //! - [`lattice`]: long lattices in O(N) time and memory a step.
-//! - [`part`], [`registry`]: parts by name, built in or loaded.
+//! - [`part`], [`part_description`], [`origin`], [`registry`]: parts by name, built in or loaded.
 //! - [`diagnostics`]: realization error, tensor defect, fitted slopes, Jacobi and Casimir checks.
 //! - [`error`]: typed failures.
 
@@ -24,7 +24,9 @@ pub mod error;
 pub mod integrator;
 pub mod lattice;
 pub mod method;
+pub mod origin;
 pub mod part;
+pub mod part_description;
 pub mod quadrature;
 pub mod realization;
 pub mod registry;
@@ -40,11 +42,12 @@ pub use error::{BuildError, StepError};
 pub use integrator::Integrator;
 pub use lattice::LatticeMethod;
 pub use method::Method;
+pub use origin::Origin;
 pub use part::{PartInfo, PartKind, PartParameters};
 pub use realization::{
     Accuracy, Ends, LagrangianChart, RealizationCode, RealizationData, RealizationWorker,
     SourceRecursion, SourceSeries, SourceTarget,
 };
-pub use registry::Registry;
+pub use registry::{Part, Registry, RegistryError};
 pub use solver::{MapProperties, Observe, SolverStatistics, StepMap, Stepper, Structure};
 pub use system::{Convention, PoissonSystem};

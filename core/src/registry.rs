@@ -1,14 +1,29 @@
-//! Parts found by name: an ordinary value, filled from what is linked into the program.
+//! Parts found by name: an ordinary value, filled from what is linked into the program and from
+//! what is loaded at run time.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use thiserror::Error;
+
 use crate::dynamics::DynamicApproximation;
 use crate::error::BuildError;
+use crate::origin::Origin;
 use crate::part::{PartInfo, PartKind, PartParameters};
 use crate::realization::RealizationData;
 use crate::solver::StepMap;
 use crate::system::PoissonSystem;
+
+/// A Poisson system that can be built from parameters.
+pub trait SystemPart: Send + Sync {
+    /// What it declares.
+    fn info(&self) -> &'static PartInfo;
+    /// The system (M, π, H).
+    ///
+    /// # Errors
+    /// [`BuildError`] when a parameter is out of range.
+    fn build(&self, parameters: &PartParameters) -> Result<PoissonSystem, BuildError>;
+}
 
 /// A realization that can be built for a system.
 pub trait RealizationPart: Send + Sync {
@@ -69,28 +84,122 @@ pub trait CompositionPart: Send + Sync {
     ) -> Result<Arc<dyn StepMap>, BuildError>;
 }
 
-/// A built-in part, submitted by its crate with `inventory::submit!`.
-#[derive(Clone, Copy)]
-pub enum BuiltIn {
+/// A part of any kind.
+#[derive(Clone)]
+pub enum Part {
+    /// A system.
+    System(Arc<dyn SystemPart>),
     /// A realization.
-    Realization(&'static dyn RealizationPart),
+    Realization(Arc<dyn RealizationPart>),
     /// A dynamic approximation.
-    Dynamics(&'static dyn DynamicsPart),
+    Dynamics(Arc<dyn DynamicsPart>),
     /// A step map.
-    Stepper(&'static dyn StepperPart),
+    Stepper(Arc<dyn StepperPart>),
     /// A composition.
-    Composition(&'static dyn CompositionPart),
+    Composition(Arc<dyn CompositionPart>),
 }
+
+impl Part {
+    /// What it declares.
+    pub fn info(&self) -> &'static PartInfo {
+        match self {
+            Self::System(part) => part.info(),
+            Self::Realization(part) => part.info(),
+            Self::Dynamics(part) => part.info(),
+            Self::Stepper(part) => part.info(),
+            Self::Composition(part) => part.info(),
+        }
+    }
+
+    /// What it is.
+    pub fn kind(&self) -> PartKind {
+        match self {
+            Self::System(_) => PartKind::System,
+            Self::Realization(_) => PartKind::Realization,
+            Self::Dynamics(_) => PartKind::Dynamics,
+            Self::Stepper(_) => PartKind::Stepper,
+            Self::Composition(_) => PartKind::Composition,
+        }
+    }
+}
+
+/// A part of a crate that is linked into the program; see [`built_in!`](crate::built_in).
+#[derive(Clone, Copy, Debug)]
+pub struct BuiltIn {
+    /// Makes the part.
+    pub make: fn() -> Part,
+    /// The crate's name.
+    pub package: &'static str,
+    /// The crate's version.
+    pub version: &'static str,
+}
+
+#[doc(hidden)]
+pub use inventory;
 
 inventory::collect!(BuiltIn);
 
-/// The parts a program knows, by kind and name.
+/// Makes a part of this crate one of [`Registry::with_builtin`]:
+/// `built_in!(Realization, expression)`, with the variant of [`Part`](crate::registry::Part) and the
+/// value that implements its trait.
+#[macro_export]
+macro_rules! built_in {
+    ($kind:ident, $part:expr) => {
+        $crate::registry::inventory::submit! {
+            $crate::registry::BuiltIn {
+                make: || $crate::registry::Part::$kind(::std::sync::Arc::new($part)),
+                package: env!("CARGO_PKG_NAME"),
+                version: env!("CARGO_PKG_VERSION"),
+            }
+        }
+    };
+}
+
+/// Why a part was not registered. The registry is unchanged.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum RegistryError {
+    /// A name that is taken, by whatever kind of part.
+    #[error(
+        "the {kind} `{name}` from {offered} cannot be registered: a {taken} of this name is there \
+         already, from {origin}; load one of them only, or rename one"
+    )]
+    Duplicate {
+        /// The name of both.
+        name: &'static str,
+        /// The kind of the part offered.
+        kind: &'static str,
+        /// Where it comes from.
+        offered: Box<Origin>,
+        /// The kind of the part that has the name.
+        taken: &'static str,
+        /// Where that one comes from.
+        origin: Box<Origin>,
+    },
+    /// A part that declares another kind than it is registered as.
+    #[error("`{name}` from {offered} declares itself a {declared} and is offered as a {kind}")]
+    Kind {
+        /// Its name.
+        name: &'static str,
+        /// What it declares.
+        declared: &'static str,
+        /// What it is offered as.
+        kind: &'static str,
+        /// Where it comes from.
+        offered: Box<Origin>,
+    },
+}
+
+#[derive(Clone)]
+struct Entry {
+    part: Part,
+    origin: Origin,
+}
+
+/// The parts a program knows, by name. A name stands for one part, whatever its kind.
 #[derive(Clone, Default)]
 pub struct Registry {
-    realizations: BTreeMap<&'static str, &'static dyn RealizationPart>,
-    dynamics: BTreeMap<&'static str, &'static dyn DynamicsPart>,
-    steppers: BTreeMap<&'static str, &'static dyn StepperPart>,
-    compositions: BTreeMap<&'static str, &'static dyn CompositionPart>,
+    entries: BTreeMap<&'static str, Entry>,
 }
 
 impl Registry {
@@ -106,97 +215,132 @@ impl Registry {
     /// When two linked crates submit the same name: a defect of the program itself.
     pub fn with_builtin() -> Self {
         let mut registry = Self::empty();
-        for part in inventory::iter::<BuiltIn> {
-            let fresh = match *part {
-                BuiltIn::Realization(part) => registry
-                    .realizations
-                    .insert(part.info().name, part)
-                    .is_none(),
-                BuiltIn::Dynamics(part) => {
-                    registry.dynamics.insert(part.info().name, part).is_none()
-                }
-                BuiltIn::Stepper(part) => {
-                    registry.steppers.insert(part.info().name, part).is_none()
-                }
-                BuiltIn::Composition(part) => registry
-                    .compositions
-                    .insert(part.info().name, part)
-                    .is_none(),
-            };
-            assert!(fresh, "two built-in parts share a name");
+        for built_in in inventory::iter::<BuiltIn> {
+            let origin = Origin::built_in(built_in.package, built_in.version);
+            if let Err(defect) = registry.register((built_in.make)(), origin) {
+                panic!("{defect}");
+            }
         }
         registry
     }
 
-    /// What every part declares, by kind and name.
+    /// Adds a part.
+    ///
+    /// # Errors
+    /// [`RegistryError::Duplicate`] when its name is taken, [`RegistryError::Kind`] when it declares
+    /// another kind than it has; nothing is added then.
+    pub fn register(&mut self, part: Part, origin: Origin) -> Result<(), RegistryError> {
+        let (info, kind) = (part.info(), part.kind());
+        if info.kind != kind {
+            return Err(RegistryError::Kind {
+                name: info.name,
+                declared: info.kind.noun(),
+                kind: kind.noun(),
+                offered: Box::new(origin),
+            });
+        }
+        if let Some(entry) = self.entries.get(info.name) {
+            return Err(RegistryError::Duplicate {
+                name: info.name,
+                kind: kind.noun(),
+                offered: Box::new(origin),
+                taken: entry.part.kind().noun(),
+                origin: Box::new(entry.origin.clone()),
+            });
+        }
+        self.entries.insert(info.name, Entry { part, origin });
+        Ok(())
+    }
+
+    /// What every part declares, sorted by kind and name.
     pub fn parts(&self) -> Vec<&'static PartInfo> {
-        self.realizations
-            .values()
-            .map(|p| p.info())
-            .chain(self.dynamics.values().map(|p| p.info()))
-            .chain(self.steppers.values().map(|p| p.info()))
-            .chain(self.compositions.values().map(|p| p.info()))
-            .collect()
+        self.listing().into_iter().map(|(info, _)| info).collect()
+    }
+
+    /// What every part declares and where it comes from, sorted by kind and name.
+    pub fn listing(&self) -> Vec<(&'static PartInfo, &Origin)> {
+        let entries = self.entries.values();
+        let mut listing: Vec<_> = entries.map(|e| (e.part.info(), &e.origin)).collect();
+        listing.sort_by_key(|(info, _)| info.kind);
+        listing
+    }
+
+    /// Where the part of this name comes from.
+    pub fn origin(&self, name: &str) -> Option<&Origin> {
+        self.entries.get(name).map(|entry| &entry.origin)
+    }
+
+    fn part(&self, name: &str) -> Option<&Part> {
+        self.entries.get(name).map(|entry| &entry.part)
+    }
+
+    /// The system of this name.
+    ///
+    /// # Errors
+    /// [`BuildError::UnknownPart`] with the nearest name.
+    pub fn system(&self, name: &str) -> Result<Arc<dyn SystemPart>, BuildError> {
+        match self.part(name) {
+            Some(Part::System(part)) => Ok(Arc::clone(part)),
+            _ => Err(self.unknown(PartKind::System, name)),
+        }
     }
 
     /// The realization of this name.
     ///
     /// # Errors
     /// [`BuildError::UnknownPart`] with the nearest name.
-    pub fn realization(&self, name: &str) -> Result<&'static dyn RealizationPart, BuildError> {
-        self.realizations
-            .get(name)
-            .copied()
-            .ok_or_else(|| unknown(PartKind::Realization, name, self.realizations.keys()))
+    pub fn realization(&self, name: &str) -> Result<Arc<dyn RealizationPart>, BuildError> {
+        match self.part(name) {
+            Some(Part::Realization(part)) => Ok(Arc::clone(part)),
+            _ => Err(self.unknown(PartKind::Realization, name)),
+        }
     }
 
     /// The dynamic approximation of this name.
     ///
     /// # Errors
     /// [`BuildError::UnknownPart`] with the nearest name.
-    pub fn dynamics(&self, name: &str) -> Result<&'static dyn DynamicsPart, BuildError> {
-        self.dynamics
-            .get(name)
-            .copied()
-            .ok_or_else(|| unknown(PartKind::Dynamics, name, self.dynamics.keys()))
+    pub fn dynamics(&self, name: &str) -> Result<Arc<dyn DynamicsPart>, BuildError> {
+        match self.part(name) {
+            Some(Part::Dynamics(part)) => Ok(Arc::clone(part)),
+            _ => Err(self.unknown(PartKind::Dynamics, name)),
+        }
     }
 
     /// The stepper of this name.
     ///
     /// # Errors
     /// [`BuildError::UnknownPart`] with the nearest name.
-    pub fn stepper(&self, name: &str) -> Result<&'static dyn StepperPart, BuildError> {
-        self.steppers
-            .get(name)
-            .copied()
-            .ok_or_else(|| unknown(PartKind::Stepper, name, self.steppers.keys()))
+    pub fn stepper(&self, name: &str) -> Result<Arc<dyn StepperPart>, BuildError> {
+        match self.part(name) {
+            Some(Part::Stepper(part)) => Ok(Arc::clone(part)),
+            _ => Err(self.unknown(PartKind::Stepper, name)),
+        }
     }
 
     /// The composition of this name.
     ///
     /// # Errors
     /// [`BuildError::UnknownPart`] with the nearest name.
-    pub fn composition(&self, name: &str) -> Result<&'static dyn CompositionPart, BuildError> {
-        self.compositions
-            .get(name)
-            .copied()
-            .ok_or_else(|| unknown(PartKind::Composition, name, self.compositions.keys()))
+    pub fn composition(&self, name: &str) -> Result<Arc<dyn CompositionPart>, BuildError> {
+        match self.part(name) {
+            Some(Part::Composition(part)) => Ok(Arc::clone(part)),
+            _ => Err(self.unknown(PartKind::Composition, name)),
+        }
     }
-}
 
-fn unknown<'a>(
-    kind: PartKind,
-    name: &str,
-    known: impl Iterator<Item = &'a &'static str>,
-) -> BuildError {
-    let suggestion = known
-        .map(|k| (strsim::jaro_winkler(name, k), *k))
-        .filter(|(likeness, _)| *likeness > 0.75)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, k)| k.to_owned());
-    BuildError::UnknownPart {
-        kind: kind.noun(),
-        name: name.to_owned(),
-        suggestion,
+    fn unknown(&self, kind: PartKind, name: &str) -> BuildError {
+        let alike = |info: &&'static PartInfo| strsim::jaro_winkler(name, info.name);
+        let suggestion = self
+            .parts()
+            .into_iter()
+            .filter(|info| info.kind == kind && alike(info) > 0.75)
+            .max_by(|a, b| alike(a).total_cmp(&alike(b)))
+            .map(|info| info.name.to_owned());
+        BuildError::UnknownPart {
+            kind: kind.noun(),
+            name: name.to_owned(),
+            suggestion,
+        }
     }
 }

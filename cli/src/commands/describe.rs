@@ -1,7 +1,7 @@
 //! `leafwise describe`: one part, library system or Lie algebra.
 
-use leafwise::core::Registry;
 use leafwise::core::part::PartInfo;
+use leafwise::core::{Origin, Registry};
 use leafwise::scene::compose::{LIE_ALGEBRAS, LieAlgebra};
 use leafwise::scene::document::nearest;
 use leafwise::systems::{LibrarySystem, SystemError};
@@ -23,8 +23,11 @@ pub fn execute(arguments: &DescribeArguments, console: &mut Console<'_>) -> Resu
     let name = arguments.name.as_str();
     let registry = Registry::with_builtin();
     let mut found: Vec<(Vec<String>, Value)> = Vec::new();
-    if let Some(info) = registry.parts().into_iter().find(|info| info.name == name) {
-        found.push((part(info), json!(info)));
+    let mut listing = registry.listing().into_iter();
+    if let Some((info, origin)) = listing.find(|(info, _)| info.name == name) {
+        let mut object = json!(info);
+        object["origin"] = json!(origin);
+        found.push((part(info, origin), object));
     }
     if let Some(system) = leafwise::systems::find(name) {
         let text = system_text(system);
@@ -59,7 +62,7 @@ fn unknown(name: &str, registry: &Registry) -> Failure {
     Failure::usage(format!("nothing is called `{name}`"), help)
 }
 
-fn part(info: &PartInfo) -> Vec<String> {
+fn part(info: &PartInfo, origin: &Origin) -> Vec<String> {
     let mut lines = vec![
         format!("{} ({})", info.name, info.kind.noun()),
         String::new(),
@@ -69,6 +72,7 @@ fn part(info: &PartInfo) -> Vec<String> {
         ("declares", info.declares),
         ("domain", info.domain),
         ("literature", info.literature),
+        ("origin", &origin.to_string()),
     ] {
         labelled(&mut lines, label, text);
     }

@@ -1,7 +1,7 @@
 //! `leafwise list`: what can be named in a scene.
 
-use leafwise::core::Registry;
 use leafwise::core::part::PartKind;
+use leafwise::core::{Origin, Registry};
 use leafwise::scene::compose::LIE_ALGEBRAS;
 use serde_json::{Value, json};
 
@@ -36,7 +36,11 @@ pub fn execute(arguments: &ListArguments, console: &mut Console<'_>) -> Result<u
         if arguments.json {
             let list: Vec<Value> = entries
                 .iter()
-                .map(|(name, summary)| json!({ "name": name, "summary": summary }))
+                .map(|entry| {
+                    json!({
+                        "name": entry.name, "summary": entry.summary, "origin": entry.origin,
+                    })
+                })
                 .collect();
             object.insert(heading.to_owned(), Value::Array(list));
             continue;
@@ -54,7 +58,7 @@ pub fn execute(arguments: &ListArguments, console: &mut Console<'_>) -> Result<u
         }
         let rows: Vec<Vec<String>> = entries
             .into_iter()
-            .map(|(name, text)| vec![format!("  {name}"), text])
+            .map(|entry| vec![format!("  {}", entry.name), entry.place(), entry.summary])
             .collect();
         for line in words(&rows) {
             console.result(&line);
@@ -68,22 +72,49 @@ pub fn execute(arguments: &ListArguments, console: &mut Console<'_>) -> Result<u
     Ok(exit::DONE)
 }
 
-fn entries(kind: Kind, registry: &Registry) -> Vec<(String, String)> {
-    let parts = |kind: PartKind| {
+/// One line of a list.
+struct Entry {
+    name: String,
+    summary: String,
+    origin: Origin,
+}
+
+impl Entry {
+    /// Where it comes from, in a word or two.
+    fn place(&self) -> String {
+        match &self.origin {
+            Origin::Library { path, version, .. } => {
+                let file = path.file_name().unwrap_or(path.as_os_str());
+                format!("{} {version}", file.display())
+            }
+            _ => "built in".to_owned(),
+        }
+    }
+}
+
+fn entries(kind: Kind, registry: &Registry) -> Vec<Entry> {
+    let parts = |kind: PartKind| -> Vec<Entry> {
         registry
-            .parts()
+            .listing()
             .into_iter()
-            .filter(|info| info.kind == kind)
-            .map(|info| (info.name.to_owned(), info.summary.to_owned()))
+            .filter(|(info, _)| info.kind == kind)
+            .map(|(info, origin)| Entry {
+                name: info.name.to_owned(),
+                summary: info.summary.to_owned(),
+                origin: origin.clone(),
+            })
             .collect()
     };
+    let version = env!("CARGO_PKG_VERSION");
     match kind {
         Kind::Systems => leafwise::systems::all()
             .iter()
-            .map(|system| {
-                let title = system.about().map(|about| about.title).unwrap_or_default();
-                (system.id.to_owned(), title)
+            .map(|system| Entry {
+                name: system.id.to_owned(),
+                summary: system.about().map(|about| about.title).unwrap_or_default(),
+                origin: Origin::built_in("leafwise-systems", version),
             })
+            .chain(parts(PartKind::System))
             .collect(),
         Kind::Realizations => parts(PartKind::Realization),
         Kind::Dynamics => parts(PartKind::Dynamics),
@@ -91,7 +122,11 @@ fn entries(kind: Kind, registry: &Registry) -> Vec<(String, String)> {
         Kind::Compositions => parts(PartKind::Composition),
         Kind::LieAlgebras => LIE_ALGEBRAS
             .iter()
-            .map(|algebra| (algebra.name.to_owned(), algebra.summary.to_owned()))
+            .map(|algebra| Entry {
+                name: algebra.name.to_owned(),
+                summary: algebra.summary.to_owned(),
+                origin: Origin::built_in("leafwise-scene", version),
+            })
             .collect(),
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
-use leafwise_core::registry::{BuiltIn, DynamicsPart};
+use leafwise_core::registry::DynamicsPart;
 use leafwise_core::{BuildError, Correction, DynamicApproximation};
 
 use crate::collective::{Collective, SymplecticIntegrator};
@@ -81,4 +81,4 @@ impl DynamicsPart for Part {
     }
 }
 
-inventory::submit! { BuiltIn::Dynamics(&Part) }
+leafwise_core::built_in!(Dynamics, Part);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use leafwise_core::BuildError;
 use leafwise_core::part::{PartInfo, PartKind, PartParameters};
-use leafwise_core::registry::{BuiltIn, CompositionPart};
+use leafwise_core::registry::CompositionPart;
 use leafwise_core::solver::StepMap;
 
 use crate::coefficients;
@@ -13,6 +13,7 @@ use crate::scheme::Scheme;
 
 const DOMAIN: &str = "any self-adjoint step map; some stages step backwards in time";
 
+#[derive(Clone, Copy)]
 struct Part(Scheme);
 
 impl CompositionPart for Part {
@@ -64,7 +65,7 @@ static TRIPLE_JUMP: Part = Part(Scheme {
     order: 4,
     half: &coefficients::TRIPLE_JUMP,
 });
-inventory::submit! { BuiltIn::Composition(&TRIPLE_JUMP) }
+leafwise_core::built_in!(Composition, TRIPLE_JUMP);
 
 static SUZUKI_4: Part = Part(Scheme {
     info: &PartInfo {
@@ -79,7 +80,7 @@ static SUZUKI_4: Part = Part(Scheme {
     order: 4,
     half: &coefficients::SUZUKI_4,
 });
-inventory::submit! { BuiltIn::Composition(&SUZUKI_4) }
+leafwise_core::built_in!(Composition, SUZUKI_4);
 
 static YOSHIDA_6: Part = Part(Scheme {
     info: &PartInfo {
@@ -94,7 +95,7 @@ static YOSHIDA_6: Part = Part(Scheme {
     order: 6,
     half: &coefficients::YOSHIDA_6,
 });
-inventory::submit! { BuiltIn::Composition(&YOSHIDA_6) }
+leafwise_core::built_in!(Composition, YOSHIDA_6);
 
 static KAHAN_LI_6: Part = Part(Scheme {
     info: &PartInfo {
@@ -109,7 +110,7 @@ static KAHAN_LI_6: Part = Part(Scheme {
     order: 6,
     half: &coefficients::KAHAN_LI_6,
 });
-inventory::submit! { BuiltIn::Composition(&KAHAN_LI_6) }
+leafwise_core::built_in!(Composition, KAHAN_LI_6);
 
 static KAHAN_LI_8: Part = Part(Scheme {
     info: &PartInfo {
@@ -124,7 +125,7 @@ static KAHAN_LI_8: Part = Part(Scheme {
     order: 8,
     half: &coefficients::KAHAN_LI_8,
 });
-inventory::submit! { BuiltIn::Composition(&KAHAN_LI_8) }
+leafwise_core::built_in!(Composition, KAHAN_LI_8);
 
 static SUZUKI_UMENO_8: Part = Part(Scheme {
     info: &PartInfo {
@@ -139,7 +140,7 @@ static SUZUKI_UMENO_8: Part = Part(Scheme {
     order: 8,
     half: &coefficients::SUZUKI_UMENO_8,
 });
-inventory::submit! { BuiltIn::Composition(&SUZUKI_UMENO_8) }
+leafwise_core::built_in!(Composition, SUZUKI_UMENO_8);
 
 static KAHAN_LI_10: Part = Part(Scheme {
     info: &PartInfo {
@@ -154,7 +155,7 @@ static KAHAN_LI_10: Part = Part(Scheme {
     order: 10,
     half: &coefficients::KAHAN_LI_10,
 });
-inventory::submit! { BuiltIn::Composition(&KAHAN_LI_10) }
+leafwise_core::built_in!(Composition, KAHAN_LI_10);
 
 static SOFRONIOU_SPALETTA_10: Part = Part(Scheme {
     info: &PartInfo {
@@ -169,4 +170,4 @@ static SOFRONIOU_SPALETTA_10: Part = Part(Scheme {
     order: 10,
     half: &coefficients::SOFRONIOU_SPALETTA_10,
 });
-inventory::submit! { BuiltIn::Composition(&SOFRONIOU_SPALETTA_10) }
+leafwise_core::built_in!(Composition, SOFRONIOU_SPALETTA_10);

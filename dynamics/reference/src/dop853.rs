@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
-use leafwise_core::registry::{BuiltIn, StepperPart};
+use leafwise_core::registry::StepperPart;
 use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
 use leafwise_expression::{Kernel, Workspace};
 
@@ -245,4 +245,4 @@ impl StepperPart for Part {
     }
 }
 
-inventory::submit! { BuiltIn::Stepper(&Part) }
+leafwise_core::built_in!(Stepper, Part);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::part::{PartInfo, PartKind, PartParameters};
-use leafwise_core::registry::{BuiltIn, StepperPart};
+use leafwise_core::registry::StepperPart;
 use leafwise_core::solver::StepMap;
 use leafwise_core::{BuildError, PoissonSystem};
 
@@ -38,4 +38,4 @@ impl StepperPart for Part {
     }
 }
 
-inventory::submit! { BuiltIn::Stepper(&Part) }
+leafwise_core::built_in!(Stepper, Part);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use leafwise_core::part::{
     ParameterDefault, ParameterInfo, ParameterSetting, PartInfo, PartKind, PartParameters,
 };
-use leafwise_core::registry::{BuiltIn, RealizationPart};
+use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem, RealizationData};
 
 use crate::realization::DarbouxMagnetic;
@@ -50,4 +50,4 @@ impl RealizationPart for Part {
     }
 }
 
-inventory::submit! { BuiltIn::Realization(&Part) }
+leafwise_core::built_in!(Realization, Part);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
-use leafwise_core::registry::{BuiltIn, RealizationPart};
+use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem, RealizationData};
 
 use crate::collocated::CollocatedKarasev;
@@ -52,7 +52,7 @@ impl RealizationPart for Part {
     }
 }
 
-inventory::submit! { BuiltIn::Realization(&Part) }
+leafwise_core::built_in!(Realization, Part);
 
 pub(crate) static COLLOCATED: PartInfo = PartInfo {
     name: "karasev-collocated",
@@ -102,4 +102,4 @@ impl RealizationPart for CollocatedPart {
     }
 }
 
-inventory::submit! { BuiltIn::Realization(&CollocatedPart) }
+leafwise_core::built_in!(Realization, CollocatedPart);

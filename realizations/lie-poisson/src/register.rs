@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::part::{PartInfo, PartKind, PartParameters};
-use leafwise_core::registry::{BuiltIn, RealizationPart};
+use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem, RealizationData};
 
 use crate::realization::LiePoisson;
@@ -36,4 +36,4 @@ impl RealizationPart for Part {
     }
 }
 
-inventory::submit! { BuiltIn::Realization(&Part) }
+leafwise_core::built_in!(Realization, Part);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
-use leafwise_core::registry::{BuiltIn, RealizationPart};
+use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem, RealizationData};
 
 use crate::chart::Chart;
@@ -97,6 +97,6 @@ impl RealizationPart for Group {
     }
 }
 
-inventory::submit! { BuiltIn::Realization(&Cotangent(Chart::Exponential)) }
-inventory::submit! { BuiltIn::Realization(&Cotangent(Chart::Cayley)) }
-inventory::submit! { BuiltIn::Realization(&Group) }
+leafwise_core::built_in!(Realization, Cotangent(Chart::Exponential));
+leafwise_core::built_in!(Realization, Cotangent(Chart::Cayley));
+leafwise_core::built_in!(Realization, Group);

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use leafwise_core::part::{ParameterDefault, ParameterSetting, PartInfo, PartKind};
 use leafwise_core::registry::CompositionPart;
 use leafwise_core::{
-    BuildError, DynamicApproximation, PartParameters, PoissonSystem, RealizationData, Registry,
-    StepMap,
+    BuildError, DynamicApproximation, Origin, PartParameters, PoissonSystem, RealizationData,
+    Registry, StepMap,
 };
 use serde::Serialize;
 
@@ -32,12 +32,14 @@ pub struct PartChoice {
     pub is_automatic: bool,
     /// Why it was taken, where it was chosen by the tensor.
     pub reason: Option<&'static str>,
+    /// Where it comes from.
+    pub origin: Option<Origin>,
 }
 
 /// What the scene's method is built of.
 pub(super) struct Parts {
     pub base: Base,
-    pub composition: Option<(&'static dyn CompositionPart, PartParameters)>,
+    pub composition: Option<(Arc<dyn CompositionPart>, PartParameters)>,
     pub choices: Vec<PartChoice>,
 }
 
@@ -89,7 +91,7 @@ pub(super) fn parts(
                 .composition(request.name())
                 .map_err(|_| request.unknown(PartKind::Composition, registry))?;
             let given = request.parameters(part.info())?;
-            choices.push(request.choice(part.info(), &given));
+            choices.push(request.choice(part.info(), &given, registry));
             Some((part, given))
         }
     };
@@ -116,7 +118,7 @@ fn stepper(
     let map = part
         .build(system, &given)
         .map_err(|error| request.refused(&error))?;
-    choices.push(request.choice(part.info(), &given));
+    choices.push(request.choice(part.info(), &given, registry));
     Ok(Base::Stepper(map))
 }
 
@@ -139,7 +141,7 @@ fn pair(
     let dynamics = part
         .build(&given)
         .map_err(|error| request.refused(&error))?;
-    let dynamics_choice = request.choice(part.info(), &given);
+    let dynamics_choice = request.choice(part.info(), &given, registry);
 
     let order = i64::try_from(dynamics.order()).unwrap_or(DEFAULT_DYNAMICS_ORDER);
     let request = Request::new(
@@ -167,7 +169,7 @@ fn pair(
         }
         refusal
     })?;
-    choices.push(request.choice(part.info(), &given));
+    choices.push(request.choice(part.info(), &given, registry));
     choices.push(dynamics_choice);
     Ok(Base::Pair(realization, dynamics))
 }
@@ -236,6 +238,7 @@ fn exact(
             parameters,
             is_automatic: true,
             reason: Some(reason),
+            origin: registry.origin(info.name).cloned(),
         };
         Some((realization, choice))
     })
@@ -383,7 +386,12 @@ impl<'a> Request<'a> {
         )
     }
 
-    fn choice(&self, info: &'static PartInfo, given: &PartParameters) -> PartChoice {
+    fn choice(
+        &self,
+        info: &'static PartInfo,
+        given: &PartParameters,
+        registry: &Registry,
+    ) -> PartChoice {
         let parameters = info
             .parameters
             .iter()
@@ -402,6 +410,7 @@ impl<'a> Request<'a> {
             parameters,
             is_automatic: self.named().is_none(),
             reason: None,
+            origin: registry.origin(info.name).cloned(),
         }
     }
 }

@@ -81,7 +81,7 @@ impl Beginning {
                     .collect();
                 json!({
                     "kind": part.kind, "name": part.name, "parameters": parameters,
-                    "version": PROGRAM_VERSION, "origin": "built in",
+                    "origin": part.origin,
                     "chosen": if part.is_automatic { "automatically" } else { "by the scene" },
                 })
             })
