@@ -89,6 +89,8 @@ impl CodeRealization {
             ends: prepared(&self.ends, parameters, epsilon, 1.0),
             tangents: prepared(&self.tangents, parameters, epsilon, 1.0),
             z: vec![0.0; self.ends.inputs()],
+            work: [&self.ends, &self.tangents].map(|kernel| kernel.step_operations().work()),
+            operations: 0,
             code: self.clone(),
         })
     }
@@ -111,6 +113,9 @@ struct CodeRealizationWorker {
     ends: Workspace,
     tangents: Workspace,
     z: Vec<f64>,
+    /// Operations of one evaluation of each kernel, and of all so far.
+    work: [u64; 2],
+    operations: u64,
 }
 
 impl RealizationWorker for CodeRealizationWorker {
@@ -120,6 +125,7 @@ impl RealizationWorker for CodeRealizationWorker {
         write_input(&mut self.ends, z);
         let kernel = &self.code.ends;
         kernel.evaluate_in_place(&mut self.ends);
+        self.operations += self.work[0];
         let output = |index: usize| kernel.output(&self.ends, index)[0];
         for i in 0..d {
             ends.base[i] = output(i);
@@ -142,10 +148,15 @@ impl RealizationWorker for CodeRealizationWorker {
         write_input(&mut self.tangents, &self.z);
         let kernel = &self.code.tangents;
         kernel.evaluate_in_place(&mut self.tangents);
+        self.operations += self.work[1];
         for (index, value) in target.iter_mut().chain(increment.iter_mut()).enumerate() {
             *value = kernel.output(&self.tangents, index)[0];
         }
         Ok(())
+    }
+
+    fn operations(&self) -> Option<u64> {
+        Some(self.operations)
     }
 }
 
@@ -191,6 +202,8 @@ impl CodeBisection {
         Box::new(CodeBisectionWorker {
             code: self.clone(),
             workspace,
+            work: self.kernel.step_operations().work(),
+            operations: 0,
         })
     }
 }
@@ -198,12 +211,16 @@ impl CodeBisection {
 struct CodeBisectionWorker {
     code: CodeBisection,
     workspace: Workspace,
+    /// Operations of one evaluation, and of all so far.
+    work: u64,
+    operations: u64,
 }
 
 impl BisectionWorker for CodeBisectionWorker {
     fn point(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
         write_input(&mut self.workspace, y);
         self.code.kernel.evaluate_in_place(&mut self.workspace);
+        self.operations += self.work;
         for (index, value) in z.iter_mut().enumerate() {
             *value = self.code.kernel.output(&self.workspace, index)[0];
         }
@@ -218,5 +235,9 @@ impl BisectionWorker for CodeBisectionWorker {
                 .output(&self.workspace, self.code.space + index)[0];
         }
         Ok(())
+    }
+
+    fn operations(&self) -> Option<u64> {
+        Some(self.operations)
     }
 }

@@ -75,6 +75,13 @@ pub trait BisectionWorker: Send {
     fn is_near_identity(&self) -> bool {
         false
     }
+    /// Operations so far, as [`SolverStatistics::operations`] counts them; `None` for a part that
+    /// does not count.
+    ///
+    /// [`SolverStatistics::operations`]: crate::SolverStatistics::operations
+    fn operations(&self) -> Option<u64> {
+        None
+    }
     /// Forgets earlier evaluations: the next one starts cold.
     fn restart(&mut self) {}
     /// What later evaluations depend on, for a checkpoint; always of the same length.

@@ -154,6 +154,13 @@ pub trait RealizationWorker: Send {
     /// # Errors
     /// [`StepError`] where the tangent does not exist.
     fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError>;
+    /// Operations so far, as [`SolverStatistics::operations`] counts them; `None` for a part that
+    /// does not count.
+    ///
+    /// [`SolverStatistics::operations`]: crate::SolverStatistics::operations
+    fn operations(&self) -> Option<u64> {
+        None
+    }
 }
 
 /// The exact (untruncated) series of α∘χ along p(h) = Σ_{k≥1} pₖ hᵏ at ε = 1, where χ is a

@@ -212,6 +212,7 @@ fn report_json(report: &RunReport) -> Value {
         "drift": drift,
         "solver": {
             "evaluations_per_step": report.statistics.evaluations_per_step(),
+            "operations_per_step": report.statistics.operations_per_step(),
             "failures": report.statistics.failures,
         },
         "run_directory": report.directory.display().to_string(),

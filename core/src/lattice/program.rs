@@ -27,6 +27,13 @@ struct Stencil {
     outputs: Vec<(usize, usize)>,
 }
 
+impl Stencil {
+    /// How many sites it serves.
+    fn sites(&self) -> usize {
+        self.class.end - self.class.start
+    }
+}
+
 /// A program over the fields of a lattice.
 #[derive(Clone, Debug)]
 pub struct LatticeProgram {
@@ -77,11 +84,17 @@ impl LatticeProgram {
 
     /// The operations of one evaluation, all sites together.
     pub fn operations(&self) -> usize {
-        let sites = |s: &Stencil| s.class.end - s.class.start;
-        self.stages
-            .iter()
-            .flatten()
-            .map(|s| sites(s) * s.kernel.step_operations().total())
+        let stencils = self.stages.iter().flatten();
+        stencils
+            .map(|s| s.sites() * s.kernel.step_operations().total())
+            .sum()
+    }
+
+    /// The same, weighted.
+    pub fn work(&self) -> u64 {
+        let stencils = self.stages.iter().flatten();
+        stencils
+            .map(|s| s.sites() as u64 * s.kernel.step_operations().work())
             .sum()
     }
 

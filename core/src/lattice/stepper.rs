@@ -19,6 +19,8 @@ const MOST_EVALUATIONS: usize = 200;
 pub struct LatticeStepper {
     program: Arc<LatticeProgram>,
     fields: Fields,
+    /// Operations of one evaluation.
+    work: u64,
     trajectories: Vec<Trajectory>,
     statistics: SolverStatistics,
 }
@@ -56,6 +58,7 @@ impl LatticeStepper {
             })
             .collect();
         Self {
+            work: program.work(),
             program,
             fields,
             trajectories,
@@ -166,7 +169,10 @@ impl Stepper for LatticeStepper {
     }
 
     fn statistics(&self) -> SolverStatistics {
-        self.statistics
+        SolverStatistics {
+            operations: Some(self.statistics.evaluations * self.work),
+            ..self.statistics
+        }
     }
 
     fn memory(&self) -> Vec<f64> {

@@ -59,6 +59,8 @@ impl SmoothMap {
             value: prepared(&self.value),
             jacobian: prepared(&self.jacobian),
             map: self.clone(),
+            work: [&self.value, &self.jacobian].map(|kernel| kernel.step_operations().work()),
+            operations: 0,
         }
     }
 }
@@ -69,6 +71,9 @@ pub struct SmoothMapEvaluator {
     map: SmoothMap,
     value: Workspace,
     jacobian: Workspace,
+    /// Operations of one value and of one Jacobian, and of all so far.
+    work: [u64; 2],
+    operations: u64,
 }
 
 impl SmoothMapEvaluator {
@@ -83,6 +88,7 @@ impl SmoothMapEvaluator {
     /// When a slice has another length than the map's inputs or outputs.
     pub fn value(&mut self, z: &[f64], out: &mut [f64]) {
         self.map.value.evaluate(&mut self.value, z, out);
+        self.operations += self.work[0];
     }
 
     /// DF(z), row-major outputs × inputs.
@@ -91,5 +97,11 @@ impl SmoothMapEvaluator {
     /// When a slice has another length than the map's inputs or Jacobian.
     pub fn jacobian(&mut self, z: &[f64], out: &mut [f64]) {
         self.map.jacobian.evaluate(&mut self.jacobian, z, out);
+        self.operations += self.work[1];
+    }
+
+    /// Weighted operations of all evaluations so far.
+    pub fn operations(&self) -> u64 {
+        self.operations
     }
 }

@@ -5,8 +5,8 @@ use nalgebra::{DMatrix, DVector, Dyn, LU};
 use super::smooth_map::SmoothMapEvaluator;
 use super::tableau::PartitionedTableau;
 use crate::error::StepError;
-use crate::solver::LinearIteration;
 use crate::solver::iteration::Verdict;
+use crate::solver::{LinearIteration, elimination_operations, substitution_operations};
 
 /// Budget of one solve.
 const MOST_EVALUATIONS: usize = 50;
@@ -31,6 +31,8 @@ pub struct StageSolver {
     /// z of the last solve, and a stage.
     start: Vec<f64>,
     stage: Vec<f64>,
+    /// Operations of the sums over stages and the solves.
+    linear: u64,
 }
 
 impl StageSolver {
@@ -56,6 +58,7 @@ impl StageSolver {
             jacobians: vec![0.0; s * n * n],
             start: vec![0.0; n],
             stage: vec![0.0; n],
+            linear: 0,
         }
     }
 
@@ -93,15 +96,22 @@ impl StageSolver {
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         let mut last = f64::INFINITY;
         let mut newton: Option<LU<f64, Dyn, Dyn>> = None;
+        let (n, stages) = (self.start.len(), self.tableau.stages());
+        let size = stages * n;
+        // The residuals' sums, the substitution, the slopes' corrections; the matrix and its factors.
+        let each = (2 * size * stages + 2 * size * n) as u64 + substitution_operations(size);
+        let fresh = (2 * size * size) as u64 + elimination_operations(size);
         loop {
             self.evaluate_slopes();
             let lu = match newton.take() {
                 Some(lu) => lu,
                 None => {
                     self.evaluate_jacobians();
+                    self.linear += fresh;
                     self.matrix().lu()
                 }
             };
+            self.linear += each;
             let mut correction = self.residual();
             if !lu.solve_mut(&mut correction) {
                 return Err(StepError::NonFinite {
@@ -220,6 +230,11 @@ impl StageSolver {
             tangent += jacobian * stages.rows(j * n, n) * (self.time_step * b);
         }
         tangent.iter().all(|v| v.is_finite()).then_some(tangent)
+    }
+
+    /// Weighted operations of all solves so far.
+    pub fn operations(&self) -> u64 {
+        self.field.operations() + self.linear
     }
 
     /// Forgets the last solve.

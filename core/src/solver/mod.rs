@@ -9,6 +9,7 @@ mod workers;
 
 pub use extrapolation::Extrapolation;
 pub use iteration::{CorrectionSize, LinearIteration};
+pub use linear::{elimination_operations, substitution_operations};
 pub use newton::{NewtonKernel, NewtonStepper};
 pub use properties::{MapProperties, Structure};
 pub(crate) use workers::{MakeWorkers, WorkerStepper};
@@ -86,19 +87,49 @@ pub trait Observe: Send {
 }
 
 /// Work of a solver since it was made.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SolverStatistics {
     /// Steps taken, summed over lanes.
     pub steps: u64,
     /// Evaluations of the step kernel, summed over lanes.
     pub evaluations: u64,
+    /// Operations of all kernels, weighted as [`OperationCount::work`] says, and of the linear
+    /// algebra around them: eliminations, substitutions, sums over stages or nodes. Norms,
+    /// extrapolation and the compensated sum, a few operations a coordinate and step, are left
+    /// out. `None` when a part does not count its own.
+    ///
+    /// [`OperationCount::work`]: leafwise_expression::OperationCount::work
+    pub operations: Option<u64>,
     /// The most evaluations one step took.
     pub most_evaluations: u64,
     /// Steps that failed.
     pub failures: u64,
 }
 
+impl Default for SolverStatistics {
+    /// No work.
+    fn default() -> Self {
+        Self {
+            steps: 0,
+            evaluations: 0,
+            operations: Some(0),
+            most_evaluations: 0,
+            failures: 0,
+        }
+    }
+}
+
 impl SolverStatistics {
+    /// The mean number of operations a step, `None` when a part does not count its own.
+    pub fn operations_per_step(&self) -> Option<f64> {
+        let operations = self.operations? as f64;
+        Some(if self.steps == 0 {
+            0.0
+        } else {
+            operations / self.steps as f64
+        })
+    }
+
     /// The mean number of evaluations a step.
     pub fn evaluations_per_step(&self) -> f64 {
         if self.steps == 0 {

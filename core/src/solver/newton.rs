@@ -7,7 +7,7 @@ use leafwise_expression::{Graph, Kernel, OperationCount, Term, Workspace};
 
 use super::extrapolation::Extrapolation;
 use super::iteration::{CorrectionSize, NORMWISE_ROUND_OFF};
-use super::linear::solve_in_place;
+use super::linear::{elimination_operations, solve_in_place, substitution_operations};
 use super::{LARGEST_REMAINDER, SolverStatistics, Stepper, tangent_of_map};
 use crate::error::{BuildError, StepError};
 use crate::realization::SourceTarget;
@@ -69,6 +69,13 @@ impl NewtonKernel {
         })
     }
 
+    /// Weighted operations of one Newton iteration with its linear solve.
+    pub fn work(&self) -> u64 {
+        let solve =
+            elimination_operations(self.dimension) + substitution_operations(self.dimension);
+        self.operations().work() + solve
+    }
+
     /// Operations of one Newton iteration, the linear solve apart.
     pub fn operations(&self) -> OperationCount {
         self.kernel.step_operations()
@@ -96,6 +103,8 @@ pub struct NewtonStepper {
     workspace: Workspace,
     dimension: usize,
     has_guard: bool,
+    /// Operations of one iteration.
+    work: u64,
     lanes: Vec<Lane>,
     statistics: SolverStatistics,
 }
@@ -141,6 +150,7 @@ impl NewtonStepper {
             workspace,
             dimension: d,
             has_guard: map.has_guard,
+            work: map.work(),
             lanes: (0..lanes).map(|_| lane()).collect(),
             statistics: SolverStatistics::default(),
         }
@@ -355,7 +365,10 @@ impl Stepper for NewtonStepper {
     }
 
     fn statistics(&self) -> SolverStatistics {
-        self.statistics
+        SolverStatistics {
+            operations: Some(self.statistics.evaluations * self.work),
+            ..self.statistics
+        }
     }
 
     fn memory(&self) -> Vec<f64> {

@@ -7,7 +7,7 @@ use super::{Extrapolation, SolverStatistics, Stepper};
 use crate::dynamics::{BisectionWorker, Correction};
 use crate::error::StepError;
 use crate::realization::{Ends, RealizationWorker};
-use crate::solver::linear::solve_in_place;
+use crate::solver::linear::{elimination_operations, solve_in_place, substitution_operations};
 
 /// Budget of one step.
 const MOST_EVALUATIONS: usize = 100;
@@ -41,6 +41,8 @@ struct Trajectory {
     point: Vec<f64>,
     target_of_z: Vec<f64>,
     change_of_z: Vec<f64>,
+    /// Operations of the products and solves.
+    linear: u64,
 }
 
 impl WorkerStepper {
@@ -76,6 +78,7 @@ impl WorkerStepper {
                     point: vec![0.0; space * d],
                     target_of_z: vec![0.0; d * space],
                     change_of_z: vec![0.0; d * space],
+                    linear: 0,
                 }
             })
             .collect();
@@ -102,7 +105,12 @@ impl Trajectory {
             .tangents(&mut self.target_of_z, &mut self.change_of_z)?;
         product(&self.target_of_z, &self.point, d, &mut self.target);
         product(&self.change_of_z, &self.point, d, &mut self.change);
+        self.linear += 4 * (d * d * self.z.len()) as u64;
         Ok(())
+    }
+
+    fn operations(&self) -> Option<u64> {
+        Some(self.realization.operations()? + self.bisection.operations()? + self.linear)
     }
 
     fn solve(
@@ -135,6 +143,7 @@ impl Trajectory {
             }
             if newton {
                 self.tangents()?;
+                self.linear += elimination_operations(d) + substitution_operations(d);
                 if !solve_in_place(&mut self.target, &mut self.residual) {
                     return Err(StepError::NonFinite {
                         what: "a Newton correction",
@@ -259,7 +268,10 @@ impl Stepper for WorkerStepper {
     }
 
     fn statistics(&self) -> SolverStatistics {
-        self.statistics
+        SolverStatistics {
+            operations: self.trajectories.iter().map(Trajectory::operations).sum(),
+            ..self.statistics
+        }
     }
 
     fn memory(&self) -> Vec<f64> {

@@ -94,6 +94,14 @@ impl BisectionWorker for Worker {
         self.near_identity
     }
 
+    fn operations(&self) -> Option<u64> {
+        let chart = self
+            .chart
+            .as_ref()
+            .map_or(0, SmoothMapEvaluator::operations);
+        Some(self.stages.operations() + chart)
+    }
+
     fn restart(&mut self) {
         self.stages.clear();
     }

@@ -203,6 +203,7 @@ impl Stepper for ComposedStepper {
                 ..SolverStatistics::default()
             },
             |sum, stage| SolverStatistics {
+                operations: sum.operations.zip(stage.operations).map(|(a, b)| a + b),
                 evaluations: sum.evaluations + stage.evaluations,
                 most_evaluations: sum.most_evaluations + stage.most_evaluations,
                 ..sum

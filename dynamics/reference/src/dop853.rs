@@ -45,6 +45,10 @@ struct Dop853 {
     stage: Vec<f64>,
     change: Vec<f64>,
     slopes: [Vec<f64>; STAGES],
+    /// Operations of one evaluation of the field, of a substep's sums a coordinate, and of all so far.
+    work: u64,
+    sums: u64,
+    operations: u64,
 }
 
 /// Σ_j a_j k_j[c].
@@ -57,6 +61,8 @@ impl Dop853 {
         let mut workspace = field.workspace(1);
         field.prepare(&mut workspace, parameters, &[1.0], &[1.0]);
         let d = field.inputs();
+        let ends = [WEIGHTS, FIFTH_ORDER_ERROR, THIRD_ORDER_ERROR];
+        let rows = MATRIX[1..].iter().copied().chain(ends);
         Self {
             field: Arc::clone(field),
             workspace,
@@ -67,7 +73,18 @@ impl Dop853 {
             stage: vec![0.0; d],
             change: vec![0.0; d],
             slopes: std::array::from_fn(|_| vec![0.0; d]),
+            work: field.step_operations().work(),
+            sums: rows.map(|row| 2 * row.len() as u64).sum(),
+            operations: 0,
         }
+    }
+
+    /// The field at a stage.
+    fn slope_at(&mut self, stage: usize) {
+        let at = if stage == 0 { &self.state } else { &self.stage };
+        self.field
+            .evaluate(&mut self.workspace, at, &mut self.slopes[stage]);
+        self.operations += self.work;
     }
 
     /// What an error in component c is measured against: the component, or its change in a substep
@@ -97,9 +114,9 @@ impl Dop853 {
             for c in 0..self.state.len() {
                 self.stage[c] = self.state[c] + tau * combine(MATRIX[i], &self.slopes, c);
             }
-            self.field
-                .evaluate(&mut self.workspace, &self.stage, &mut self.slopes[i]);
+            self.slope_at(i);
         }
+        self.operations += self.sums * self.state.len() as u64;
         let (mut fifth, mut third) = (0.0, 0.0);
         for c in 0..self.state.len() {
             self.change[c] = tau * combine(WEIGHTS, &self.slopes, c);
@@ -129,8 +146,7 @@ impl OneStep for Dop853 {
         self.state.copy_from_slice(x);
         increment.fill(0.0);
         self.change.fill(0.0);
-        self.field
-            .evaluate(&mut self.workspace, x, &mut self.slopes[0]);
+        self.slope_at(0);
         let whole = self.time_step.abs();
         let mut tau = if self.proposed > 0.0 {
             self.proposed
@@ -170,8 +186,7 @@ impl OneStep for Dop853 {
                     self.proposed = tau;
                     return Ok(count);
                 }
-                self.field
-                    .evaluate(&mut self.workspace, &self.state, &mut self.slopes[0]);
+                self.slope_at(0);
             } else {
                 rejected = true;
                 tau = size * factor;
@@ -193,6 +208,10 @@ impl OneStep for Dop853 {
             evaluations: MOST_SUBSTEPS,
             correction: self.tolerance,
         })
+    }
+
+    fn operations(&self) -> u64 {
+        self.operations
     }
 
     fn restart(&mut self) {

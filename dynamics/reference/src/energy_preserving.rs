@@ -6,8 +6,8 @@ use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, P
 use leafwise_core::quadrature::{GaussLegendre, legendre};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator, Tableau};
-use leafwise_core::solver::LinearIteration;
 use leafwise_core::solver::iteration::Verdict;
+use leafwise_core::solver::{LinearIteration, elimination_operations, substitution_operations};
 use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
 use leafwise_expression::{Arithmetic, Graph, Term};
 use nalgebra::{DMatrix, DVector};
@@ -58,6 +58,19 @@ struct EnergyPreserving {
     by_start: DMatrix<f64>,
     /// Σ_k |Π_ck W_k| at each stage.
     reaches: Vec<f64>,
+    /// Operations of the averages, the stages and the solves.
+    linear: u64,
+    /// Those of one iteration.
+    work: u64,
+}
+
+/// At each node the place, the averages and their two derivatives; at each stage the place, two
+/// products of matrices and what enters the slopes; the solve.
+fn iteration_operations(d: usize, s: usize) -> u64 {
+    let node = 2 * d * s + s * (2 * d + 2 * d * d * (1 + s));
+    let stage = 2 * d * s + 2 * d * d * d * (s + 1) + 2 * d * d * (s + 1);
+    let solve = elimination_operations(s * d) + substitution_operations(s * d);
+    (QUADRATURE * node + s * stage) as u64 + solve
 }
 
 impl EnergyPreserving {
@@ -100,6 +113,8 @@ impl EnergyPreserving {
             by_slopes: DMatrix::zeros(size, size),
             by_start: DMatrix::zeros(size, d),
             reaches: vec![0.0; size],
+            linear: 0,
+            work: iteration_operations(d, stages),
         }
     }
 
@@ -177,6 +192,7 @@ impl EnergyPreserving {
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         loop {
             self.evaluate();
+            self.linear += self.work;
             let mut correction = &self.values - DVector::from_column_slice(&self.slopes);
             if !self.matrix().lu().solve_mut(&mut correction) {
                 return Err(StepError::NonFinite {
@@ -212,6 +228,10 @@ impl OneStep for EnergyPreserving {
             *increment = self.time_step * sum;
         }
         Ok(evaluations)
+    }
+
+    fn operations(&self) -> u64 {
+        self.tensor.operations() + self.gradient.operations() + self.linear
     }
 
     fn tangent(&mut self) -> Option<DMatrix<f64>> {

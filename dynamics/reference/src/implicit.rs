@@ -28,6 +28,10 @@ impl OneStep for ImplicitRungeKutta {
         self.0.solve(x, increment)
     }
 
+    fn operations(&self) -> u64 {
+        self.0.operations()
+    }
+
     fn tangent(&mut self) -> Option<DMatrix<f64>> {
         let d = self.0.dimension();
         self.0.tangent(&DMatrix::identity(d, d))

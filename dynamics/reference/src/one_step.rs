@@ -11,6 +11,8 @@ use nalgebra::DMatrix;
 pub(crate) trait OneStep: Send {
     /// Φ(x) − x; returns how often the field was evaluated at all stages.
     fn increment(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError>;
+    /// Operations so far, as [`SolverStatistics::operations`] counts them.
+    fn operations(&self) -> u64;
     /// DΦ at the x of the last step, `None` where it is not offered.
     fn tangent(&mut self) -> Option<DMatrix<f64>> {
         None
@@ -130,7 +132,10 @@ impl Stepper for LaneStepper {
     }
 
     fn statistics(&self) -> SolverStatistics {
-        self.statistics
+        SolverStatistics {
+            operations: Some(self.methods.iter().map(|method| method.operations()).sum()),
+            ..self.statistics
+        }
     }
 
     fn memory(&self) -> Vec<f64> {

@@ -41,6 +41,8 @@ const MOST_EVALUATIONS: usize = 50;
 struct Projection {
     base: Box<dyn OneStep>,
     invariants: SmoothMapEvaluator,
+    /// Operations of the normal equations.
+    linear: u64,
 }
 
 impl Projection {
@@ -83,6 +85,8 @@ impl OneStep for Projection {
                     what: "the invariants of a projection",
                 });
             }
+            // The normal matrix, some ten products of its size, the change.
+            self.linear += (2 * count * count * (d + 10 * count) + 2 * count * d) as u64;
             let decomposition = gram.svd(true, true);
             let largest = decomposition
                 .singular_values
@@ -109,6 +113,10 @@ impl OneStep for Projection {
         }
         evaluations += iteration.evaluations();
         Ok(evaluations)
+    }
+
+    fn operations(&self) -> u64 {
+        self.base.operations() + self.invariants.operations() + self.linear
     }
 
     fn restart(&mut self) {
@@ -176,6 +184,7 @@ impl StepperPart for Part {
                 Box::new(Projection {
                     base,
                     invariants: invariants.evaluator(parameters, 1.0, 1.0),
+                    linear: 0,
                 })
             }),
         }))

@@ -28,6 +28,8 @@ pub(crate) struct Rk4 {
     /// The four stages and the slopes there.
     stages: [Vec<f64>; 4],
     slopes: [Vec<f64>; 4],
+    /// Operations of the sums.
+    linear: u64,
 }
 
 /// c_i = a_{i,i−1}.
@@ -43,6 +45,7 @@ impl Rk4 {
             time_step,
             stages: room(),
             slopes: room(),
+            linear: 0,
         }
     }
 }
@@ -56,11 +59,17 @@ impl OneStep for Rk4 {
             }
             self.field.value(&self.stages[i], &mut self.slopes[i]);
         }
+        // Two for each of three stages, eight and a factor for the sum.
+        self.linear += 15 * x.len() as u64;
         for (c, increment) in increment.iter_mut().enumerate() {
             let sum: f64 = (0..4).map(|i| WEIGHTS[i] * self.slopes[i][c]).sum();
             *increment = self.time_step / 6.0 * sum;
         }
         Ok(1)
+    }
+
+    fn operations(&self) -> u64 {
+        self.field.operations() + self.linear
     }
 
     fn tangent(&mut self) -> Option<DMatrix<f64>> {

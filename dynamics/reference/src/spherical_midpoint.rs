@@ -5,8 +5,8 @@ use std::sync::Arc;
 use leafwise_core::part::{PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
-use leafwise_core::solver::LinearIteration;
 use leafwise_core::solver::iteration::Verdict;
+use leafwise_core::solver::{LinearIteration, elimination_operations, substitution_operations};
 use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
 use leafwise_expression::{Arithmetic, Polynomial, Ring};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
@@ -25,6 +25,8 @@ pub(crate) static INFO: PartInfo = PartInfo {
     parameters: &[],
 };
 
+/// Operations of a triple's middle and its derivatives, the two roots weighted.
+const TRIPLE: usize = 100;
 /// Budget of one solve.
 const MOST_EVALUATIONS: usize = 50;
 
@@ -38,6 +40,8 @@ struct SphericalMidpoint {
     middle: Vec<f64>,
     values: Vec<f64>,
     jacobian: Vec<f64>,
+    /// Operations of the triples and the solves.
+    linear: u64,
 }
 
 impl SphericalMidpoint {
@@ -52,6 +56,7 @@ impl SphericalMidpoint {
             middle: room(),
             values: room(),
             jacobian: vec![0.0; d * d],
+            linear: 0,
         }
     }
 
@@ -97,6 +102,9 @@ impl SphericalMidpoint {
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         loop {
             let (by_change, _) = self.evaluate();
+            // Radii, the middle and its two derivatives; the matrix, block by block; the solve.
+            let blocks = (TRIPLE * d / 3 + 7 * d * d) as u64;
+            self.linear += blocks + elimination_operations(d) + substitution_operations(d);
             let mut correction = DVector::from_fn(d, |c, _| t * self.values[c] - self.change[c]);
             let matrix = DMatrix::identity(d, d) - self.field_tangent() * by_change;
             if !matrix.lu().solve_mut(&mut correction) {
@@ -128,6 +136,10 @@ impl OneStep for SphericalMidpoint {
         let evaluations = self.solve()?;
         increment.copy_from_slice(&self.change);
         Ok(evaluations)
+    }
+
+    fn operations(&self) -> u64 {
+        self.field.operations() + self.linear
     }
 
     fn tangent(&mut self) -> Option<DMatrix<f64>> {

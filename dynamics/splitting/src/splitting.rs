@@ -93,8 +93,8 @@ fn costliest_last(
     for (at, piece) in pieces.iter().enumerate() {
         let mut graph = Graph::new();
         let flow = increment_code(&mut graph, system, ring, std::slice::from_ref(piece))?;
-        let count = Kernel::compile(&graph, &flow, parameters, d).step_operations();
-        let cost = count.total() + FUNCTION * count.functions;
+        let flow = Kernel::compile(&graph, &flow, parameters, d);
+        let cost = flow.step_operations().work();
         if cost >= costliest.0 {
             costliest = (cost, at);
         }
@@ -105,9 +105,6 @@ fn costliest_last(
     }
     Ok(())
 }
-
-/// What an elementary function costs beyond an arithmetic operation, roughly.
-const FUNCTION: usize = 10;
 
 fn increment_code(
     graph: &mut Graph,
@@ -179,6 +176,7 @@ impl StepMap for Splitting {
             step_sizes: (epsilon, h),
             last: vec![f64::NAN; self.dimension() * lanes],
             lanes,
+            work: self.operations().work(),
             statistics: SolverStatistics::default(),
         })
     }
@@ -195,6 +193,8 @@ struct SplittingStepper {
     step_sizes: (f64, f64),
     last: Vec<f64>,
     lanes: usize,
+    /// Operations of one step.
+    work: u64,
     statistics: SolverStatistics,
 }
 
@@ -250,7 +250,10 @@ impl Stepper for SplittingStepper {
     fn restart(&mut self) {}
 
     fn statistics(&self) -> SolverStatistics {
-        self.statistics
+        SolverStatistics {
+            operations: Some(self.statistics.evaluations * self.work),
+            ..self.statistics
+        }
     }
 
     fn memory(&self) -> Vec<f64> {

@@ -212,6 +212,17 @@ pub struct OperationCount {
 }
 
 impl OperationCount {
+    /// What an elementary function costs in arithmetic operations, roughly: those of `libm` take 5
+    /// (square root) to 15 (exponential) times as long as a product.
+    pub const FUNCTION: usize = 10;
+
+    /// The count by which costs are compared: every arithmetic operation 1, every elementary
+    /// function [`FUNCTION`](Self::FUNCTION).
+    pub fn work(&self) -> u64 {
+        let arithmetic = self.total() - self.functions;
+        (arithmetic + Self::FUNCTION * self.functions) as u64
+    }
+
     /// All of them.
     pub fn total(&self) -> usize {
         self.additions + self.multiplications + self.divisions + self.negations + self.functions

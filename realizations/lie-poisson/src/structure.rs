@@ -97,6 +97,11 @@ impl LieAlgebra {
         tensor
     }
 
+    /// Operations of [`tensor`](Self::tensor), and of [`coadjoint`](Self::coadjoint).
+    pub fn operations(&self) -> u64 {
+        4 * self.constants.len() as u64
+    }
+
     /// The coadjoint map A(p), A_ik = Σ_j c_ij^k p_j, so that A(p) y = Π(y) p.
     pub fn coadjoint(&self, p: &[f64]) -> DMatrix<f64> {
         let mut map = DMatrix::zeros(self.dimension, self.dimension);

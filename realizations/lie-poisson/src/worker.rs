@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use leafwise_core::StepError;
 use leafwise_core::realization::{Ends, RealizationWorker};
+use leafwise_core::solver::{elimination_operations, substitution_operations};
 use nalgebra::{DMatrix, DVector, Dyn, LU, Schur};
 
 use crate::even_part::{Fraction, LARGEST, fractions, needed};
@@ -24,6 +25,7 @@ pub struct LiePoissonWorker {
     epsilon: f64,
     known: BTreeMap<usize, Arc<[Fraction]>>,
     last: Option<Point>,
+    operations: u64,
 }
 
 /// What the tangents need of the last point.
@@ -49,6 +51,7 @@ impl LiePoissonWorker {
             epsilon,
             known: BTreeMap::new(),
             last: None,
+            operations: 0,
         }
     }
 
@@ -66,6 +69,8 @@ impl LiePoissonWorker {
         let bound = norm(&quarter_square);
         check_chart(&map, bound)?;
         let d = x.len();
+        let square = (d * d) as u64;
+        self.operations += self.algebra.operations() + 2 * square * d as u64 + square;
         let mut resolvents = Vec::new();
         for fraction in self.fractions(bound).iter() {
             let matrix = DMatrix::identity(d, d) + &quarter_square * fraction.shift;
@@ -77,6 +82,8 @@ impl LiePoissonWorker {
                 solution,
             });
         }
+        let each = 2 * square + elimination_operations(d) + substitution_operations(d);
+        self.operations += resolvents.len() as u64 * each + 4 * square;
         Ok(Point {
             x,
             map,
@@ -157,6 +164,10 @@ impl RealizationWorker for LiePoissonWorker {
         Ok(())
     }
 
+    fn operations(&self) -> Option<u64> {
+        Some(self.operations)
+    }
+
     fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError> {
         let point = self.last.as_ref().ok_or(StepError::NoTangent)?;
         let d = point.x.len();
@@ -172,6 +183,10 @@ impl RealizationWorker for LiePoissonWorker {
             by_p += solve(&change)? * resolvent.weight;
             by_x += solve(&point.quarter_square)? * resolvent.weight;
         }
+        let (n, resolvents) = (d as u64, point.resolvents.len() as u64);
+        let each = 2 * n * n * n + 8 * n * n + 2 * n * substitution_operations(d);
+        let tensors = (2 * resolvents + 1) * self.algebra.operations();
+        self.operations += resolvents * each + tensors;
         for i in 0..d {
             for k in 0..d {
                 target[2 * d * i + k] = by_x[(i, k)];

@@ -15,7 +15,10 @@ use super::snapshots::Snapshots;
 pub(super) const FILE: &str = "checkpoint.bin";
 
 /// The file begins with this: name and format version.
-const MAGIC: &[u8; 8] = b"leafwis1";
+const MAGIC: &[u8; 8] = b"leafwis2";
+
+/// A count that is not known.
+const UNKNOWN: u64 = u64::MAX;
 
 /// A run between two steps.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,6 +75,7 @@ impl Checkpoint {
         for count in [
             self.statistics.steps,
             self.statistics.evaluations,
+            self.statistics.operations.unwrap_or(UNKNOWN),
             self.statistics.most_evaluations,
             self.statistics.failures,
         ] {
@@ -109,6 +113,7 @@ impl Checkpoint {
         let statistics = SolverStatistics {
             steps: from.whole()?,
             evaluations: from.whole()?,
+            operations: Some(from.whole()?).filter(|count| *count != UNKNOWN),
             most_evaluations: from.whole()?,
             failures: from.whole()?,
         };
@@ -211,6 +216,7 @@ mod tests {
             statistics: SolverStatistics {
                 steps: 5000,
                 evaluations: 10_001,
+                operations: None,
                 most_evaluations: 7,
                 failures: 0,
             },

@@ -256,6 +256,7 @@ impl<'a> Session<'a> {
         SolverStatistics {
             steps: before.steps + now.steps,
             evaluations: before.evaluations + now.evaluations,
+            operations: before.operations.zip(now.operations).map(|(a, b)| a + b),
             most_evaluations: before.most_evaluations.max(now.most_evaluations),
             failures: before.failures + now.failures,
         }

@@ -2,7 +2,9 @@
 
 use leafwise_core::StepError;
 use leafwise_core::solver::iteration::Verdict;
-use leafwise_core::solver::{CorrectionSize, LinearIteration};
+use leafwise_core::solver::{
+    CorrectionSize, LinearIteration, elimination_operations, substitution_operations,
+};
 use nalgebra::{DMatrix, DVector};
 
 use super::field::{Field, FieldWorker};
@@ -24,6 +26,8 @@ pub(super) struct Curve {
     pub(super) nodes: Vec<f64>,
     /// V(Y_j, p), q × d.
     pub(super) values: Vec<f64>,
+    /// Operations of the sums over nodes and the solves.
+    linear: u64,
 }
 
 impl Curve {
@@ -35,7 +39,21 @@ impl Curve {
             dimension: d,
             nodes: vec![0.0; q * d],
             values: vec![0.0; q * d],
+            linear: 0,
         }
+    }
+
+    /// Weighted operations so far: V and its slopes, sums over nodes, solves.
+    pub(super) fn operations(&self) -> u64 {
+        self.field.operations + self.linear
+    }
+
+    /// Counts a solve of the linearized equations for so many right-hand sides, and the sums of
+    /// their solutions.
+    pub(super) fn count_tangents(&mut self, columns: usize) {
+        let (q, d) = (self.rule.points(), self.dimension);
+        let each = substitution_operations(q * d) + (2 * q * d * (q + d + 2)) as u64;
+        self.linear += elimination_operations(q * d) + columns as u64 * each;
     }
 
     /// The same with another number of nodes.
@@ -45,9 +63,10 @@ impl Curve {
         self.values = vec![0.0; q * self.dimension];
     }
 
-    /// V at every node.
+    /// V at every node; an iteration sums it over the nodes, once a node.
     pub(super) fn evaluate(&mut self, p: &[f64]) {
         let d = self.dimension;
+        self.linear += (2 * d * self.rule.points() * self.rule.points()) as u64;
         for (y, v) in self
             .nodes
             .chunks_exact(d)
@@ -130,6 +149,7 @@ impl Curve {
                         (x[i] - self.nodes[j * d + i]) + self.combination(epsilon, row, i);
                 }
             }
+            self.linear += elimination_operations(q * d) + substitution_operations(q * d);
             let change = jacobian.lu().solve(&residual).ok_or(StepError::NonFinite {
                 what: "a Newton correction of the curve",
             })?;
@@ -156,6 +176,7 @@ impl Curve {
             self.field
                 .slopes(y, p, &mut by_y[own.clone()], &mut by_p[own]);
         }
+        self.linear += 3 * (q * d * q * d) as u64;
         let jacobian = DMatrix::from_fn(q * d, q * d, |row, column| {
             let (j, i, k, l) = (row / d, row % d, column / d, column % d);
             let unit = if row == column { 1.0 } else { 0.0 };

@@ -46,6 +46,8 @@ impl Field {
         FieldWorker {
             value: prepared(&self.value),
             slopes: prepared(&self.slopes),
+            work: [&self.value, &self.slopes].map(|kernel| kernel.step_operations().work()),
+            operations: 0,
             field: self.clone(),
         }
     }
@@ -57,12 +59,16 @@ pub(super) struct FieldWorker {
     field: Field,
     value: Workspace,
     slopes: Workspace,
+    /// Operations of one evaluation of each kernel, and of all so far.
+    work: [u64; 2],
+    pub(super) operations: u64,
 }
 
 impl FieldWorker {
     pub(super) fn value(&mut self, y: &[f64], p: &[f64], v: &mut [f64]) {
         write(&mut self.value, y, p);
         self.field.value.evaluate_in_place(&mut self.value);
+        self.operations += self.work[0];
         for (i, v) in v.iter_mut().enumerate() {
             *v = self.field.value.output(&self.value, i)[0];
         }
@@ -72,6 +78,7 @@ impl FieldWorker {
     pub(super) fn slopes(&mut self, y: &[f64], p: &[f64], by_y: &mut [f64], by_p: &mut [f64]) {
         write(&mut self.slopes, y, p);
         self.field.slopes.evaluate_in_place(&mut self.slopes);
+        self.operations += self.work[1];
         for (i, slope) in by_y.iter_mut().chain(by_p.iter_mut()).enumerate() {
             *slope = self.field.slopes.output(&self.slopes, i)[0];
         }

@@ -90,12 +90,15 @@ impl StepMap for FusedStep {
                     .step_by(lanes)
                     .copied()
                     .collect();
+                let work = self.one_form.step_operations().work();
                 let mut one_form = self.one_form.workspace(1);
                 self.one_form.prepare(&mut one_form, &own, &[epsilon], &[h]);
                 Trajectory {
                     curve: self.data.curve(&own),
                     kernel: Arc::clone(&self.one_form),
                     one_form,
+                    work,
+                    forms: 0,
                     extrapolation: Extrapolation::new(d),
                     displacement: vec![0.0; d],
                     centre: vec![0.0; d],
@@ -123,6 +126,9 @@ struct Trajectory {
     curve: Curve,
     kernel: Arc<Kernel>,
     one_form: Workspace,
+    /// Operations of one evaluation of dŜ, and how often it was evaluated.
+    work: u64,
+    forms: u64,
     extrapolation: Extrapolation,
     displacement: Vec<f64>,
     centre: Vec<f64>,
@@ -135,6 +141,7 @@ impl Trajectory {
             self.one_form.input_mut(i)[0] = *value;
         }
         self.kernel.evaluate_in_place(&mut self.one_form);
+        self.forms += 1;
         for (i, p) in self.p.iter_mut().enumerate() {
             *p = self.kernel.output(&self.one_form, i)[0];
         }
@@ -301,7 +308,11 @@ impl Stepper for FusedStepper {
     }
 
     fn statistics(&self) -> SolverStatistics {
-        self.statistics
+        let of = |t: &Trajectory| t.curve.operations() + t.forms * t.work;
+        SolverStatistics {
+            operations: Some(self.trajectories.iter().map(of).sum()),
+            ..self.statistics
+        }
     }
 
     fn memory(&self) -> Vec<f64> {

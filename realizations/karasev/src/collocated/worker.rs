@@ -50,6 +50,10 @@ impl RealizationWorker for CollocatedWorker {
         Ok(())
     }
 
+    fn operations(&self) -> Option<u64> {
+        Some(self.curve.operations())
+    }
+
     fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError> {
         let d = self.z.len() / 2;
         let q = self.curve.rule.points();
@@ -67,6 +71,7 @@ impl RealizationWorker for CollocatedWorker {
                 .sum();
             self.epsilon * sum
         });
+        self.curve.count_tangents(2 * d);
         let nodes = jacobian.lu().solve(&right).ok_or(StepError::NonFinite {
             what: "the tangent of the curve",
         })?;
