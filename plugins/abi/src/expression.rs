@@ -1,0 +1,31 @@
+//! Parts as formulas.
+
+use core::ffi::c_char;
+
+/// One formula of a part, in the syntax of a scene. Frozen for ABI 1.
+///
+/// With formulas all works for a part that works for a built-in one: exact derivatives, series,
+/// Hamilton–Jacobi of any order. A key is a name, or a name, a dot and the rest:
+///
+/// - *System*: the keys of a scene's `[system]` table. `variables`: names separated by commas;
+///   `families.NAME`: a length; `bracket.x1,x2`: the formula of {x1, x2}; `bracket.lie-algebra`: a
+///   name; `hamiltonian`; `casimirs.NAME`; `convention`: `{H,x}` (the default) or `{x,H}`;
+///   `boundary`: `periodic` or `open`. Formulas use the variables and the part's numeric parameters;
+///   `LwPart.parameters` holds their defaults.
+/// - *Realization* in a cotangent chart: `alpha.1` … `alpha.d`, formulas of x1 … xd, p1 … pd and
+///   `epsilon`; `beta.1` … `beta.d`, absent where β̂(x, p) = α̂(x, −p); `domain`, absent where it
+///   holds everywhere: less than 1 inside.
+/// - *Dynamic approximation*: `S.1`, `S.3`, …: the coefficients S_l(x) of the generating function
+///   Ŝ_{ε,h} = Σ_l ε^{l−1} hˡ S_l, l odd, formulas of x1 … xd.
+/// - *Step map*: `increment.1` … `increment.d`: Φ(x) − x, formulas of x1 … xd, `epsilon` and `h`.
+///
+/// Realizations, dynamic approximations and step maps name the variables x1, x2, … whatever the
+/// system calls them, and may use their own numeric parameters. Every key occurs once.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct LwExpression {
+    /// Which formula.
+    pub key: *const c_char,
+    /// The formula, or the word or list the key takes.
+    pub formula: *const c_char,
+}
