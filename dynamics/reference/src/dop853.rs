@@ -2,15 +2,12 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::StepperPart;
-use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
-use leafwise_expression::{Kernel, Workspace};
+use leafwise_core::{BuildError, PoissonSystem, StepMap};
 
-use crate::dop853_coefficients::{
-    FIFTH_ORDER_ERROR, MATRIX, Row, STAGES, THIRD_ORDER_ERROR, WEIGHTS,
-};
-use crate::one_step::{OneStep, ReferenceMap};
+use crate::adaptive::{Pair, TOLERANCE, adaptive_map};
+use crate::dop853_coefficients::{FIFTH_ORDER_ERROR, MATRIX, THIRD_ORDER_ERROR, WEIGHTS};
 
 pub(crate) static INFO: PartInfo = PartInfo {
     name: "dop853",
@@ -20,212 +17,17 @@ pub(crate) static INFO: PartInfo = PartInfo {
     domain: "any system the formulas can say",
     literature: "Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.5; \
                  coefficients of dop853.f (Hairer, Wanner 1994)",
-    parameters: &[ParameterInfo {
-        name: "tolerance",
-        summary: "the error of a substep relative to each component or its change, 1e-14 to 0.1",
-        default: ParameterDefault::Real(1e-12),
-    }],
+    parameters: &[TOLERANCE],
 };
 
-/// Budget of one step.
-const MOST_SUBSTEPS: usize = 100_000;
-/// Substeps are multiplied by a number between these, after a safety factor.
-const SHRINK: f64 = 1.0 / 3.0;
-const GROW: f64 = 6.0;
-const SAFETY: f64 = 0.9;
-
-struct Dop853 {
-    field: Arc<Kernel>,
-    workspace: Workspace,
-    time_step: f64,
-    tolerance: f64,
-    /// The size of the next substep, 0 when not known.
-    proposed: f64,
-    state: Vec<f64>,
-    stage: Vec<f64>,
-    change: Vec<f64>,
-    slopes: [Vec<f64>; STAGES],
-    /// Operations of one evaluation of the field, of a substep's sums a coordinate, and of all so far.
-    work: u64,
-    sums: u64,
-    operations: u64,
-}
-
-/// Σ_j a_j k_j[c].
-fn combine(row: Row, slopes: &[Vec<f64>; STAGES], c: usize) -> f64 {
-    row.iter().map(|&(j, a)| a * slopes[j][c]).sum()
-}
-
-impl Dop853 {
-    fn new(field: &Arc<Kernel>, parameters: &[f64], time_step: f64, tolerance: f64) -> Self {
-        let mut workspace = field.workspace(1);
-        field.prepare(&mut workspace, parameters, &[1.0], &[1.0]);
-        let d = field.inputs();
-        let ends = [WEIGHTS, FIFTH_ORDER_ERROR, THIRD_ORDER_ERROR];
-        let rows = MATRIX[1..].iter().copied().chain(ends);
-        Self {
-            field: Arc::clone(field),
-            workspace,
-            time_step,
-            tolerance,
-            proposed: 0.0,
-            state: vec![0.0; d],
-            stage: vec![0.0; d],
-            change: vec![0.0; d],
-            slopes: std::array::from_fn(|_| vec![0.0; d]),
-            work: field.step_operations().work(),
-            sums: rows.map(|row| 2 * row.len() as u64).sum(),
-            operations: 0,
-        }
-    }
-
-    /// The field at a stage.
-    fn slope_at(&mut self, stage: usize) {
-        let at = if stage == 0 { &self.state } else { &self.stage };
-        self.field
-            .evaluate(&mut self.workspace, at, &mut self.slopes[stage]);
-        self.operations += self.work;
-    }
-
-    /// What an error in component c is measured against: the component, or its change in a substep
-    /// of size `tau` where that is larger.
-    fn scale(&self, c: usize, tau: f64) -> f64 {
-        let (x, slope) = (self.state[c], self.slopes[0][c]);
-        let end = (x + self.change[c]).abs();
-        self.tolerance * x.abs().max(end).max((tau * slope).abs())
-    }
-
-    /// The first substep: a hundredth of the time in which the state changes by its own size.
-    fn first(&self) -> f64 {
-        let norm = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        let (state, slope) = (norm(&self.state), norm(&self.slopes[0]));
-        let whole = self.time_step.abs();
-        if state > 0.0 && slope > 0.0 {
-            whole.min(0.01 * state / slope)
-        } else {
-            whole
-        }
-    }
-
-    /// One substep from `state`, its slope in `slopes[0]`: writes `change`, returns the error
-    /// relative to the tolerance.
-    fn substep(&mut self, tau: f64) -> f64 {
-        for i in 1..STAGES {
-            for c in 0..self.state.len() {
-                self.stage[c] = self.state[c] + tau * combine(MATRIX[i], &self.slopes, c);
-            }
-            self.slope_at(i);
-        }
-        self.operations += self.sums * self.state.len() as u64;
-        let (mut fifth, mut third) = (0.0, 0.0);
-        for c in 0..self.state.len() {
-            self.change[c] = tau * combine(WEIGHTS, &self.slopes, c);
-            let scale = self.scale(c, tau);
-            let of = |row| {
-                let error: f64 = combine(row, &self.slopes, c);
-                if error == 0.0 {
-                    0.0
-                } else {
-                    error / scale * (error / scale)
-                }
-            };
-            fifth += of(FIFTH_ORDER_ERROR);
-            third += of(THIRD_ORDER_ERROR);
-        }
-        if fifth == 0.0 {
-            return 0.0;
-        }
-        // Hairer's estimate err₅²/√(err₅² + 0.01 err₃²), of order 8.
-        let weight = (fifth + 0.01 * third) * self.state.len() as f64;
-        tau.abs() * fifth / libm::sqrt(weight)
-    }
-}
-
-impl OneStep for Dop853 {
-    fn increment(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError> {
-        self.state.copy_from_slice(x);
-        increment.fill(0.0);
-        self.change.fill(0.0);
-        self.slope_at(0);
-        let whole = self.time_step.abs();
-        let mut tau = if self.proposed > 0.0 {
-            self.proposed
-        } else {
-            self.first()
-        };
-        let mut done = 0.0;
-        let mut rejected = false;
-        for count in 1..=MOST_SUBSTEPS {
-            let rest = whole - done;
-            // Of a rest of less than two substeps the half is taken: no sliver is left over.
-            let last = tau >= rest;
-            let size = if last { rest } else { tau.min(0.5 * rest) };
-            let error = self.substep(size.copysign(self.time_step));
-            let factor = if error > 0.0 {
-                (SAFETY / libm::pow(error, 0.125)).clamp(SHRINK, GROW)
-            } else if error == 0.0 {
-                GROW
-            } else {
-                // Not a number: the substep left the formulas' domain.
-                SHRINK
-            };
-            if error <= 1.0 {
-                for c in 0..x.len() {
-                    increment[c] += self.change[c];
-                    self.state[c] = x[c] + increment[c];
-                }
-                done += size;
-                let growth = if rejected { factor.min(1.0) } else { factor };
-                tau = if last {
-                    tau.max(size * growth)
-                } else {
-                    size * growth
-                };
-                rejected = false;
-                if last {
-                    self.proposed = tau;
-                    return Ok(count);
-                }
-                self.slope_at(0);
-            } else {
-                rejected = true;
-                tau = size * factor;
-                if tau <= 16.0 * f64::EPSILON * whole {
-                    return Err(if error.is_finite() {
-                        StepError::NoConvergence {
-                            evaluations: count,
-                            correction: error * self.tolerance,
-                        }
-                    } else {
-                        StepError::NonFinite {
-                            what: "the field in a substep",
-                        }
-                    });
-                }
-            }
-        }
-        Err(StepError::NoConvergence {
-            evaluations: MOST_SUBSTEPS,
-            correction: self.tolerance,
-        })
-    }
-
-    fn operations(&self) -> u64 {
-        self.operations
-    }
-
-    fn restart(&mut self) {
-        self.proposed = 0.0;
-    }
-
-    fn memory(&self) -> Vec<f64> {
-        vec![self.proposed]
-    }
-
-    fn restore(&mut self, memory: &[f64]) {
-        self.proposed = memory[0];
-    }
-}
+static PAIR: Pair = Pair {
+    matrix: &MATRIX,
+    weights: WEIGHTS,
+    errors: &[FIFTH_ORDER_ERROR, THIRD_ORDER_ERROR],
+    order: 8,
+    exponent: 8.0,
+    first_same_as_last: false,
+};
 
 struct Part;
 
@@ -239,28 +41,7 @@ impl StepperPart for Part {
         system: &PoissonSystem,
         parameters: &PartParameters,
     ) -> Result<Arc<dyn StepMap>, BuildError> {
-        let tolerance = parameters.real(&INFO, "tolerance")?;
-        if !(1e-14..=0.1).contains(&tolerance) {
-            return Err(BuildError::Parameter {
-                part: INFO.name,
-                parameter: "tolerance".to_owned(),
-                value: tolerance.to_string(),
-                expected: "the tolerance lies in 1e-14 to 0.1".to_owned(),
-            });
-        }
-        let field = Arc::new(system.vector_field_kernel()?);
-        Ok(Arc::new(ReferenceMap {
-            dimension: system.dimension(),
-            properties: MapProperties {
-                order: 8,
-                structure: Structure::None,
-                self_adjoint: Some(false),
-            },
-            description: format!("{} tolerance = {tolerance:e}", INFO.name),
-            make: Box::new(move |parameters, time_step| {
-                Box::new(Dop853::new(&field, parameters, time_step, tolerance))
-            }),
-        }))
+        adaptive_map(&INFO, &PAIR, system, parameters)
     }
 }
 

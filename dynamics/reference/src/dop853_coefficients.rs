@@ -4,11 +4,10 @@
 //! Wanner, *Solving Ordinary Differential Equations I*, section II.5. Sparse rows of (index, value),
 //! rounded to the nearest double; zeros are left out.
 
+use crate::adaptive::Row;
+
 /// Stages of a step, the last of which is evaluated at the new state.
 pub(crate) const STAGES: usize = 12;
-
-/// A row of coefficients: (stage, value).
-pub(crate) type Row = &'static [(usize, f64)];
 
 /// a_ij.
 pub(crate) const MATRIX: [Row; STAGES] = [

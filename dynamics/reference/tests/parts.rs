@@ -13,6 +13,7 @@ fn parameters_out_of_range_are_refused() {
         ("gauss", none().with("stages", 9)),
         ("dop853", none().with("tolerance", 0.0)),
         ("dop853", none().with("tolerance", f64::NAN)),
+        ("dormand-prince45", none().with("tolerance", 1.0)),
         ("energy-preserving", none().with("order", 3)),
         ("projection", none().with("base", "euler")),
         ("projection", none().with("stages", -2)),

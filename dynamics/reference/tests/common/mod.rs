@@ -190,6 +190,7 @@ pub fn parts() -> Vec<(&'static str, PartParameters, usize)> {
     let mut parts = vec![
         ("rk4", none(), 4),
         ("dop853", none().with("tolerance", 0.1), 8),
+        ("dormand-prince45", none().with("tolerance", 0.1), 5),
         ("implicit-midpoint", none(), 2),
         ("energy-preserving", none().with("order", 2), 2),
         ("energy-preserving", none().with("order", 4), 4),
