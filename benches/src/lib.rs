@@ -6,10 +6,22 @@ use leafwise::scene::{ComposedRun, SceneDocument, compose};
 
 /// A scene of a library system with its default start, Karasev n and Hamilton–Jacobi m.
 pub fn scene(library: &str, initial: &str, n: usize, m: usize, time_step: f64) -> String {
+    let realization = format!("{{ name = \"karasev-truncated\", order = {n} }}");
+    scene_with(library, initial, &realization, m, time_step)
+}
+
+/// A scene of a library system with its default start, any realization and Hamilton–Jacobi m.
+pub fn scene_with(
+    library: &str,
+    initial: &str,
+    realization: &str,
+    m: usize,
+    time_step: f64,
+) -> String {
     format!(
         "[system]\nlibrary = \"{library}\"\n\
          [method]\n\
-         realization = {{ name = \"karasev-truncated\", order = {n} }}\n\
+         realization = {realization}\n\
          dynamics = {{ name = \"hamilton-jacobi\", order = {m} }}\n\
          time-step = {time_step}\n\
          [run]\ninitial = {initial}\nsteps = 1\n"

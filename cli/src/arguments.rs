@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use leafwise::expression::Execution;
 
 /// Exit codes, for the help text.
 const CODES: &str = "Exit codes: 0 done, 1 the run failed, 2 usage, 3 invalid scene, \
@@ -15,6 +16,36 @@ pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
+    /// How step kernels run; the results have the same bits either way
+    #[arg(
+        long,
+        global = true,
+        env = "LEAFWISE_KERNELS",
+        value_name = "HOW",
+        default_value = "adaptive"
+    )]
+    pub kernels: Kernels,
+}
+
+/// How step kernels run.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Kernels {
+    /// By the interpreter
+    Interpreted,
+    /// As machine code, where the platform has a compiler
+    Compiled,
+    /// Interpreted first, compiled where that pays
+    Adaptive,
+}
+
+impl From<Kernels> for Execution {
+    fn from(kernels: Kernels) -> Self {
+        match kernels {
+            Kernels::Interpreted => Self::Interpreted,
+            Kernels::Compiled => Self::Compiled,
+            Kernels::Adaptive => Self::Adaptive,
+        }
+    }
 }
 
 /// The commands.

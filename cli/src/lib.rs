@@ -21,6 +21,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use clap::Parser;
+use leafwise::expression::Execution;
 use serde_json::json;
 
 use arguments::{Arguments, Command};
@@ -61,6 +62,7 @@ pub fn run(
             };
         }
     };
+    Execution::from(arguments.kernels).set_default_of_process();
     let json = arguments.command.wants_json();
     let outcome = match arguments.command {
         Command::Run(arguments) => commands::run::execute(&arguments, console, interrupt),

@@ -27,5 +27,5 @@ pub use arithmetic::{AlgebraError, Arithmetic};
 pub use evaluate::VariableIn;
 pub use expression::{Expression, Function};
 pub use graph::{Graph, StepSize, Term};
-pub use kernel::{Kernel, OperationCount, Workspace};
+pub use kernel::{Execution, Kernel, MachineCodeSize, OperationCount, Workspace};
 pub use rational::Rational;

@@ -76,6 +76,12 @@ impl NewtonKernel {
         self.operations().work() + solve
     }
 
+    /// The code of one Newton iteration: outputs base − y, β̂ − base, α̂ − β̂, D(β̂∘L), D(α̂ − β̂)∘L,
+    /// and the guard's.
+    pub fn kernel(&self) -> &Kernel {
+        &self.kernel
+    }
+
     /// Operations of one Newton iteration, the linear solve apart.
     pub fn operations(&self) -> OperationCount {
         self.kernel.step_operations()

@@ -1,9 +1,12 @@
 //! From a graph to a coefficient kernel and a step kernel.
 
+use std::sync::Arc;
+
 use rustc_hash::FxHashMap;
 
 use super::allocate::reuse_slots;
 use super::code::{Code, Instruction, OperationCount};
+use super::execution::Compiled;
 use crate::graph::{Graph, Node, Operation, StepSize, Term, Tier};
 use crate::rational::Rational;
 
@@ -19,6 +22,7 @@ pub struct Kernel {
     pub(super) coefficients: usize,
     pub(super) coefficient_code: Code,
     pub(super) step_code: Code,
+    pub(super) compiled: Arc<Compiled>,
 }
 
 impl Kernel {
@@ -62,6 +66,7 @@ impl Kernel {
             coefficients: imported.len(),
             coefficient_code,
             step_code,
+            compiled: Arc::default(),
         }
     }
 
@@ -92,6 +97,11 @@ impl Kernel {
     /// The number of outputs.
     pub fn outputs(&self) -> usize {
         self.step_code.outputs.len()
+    }
+
+    /// The number of parameters.
+    pub fn parameters(&self) -> usize {
+        self.parameters
     }
 
     /// The number of inputs that change with the state.

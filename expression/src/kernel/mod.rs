@@ -1,11 +1,23 @@
-//! Straight-line kernels: compiled from a graph, evaluated W lanes at a time.
+//! Straight-line kernels: compiled from a graph, evaluated W lanes at a time, by an interpreter or
+//! as machine code.
 
 mod allocate;
 mod code;
 mod compile;
+mod execution;
 mod interpreter;
+#[cfg(all(feature = "jit", any(target_arch = "x86_64", target_arch = "aarch64")))]
+#[allow(unsafe_code)]
+mod jit;
+#[cfg(not(all(feature = "jit", any(target_arch = "x86_64", target_arch = "aarch64"))))]
+mod no_jit;
 mod workspace;
 
 pub use code::{Code, Instruction, OperationCount};
 pub use compile::Kernel;
+pub use execution::{Execution, MachineCodeSize};
+#[cfg(all(feature = "jit", any(target_arch = "x86_64", target_arch = "aarch64")))]
+use jit::MachineCode;
+#[cfg(not(all(feature = "jit", any(target_arch = "x86_64", target_arch = "aarch64"))))]
+use no_jit::MachineCode;
 pub use workspace::Workspace;

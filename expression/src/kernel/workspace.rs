@@ -1,6 +1,10 @@
 //! Slots and coefficients of one caller of a kernel, and what it does with them.
 
+use std::sync::Arc;
+
+use super::MachineCode;
 use super::compile::Kernel;
+use super::execution::{Execution, MachineCodeSize, REPORT};
 use super::interpreter::run;
 
 /// Slots and coefficients of one caller of a [`Kernel`], for a fixed number of lanes.
@@ -11,6 +15,9 @@ use super::interpreter::run;
 pub struct Workspace {
     lanes: usize,
     slots: Vec<f64>,
+    machine: Option<Arc<MachineCode>>,
+    /// Evaluations until the kernel is told of them; 0 where it never is.
+    until_report: u32,
 }
 
 impl Kernel {
@@ -19,12 +26,34 @@ impl Kernel {
     /// # Panics
     /// When `lanes` is 0.
     pub fn workspace(&self, lanes: usize) -> Workspace {
+        self.workspace_for(lanes, Execution::default_of_process())
+    }
+
+    /// A workspace that runs the step kernel in a given way.
+    ///
+    /// # Panics
+    /// When `lanes` is 0.
+    pub fn workspace_for(&self, lanes: usize, execution: Execution) -> Workspace {
         assert!(lanes > 0, "a kernel evaluates at least one lane");
         let mut slots = vec![f64::NAN; self.step_code.slots * lanes];
         for &(slot, value) in &self.step_code.constants {
             slots[slot as usize * lanes..][..lanes].fill(value);
         }
-        Workspace { lanes, slots }
+        let machine = match execution {
+            Execution::Interpreted => None,
+            Execution::Compiled => self.compiled.get(&self.step_code, lanes, true),
+            Execution::Adaptive => self.compiled.get(&self.step_code, lanes, false),
+        };
+        let until_report = match execution {
+            Execution::Adaptive => REPORT,
+            Execution::Interpreted | Execution::Compiled => 0,
+        };
+        Workspace {
+            lanes,
+            slots,
+            machine,
+            until_report,
+        }
     }
 
     /// Runs the coefficient kernel: `parameters` as a structure of arrays over the lanes, one ε and
@@ -90,7 +119,28 @@ impl Kernel {
 
     /// Runs the step kernel on the inputs that stand in the workspace.
     pub fn evaluate_in_place(&self, workspace: &mut Workspace) {
-        run(&self.step_code, &mut workspace.slots, workspace.lanes);
+        match &workspace.machine {
+            Some(machine) => machine.run(&mut workspace.slots),
+            None => {
+                run(&self.step_code, &mut workspace.slots, workspace.lanes);
+                self.count_evaluation(workspace);
+            }
+        }
+    }
+
+    fn count_evaluation(&self, workspace: &mut Workspace) {
+        if workspace.until_report > 0 {
+            workspace.until_report -= 1;
+            if workspace.until_report == 0 {
+                workspace.machine = self.compiled.report(&self.step_code, workspace.lanes);
+                workspace.until_report = REPORT;
+            }
+        }
+    }
+
+    /// What was compiled to machine code until now, for each number of lanes.
+    pub fn machine_code(&self) -> Vec<MachineCodeSize> {
+        self.compiled.describe()
     }
 
     /// The values of one output, a number a lane.
@@ -104,6 +154,11 @@ impl Workspace {
     /// The number of lanes.
     pub fn lanes(&self) -> usize {
         self.lanes
+    }
+
+    /// Whether the step kernel runs as machine code.
+    pub fn is_compiled(&self) -> bool {
+        self.machine.is_some()
     }
 
     /// The values of one input, a number a lane.

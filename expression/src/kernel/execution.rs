@@ -1,0 +1,144 @@
+//! When a kernel is compiled to machine code, and what was.
+
+use std::fmt;
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Arc, Mutex, PoisonError, TryLockError};
+
+use super::MachineCode;
+use super::code::Code;
+
+/// How step kernels run. The results have the same bits either way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Execution {
+    /// By the interpreter.
+    Interpreted,
+    /// By machine code from the first evaluation on, where the platform has a compiler.
+    Compiled,
+    /// By the interpreter until machine code would have paid for its compilation.
+    #[default]
+    Adaptive,
+}
+
+static DEFAULT: AtomicU8 = AtomicU8::new(Execution::Adaptive as u8);
+
+impl Execution {
+    /// What [`Kernel::workspace`](super::Kernel::workspace) takes, in the whole process.
+    pub fn default_of_process() -> Self {
+        match DEFAULT.load(Ordering::Relaxed) {
+            0 => Self::Interpreted,
+            1 => Self::Compiled,
+            _ => Self::Adaptive,
+        }
+    }
+
+    /// Sets what [`Kernel::workspace`](super::Kernel::workspace) takes from now on.
+    pub fn set_default_of_process(self) {
+        DEFAULT.store(self as u8, Ordering::Relaxed);
+    }
+}
+
+/// A workspace reports its evaluations this many at a time.
+pub(super) const REPORT: u32 = 64;
+
+/// After this many evaluations of one lane machine code would have saved the time that it takes
+/// to compile, for kernels of any size: both grow with the number of operations.
+const EVALUATIONS: u64 = 2048;
+
+/// Larger kernels stay interpreted: compiling one takes longer than a second.
+const LARGEST: usize = 200_000;
+
+/// What one kernel has in machine code, for each number of lanes.
+#[derive(Debug, Default)]
+pub(super) struct Compiled {
+    entries: Mutex<Vec<Entry>>,
+}
+
+#[derive(Debug)]
+struct Entry {
+    lanes: usize,
+    evaluations: u64,
+    /// `None` before a compilation was tried, `Some(None)` where it failed.
+    machine: Option<Option<Arc<MachineCode>>>,
+}
+
+impl Compiled {
+    /// Machine code for `lanes` lanes if there is any, compiling it where `now` asks for it.
+    pub(super) fn get(&self, code: &Code, lanes: usize, now: bool) -> Option<Arc<MachineCode>> {
+        let mut entries = self.entries.lock().unwrap_or_else(PoisonError::into_inner);
+        let entry = find(&mut entries, lanes);
+        if now {
+            entry.compile(code);
+        }
+        entry.machine.clone().flatten()
+    }
+
+    /// Counts [`REPORT`] evaluations of `lanes` lanes; returns machine code once it pays. While
+    /// another thread compiles, this one goes on without.
+    pub(super) fn report(&self, code: &Code, lanes: usize) -> Option<Arc<MachineCode>> {
+        let mut entries = match self.entries.try_lock() {
+            Ok(entries) => entries,
+            Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
+            Err(TryLockError::WouldBlock) => return None,
+        };
+        let entry = find(&mut entries, lanes);
+        entry.evaluations += u64::from(REPORT);
+        if entry.evaluations >= EVALUATIONS && code.instructions.len() <= LARGEST {
+            entry.compile(code);
+        }
+        entry.machine.clone().flatten()
+    }
+
+    /// What was compiled.
+    pub(super) fn describe(&self) -> Vec<MachineCodeSize> {
+        let entries = self.entries.lock().unwrap_or_else(PoisonError::into_inner);
+        entries
+            .iter()
+            .filter_map(|entry| {
+                let machine = entry.machine.as_ref()?.as_ref()?;
+                Some(MachineCodeSize {
+                    lanes: entry.lanes,
+                    bytes: machine.bytes(),
+                    seconds: machine.seconds(),
+                })
+            })
+            .collect()
+    }
+}
+
+fn find(entries: &mut Vec<Entry>, lanes: usize) -> &mut Entry {
+    let at = entries.iter().position(|entry| entry.lanes == lanes);
+    let at = at.unwrap_or_else(|| {
+        entries.push(Entry {
+            lanes,
+            evaluations: 0,
+            machine: None,
+        });
+        entries.len() - 1
+    });
+    &mut entries[at]
+}
+
+impl Entry {
+    fn compile(&mut self, code: &Code) {
+        self.machine
+            .get_or_insert_with(|| MachineCode::compile(code, self.lanes).map(Arc::new));
+    }
+}
+
+/// The machine code of a kernel for one number of lanes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MachineCodeSize {
+    /// The number of lanes.
+    pub lanes: usize,
+    /// The length of the code.
+    pub bytes: usize,
+    /// How long the compilation took.
+    pub seconds: f64,
+}
+
+impl fmt::Display for MachineCodeSize {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { lanes, bytes, .. } = self;
+        write!(f, "{bytes} bytes for {lanes} lanes")
+    }
+}

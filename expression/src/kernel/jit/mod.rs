@@ -1,0 +1,7 @@
+//! Machine code for step kernels, bit-identical to the interpreter.
+
+mod emit;
+mod functions;
+mod machine;
+
+pub(super) use machine::MachineCode;

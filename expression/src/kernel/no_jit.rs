@@ -1,0 +1,25 @@
+//! In place of the just-in-time compiler where there is none.
+
+use super::code::Code;
+
+/// Machine code: none.
+#[derive(Debug)]
+pub(super) enum MachineCode {}
+
+impl MachineCode {
+    pub(super) fn compile(_code: &Code, _lanes: usize) -> Option<Self> {
+        None
+    }
+
+    pub(super) fn run(&self, _slots: &mut [f64]) {
+        match *self {}
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        match *self {}
+    }
+
+    pub(super) fn seconds(&self) -> f64 {
+        match *self {}
+    }
+}
