@@ -110,6 +110,8 @@ fn assert_poisson(problem: &Problem, map: &dyn StepMap, t: f64) {
     let name = map.describe();
     let formulas: Vec<_> = problem
         .system
+        .expressions()
+        .expect("formulas")
         .casimirs()
         .iter()
         .map(|c| &c.expression)

@@ -112,6 +112,8 @@ fn tiny_steps_keep_the_relative_accuracy_of_their_increment() {
             increment(&method, &parameters, (1.0, t), &problem.initial).expect("a tiny step");
         let kernel = problem
             .system
+            .expressions()
+            .expect("formulas")
             .vector_field_kernel()
             .expect("a vector field");
         let mut workspace = kernel.workspace(1);

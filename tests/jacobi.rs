@@ -44,7 +44,13 @@ fn every_library_casimir_is_one() {
         },
     ) in every_system()
     {
-        for (at, casimir) in system.casimirs().iter().enumerate() {
+        for (at, casimir) in system
+            .expressions()
+            .expect("formulas")
+            .casimirs()
+            .iter()
+            .enumerate()
+        {
             let check =
                 check_casimir(&system, at, &system.parameter_values(), &initial).expect("code");
             let expected = if id == "lotka-volterra-periodic" {
@@ -187,6 +193,8 @@ fn a_false_casimir_is_refused_with_the_row_that_fails() {
     let near = [1.0, 2.0, 3.0];
     let casimir = |name: &str| {
         let at = system
+            .expressions()
+            .expect("formulas")
             .casimirs()
             .iter()
             .position(|casimir| casimir.name == name);

@@ -168,7 +168,11 @@ proptest! {
 
 /// δ = −t Π∇H(x + δ/2), by fixed-point iteration.
 fn midpoint_increment(system: &PoissonSystem, x: &[f64], t: f64) -> Vec<f64> {
-    let kernel = system.vector_field_kernel().expect("a vector field");
+    let kernel = system
+        .expressions()
+        .expect("formulas")
+        .vector_field_kernel()
+        .expect("a vector field");
     let mut workspace = kernel.workspace(1);
     kernel.prepare(&mut workspace, &[], &[1.0], &[1.0]);
     let mut increment = vec![0.0; x.len()];
@@ -273,6 +277,8 @@ fn the_third_coefficient_is_the_hessian_of_h_along_its_field() {
         let x: Vec<_> = (0..system.dimension()).map(|i| ring.variable(i)).collect();
         let gradient = generating.gradients[0].clone();
         let field = system
+            .expressions()
+            .expect("formulas")
             .apply_tensor(&mut ring, &x, &gradient)
             .expect("the exact algebra");
         let mut terms = vec![(-Rational::one(), generating.coefficients[1].clone())];
@@ -326,7 +332,11 @@ fn the_seventh_coefficient_of_the_rigid_body_has_its_value() {
 #[test]
 fn a_linear_hamiltonian_is_conserved_at_every_n() {
     let problem = library("lotka-volterra");
-    let energy: &Expression = problem.system.hamiltonian();
+    let energy: &Expression = problem
+        .system
+        .expressions()
+        .expect("formulas")
+        .hamiltonian();
     let start = observe(&problem.system, &[energy], &problem.initial)[0];
     for n in 1..=10 {
         let method = method(&problem.system, n, 2);

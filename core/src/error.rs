@@ -94,6 +94,18 @@ pub enum BuildError {
         /// Why.
         reason: String,
     },
+    /// A part that needs more of a system of numbers than it offers.
+    #[error("{part} needs {missing}, and {system} offers only numbers; what serves it: {instead}")]
+    NotOffered {
+        /// The part's name.
+        part: &'static str,
+        /// The system's.
+        system: String,
+        /// What the part would need.
+        missing: &'static str,
+        /// The parts that need no more than the system has.
+        instead: &'static str,
+    },
     /// Two parts that cannot be combined.
     #[error("{dynamics} cannot be combined with {realization}: {reason}")]
     Incompatible {
@@ -134,6 +146,14 @@ pub enum StepError {
     /// A diagnostic asked for the tangent of a map that offers none.
     #[error("the map offers no exact tangent, so its tensor defect cannot be measured")]
     NoTangent,
+    /// A part outside the program could not evaluate one of its functions.
+    #[error("{part} failed: {message}")]
+    Part {
+        /// Its name.
+        part: String,
+        /// What it says.
+        message: String,
+    },
     /// A value that is not finite.
     #[error(
         "{what} is not finite: the state left the formulas' domain (ln of a negative number, a \

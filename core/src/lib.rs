@@ -50,4 +50,4 @@ pub use realization::{
 };
 pub use registry::{Part, Registry, RegistryError};
 pub use solver::{MapProperties, Observe, SolverStatistics, StepMap, Stepper, Structure};
-pub use system::{Convention, PoissonSystem};
+pub use system::{Convention, PoissonSystem, SystemFormulas, SystemNumbers};

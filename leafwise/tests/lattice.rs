@@ -228,7 +228,11 @@ fn an_energy_is_summed_over_sites() {
         let mut value = [0.0];
         observables.evaluate(&state, &mut value);
         let system = chain.write_out(chain.geometry()).expect("fits");
-        let expected = system.hamiltonian().evaluate(&state, &[]);
+        let expected = system
+            .expressions()
+            .expect("formulas")
+            .hamiltonian()
+            .evaluate(&state, &[]);
         // 100 terms of size 1 to 2, added plainly.
         assert!(
             (value[0] - expected).abs() < 100.0 * 200.0 * f64::EPSILON,
@@ -271,7 +275,11 @@ fn a_term_that_reaches_outside_leaves_the_others_of_its_summand() {
         let mut densities = LatticeObservables::new(&chain, &[], 0..1).expect("densities");
         densities.evaluate(&state, &mut value);
         let system = chain.write_out(chain.geometry()).expect("fits");
-        let written = system.hamiltonian().evaluate(&state, &[]);
+        let written = system
+            .expressions()
+            .expect("formulas")
+            .hamiltonian()
+            .evaluate(&state, &[]);
         // 60 terms of size 1, added in different orders.
         let tolerance = 60.0 * 60.0 * f64::EPSILON;
         assert!(

@@ -63,7 +63,12 @@ fn every_built_in_map_counts_its_operations() {
                 b.expect("the same map"),
             );
             // At least the vector field once a step; and more steps, more operations.
-            let field = problem.system.vector_field_kernel().expect("a field");
+            let field = problem
+                .system
+                .expressions()
+                .expect("formulas")
+                .vector_field_kernel()
+                .expect("a field");
             assert!(a >= STEPS * field.step_operations().work(), "{name}: {a}");
             assert!(b > a, "{name}: {b} after {a}");
             counted += 1;

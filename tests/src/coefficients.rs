@@ -21,7 +21,8 @@ pub fn exact(
     let mut constants =
         |values: &[Rational]| values.iter().map(|v| ring.constant(v)).collect::<Vec<_>>();
     let (x, p) = (constants(x), constants(p));
-    let mut curve = KarasevCurve::new(system, &x).expect("a tensor in the algebra");
+    let mut curve = KarasevCurve::new(system.expressions().expect("formulas"), &x)
+        .expect("a tensor in the algebra");
     let zero = vec![Polynomial::zero(); p.len()];
     for k in 0..order {
         curve

@@ -68,6 +68,8 @@ impl Tableau {
 pub fn flow(system: &PoissonSystem, initial: &[f64], time: f64, steps: usize) -> Vec<f64> {
     let tableau = Tableau::new();
     let kernel = system
+        .expressions()
+        .expect("formulas")
         .vector_field_kernel()
         .expect("a vector field with code");
     let mut workspace = kernel.workspace(1);

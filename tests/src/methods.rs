@@ -83,6 +83,8 @@ pub fn observe(
     x: &[f64],
 ) -> Vec<f64> {
     let kernel = system
+        .expressions()
+        .expect("formulas")
         .observable_kernel(formulas)
         .expect("formulas with code");
     let mut workspace = kernel.workspace(1);

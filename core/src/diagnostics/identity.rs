@@ -7,7 +7,7 @@ use leafwise_expression::{
 };
 
 use crate::error::BuildError;
-use crate::system::PoissonSystem;
+use crate::system::{PoissonSystem, SystemFormulas};
 
 /// What was found out about an identity f = 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +50,7 @@ pub fn check_jacobi(
     parameters: &[f64],
     near: &[f64],
 ) -> Result<IdentityCheck, BuildError> {
+    let system = system.formulas("the check of Jacobi's identity")?;
     let triples = linked_triples(system);
     let components = |arithmetic: &mut dyn FnMut(&[usize]) -> Result<(), BuildError>| {
         triples.iter().try_for_each(|triple| arithmetic(triple))
@@ -90,6 +91,7 @@ pub fn check_casimir(
     parameters: &[f64],
     near: &[f64],
 ) -> Result<IdentityCheck, BuildError> {
+    let system = system.formulas("the check of a Casimir")?;
     let formula = &system.casimirs()[casimir].expression;
     let rows: Vec<Vec<usize>> = (0..system.dimension()).map(|i| vec![i]).collect();
     let mut ring = Ring::new(system.dimension());
@@ -124,7 +126,7 @@ type Differentiate<'a, A> = dyn FnMut(
 
 /// Π_ij in any algebra, `None` where it is structurally zero.
 fn entry<A: Arithmetic>(
-    system: &PoissonSystem,
+    system: &SystemFormulas,
     arithmetic: &mut A,
     x: &[A::Element],
     i: usize,
@@ -142,7 +144,7 @@ fn entry<A: Arithmetic>(
 }
 
 fn jacobi_terms<A: Arithmetic>(
-    system: &PoissonSystem,
+    system: &SystemFormulas,
     arithmetic: &mut A,
     x: &[A::Element],
     triple: &[usize],
@@ -168,7 +170,7 @@ fn jacobi_terms<A: Arithmetic>(
 }
 
 fn casimir_terms<A: Arithmetic>(
-    system: &PoissonSystem,
+    system: &SystemFormulas,
     casimir: &Expression,
     arithmetic: &mut A,
     x: &[A::Element],
@@ -188,7 +190,7 @@ fn casimir_terms<A: Arithmetic>(
 }
 
 /// The triples i < j < k for which some term Π_il ∂_l Π_jk is not structurally zero.
-fn linked_triples(system: &PoissonSystem) -> BTreeSet<Vec<usize>> {
+fn linked_triples(system: &SystemFormulas) -> BTreeSet<Vec<usize>> {
     let mut neighbours = vec![BTreeSet::new(); system.dimension()];
     for &(i, j) in system.tensor().keys() {
         neighbours[i].insert(j);
@@ -235,7 +237,7 @@ fn sample_states(near: &[f64]) -> Vec<Vec<f64>> {
 }
 
 fn sample(
-    system: &PoissonSystem,
+    system: &SystemFormulas,
     parameters: &[f64],
     near: &[f64],
     undecided: &[Vec<usize>],

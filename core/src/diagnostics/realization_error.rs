@@ -2,13 +2,12 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::{Kernel, Workspace};
 use nalgebra::DMatrix;
 
 use crate::code_workers::CodeRealization;
 use crate::error::{BuildError, StepError};
 use crate::realization::{Ends, RealizationData, RealizationWorker};
-use crate::system::PoissonSystem;
+use crate::system::{PoissonSystem, TensorMatrix};
 
 /// ε Π(α̂) − {α̂, α̂}_ω and {α̂_i, β̂_j}_ω at points of a cotangent chart, from the exact tangents of
 /// both maps.
@@ -17,9 +16,7 @@ use crate::system::PoissonSystem;
 pub struct RealizationInstrument {
     realization: Arc<dyn RealizationData>,
     code: Option<CodeRealization>,
-    tensor: Kernel,
-    workspace: Workspace,
-    entries: Vec<(usize, usize)>,
+    tensor: TensorMatrix,
     parameters: Vec<f64>,
 }
 
@@ -63,16 +60,10 @@ impl RealizationInstrument {
                 None
             }
         };
-        let formulas: Vec<_> = system.tensor().values().collect();
-        let tensor = system.observable_kernel(&formulas)?;
-        let mut workspace = tensor.workspace(1);
-        tensor.prepare(&mut workspace, parameters, &[1.0], &[1.0]);
         Ok(Self {
             realization: Arc::clone(realization),
             code,
-            tensor,
-            workspace,
-            entries: system.tensor().keys().copied().collect(),
+            tensor: TensorMatrix::new(system, parameters)?,
             parameters: parameters.to_vec(),
         })
     }
@@ -124,8 +115,8 @@ impl RealizationInstrument {
         };
         let own = [bracket(&source, &source), bracket(&target, &target)];
         let tensors = [
-            self.tensor_at(&alpha) * epsilon,
-            self.tensor_at(&beta) * -epsilon,
+            self.tensor.at(&alpha)? * epsilon,
+            self.tensor.at(&beta)? * -epsilon,
         ];
         let scale = own
             .iter()
@@ -141,16 +132,5 @@ impl RealizationInstrument {
             dual_pair: norm(bracket(&source, &target)),
             scale,
         })
-    }
-
-    fn tensor_at(&mut self, x: &[f64]) -> DMatrix<f64> {
-        let mut values = vec![0.0; self.entries.len()];
-        self.tensor.evaluate(&mut self.workspace, x, &mut values);
-        let mut matrix = DMatrix::zeros(x.len(), x.len());
-        for (&(i, j), value) in self.entries.iter().zip(values) {
-            matrix[(i, j)] = value;
-            matrix[(j, i)] = -value;
-        }
-        matrix
     }
 }

@@ -1,19 +1,16 @@
 //! How far a step is from a Poisson map.
 
-use leafwise_expression::{Kernel, Workspace};
 use nalgebra::DMatrix;
 
 use crate::error::{BuildError, StepError};
 use crate::solver::{StepMap, Stepper};
-use crate::system::PoissonSystem;
+use crate::system::{PoissonSystem, TensorMatrix};
 
 /// DΦ Π(x) DΦᵀ − Π(Φ(x)) for a step map Φ, with the exact tangent map through the solve:
 /// DΦ = (D α̂∘L)(y) · (D β̂∘L)(y)⁻¹ at the solution y of β̂(L(y)) = x.
 pub struct TensorDefect {
     stepper: Box<dyn Stepper>,
-    tensor: Kernel,
-    workspace: Workspace,
-    entries: Vec<(usize, usize)>,
+    tensor: TensorMatrix,
 }
 
 /// The defect of one step.
@@ -41,15 +38,9 @@ impl TensorDefect {
         epsilon: f64,
         h: f64,
     ) -> Result<Self, BuildError> {
-        let formulas: Vec<_> = system.tensor().values().collect();
-        let tensor = system.observable_kernel(&formulas)?;
-        let mut workspace = tensor.workspace(1);
-        tensor.prepare(&mut workspace, parameters, &[epsilon], &[h]);
         Ok(Self {
             stepper: map.stepper(1, parameters, epsilon, h),
-            tensor,
-            workspace,
-            entries: system.tensor().keys().copied().collect(),
+            tensor: TensorMatrix::new(system, parameters)?,
         })
     }
 
@@ -69,7 +60,7 @@ impl TensorDefect {
         let next: Vec<f64> = x.iter().zip(&increment).map(|(x, i)| x + i).collect();
         let rows = self.stepper.tangent(0).ok_or(StepError::NoTangent)?;
         let tangent = DMatrix::from_row_slice(d, d, &rows);
-        let (before, after) = (self.tensor_at(x), self.tensor_at(&next));
+        let (before, after) = (self.tensor.at(x)?, self.tensor.at(&next)?);
         let defect = &tangent * before * tangent.transpose() - &after;
         let norm = |m: &DMatrix<f64>| libm::sqrt(m.iter().map(|v| v * v).sum::<f64>() / 2.0);
         Ok(Defect {
@@ -78,16 +69,5 @@ impl TensorDefect {
             tangent: rows,
             next,
         })
-    }
-
-    fn tensor_at(&mut self, x: &[f64]) -> DMatrix<f64> {
-        let mut values = vec![0.0; self.entries.len()];
-        self.tensor.evaluate(&mut self.workspace, x, &mut values);
-        let mut matrix = DMatrix::zeros(x.len(), x.len());
-        for (&(i, j), value) in self.entries.iter().zip(values) {
-            matrix[(i, j)] = value;
-            matrix[(j, i)] = -value;
-        }
-        matrix
     }
 }

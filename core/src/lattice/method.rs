@@ -13,7 +13,7 @@ use crate::dynamics::DynamicApproximation;
 use crate::error::BuildError;
 use crate::realization::RealizationData;
 use crate::solver::{MapProperties, StepMap, Stepper};
-use crate::system::PoissonSystem;
+use crate::system::{PoissonSystem, SystemFormulas};
 
 /// A lattice system that can be written out at any length.
 pub trait LatticeSource {
@@ -201,8 +201,9 @@ fn proxy_geometry(
         }
         let proxy = geometry.resized(trial);
         let system = source.write_out(&proxy)?;
-        check_homogeneous(&system, &proxy)?;
-        let reach = reach(&system, &proxy)?;
+        let formulas = system.formulas("a long lattice")?;
+        check_homogeneous(formulas, &proxy)?;
+        let reach = reach(formulas, &proxy)?;
         if 2 * reach + 1 < trial {
             break reach;
         }
@@ -228,7 +229,10 @@ fn proxy_geometry(
 
 /// Refuses a tensor whose entries change from one interior site to the next: one with a fixed site
 /// such as `x[0],x[5]`, of which a template would make many.
-fn check_homogeneous(system: &PoissonSystem, geometry: &LatticeGeometry) -> Result<(), BuildError> {
+fn check_homogeneous(
+    system: &SystemFormulas,
+    geometry: &LatticeGeometry,
+) -> Result<(), BuildError> {
     let offsets = geometry.offsets();
     let length = geometry.length();
     let is_interior = |site: usize| geometry.periodic || (2..length - 3).contains(&site);
@@ -267,7 +271,7 @@ fn check_homogeneous(system: &PoissonSystem, geometry: &LatticeGeometry) -> Resu
 }
 
 /// How far dH and the tensor's rows at the centre of a written-out lattice look.
-fn reach(system: &PoissonSystem, geometry: &LatticeGeometry) -> Result<usize, BuildError> {
+fn reach(system: &SystemFormulas, geometry: &LatticeGeometry) -> Result<usize, BuildError> {
     let d = system.dimension();
     let centre = geometry.length() / 2;
     let offsets = geometry.offsets();

@@ -143,6 +143,7 @@ impl DynamicApproximation for Collective {
                  section",
             ));
         }
+        let system = system.formulas(crate::register::INFO.name)?;
         let field = CollectiveField::compile(system, code, chart)?;
         Ok(Arc::new(ImageOfSection::new(
             field,

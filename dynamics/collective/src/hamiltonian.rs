@@ -2,7 +2,7 @@
 
 use leafwise_core::realization::{LagrangianChart, RealizationCode};
 use leafwise_core::runge_kutta::SmoothMap;
-use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_core::{BuildError, SystemFormulas};
 use leafwise_expression::{Arithmetic, Graph, StepSize, Term};
 
 /// The field of K = H∘α̂_ε∘χ on T*M with ω = dp_i ∧ dxⁱ, and the chart χ.
@@ -20,7 +20,7 @@ impl CollectiveField {
     /// # Errors
     /// [`BuildError::Algebra`] where a formula or a derivative has no code.
     pub fn compile(
-        system: &PoissonSystem,
+        system: &SystemFormulas,
         realization: &dyn RealizationCode,
         chart: Option<&dyn LagrangianChart>,
     ) -> Result<Self, BuildError> {

@@ -169,7 +169,7 @@ fn compositions_are_self_adjoint() {
 #[test]
 fn casimirs_stay_at_round_off() {
     let system = rigid_body();
-    let casimir = &system.casimirs()[0].expression;
+    let casimir = &system.expressions().expect("formulas").casimirs()[0].expression;
     let (steps, h) = (400, 0.1);
     for scheme in Scheme::all() {
         let map = Composed::new(base(&system, 6, 2), scheme).expect("a self-adjoint base");

@@ -10,7 +10,8 @@ use leafwise_expression::{Arithmetic, Polynomial, Rational, Ring};
 /// coefficients vanish by Proposition 1 and are not formed.
 ///
 /// # Errors
-/// [`BuildError::Algebra`] where the tensor or the Hamiltonian is outside the exact algebra.
+/// [`BuildError::Algebra`] where the tensor or the Hamiltonian is outside the exact algebra,
+/// [`BuildError::NotOffered`] for a system of numbers.
 pub fn generating_function(
     system: &PoissonSystem,
     series: &dyn SourceSeries,
@@ -69,6 +70,7 @@ fn for_each_coefficient(
     ring: &mut Ring,
     mut take: impl FnMut(&mut Ring, usize, Polynomial) -> Result<Option<Vec<Polynomial>>, BuildError>,
 ) -> Result<(), BuildError> {
+    let system = system.formulas(crate::register::INFO.name)?;
     let d = system.dimension();
     let mut tape = Tape::new();
     let energy = tape.record(system.hamiltonian())?;

@@ -8,7 +8,9 @@ use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator, Tableau};
 use leafwise_core::solver::iteration::Verdict;
 use leafwise_core::solver::{LinearIteration, elimination_operations, substitution_operations};
-use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
+use leafwise_core::{
+    BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure, SystemFormulas,
+};
 use leafwise_expression::{Arithmetic, Graph, Term};
 use nalgebra::{DMatrix, DVector};
 
@@ -262,7 +264,7 @@ impl OneStep for EnergyPreserving {
 }
 
 /// (u, w) ↦ −Π(u) w and x ↦ ∇H(x).
-fn maps(system: &PoissonSystem) -> Result<[SmoothMap; 2], BuildError> {
+fn maps(system: &SystemFormulas) -> Result<[SmoothMap; 2], BuildError> {
     let (d, parameters) = (system.dimension(), system.parameters().len());
     let mut graph = Graph::new();
     let uw: Vec<Term> = (0..2 * d).map(|i| graph.input(i)).collect();
@@ -299,7 +301,7 @@ impl StepperPart for Part {
                 });
             }
         };
-        let maps = maps(system)?;
+        let maps = maps(system.formulas(INFO.name)?)?;
         Ok(Arc::new(ReferenceMap {
             dimension: system.dimension(),
             properties: MapProperties {

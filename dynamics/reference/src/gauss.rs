@@ -61,6 +61,7 @@ impl StepperPart for Part {
         parameters: &PartParameters,
     ) -> Result<Arc<dyn StepMap>, BuildError> {
         let stages = stages(&INFO, parameters)?;
+        let system = system.formulas(INFO.name)?;
         let description = format!("{} s = {stages}", INFO.name);
         gauss_map(system, Tableau::gauss(stages), description)
     }

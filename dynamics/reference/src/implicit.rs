@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::runge_kutta::{SmoothMap, StageSolver, Tableau};
-use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
+use leafwise_core::{BuildError, MapProperties, StepError, StepMap, Structure, SystemFormulas};
 use nalgebra::DMatrix;
 
 use crate::one_step::{OneStep, ReferenceMap, vector_field};
@@ -53,7 +53,7 @@ impl OneStep for ImplicitRungeKutta {
 /// The Gauss method with this tableau: symplectic, so a Poisson map where the tensor is constant
 /// (Hairer, Lubich, Wanner, *Geometric Numerical Integration*, theorem VI.4.3).
 pub(crate) fn gauss_map(
-    system: &PoissonSystem,
+    system: &SystemFormulas,
     tableau: Tableau,
     description: String,
 ) -> Result<Arc<dyn StepMap>, BuildError> {

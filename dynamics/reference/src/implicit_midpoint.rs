@@ -33,6 +33,7 @@ impl StepperPart for Part {
         parameters: &PartParameters,
     ) -> Result<Arc<dyn StepMap>, BuildError> {
         parameters.refuse_unknown(&INFO)?;
+        let system = system.formulas(INFO.name)?;
         gauss_map(system, Tableau::gauss(1), INFO.name.to_owned())
     }
 }

@@ -2,7 +2,7 @@
 
 use leafwise_core::runge_kutta::SmoothMap;
 use leafwise_core::{
-    BuildError, MapProperties, PoissonSystem, SolverStatistics, StepError, StepMap, Stepper,
+    BuildError, MapProperties, SolverStatistics, StepError, StepMap, Stepper, SystemFormulas,
 };
 use leafwise_expression::{Graph, Term};
 use nalgebra::DMatrix;
@@ -158,7 +158,7 @@ impl Stepper for LaneStepper {
 }
 
 /// X_H and its Jacobian.
-pub(crate) fn vector_field(system: &PoissonSystem) -> Result<SmoothMap, BuildError> {
+pub(crate) fn vector_field(system: &SystemFormulas) -> Result<SmoothMap, BuildError> {
     let mut graph = Graph::new();
     let d = system.dimension();
     let x: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();

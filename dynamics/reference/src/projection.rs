@@ -7,7 +7,9 @@ use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator, Tableau};
 use leafwise_core::solver::LinearIteration;
 use leafwise_core::solver::iteration::Verdict;
-use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
+use leafwise_core::{
+    BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure, SystemFormulas,
+};
 use leafwise_expression::{Graph, Term};
 use nalgebra::{DMatrix, DVector};
 
@@ -132,7 +134,7 @@ impl OneStep for Projection {
     }
 }
 
-fn invariants(system: &PoissonSystem) -> Result<SmoothMap, BuildError> {
+fn invariants(system: &SystemFormulas) -> Result<SmoothMap, BuildError> {
     let d = system.dimension();
     let mut graph = Graph::new();
     let x: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
@@ -162,6 +164,7 @@ impl StepperPart for Part {
             "gauss" => (2 * stages, Some(Tableau::gauss(stages))),
             _ => (4, None),
         };
+        let system = system.formulas(INFO.name)?;
         let (field, invariants) = (vector_field(system)?, invariants(system)?);
         Ok(Arc::new(ReferenceMap {
             dimension: system.dimension(),

@@ -100,7 +100,7 @@ impl StepperPart for Part {
         parameters: &PartParameters,
     ) -> Result<Arc<dyn StepMap>, BuildError> {
         parameters.refuse_unknown(&INFO)?;
-        let field = vector_field(system)?;
+        let field = vector_field(system.formulas(INFO.name)?)?;
         Ok(Arc::new(ReferenceMap {
             dimension: system.dimension(),
             properties: MapProperties {

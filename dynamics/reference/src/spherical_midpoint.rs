@@ -7,7 +7,9 @@ use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
 use leafwise_core::solver::iteration::Verdict;
 use leafwise_core::solver::{LinearIteration, elimination_operations, substitution_operations};
-use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
+use leafwise_core::{
+    BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure, SystemFormulas,
+};
 use leafwise_expression::{Arithmetic, Polynomial, Ring};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
@@ -169,7 +171,7 @@ impl OneStep for SphericalMidpoint {
 
 /// Whether the tensor is that of a product of so(3)*: in each triple {x1,x2} = c x3,
 /// {x2,x3} = c x1, {x3,x1} = c x2 with one c, and nothing else.
-fn check_triples(system: &PoissonSystem) -> Result<(), BuildError> {
+fn check_triples(system: &SystemFormulas) -> Result<(), BuildError> {
     let unfit = |reason: String| BuildError::DoesNotFit {
         part: INFO.name,
         reason,
@@ -242,6 +244,7 @@ impl StepperPart for Part {
         parameters: &PartParameters,
     ) -> Result<Arc<dyn StepMap>, BuildError> {
         parameters.refuse_unknown(&INFO)?;
+        let system = system.formulas(INFO.name)?;
         check_triples(system)?;
         let field = vector_field(system)?;
         Ok(Arc::new(ReferenceMap {

@@ -56,7 +56,7 @@ fn the_spherical_midpoint_refuses_other_tensors() {
         assert!(
             matches!(error, Some(BuildError::DoesNotFit { .. })),
             "{:?}: {error:?}",
-            other.tensor()
+            other.expressions().expect("formulas").tensor()
         );
     }
     let scaled = of(3, &[((1, 2), "3*x3"), ((1, 3), "-3*x2"), ((2, 3), "3*x1")]);

@@ -1,12 +1,12 @@
 //! Elements of the ring as formulas.
 
-use leafwise_core::PoissonSystem;
+use leafwise_core::SystemFormulas;
 use leafwise_expression::algebra::{Atom, Coefficient, Generator, Monomial, Polynomial, Symbol};
 use leafwise_expression::{Rational, Ring};
 
 /// The names of a system's variables and parameters.
 pub(crate) struct Names<'a> {
-    pub(crate) system: &'a PoissonSystem,
+    pub(crate) system: &'a SystemFormulas,
     pub(crate) ring: &'a Ring,
 }
 

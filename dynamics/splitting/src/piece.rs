@@ -1,6 +1,6 @@
 //! A Hamiltonian with an exact flow.
 
-use leafwise_core::PoissonSystem;
+use leafwise_core::SystemFormulas;
 use leafwise_expression::{AlgebraError, Arithmetic, Polynomial, Rational, Ring};
 
 use crate::flow::{CoordinateFlow, Motion, coordinate_flow, variables};
@@ -12,7 +12,7 @@ pub(crate) struct Tensor {
 }
 
 impl Tensor {
-    pub(crate) fn new(system: &PoissonSystem, ring: &mut Ring) -> Result<Self, AlgebraError> {
+    pub(crate) fn new(system: &SystemFormulas, ring: &mut Ring) -> Result<Self, AlgebraError> {
         let mut columns = vec![Vec::new(); system.dimension()];
         for (&(i, j), formula) in system.tensor() {
             let entry =

@@ -1,6 +1,6 @@
 //! The pieces of a system's Hamiltonian.
 
-use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_core::{BuildError, SystemFormulas};
 use leafwise_expression::{Expression, Polynomial, Ring};
 
 use crate::display::Names;
@@ -22,7 +22,7 @@ struct Atom {
 /// # Errors
 /// [`BuildError::DoesNotFit`] with the monomial that has no exact flow, [`BuildError::Algebra`] where
 /// a formula is outside the algebra.
-pub fn find_pieces(system: &PoissonSystem, ring: &mut Ring) -> Result<Vec<Piece>, BuildError> {
+pub fn find_pieces(system: &SystemFormulas, ring: &mut Ring) -> Result<Vec<Piece>, BuildError> {
     let tensor = Tensor::new(system, ring)?;
     let mut pieces: Vec<Piece> = Vec::new();
     for summand in summands(system.hamiltonian()) {
@@ -36,7 +36,7 @@ pub fn find_pieces(system: &PoissonSystem, ring: &mut Ring) -> Result<Vec<Piece>
 
 /// A summand as a whole where it has an exact flow, its monomials otherwise; none that is a Casimir.
 fn atoms(
-    system: &PoissonSystem,
+    system: &SystemFormulas,
     ring: &mut Ring,
     tensor: &Tensor,
     summand: Polynomial,
@@ -72,7 +72,7 @@ fn atoms(
 }
 
 fn refusal(
-    system: &PoissonSystem,
+    system: &SystemFormulas,
     ring: &Ring,
     term: &Polynomial,
     coordinate: usize,

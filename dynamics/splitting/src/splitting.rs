@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use leafwise_core::solver::{MapProperties, SolverStatistics, StepMap, Stepper, Structure};
-use leafwise_core::{BuildError, PoissonSystem, StepError};
+use leafwise_core::{BuildError, PoissonSystem, StepError, SystemFormulas};
 use leafwise_expression::{
     Arithmetic, Graph, Kernel, OperationCount, Ring, StepSize, Term, Workspace,
 };
@@ -12,6 +12,7 @@ use crate::code::strang_increment;
 use crate::display::Names;
 use crate::piece::Piece;
 use crate::pieces::find_pieces;
+use crate::register::INFO;
 
 /// φ¹_{t/2} ∘ … ∘ φʳ_t ∘ … ∘ φ¹_{t/2}, t = εh, over exact flows of the pieces of H: explicit, of order
 /// 2, self-adjoint, a Poisson map that keeps every Casimir (G. Strang, SIAM Journal on Numerical
@@ -23,7 +24,7 @@ pub struct Splitting {
 
 #[derive(Debug)]
 struct Shared {
-    system: PoissonSystem,
+    system: SystemFormulas,
     ring: Ring,
     pieces: Vec<Piece>,
     step: Kernel,
@@ -38,6 +39,7 @@ impl Splitting {
     /// [`BuildError::DoesNotFit`] with the term of H that has no exact flow,
     /// [`BuildError::Algebra`] where a formula is outside the algebra.
     pub fn new(system: &PoissonSystem) -> Result<Self, BuildError> {
+        let system = system.formulas(INFO.name)?;
         let mut ring = Ring::new(system.dimension());
         let mut pieces = find_pieces(system, &mut ring)?;
         costliest_last(system, &ring, &mut pieces)?;
@@ -84,7 +86,7 @@ impl Splitting {
 
 /// Moves the piece with the costliest flow to the end: the middle of a step, taken once.
 fn costliest_last(
-    system: &PoissonSystem,
+    system: &SystemFormulas,
     ring: &Ring,
     pieces: &mut Vec<Piece>,
 ) -> Result<(), BuildError> {
@@ -108,7 +110,7 @@ fn costliest_last(
 
 fn increment_code(
     graph: &mut Graph,
-    system: &PoissonSystem,
+    system: &SystemFormulas,
     ring: &Ring,
     pieces: &[Piece],
 ) -> Result<Vec<Term>, BuildError> {
@@ -160,7 +162,7 @@ impl StepMap for Splitting {
 
     fn describe(&self) -> String {
         let pieces = self.shared.pieces.len();
-        format!("{} into {pieces} pieces", crate::register::INFO.name)
+        format!("{} into {pieces} pieces", INFO.name)
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {

@@ -156,7 +156,13 @@ fn the_tangent_is_that_of_the_map() {
 fn casimirs_stay_at_round_off() {
     for problem in systems() {
         let system = problem.system();
-        let formulas: Vec<_> = system.casimirs().iter().map(|c| &c.expression).collect();
+        let formulas: Vec<_> = system
+            .expressions()
+            .expect("formulas")
+            .casimirs()
+            .iter()
+            .map(|c| &c.expression)
+            .collect();
         let (steps, h) = (2000, problem.time_step);
         let map = strang(&system);
         let before = observe(&system, &formulas, &problem.initial);

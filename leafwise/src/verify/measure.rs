@@ -5,8 +5,8 @@ use std::time::Instant;
 use leafwise_core::diagnostics::{
     InvariantDrift, Slope, TensorDefect, fit_slope, measure_drift, self_adjointness_defect,
 };
-use leafwise_core::system::SystemObservables;
-use leafwise_core::{Integrator, MapProperties, PoissonSystem, StepError, StepMap, Structure};
+use leafwise_core::system::SystemInvariants;
+use leafwise_core::{Integrator, MapProperties, StepError, StepMap, Structure};
 use serde::Serialize;
 
 use super::problem::Problem;
@@ -240,13 +240,6 @@ struct Drift {
     nanoseconds: f64,
 }
 
-fn observables(system: &PoissonSystem) -> Option<SystemObservables> {
-    let formulas: Vec<_> = std::iter::once(system.hamiltonian())
-        .chain(system.casimirs().iter().map(|casimir| &casimir.expression))
-        .collect();
-    SystemObservables::new(system, &formulas, &system.parameter_values()).ok()
-}
-
 fn drift(problem: &Problem, map: &dyn StepMap) -> Result<Drift, StepError> {
     let values = problem.system.parameter_values();
     let start = || Integrator::new(map, &values, 1.0, problem.time_step, &problem.initial);
@@ -257,9 +250,9 @@ fn drift(problem: &Problem, map: &dyn StepMap) -> Result<Drift, StepError> {
     }
     let nanoseconds = started.elapsed().as_secs_f64() * 1e9 / DRIFT_STEPS as f64;
     let evaluations = integrator.statistics().evaluations_per_step();
-    let invariants = match observables(&problem.system) {
-        Some(mut observer) => measure_drift(&mut start(), &mut observer, DRIFT_STEPS)?,
-        None => Vec::new(),
+    let invariants = match SystemInvariants::new(&problem.system, &values) {
+        Ok(mut observer) => measure_drift(&mut start(), &mut observer, DRIFT_STEPS)?,
+        Err(_) => Vec::new(),
     };
     Ok(Drift {
         energy: invariants

@@ -53,20 +53,35 @@ pub fn structure_error(
         .try_inverse()
         .expect("a step is a diffeomorphism");
     let conditioning = tangent.norm() * inverse.norm() / d as f64;
-    let formulas: Vec<_> = system.tensor().values().collect();
+    let formulas: Vec<_> = system
+        .expressions()
+        .expect("formulas")
+        .tensor()
+        .values()
+        .collect();
     let entries = evaluate(
-        &system.observable_kernel(&formulas).expect("code"),
+        &system
+            .expressions()
+            .expect("formulas")
+            .observable_kernel(&formulas)
+            .expect("code"),
         &parameters,
         x,
     );
     let mut sizes = DMatrix::zeros(d, d);
-    for (&(i, j), value) in system.tensor().keys().zip(entries) {
+    for (&(i, j), value) in system
+        .expressions()
+        .expect("formulas")
+        .tensor()
+        .keys()
+        .zip(entries)
+    {
         sizes[(i, j)] = value.abs();
         sizes[(j, i)] = value.abs();
     }
     let summand = (tangent.abs() * sizes * tangent.transpose().abs()).norm();
     let mut casimirs = 0.0_f64;
-    for casimir in system.casimirs() {
+    for casimir in system.expressions().expect("formulas").casimirs() {
         let mut graph = Graph::new();
         let inputs: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
         let value = casimir
@@ -156,7 +171,11 @@ pub fn is_even_order(slope: Slope, m: usize) -> bool {
 /// When the vector field has no code.
 pub fn flow(system: &PoissonSystem, initial: &[f64], time: f64, steps: usize) -> Vec<f64> {
     const COLUMNS: usize = 8;
-    let kernel = system.vector_field_kernel().expect("a field with code");
+    let kernel = system
+        .expressions()
+        .expect("formulas")
+        .vector_field_kernel()
+        .expect("a field with code");
     let parameters = system.parameter_values();
     let field = |x: &[f64]| evaluate(&kernel, &parameters, x);
     let plus = |x: &[f64], h: f64, v: &[f64]| -> Vec<f64> {
@@ -200,7 +219,11 @@ pub fn flow(system: &PoissonSystem, initial: &[f64], time: f64, steps: usize) ->
 /// # Panics
 /// When the vector field has no code.
 pub fn implicit_midpoint(system: &PoissonSystem, h: f64, x: &[f64]) -> Vec<f64> {
-    let kernel = system.vector_field_kernel().expect("code");
+    let kernel = system
+        .expressions()
+        .expect("formulas")
+        .vector_field_kernel()
+        .expect("code");
     let parameters = system.parameter_values();
     let mut next = x.to_vec();
     for _ in 0..100 {

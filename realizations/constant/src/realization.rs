@@ -30,6 +30,7 @@ impl ConstantRealization {
     /// [`BuildError::DoesNotFit`] with the first entry whose normal form contains variables,
     /// [`BuildError::Algebra`] where an entry has no normal form.
     pub fn new(system: &PoissonSystem) -> Result<Self, BuildError> {
+        let system = system.formulas(INFO.name)?;
         let mut ring = Ring::new(system.dimension());
         let mut entries = Vec::with_capacity(system.tensor().len());
         for (&(i, j), entry) in system.tensor() {

@@ -1,18 +1,18 @@
 //! α(x, p(h)) = x − ½ Π p(h), coefficient by coefficient.
 
 use leafwise_core::realization::{SourceRecursion, SourceSeries};
-use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_core::{BuildError, SystemFormulas};
 use leafwise_expression::{Arithmetic, Polynomial, Rational, Ring};
 
 /// αₖ = −½ Π pₖ.
 #[derive(Clone, Debug)]
 pub struct ConstantSeries {
-    system: PoissonSystem,
+    system: SystemFormulas,
 }
 
 impl ConstantSeries {
     /// The series for a system whose tensor is constant.
-    pub(crate) fn new(system: PoissonSystem) -> Self {
+    pub(crate) fn new(system: SystemFormulas) -> Self {
         Self { system }
     }
 }
@@ -28,7 +28,7 @@ impl SourceSeries for ConstantSeries {
 }
 
 struct Recursion {
-    system: PoissonSystem,
+    system: SystemFormulas,
     x: Vec<Polynomial>,
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_core::{BuildError, SystemFormulas};
 use leafwise_expression::syntax::{Formula, Scope};
 use leafwise_expression::{Arithmetic, Expression, Polynomial, Rational, Ring};
 
@@ -38,7 +38,7 @@ impl MagneticChart {
     /// [`BuildError::DoesNotFit`] when the bracket is not magnetic or a pair of momenta does not
     /// commute, [`BuildError::Parameter`] when the potential is missing, is no formula or has
     /// another number of components, [`BuildError::Algebra`] where a formula has no normal form.
-    pub fn new(system: &PoissonSystem, potential: &str) -> Result<Self, BuildError> {
+    pub fn new(system: &SystemFormulas, potential: &str) -> Result<Self, BuildError> {
         let mut ring = Ring::new(system.dimension());
         let mut entries = Entries::new();
         for (&at, entry) in system.tensor() {
@@ -67,7 +67,7 @@ impl MagneticChart {
 /// The position of each pair is the variable with one nonzero bracket, ±1; of two such variables,
 /// the first.
 fn canonical_pairs(
-    system: &PoissonSystem,
+    system: &SystemFormulas,
     ring: &Ring,
     entries: &Entries,
 ) -> Result<Vec<(usize, usize, Rational)>, BuildError> {
@@ -111,7 +111,7 @@ fn canonical_pairs(
 }
 
 fn parse(
-    system: &PoissonSystem,
+    system: &SystemFormulas,
     pairs: &[(usize, usize, Rational)],
     potential: &str,
 ) -> Result<Vec<Expression>, BuildError> {
@@ -167,7 +167,7 @@ fn parse(
 
 /// {P_i, P_j} = {p_i, p_j} − {p_i, A_j} − {A_i, p_j} = B_ij + s_i ∂_i A_j − s_j ∂_j A_i.
 fn verify(
-    system: &PoissonSystem,
+    system: &SystemFormulas,
     ring: &mut Ring,
     entries: &Entries,
     pairs: &[CanonicalPair],
@@ -196,7 +196,7 @@ fn verify(
     Ok(())
 }
 
-fn not_commuting(system: &PoissonSystem, a: &CanonicalPair, b: &CanonicalPair) -> BuildError {
+fn not_commuting(system: &SystemFormulas, a: &CanonicalPair, b: &CanonicalPair) -> BuildError {
     let name = |at: usize| &system.variables()[at];
     let [p, q, x, y] = [a.momentum, b.momentum, a.position, b.position].map(name);
     let joint = if a.sign.is_negative() { "+" } else { "-" };

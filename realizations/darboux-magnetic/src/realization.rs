@@ -42,6 +42,7 @@ impl DarbouxMagnetic {
     /// # Errors
     /// Those of [`MagneticChart::new`].
     pub fn new(system: &PoissonSystem, potential: &str) -> Result<Self, BuildError> {
+        let system = system.formulas(INFO.name)?;
         let chart = MagneticChart::new(system, potential)?;
         let d = system.dimension();
         let mut ring = Ring::new(2 * d);

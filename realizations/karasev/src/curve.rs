@@ -3,7 +3,7 @@
 //! With s = σ + ½ the zero-mean condition reads ∫_{−½}^{½} Y_k dσ = 0 for k ≥ 1, and Y_k has the
 //! parity of k in σ: half of its coefficients vanish identically.
 
-use leafwise_core::PoissonSystem;
+use leafwise_core::SystemFormulas;
 use leafwise_expression::Expression;
 use leafwise_expression::arithmetic::{AlgebraError, Arithmetic};
 use leafwise_expression::rational::Rational;
@@ -28,7 +28,7 @@ impl<E: Clone + std::fmt::Debug> KarasevCurve<E> {
     ///
     /// # Errors
     /// [`AlgebraError`] when the tensor divides by zero or has a variable exponent.
-    pub fn new(system: &PoissonSystem, x: &[E]) -> Result<Self, AlgebraError> {
+    pub fn new(system: &SystemFormulas, x: &[E]) -> Result<Self, AlgebraError> {
         let d = system.dimension();
         let mut tape = Tape::new();
         let variables = (0..2 * d)

@@ -1,7 +1,7 @@
 //! The untruncated series of Karasev's α along p(h), in the exact ring.
 
 use leafwise_core::realization::{SourceRecursion, SourceSeries};
-use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_core::{BuildError, SystemFormulas};
 use leafwise_expression::{Polynomial, Ring};
 
 use crate::curve::KarasevCurve;
@@ -9,12 +9,12 @@ use crate::curve::KarasevCurve;
 /// α(x, p(h)) = Σ hᵏ αₖ for p(h) = Σ_{k≥1} pₖ hᵏ at ε = 1.
 #[derive(Clone, Debug)]
 pub struct KarasevSeries {
-    system: PoissonSystem,
+    system: SystemFormulas,
 }
 
 impl KarasevSeries {
     /// The series for a system's tensor.
-    pub fn new(system: PoissonSystem) -> Self {
+    pub fn new(system: SystemFormulas) -> Self {
         Self { system }
     }
 }

@@ -4,7 +4,7 @@ use leafwise_core::lattice::RealizationStages;
 use leafwise_core::realization::{
     Accuracy, RealizationCode, RealizationData, SourceSeries, SourceTarget,
 };
-use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::{Arithmetic, Graph, Rational, Term};
 
 use crate::curve::KarasevCurve;
@@ -17,7 +17,7 @@ use crate::series::KarasevSeries;
 /// part of α̂ that is odd in p.
 #[derive(Clone, Debug)]
 pub struct TruncatedKarasev {
-    system: PoissonSystem,
+    system: SystemFormulas,
     order: usize,
     series: KarasevSeries,
 }
@@ -36,6 +36,7 @@ impl TruncatedKarasev {
                 expected: "the truncation order is at least 1".to_owned(),
             });
         }
+        let system = system.formulas(crate::register::INFO.name)?;
         let series = KarasevSeries::new(system.clone());
         Ok(Self {
             system: system.clone(),
@@ -45,7 +46,7 @@ impl TruncatedKarasev {
     }
 
     /// The system whose tensor is realized.
-    pub fn system(&self) -> &PoissonSystem {
+    pub fn system(&self) -> &SystemFormulas {
         &self.system
     }
 

@@ -27,10 +27,11 @@ impl LiePoisson {
     /// Those of [`StructureConstants::new`]: [`BuildError::DoesNotFit`] for a tensor that is not
     /// linear.
     pub fn new(system: &PoissonSystem) -> Result<Self, BuildError> {
+        let formulas = system.formulas(INFO.name)?;
         Ok(Self {
             dimension: system.dimension(),
-            structure: StructureConstants::new(system)?,
-            series: KarasevSeries::new(system.clone()),
+            structure: StructureConstants::new(formulas)?,
+            series: KarasevSeries::new(formulas.clone()),
         })
     }
 }

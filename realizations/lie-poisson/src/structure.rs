@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_core::{BuildError, SystemFormulas};
 use leafwise_expression::graph::lift;
 use leafwise_expression::{Arithmetic, Graph, Kernel, Polynomial, Ring};
 use nalgebra::{DMatrix, DVector};
@@ -23,7 +23,7 @@ impl StructureConstants {
     /// # Errors
     /// [`BuildError::DoesNotFit`] with the first entry whose normal form is not linear and
     /// homogeneous in the variables, [`BuildError::Algebra`] where an entry has no normal form.
-    pub fn new(system: &PoissonSystem) -> Result<Self, BuildError> {
+    pub fn new(system: &SystemFormulas) -> Result<Self, BuildError> {
         let d = system.dimension();
         let mut ring = Ring::new(d);
         let (mut graph, mut places, mut outputs) = (Graph::new(), Vec::new(), Vec::new());
@@ -67,7 +67,7 @@ impl StructureConstants {
     }
 }
 
-fn not_linear(system: &PoissonSystem, i: usize, j: usize) -> BuildError {
+fn not_linear(system: &SystemFormulas, i: usize, j: usize) -> BuildError {
     let [first, second] = [i, j].map(|at| &system.variables()[at]);
     BuildError::DoesNotFit {
         part: INFO.name,

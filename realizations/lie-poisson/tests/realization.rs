@@ -29,8 +29,17 @@ fn realization(system: &PoissonSystem) -> Arc<dyn RealizationData> {
 /// Z = Π(·)p column by column from the tensor's formulas.
 fn coadjoint(system: &PoissonSystem, p: &[f64]) -> Vec<Vec<f64>> {
     let d = p.len();
-    let formulas: Vec<_> = system.tensor().values().collect();
-    let kernel = system.observable_kernel(&formulas).expect("code");
+    let formulas: Vec<_> = system
+        .expressions()
+        .expect("formulas")
+        .tensor()
+        .values()
+        .collect();
+    let kernel = system
+        .expressions()
+        .expect("formulas")
+        .observable_kernel(&formulas)
+        .expect("code");
     let mut workspace = kernel.workspace(1);
     kernel.prepare(&mut workspace, &system.parameter_values(), &[1.0], &[1.0]);
     let mut values = vec![0.0; formulas.len()];
@@ -39,7 +48,13 @@ fn coadjoint(system: &PoissonSystem, p: &[f64]) -> Vec<Vec<f64>> {
         let unit: Vec<f64> = (0..d).map(|i| if i == k { 1.0 } else { 0.0 }).collect();
         kernel.evaluate(&mut workspace, &unit, &mut values);
         let mut column = vec![0.0; d];
-        for (&(i, j), value) in system.tensor().keys().zip(&values) {
+        for (&(i, j), value) in system
+            .expressions()
+            .expect("formulas")
+            .tensor()
+            .keys()
+            .zip(&values)
+        {
             column[i] += value * p[j];
             column[j] -= value * p[i];
         }

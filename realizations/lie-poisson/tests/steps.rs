@@ -80,8 +80,18 @@ fn casimirs_do_not_drift() {
     const STEPS: usize = 1000;
     for name in ALGEBRAS {
         let system = algebra(name);
-        let formulas: Vec<_> = system.casimirs().iter().map(|c| &c.expression).collect();
-        let kernel = system.observable_kernel(&formulas).expect("code");
+        let formulas: Vec<_> = system
+            .expressions()
+            .expect("formulas")
+            .casimirs()
+            .iter()
+            .map(|c| &c.expression)
+            .collect();
+        let kernel = system
+            .expressions()
+            .expect("formulas")
+            .observable_kernel(&formulas)
+            .expect("code");
         let mut workspace = kernel.workspace(1);
         kernel.prepare(&mut workspace, &system.parameter_values(), &[1.0], &[1.0]);
         let mut values = |x: &[f64]| {

@@ -4,7 +4,7 @@ use leafwise_core::lattice::{RealizationStages, StageBuilder, StageEnds};
 use leafwise_core::realization::{
     Accuracy, RealizationCode, RealizationData, SourceSeries, SourceTarget,
 };
-use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::graph::lift;
 use leafwise_expression::{Arithmetic, Function, Graph, Polynomial, Rational, Ring, Term};
 
@@ -33,6 +33,7 @@ impl LogCanonical {
     /// [`BuildError::DoesNotFit`] with the first entry whose quotient by x_i x_j has a normal form
     /// with variables, [`BuildError::Algebra`] where an entry has no normal form.
     pub fn new(system: &PoissonSystem) -> Result<Self, BuildError> {
+        let system = system.formulas(INFO.name)?;
         let mut ring = Ring::new(system.dimension());
         let coefficients = coefficients(system, &mut ring)?;
         Ok(Self {
@@ -89,7 +90,7 @@ pub(crate) type Coefficients = Vec<((usize, usize), Polynomial)>;
 
 /// The nonzero a_ij = {x_i, x_j}/(x_i x_j), i < j, as constants of `ring`.
 pub(crate) fn coefficients(
-    system: &PoissonSystem,
+    system: &SystemFormulas,
     ring: &mut Ring,
 ) -> Result<Coefficients, BuildError> {
     let mut coefficients = Vec::with_capacity(system.tensor().len());

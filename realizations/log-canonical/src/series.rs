@@ -1,7 +1,7 @@
 //! α_i = x_i exp(v_i(h)) with v_i = −½ Σ_j a_ij x_j p_j(h), coefficient by coefficient.
 
 use leafwise_core::realization::{SourceRecursion, SourceSeries};
-use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_core::{BuildError, SystemFormulas};
 use leafwise_expression::{Arithmetic, Polynomial, Rational, Ring};
 
 use crate::realization::Coefficients;
@@ -9,12 +9,12 @@ use crate::realization::Coefficients;
 /// The rule of the exponential series: for g = x eᵛ, g₀ = x and k gₖ = Σ_{j=1..k} j vⱼ g_{k−j}.
 #[derive(Clone, Debug)]
 pub struct LogCanonicalSeries {
-    system: PoissonSystem,
+    system: SystemFormulas,
 }
 
 impl LogCanonicalSeries {
     /// The series for a system whose tensor is log-canonical.
-    pub(crate) fn new(system: PoissonSystem) -> Self {
+    pub(crate) fn new(system: SystemFormulas) -> Self {
         Self { system }
     }
 }

@@ -1,6 +1,6 @@
 //! Which systems live on so(3)*, and the constant factor of their tensor.
 
-use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::graph::lift;
 use leafwise_expression::{Arithmetic, Graph, Polynomial, Ring, Term};
 
@@ -14,7 +14,7 @@ use crate::vector::times;
 #[derive(Clone, Debug)]
 pub struct RotationTensor {
     part: &'static str,
-    system: PoissonSystem,
+    system: SystemFormulas,
 }
 
 impl RotationTensor {
@@ -24,6 +24,7 @@ impl RotationTensor {
     /// [`BuildError::DoesNotFit`] with the entry that differs, [`BuildError::Algebra`] for an entry
     /// that has no value at all.
     pub fn new(part: &'static str, system: &PoissonSystem) -> Result<Self, BuildError> {
+        let system = system.formulas(part)?;
         let tensor = Self {
             part,
             system: system.clone(),
@@ -33,7 +34,7 @@ impl RotationTensor {
     }
 
     /// The system.
-    pub fn system(&self) -> &PoissonSystem {
+    pub fn system(&self) -> &SystemFormulas {
         &self.system
     }
 

@@ -32,11 +32,12 @@ impl SceneChecks {
     pub fn of(system: &PoissonSystem, near: &[f64]) -> Result<Self, BuildError> {
         let parameters = system.parameter_values();
         let jacobi = check_jacobi(system, &parameters, near)?;
-        let mut casimirs = Vec::with_capacity(system.casimirs().len());
-        for (index, casimir) in system.casimirs().iter().enumerate() {
+        let names = system.casimir_names();
+        let mut casimirs = Vec::with_capacity(names.len());
+        for (index, name) in names.into_iter().enumerate() {
             let check = check_casimir(system, index, &parameters, near)?;
             casimirs.push(CasimirCheck {
-                name: casimir.name.clone(),
+                name: name.to_owned(),
                 check,
             });
         }

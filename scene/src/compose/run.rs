@@ -151,7 +151,7 @@ fn compose_lattice(
         Some((part, given)) => Some(part.build(Arc::new(method.clone()), &given)?),
     };
     let values = trial.parameter_values();
-    let invariants = trial.casimirs().len() + 1;
+    let invariants = trial.casimir_names().len() + 1;
     Ok(LatticeStepping {
         invariants: LatticeObservables::new(lattice, &values, 0..invariants)?,
         formulas: LatticeObservables::new(lattice, &values, invariants..usize::MAX)?,

@@ -21,6 +21,8 @@ pub enum TensorShape {
     Polynomial(u32),
     /// Quotients, roots or transcendental functions of the state.
     General,
+    /// Known by its values alone.
+    Opaque,
 }
 
 impl fmt::Display for TensorShape {
@@ -32,12 +34,16 @@ impl fmt::Display for TensorShape {
             Self::LogCanonical => f.write_str("quadratic, log-canonical"),
             Self::Polynomial(degree) => write!(f, "polynomial of degree {degree}"),
             Self::General => f.write_str("general (not polynomial)"),
+            Self::Opaque => f.write_str("not known: numbers only"),
         }
     }
 }
 
 /// Classifies the tensor of a system; `General` where the algebra has no normal form.
 pub fn tensor_shape(system: &PoissonSystem) -> TensorShape {
+    let Some(system) = system.expressions() else {
+        return TensorShape::Opaque;
+    };
     let mut ring = Ring::new(system.dimension());
     let mut entries: Vec<((usize, usize), Polynomial)> = Vec::new();
     for (at, entry) in system.tensor() {

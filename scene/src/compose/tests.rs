@@ -22,6 +22,8 @@ fn entries(system: &str, point: &[f64]) -> Vec<((usize, usize), f64)> {
     let composed = compose_system(&document(system, &initial)).expect("a system");
     let system = &composed.system;
     system
+        .expressions()
+        .expect("formulas")
         .tensor()
         .iter()
         .map(|(at, entry)| (*at, entry.evaluate(point, &system.parameter_values())))

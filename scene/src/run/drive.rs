@@ -100,7 +100,7 @@ impl<'a> Session<'a> {
         integrator
             .restore(&checkpoint.integrator)
             .map_err(|expected| damaged(format!("its lists should have {expected} numbers")))?;
-        if checkpoint.windows.initial.len() != run.system.casimirs().len() + 1 {
+        if checkpoint.windows.initial.len() != run.system.casimir_names().len() + 1 {
             return Err(damaged("it is of another system".to_owned()));
         }
         let samples =
@@ -302,7 +302,7 @@ impl<'a> Session<'a> {
 pub(super) fn invariant_name(run: &ComposedRun, index: usize) -> &str {
     match index.checked_sub(1) {
         None => "energy",
-        Some(casimir) => &run.system.casimirs()[casimir].name,
+        Some(casimir) => run.system.casimir_names()[casimir],
     }
 }
 

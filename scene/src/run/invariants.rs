@@ -1,6 +1,6 @@
 //! Energy and Casimirs at every step, and their deviations' maxima over windows.
 
-use leafwise_core::system::SystemObservables;
+use leafwise_core::system::{SystemInvariants, SystemObservables};
 use leafwise_core::{BuildError, Observe};
 use leafwise_expression::Expression;
 
@@ -29,12 +29,8 @@ impl Functions {
         match &run.method {
             Stepping::Lattice(lattice) => Ok(Self::new(lattice.invariants.clone())),
             Stepping::Written(_) | Stepping::Map(_) => {
-                let system = &run.system;
-                let casimirs = system.casimirs().iter().map(|casimir| &casimir.expression);
-                let formulas: Vec<_> = std::iter::once(system.hamiltonian())
-                    .chain(casimirs)
-                    .collect();
-                Self::compile(run, &formulas)
+                let values = run.system.parameter_values();
+                Ok(Self::new(SystemInvariants::new(&run.system, &values)?))
             }
         }
     }

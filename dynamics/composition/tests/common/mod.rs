@@ -134,7 +134,11 @@ const STAGES: usize = 6;
 /// Integration*, section II.1.3), on the compiled vector field, with a compensated update.
 pub fn gauss(system: &PoissonSystem, initial: &[f64], time: f64, steps: usize) -> Vec<f64> {
     let (b, a) = tableau();
-    let kernel = system.vector_field_kernel().expect("a vector field");
+    let kernel = system
+        .expressions()
+        .expect("formulas")
+        .vector_field_kernel()
+        .expect("a vector field");
     let mut workspace = kernel.workspace(1);
     kernel.prepare(&mut workspace, &system.parameter_values(), &[1.0], &[1.0]);
     let d = initial.len();

@@ -36,6 +36,7 @@ impl CollocatedKarasev {
     /// # Errors
     /// [`BuildError::Algebra`] where the tensor has no code.
     pub fn new(system: &PoissonSystem, points: Option<usize>) -> Result<Self, BuildError> {
+        let system = system.formulas(crate::register::COLLOCATED.name)?;
         Ok(Self {
             field: Field::compile(system)?,
             points,

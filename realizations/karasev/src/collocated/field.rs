@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_core::{BuildError, SystemFormulas};
 use leafwise_expression::{Graph, Kernel, Term, Workspace};
 
 /// Compiled once a system: V; ∂V/∂y and ∂V/∂p = Π.
@@ -14,7 +14,7 @@ pub(super) struct Field {
 }
 
 impl Field {
-    pub(super) fn compile(system: &PoissonSystem) -> Result<Self, BuildError> {
+    pub(super) fn compile(system: &SystemFormulas) -> Result<Self, BuildError> {
         let d = system.dimension();
         let mut graph = Graph::new();
         let inputs: Vec<Term> = (0..2 * d).map(|i| graph.input(i)).collect();

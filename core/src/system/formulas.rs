@@ -1,48 +1,19 @@
-//! Poisson systems: tensor, Hamiltonian, Casimirs, parameters, sign convention.
+//! Poisson systems as formulas.
 
 use std::collections::BTreeMap;
 
-use leafwise_expression::{
-    AlgebraError, Arithmetic, Expression, Graph, Kernel, Rational, Term, Workspace,
-};
+use leafwise_expression::{AlgebraError, Arithmetic, Expression, Graph, Kernel, Rational, Term};
 
+use super::observables;
+use super::{Casimir, Convention, Parameter};
 use crate::error::BuildError;
-use crate::solver::Observe;
 
-/// Which of the two signs a system's author means.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Convention {
-    /// ẋ = {H, x}, the paper's: ẋ = −Π ∇H with Π_ij = {x_i, x_j}.
-    #[default]
-    HamiltonianFirst,
-    /// ẋ = {x, H}, that of most textbooks: ẋ = +Π ∇H. The same system with −Π in the paper's.
-    HamiltonianSecond,
-}
-
-/// A named parameter and the value a run starts from.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Parameter {
-    /// The name formulas use.
-    pub name: String,
-    /// The value.
-    pub value: f64,
-}
-
-/// A named function that every Hamiltonian flow of the tensor conserves: Π ∇C = 0.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Casimir {
-    /// Its name in reports.
-    pub name: String,
-    /// The function.
-    pub expression: Expression,
-}
-
-/// A Poisson system (M ≅ ℝᵈ, π, H): the data of ẋ = {H, x}.
+/// A Poisson system whose tensor, Hamiltonian and Casimirs are formulas.
 ///
 /// The tensor is held in the paper's convention whatever the author's: Π_ij = {x_i, x_j} with
 /// ẋ = −Π ∇H.
 #[derive(Clone, Debug)]
-pub struct PoissonSystem {
+pub struct SystemFormulas {
     variables: Vec<String>,
     parameters: Vec<Parameter>,
     tensor: BTreeMap<(usize, usize), Expression>,
@@ -51,7 +22,7 @@ pub struct PoissonSystem {
     convention: Convention,
 }
 
-impl PoissonSystem {
+impl SystemFormulas {
     /// A system over named variables; `bracket` holds {x_i, x_j} for i < j as its author wrote
     /// them under `convention`, absent entries being zero.
     ///
@@ -196,18 +167,7 @@ impl PoissonSystem {
     /// # Errors
     /// [`BuildError::Algebra`] where a formula has no code.
     pub fn observable_kernel(&self, formulas: &[&Expression]) -> Result<Kernel, BuildError> {
-        let mut graph = Graph::new();
-        let x: Vec<Term> = (0..self.dimension()).map(|i| graph.input(i)).collect();
-        let mut outputs = Vec::with_capacity(formulas.len());
-        for formula in formulas {
-            outputs.push(formula.evaluate_in(&mut graph, &mut |_, at| Ok(x[at].clone()))?);
-        }
-        Ok(Kernel::compile(
-            &graph,
-            &outputs,
-            self.parameters.len(),
-            self.dimension(),
-        ))
+        observables::kernel(formulas, self.dimension(), self.parameters.len())
     }
 
     /// ∇H(x) as code; `x` are the graph's first inputs.
@@ -249,39 +209,5 @@ impl PoissonSystem {
             self.parameters.len(),
             x.len(),
         ))
-    }
-}
-
-/// Formulas of a system compiled for one set of parameters.
-#[derive(Debug)]
-pub struct SystemObservables {
-    kernel: Kernel,
-    workspace: Workspace,
-}
-
-impl SystemObservables {
-    /// Compiles `formulas` of `system`.
-    ///
-    /// # Errors
-    /// [`BuildError::Algebra`] where a formula has no code.
-    pub fn new(
-        system: &PoissonSystem,
-        formulas: &[&Expression],
-        parameters: &[f64],
-    ) -> Result<Self, BuildError> {
-        let kernel = system.observable_kernel(formulas)?;
-        let mut workspace = kernel.workspace(1);
-        kernel.prepare(&mut workspace, parameters, &[1.0], &[1.0]);
-        Ok(Self { kernel, workspace })
-    }
-}
-
-impl Observe for SystemObservables {
-    fn observables(&self) -> usize {
-        self.kernel.outputs()
-    }
-
-    fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
-        self.kernel.evaluate(&mut self.workspace, state, values);
     }
 }

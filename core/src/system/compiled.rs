@@ -1,0 +1,181 @@
+//! The values of a system of formulas, by kernels.
+
+use std::sync::Arc;
+
+use leafwise_expression::{Arithmetic, Graph, Kernel, Term, Workspace};
+
+use super::formulas::SystemFormulas;
+use super::numbers::{Derivatives, NumbersWorker, SystemNumbers, vector};
+use crate::error::{BuildError, StepError};
+
+/// Kernels of Π(y)v, H, ∇H, the Casimirs and their derivatives.
+#[derive(Clone, Debug)]
+pub struct CompiledNumbers {
+    kernels: [Arc<Kernel>; KERNELS],
+    dimension: usize,
+}
+
+const KERNELS: usize = 7;
+const TENSOR: usize = 0;
+const HAMILTONIAN: usize = 1;
+const GRADIENT: usize = 2;
+const CASIMIRS: usize = 3;
+const TENSOR_TANGENT: usize = 4;
+const HESSIAN: usize = 5;
+const CASIMIR_GRADIENTS: usize = 6;
+
+impl CompiledNumbers {
+    /// Compiles every value and derivative of a system.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a formula or a derivative has no code.
+    pub fn compile(system: &SystemFormulas) -> Result<Self, BuildError> {
+        let d = system.dimension();
+        let parameters = system.parameters().len();
+        let mut graph = Graph::new();
+        let inputs: Vec<Term> = (0..3 * d).map(|i| graph.input(i)).collect();
+        let (y, v, w) = (&inputs[..d], &inputs[d..2 * d], &inputs[2 * d..]);
+        let graph = &mut graph;
+        let applied = system.apply_tensor(graph, y, v)?;
+        let gradient = system.gradient(graph, y)?;
+        let energy = system
+            .hamiltonian()
+            .evaluate_in(graph, &mut |_, at| Ok(y[at].clone()))?;
+        let mut casimirs = Vec::with_capacity(system.casimirs().len());
+        for casimir in system.casimirs() {
+            let value = &casimir.expression;
+            casimirs.push(value.evaluate_in(graph, &mut |_, at| Ok(y[at].clone()))?);
+        }
+        let mut casimir_gradients = Vec::with_capacity(casimirs.len() * d);
+        for casimir in &casimirs {
+            for k in 0..d {
+                casimir_gradients.push(graph.derivative(casimir, k)?);
+            }
+        }
+        let tensor_tangent = along(graph, &applied, w)?;
+        let hessian = along(graph, &gradient, v)?;
+        let kernel = |outputs: &[Term], vectors: usize| {
+            Arc::new(Kernel::compile(graph, outputs, parameters, vectors * d))
+        };
+        Ok(Self {
+            kernels: [
+                kernel(&applied, 2),
+                kernel(&[energy], 1),
+                kernel(&gradient, 1),
+                kernel(&casimirs, 1),
+                kernel(&tensor_tangent, 3),
+                kernel(&hessian, 2),
+                kernel(&casimir_gradients, 1),
+            ],
+            dimension: d,
+        })
+    }
+}
+
+/// The derivative of each value along the graph's first inputs in a direction.
+fn along(graph: &mut Graph, values: &[Term], direction: &[Term]) -> Result<Vec<Term>, BuildError> {
+    let one = leafwise_expression::Rational::one();
+    let mut derivatives = Vec::with_capacity(values.len());
+    for value in values {
+        let mut terms = Vec::with_capacity(direction.len());
+        for (k, component) in direction.iter().enumerate() {
+            let slope = graph.derivative(value, k)?;
+            terms.push((one.clone(), graph.multiply(&slope, component)));
+        }
+        derivatives.push(graph.combine(&terms));
+    }
+    Ok(derivatives)
+}
+
+impl SystemNumbers for CompiledNumbers {
+    fn derivatives(&self) -> Derivatives {
+        Derivatives {
+            tensor: true,
+            hamiltonian: true,
+            casimirs: true,
+        }
+    }
+
+    fn worker(&self, parameters: &[f64]) -> Box<dyn NumbersWorker> {
+        let workspaces = self.kernels.each_ref().map(|kernel| {
+            let mut workspace = kernel.workspace(1);
+            kernel.prepare(&mut workspace, parameters, &[1.0], &[1.0]);
+            workspace
+        });
+        Box::new(CompiledWorker {
+            kernels: self.kernels.clone(),
+            workspaces,
+            dimension: self.dimension,
+        })
+    }
+}
+
+struct CompiledWorker {
+    kernels: [Arc<Kernel>; KERNELS],
+    workspaces: [Workspace; KERNELS],
+    dimension: usize,
+}
+
+impl CompiledWorker {
+    /// One kernel at every point of a batch.
+    fn evaluate(&mut self, which: usize, inputs: &[&[f64]], out: &mut [f64]) {
+        let (kernel, workspace) = (&self.kernels[which], &mut self.workspaces[which]);
+        let (d, results) = (self.dimension, kernel.outputs());
+        if results == 0 {
+            return;
+        }
+        for (at, out) in out.chunks_exact_mut(results).enumerate() {
+            let values = inputs.iter().flat_map(|values| vector(values, d, at));
+            for (i, value) in values.enumerate() {
+                workspace.input_mut(i)[0] = *value;
+            }
+            kernel.evaluate_in_place(workspace);
+            for (i, out) in out.iter_mut().enumerate() {
+                *out = kernel.output(workspace, i)[0];
+            }
+        }
+    }
+}
+
+impl NumbersWorker for CompiledWorker {
+    fn tensor(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.evaluate(TENSOR, &[y, v], out);
+        Ok(())
+    }
+
+    fn hamiltonian(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.evaluate(HAMILTONIAN, &[y], out);
+        Ok(())
+    }
+
+    fn gradient(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.evaluate(GRADIENT, &[y], out);
+        Ok(())
+    }
+
+    fn casimirs(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.evaluate(CASIMIRS, &[y], out);
+        Ok(())
+    }
+
+    fn tensor_tangent(
+        &mut self,
+        y: &[f64],
+        v: &[f64],
+        w: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), StepError> {
+        self.evaluate(TENSOR_TANGENT, &[y, v, w], out);
+        Ok(())
+    }
+
+    fn hessian(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.evaluate(HESSIAN, &[y, v], out);
+        Ok(())
+    }
+
+    fn casimir_gradients(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.evaluate(CASIMIR_GRADIENTS, &[y], out);
+        Ok(())
+    }
+}

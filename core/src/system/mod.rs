@@ -1,0 +1,213 @@
+//! Poisson systems: tensor, Hamiltonian, Casimirs, parameters, sign convention.
+//!
+//! - [`formulas`]: systems given by expressions, from which everything can be derived.
+//! - [`numbers`]: systems that only compute values, such as those of a loaded library.
+//! - [`compiled`]: the values of a system of formulas, by kernels.
+//! - [`observables`]: energy, Casimirs and other functions of the state.
+
+pub mod compiled;
+pub mod formulas;
+pub mod numbers;
+pub mod observables;
+mod tensor_matrix;
+
+use std::sync::Arc;
+
+use leafwise_expression::Expression;
+
+pub use compiled::CompiledNumbers;
+pub use formulas::SystemFormulas;
+pub use numbers::{Derivatives, NumbersWorker, OpaqueSystem, SystemNumbers};
+pub use observables::{SystemInvariants, SystemObservables};
+pub(crate) use tensor_matrix::TensorMatrix;
+
+use crate::error::BuildError;
+
+/// Which of the two signs a system's author means.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Convention {
+    /// ẋ = {H, x}, the paper's: ẋ = −Π ∇H with Π_ij = {x_i, x_j}.
+    #[default]
+    HamiltonianFirst,
+    /// ẋ = {x, H}, that of most textbooks: ẋ = +Π ∇H. The same system with −Π in the paper's.
+    HamiltonianSecond,
+}
+
+/// A named parameter and the value a run starts from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// The name formulas use.
+    pub name: String,
+    /// The value.
+    pub value: f64,
+}
+
+/// A named function that every Hamiltonian flow of the tensor conserves: Π ∇C = 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Casimir {
+    /// Its name in reports.
+    pub name: String,
+    /// The function.
+    pub expression: Expression,
+}
+
+/// A Poisson system (M ≅ ℝᵈ, π, H): the data of ẋ = {H, x}.
+///
+/// It is given by formulas, or by numbers alone. A part that works on formulas asks for them with
+/// [`formulas`](Self::formulas) and is refused where there are none; one that needs only values takes
+/// [`numbers`](Self::numbers), which every system has.
+#[derive(Clone, Debug)]
+pub struct PoissonSystem {
+    definition: Definition,
+}
+
+#[derive(Clone, Debug)]
+enum Definition {
+    Formulas(SystemFormulas),
+    Numbers(OpaqueSystem),
+}
+
+impl From<SystemFormulas> for PoissonSystem {
+    fn from(system: SystemFormulas) -> Self {
+        Self {
+            definition: Definition::Formulas(system),
+        }
+    }
+}
+
+impl From<OpaqueSystem> for PoissonSystem {
+    fn from(system: OpaqueSystem) -> Self {
+        Self {
+            definition: Definition::Numbers(system),
+        }
+    }
+}
+
+impl PoissonSystem {
+    /// A system of formulas: [`SystemFormulas::new`].
+    ///
+    /// # Errors
+    /// Those of [`SystemFormulas::new`].
+    pub fn new(
+        variables: Vec<String>,
+        parameters: Vec<Parameter>,
+        bracket: impl IntoIterator<Item = ((usize, usize), Expression)>,
+        hamiltonian: Expression,
+        casimirs: Vec<Casimir>,
+        convention: Convention,
+    ) -> Result<Self, BuildError> {
+        let system = SystemFormulas::new(
+            variables,
+            parameters,
+            bracket,
+            hamiltonian,
+            casimirs,
+            convention,
+        )?;
+        Ok(system.into())
+    }
+
+    /// d, the dimension of M.
+    pub fn dimension(&self) -> usize {
+        self.variables().len()
+    }
+
+    /// The variables' names.
+    pub fn variables(&self) -> &[String] {
+        match &self.definition {
+            Definition::Formulas(system) => system.variables(),
+            Definition::Numbers(system) => &system.variables,
+        }
+    }
+
+    /// The parameters.
+    pub fn parameters(&self) -> &[Parameter] {
+        match &self.definition {
+            Definition::Formulas(system) => system.parameters(),
+            Definition::Numbers(system) => &system.parameters,
+        }
+    }
+
+    /// The parameters' values, in order.
+    pub fn parameter_values(&self) -> Vec<f64> {
+        self.parameters().iter().map(|p| p.value).collect()
+    }
+
+    /// The Casimirs' names.
+    pub fn casimir_names(&self) -> Vec<&str> {
+        match &self.definition {
+            Definition::Formulas(system) => {
+                system.casimirs().iter().map(|c| c.name.as_str()).collect()
+            }
+            Definition::Numbers(system) => system.casimirs.iter().map(String::as_str).collect(),
+        }
+    }
+
+    /// The formulas, for a part that needs them.
+    ///
+    /// # Errors
+    /// [`BuildError::NotOffered`] for a system of numbers: it names `part`, what it would need and
+    /// what serves the system instead.
+    pub fn formulas(&self, part: &'static str) -> Result<&SystemFormulas, BuildError> {
+        match &self.definition {
+            Definition::Formulas(system) => Ok(system),
+            Definition::Numbers(system) => Err(system.not_offered(part, "formulas of the system")),
+        }
+    }
+
+    /// The formulas, where the system is given by them.
+    pub fn expressions(&self) -> Option<&SystemFormulas> {
+        match &self.definition {
+            Definition::Formulas(system) => Some(system),
+            Definition::Numbers(_) => None,
+        }
+    }
+
+    /// The system of numbers, where it is given by them.
+    pub fn opaque(&self) -> Option<&OpaqueSystem> {
+        match &self.definition {
+            Definition::Formulas(_) => None,
+            Definition::Numbers(system) => Some(system),
+        }
+    }
+
+    /// Values of Π, H, ∇H and the Casimirs: the system's own, or kernels compiled from its formulas.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a formula or its derivative has no code.
+    pub fn numbers(&self) -> Result<Arc<dyn SystemNumbers>, BuildError> {
+        match &self.definition {
+            Definition::Formulas(system) => Ok(Arc::new(CompiledNumbers::compile(system)?)),
+            Definition::Numbers(system) => Ok(Arc::clone(&system.numbers)),
+        }
+    }
+
+    /// The same system with its formulas forgotten: what a library that computes the same values
+    /// would offer.
+    ///
+    /// # Errors
+    /// Those of [`numbers`](Self::numbers).
+    pub fn without_formulas(&self, name: impl Into<String>) -> Result<Self, BuildError> {
+        let casimirs = self
+            .casimir_names()
+            .into_iter()
+            .map(str::to_owned)
+            .collect();
+        Ok(OpaqueSystem {
+            name: name.into(),
+            variables: self.variables().to_vec(),
+            parameters: self.parameters().to_vec(),
+            casimirs,
+            numbers: self.numbers()?,
+        }
+        .into())
+    }
+
+    /// Where values come from, for manifests: `expressions` or `numbers`.
+    pub fn path(&self) -> &'static str {
+        match &self.definition {
+            Definition::Formulas(_) => "expressions",
+            Definition::Numbers(_) => "numbers",
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! Functions of the state that a run watches.
+
+use leafwise_expression::{Expression, Graph, Kernel, Term, Workspace};
+
+use super::numbers::NumbersWorker;
+use super::{Definition, PoissonSystem};
+use crate::error::BuildError;
+use crate::solver::Observe;
+
+/// The kernel x ↦ (f₁(x), …) of formulas in `dimension` variables.
+pub(super) fn kernel(
+    formulas: &[&Expression],
+    dimension: usize,
+    parameters: usize,
+) -> Result<Kernel, BuildError> {
+    let mut graph = Graph::new();
+    let x: Vec<Term> = (0..dimension).map(|i| graph.input(i)).collect();
+    let mut outputs = Vec::with_capacity(formulas.len());
+    for formula in formulas {
+        outputs.push(formula.evaluate_in(&mut graph, &mut |_, at| Ok(x[at].clone()))?);
+    }
+    Ok(Kernel::compile(&graph, &outputs, parameters, dimension))
+}
+
+/// Formulas in a system's variables, compiled for one set of parameters.
+#[derive(Debug)]
+pub struct SystemObservables {
+    kernel: Kernel,
+    workspace: Workspace,
+}
+
+impl SystemObservables {
+    /// Compiles `formulas` of the variables and parameters of `system`, whatever that is given by.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a formula has no code.
+    pub fn new(
+        system: &PoissonSystem,
+        formulas: &[&Expression],
+        parameters: &[f64],
+    ) -> Result<Self, BuildError> {
+        let kernel = kernel(formulas, system.dimension(), system.parameters().len())?;
+        let mut workspace = kernel.workspace(1);
+        kernel.prepare(&mut workspace, parameters, &[1.0], &[1.0]);
+        Ok(Self { kernel, workspace })
+    }
+}
+
+impl Observe for SystemObservables {
+    fn observables(&self) -> usize {
+        self.kernel.outputs()
+    }
+
+    fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
+        self.kernel.evaluate(&mut self.workspace, state, values);
+    }
+}
+
+/// The energy, then each Casimir. A value that cannot be computed is NaN.
+pub struct SystemInvariants {
+    values: Values,
+}
+
+enum Values {
+    Formulas(SystemObservables),
+    Numbers {
+        worker: Box<dyn NumbersWorker>,
+        casimirs: usize,
+    },
+}
+
+impl SystemInvariants {
+    /// The invariants of a system for one set of parameters.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a formula has no code.
+    pub fn new(system: &PoissonSystem, parameters: &[f64]) -> Result<Self, BuildError> {
+        let values = match &system.definition {
+            Definition::Formulas(formulas) => {
+                let casimirs = formulas.casimirs().iter().map(|c| &c.expression);
+                let formulas: Vec<_> = std::iter::once(formulas.hamiltonian())
+                    .chain(casimirs)
+                    .collect();
+                Values::Formulas(SystemObservables::new(system, &formulas, parameters)?)
+            }
+            Definition::Numbers(opaque) => Values::Numbers {
+                worker: opaque.numbers.worker(parameters),
+                casimirs: opaque.casimirs.len(),
+            },
+        };
+        Ok(Self { values })
+    }
+}
+
+impl Observe for SystemInvariants {
+    fn observables(&self) -> usize {
+        match &self.values {
+            Values::Formulas(formulas) => formulas.observables(),
+            Values::Numbers { casimirs, .. } => 1 + casimirs,
+        }
+    }
+
+    fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
+        match &mut self.values {
+            Values::Formulas(formulas) => formulas.evaluate(state, values),
+            Values::Numbers { worker, casimirs } => {
+                let (energy, rest) = values.split_at_mut(1);
+                if worker.hamiltonian(state, energy).is_err() {
+                    energy.fill(f64::NAN);
+                }
+                if *casimirs > 0 && worker.casimirs(state, rest).is_err() {
+                    rest.fill(f64::NAN);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Π(x) as a matrix.
+
+use leafwise_expression::{Kernel, Workspace};
+use nalgebra::DMatrix;
+
+use super::numbers::NumbersWorker;
+use super::{Definition, PoissonSystem, observables};
+use crate::error::{BuildError, StepError};
+
+/// x ↦ (Π_ij(x)) for one set of parameters: for instruments, not for steps.
+pub(crate) struct TensorMatrix {
+    dimension: usize,
+    source: Source,
+}
+
+enum Source {
+    Formulas {
+        kernel: Kernel,
+        workspace: Box<Workspace>,
+        entries: Vec<(usize, usize)>,
+    },
+    Numbers(Box<dyn NumbersWorker>),
+}
+
+impl TensorMatrix {
+    /// The tensor of a system.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where an entry has no code.
+    pub(crate) fn new(system: &PoissonSystem, parameters: &[f64]) -> Result<Self, BuildError> {
+        let dimension = system.dimension();
+        let source = match &system.definition {
+            Definition::Numbers(system) => Source::Numbers(system.numbers.worker(parameters)),
+            Definition::Formulas(system) => {
+                let formulas: Vec<_> = system.tensor().values().collect();
+                let kernel = observables::kernel(&formulas, dimension, parameters.len())?;
+                let mut workspace = kernel.workspace(1);
+                kernel.prepare(&mut workspace, parameters, &[1.0], &[1.0]);
+                Source::Formulas {
+                    kernel,
+                    workspace: Box::new(workspace),
+                    entries: system.tensor().keys().copied().collect(),
+                }
+            }
+        };
+        Ok(Self { dimension, source })
+    }
+
+    /// Π(x).
+    ///
+    /// # Errors
+    /// The [`StepError`] of a system of numbers.
+    pub(crate) fn at(&mut self, x: &[f64]) -> Result<DMatrix<f64>, StepError> {
+        let d = self.dimension;
+        match &mut self.source {
+            Source::Formulas {
+                kernel,
+                workspace,
+                entries,
+            } => {
+                let mut values = vec![0.0; entries.len()];
+                kernel.evaluate(workspace, x, &mut values);
+                let mut matrix = DMatrix::zeros(d, d);
+                for (&(i, j), value) in entries.iter().zip(values) {
+                    matrix[(i, j)] = value;
+                    matrix[(j, i)] = -value;
+                }
+                Ok(matrix)
+            }
+            // Point j of the batch is x with the unit vector e_j: column j of Π.
+            Source::Numbers(worker) => {
+                let units = DMatrix::identity(d, d);
+                let mut columns = vec![0.0; d * d];
+                worker.tensor(x, units.as_slice(), &mut columns)?;
+                Ok(DMatrix::from_vec(d, d, columns))
+            }
+        }
+    }
+}
