@@ -8,7 +8,7 @@ use crate::dynamics::{BisectionCode, BisectionWorker};
 use crate::error::{BuildError, StepError};
 use crate::realization::{Ends, RealizationCode, RealizationData, RealizationWorker};
 
-/// An evaluator of any realization's maps: its own worker, or one compiled from its code.
+/// An evaluator of any realization's maps: one compiled from its code, or its own worker.
 ///
 /// # Errors
 /// [`BuildError::Incompatible`] when it offers neither, [`BuildError::Algebra`] where its code
@@ -18,18 +18,71 @@ pub fn realization_worker(
     parameters: &[f64],
     epsilon: f64,
 ) -> Result<Box<dyn RealizationWorker>, BuildError> {
-    if let Some(code) = realization.code() {
-        let (d, space) = (realization.dimension(), realization.space_dimension());
-        let compiled = CodeRealization::compile(code, d, space, parameters.len())?;
-        return Ok(compiled.worker(parameters, epsilon));
+    match compiled(realization, parameters.len())? {
+        Some(code) => Ok(code.worker(parameters, epsilon)),
+        None => realization
+            .worker(parameters, epsilon)
+            .ok_or_else(|| no_maps(realization)),
     }
-    realization
-        .worker(parameters, epsilon)
-        .ok_or_else(|| BuildError::Incompatible {
-            dynamics: "an evaluation".to_owned(),
-            realization: realization.describe(),
-            reason: "it offers neither code nor numbers for its maps".to_owned(),
+}
+
+fn compiled(
+    realization: &dyn RealizationData,
+    parameters: usize,
+) -> Result<Option<CodeRealization>, BuildError> {
+    let (d, space) = (realization.dimension(), realization.space_dimension());
+    let code = realization.code();
+    code.map(|code| CodeRealization::compile(code, d, space, parameters))
+        .transpose()
+}
+
+fn no_maps(realization: &dyn RealizationData) -> BuildError {
+    BuildError::Incompatible {
+        dynamics: "an evaluation".to_owned(),
+        realization: realization.describe(),
+        reason: "it offers neither code nor numbers for its maps".to_owned(),
+    }
+}
+
+/// The maps of any realization, compiled where they are code.
+#[derive(Clone, Debug)]
+pub struct RealizationMaps {
+    realization: Arc<dyn RealizationData>,
+    code: Option<CodeRealization>,
+}
+
+impl RealizationMaps {
+    /// The maps for a system with these parameters, whose values may change later.
+    ///
+    /// # Errors
+    /// Those of [`realization_worker`].
+    pub fn new(
+        realization: &Arc<dyn RealizationData>,
+        parameters: &[f64],
+    ) -> Result<Self, BuildError> {
+        let code = compiled(realization.as_ref(), parameters.len())?;
+        if code.is_none() && realization.worker(parameters, 1.0).is_none() {
+            return Err(no_maps(realization.as_ref()));
+        }
+        Ok(Self {
+            realization: Arc::clone(realization),
+            code,
         })
+    }
+
+    /// An evaluator for fixed parameters and ε.
+    ///
+    /// # Panics
+    /// When a realization that offered numbers offers none for these parameters.
+    pub fn worker(&self, parameters: &[f64], epsilon: f64) -> Box<dyn RealizationWorker> {
+        match &self.code {
+            Some(code) => code.worker(parameters, epsilon),
+            None => self
+                .realization
+                .worker(parameters, epsilon)
+                .expect("a worker was offered when the maps were made"),
+        }
+    }
 }
 
 /// A realization's maps and their tangents as kernels of z.

@@ -15,6 +15,10 @@ pub trait DynamicApproximation: Send + Sync + std::fmt::Debug {
     fn order(&self) -> usize;
     /// Whether the induced map is self-adjoint over a realization with β̂(x, p) = α̂(x, −p).
     fn self_adjoint(&self) -> Option<bool>;
+    /// Whether L is Lagrangian to round-off: only then is the induced map declared Poisson.
+    fn is_lagrangian(&self) -> bool {
+        true
+    }
     /// Whether y ↦ L(y) is solved for β̂(L(y)) = x, or taken at y = x.
     fn correction(&self) -> Correction {
         Correction::Bisection
@@ -71,6 +75,11 @@ pub trait BisectionWorker: Send {
     /// # Errors
     /// [`StepError`] where the tangent does not exist.
     fn tangent(&mut self, tangent: &mut [f64]) -> Result<(), StepError>;
+    /// Whether [`tangent`](Self::tangent) is offered: Newton's method and exact tangents of steps
+    /// need it.
+    fn has_tangent(&self) -> bool {
+        true
+    }
     /// Whether D(β̂∘L) is so near the identity that the residual serves as the correction.
     fn is_near_identity(&self) -> bool {
         false

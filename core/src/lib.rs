@@ -6,7 +6,10 @@
 //!
 //! - [`system`]: the Poisson tensor, the Hamiltonian, Casimirs and parameters.
 //! - [`realization`]: [`RealizationData`], the geometric approximation.
+//! - [`chart`]: charts about the section, as numbers.
 //! - [`dynamics`]: [`DynamicApproximation`] and [`LagrangianBisection`], the dynamic one.
+//! - [`one_form`]: bisections that are graphs of one-forms, as numbers.
+//! - [`generating`]: graphs of dS.
 //! - [`method`](mod@method): [`Method`], the two combined into a step map.
 //! - [`quadrature`]: Gauss–Legendre rules.
 //! - [`runge_kutta`]: tableaux and stage equations.
@@ -17,13 +20,16 @@
 //! - [`diagnostics`]: realization error, tensor defect, fitted slopes, Jacobi and Casimir checks.
 //! - [`error`]: typed failures.
 
+pub mod chart;
 mod code_workers;
 pub mod diagnostics;
 pub mod dynamics;
 pub mod error;
+pub mod generating;
 pub mod integrator;
 pub mod lattice;
 pub mod method;
+pub mod one_form;
 pub mod origin;
 pub mod part;
 pub mod part_description;
@@ -34,14 +40,17 @@ pub mod runge_kutta;
 pub mod solver;
 pub mod system;
 
-pub use code_workers::realization_worker;
+pub use chart::{ChartMaps, ChartWorker};
+pub use code_workers::{RealizationMaps, realization_worker};
 pub use dynamics::{
     BisectionCode, BisectionWorker, Correction, DynamicApproximation, LagrangianBisection,
 };
 pub use error::{BuildError, StepError};
+pub use generating::GraphOfDifferential;
 pub use integrator::Integrator;
 pub use lattice::LatticeMethod;
 pub use method::Method;
+pub use one_form::{CodeOneForm, GraphOfOneForm, OneFormWorker};
 pub use origin::Origin;
 pub use part::{PartInfo, PartKind, PartParameters};
 pub use realization::{

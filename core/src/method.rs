@@ -188,8 +188,14 @@ pub(crate) fn properties_of(
     };
     MapProperties {
         order,
-        structure,
-        self_adjoint: dynamics.self_adjoint(),
+        structure: if dynamics.is_lagrangian() {
+            structure
+        } else {
+            Structure::None
+        },
+        self_adjoint: dynamics
+            .self_adjoint()
+            .filter(|is_so| !is_so || realization.is_reversible()),
     }
 }
 

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use leafwise_expression::{Graph, Polynomial, Ring, Term};
 
+use crate::chart::ChartWorker;
 use crate::dynamics::LagrangianBisection;
 use crate::error::{BuildError, StepError};
 use crate::lattice::RealizationStages;
@@ -48,6 +49,19 @@ pub trait RealizationData: Send + Sync + std::fmt::Debug {
     /// The symplectic chart χ: T*M ⊃ U → S about σ, where points of S are not pairs (x, p).
     fn chart(&self) -> Option<&dyn LagrangianChart> {
         None
+    }
+    /// χ as numbers, for a realization that offers no code.
+    fn chart_worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn ChartWorker>> {
+        let _ = (parameters, epsilon);
+        None
+    }
+    /// Whether points of S are pairs (x, p) with ω canonical and σ(x) = (x, 0).
+    fn points_are_pairs(&self) -> bool {
+        self.chart().is_none() && self.space_dimension() == 2 * self.dimension()
+    }
+    /// Whether β̂(χ(x, p)) = α̂(χ(x, −p)).
+    fn is_reversible(&self) -> bool {
+        true
     }
     /// A self-contained step map that solves for the realization and the bisection in one go.
     ///
@@ -154,6 +168,11 @@ pub trait RealizationWorker: Send {
     /// # Errors
     /// [`StepError`] where the tangent does not exist.
     fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError>;
+    /// Whether [`tangents`](Self::tangents) are offered: Newton's method and exact tangents of steps
+    /// need them.
+    fn has_tangents(&self) -> bool {
+        true
+    }
     /// Operations so far, as [`SolverStatistics::operations`] counts them; `None` for a part that
     /// does not count.
     ///

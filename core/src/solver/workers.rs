@@ -18,8 +18,9 @@ pub(crate) type MakeWorkers =
 
 /// Solves β̂(L(y)) = x with workers of a realization and a bisection.
 ///
-/// Where D(β̂∘L) is near the identity (a collective integrator over a good realization) the
-/// correction is the residual itself; elsewhere it is Newton's, with the tangents of both workers.
+/// Where D(β̂∘L) is near the identity (a collective integrator over a good realization), and where a
+/// worker offers no tangents, the correction is the residual itself; elsewhere it is Newton's, with
+/// the tangents of both workers. D(β̂∘L) = 1 + O(εh), so that residuals converge for small steps.
 pub(crate) struct WorkerStepper {
     trajectories: Vec<Trajectory>,
     correction: Correction,
@@ -134,7 +135,9 @@ impl Trajectory {
         for i in 0..d {
             self.y[i] = x[i] + self.displacement[i];
         }
-        let newton = !self.bisection.is_near_identity();
+        let newton = self.realization.has_tangents()
+            && self.bisection.has_tangent()
+            && !self.bisection.is_near_identity();
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         loop {
             self.evaluate()?;

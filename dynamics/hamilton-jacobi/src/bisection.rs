@@ -2,14 +2,12 @@
 
 use std::sync::Arc;
 
-use leafwise_core::dynamics::{
-    BisectionCode, DynamicApproximation, GeneratingFunction, LagrangianBisection,
+use leafwise_core::{
+    BuildError, DynamicApproximation, GraphOfDifferential, LagrangianBisection, PoissonSystem,
+    RealizationData,
 };
-use leafwise_core::{BuildError, PoissonSystem, RealizationData};
-use leafwise_expression::graph::lift;
-use leafwise_expression::{Arithmetic, Graph, Polynomial, Term};
 
-use crate::coefficients::generating_function;
+use crate::coefficients::{first_order, generating_function};
 
 /// The Hamilton–Jacobi approximation of even order m (paper, section 4.2 and Algorithm 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,61 +60,22 @@ impl DynamicApproximation for HamiltonJacobi {
         system: &PoissonSystem,
         realization: &Arc<dyn RealizationData>,
     ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
-        let series = realization
-            .series()
-            .ok_or_else(|| BuildError::Incompatible {
-                dynamics: self.describe(),
-                realization: realization.describe(),
-                reason: "it offers no series of its source map in a cotangent chart".to_owned(),
-            })?;
-        let generating = generating_function(system, series, self.order)?;
-        Ok(Arc::new(GraphOfDifferential {
-            generating,
-            realization: Arc::clone(realization),
-        }))
-    }
-}
-
-/// y ↦ χ(y, dŜ_{ε,h}(y)), χ the realization's chart about σ; (y, dŜ(y)) itself on T*M.
-#[derive(Clone, Debug)]
-struct GraphOfDifferential {
-    generating: GeneratingFunction,
-    realization: Arc<dyn RealizationData>,
-}
-
-impl LagrangianBisection for GraphOfDifferential {
-    fn code(&self) -> Option<&dyn BisectionCode> {
-        Some(self)
-    }
-
-    fn generating_function(&self) -> Option<&GeneratingFunction> {
-        Some(&self.generating)
-    }
-}
-
-impl BisectionCode for GraphOfDifferential {
-    fn point(
-        &self,
-        graph: &mut Graph,
-        epsilon: &Term,
-        h: &Term,
-        y: &[Term],
-    ) -> Result<Vec<Term>, BuildError> {
-        // ε^{l−1} hˡ for l = 1, 3, …
-        let time = graph.multiply(epsilon, h);
-        let square = graph.multiply(&time, &time);
-        let mut power = h.clone();
-        let mut outputs: Vec<Vec<(Term, Polynomial)>> = vec![Vec::new(); y.len()];
-        for gradient in &self.generating.gradients {
-            for (output, component) in outputs.iter_mut().zip(gradient) {
-                output.push((power.clone(), component.clone()));
+        let generating = match realization.series() {
+            Some(series) => generating_function(system, series, self.order)?,
+            None if self.order == 2 => first_order(system)?,
+            None => {
+                return Err(BuildError::Incompatible {
+                    dynamics: self.describe(),
+                    realization: realization.describe(),
+                    reason: "it offers no series of its source map; order 2, with S = h H alone, \
+                             needs none"
+                        .to_owned(),
+                });
             }
-            power = graph.multiply(&power, &square);
-        }
-        let p = lift(graph, &self.generating.ring, &outputs, y)?;
-        match self.realization.chart() {
-            None => Ok(y.iter().cloned().chain(p).collect()),
-            Some(chart) => chart.point(graph, epsilon, y, &p),
-        }
+        };
+        let parameters = system.parameters().len();
+        let graph =
+            GraphOfDifferential::new(generating, realization, parameters, &self.describe())?;
+        Ok(Arc::new(graph))
     }
 }

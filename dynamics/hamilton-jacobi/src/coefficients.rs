@@ -42,6 +42,23 @@ pub fn generating_function(
     })
 }
 
+/// S_1 = H, which is the same in every chart.
+///
+/// # Errors
+/// [`BuildError::Algebra`] where the Hamiltonian is outside the exact algebra.
+pub fn first_order(system: &PoissonSystem) -> Result<GeneratingFunction, BuildError> {
+    let mut ring = Ring::new(system.dimension());
+    let s = system
+        .hamiltonian()
+        .evaluate_in(&mut ring, &mut |ring, at| Ok(ring.variable(at)))?;
+    let gradient = ring.gradient(&s)?;
+    Ok(GeneratingFunction {
+        ring,
+        coefficients: vec![s],
+        gradients: vec![gradient],
+    })
+}
+
 /// Every S_l up to `last`, the even ones too: the identity S_{2j} = 0 (Proposition 1) holds for
 /// any chart with inv(x, p) = (x, −p) and tests the whole chain.
 ///
