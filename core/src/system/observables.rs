@@ -62,7 +62,7 @@ pub struct SystemInvariants {
 }
 
 enum Values {
-    Formulas(SystemObservables),
+    Formulas(Box<SystemObservables>),
     Numbers {
         worker: Box<dyn NumbersWorker>,
         casimirs: usize,
@@ -81,7 +81,9 @@ impl SystemInvariants {
                 let formulas: Vec<_> = std::iter::once(formulas.hamiltonian())
                     .chain(casimirs)
                     .collect();
-                Values::Formulas(SystemObservables::new(system, &formulas, parameters)?)
+                Values::Formulas(Box::new(SystemObservables::new(
+                    system, &formulas, parameters,
+                )?))
             }
             Definition::Numbers(opaque) => Values::Numbers {
                 worker: opaque.numbers.worker(parameters),

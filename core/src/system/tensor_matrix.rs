@@ -15,7 +15,7 @@ pub(crate) struct TensorMatrix {
 
 enum Source {
     Formulas {
-        kernel: Kernel,
+        kernel: Box<Kernel>,
         workspace: Box<Workspace>,
         entries: Vec<(usize, usize)>,
     },
@@ -37,7 +37,7 @@ impl TensorMatrix {
                 let mut workspace = kernel.workspace(1);
                 kernel.prepare(&mut workspace, parameters, &[1.0], &[1.0]);
                 Source::Formulas {
-                    kernel,
+                    kernel: Box::new(kernel),
                     workspace: Box::new(workspace),
                     entries: system.tensor().keys().copied().collect(),
                 }

@@ -45,8 +45,10 @@ pub fn generating_function(
 /// S_1 = H, which is the same in every chart.
 ///
 /// # Errors
-/// [`BuildError::Algebra`] where the Hamiltonian is outside the exact algebra.
+/// [`BuildError::Algebra`] where the Hamiltonian is outside the exact algebra,
+/// [`BuildError::NotOffered`] for a system of numbers.
 pub fn first_order(system: &PoissonSystem) -> Result<GeneratingFunction, BuildError> {
+    let system = system.formulas(crate::register::INFO.name)?;
     let mut ring = Ring::new(system.dimension());
     let s = system
         .hamiltonian()
