@@ -12,13 +12,27 @@ use std::hash::{Hash, Hasher};
 pub struct AnalyticFunction {
     name: &'static str,
     derivative: fn(u32, f64) -> f64,
+    lanes: Option<fn(u32, &mut [f64])>,
 }
 
 impl AnalyticFunction {
     /// The function with f⁽ᵏ⁾(s) = `derivative(k, s)`, NaN outside its domain: the same bits on
     /// every machine, so without the elementary functions of `std`.
     pub const fn new(name: &'static str, derivative: fn(u32, f64) -> f64) -> Self {
-        Self { name, derivative }
+        Self {
+            name,
+            derivative,
+            lanes: None,
+        }
+    }
+
+    /// The same function with `lanes(k, values)`, which replaces each s by f⁽ᵏ⁾(s) to the bits of
+    /// `derivative`, many at once.
+    pub const fn with_lanes(self, lanes: fn(u32, &mut [f64])) -> Self {
+        Self {
+            lanes: Some(lanes),
+            ..self
+        }
     }
 
     /// The name that identifies it.
@@ -29,6 +43,16 @@ impl AnalyticFunction {
     /// f⁽ᵏ⁾(s).
     pub fn derivative(&self, order: u32, s: f64) -> f64 {
         (self.derivative)(order, s)
+    }
+
+    /// Replaces each s by f⁽ᵏ⁾(s).
+    pub fn derivative_lanes(&self, order: u32, values: &mut [f64]) {
+        match self.lanes {
+            Some(lanes) => lanes(order, values),
+            None => values
+                .iter_mut()
+                .for_each(|s| *s = self.derivative(order, *s)),
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
+use crate::elementary;
 use crate::rational::Rational;
 
 /// An elementary function of one argument.
@@ -96,6 +97,21 @@ impl Function {
             Function::Asinh => libm::asinh(x),
             Function::Acosh => libm::acosh(x),
             Function::Atanh => libm::atanh(x),
+        }
+    }
+
+    /// [`Function::apply`] to each number, to the same bits; many at once where the function has
+    /// such a form.
+    pub fn apply_lanes(self, values: &mut [f64]) {
+        match self {
+            Function::Exp => elementary::exp_lanes(values),
+            Function::Ln => elementary::ln_lanes(values),
+            Function::Sqrt => elementary::sqrt_lanes(values),
+            Function::Sin => elementary::sin_lanes(values),
+            Function::Cos => elementary::cos_lanes(values),
+            Function::Tan => elementary::tan_lanes(values),
+            Function::Atan => elementary::atan_lanes(values),
+            _ => values.iter_mut().for_each(|x| *x = self.apply(*x)),
         }
     }
 }

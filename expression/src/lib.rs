@@ -3,6 +3,7 @@
 //! - [`rational`]: exact rationals of arbitrary precision.
 //! - [`syntax`]: scene formulas with byte spans, indexed families and typed errors.
 //! - [`expression`]: resolved formulas over numbered variables and parameters.
+//! - [`elementary`]: `libm`'s functions on many numbers at once, to the same bits.
 //! - [`analytic`]: functions that a crate evaluates itself, with their derivatives.
 //! - [`arithmetic`]: the operations a formula needs, over any algebra.
 //! - [`algebra`]: the differential ring of Laurent polynomials with adjoined functions.
@@ -13,6 +14,7 @@
 pub mod algebra;
 pub mod analytic;
 pub mod arithmetic;
+pub mod elementary;
 mod evaluate;
 pub mod expression;
 pub mod graph;
@@ -20,6 +22,7 @@ pub mod kernel;
 pub mod rational;
 pub mod series;
 pub mod syntax;
+mod vector;
 
 pub use algebra::{Polynomial, Ring};
 pub use analytic::AnalyticFunction;

@@ -1,0 +1,78 @@
+//! Elementary functions on many numbers at once, to the bits of the `libm` crate.
+//!
+//! The algorithms, constants and orders of operations are those of fdlibm, which `libm` follows;
+//! its branches are selections here, so that all lanes go the same way. Arguments for which that
+//! does not serve (NaN, huge ones, results that are not normal numbers, ties of a reduction) get
+//! `libm`'s own value, lane by lane. What a lane gets depends neither on its neighbours nor on the
+//! machine.
+//!
+//! fdlibm is Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved. Developed at SunPro,
+//! a Sun Microsystems, Inc. business. Permission to use, copy, modify, and distribute this software
+//! is freely granted, provided that this notice is preserved.
+
+mod arctangent;
+mod exponential;
+mod lanes;
+mod logarithm;
+mod reduction;
+mod root;
+#[cfg(test)]
+mod tests;
+mod trigonometric;
+
+use arctangent::Atan;
+use exponential::{Exp, ExpMinus1};
+use lanes::{apply, apply_pair};
+use logarithm::Ln;
+use root::Roots;
+use trigonometric::{Cos, Sin, SinCos, Tan};
+
+use crate::vector::InstructionSet;
+
+/// Replaces each x by eˣ, as `libm::exp` gives it.
+pub fn exp_lanes(values: &mut [f64]) {
+    apply::<Exp>(values);
+}
+
+/// Replaces each x by eˣ − 1, as `libm::expm1` gives it.
+pub fn exp_m1_lanes(values: &mut [f64]) {
+    apply::<ExpMinus1>(values);
+}
+
+/// Replaces each x by ln x, as `libm::log` gives it.
+pub fn ln_lanes(values: &mut [f64]) {
+    apply::<Ln>(values);
+}
+
+/// Replaces each x by √x, as `libm::sqrt` gives it.
+pub fn sqrt_lanes(values: &mut [f64]) {
+    InstructionSet::best().run(Roots(values));
+}
+
+/// Replaces each x by sin x, as `libm::sin` gives it.
+pub fn sin_lanes(values: &mut [f64]) {
+    apply::<Sin>(values);
+}
+
+/// Replaces each x by cos x, as `libm::cos` gives it.
+pub fn cos_lanes(values: &mut [f64]) {
+    apply::<Cos>(values);
+}
+
+/// Replaces each x by sin x and writes cos x, for the price of one of the two.
+///
+/// # Panics
+/// When the slices have different lengths.
+pub fn sin_cos_lanes(values: &mut [f64], cosines: &mut [f64]) {
+    apply_pair::<SinCos>(values, cosines);
+}
+
+/// Replaces each x by tan x, as `libm::tan` gives it.
+pub fn tan_lanes(values: &mut [f64]) {
+    apply::<Tan>(values);
+}
+
+/// Replaces each x by arctan x, as `libm::atan` gives it.
+pub fn atan_lanes(values: &mut [f64]) {
+    apply::<Atan>(values);
+}

@@ -1,0 +1,143 @@
+//! Code compiled once for each instruction set, the widest chosen at run time.
+//!
+//! Plain loops over lanes ([`Work`]) are compiled for the baseline, for AVX2 and for AVX-512 from
+//! one source; what a compiler does not turn into vector instructions by itself is written over a
+//! [`Register`]. Nothing contracts a product and a sum into a fused operation, so the bits are the
+//! same everywhere; only the number of lanes that ride together differs.
+
+#![allow(
+    unsafe_code,
+    reason = "functions of an instruction set are called where it was detected"
+)]
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod register;
+
+pub(crate) use register::{Register, SIGN};
+
+/// Loops over lanes, written once.
+pub(crate) trait Work {
+    /// Runs them. Implementations are `#[inline(always)]`: the instruction set is the caller's.
+    fn run(self);
+}
+
+/// Code over registers, written once.
+pub(crate) trait RegisterWork {
+    /// Runs it on registers R. Implementations are `#[inline(always)]`.
+    fn run<R: Register>(self);
+    /// Does the same without registers.
+    fn run_alone(self);
+}
+
+/// One of the instruction sets of this machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct InstructionSet(Kind);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// What every machine of the target has.
+    Baseline,
+    /// 256-bit registers.
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    /// 512-bit registers and masks.
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl InstructionSet {
+    /// The widest.
+    #[inline]
+    pub(crate) fn best() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        {
+            if is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512dq")
+                && is_x86_feature_detected!("avx512vl")
+            {
+                return Self(Kind::Avx512);
+            }
+        }
+        Self::best_of_256_bits()
+    }
+
+    /// The widest of at most 256 bits.
+    ///
+    /// A 512-bit register that was just stored is slow to load: loops that go through memory from
+    /// one operation to the next are faster in halves.
+    #[inline]
+    pub(crate) fn best_of_256_bits() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx2") {
+            return Self(Kind::Avx2);
+        }
+        Self(Kind::Baseline)
+    }
+
+    /// All of this machine.
+    #[cfg(test)]
+    pub(crate) fn available() -> Vec<Self> {
+        let mut all = vec![Self(Kind::Baseline)];
+        for set in [Self::best_of_256_bits(), Self::best()] {
+            if !all.contains(&set) {
+                all.push(set);
+            }
+        }
+        all
+    }
+
+    /// Runs loops.
+    #[inline]
+    pub(crate) fn run<W: Work>(self, work: W) {
+        match self.0 {
+            Kind::Baseline => work.run(),
+            // SAFETY: an `InstructionSet` is made only of what this machine was found to have.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2 => unsafe { avx2_loops(work) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512 => unsafe { avx512_loops(work) },
+        }
+    }
+
+    /// Runs code on the set's registers, without where it has none.
+    #[inline]
+    pub(crate) fn run_registers<W: RegisterWork>(self, work: W) {
+        match self.0 {
+            Kind::Baseline => work.run_alone(),
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2 => unsafe { avx2_registers(work) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512 => unsafe { avx512_registers(work) },
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn avx2_loops<W: Work>(work: W) {
+    work.run();
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl")]
+fn avx512_loops<W: Work>(work: W) {
+    work.run();
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn avx2_registers<W: RegisterWork>(work: W) {
+    work.run::<avx2::Four>();
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl")]
+fn avx512_registers<W: RegisterWork>(work: W) {
+    work.run::<avx512::Eight>();
+}
