@@ -145,12 +145,12 @@ fn a_pair_that_cannot_be_combined_is_refused_with_what_fits() {
     );
     refused(
         &[
-            "method.realization=karasev-collocated",
+            "method.realization=lie-poisson",
             "method.dynamics=collective",
         ],
         &[
             "collective",
-            "cannot be combined with karasev-collocated",
+            "cannot be combined with lie-poisson",
             "these fit: ",
             "so3-cayley",
         ],

@@ -125,6 +125,11 @@ impl Graph {
         &self.operations[node.index()]
     }
 
+    /// The node of an operation that was asked for before.
+    pub(crate) fn find(&self, operation: &Operation) -> Option<Node> {
+        self.known.get(operation).copied()
+    }
+
     /// When the node changes.
     pub fn tier(&self, node: Node) -> Tier {
         self.tiers[node.index()]

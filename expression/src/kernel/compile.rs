@@ -7,6 +7,7 @@ use rustc_hash::FxHashMap;
 use super::allocate::reuse_slots;
 use super::code::{Code, Instruction, OperationCount};
 use super::execution::Compiled;
+use crate::expression::Function;
 use crate::graph::{Graph, Node, Operation, StepSize, Term, Tier};
 use crate::rational::Rational;
 
@@ -310,6 +311,9 @@ impl<'a> Emitter<'a> {
         if self.places.contains_key(&node) {
             return;
         }
+        if let Some(sine) = self.beside(node, Function::Cos, Function::Sin) {
+            return self.emit(sine);
+        }
         let parameters = self.parameters as u32;
         let slot = match self.graph.operation(node).clone() {
             Operation::One => return,
@@ -350,6 +354,25 @@ impl<'a> Emitter<'a> {
             }
         };
         self.places.insert(node, slot);
+        if let Some(cosine) = self.beside(node, Function::Sin, Function::Cos) {
+            let a = self.place(operands(self.graph, node)[0]);
+            let function = Function::Cos;
+            let slot = self.push(|out| Instruction::Apply { function, out, a });
+            self.places.insert(cosine, slot);
+        }
+    }
+
+    /// The node `other`(a), still to be emitted, where `node` is `function`(a): a sine and a cosine
+    /// of one argument follow each other, so that they can be computed together.
+    fn beside(&self, node: Node, function: Function, other: Function) -> Option<Node> {
+        let Operation::Function(own, a) = self.graph.operation(node) else {
+            return None;
+        };
+        let found = (*own == function)
+            .then(|| self.graph.find(&Operation::Function(other, *a)))
+            .flatten()?;
+        let is_wanted = self.uses[found.index()] > 0 && !self.places.contains_key(&found);
+        is_wanted.then_some(found)
     }
 
     /// Takes apart the sums that only this one reads, where that costs no multiplication: every

@@ -1,6 +1,7 @@
 //! Straight-line kernels: compiled from a graph, evaluated W lanes at a time, by an interpreter or
 //! as machine code.
 
+mod aligned;
 mod allocate;
 mod code;
 mod compile;

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::MachineCode;
+use super::aligned::Aligned;
 use super::compile::Kernel;
 use super::execution::{Execution, MachineCodeSize, REPORT};
 use super::interpreter::run;
@@ -14,7 +15,7 @@ use super::interpreter::run;
 #[derive(Clone, Debug)]
 pub struct Workspace {
     lanes: usize,
-    slots: Vec<f64>,
+    slots: Aligned,
     machine: Option<Arc<MachineCode>>,
     /// Evaluations until the kernel is told of them; 0 where it never is.
     until_report: u32,
@@ -35,7 +36,7 @@ impl Kernel {
     /// When `lanes` is 0.
     pub fn workspace_for(&self, lanes: usize, execution: Execution) -> Workspace {
         assert!(lanes > 0, "a kernel evaluates at least one lane");
-        let mut slots = vec![f64::NAN; self.step_code.slots * lanes];
+        let mut slots = Aligned::filled(self.step_code.slots * lanes, f64::NAN);
         for &(slot, value) in &self.step_code.constants {
             slots[slot as usize * lanes..][..lanes].fill(value);
         }
