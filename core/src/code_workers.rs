@@ -194,6 +194,11 @@ impl RealizationWorker for CodeRealizationWorker {
                 });
             }
         }
+        if (0..3 * d).any(|index| !output(index).is_finite()) {
+            return Err(StepError::NonFinite {
+                what: "an end of the realization",
+            });
+        }
         Ok(())
     }
 

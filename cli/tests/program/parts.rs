@@ -145,12 +145,12 @@ fn a_pair_that_cannot_be_combined_is_refused_with_what_fits() {
     );
     refused(
         &[
-            "method.realization=lie-poisson",
+            "method.realization=karasev-collocated",
             "method.dynamics=collective",
         ],
         &[
             "collective",
-            "cannot be combined with lie-poisson",
+            "cannot be combined with karasev-collocated",
             "these fit: ",
             "so3-cayley",
         ],

@@ -18,7 +18,7 @@ pub struct Fraction {
 }
 
 /// The largest |w| served: beyond, e^Z is of no use in doubles.
-pub const LARGEST: f64 = 16384.0;
+pub const LARGEST: f64 = 4096.0;
 
 /// How many fractions give f(w) to round-off for |w| ≤ `bound` ≤ [`LARGEST`]: after K levels the
 /// remainder is w^K/(3·5²·7²⋯(2K+1)²(2K+3)) of f to leading order.

@@ -4,15 +4,23 @@
 //! α = Z/(e^Z − 1) x, β = e^Z α = α(x, −p), σ(x) = (x, 0): Karasev's realization in closed form,
 //! the exponential chart of T*G for a Lie group G of the algebra.
 //!
-//! - [`structure`]: the structure constants, exact and as numbers.
-//! - [`even_part`]: (Z/2) coth(Z/2) by partial fractions of its continued fraction.
-//! - [`worker`]: α, β and their tangents as numbers.
+//! With W = Z²/4 and g(w) = (√w coth √w − 1)/w both ends are x + W g(W) x ∓ ½ Z x.
+//!
+//! - [`structure`]: the structure constants, exact, as code and as numbers.
+//! - [`relations`]: algebras on which W has one or two roots a coordinate, proved in the exact ring.
+//! - [`doubling`]: g as code, on numbers, dual numbers and pairs of roots alike.
+//! - [`closed_form`]: α and β of such algebras as straight-line code.
+//! - [`even_part`]: W g(W) by partial fractions of a continued fraction, for every other algebra.
+//! - [`worker`]: α, β and their tangents from them as numbers.
 //! - [`realization`]: [`LiePoisson`], the realization data.
 //! - `register`: the part `lie-poisson`.
 
+pub mod closed_form;
+pub mod doubling;
 pub mod even_part;
 pub mod realization;
 mod register;
+pub mod relations;
 pub mod structure;
 pub mod worker;
 

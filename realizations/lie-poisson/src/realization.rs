@@ -1,23 +1,37 @@
 //! The realization data of a linear tensor.
 
-use leafwise_core::realization::{Accuracy, RealizationData, RealizationWorker, SourceSeries};
+use leafwise_core::realization::{
+    Accuracy, RealizationCode, RealizationData, RealizationWorker, SourceSeries,
+};
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_karasev::series::KarasevSeries;
 
+use crate::closed_form::ClosedForm;
 use crate::register::INFO;
+use crate::relations::classes;
 use crate::structure::StructureConstants;
 use crate::worker::LiePoissonWorker;
 
 /// α = Z/(e^Z − 1) x, β = e^Z α with Z = ε A(p), A_ik = Σ_j c_ij^k p_j.
 ///
-/// Its maps are numbers, exact to round-off while every eigenvalue of Z has an imaginary part
-/// below 2π; beyond, a step is refused as `LeftChart`. Real eigenvalues are harmless. The chart is
-/// Karasev's, and so is the series.
+/// Both are exact to round-off while every eigenvalue of Z has an imaginary part below 2π and a size
+/// below 128; beyond, a step is refused as `LeftChart`. They are code where Z² has one or two roots
+/// a coordinate ([`relations`](crate::relations)), numbers otherwise. The chart is Karasev's, and so
+/// is the series.
 #[derive(Clone, Debug)]
 pub struct LiePoisson {
     dimension: usize,
-    structure: StructureConstants,
+    maps: Maps,
     series: KarasevSeries,
+}
+
+/// How α and β are computed.
+#[derive(Clone, Debug)]
+enum Maps {
+    /// One or two roots a class of coordinates.
+    Code(ClosedForm),
+    /// Every other algebra.
+    Numbers(StructureConstants),
 }
 
 impl LiePoisson {
@@ -28,9 +42,14 @@ impl LiePoisson {
     /// linear.
     pub fn new(system: &PoissonSystem) -> Result<Self, BuildError> {
         let formulas = system.formulas(INFO.name)?;
+        let structure = StructureConstants::new(formulas)?;
+        let maps = match classes(&structure, &system.parameter_values()) {
+            Some(classes) => Maps::Code(ClosedForm::new(structure, classes)),
+            None => Maps::Numbers(structure),
+        };
         Ok(Self {
             dimension: system.dimension(),
-            structure: StructureConstants::new(formulas)?,
+            maps,
             series: KarasevSeries::new(formulas.clone()),
         })
     }
@@ -58,9 +77,21 @@ impl RealizationData for LiePoisson {
         z[x.len()..].fill(0.0);
     }
 
+    fn code(&self) -> Option<&dyn RealizationCode> {
+        match &self.maps {
+            Maps::Code(form) => Some(form),
+            Maps::Numbers(_) => None,
+        }
+    }
+
     fn worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationWorker>> {
-        let algebra = self.structure.at(parameters);
-        Some(Box::new(LiePoissonWorker::new(algebra, epsilon)))
+        match &self.maps {
+            Maps::Code(_) => None,
+            Maps::Numbers(structure) => {
+                let algebra = structure.at(parameters);
+                Some(Box::new(LiePoissonWorker::new(algebra, epsilon)))
+            }
+        }
     }
 
     fn series(&self) -> Option<&dyn SourceSeries> {

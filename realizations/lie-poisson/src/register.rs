@@ -13,7 +13,8 @@ pub(crate) static INFO: PartInfo = PartInfo {
     kind: PartKind::Realization,
     summary: "the exponential chart of T*G in closed form, for any linear tensor",
     declares: "exact; self-adjoint",
-    domain: "epsilon p with every eigenvalue of its coadjoint map of imaginary part below 2 pi",
+    domain: "epsilon p with every eigenvalue of its coadjoint map of imaginary part below 2 pi and \
+             size below 128",
     literature: "M. V. Karasev, Math. USSR Izv. 28 (1987); J. E. Marsden, T. S. Ratiu, \
                  Introduction to Mechanics and Symmetry (1999), chapter 13",
     parameters: &[],

@@ -1,10 +1,13 @@
 //! Structure constants c_ij^k of a linear tensor.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use leafwise_core::{BuildError, SystemFormulas};
 use leafwise_expression::graph::lift;
-use leafwise_expression::{Arithmetic, Graph, Kernel, Polynomial, Ring};
+use leafwise_expression::{
+    AlgebraError, Arithmetic, Graph, Kernel, Polynomial, Rational, Ring, Term,
+};
 use nalgebra::{DMatrix, DVector};
 
 use crate::register::INFO;
@@ -13,7 +16,9 @@ use crate::register::INFO;
 #[derive(Clone, Debug)]
 pub struct StructureConstants {
     dimension: usize,
+    ring: Ring,
     places: Vec<[usize; 3]>,
+    constants: Vec<Polynomial>,
     kernel: Arc<Kernel>,
 }
 
@@ -26,7 +31,7 @@ impl StructureConstants {
     pub fn new(system: &SystemFormulas) -> Result<Self, BuildError> {
         let d = system.dimension();
         let mut ring = Ring::new(d);
-        let (mut graph, mut places, mut outputs) = (Graph::new(), Vec::new(), Vec::new());
+        let (mut places, mut constants) = (Vec::new(), Vec::new());
         for (&(i, j), entry) in system.tensor() {
             let value = entry.evaluate_in(&mut ring, &mut |ring, at| Ok(ring.variable(at)))?;
             for (monomial, coefficient) in value.terms() {
@@ -37,19 +42,69 @@ impl StructureConstants {
                     return Err(not_linear(system, i, j));
                 }
                 places.push([i, j, usize::from(symbol)]);
-                outputs.push(vec![(
-                    graph.one(),
-                    Polynomial::constant(coefficient.clone()),
-                )]);
+                constants.push(Polynomial::constant(coefficient.clone()));
             }
         }
-        let code = lift(&mut graph, &ring, &outputs, &[])?;
+        let mut graph = Graph::new();
+        let code = as_code(&mut graph, &ring, &constants)?;
         let kernel = Kernel::compile(&graph, &code, system.parameters().len(), d);
         Ok(Self {
             dimension: d,
+            ring,
             places,
+            constants,
             kernel: Arc::new(kernel),
         })
+    }
+
+    /// d.
+    pub fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    /// The ring the constants live in; its variables stand for p.
+    pub fn ring(&self) -> &Ring {
+        &self.ring
+    }
+
+    /// The columns of A(p), A_ik = Σ_j c_ij^k p_j, their zero entries left out.
+    pub fn coadjoint_columns(&self, ring: &mut Ring) -> Vec<SparseVector> {
+        let mut columns = vec![SparseVector::new(); self.dimension];
+        for (&[i, j, k], c) in self.places.iter().zip(&self.constants) {
+            for (row, momentum, sign) in [(i, j, 1), (j, i, -1)] {
+                let p = ring.variable(momentum);
+                let entry = ring.multiply(c, &p);
+                accumulate(&mut columns[k], row, &Rational::from_integer(sign), &entry);
+            }
+        }
+        columns
+    }
+
+    /// The constants as code, for [`apply`](Self::apply).
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a function of the parameters has no code.
+    pub fn code(&self, graph: &mut Graph) -> Result<Vec<Term>, BuildError> {
+        Ok(as_code(graph, &self.ring, &self.constants)?)
+    }
+
+    /// A(q) v as code.
+    pub fn apply(
+        &self,
+        graph: &mut Graph,
+        constants: &[Term],
+        q: &[Term],
+        v: &[Term],
+    ) -> Vec<Term> {
+        let mut rows = vec![Vec::new(); self.dimension];
+        for (&[i, j, k], c) in self.places.iter().zip(constants) {
+            for (row, momentum, sign) in [(i, j, 1), (j, i, -1)] {
+                let product = graph.multiply(&v[k], &q[momentum]);
+                let entry = graph.multiply(c, &product);
+                rows[row].push((Rational::from_integer(sign), entry));
+            }
+        }
+        rows.iter().map(|row| graph.combine(row)).collect()
     }
 
     /// The constants for these parameters.
@@ -64,6 +119,31 @@ impl StructureConstants {
             dimension: self.dimension,
             constants: self.places.iter().copied().zip(values).collect(),
         }
+    }
+}
+
+fn as_code(
+    graph: &mut Graph,
+    ring: &Ring,
+    constants: &[Polynomial],
+) -> Result<Vec<Term>, AlgebraError> {
+    let one = graph.one();
+    let outputs: Vec<_> = constants
+        .iter()
+        .map(|c| vec![(one.clone(), c.clone())])
+        .collect();
+    lift(graph, ring, &outputs, &[])
+}
+
+/// A vector of polynomials without its zero components.
+pub type SparseVector = BTreeMap<usize, Polynomial>;
+
+/// v_i ← v_i + c f.
+pub(crate) fn accumulate(v: &mut SparseVector, i: usize, c: &Rational, f: &Polynomial) {
+    let old = v.remove(&i).unwrap_or_default();
+    let sum = Polynomial::combine(&[(Rational::one(), old), (c.clone(), f.clone())]);
+    if !sum.is_zero() {
+        v.insert(i, sum);
     }
 }
 

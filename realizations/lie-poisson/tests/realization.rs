@@ -82,8 +82,8 @@ fn point() -> impl Strategy<Value = (usize, Vec<f64>, Vec<f64>, f64)> {
     let signed = || (0.2..2.0_f64, any::<bool>()).prop_map(|(v, s)| if s { -v } else { v });
     (
         0..ALGEBRAS.len(),
-        vec(signed(), 6),
-        vec(-8.0..8.0_f64, 6),
+        vec(signed(), 10),
+        vec(-8.0..8.0_f64, 10),
         0.05..1.0_f64,
     )
 }

@@ -3,15 +3,19 @@
 use leafwise_core::PoissonSystem;
 use leafwise_realization_claims::systems::{from_formulas, library};
 
-/// Every algebra the claims are made for: compact, semidirect, split, nilpotent, solvable.
-pub const ALGEBRAS: [&str; 7] = [
+/// Every algebra the claims are made for: compact, semidirect, split, with conjugate pairs of
+/// roots, nilpotent, solvable, one with coordinates of different roots.
+pub const ALGEBRAS: [&str; 10] = [
     "rigid-body",
     "so4",
     "se3",
     "heavy-top",
     "sl2",
+    "lorentz",
     "heisenberg",
     "affine",
+    "toda-3",
+    "so5",
 ];
 
 /// The system of one of [`ALGEBRAS`].
@@ -39,6 +43,84 @@ pub fn algebra(name: &str) -> PoissonSystem {
             "x^2/2 + y^2 + z^2/3 + x*y/4",
             &[],
         ),
+        "lorentz" => from_formulas(
+            &["j1", "j2", "j3", "k1", "k2", "k3"],
+            &[],
+            &[
+                ("j1", "j2", "j3"),
+                ("j2", "j3", "j1"),
+                ("j3", "j1", "j2"),
+                ("j1", "k2", "k3"),
+                ("j2", "k3", "k1"),
+                ("j3", "k1", "k2"),
+                ("k1", "j2", "k3"),
+                ("k2", "j3", "k1"),
+                ("k3", "j1", "k2"),
+                ("k1", "k2", "-j3"),
+                ("k2", "k3", "-j1"),
+                ("k3", "k1", "-j2"),
+            ],
+            "j1^2/2 + j2^2/3 + j3^2/5 + k1^2/4 + k2^2/6 + k3^2/7",
+            &[
+                "j1^2 + j2^2 + j3^2 - k1^2 - k2^2 - k3^2",
+                "j1*k1 + j2*k2 + j3*k3",
+            ],
+        ),
+        // Flaschka's variables of three particles on a line.
+        "toda-3" => from_formulas(
+            &["a1", "a2", "b1", "b2", "b3"],
+            &[],
+            &[
+                ("a1", "b1", "-a1"),
+                ("a1", "b2", "a1"),
+                ("a2", "b2", "-a2"),
+                ("a2", "b3", "a2"),
+            ],
+            "b1^2/2 + b2^2/2 + b3^2/2 + a1^2 + a2^2",
+            &["b1 + b2 + b3"],
+        ),
+        "so5" => rotations(5),
         id => library(id).system,
     }
+}
+
+/// A rigid body in n dimensions: {m_ij, m_jk} = m_ik and its images under permutations.
+fn rotations(n: usize) -> PoissonSystem {
+    let name = |i: usize, j: usize| format!("m{i}{j}");
+    let signed = |i: usize, j: usize| {
+        if i < j {
+            name(i, j)
+        } else {
+            format!("-{}", name(j, i))
+        }
+    };
+    let mut bracket = Vec::new();
+    for i in 1..=n {
+        for j in i + 1..=n {
+            for k in j + 1..=n {
+                bracket.push((name(i, j), name(j, k), signed(i, k)));
+                bracket.push((name(j, k), name(i, k), signed(i, j)));
+                bracket.push((name(i, j), name(i, k), signed(k, j)));
+            }
+        }
+    }
+    let variables: Vec<String> = (1..=n)
+        .flat_map(|i| (i + 1..=n).map(move |j| name(i, j)))
+        .collect();
+    let energy: Vec<String> = (2..)
+        .zip(&variables)
+        .map(|(k, v)| format!("{v}^2/{k}"))
+        .collect();
+    let square: Vec<String> = variables.iter().map(|v| format!("{v}^2")).collect();
+    let bracket: Vec<(&str, &str, &str)> = bracket
+        .iter()
+        .map(|(a, b, c)| (a.as_str(), b.as_str(), c.as_str()))
+        .collect();
+    from_formulas(
+        &variables.iter().map(String::as_str).collect::<Vec<_>>(),
+        &[],
+        &bracket,
+        &energy.join(" + "),
+        &[&square.join(" + ")],
+    )
 }
