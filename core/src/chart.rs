@@ -132,16 +132,14 @@ impl ChartWorker for CodeChart {
         let (first, second) = self.point.split_at_mut(x.len());
         first.copy_from_slice(x);
         second.copy_from_slice(p);
-        self.map.value(&self.point, z);
-        Ok(())
+        self.map.value(&self.point, z)
     }
 
     fn tangent(&mut self, tangent: &mut [f64]) -> Result<(), StepError> {
-        self.map.jacobian(&self.point, tangent);
-        Ok(())
+        self.map.jacobian(&self.point, tangent)
     }
 
     fn operations(&self) -> Option<u64> {
-        Some(self.map.operations())
+        self.map.operations()
     }
 }

@@ -135,16 +135,14 @@ struct CodeOneFormWorker {
 impl OneFormWorker for CodeOneFormWorker {
     fn value(&mut self, y: &[f64], p: &mut [f64]) -> Result<(), StepError> {
         self.y.copy_from_slice(y);
-        self.map.value(y, p);
-        Ok(())
+        self.map.value(y, p)
     }
 
     fn jacobian(&mut self, jacobian: &mut [f64]) -> Result<(), StepError> {
-        self.map.jacobian(&self.y, jacobian);
-        Ok(())
+        self.map.jacobian(&self.y, jacobian)
     }
 
     fn operations(&self) -> Option<u64> {
-        Some(self.map.operations())
+        self.map.operations()
     }
 }

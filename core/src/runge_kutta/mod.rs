@@ -1,13 +1,13 @@
 //! Implicit Runge–Kutta methods: coefficients and stage equations.
 //!
 //! - [`tableau`]: nodes, weights and matrices, those of Gauss for any number of stages.
-//! - [`smooth_map`]: maps and their Jacobians as kernels.
-//! - [`stages`]: the stage equations of a partitioned method by Newton's iteration.
+//! - [`smooth_map`]: maps and their Jacobians, as kernels or as numbers.
+//! - [`stages`]: the stage equations of a partitioned method by Newton's iteration, or without Jacobians.
 
 pub mod smooth_map;
 pub mod stages;
 pub mod tableau;
 
-pub use smooth_map::{SmoothMap, SmoothMapEvaluator};
+pub use smooth_map::{MapWorker, SmoothMap, SmoothMapEvaluator};
 pub use stages::StageSolver;
 pub use tableau::{PartitionedTableau, Tableau};

@@ -1,16 +1,67 @@
-//! Maps and their Jacobians as kernels.
+//! Maps and their Jacobians: as kernels, or as numbers of whatever computes them.
 
 use std::sync::Arc;
 
 use leafwise_expression::{Graph, Kernel, Term, Workspace};
 
-use crate::error::BuildError;
+use crate::error::{BuildError, StepError};
 
-/// A map z ↦ F(z) and z ↦ DF(z), compiled.
-#[derive(Clone, Debug)]
+/// A map z ↦ F(z), and z ↦ DF(z) where that is offered.
+#[derive(Clone)]
 pub struct SmoothMap {
-    value: Arc<Kernel>,
-    jacobian: Arc<Kernel>,
+    source: Source,
+    inputs: usize,
+    outputs: usize,
+    has_jacobian: bool,
+}
+
+#[derive(Clone)]
+enum Source {
+    Kernels {
+        value: Arc<Kernel>,
+        jacobian: Option<Arc<Kernel>>,
+    },
+    Numbers(Arc<MakeMap>),
+}
+
+type MakeMap = dyn Fn(&[f64], f64, f64) -> Box<dyn MapWorker> + Send + Sync;
+
+/// One thread's evaluator of a map that has no code, for fixed parameters, ε and h.
+pub trait MapWorker: Send {
+    /// F(z).
+    ///
+    /// # Errors
+    /// [`StepError`] outside the map's domain, with `out` unspecified.
+    fn value(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError>;
+    /// DF(z), row-major outputs × inputs.
+    ///
+    /// # Errors
+    /// As [`value`](Self::value); [`StepError::NoTangent`] for a map without one.
+    fn jacobian(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        let _ = (z, out);
+        Err(StepError::NoTangent)
+    }
+    /// Operations so far, as [`SolverStatistics::operations`] counts them; `None` for a map that does
+    /// not count.
+    ///
+    /// [`SolverStatistics::operations`]: crate::SolverStatistics::operations
+    fn operations(&self) -> Option<u64> {
+        None
+    }
+}
+
+impl std::fmt::Debug for SmoothMap {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let source = match &self.source {
+            Source::Kernels { .. } => "kernels",
+            Source::Numbers(_) => "numbers",
+        };
+        f.debug_struct("SmoothMap")
+            .field("source", &source)
+            .field("inputs", &self.inputs)
+            .field("outputs", &self.outputs)
+            .finish_non_exhaustive()
+    }
 }
 
 impl SmoothMap {
@@ -24,56 +75,137 @@ impl SmoothMap {
         parameters: usize,
         inputs: usize,
     ) -> Result<Self, BuildError> {
-        let value = Kernel::compile(graph, outputs, parameters, inputs);
+        let mut map = Self::compile_values(graph, outputs, parameters, inputs);
         let mut entries = Vec::with_capacity(outputs.len() * inputs);
         for output in outputs {
             for k in 0..inputs {
                 entries.push(graph.derivative(output, k)?);
             }
         }
-        let jacobian = Kernel::compile(graph, &entries, parameters, inputs);
-        Ok(Self {
-            value: Arc::new(value),
-            jacobian: Arc::new(jacobian),
-        })
+        let compiled = Kernel::compile(graph, &entries, parameters, inputs);
+        if let Source::Kernels { jacobian, .. } = &mut map.source {
+            *jacobian = Some(Arc::new(compiled));
+        }
+        map.has_jacobian = true;
+        Ok(map)
+    }
+
+    /// The same without derivatives, for methods that need none.
+    pub fn compile_values(
+        graph: &Graph,
+        outputs: &[Term],
+        parameters: usize,
+        inputs: usize,
+    ) -> Self {
+        let value = Kernel::compile(graph, outputs, parameters, inputs);
+        Self {
+            source: Source::Kernels {
+                value: Arc::new(value),
+                jacobian: None,
+            },
+            inputs,
+            outputs: outputs.len(),
+            has_jacobian: false,
+        }
+    }
+
+    /// A map of numbers: `make` makes its evaluator for parameters, ε and h.
+    pub fn from_numbers(
+        inputs: usize,
+        outputs: usize,
+        has_jacobian: bool,
+        make: impl Fn(&[f64], f64, f64) -> Box<dyn MapWorker> + Send + Sync + 'static,
+    ) -> Self {
+        Self {
+            source: Source::Numbers(Arc::new(make)),
+            inputs,
+            outputs,
+            has_jacobian,
+        }
     }
 
     /// The number of coordinates of z.
     pub fn inputs(&self) -> usize {
-        self.value.inputs()
+        self.inputs
     }
 
     /// The number of components of F.
     pub fn outputs(&self) -> usize {
-        self.value.outputs()
+        self.outputs
+    }
+
+    /// Whether DF is offered.
+    pub fn has_jacobian(&self) -> bool {
+        self.has_jacobian
     }
 
     /// An evaluator for fixed parameters, ε and h.
     pub fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> SmoothMapEvaluator {
-        let prepared = |kernel: &Kernel| {
+        let prepared = |kernel: &Arc<Kernel>| {
             let mut workspace = kernel.workspace(1);
             kernel.prepare(&mut workspace, parameters, &[epsilon], &[h]);
-            workspace
+            Prepared {
+                work: kernel.step_operations().work(),
+                kernel: Arc::clone(kernel),
+                workspace,
+            }
+        };
+        let worker = match &self.source {
+            Source::Kernels { value, jacobian } => Box::new(KernelWorker {
+                value: prepared(value),
+                jacobian: jacobian.as_ref().map(prepared),
+                operations: 0,
+            }),
+            Source::Numbers(make) => make(parameters, epsilon, h),
         };
         SmoothMapEvaluator {
-            value: prepared(&self.value),
-            jacobian: prepared(&self.jacobian),
             map: self.clone(),
-            work: [&self.value, &self.jacobian].map(|kernel| kernel.step_operations().work()),
-            operations: 0,
+            worker,
         }
     }
 }
 
+struct Prepared {
+    kernel: Arc<Kernel>,
+    workspace: Workspace,
+    /// Operations of one evaluation.
+    work: u64,
+}
+
+struct KernelWorker {
+    value: Prepared,
+    jacobian: Option<Prepared>,
+    operations: u64,
+}
+
+impl Prepared {
+    fn evaluate(&mut self, z: &[f64], out: &mut [f64]) -> u64 {
+        self.kernel.evaluate(&mut self.workspace, z, out);
+        self.work
+    }
+}
+
+impl MapWorker for KernelWorker {
+    fn value(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.operations += self.value.evaluate(z, out);
+        Ok(())
+    }
+
+    fn jacobian(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        let kernel = self.jacobian.as_mut().ok_or(StepError::NoTangent)?;
+        self.operations += kernel.evaluate(z, out);
+        Ok(())
+    }
+
+    fn operations(&self) -> Option<u64> {
+        Some(self.operations)
+    }
+}
+
 /// One thread's evaluator of a [`SmoothMap`].
-#[derive(Clone, Debug)]
 pub struct SmoothMapEvaluator {
     map: SmoothMap,
-    value: Workspace,
-    jacobian: Workspace,
-    /// Operations of one value and of one Jacobian, and of all so far.
-    work: [u64; 2],
-    operations: u64,
+    worker: Box<dyn MapWorker>,
 }
 
 impl SmoothMapEvaluator {
@@ -84,24 +216,28 @@ impl SmoothMapEvaluator {
 
     /// F(z).
     ///
+    /// # Errors
+    /// [`StepError`] outside the domain of a map of numbers.
+    ///
     /// # Panics
     /// When a slice has another length than the map's inputs or outputs.
-    pub fn value(&mut self, z: &[f64], out: &mut [f64]) {
-        self.map.value.evaluate(&mut self.value, z, out);
-        self.operations += self.work[0];
+    pub fn value(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.worker.value(z, out)
     }
 
     /// DF(z), row-major outputs × inputs.
     ///
+    /// # Errors
+    /// As [`value`](Self::value); [`StepError::NoTangent`] for a map without a Jacobian.
+    ///
     /// # Panics
     /// When a slice has another length than the map's inputs or Jacobian.
-    pub fn jacobian(&mut self, z: &[f64], out: &mut [f64]) {
-        self.map.jacobian.evaluate(&mut self.jacobian, z, out);
-        self.operations += self.work[1];
+    pub fn jacobian(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.worker.jacobian(z, out)
     }
 
-    /// Weighted operations of all evaluations so far.
-    pub fn operations(&self) -> u64 {
-        self.operations
+    /// Weighted operations of all evaluations so far; `None` for a map that does not count.
+    pub fn operations(&self) -> Option<u64> {
+        self.worker.operations()
     }
 }

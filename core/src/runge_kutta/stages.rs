@@ -6,10 +6,15 @@ use super::smooth_map::SmoothMapEvaluator;
 use super::tableau::PartitionedTableau;
 use crate::error::StepError;
 use crate::solver::iteration::Verdict;
-use crate::solver::{LinearIteration, elimination_operations, substitution_operations};
+use crate::solver::{
+    Anderson, CorrectionSize, LinearIteration, elimination_operations, substitution_operations,
+};
 
-/// Budget of one solve.
+/// Budget of one solve by Newton's iteration.
 const MOST_EVALUATIONS: usize = 50;
+
+/// Budget of one solve without Jacobians.
+const MOST_ACCELERATED: usize = 100;
 
 /// The Jacobians are evaluated anew while a correction is above this fraction of the one before.
 const SLOW: f64 = 0.01;
@@ -19,7 +24,10 @@ const SLOW: f64 = 0.01;
 /// Newton's iteration on the displacements Z_i − z, its Jacobian kept while it contracts fast, until
 /// a further correction is negligible against |Z_i| + |τ DF(Z_i)| |Z_i|, componentwise: the effect
 /// of round-off in Z. It starts from the displacements of the last solve.
-#[derive(Clone, Debug)]
+///
+/// Where F has no Jacobian the iteration is Z_i ← z + τ Σ_j a_ij F(Z_j) with Anderson's acceleration,
+/// until corrections and residuals are negligible against |Z_i| and |Z_i − z|: a shorter step is then
+/// asked for than with Newton's iteration.
 pub struct StageSolver {
     field: SmoothMapEvaluator,
     tableau: PartitionedTableau,
@@ -31,6 +39,8 @@ pub struct StageSolver {
     /// z of the last solve, and a stage.
     start: Vec<f64>,
     stage: Vec<f64>,
+    /// For fields without a Jacobian.
+    anderson: Option<Anderson>,
     /// Operations of the sums over stages and the solves.
     linear: u64,
 }
@@ -49,13 +59,15 @@ impl StageSolver {
         assert_eq!(field.map().outputs(), n, "a vector field");
         let tableau = tableau.into();
         let s = tableau.stages();
+        let has_jacobian = field.map().has_jacobian();
         Self {
+            anderson: (!has_jacobian).then(|| Anderson::new(s * n)),
             field,
             tableau,
             time_step,
             displacements: vec![0.0; s * n],
             slopes: vec![0.0; s * n],
-            jacobians: vec![0.0; s * n * n],
+            jacobians: vec![0.0; if has_jacobian { s * n * n } else { 0 }],
             start: vec![0.0; n],
             stage: vec![0.0; n],
             linear: 0,
@@ -74,7 +86,14 @@ impl StageSolver {
     /// [`StepError::NoConvergence`], [`StepError::NonFinite`]; the next solve then starts cold.
     pub fn solve(&mut self, start: &[f64], change: &mut [f64]) -> Result<usize, StepError> {
         self.start.copy_from_slice(start);
-        let outcome = self.iterate();
+        let outcome = match self.anderson.take() {
+            None => self.newton(),
+            Some(mut anderson) => {
+                let outcome = self.accelerate(&mut anderson);
+                self.anderson = Some(anderson);
+                outcome
+            }
+        };
         if outcome.is_err() {
             self.clear();
         }
@@ -92,7 +111,7 @@ impl StageSolver {
         outcome
     }
 
-    fn iterate(&mut self) -> Result<usize, StepError> {
+    fn newton(&mut self) -> Result<usize, StepError> {
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         let mut last = f64::INFINITY;
         let mut newton: Option<LU<f64, Dyn, Dyn>> = None;
@@ -102,11 +121,11 @@ impl StageSolver {
         let each = (2 * size * stages + 2 * size * n) as u64 + substitution_operations(size);
         let fresh = (2 * size * size) as u64 + elimination_operations(size);
         loop {
-            self.evaluate_slopes();
+            self.evaluate_slopes()?;
             let lu = match newton.take() {
                 Some(lu) => lu,
                 None => {
-                    self.evaluate_jacobians();
+                    self.evaluate_jacobians()?;
                     self.linear += fresh;
                     self.matrix().lu()
                 }
@@ -127,6 +146,36 @@ impl StageSolver {
         }
     }
 
+    fn accelerate(&mut self, anderson: &mut Anderson) -> Result<usize, StepError> {
+        let n = self.start.len();
+        let mut iteration = LinearIteration::new(MOST_ACCELERATED);
+        let mut scales = vec![0.0; self.displacements.len()];
+        anderson.clear();
+        loop {
+            self.evaluate_slopes()?;
+            self.linear += (2 * scales.len() * self.tableau.stages()) as u64;
+            let mut correction = self.residual();
+            let mut size = CorrectionSize::default();
+            for (row, scale) in scales.iter_mut().enumerate() {
+                let displacement = self.displacements[row];
+                *scale = (self.start[row % n] + displacement).abs()
+                    + displacement.abs()
+                    + correction[row].abs();
+                size.take(correction[row], *scale);
+            }
+            anderson.correct(correction.as_mut_slice(), &scales);
+            for (row, change) in correction.iter().enumerate() {
+                size.take(*change, scales[row]);
+                self.displacements[row] += change;
+            }
+            if iteration.judge_correction(&size)? == Verdict::Converged {
+                // The slopes lag one correction behind.
+                self.evaluate_slopes()?;
+                return Ok(iteration.evaluations() + 1);
+            }
+        }
+    }
+
     /// Z_i into `stage`.
     fn place(&mut self, stage: usize) {
         let n = self.start.len();
@@ -136,22 +185,24 @@ impl StageSolver {
         }
     }
 
-    fn evaluate_slopes(&mut self) {
+    fn evaluate_slopes(&mut self) -> Result<(), StepError> {
         let n = self.start.len();
         for i in 0..self.tableau.stages() {
             self.place(i);
-            self.field
-                .value(&self.stage, &mut self.slopes[i * n..][..n]);
+            let slopes = &mut self.slopes[i * n..][..n];
+            self.field.value(&self.stage, slopes)?;
         }
+        Ok(())
     }
 
-    fn evaluate_jacobians(&mut self) {
+    fn evaluate_jacobians(&mut self) -> Result<(), StepError> {
         let n = self.start.len();
         for i in 0..self.tableau.stages() {
             self.place(i);
-            self.field
-                .jacobian(&self.stage, &mut self.jacobians[i * n * n..][..n * n]);
+            let jacobian = &mut self.jacobians[i * n * n..][..n * n];
+            self.field.jacobian(&self.stage, jacobian)?;
         }
+        Ok(())
     }
 
     /// 1 − τ a_ij DF(Z_j).
@@ -214,10 +265,13 @@ impl StageSolver {
     }
 
     /// D(z + τ Σ b_j F(Z_j)) · V at the last solve, for V of as many rows as coordinates: exact
-    /// through the stage equations. `None` where they are singular.
+    /// through the stage equations. `None` where they are singular or F has no Jacobian.
     pub fn tangent(&mut self, seeds: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let n = self.start.len();
-        self.evaluate_jacobians();
+        if self.anderson.is_some() {
+            return None;
+        }
+        self.evaluate_jacobians().ok()?;
         let mut stages = DMatrix::from_fn(self.slopes.len(), seeds.ncols(), |row, column| {
             seeds[(row % n, column)]
         });
@@ -232,9 +286,9 @@ impl StageSolver {
         tangent.iter().all(|v| v.is_finite()).then_some(tangent)
     }
 
-    /// Weighted operations of all solves so far.
-    pub fn operations(&self) -> u64 {
-        self.field.operations() + self.linear
+    /// Weighted operations of all solves so far; `None` for a field that does not count.
+    pub fn operations(&self) -> Option<u64> {
+        Some(self.field.operations()? + self.linear)
     }
 
     /// Forgets the last solve.

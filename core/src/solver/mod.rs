@@ -1,5 +1,6 @@
 //! The step solver: β̂(L(y)) = x for y, and the increment α̂ − β̂ there.
 
+mod anderson;
 mod extrapolation;
 pub mod iteration;
 mod linear;
@@ -7,6 +8,7 @@ mod newton;
 mod properties;
 mod workers;
 
+pub use anderson::Anderson;
 pub use extrapolation::Extrapolation;
 pub use iteration::{CorrectionSize, LinearIteration};
 pub use linear::{elimination_operations, substitution_operations};

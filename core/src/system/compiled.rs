@@ -106,6 +106,7 @@ impl SystemNumbers for CompiledNumbers {
             kernels: self.kernels.clone(),
             workspaces,
             dimension: self.dimension,
+            operations: 0,
         })
     }
 }
@@ -114,6 +115,7 @@ struct CompiledWorker {
     kernels: [Arc<Kernel>; KERNELS],
     workspaces: [Workspace; KERNELS],
     dimension: usize,
+    operations: u64,
 }
 
 impl CompiledWorker {
@@ -130,6 +132,7 @@ impl CompiledWorker {
                 workspace.input_mut(i)[0] = *value;
             }
             kernel.evaluate_in_place(workspace);
+            self.operations += kernel.step_operations().work();
             for (i, out) in out.iter_mut().enumerate() {
                 *out = kernel.output(workspace, i)[0];
             }
@@ -172,6 +175,10 @@ impl NumbersWorker for CompiledWorker {
     fn hessian(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         self.evaluate(HESSIAN, &[y, v], out);
         Ok(())
+    }
+
+    fn operations(&self) -> Option<u64> {
+        Some(self.operations)
     }
 
     fn casimir_gradients(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {

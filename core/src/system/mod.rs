@@ -6,6 +6,7 @@
 //! - [`observables`]: energy, Casimirs and other functions of the state.
 
 pub mod compiled;
+mod field;
 pub mod formulas;
 pub mod numbers;
 pub mod observables;

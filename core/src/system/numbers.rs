@@ -7,8 +7,8 @@ use crate::error::{BuildError, StepError};
 
 /// What serves a system of numbers, for refusals of what does not.
 pub const SERVES_NUMBERS: &str = "karasev-collocated with hamilton-jacobi of order 2, and the \
-                                  steppers rk4, dop853, implicit-midpoint, gauss, \
-                                  energy-preserving, projection";
+                                  steppers rk4, dop853, dormand-prince45, \
+                                  implicit-midpoint, gauss, energy-preserving, projection";
 
 /// A Poisson system known by its values: (M ≅ ℝᵈ, π, H) as functions to call.
 #[derive(Clone, Debug)]
@@ -110,6 +110,13 @@ pub trait NumbersWorker: Send {
     fn hessian(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         let _ = (y, v, out);
         Err(StepError::NoTangent)
+    }
+    /// Operations so far, as [`SolverStatistics::operations`] counts them; `None` for a system that
+    /// does not count.
+    ///
+    /// [`SolverStatistics::operations`]: crate::SolverStatistics::operations
+    fn operations(&self) -> Option<u64> {
+        None
     }
     /// The gradients of the Casimirs, one behind the other: d results a Casimir and point.
     ///

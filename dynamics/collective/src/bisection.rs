@@ -67,7 +67,7 @@ impl BisectionWorker for Worker {
         }
         match &mut self.chart {
             None => z.copy_from_slice(&self.end),
-            Some(chart) => chart.value(&self.end, z),
+            Some(chart) => chart.value(&self.end, z)?,
         }
         Ok(())
     }
@@ -82,7 +82,7 @@ impl BisectionWorker for Worker {
         if let Some(chart) = &mut self.chart {
             let rows = chart.map().outputs();
             let mut entries = vec![0.0; rows * n];
-            chart.jacobian(&self.end, &mut entries);
+            chart.jacobian(&self.end, &mut entries)?;
             image = DMatrix::from_row_slice(rows, n, &entries) * image;
         }
         tangent.copy_from_slice(image.transpose().as_slice());
@@ -98,8 +98,8 @@ impl BisectionWorker for Worker {
         let chart = self
             .chart
             .as_ref()
-            .map_or(0, SmoothMapEvaluator::operations);
-        Some(self.stages.operations() + chart)
+            .map_or(Some(0), SmoothMapEvaluator::operations);
+        Some(self.stages.operations()? + chart?)
     }
 
     fn restart(&mut self) {

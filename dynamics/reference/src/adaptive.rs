@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartParameters};
+use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
 use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
-use leafwise_expression::{Kernel, Workspace};
 
 use crate::one_step::{OneStep, ReferenceMap};
 
@@ -38,8 +38,9 @@ const SAFETY: f64 = 0.9;
 /// A pair for one trajectory.
 struct AdaptivePair {
     pair: &'static Pair,
-    field: Arc<Kernel>,
-    workspace: Workspace,
+    field: SmoothMapEvaluator,
+    /// Why the field had no value at the last place without one.
+    refusal: Option<StepError>,
     time_step: f64,
     tolerance: f64,
     /// The size of the next substep, 0 when not known.
@@ -48,10 +49,9 @@ struct AdaptivePair {
     stage: Vec<f64>,
     change: Vec<f64>,
     slopes: Vec<Vec<f64>>,
-    /// Operations of one evaluation of the field, of a substep's sums a coordinate, and of all so far.
-    work: u64,
+    /// Operations of a substep's sums a coordinate, and of all sums so far.
     sums: u64,
-    operations: u64,
+    linear: u64,
 }
 
 /// Σ_j a_j k_j[c].
@@ -62,19 +62,17 @@ fn combine(row: Row, slopes: &[Vec<f64>], c: usize) -> f64 {
 impl AdaptivePair {
     fn new(
         pair: &'static Pair,
-        field: &Arc<Kernel>,
+        field: &SmoothMap,
         parameters: &[f64],
         time_step: f64,
         tolerance: f64,
     ) -> Self {
-        let mut workspace = field.workspace(1);
-        field.prepare(&mut workspace, parameters, &[1.0], &[1.0]);
         let d = field.inputs();
         let rows = pair.matrix.iter().chain([&pair.weights]).chain(pair.errors);
         Self {
             pair,
-            field: Arc::clone(field),
-            workspace,
+            field: field.evaluator(parameters, 1.0, 1.0),
+            refusal: None,
             time_step,
             tolerance,
             proposed: 0.0,
@@ -82,18 +80,19 @@ impl AdaptivePair {
             stage: vec![0.0; d],
             change: vec![0.0; d],
             slopes: vec![vec![0.0; d]; pair.matrix.len()],
-            work: field.step_operations().work(),
             sums: rows.map(|row| 2 * row.len() as u64).sum(),
-            operations: 0,
+            linear: 0,
         }
     }
 
-    /// The field at a stage.
+    /// The field at a stage; NaN where it has no value, so that the substep is taken shorter.
     fn slope_at(&mut self, stage: usize) {
         let at = if stage == 0 { &self.state } else { &self.stage };
-        self.field
-            .evaluate(&mut self.workspace, at, &mut self.slopes[stage]);
-        self.operations += self.work;
+        let slope = &mut self.slopes[stage];
+        if let Err(error) = self.field.value(at, slope) {
+            slope.fill(f64::NAN);
+            self.refusal = Some(error);
+        }
     }
 
     /// What an error in component c is measured against: the component, or its change in a substep
@@ -126,7 +125,7 @@ impl AdaptivePair {
             }
             self.slope_at(i);
         }
-        self.operations += self.sums * self.state.len() as u64;
+        self.linear += self.sums * self.state.len() as u64;
         // Σ (error / scale)² of each embedded method.
         let mut squares = [0.0; 2];
         for c in 0..self.state.len() {
@@ -168,6 +167,7 @@ impl OneStep for AdaptivePair {
     fn increment(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError> {
         self.state.copy_from_slice(x);
         increment.fill(0.0);
+        self.refusal = None;
         self.change.fill(0.0);
         self.slope_at(0);
         let whole = self.time_step.abs();
@@ -220,9 +220,9 @@ impl OneStep for AdaptivePair {
                             correction: error * self.tolerance,
                         }
                     } else {
-                        StepError::NonFinite {
+                        self.refusal.take().unwrap_or(StepError::NonFinite {
                             what: "the field in a substep",
-                        }
+                        })
                     });
                 }
             }
@@ -233,8 +233,8 @@ impl OneStep for AdaptivePair {
         })
     }
 
-    fn operations(&self) -> u64 {
-        self.operations
+    fn operations(&self) -> Option<u64> {
+        Some(self.field.operations()? + self.linear)
     }
 
     fn restart(&mut self) {
@@ -276,7 +276,7 @@ pub(crate) fn adaptive_map(
             expected: "the tolerance lies in 1e-14 to 0.1".to_owned(),
         });
     }
-    let field = Arc::new(system.formulas(info.name)?.vector_field_kernel()?);
+    let field = system.field_map()?;
     Ok(Arc::new(ReferenceMap {
         dimension: system.dimension(),
         properties: MapProperties {

@@ -14,7 +14,7 @@ pub(crate) static INFO: PartInfo = PartInfo {
     kind: PartKind::Stepper,
     summary: "Dormand-Prince 8(5,3), explicit, adaptive inside each step of epsilon*h",
     declares: "order 8 before the tolerance takes over; not a Poisson map; not self-adjoint",
-    domain: "any system the formulas can say",
+    domain: "any system, of formulas or of numbers",
     literature: "Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.5; \
                  coefficients of dop853.f (Hairer, Wanner 1994)",
     parameters: &[TOLERANCE],

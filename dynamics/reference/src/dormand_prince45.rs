@@ -14,7 +14,7 @@ pub(crate) static INFO: PartInfo = PartInfo {
     kind: PartKind::Stepper,
     summary: "Dormand-Prince 5(4), explicit, adaptive inside each step of epsilon*h: as ode45",
     declares: "order 5 before the tolerance takes over; not a Poisson map; not self-adjoint",
-    domain: "any system the formulas can say",
+    domain: "any system, of formulas or of numbers",
     literature: "Dormand, Prince, A family of embedded Runge-Kutta formulae, J. Comput. Appl. \
                  Math. 6 (1980); Hairer, Norsett, Wanner, Solving Ordinary Differential Equations \
                  I, table II.5.2",

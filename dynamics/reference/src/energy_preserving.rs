@@ -7,11 +7,10 @@ use leafwise_core::quadrature::{GaussLegendre, legendre};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator, Tableau};
 use leafwise_core::solver::iteration::Verdict;
-use leafwise_core::solver::{LinearIteration, elimination_operations, substitution_operations};
-use leafwise_core::{
-    BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure, SystemFormulas,
+use leafwise_core::solver::{
+    Anderson, CorrectionSize, LinearIteration, elimination_operations, substitution_operations,
 };
-use leafwise_expression::{Arithmetic, Graph, Term};
+use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
 use nalgebra::{DMatrix, DVector};
 
 use crate::one_step::{OneStep, ReferenceMap, larger, reach, relative};
@@ -22,7 +21,7 @@ pub(crate) static INFO: PartInfo = PartInfo {
     summary: "collocation with averaged gradients: the energy is kept to round-off",
     declares: "order 2 or 4; self-adjoint; keeps H and quadratic Casimirs; not a Poisson map; \
                exact tangent",
-    domain: "any system the formulas can say; polynomial H of degree up to 32 (order 2) or 16 \
+    domain: "any system, of formulas or of numbers; polynomial H of degree up to 32 (order 2) or 16 \
              (order 4), other H as far as 16 quadrature nodes resolve it within a step",
     literature: "D. Cohen, E. Hairer, Linear energy-preserving integrators for Poisson systems, \
                  BIT 51 (2011)",
@@ -35,8 +34,9 @@ pub(crate) static INFO: PartInfo = PartInfo {
 
 /// Nodes of the averages: exact to degree 31.
 const QUADRATURE: usize = 16;
-/// Budget of one solve.
+/// Budget of one solve by Newton's iteration, and of one without derivatives.
 const MOST_EVALUATIONS: usize = 50;
+const MOST_ACCELERATED: usize = 100;
 
 /// U(τ) = x + t Σ_j K_j ∫₀^τ ℓ_j with K_i = −Π(U(c_i)) ∫₀¹ ℓ_i(τ)/b_i ∇H(U(τ)) dτ and
 /// x⁺ = U(1), for Gauss nodes c_i: the energy changes by
@@ -60,6 +60,8 @@ struct EnergyPreserving {
     by_start: DMatrix<f64>,
     /// Σ_k |Π_ck W_k| at each stage.
     reaches: Vec<f64>,
+    /// For systems without derivatives.
+    anderson: Option<Anderson>,
     /// Operations of the averages, the stages and the solves.
     linear: u64,
     /// Those of one iteration.
@@ -67,8 +69,12 @@ struct EnergyPreserving {
 }
 
 /// At each node the place, the averages and their two derivatives; at each stage the place, two
-/// products of matrices and what enters the slopes; the solve.
-fn iteration_operations(d: usize, s: usize) -> u64 {
+/// products of matrices and what enters the slopes; the solve. Without derivatives the places and
+/// the averages.
+fn iteration_operations(d: usize, s: usize, is_exact: bool) -> u64 {
+    if !is_exact {
+        return (QUADRATURE * 4 * d * s + 2 * d * s * s) as u64;
+    }
     let node = 2 * d * s + s * (2 * d + 2 * d * d * (1 + s));
     let stage = 2 * d * s + 2 * d * d * d * (s + 1) + 2 * d * d * (s + 1);
     let solve = elimination_operations(s * d) + substitution_operations(s * d);
@@ -101,6 +107,7 @@ impl EnergyPreserving {
             }
         }
         let size = stages * d;
+        let is_exact = tensor.map().has_jacobian() && gradient.map().has_jacobian();
         Self {
             tensor,
             gradient,
@@ -115,8 +122,9 @@ impl EnergyPreserving {
             by_slopes: DMatrix::zeros(size, size),
             by_start: DMatrix::zeros(size, d),
             reaches: vec![0.0; size],
+            anderson: (!is_exact).then(|| Anderson::new(size)),
             linear: 0,
-            work: iteration_operations(d, stages),
+            work: iteration_operations(d, stages, is_exact),
         }
     }
 
@@ -135,8 +143,9 @@ impl EnergyPreserving {
             .collect()
     }
 
-    /// Evaluates the stages and their derivatives at the current K.
-    fn evaluate(&mut self) {
+    /// Evaluates the stages at the current K, and their derivatives where the system has them.
+    fn evaluate(&mut self) -> Result<(), StepError> {
+        let is_exact = self.anderson.is_none();
         let (d, s) = (self.start.len(), self.tableau.stages());
         let mut averaged = vec![vec![0.0; d]; s];
         // ∂W_i/∂K_j and ∂W_i/∂x.
@@ -146,14 +155,20 @@ impl EnergyPreserving {
         for q in 0..QUADRATURE {
             let integrals = &self.integrals[q * s..][..s];
             let u = self.place(integrals);
-            self.gradient.value(&u, &mut gradient);
-            self.gradient.jacobian(&u, &mut hessian);
+            self.gradient.value(&u, &mut gradient)?;
+            let weight = |i: usize| self.quadrature.weights[q] * self.averages[q * s + i];
+            for (i, averaged) in averaged.iter_mut().enumerate() {
+                for (sum, g) in averaged.iter_mut().zip(&gradient) {
+                    *sum += weight(i) * g;
+                }
+            }
+            if !is_exact {
+                continue;
+            }
+            self.gradient.jacobian(&u, &mut hessian)?;
             let hessian = DMatrix::from_row_slice(d, d, &hessian);
             for i in 0..s {
-                let weight = self.quadrature.weights[q] * self.averages[q * s + i];
-                for (sum, g) in averaged[i].iter_mut().zip(&gradient) {
-                    *sum += weight * g;
-                }
+                let weight = weight(i);
                 by_start[i] += &hessian * weight;
                 for (j, integral) in integrals.iter().enumerate() {
                     let mut block = by_slope[i].columns_mut(j * d, d);
@@ -166,8 +181,12 @@ impl EnergyPreserving {
         for i in 0..s {
             let row = self.tableau.matrix[i * s..][..s].to_vec();
             let uw = [self.place(&row), averaged[i].clone()].concat();
-            self.tensor.value(&uw, &mut value);
-            self.tensor.jacobian(&uw, &mut jacobian);
+            self.tensor.value(&uw, &mut value)?;
+            self.values.rows_mut(i * d, d).copy_from_slice(&value);
+            if !is_exact {
+                continue;
+            }
+            self.tensor.jacobian(&uw, &mut jacobian)?;
             let both = DMatrix::from_row_slice(d, 2 * d, &jacobian);
             let (by_u, by_w) = (both.columns(0, d), both.columns(d, d));
             let mut slopes = by_w * &by_slope[i];
@@ -179,21 +198,22 @@ impl EnergyPreserving {
             let start = by_u + by_w * &by_start[i];
             self.by_start.rows_mut(i * d, d).copy_from(&start);
             for c in 0..d {
-                self.values[i * d + c] = value[c];
                 self.reaches[i * d + c] = reach(&jacobian[c * 2 * d + d..][..d], &averaged[i]);
             }
         }
+        Ok(())
     }
 
     fn matrix(&self) -> DMatrix<f64> {
         DMatrix::identity(self.slopes.len(), self.slopes.len()) - &self.by_slopes
     }
 
-    fn solve(&mut self) -> Result<usize, StepError> {
+    /// Newton's iteration for K.
+    fn newton(&mut self) -> Result<usize, StepError> {
         let d = self.start.len();
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         loop {
-            self.evaluate();
+            self.evaluate()?;
             self.linear += self.work;
             let mut correction = &self.values - DVector::from_column_slice(&self.slopes);
             if !self.matrix().lu().solve_mut(&mut correction) {
@@ -213,12 +233,51 @@ impl EnergyPreserving {
             }
         }
     }
+
+    /// K ← −Π(U) W with Anderson's acceleration, for systems without derivatives.
+    fn accelerate(&mut self) -> Result<usize, StepError> {
+        let d = self.start.len();
+        let t = self.time_step.abs();
+        let mut iteration = LinearIteration::new(MOST_ACCELERATED);
+        let mut scales = vec![0.0; self.slopes.len()];
+        if let Some(anderson) = &mut self.anderson {
+            anderson.clear();
+        }
+        loop {
+            self.evaluate()?;
+            self.linear += self.work;
+            let mut correction = &self.values - DVector::from_column_slice(&self.slopes);
+            let mut size = CorrectionSize::default();
+            for (at, scale) in scales.iter_mut().enumerate() {
+                *scale = self.start[at % d].abs() + t * self.values[at].abs();
+                size.take(t * correction[at], *scale);
+            }
+            if let Some(anderson) = &mut self.anderson {
+                anderson.correct(correction.as_mut_slice(), &scales);
+            }
+            for (at, slope) in self.slopes.iter_mut().enumerate() {
+                *slope += correction[at];
+                size.take(t * correction[at], scales[at]);
+            }
+            if iteration.judge_correction(&size)? == Verdict::Converged {
+                // The energy is kept as far as K is −Π(U) W: once more, without acceleration.
+                self.evaluate()?;
+                self.linear += self.work;
+                self.slopes.copy_from_slice(self.values.as_slice());
+                return Ok(iteration.evaluations() + 1);
+            }
+        }
+    }
 }
 
 impl OneStep for EnergyPreserving {
     fn increment(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError> {
         self.start.copy_from_slice(x);
-        let evaluations = self.solve()?;
+        let evaluations = if self.anderson.is_none() {
+            self.newton()?
+        } else {
+            self.accelerate()?
+        };
         for (c, increment) in increment.iter_mut().enumerate() {
             let sum: f64 = self
                 .tableau
@@ -232,13 +291,16 @@ impl OneStep for EnergyPreserving {
         Ok(evaluations)
     }
 
-    fn operations(&self) -> u64 {
-        self.tensor.operations() + self.gradient.operations() + self.linear
+    fn operations(&self) -> Option<u64> {
+        Some(self.tensor.operations()? + self.gradient.operations()? + self.linear)
     }
 
     fn tangent(&mut self) -> Option<DMatrix<f64>> {
         let d = self.start.len();
-        self.evaluate();
+        if self.anderson.is_some() {
+            return None;
+        }
+        self.evaluate().ok()?;
         let mut slopes = self.by_start.clone();
         if !self.matrix().lu().solve_mut(&mut slopes) {
             return None;
@@ -261,19 +323,6 @@ impl OneStep for EnergyPreserving {
     fn restore(&mut self, memory: &[f64]) {
         self.slopes.copy_from_slice(memory);
     }
-}
-
-/// (u, w) ↦ −Π(u) w and x ↦ ∇H(x).
-fn maps(system: &SystemFormulas) -> Result<[SmoothMap; 2], BuildError> {
-    let (d, parameters) = (system.dimension(), system.parameters().len());
-    let mut graph = Graph::new();
-    let uw: Vec<Term> = (0..2 * d).map(|i| graph.input(i)).collect();
-    let applied = system.apply_tensor(&mut graph, &uw[..d], &uw[d..])?;
-    let applied: Vec<Term> = applied.iter().map(|f| graph.negate(f)).collect();
-    let tensor = SmoothMap::compile(&mut graph, &applied, parameters, 2 * d)?;
-    let gradient = system.gradient(&mut graph, &uw[..d])?;
-    let gradient = SmoothMap::compile(&mut graph, &gradient, parameters, d)?;
-    Ok([tensor, gradient])
 }
 
 struct Part;
@@ -301,7 +350,7 @@ impl StepperPart for Part {
                 });
             }
         };
-        let maps = maps(system.formulas(INFO.name)?)?;
+        let maps = [system.tensor_map()?, system.gradient_map()?];
         Ok(Arc::new(ReferenceMap {
             dimension: system.dimension(),
             properties: MapProperties {

@@ -15,7 +15,7 @@ pub(crate) static INFO: PartInfo = PartInfo {
     summary: "collocation at s Gauss nodes",
     declares: "order 2s; self-adjoint; a Poisson map for constant tensors only; keeps quadratic \
                invariants; exact tangent",
-    domain: "any system the formulas can say; steps for which Newton's iteration converges",
+    domain: "any system, of formulas or of numbers; steps for which the iteration converges",
     literature: "J. C. Butcher, Math. Comp. 18 (1964); Hairer, Lubich, Wanner, Geometric \
                  Numerical Integration, sections II.1.3 and VI.4",
     parameters: &[STAGES],
@@ -61,7 +61,6 @@ impl StepperPart for Part {
         parameters: &PartParameters,
     ) -> Result<Arc<dyn StepMap>, BuildError> {
         let stages = stages(&INFO, parameters)?;
-        let system = system.formulas(INFO.name)?;
         let description = format!("{} s = {stages}", INFO.name);
         gauss_map(system, Tableau::gauss(stages), description)
     }

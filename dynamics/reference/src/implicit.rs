@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use leafwise_core::runge_kutta::{SmoothMap, StageSolver, Tableau};
-use leafwise_core::{BuildError, MapProperties, StepError, StepMap, Structure, SystemFormulas};
+use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
 use nalgebra::DMatrix;
 
-use crate::one_step::{OneStep, ReferenceMap, vector_field};
+use crate::one_step::{OneStep, ReferenceMap};
 
 /// An implicit Runge–Kutta method for one trajectory.
 pub(crate) struct ImplicitRungeKutta(StageSolver);
@@ -28,7 +28,7 @@ impl OneStep for ImplicitRungeKutta {
         self.0.solve(x, increment)
     }
 
-    fn operations(&self) -> u64 {
+    fn operations(&self) -> Option<u64> {
         self.0.operations()
     }
 
@@ -53,12 +53,14 @@ impl OneStep for ImplicitRungeKutta {
 /// The Gauss method with this tableau: symplectic, so a Poisson map where the tensor is constant
 /// (Hairer, Lubich, Wanner, *Geometric Numerical Integration*, theorem VI.4.3).
 pub(crate) fn gauss_map(
-    system: &SystemFormulas,
+    system: &PoissonSystem,
     tableau: Tableau,
     description: String,
 ) -> Result<Arc<dyn StepMap>, BuildError> {
-    let field = vector_field(system)?;
-    let constant = system.tensor().values().all(|e| e.variables().is_empty());
+    let field = system.field_map()?;
+    let constant = system
+        .expressions()
+        .is_some_and(|system| system.tensor().values().all(|e| e.variables().is_empty()));
     Ok(Arc::new(ReferenceMap {
         dimension: system.dimension(),
         properties: MapProperties {

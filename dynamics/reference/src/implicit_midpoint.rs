@@ -15,7 +15,7 @@ pub(crate) static INFO: PartInfo = PartInfo {
     summary: "x+ = x + t X((x + x+)/2)",
     declares: "order 2; self-adjoint; a Poisson map for constant tensors only; keeps quadratic \
                invariants; exact tangent",
-    domain: "any system the formulas can say; steps for which Newton's iteration converges",
+    domain: "any system, of formulas or of numbers; steps for which the iteration converges",
     literature: "Hairer, Lubich, Wanner, Geometric Numerical Integration, sections II.1 and VI.4",
     parameters: &[],
 };
@@ -33,7 +33,6 @@ impl StepperPart for Part {
         parameters: &PartParameters,
     ) -> Result<Arc<dyn StepMap>, BuildError> {
         parameters.refuse_unknown(&INFO)?;
-        let system = system.formulas(INFO.name)?;
         gauss_map(system, Tableau::gauss(1), INFO.name.to_owned())
     }
 }

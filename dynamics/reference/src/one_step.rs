@@ -1,18 +1,15 @@
 //! A method as a step map, one trajectory a lane.
 
-use leafwise_core::runge_kutta::SmoothMap;
-use leafwise_core::{
-    BuildError, MapProperties, SolverStatistics, StepError, StepMap, Stepper, SystemFormulas,
-};
-use leafwise_expression::{Graph, Term};
+use leafwise_core::{MapProperties, SolverStatistics, StepError, StepMap, Stepper};
 use nalgebra::DMatrix;
 
 /// One thread's evaluator of a method, for fixed parameters and time step.
 pub(crate) trait OneStep: Send {
     /// Φ(x) − x; returns how often the field was evaluated at all stages.
     fn increment(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError>;
-    /// Operations so far, as [`SolverStatistics::operations`] counts them.
-    fn operations(&self) -> u64;
+    /// Operations so far, as [`SolverStatistics::operations`] counts them; `None` over a system that
+    /// does not count.
+    fn operations(&self) -> Option<u64>;
     /// DΦ at the x of the last step, `None` where it is not offered.
     fn tangent(&mut self) -> Option<DMatrix<f64>> {
         None
@@ -133,7 +130,7 @@ impl Stepper for LaneStepper {
 
     fn statistics(&self) -> SolverStatistics {
         SolverStatistics {
-            operations: Some(self.methods.iter().map(|method| method.operations()).sum()),
+            operations: self.methods.iter().map(|method| method.operations()).sum(),
             ..self.statistics
         }
     }
@@ -155,15 +152,6 @@ impl Stepper for LaneStepper {
         }
         Ok(())
     }
-}
-
-/// X_H and its Jacobian.
-pub(crate) fn vector_field(system: &SystemFormulas) -> Result<SmoothMap, BuildError> {
-    let mut graph = Graph::new();
-    let d = system.dimension();
-    let x: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
-    let field = system.vector_field(&mut graph, &x)?;
-    SmoothMap::compile(&mut graph, &field, system.parameters().len(), d)
 }
 
 /// |size| of a correction relative to a scale; 0 for no correction, 1 where there is no scale yet.

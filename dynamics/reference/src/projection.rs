@@ -4,18 +4,15 @@ use std::sync::Arc;
 
 use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::StepperPart;
-use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator, Tableau};
+use leafwise_core::runge_kutta::{SmoothMapEvaluator, Tableau};
 use leafwise_core::solver::LinearIteration;
 use leafwise_core::solver::iteration::Verdict;
-use leafwise_core::{
-    BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure, SystemFormulas,
-};
-use leafwise_expression::{Graph, Term};
+use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
 use nalgebra::{DMatrix, DVector};
 
 use crate::gauss::{STAGES, stages};
 use crate::implicit::ImplicitRungeKutta;
-use crate::one_step::{OneStep, ReferenceMap, larger, reach, relative, vector_field};
+use crate::one_step::{OneStep, ReferenceMap, larger, reach, relative};
 use crate::rk4::Rk4;
 
 pub(crate) static INFO: PartInfo = PartInfo {
@@ -24,7 +21,7 @@ pub(crate) static INFO: PartInfo = PartInfo {
     summary: "a Runge-Kutta step, then the nearest state with the energy and Casimirs of before",
     declares: "the order of its base, 4 or 2s; keeps H and the Casimirs; not a Poisson map; not \
                self-adjoint",
-    domain: "any system the formulas can say",
+    domain: "any system whose Casimirs have gradients, of formulas or of numbers",
     literature: "Hairer, Lubich, Wanner, Geometric Numerical Integration, section IV.4",
     parameters: &[
         ParameterInfo {
@@ -48,13 +45,13 @@ struct Projection {
 }
 
 impl Projection {
-    fn invariants_at(&mut self, x: &[f64]) -> (DVector<f64>, Vec<f64>) {
+    fn invariants_at(&mut self, x: &[f64]) -> Result<(DVector<f64>, Vec<f64>), StepError> {
         let count = self.invariants.map().outputs();
         let mut values = DVector::zeros(count);
         let mut rows = vec![0.0; count * x.len()];
-        self.invariants.value(x, values.as_mut_slice());
-        self.invariants.jacobian(x, &mut rows);
-        (values, rows)
+        self.invariants.value(x, values.as_mut_slice())?;
+        self.invariants.jacobian(x, &mut rows)?;
+        Ok((values, rows))
     }
 }
 
@@ -62,10 +59,10 @@ impl OneStep for Projection {
     fn increment(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError> {
         let d = x.len();
         let mut evaluations = self.base.increment(x, increment)?;
-        let (kept, _) = self.invariants_at(x);
+        let (kept, _) = self.invariants_at(x)?;
         let count = kept.len();
         let next: Vec<f64> = x.iter().zip(&*increment).map(|(x, i)| x + i).collect();
-        let mut normals = DMatrix::from_row_slice(count, d, &self.invariants_at(&next).1);
+        let mut normals = DMatrix::from_row_slice(count, d, &self.invariants_at(&next)?.1);
         // Each invariant in units of its slope, so that their sizes do not enter the rank below.
         let units = DVector::from_fn(count, |k, _| {
             let slope = libm::sqrt(normals.row(k).iter().map(|v| v * v).sum());
@@ -76,7 +73,7 @@ impl OneStep for Projection {
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         loop {
             let y: Vec<f64> = x.iter().zip(&*increment).map(|(x, i)| x + i).collect();
-            let (values, rows) = self.invariants_at(&y);
+            let (values, rows) = self.invariants_at(&y)?;
             let residual = &kept - values;
             // The invariants' gradients may be parallel, at an equilibrium or for dependent Casimirs:
             // the smallest multipliers then.
@@ -117,8 +114,8 @@ impl OneStep for Projection {
         Ok(evaluations)
     }
 
-    fn operations(&self) -> u64 {
-        self.base.operations() + self.invariants.operations() + self.linear
+    fn operations(&self) -> Option<u64> {
+        Some(self.base.operations()? + self.invariants.operations()? + self.linear)
     }
 
     fn restart(&mut self) {
@@ -132,18 +129,6 @@ impl OneStep for Projection {
     fn restore(&mut self, memory: &[f64]) {
         self.base.restore(memory);
     }
-}
-
-fn invariants(system: &SystemFormulas) -> Result<SmoothMap, BuildError> {
-    let d = system.dimension();
-    let mut graph = Graph::new();
-    let x: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
-    let casimirs = system.casimirs().iter().map(|c| &c.expression);
-    let mut values = Vec::new();
-    for formula in std::iter::once(system.hamiltonian()).chain(casimirs) {
-        values.push(formula.evaluate_in(&mut graph, &mut |_, at| Ok(x[at].clone()))?);
-    }
-    SmoothMap::compile(&mut graph, &values, system.parameters().len(), d)
 }
 
 struct Part;
@@ -164,8 +149,10 @@ impl StepperPart for Part {
             "gauss" => (2 * stages, Some(Tableau::gauss(stages))),
             _ => (4, None),
         };
-        let system = system.formulas(INFO.name)?;
-        let (field, invariants) = (vector_field(system)?, invariants(system)?);
+        let (field, invariants) = (system.field_map()?, system.invariants_map()?);
+        if let (false, Some(system)) = (invariants.has_jacobian(), system.opaque()) {
+            return Err(system.not_offered(INFO.name, "the gradients of the Casimirs"));
+        }
         Ok(Arc::new(ReferenceMap {
             dimension: system.dimension(),
             properties: MapProperties {

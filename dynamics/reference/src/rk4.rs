@@ -8,14 +8,14 @@ use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
 use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
 use nalgebra::DMatrix;
 
-use crate::one_step::{OneStep, ReferenceMap, vector_field};
+use crate::one_step::{OneStep, ReferenceMap};
 
 pub(crate) static INFO: PartInfo = PartInfo {
     name: "rk4",
     kind: PartKind::Stepper,
     summary: "the classical Runge-Kutta method, explicit",
     declares: "order 4; not a Poisson map; not self-adjoint; exact tangent",
-    domain: "any system the formulas can say",
+    domain: "any system, of formulas or of numbers",
     literature: "W. Kutta, Z. Math. Phys. 46 (1901); Hairer, Norsett, Wanner, Solving Ordinary \
                  Differential Equations I, table II.1.2",
     parameters: &[],
@@ -57,7 +57,7 @@ impl OneStep for Rk4 {
                 let before = if i == 0 { 0.0 } else { self.slopes[i - 1][c] };
                 self.stages[i][c] = x[c] + self.time_step * NODES[i] * before;
             }
-            self.field.value(&self.stages[i], &mut self.slopes[i]);
+            self.field.value(&self.stages[i], &mut self.slopes[i])?;
         }
         // Two for each of three stages, eight and a factor for the sum.
         self.linear += 15 * x.len() as u64;
@@ -68,8 +68,8 @@ impl OneStep for Rk4 {
         Ok(1)
     }
 
-    fn operations(&self) -> u64 {
-        self.field.operations() + self.linear
+    fn operations(&self) -> Option<u64> {
+        Some(self.field.operations()? + self.linear)
     }
 
     fn tangent(&mut self) -> Option<DMatrix<f64>> {
@@ -78,7 +78,7 @@ impl OneStep for Rk4 {
         let mut before = DMatrix::zeros(d, d);
         let mut entries = vec![0.0; d * d];
         for i in 0..4 {
-            self.field.jacobian(&self.stages[i], &mut entries);
+            self.field.jacobian(&self.stages[i], &mut entries).ok()?;
             let stage = DMatrix::identity(d, d) + before * (self.time_step * NODES[i]);
             before = DMatrix::from_row_slice(d, d, &entries) * stage;
             tangent += &before * (self.time_step * WEIGHTS[i] / 6.0);
@@ -100,7 +100,7 @@ impl StepperPart for Part {
         parameters: &PartParameters,
     ) -> Result<Arc<dyn StepMap>, BuildError> {
         parameters.refuse_unknown(&INFO)?;
-        let field = vector_field(system.formulas(INFO.name)?)?;
+        let field = system.field_map()?;
         Ok(Arc::new(ReferenceMap {
             dimension: system.dimension(),
             properties: MapProperties {

@@ -13,7 +13,7 @@ use leafwise_core::{
 use leafwise_expression::{Arithmetic, Polynomial, Ring};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use crate::one_step::{OneStep, ReferenceMap, larger, reach, relative, vector_field};
+use crate::one_step::{OneStep, ReferenceMap, larger, reach, relative};
 
 pub(crate) static INFO: PartInfo = PartInfo {
     name: "spherical-midpoint",
@@ -77,7 +77,7 @@ impl SphericalMidpoint {
     }
 
     /// X(Γ) and DX(Γ) at the current change; returns ∂Γ/∂D and ∂Γ/∂x, block-diagonal.
-    fn evaluate(&mut self) -> (DMatrix<f64>, DMatrix<f64>) {
+    fn evaluate(&mut self) -> Result<(DMatrix<f64>, DMatrix<f64>), StepError> {
         let d = self.start.len();
         let (mut by_change, mut by_start) = (DMatrix::zeros(d, d), DMatrix::zeros(d, d));
         for triple in 0..d / 3 {
@@ -87,9 +87,9 @@ impl SphericalMidpoint {
             by_change.view_mut(at, (3, 3)).copy_from(&change);
             by_start.view_mut(at, (3, 3)).copy_from(&start);
         }
-        self.field.value(&self.middle, &mut self.values);
-        self.field.jacobian(&self.middle, &mut self.jacobian);
-        (by_change, by_start)
+        self.field.value(&self.middle, &mut self.values)?;
+        self.field.jacobian(&self.middle, &mut self.jacobian)?;
+        Ok((by_change, by_start))
     }
 
     /// t DX(Γ).
@@ -103,7 +103,7 @@ impl SphericalMidpoint {
         let t = self.time_step;
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         loop {
-            let (by_change, _) = self.evaluate();
+            let (by_change, _) = self.evaluate()?;
             // Radii, the middle and its two derivatives; the matrix, block by block; the solve.
             let blocks = (TRIPLE * d / 3 + 7 * d * d) as u64;
             self.linear += blocks + elimination_operations(d) + substitution_operations(d);
@@ -140,13 +140,13 @@ impl OneStep for SphericalMidpoint {
         Ok(evaluations)
     }
 
-    fn operations(&self) -> u64 {
-        self.field.operations() + self.linear
+    fn operations(&self) -> Option<u64> {
+        Some(self.field.operations()? + self.linear)
     }
 
     fn tangent(&mut self) -> Option<DMatrix<f64>> {
         let d = self.start.len();
-        let (by_change, by_start) = self.evaluate();
+        let (by_change, by_start) = self.evaluate().ok()?;
         let field = self.field_tangent();
         let mut change = &field * by_start;
         let matrix = DMatrix::identity(d, d) - field * by_change;
@@ -244,9 +244,8 @@ impl StepperPart for Part {
         parameters: &PartParameters,
     ) -> Result<Arc<dyn StepMap>, BuildError> {
         parameters.refuse_unknown(&INFO)?;
-        let system = system.formulas(INFO.name)?;
-        check_triples(system)?;
-        let field = vector_field(system)?;
+        check_triples(system.formulas(INFO.name)?)?;
+        let field = system.field_map()?;
         Ok(Arc::new(ReferenceMap {
             dimension: system.dimension(),
             properties: MapProperties {

@@ -1,0 +1,213 @@
+//! Acceleration of an iteration that knows only residuals.
+
+/// How many earlier iterates are combined.
+const DEPTH: usize = 5;
+
+/// A direction that keeps less than this part of itself beside the newer ones is left out: what is
+/// left of it is round-off.
+const DEPENDENT: f64 = 1e-7;
+
+/// Anderson's acceleration of u ← u + r(u), for residuals without derivatives.
+///
+/// Of the last iterates' differences Δu, Δr it takes those γ that make r − ΔR γ smallest, component by
+/// component relative to the scale of u, and corrects u by r − (ΔU + ΔR) γ (D. G. Anderson, *Iterative
+/// procedures for nonlinear integral equations*, J. ACM 12 (1965); H. Walker, P. Ni, *Anderson
+/// acceleration for fixed-point iterations*, SIAM J. Numer. Anal. 49 (2011)). It is a secant method in
+/// as many directions as there are iterates: for a linear residual in n unknowns, n ≤ 5, the n-th
+/// accelerated correction is the last.
+#[derive(Clone, Debug)]
+pub struct Anderson {
+    size: usize,
+    /// Δu and Δr, the newest column first, and an orthonormal basis of the Δr.
+    steps: Vec<f64>,
+    changes: Vec<f64>,
+    basis: Vec<f64>,
+    /// The basis' coordinates of the Δr, upper triangular, and those of r.
+    triangle: [f64; DEPTH * DEPTH],
+    coordinates: [f64; DEPTH],
+    columns: usize,
+    /// r and the correction of the iterate before.
+    residual: Vec<f64>,
+    correction: Vec<f64>,
+    is_started: bool,
+}
+
+impl Anderson {
+    /// For residuals of this many components; cold.
+    pub fn new(size: usize) -> Self {
+        Self {
+            size,
+            steps: vec![0.0; DEPTH * size],
+            changes: vec![0.0; DEPTH * size],
+            basis: vec![0.0; DEPTH * size],
+            triangle: [0.0; DEPTH * DEPTH],
+            coordinates: [0.0; DEPTH],
+            columns: 0,
+            residual: vec![0.0; size],
+            correction: vec![0.0; size],
+            is_started: false,
+        }
+    }
+
+    /// Forgets every iterate: the next solve begins.
+    pub fn clear(&mut self) {
+        self.columns = 0;
+        self.is_started = false;
+    }
+
+    /// Replaces the residual r(u) by the correction to be added to u. `scale` is what a component of
+    /// the residual is measured against, 0 to leave it out.
+    ///
+    /// # Panics
+    /// When a slice has another length than the residuals.
+    pub fn correct(&mut self, residual: &mut [f64], scale: &[f64]) {
+        let n = self.size;
+        if self.is_started {
+            self.record(residual);
+        }
+        self.is_started = true;
+        self.residual.copy_from_slice(residual);
+        self.orthogonalize(scale);
+        let coordinates = self.coordinates_of(residual, scale);
+        for (j, gamma) in coordinates.iter().enumerate().take(self.columns) {
+            if *gamma == 0.0 {
+                continue;
+            }
+            let (step, change) = (&self.steps[j * n..][..n], &self.changes[j * n..][..n]);
+            for i in 0..n {
+                residual[i] -= gamma * (step[i] + change[i]);
+            }
+        }
+        self.correction.copy_from_slice(residual);
+    }
+
+    /// Takes in the differences to the iterate before as the newest column.
+    fn record(&mut self, residual: &[f64]) {
+        let n = self.size;
+        self.columns = DEPTH.min(self.columns + 1);
+        let kept = (self.columns - 1) * n;
+        self.steps.copy_within(..kept, n);
+        self.changes.copy_within(..kept, n);
+        self.steps[..n].copy_from_slice(&self.correction);
+        for i in 0..n {
+            self.changes[i] = residual[i] - self.residual[i];
+        }
+    }
+
+    /// The scaled Δr as basis times triangle, by Gram and Schmidt; a dependent column has a zero on
+    /// the diagonal.
+    fn orthogonalize(&mut self, scale: &[f64]) {
+        let n = self.size;
+        for j in 0..self.columns {
+            let (before, own) = self.basis.split_at_mut(j * n);
+            let own = &mut own[..n];
+            let change = &self.changes[j * n..][..n];
+            for i in 0..n {
+                own[i] = scaled(change[i], scale[i]);
+            }
+            let whole = norm(own);
+            for (k, direction) in before.chunks_exact(n).enumerate() {
+                let along = product(direction, own);
+                self.triangle[k * DEPTH + j] = along;
+                own.iter_mut()
+                    .zip(direction)
+                    .for_each(|(o, d)| *o -= along * d);
+            }
+            let rest = norm(own);
+            let is_independent = rest > DEPENDENT * whole && whole.is_finite();
+            let inverse = if is_independent { 1.0 / rest } else { 0.0 };
+            own.iter_mut().for_each(|o| *o *= inverse);
+            self.triangle[j * DEPTH + j] = if is_independent { rest } else { 0.0 };
+        }
+    }
+
+    /// γ of the smallest r − ΔR γ.
+    fn coordinates_of(&mut self, residual: &[f64], scale: &[f64]) -> [f64; DEPTH] {
+        let n = self.size;
+        for (j, direction) in self.basis.chunks_exact(n).enumerate().take(self.columns) {
+            self.coordinates[j] = (0..n)
+                .map(|i| direction[i] * scaled(residual[i], scale[i]))
+                .sum();
+        }
+        let mut gamma = [0.0; DEPTH];
+        for j in (0..self.columns).rev() {
+            let pivot = self.triangle[j * DEPTH + j];
+            if pivot == 0.0 {
+                continue;
+            }
+            let known: f64 = (j + 1..self.columns)
+                .map(|k| self.triangle[j * DEPTH + k] * gamma[k])
+                .sum();
+            gamma[j] = (self.coordinates[j] - known) / pivot;
+        }
+        gamma
+    }
+}
+
+fn scaled(value: f64, scale: f64) -> f64 {
+    if scale > 0.0 { value / scale } else { 0.0 }
+}
+
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn norm(a: &[f64]) -> f64 {
+    libm::sqrt(product(a, a))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Anderson;
+
+    /// r(u) = b − A u with a matrix that is no contraction: u ← u + r(u) diverges.
+    fn residual(u: &[f64; 3]) -> [f64; 3] {
+        let a = [[3.0, 1.0, 0.0], [-1.0, 2.5, 0.5], [0.0, 0.5, 4.0]];
+        let b = [1.0, 2.0, 3.0];
+        std::array::from_fn(|i| b[i] - (0..3).map(|j| a[i][j] * u[j]).sum::<f64>())
+    }
+
+    #[test]
+    fn a_linear_residual_is_solved_after_as_many_corrections_as_unknowns() {
+        let mut anderson = Anderson::new(3);
+        let mut u = [0.0; 3];
+        for _ in 0..5 {
+            let mut correction = residual(&u);
+            anderson.correct(&mut correction, &[1.0; 3]);
+            u.iter_mut().zip(correction).for_each(|(u, c)| *u += c);
+        }
+        // Iterates reach a size of 30 before the last one, whose differences hold its round-off.
+        let size = residual(&u).iter().fold(0.0_f64, |m, r| m.max(r.abs()));
+        assert!(size <= 512.0 * f64::EPSILON, "{size:e}");
+    }
+
+    #[test]
+    fn components_of_any_size_count_alike() {
+        // The same system in units that differ by 1e40: bit for bit the same relative corrections,
+        // since the units are powers of two.
+        let units = [1.0, libm::exp2(130.0), libm::exp2(-130.0)];
+        let (mut plain, mut other) = (Anderson::new(3), Anderson::new(3));
+        let mut u = [0.0; 3];
+        for _ in 0..4 {
+            let mut correction = residual(&u);
+            let mut scaled: [f64; 3] = std::array::from_fn(|i| correction[i] * units[i]);
+            plain.correct(&mut correction, &[1.0; 3]);
+            other.correct(&mut scaled, &units);
+            assert_eq!(scaled, std::array::from_fn(|i| correction[i] * units[i]));
+            u.iter_mut().zip(correction).for_each(|(u, c)| *u += c);
+        }
+    }
+
+    #[test]
+    fn a_cleared_acceleration_starts_with_the_residual_itself() {
+        let mut anderson = Anderson::new(2);
+        let mut first = [1.0, -2.0];
+        anderson.correct(&mut first, &[1.0; 2]);
+        assert_eq!(first, [1.0, -2.0]);
+        anderson.correct(&mut [0.5, 0.25], &[1.0; 2]);
+        anderson.clear();
+        let mut again = [3.0, 4.0];
+        anderson.correct(&mut again, &[1.0; 2]);
+        assert_eq!(again, [3.0, 4.0]);
+    }
+}
