@@ -1,214 +1,270 @@
-//! A straight-line program as a function of the compiler's intermediate code.
+//! A planned program as a function of the compiler's intermediate code.
 
+use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::{
-    AbiParam, Function as IrFunction, InstBuilder, MemFlagsData, SigRef, Signature, Type, Value,
-    types,
+    AbiParam, Function as IrFunction, InstBuilder, MemFlagsData, SigRef, Signature, StackSlotData,
+    StackSlotKind, Type, Value, types,
 };
 use cranelift_codegen::isa::TargetIsa;
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 
 use super::functions;
+use super::program::{Operation, Program, Source};
+use super::registers::{Home, Plan, Step};
 use crate::analytic::AnalyticFunction;
 use crate::expression::Function;
-use crate::kernel::code::{Code, Instruction};
+use crate::kernel::code::Instruction;
 
 const NUMBER: i64 = size_of::<f64>() as i64;
 
-/// Writes `code` for `lanes` lanes as the body of `function`, of the signature `fn(*mut f64)`.
+/// Writes `program` for `lanes` lanes as the body of `function`, of the signature `fn(*mut f64)`.
 pub(super) fn emit(
-    code: &Code,
+    program: &Program,
+    plan: &Plan,
     lanes: usize,
     analytic: &[AnalyticFunction],
     isa: &dyn TargetIsa,
     function: &mut IrFunction,
     builders: &mut FunctionBuilderContext,
 ) {
+    let pointer = isa.pointer_type();
     function.signature = Signature::new(isa.default_call_conv());
-    function
-        .signature
-        .params
-        .push(AbiParam::new(isa.pointer_type()));
+    function.signature.params.push(AbiParam::new(pointer));
     let mut builder = FunctionBuilder::new(function, builders);
     let entry = builder.create_block();
     builder.append_block_params_for_function_params(entry);
     builder.switch_to_block(entry);
-    let base = builder.block_params(entry)[0];
-    let number = if lanes == 1 { types::F64 } else { types::F64X2 };
-    let mut emitter = Emitter::new(builder, code, lanes, number, isa);
-    emitter.analytic = analytic;
+    let slots = builder.block_params(entry)[0];
+    let number = match lanes {
+        1 => types::F64,
+        _ => types::F64X2,
+    };
+    let place_bytes = number.bytes();
+    let scratch = builder.create_sized_stack_slot(StackSlotData::new(
+        StackSlotKind::ExplicitSlot,
+        plan.places as u32 * place_bytes,
+        4,
+    ));
+    let scratch = builder.ins().stack_addr(pointer, scratch, 0);
+    let signatures = Signatures::new(&mut builder, isa);
+    let mut emitter = Emitter {
+        builder,
+        program,
+        plan,
+        analytic,
+        lanes,
+        number,
+        pointer,
+        slots,
+        scratch,
+        signatures,
+        slot_values: vec![None; program.slots],
+        results: vec![None; program.operations.len()],
+        homes: vec![None; program.operations.len()],
+    };
     if lanes <= 2 {
-        emitter.body(base);
+        emitter.steps();
     } else {
-        emitter.pairs(base);
+        emitter.pairs();
     }
     emitter.builder.ins().return_(&[]);
     emitter.builder.seal_all_blocks();
     emitter.builder.finalize(isa.frontend_config());
 }
 
-struct Emitter<'a> {
-    builder: FunctionBuilder<'a>,
-    code: &'a Code,
-    analytic: &'a [AnalyticFunction],
-    lanes: usize,
-    number: Type,
-    pointer: Type,
+/// The signatures of the functions that are called.
+struct Signatures {
     unary: SigRef,
     binary: SigRef,
     derivative: SigRef,
-    /// Slots that hold inputs, coefficients or constants: never written.
-    written: Vec<Option<Value>>,
-    /// The last instruction that writes each output slot.
-    final_write: Vec<usize>,
 }
 
-impl<'a> Emitter<'a> {
-    fn new(
-        mut builder: FunctionBuilder<'a>,
-        code: &'a Code,
-        lanes: usize,
-        number: Type,
-        isa: &dyn TargetIsa,
-    ) -> Self {
-        let pointer = isa.pointer_type();
-        let mut signature = |parameters: &[Type]| {
+impl Signatures {
+    fn new(builder: &mut FunctionBuilder<'_>, isa: &dyn TargetIsa) -> Self {
+        let mut import = |parameters: &[Type]| {
             let mut signature = Signature::new(isa.default_call_conv());
-            signature
-                .params
-                .extend(parameters.iter().map(|p| AbiParam::new(*p)));
+            let parameters = parameters.iter().map(|p| AbiParam::new(*p));
+            signature.params.extend(parameters);
             signature.returns.push(AbiParam::new(types::F64));
             builder.import_signature(signature)
         };
-        let unary = signature(&[types::F64]);
-        let binary = signature(&[types::F64, types::F64]);
-        let derivative = signature(&[pointer, types::I32, types::F64]);
-        let mut final_write = vec![usize::MAX; code.slots];
-        let mut is_output = vec![false; code.slots];
-        for &slot in &code.outputs {
-            is_output[slot as usize] = true;
-        }
-        for (at, instruction) in code.instructions.iter().enumerate() {
-            if is_output[instruction.output() as usize] {
-                final_write[instruction.output() as usize] = at;
-            }
-        }
         Self {
-            builder,
-            code,
-            analytic: &[],
-            lanes,
-            number,
-            pointer,
-            unary,
-            binary,
-            derivative,
-            written: vec![None; code.slots],
-            final_write,
+            unary: import(&[types::F64]),
+            binary: import(&[types::F64, types::F64]),
+            derivative: import(&[isa.pointer_type(), types::I32, types::F64]),
         }
     }
+}
 
-    /// The body for lanes 0 and 1, 2 and 3, …; of an odd number the last pair overlaps the one
+struct Emitter<'a> {
+    builder: FunctionBuilder<'a>,
+    program: &'a Program,
+    plan: &'a Plan,
+    analytic: &'a [AnalyticFunction],
+    lanes: usize,
+    /// One lane or two.
+    number: Type,
+    pointer: Type,
+    /// The first number of slot 0.
+    slots: Value,
+    /// The first place of the scratch memory.
+    scratch: Value,
+    signatures: Signatures,
+    /// The registers that hold slots.
+    slot_values: Vec<Option<Value>>,
+    /// The registers that hold results.
+    results: Vec<Option<Value>>,
+    homes: Vec<Option<Home>>,
+}
+
+impl Emitter<'_> {
+    /// The steps for lanes 0 and 1, 2 and 3, …; of an odd number the last pair overlaps the one
     /// before it and finds the same numbers again.
-    fn pairs(&mut self, base: Value) {
+    fn pairs(&mut self) {
         let body = self.builder.create_block();
         let done = self.builder.create_block();
         let here = self.builder.append_block_param(body, self.pointer);
-        let last = self
-            .builder
-            .ins()
-            .iadd_imm_s(base, (self.lanes as i64 - 2) * NUMBER);
-        self.builder.ins().jump(body, &[base.into()]);
+        let to_last = (self.lanes as i64 - 2) * NUMBER;
+        let last = self.builder.ins().iadd_imm_s(self.slots, to_last);
+        self.builder.ins().jump(body, &[self.slots.into()]);
         self.builder.switch_to_block(body);
-        self.body(here);
+        self.slots = here;
+        self.steps();
         let next = self.builder.ins().iadd_imm_s(here, 2 * NUMBER);
         let next = self.builder.ins().umin(next, last);
-        let more = self.builder.ins().icmp(
-            cranelift_codegen::ir::condcodes::IntCC::UnsignedLessThan,
-            here,
-            last,
-        );
+        let more = self.builder.ins().icmp(IntCC::UnsignedLessThan, here, last);
         self.builder
             .ins()
             .brif(more, body, &[next.into()], done, &[]);
         self.builder.switch_to_block(done);
     }
 
-    fn body(&mut self, base: Value) {
-        let mut analytic = self.analytic.iter();
-        for at in 0..self.code.instructions.len() {
-            let instruction = self.code.instructions[at];
-            let [a, b] = instruction.operands();
-            let x = self.read(base, a);
-            let value = match instruction {
-                Instruction::Add { .. } => {
-                    let y = self.read(base, b);
-                    self.builder.ins().fadd(x, y)
+    fn steps(&mut self) {
+        let plan = self.plan;
+        for &step in &plan.steps {
+            match step {
+                Step::Load(source) => {
+                    let value = self.load(source);
+                    *self.register(source) = Some(value);
                 }
-                Instruction::Subtract { .. } => {
-                    let y = self.read(base, b);
-                    self.builder.ins().fsub(x, y)
+                Step::Operate(at) => {
+                    let value = self.operate(&self.program.operations[at as usize]);
+                    self.results[at as usize] = Some(value);
                 }
-                Instruction::Multiply { .. } => {
-                    let y = self.read(base, b);
-                    self.builder.ins().fmul(x, y)
+                Step::Output(at) => {
+                    let slot = self.program.operations[at as usize].output;
+                    self.store(at, Home::Slot(slot.expect("an output has a slot")));
                 }
-                Instruction::Divide { .. } => {
-                    let y = self.read(base, b);
-                    self.builder.ins().fdiv(x, y)
-                }
-                Instruction::Negate { .. } => self.builder.ins().fneg(x),
-                Instruction::Apply {
-                    function: Function::Sqrt,
-                    ..
-                } => self.builder.ins().sqrt(x),
-                Instruction::Apply { function, .. } => {
-                    let entry = functions::elementary(function);
-                    self.call(self.unary, entry, &[], &[x])
-                }
-                Instruction::ApplyAnalytic { order, .. } => {
-                    let function = analytic.next().expect("one function an instruction");
-                    let function = self
-                        .builder
-                        .ins()
-                        .iconst(self.pointer, std::ptr::from_ref(function) as i64);
-                    let order = self.builder.ins().iconst(types::I32, i64::from(order));
-                    self.call(
-                        self.derivative,
-                        functions::analytic(),
-                        &[function, order],
-                        &[x],
-                    )
-                }
-                Instruction::Power { .. } => {
-                    let y = self.read(base, b);
-                    self.call(self.binary, functions::power(), &[], &[x, y])
-                }
-            };
-            let out = instruction.output() as usize;
-            self.written[out] = Some(value);
-            if self.final_write[out] == at {
-                self.store(base, value, out as u32);
+                Step::Spill(at, place) => self.store(at, Home::Place(place)),
+                Step::Forget(source) => *self.register(source) = None,
             }
         }
     }
 
-    fn offset(&self, slot: u32) -> i32 {
-        i32::try_from(i64::from(slot) * self.lanes as i64 * NUMBER).expect("a small kernel")
+    fn register(&mut self, source: Source) -> &mut Option<Value> {
+        match source {
+            Source::Slot(slot) => &mut self.slot_values[slot as usize],
+            Source::Result(result) => &mut self.results[result as usize],
+        }
     }
 
-    fn read(&mut self, base: Value, slot: u32) -> Value {
-        if let Some(value) = self.written[slot as usize] {
-            return value;
+    fn operate(&mut self, operation: &Operation) -> Value {
+        let [a, b] = operation.operands;
+        match operation.instruction {
+            Instruction::Add { .. } => {
+                let (x, y) = (self.read(a), self.read(b));
+                self.builder.ins().fadd(x, y)
+            }
+            Instruction::Subtract { .. } => {
+                let (x, y) = (self.read(a), self.read(b));
+                self.builder.ins().fsub(x, y)
+            }
+            Instruction::Multiply { .. } => {
+                let (x, y) = (self.read(a), self.read(b));
+                self.builder.ins().fmul(x, y)
+            }
+            Instruction::Divide { .. } => {
+                let (x, y) = (self.read(a), self.read(b));
+                self.builder.ins().fdiv(x, y)
+            }
+            Instruction::Negate { .. } => {
+                let x = self.read(a);
+                self.builder.ins().fneg(x)
+            }
+            Instruction::Apply {
+                function: Function::Sqrt,
+                ..
+            } => {
+                let x = self.read(a);
+                self.builder.ins().sqrt(x)
+            }
+            Instruction::Apply { function, .. } => {
+                let x = self.read(a);
+                let entry = functions::elementary(function);
+                self.call(self.signatures.unary, entry, &[], &[x])
+            }
+            Instruction::ApplyAnalytic {
+                function, order, ..
+            } => {
+                let x = self.read(a);
+                let function = self
+                    .analytic
+                    .iter()
+                    .find(|known| **known == function)
+                    .expect("every function of the code");
+                let address = std::ptr::from_ref(function) as i64;
+                let function = self.builder.ins().iconst(self.pointer, address);
+                let order = self.builder.ins().iconst(types::I32, i64::from(order));
+                let entry = functions::analytic();
+                self.call(self.signatures.derivative, entry, &[function, order], &[x])
+            }
+            Instruction::Power { .. } => {
+                let (x, y) = (self.read(a), self.read(b));
+                self.call(self.signatures.binary, functions::power(), &[], &[x, y])
+            }
         }
-        let offset = self.offset(slot);
+    }
+
+    /// The number in its register, or read from memory for this use alone.
+    fn read(&mut self, source: Source) -> Value {
+        match *self.register(source) {
+            Some(value) => value,
+            None => self.load(source),
+        }
+    }
+
+    fn load(&mut self, source: Source) -> Value {
+        let home = match source {
+            Source::Slot(slot) => Home::Slot(slot),
+            Source::Result(result) => {
+                self.homes[result as usize].expect("a result without a register is stored")
+            }
+        };
+        let (base, offset) = self.address(home);
         let flags = MemFlagsData::new().with_notrap();
         self.builder.ins().load(self.number, flags, base, offset)
     }
 
-    fn store(&mut self, base: Value, value: Value, slot: u32) {
-        let offset = self.offset(slot);
+    fn store(&mut self, at: u32, home: Home) {
+        let value = self.results[at as usize].expect("what is stored is in a register");
+        self.homes[at as usize] = Some(home);
+        let (base, offset) = self.address(home);
         let flags = MemFlagsData::new().with_notrap();
         self.builder.ins().store(flags, value, base, offset);
+    }
+
+    fn address(&self, home: Home) -> (Value, i32) {
+        let (base, bytes) = match home {
+            Home::Slot(slot) => (self.slots, i64::from(slot) * self.lanes as i64 * NUMBER),
+            Home::Place(place) => (
+                self.scratch,
+                i64::from(place) * i64::from(self.number.bytes()),
+            ),
+        };
+        (
+            base,
+            i32::try_from(bytes).expect("a program of limited size"),
+        )
     }
 
     /// A call for each lane.
@@ -221,29 +277,25 @@ impl<'a> Emitter<'a> {
     ) -> Value {
         let entry = self.builder.ins().iconst(self.pointer, entry as i64);
         if self.number == types::F64 {
-            let arguments = [first, numbers].concat();
-            let call = self
-                .builder
-                .ins()
-                .call_indirect(signature, entry, &arguments);
-            return self.builder.inst_results(call)[0];
+            return self.call_once(signature, entry, &[first, numbers].concat());
         }
-        let mut result = None;
-        for lane in 0..2 {
+        let lane_of = |emitter: &mut Self, lane: u8| {
             let mut arguments = first.to_vec();
-            for number in numbers {
-                arguments.push(self.builder.ins().extractlane(*number, lane));
+            for &number in numbers {
+                arguments.push(emitter.builder.ins().extractlane(number, lane));
             }
-            let call = self
-                .builder
-                .ins()
-                .call_indirect(signature, entry, &arguments);
-            let value = self.builder.inst_results(call)[0];
-            result = Some(match result {
-                None => self.builder.ins().scalar_to_vector(types::F64X2, value),
-                Some(pair) => self.builder.ins().insertlane(pair, value, lane),
-            });
-        }
-        result.expect("two lanes")
+            emitter.call_once(signature, entry, &arguments)
+        };
+        let values = [lane_of(self, 0), lane_of(self, 1)];
+        let pair = self.builder.ins().scalar_to_vector(types::F64X2, values[0]);
+        self.builder.ins().insertlane(pair, values[1], 1)
+    }
+
+    fn call_once(&mut self, signature: SigRef, entry: Value, arguments: &[Value]) -> Value {
+        let call = self
+            .builder
+            .ins()
+            .call_indirect(signature, entry, arguments);
+        self.builder.inst_results(call)[0]
     }
 }

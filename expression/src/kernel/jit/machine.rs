@@ -12,8 +12,17 @@ use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{Linkage, Module, default_libcall_names};
 
 use super::emit::emit;
+use super::program::Program;
+use super::registers::Plan;
 use crate::analytic::AnalyticFunction;
 use crate::kernel::code::{Code, Instruction};
+
+/// How many registers for numbers a plan uses: all but what the compiler may want for itself.
+const REGISTERS: usize = if cfg!(target_arch = "aarch64") {
+    30
+} else {
+    15
+};
 
 /// The machine code of one program for one number of lanes.
 pub(in crate::kernel) struct MachineCode {
@@ -43,8 +52,11 @@ impl MachineCode {
         let mut module = JITModule::new(JITBuilder::with_isa(isa, default_libcall_names()));
         let mut context = module.make_context();
         let mut builders = FunctionBuilderContext::new();
+        let program = Program::new(code);
+        let plan = Plan::new(&program, REGISTERS);
         emit(
-            code,
+            &program,
+            &plan,
             lanes,
             &functions,
             module.isa(),

@@ -3,5 +3,7 @@
 mod emit;
 mod functions;
 mod machine;
+mod program;
+mod registers;
 
 pub(super) use machine::MachineCode;

@@ -1,0 +1,123 @@
+//! A program in single assignment, in an order that keeps few results alive.
+
+use crate::kernel::code::{Code, Instruction};
+
+/// Where a number comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Source {
+    /// A slot that the program only reads: an input, a coefficient or a constant.
+    Slot(u32),
+    /// The result of the operation of this number.
+    Result(u32),
+}
+
+/// One operation with its operands.
+#[derive(Clone, Debug)]
+pub(super) struct Operation {
+    /// What it does; its slots mean nothing here.
+    pub(super) instruction: Instruction,
+    /// The operands; unary operations repeat theirs.
+    pub(super) operands: [Source; 2],
+    /// The slot that the caller reads the result from.
+    pub(super) output: Option<u32>,
+}
+
+/// Operations that read earlier results and slots.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Program {
+    /// The operations in order.
+    pub(super) operations: Vec<Operation>,
+    /// The number of slots of the code.
+    pub(super) slots: usize,
+}
+
+impl Program {
+    /// The operations of `code` that its outputs need, depth first: a result is computed where it
+    /// is first read, of two operands the one first that keeps more results alive (Sethi and Ullman,
+    /// The generation of optimal code for arithmetic expressions, J. ACM 17 (1970)).
+    pub(super) fn new(code: &Code) -> Self {
+        let operations = single_assignment(code);
+        let needs = registers_needed(&operations);
+        let mut order = Vec::with_capacity(operations.len());
+        let mut is_done = vec![false; operations.len()];
+        let roots = (0..operations.len()).filter(|&at| operations[at].output.is_some());
+        let mut pending = Vec::new();
+        for root in roots {
+            pending.push((root, false));
+            while let Some((at, operands_are_done)) = pending.pop() {
+                if is_done[at] {
+                    continue;
+                }
+                if operands_are_done {
+                    is_done[at] = true;
+                    order.push(at);
+                    continue;
+                }
+                pending.push((at, true));
+                let [a, b] = operations[at].operands;
+                let mut operands = [Some(a), (a != b).then_some(b)].map(|operand| match operand {
+                    Some(Source::Result(result)) => Some(result as usize),
+                    _ => None,
+                });
+                operands.sort_by_key(|operand| operand.map(|result| needs[result]));
+                pending.extend(operands.into_iter().flatten().map(|result| (result, false)));
+            }
+        }
+        let mut names = vec![0; operations.len()];
+        for (name, &at) in order.iter().enumerate() {
+            names[at] = name as u32;
+        }
+        let renamed = |source: Source| match source {
+            Source::Result(result) => Source::Result(names[result as usize]),
+            slot @ Source::Slot(_) => slot,
+        };
+        let operations = order
+            .iter()
+            .map(|&at| {
+                let mut operation = operations[at].clone();
+                operation.operands = operation.operands.map(renamed);
+                operation
+            })
+            .collect();
+        Self {
+            operations,
+            slots: code.slots,
+        }
+    }
+}
+
+/// The code with its slots resolved: each operation has a result of its own.
+fn single_assignment(code: &Code) -> Vec<Operation> {
+    let mut current: Vec<Source> = (0..code.slots as u32).map(Source::Slot).collect();
+    let mut operations = Vec::with_capacity(code.instructions.len());
+    for (at, &instruction) in code.instructions.iter().enumerate() {
+        operations.push(Operation {
+            instruction,
+            operands: instruction.operands().map(|slot| current[slot as usize]),
+            output: None,
+        });
+        current[instruction.output() as usize] = Source::Result(at as u32);
+    }
+    for &slot in &code.outputs {
+        if let Source::Result(result) = current[slot as usize] {
+            operations[result as usize].output = Some(slot);
+        }
+    }
+    operations
+}
+
+/// How many results are alive at once while an operation's tree of operands is computed, as if
+/// none were shared.
+fn registers_needed(operations: &[Operation]) -> Vec<u32> {
+    let mut needs: Vec<u32> = Vec::with_capacity(operations.len());
+    for operation in operations {
+        let [a, b] = operation.operands.map(|operand| match operand {
+            Source::Slot(_) => 0,
+            Source::Result(result) => needs[result as usize],
+        });
+        let is_one = operation.operands[0] == operation.operands[1];
+        let both = if a == b && !is_one { a + 1 } else { a.max(b) };
+        needs.push(both.max(1));
+    }
+    needs
+}

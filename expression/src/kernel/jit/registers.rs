@@ -1,0 +1,261 @@
+//! Which numbers stand in registers: the one whose next use is farthest leaves first (Belady, A
+//! study of replacement algorithms for a virtual-storage computer, IBM Systems J. 5 (1966)).
+
+use super::program::{Operation, Program, Source};
+use crate::expression::Function;
+use crate::kernel::code::Instruction;
+
+/// What the machine does next.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Step {
+    /// Loads a number that is in memory into a register.
+    Load(Source),
+    /// Computes the operation of this number. An operand without a register is read from memory.
+    Operate(u32),
+    /// Stores a result where the caller reads it.
+    Output(u32),
+    /// Stores a result in a place of the scratch memory.
+    Spill(u32, u32),
+    /// The number has no register any more.
+    Forget(Source),
+}
+
+/// A program with every load and store.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Plan {
+    /// The steps in order.
+    pub(super) steps: Vec<Step>,
+    /// The places of scratch memory that spilled results take.
+    pub(super) places: usize,
+}
+
+/// Where a result is in memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Home {
+    /// In an output slot.
+    Slot(u32),
+    /// In a place of the scratch memory.
+    Place(u32),
+}
+
+/// Never read again.
+const NEVER: usize = usize::MAX;
+
+/// A store costs as much as so many loads; loads that a sum or product does itself are free.
+const STORE: usize = 2;
+
+impl Plan {
+    /// The loads and stores of `program` on a machine with `registers` registers.
+    pub(super) fn new(program: &Program, registers: usize) -> Self {
+        let mut planner = Planner {
+            next: next_uses(program),
+            homes: vec![None; program.operations.len()],
+            held: Vec::with_capacity(registers),
+            free: Vec::new(),
+            plan: Self::default(),
+            registers,
+        };
+        for (at, operation) in program.operations.iter().enumerate() {
+            planner.operate(at, operation);
+        }
+        planner.plan
+    }
+}
+
+/// Whether the operation is a call, which keeps no registers.
+pub(super) fn is_call(instruction: &Instruction) -> bool {
+    match instruction {
+        Instruction::Apply { function, .. } => *function != Function::Sqrt,
+        Instruction::ApplyAnalytic { .. } | Instruction::Power { .. } => true,
+        Instruction::Add { .. }
+        | Instruction::Subtract { .. }
+        | Instruction::Multiply { .. }
+        | Instruction::Divide { .. }
+        | Instruction::Negate { .. } => false,
+    }
+}
+
+/// For each operation, when its operands and its result are read next.
+struct NextUses {
+    operands: Vec<[usize; 2]>,
+    result: Vec<usize>,
+}
+
+fn next_uses(program: &Program) -> NextUses {
+    let count = program.operations.len();
+    let mut operands = vec![[NEVER; 2]; count];
+    let mut result = vec![NEVER; count];
+    let mut slots = vec![NEVER; program.slots];
+    for (at, operation) in program.operations.iter().enumerate().rev() {
+        for (k, &operand) in operation.operands.iter().enumerate() {
+            operands[at][k] = match operand {
+                Source::Slot(slot) => slots[slot as usize],
+                Source::Result(other) => result[other as usize],
+            };
+        }
+        for &operand in &operation.operands {
+            match operand {
+                Source::Slot(slot) => slots[slot as usize] = at,
+                Source::Result(other) => result[other as usize] = at,
+            }
+        }
+    }
+    NextUses { operands, result }
+}
+
+/// A number in a register.
+#[derive(Clone, Copy, Debug)]
+struct Held {
+    source: Source,
+    next: usize,
+}
+
+struct Planner {
+    next: NextUses,
+    homes: Vec<Option<Home>>,
+    held: Vec<Held>,
+    free: Vec<u32>,
+    plan: Plan,
+    registers: usize,
+}
+
+impl Planner {
+    fn operate(&mut self, at: usize, operation: &Operation) {
+        let [a, b] = operation.operands;
+        let next = self.next.operands[at];
+        let operands = [(a, next[0]), (b, next[1])];
+        let operands = if a == b { &operands[..1] } else { &operands };
+        let from_memory = self.read_from_memory(operation, next);
+        for &(operand, _) in operands {
+            if from_memory != Some(operand) && !self.is_held(operand) {
+                self.make_room(at, operation.operands);
+                self.plan.steps.push(Step::Load(operand));
+                self.held.push(Held {
+                    source: operand,
+                    next: at,
+                });
+            }
+        }
+        let is_call = is_call(&operation.instruction);
+        if is_call {
+            self.store_all(operands);
+        }
+        self.plan.steps.push(Step::Operate(at as u32));
+        for &(operand, next) in operands {
+            if next == NEVER {
+                self.release(operand);
+            } else if let Some(held) = self.held.iter_mut().find(|held| held.source == operand) {
+                held.next = next;
+            }
+        }
+        if is_call {
+            let forgotten = self.held.drain(..).map(|held| Step::Forget(held.source));
+            self.plan.steps.extend(forgotten);
+        }
+        self.keep(at, operation.output);
+    }
+
+    /// The operand that the operation reads from memory while it computes, free of charge: either
+    /// one of a sum or product, the second one of a difference or quotient; of two in memory that
+    /// which is read again later.
+    fn read_from_memory(&self, operation: &Operation, next: [usize; 2]) -> Option<Source> {
+        let [a, b] = operation.operands;
+        let in_memory = [!self.is_held(a), !self.is_held(b)];
+        match operation.instruction {
+            _ if a == b => None,
+            Instruction::Add { .. } | Instruction::Multiply { .. } => match in_memory {
+                [true, true] if next[0] > next[1] => Some(a),
+                [_, true] => Some(b),
+                [true, false] => Some(a),
+                [false, false] => None,
+            },
+            Instruction::Subtract { .. } | Instruction::Divide { .. } => in_memory[1].then_some(b),
+            _ => None,
+        }
+    }
+
+    fn is_held(&self, source: Source) -> bool {
+        self.held.iter().any(|held| held.source == source)
+    }
+
+    /// Whether the number can be read from memory.
+    fn is_stored(&self, source: Source) -> bool {
+        match source {
+            Source::Slot(_) => true,
+            Source::Result(result) => self.homes[result as usize].is_some(),
+        }
+    }
+
+    /// Frees a register where all are taken, but none of `wanted`.
+    fn make_room(&mut self, at: usize, wanted: [Source; 2]) {
+        if self.held.len() < self.registers {
+            return;
+        }
+        let victim = (0..self.held.len())
+            .filter(|&k| !wanted.contains(&self.held[k].source))
+            .max_by_key(|&k| {
+                let Held { source, next } = self.held[k];
+                let distance = next.saturating_sub(at);
+                distance.saturating_mul(if self.is_stored(source) { STORE } else { 1 })
+            });
+        if let Some(victim) = victim {
+            let victim = self.held.swap_remove(victim).source;
+            self.store(victim);
+            self.plan.steps.push(Step::Forget(victim));
+        }
+    }
+
+    fn store(&mut self, source: Source) {
+        if let Source::Result(result) = source
+            && self.homes[result as usize].is_none()
+        {
+            let place = self.free.pop().unwrap_or_else(|| {
+                self.plan.places += 1;
+                self.plan.places as u32 - 1
+            });
+            self.homes[result as usize] = Some(Home::Place(place));
+            self.plan.steps.push(Step::Spill(result, place));
+        }
+    }
+
+    /// Stores what a call would destroy, except what is not read after it.
+    fn store_all(&mut self, operands: &[(Source, usize)]) {
+        for k in 0..self.held.len() {
+            let source = self.held[k].source;
+            if !operands.contains(&(source, NEVER)) {
+                self.store(source);
+            }
+        }
+    }
+
+    /// The number is not read again.
+    fn release(&mut self, source: Source) {
+        if let Some(k) = self.held.iter().position(|held| held.source == source) {
+            self.held.swap_remove(k);
+            self.plan.steps.push(Step::Forget(source));
+        }
+        if let Source::Result(result) = source
+            && let Some(Home::Place(place)) = self.homes[result as usize]
+        {
+            self.free.push(place);
+        }
+    }
+
+    /// The result stays in a register if it is read again, and is stored if it is an output.
+    fn keep(&mut self, at: usize, output: Option<u32>) {
+        let source = Source::Result(at as u32);
+        if let Some(slot) = output {
+            self.homes[at] = Some(Home::Slot(slot));
+            self.plan.steps.push(Step::Output(at as u32));
+        }
+        if self.next.result[at] == NEVER {
+            self.plan.steps.push(Step::Forget(source));
+        } else {
+            self.make_room(at, [source; 2]);
+            self.held.push(Held {
+                source,
+                next: self.next.result[at],
+            });
+        }
+    }
+}
