@@ -63,6 +63,8 @@ pub enum Command {
     Evaluate(EvaluateArguments),
     /// Measure what every part declares: orders, tensor defects, drift, cost
     Verify(VerifyArguments),
+    /// Measure cost against accuracy over methods, orders and steps
+    Compare(CompareArguments),
     /// Write a commented scene file to start from
     New(NewArguments),
 }
@@ -77,6 +79,7 @@ impl Command {
             Self::Describe(arguments) => arguments.json,
             Self::Evaluate(arguments) => arguments.json,
             Self::Verify(arguments) => arguments.json,
+            Self::Compare(arguments) => arguments.json,
             Self::New(_) => false,
         }
     }
@@ -147,6 +150,62 @@ pub struct VerifyArguments {
     /// Write the table as a page to open in a browser
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
+}
+
+/// Arguments of `compare`.
+#[derive(Args, Clone, Debug)]
+pub struct CompareArguments {
+    /// What to compare methods on.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Methods beside the standard ones: `realization:order+dynamics:order`, a stepper, or
+    /// `composition/…` of one of them
+    #[arg(long, value_name = "METHOD,…", value_delimiter = ',')]
+    pub with: Vec<String>,
+    /// These methods alone
+    #[arg(
+        long,
+        value_name = "METHOD,…",
+        value_delimiter = ',',
+        conflicts_with = "with"
+    )]
+    pub only: Vec<String>,
+    /// Methods of these orders alone, Hamilton-Jacobi at each of them
+    #[arg(long, value_name = "M,…", value_delimiter = ',')]
+    pub orders: Vec<usize>,
+    /// The numbers of steps to the end time, as 100,200,400 or 100..6400 [default: from a sixteenth
+    /// of the scene's number on, by factors of the square root of 2, until round-off or the budget]
+    #[arg(long, value_name = "LIST")]
+    pub steps: Option<String>,
+    /// The end time [default: the scene's]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    pub time: Option<f64>,
+    /// The operations that one run may take [default: 1e7, or four runs of the scene's own method]
+    #[arg(long, value_name = "OPERATIONS", value_parser = positive)]
+    pub budget: Option<f64>,
+    /// How often each run is timed; 0 for not at all
+    #[arg(long, value_name = "TIMES", default_value_t = 3)]
+    pub repeat: usize,
+    /// Show every point, not only those on a front
+    #[arg(long)]
+    pub all: bool,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// Write every point as a line of numbers
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Write a page with figures, the table and the object into a directory
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// A positive number.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("write a positive number, such as 1e-8".to_owned()),
+    }
 }
 
 /// What `list` can list.

@@ -40,6 +40,39 @@ impl Bar {
     }
 }
 
+/// Shows how far a survey of methods is.
+pub struct Steps(ProgressBar);
+
+impl Steps {
+    /// A line, drawn only if `is_shown`.
+    pub fn new(message: &str, is_shown: bool) -> Self {
+        let target = if is_shown {
+            ProgressDrawTarget::stderr_with_hz(8)
+        } else {
+            ProgressDrawTarget::hidden()
+        };
+        let bar = ProgressBar::with_draw_target(Some(1), target);
+        if let Ok(style) = ProgressStyle::with_template("  {bar:20} {pos} of {len}  {msg}") {
+            bar.set_style(style.progress_chars("━━─"));
+        }
+        bar.set_message(message.to_owned());
+        bar.enable_steady_tick(Duration::from_millis(250));
+        Self(bar)
+    }
+
+    /// Before the next method.
+    pub fn show(&mut self, method: &str, at: usize, count: usize) {
+        self.0.set_length(count as u64);
+        self.0.set_position(at as u64);
+        self.0.set_message(method.to_owned());
+    }
+
+    /// Removes the line.
+    pub fn finish(self) {
+        self.0.finish_and_clear();
+    }
+}
+
 impl Progress for Bar {
     fn show(&mut self, status: &Status) {
         if self.bar.is_hidden() {

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use leafwise::core::BuildError;
 use leafwise::scene::compose::Refusal;
-use leafwise::scene::{RunError, SceneDiagnostic};
+use leafwise::scene::{ReportError, RunError, SceneDiagnostic};
+use leafwise::trade::TradeError;
 use serde_json::{Value, json};
 use thiserror::Error;
 
@@ -55,6 +56,12 @@ pub enum Failure {
     /// A run that could not be started or kept on disk.
     #[error(transparent)]
     Run(RunError),
+    /// Methods that could not be compared.
+    #[error(transparent)]
+    Trade(TradeError),
+    /// A figure that could not be drawn.
+    #[error(transparent)]
+    Report(#[from] ReportError),
     /// A formula that could not be evaluated.
     #[error(transparent)]
     Build(#[from] BuildError),
@@ -75,6 +82,16 @@ impl From<RunError> for Failure {
     }
 }
 
+impl From<TradeError> for Failure {
+    fn from(error: TradeError) -> Self {
+        match error {
+            TradeError::Refused(refusal) => refusal.into(),
+            TradeError::Build(error) => error.into(),
+            other => Self::Trade(other),
+        }
+    }
+}
+
 impl Failure {
     /// A usage error with what to do instead.
     pub fn usage(message: impl Into<String>, help: impl Into<String>) -> Self {
@@ -91,6 +108,8 @@ impl Failure {
             Self::File { .. } => exit::RUN_FAILED,
             Self::Scene(_) | Self::Build(_) => exit::INVALID_SCENE,
             Self::Run(error) if error.is_usage() => exit::USAGE,
+            Self::Trade(TradeError::NoReference { .. }) | Self::Report(_) => exit::RUN_FAILED,
+            Self::Trade(_) => exit::USAGE,
             Self::Run(_) => exit::RUN_FAILED,
         }
     }

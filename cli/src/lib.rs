@@ -67,6 +67,7 @@ pub fn run(
     let outcome = match arguments.command {
         Command::Run(arguments) => commands::run::execute(&arguments, console, interrupt),
         Command::Check(arguments) => commands::check::execute(&arguments, console),
+        Command::Compare(arguments) => commands::compare::execute(&arguments, console, interrupt),
         Command::Verify(arguments) => commands::verify::execute(&arguments, console),
         Command::List(arguments) => commands::list::execute(&arguments, console),
         Command::Describe(arguments) => commands::describe::execute(&arguments, console),

@@ -10,6 +10,11 @@ pub fn words(rows: &[Vec<String>]) -> Vec<String> {
     aligned(rows, |_| false)
 }
 
+/// Rows as lines: columns before `left` flush left, the others flush right.
+pub fn aligned_after(rows: &[Vec<String>], left: usize) -> Vec<String> {
+    aligned(rows, |column| column >= left)
+}
+
 fn aligned(rows: &[Vec<String>], is_right: impl Fn(usize) -> bool) -> Vec<String> {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let widths: Vec<usize> = (0..columns)
@@ -51,6 +56,16 @@ pub fn grouped(value: u64) -> String {
         grouped.push(digit);
     }
     grouped
+}
+
+/// A number with up to ten digits.
+pub fn short(value: f64) -> String {
+    let rounded: f64 = format!("{value:.9e}").parse().unwrap_or(value);
+    if rounded == 0.0 || (1e-4..1e9).contains(&rounded.abs()) {
+        format!("{rounded}")
+    } else {
+        format!("{rounded:e}")
+    }
 }
 
 /// A duration for reading: 0.42 ms, 3.1 s, 2 min 05 s.

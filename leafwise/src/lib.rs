@@ -7,10 +7,12 @@
 //! - [`scene`]: scene files, composed, run and reported.
 //! - [`library`]: the problem library as a scene's source of systems.
 //! - [`verify`]: what every part really does, measured against what it declares.
+//! - [`trade`]: cost against accuracy, measured on a scene.
 //! - [`prelude`]: what most programs need.
 
 pub mod library;
 pub mod prelude;
+pub mod trade;
 pub mod verify;
 
 pub use leafwise_collective as collective;

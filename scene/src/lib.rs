@@ -17,9 +17,10 @@ pub mod run;
 pub use compose::{ComposedRun, ComposedSystem, Refusal, SceneChecks, compose, compose_system};
 pub use diagnostic::{SceneDiagnostic, formula_span, string_content};
 pub use document::{
-    Boundary, BracketSpec, Convention, InitialSpec, Located, MethodSection, NoLibrary, Number,
-    ParameterValue, PartSpec, Place, RecordSpec, RunSection, SceneDocument, SceneErrors,
-    SceneLibrary, SceneProblem, SceneProblemCause, Source, StepSpec, SystemSection,
+    Boundary, BracketSpec, Convention, InitialSpec, Located, MethodParts, MethodSection,
+    MethodTable, NoLibrary, Number, ParameterValue, PartSpec, PartUse, Place, RecordSpec,
+    RewriteError, RunSection, SceneDocument, SceneErrors, SceneLibrary, SceneProblem,
+    SceneProblemCause, Source, StepSpec, SystemSection,
 };
-pub use report::{ReportData, ReportError, render_report};
+pub use report::{ComparisonData, ReportData, ReportError, render_comparison, render_report};
 pub use run::{Progress, RunError, RunOptions, RunOutcome, RunReport};

@@ -1,6 +1,7 @@
 //! One module for each command.
 
 pub mod check;
+pub mod compare;
 pub mod describe;
 pub mod evaluate;
 pub mod explain;

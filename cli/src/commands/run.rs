@@ -18,7 +18,7 @@ use crate::bar::Bar;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
 use crate::scene::load;
-use crate::table::{duration, grouped, numbers};
+use crate::table::{duration, grouped, numbers, short};
 
 /// Coordinates of a state that a message shows.
 const SHOWN_COORDINATES: usize = 12;
@@ -227,16 +227,6 @@ fn report_json(report: &RunReport) -> Value {
         });
     }
     object
-}
-
-/// A number with up to ten digits.
-fn short(value: f64) -> String {
-    let rounded: f64 = format!("{value:.9e}").parse().unwrap_or(value);
-    if rounded == 0.0 || (1e-4..1e9).contains(&rounded.abs()) {
-        format!("{rounded}")
-    } else {
-        format!("{rounded:e}")
-    }
 }
 
 /// A deviation with three digits.

@@ -1,5 +1,6 @@
 //! The program run as a process: exit codes, messages, files, signals.
 
+mod comparisons;
 mod failing_runs;
 mod invalid_scenes;
 mod other_commands;

@@ -26,6 +26,16 @@ pub struct Defect {
     pub next: Vec<f64>,
 }
 
+impl Defect {
+    /// The defect relative to Π(Φ(x)) and to what DΦ makes of round-off in Π, the square of its
+    /// largest entry; `None` where the tensor vanishes.
+    pub fn relative(&self) -> Option<f64> {
+        let stretch = self.tangent.iter().fold(1.0_f64, |m, v| m.max(v.abs()));
+        let scale = self.scale * stretch * stretch;
+        (scale > 0.0).then(|| self.norm / scale)
+    }
+}
+
 impl TensorDefect {
     /// The instrument for a step map with these parameters and step sizes.
     ///

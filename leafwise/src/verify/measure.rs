@@ -179,13 +179,11 @@ fn defects(problem: &Problem, map: &dyn StepMap) -> Defects {
         let Ok(defect) = instrument.measure(&problem.initial) else {
             continue;
         };
-        let stretch = defect.tangent.iter().fold(1.0_f64, |m, v| m.max(v.abs()));
-        let scale = defect.scale * stretch * stretch;
-        if scale > 0.0 {
-            points.push((t, defect.norm / scale));
-            worst = worst.max(defect.norm / scale);
+        if let Some(relative) = defect.relative() {
+            points.push((t, relative));
+            worst = worst.max(relative);
             if k == 2 {
-                at_step = Some(defect.norm / scale);
+                at_step = Some(relative);
             }
         }
     }

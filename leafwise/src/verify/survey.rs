@@ -133,6 +133,8 @@ fn settings(registry: &Registry, name: &str, options: &SurveyOptions) -> Vec<Par
         "karasev-truncated" if options.full => with("order", &[1, 2, 3, 4, 6, 8]),
         "karasev-collocated" if options.full => with("points", &[0, 1, 2, 3]),
         _ if options.full && takes("stages") => with("stages", &[1, 2, 3]),
+        // An adaptive method shows its order where the tolerance leaves the step alone.
+        _ if takes("tolerance") => vec![PartParameters::new().with("tolerance", 0.1)],
         _ => vec![PartParameters::new()],
     }
 }

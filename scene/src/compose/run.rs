@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use leafwise_core::lattice::{LatticeMethod, LatticeObservables};
+use leafwise_core::system::SystemInvariants;
 use leafwise_core::{
-    BuildError, Integrator, Method, PartParameters, PoissonSystem, Registry, StepMap,
+    BuildError, Integrator, Method, Observe, PartParameters, PoissonSystem, Registry, StepMap,
 };
 
 use super::Refusal;
@@ -177,6 +178,19 @@ impl ComposedRun {
             plan.h,
             &plan.initial,
         )
+    }
+
+    /// The energy, then each Casimir, as functions of the state.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where one has no code.
+    pub fn invariants(&self) -> Result<Box<dyn Observe>, BuildError> {
+        if let Stepping::Lattice(lattice) = &self.method {
+            return Ok(Box::new(lattice.invariants.clone()));
+        }
+        let values = self.system.parameter_values();
+        let observer = SystemInvariants::new(&self.system, &values)?;
+        Ok(Box::new(observer))
     }
 
     /// The coordinates' names.

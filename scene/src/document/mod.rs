@@ -2,6 +2,7 @@
 //!
 //! - `located`: values that remember where they were written;
 //! - `system`, `bracket`, `method`, `run`: one table of the scene each;
+//! - `method_table`: a method as a value, written into a scene's text;
 //! - `overrides`: `--set path=value`, applied by rewriting the text;
 //! - `library`: where `library = "…"` is looked up;
 //! - `error`, `suggest`: what is wrong, and the nearest valid name;
@@ -12,6 +13,7 @@ mod error;
 mod library;
 mod located;
 mod method;
+mod method_table;
 mod overrides;
 mod reader;
 mod run;
@@ -26,6 +28,7 @@ pub use error::{SceneErrors, SceneProblem, SceneProblemCause};
 pub use library::{NoLibrary, SceneLibrary};
 pub use located::{Located, Number, Place, Source};
 pub use method::{MethodSection, ParameterValue, PartSpec, StepSpec};
+pub use method_table::{MethodParts, MethodTable, PartUse, RewriteError};
 pub use run::{InitialSpec, RecordSpec, RunSection};
 pub use scene::SceneDocument;
 pub use suggest::nearest;

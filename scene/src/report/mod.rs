@@ -2,11 +2,13 @@
 //!
 //! - `data`: what a report is made from;
 //! - `page`, `html`, `figure`: the page and its pieces;
+//! - `comparison`, `work_precision`: methods compared, as a page of its own;
 //! - `drift`, `history`, `orbit`, `space`, `lattice`: the figures;
 //! - `axis`, `decimate`, `canvas`: axes, long series reduced to pixels, drawing.
 
 mod axis;
 mod canvas;
+mod comparison;
 mod data;
 mod decimate;
 mod drift;
@@ -20,7 +22,10 @@ mod page;
 mod space;
 #[cfg(test)]
 mod tests;
+mod work_precision;
 
+pub use comparison::{ComparisonData, render_comparison};
 pub use data::{Ellipsoid, InvariantSeries, Outcome, ReportData, TimeSeries, Trajectory};
 pub use error::ReportError;
 pub use page::render_report;
+pub use work_precision::{Curve, CurvePoint, Plot};

@@ -15,21 +15,7 @@ use super::orbit::orbit_figure;
 /// Only if the drawing library refuses a figure; values that are not finite, empty series and
 /// series of unequal lengths are drawn as far as they go.
 pub fn render_report(data: &ReportData) -> Result<String, ReportError> {
-    let mut page = String::with_capacity(1 << 18);
-    page.push_str("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n");
-    page.push_str("<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n");
-    page.push_str(&format!(
-        "<title>{}</title>\n<style>\n",
-        escape(&data.title)
-    ));
-    page.push_str(include_str!("style.css"));
-    page.push_str("</style>\n</head>\n<body>\n<main>\n");
-    page.push_str(&format!(
-        "<header>\n<h1>{}</h1>\n<p>{} · {}</p>\n</header>\n",
-        escape(&data.title),
-        escape(&data.scene_name),
-        escape(&data.version)
-    ));
+    let mut page = head(&data.title, &data.scene_name, &data.version);
     page.push_str(&banner(&data.outcome));
     if !data.facts.is_empty() {
         page.push_str(&format!("<h2>Summary</h2>\n{}", two_columns(&data.facts)));
@@ -41,13 +27,35 @@ pub fn render_report(data: &ReportData) -> Result<String, ReportError> {
     if !data.method.is_empty() {
         page.push_str(&format!("<h2>Method</h2>\n{}", two_columns(&data.method)));
     }
-    page.push_str(&reproduction(data));
+    page.push_str(&reproduction(
+        &data.scene_name,
+        &data.version,
+        &data.command,
+        &data.scene_text,
+    ));
     page.push_str(&format!(
         "<footer>Written by {}.</footer>\n",
         escape(&data.version)
     ));
     page.push_str("</main>\n</body>\n</html>\n");
     Ok(page)
+}
+
+/// The page up to the end of its header.
+pub(super) fn head(title: &str, scene_name: &str, version: &str) -> String {
+    let mut page = String::with_capacity(1 << 18);
+    page.push_str("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n");
+    page.push_str("<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n");
+    page.push_str(&format!("<title>{}</title>\n<style>\n", escape(title)));
+    page.push_str(include_str!("style.css"));
+    page.push_str("</style>\n</head>\n<body>\n<main>\n");
+    page.push_str(&format!(
+        "<header>\n<h1>{}</h1>\n<p>{} · {}</p>\n</header>\n",
+        escape(title),
+        escape(scene_name),
+        escape(version)
+    ));
+    page
 }
 
 fn banner(outcome: &Outcome) -> String {
@@ -91,7 +99,7 @@ fn banner(outcome: &Outcome) -> String {
     }
 }
 
-fn two_columns(rows: &[(String, String)]) -> String {
+pub(super) fn two_columns(rows: &[(String, String)]) -> String {
     let mut html = "<div class=\"card scroll\"><table class=\"lines\"><tbody>\n".to_owned();
     for (label, value) in rows {
         html.push_str(&format!(
@@ -211,15 +219,20 @@ fn figures(data: &ReportData) -> Result<String, ReportError> {
     ))
 }
 
-fn reproduction(data: &ReportData) -> String {
+pub(super) fn reproduction(
+    scene_name: &str,
+    version: &str,
+    command: &str,
+    scene_text: &str,
+) -> String {
     format!(
         "<h2>How to reproduce</h2>\n<div class=\"card\">\n<p>Save the scene below as \
          <code>{name}</code> and run, with {version}:</p>\n<pre><code>{command}</code></pre>\n\
          <details open><summary>{name}</summary>\n<pre><code>{scene}</code></pre></details>\n\
          </div>\n",
-        name = escape(&data.scene_name),
-        version = escape(&data.version),
-        command = escape(&data.command),
-        scene = escape(&data.scene_text)
+        name = escape(scene_name),
+        version = escape(version),
+        command = escape(command),
+        scene = escape(scene_text)
     )
 }

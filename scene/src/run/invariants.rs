@@ -1,6 +1,6 @@
 //! Energy and Casimirs at every step, and their deviations' maxima over windows.
 
-use leafwise_core::system::{SystemInvariants, SystemObservables};
+use leafwise_core::system::SystemObservables;
 use leafwise_core::{BuildError, Observe};
 use leafwise_expression::Expression;
 
@@ -16,29 +16,20 @@ pub(super) struct Functions {
 }
 
 impl Functions {
-    fn new(observer: impl Observe + 'static) -> Self {
+    fn new(observer: Box<dyn Observe>) -> Self {
         let values = vec![0.0; observer.observables()];
-        Self {
-            observer: Box::new(observer),
-            values,
-        }
+        Self { observer, values }
     }
 
     /// Energy, then each Casimir.
     pub fn invariants(run: &ComposedRun) -> Result<Self, BuildError> {
-        match &run.method {
-            Stepping::Lattice(lattice) => Ok(Self::new(lattice.invariants.clone())),
-            Stepping::Written(_) | Stepping::Map(_) => {
-                let values = run.system.parameter_values();
-                Ok(Self::new(SystemInvariants::new(&run.system, &values)?))
-            }
-        }
+        run.invariants().map(Self::new)
     }
 
     /// The formulas of the state that the scene records.
     pub fn formulas(run: &ComposedRun) -> Result<Self, BuildError> {
         match &run.method {
-            Stepping::Lattice(lattice) => Ok(Self::new(lattice.formulas.clone())),
+            Stepping::Lattice(lattice) => Ok(Self::new(Box::new(lattice.formulas.clone()))),
             Stepping::Written(_) | Stepping::Map(_) => {
                 let formulas: Vec<_> = run
                     .plan
@@ -56,11 +47,8 @@ impl Functions {
 
     fn compile(run: &ComposedRun, formulas: &[&Expression]) -> Result<Self, BuildError> {
         let values = run.system.parameter_values();
-        Ok(Self::new(SystemObservables::new(
-            &run.system,
-            formulas,
-            &values,
-        )?))
+        let observer = SystemObservables::new(&run.system, formulas, &values)?;
+        Ok(Self::new(Box::new(observer)))
     }
 
     /// The values at a state.

@@ -1,0 +1,104 @@
+//! The object of `compare --json`.
+
+use leafwise::core::Structure;
+use leafwise::scene::SceneDocument;
+use leafwise::scene::json::{json_number, json_numbers};
+use leafwise::trade::{Comparison, Measured, Point, Reference};
+use serde_json::{Value, json};
+
+/// Everything that was measured.
+pub(super) fn object(document: &SceneDocument, comparison: &Comparison) -> Value {
+    let methods: Vec<Value> = comparison
+        .methods
+        .iter()
+        .map(|method| {
+            json!({
+                "name": method.name,
+                "order": method.order,
+                "structure": structure(method.structure),
+                "is_own": method.is_own,
+            })
+        })
+        .collect();
+    let points: Vec<Value> = comparison
+        .points
+        .iter()
+        .map(|point| point_json(comparison, point))
+        .collect();
+    let refused: Vec<Value> = comparison
+        .refused
+        .iter()
+        .map(|(method, reason)| json!({ "method": method, "reason": reason }))
+        .collect();
+    json!({
+        "outcome": "done",
+        "scene": document.name,
+        "time": json_number(comparison.time),
+        "reference": reference(&comparison.reference),
+        "budget": comparison.budget,
+        "methods": methods,
+        "points": points,
+        "refused": refused,
+    })
+}
+
+/// The reference solution.
+pub(in crate::commands) fn reference(reference: &Reference) -> Value {
+    json!({
+        "state": json_numbers(&reference.state),
+        "error": json_number(reference.error),
+        "floor": json_number(reference.floor()),
+        "methods": reference.methods,
+    })
+}
+
+/// The declared structure in a word.
+pub(in crate::commands) fn structure(structure: Structure) -> String {
+    match structure {
+        Structure::Exact => "exact".to_owned(),
+        Structure::Order(n) => format!("order {n}"),
+        Structure::None => "none".to_owned(),
+    }
+}
+
+fn point_json(comparison: &Comparison, point: &Point) -> Value {
+    let mut object = json!({
+        "method": comparison.methods[point.method].name,
+        "steps": point.setting.steps,
+        "time_step": json_number(point.time_step),
+        "tolerance": point.setting.tolerance.map(json_number),
+    });
+    let fields = match &point.outcome {
+        Ok(measured) => measured_json(measured),
+        Err(failure) => json!({ "failure": failure.to_string() }),
+    };
+    if let (Value::Object(object), Value::Object(fields)) = (&mut object, fields) {
+        object.extend(fields);
+    }
+    object
+}
+
+fn measured_json(measured: &Measured) -> Value {
+    let wall = measured.wall.map(|wall| {
+        json!({
+            "median": wall.seconds, "spread": wall.spread, "repetitions": wall.repetitions,
+        })
+    });
+    json!({
+        "operations": measured.operations,
+        "evaluations": measured.evaluations,
+        "wall_seconds": wall,
+        "error": json_number(measured.error),
+        "relative_error": json_number(measured.relative_error),
+        "at_floor": measured.at_floor,
+        "energy_drift": json_number(measured.energy_drift),
+        "casimir_drift": json_number(measured.casimir_drift),
+        "tensor_defect": measured.tensor_defect.map(json_number),
+        "poisson": measured.is_poisson,
+        "front": {
+            "all": measured.front.all,
+            "poisson": measured.front.poisson,
+            "wall": measured.front.wall,
+        },
+    })
+}

@@ -1,0 +1,150 @@
+//! `leafwise compare`: cost against accuracy, over methods, orders and steps.
+
+mod csv;
+mod json;
+mod table;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use leafwise::ProblemLibrary;
+use leafwise::core::Registry;
+use leafwise::scene::document::MethodTable;
+use leafwise::scene::{SceneChecks, SceneDocument};
+use leafwise::trade::{
+    Bench, CompareOptions, Comparison, Grid, compare, comparison_page, parse_method,
+};
+
+use crate::arguments::CompareArguments;
+use crate::bar::Steps;
+use crate::console::Console;
+use crate::failure::{Failure, exit};
+use crate::scene::load;
+
+/// Measures; returns the exit code.
+///
+/// # Errors
+/// [`Failure`] when the scene is not valid, when there is no reference solution, or when a file
+/// cannot be written.
+pub fn execute(
+    arguments: &CompareArguments,
+    console: &mut Console<'_>,
+    interrupt: &Arc<AtomicBool>,
+) -> Result<u8, Failure> {
+    let document = load(&arguments.scene)?;
+    let registry = Registry::with_builtin();
+    let options = options(arguments, &registry)?;
+    let bench = Bench::new(&document, &registry, &ProblemLibrary, arguments.time)?;
+    check(&document, &bench)?;
+    let mut bar = Steps::new("reference solution", console.is_terminal);
+    let comparison = compare(&bench, &options, &mut |method, at, count| {
+        bar.show(method, at, count);
+        !interrupt.load(Ordering::Relaxed)
+    });
+    bar.finish();
+    let comparison = comparison?;
+    write_files(arguments, &document, &comparison)?;
+    if arguments.json {
+        console.json(&json::object(&document, &comparison));
+    } else {
+        table::print(&comparison, arguments.all, console);
+    }
+    if let Some(directory) = &arguments.out {
+        let page = directory.join(PAGE);
+        console.prose(&format!("the page is {}", page.display()));
+    }
+    Ok(if interrupt.load(Ordering::Relaxed) {
+        exit::INTERRUPTED
+    } else {
+        exit::DONE
+    })
+}
+
+/// What a directory of results holds.
+const PAGE: &str = "compare.html";
+const TABLE: &str = "compare.csv";
+const OBJECT: &str = "compare.json";
+
+fn options(arguments: &CompareArguments, registry: &Registry) -> Result<CompareOptions, Failure> {
+    let read = |texts: &[String]| -> Result<Vec<MethodTable>, Failure> {
+        let methods = texts.iter().map(|text| Ok(parse_method(text, registry)?));
+        methods.collect()
+    };
+    let orders = (!arguments.orders.is_empty()).then(|| arguments.orders.clone());
+    Ok(CompareOptions {
+        with: read(&arguments.with)?,
+        only: read(&arguments.only)?,
+        orders,
+        steps: arguments.steps.as_deref().map(Grid::parse).transpose()?,
+        budget: arguments.budget.map(|budget| budget as u64),
+        repetitions: arguments.repeat,
+    })
+}
+
+/// Refuses what `run` refuses.
+pub(super) fn check(document: &SceneDocument, bench: &Bench<'_>) -> Result<(), Failure> {
+    let own = bench.own();
+    let checks = SceneChecks::of(&own.system, &own.near)?;
+    match checks.refusal(document, &own.system, false) {
+        Some(refusal) => Err(refusal.into()),
+        None => Ok(()),
+    }
+}
+
+fn write_files(
+    arguments: &CompareArguments,
+    document: &SceneDocument,
+    comparison: &Comparison,
+) -> Result<(), Failure> {
+    if let Some(file) = &arguments.csv {
+        write(file, &csv::text(comparison))?;
+    }
+    let Some(directory) = &arguments.out else {
+        return Ok(());
+    };
+    fs::create_dir_all(directory).map_err(failed(directory))?;
+    let page = comparison_page(comparison, document, &command(arguments))?;
+    write(&directory.join(PAGE), &page)?;
+    write(&directory.join(TABLE), &csv::text(comparison))?;
+    let object = format!("{:#}\n", json::object(document, comparison));
+    write(&directory.join(OBJECT), &object)
+}
+
+/// The command that repeats the comparison of the scene as compared, overrides already in it.
+fn command(arguments: &CompareArguments) -> String {
+    let file = arguments.scene.scene.file_name();
+    let file = file.map(|name| name.to_string_lossy().into_owned());
+    let mut command = format!("leafwise compare {}", file.unwrap_or_default());
+    let mut option = |name: &str, value: Option<String>| {
+        if let Some(value) = value.filter(|value| !value.is_empty()) {
+            command.push_str(&format!(" {name} {value}"));
+        }
+    };
+    let orders: Vec<String> = arguments.orders.iter().map(usize::to_string).collect();
+    option("--with", Some(arguments.with.join(",")));
+    option("--only", Some(arguments.only.join(",")));
+    option("--orders", Some(orders.join(",")));
+    option("--steps", arguments.steps.clone());
+    option("--time", arguments.time.map(|time| time.to_string()));
+    option(
+        "--budget",
+        arguments.budget.map(|budget| format!("{budget:e}")),
+    );
+    command
+}
+
+/// Writes a file.
+pub(super) fn write(file: &Path, text: &str) -> Result<(), Failure> {
+    fs::write(file, text).map_err(failed(file))
+}
+
+fn failed(file: &Path) -> impl FnOnce(std::io::Error) -> Failure {
+    let file: PathBuf = file.to_owned();
+    move |source| Failure::File {
+        action: "write",
+        file,
+        source,
+    }
+}

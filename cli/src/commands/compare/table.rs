@@ -1,0 +1,121 @@
+//! The comparison at the terminal.
+
+use leafwise::trade::{Comparison, Measured, Point};
+
+use crate::console::Console;
+use crate::table::{aligned_after, duration, short};
+
+const HEADINGS: [&str; 9] = [
+    "front",
+    "method",
+    "setting",
+    "operations",
+    "error",
+    "energy",
+    "Casimirs",
+    "defect",
+    "time",
+];
+
+/// Prints the points on a front, or all of them.
+pub(super) fn print(comparison: &Comparison, all: bool, console: &mut Console<'_>) {
+    let reference = &comparison.reference;
+    console.result(&format!(
+        "to t = {}, errors against {}",
+        short(comparison.time),
+        reference.methods.join(" and ")
+    ));
+    console.result(&format!(
+        "the reference's own error is {:.1e}: errors below {:.1e} (~) cannot be told from it",
+        reference.error,
+        reference.floor()
+    ));
+    let mut shown: Vec<&Point> = comparison
+        .points
+        .iter()
+        .filter(|p| all || on_front(p))
+        .collect();
+    if !all {
+        shown.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+    }
+    let mut rows = vec![HEADINGS.map(str::to_owned).to_vec()];
+    rows.extend(shown.iter().map(|point| cells(comparison, point)));
+    console.result("");
+    let reasons =
+        std::iter::once(None).chain(shown.iter().map(|point| point.outcome.as_ref().err()));
+    for (line, reason) in aligned_after(&rows, 3).into_iter().zip(reasons) {
+        // A reason is longer than any column.
+        let reason = reason.map_or_else(String::new, |reason| format!("  {reason}"));
+        console.result(&format!("  {line}{reason}"));
+    }
+    console.result("");
+    console.result(
+        "front: * no method is cheaper and more accurate; P no Poisson map is, in counted operations",
+    );
+    let failed = comparison
+        .points
+        .iter()
+        .filter(|p| p.outcome.is_err())
+        .count();
+    console.result(&format!(
+        "{} points of {} methods, {failed} of them failed{}",
+        comparison.points.len(),
+        comparison.methods.len(),
+        if all { "" } else { "; --all shows every one" }
+    ));
+    if all && !comparison.refused.is_empty() {
+        console.result("");
+        console.result("methods that do not fit");
+        for (name, reason) in &comparison.refused {
+            console.result(&format!("  {name}: {reason}"));
+        }
+    }
+}
+
+fn on_front(point: &Point) -> bool {
+    let front = point.outcome.as_ref().map(|measured| measured.front);
+    front.is_ok_and(|front| front.all || front.poisson)
+}
+
+fn cost(point: &Point) -> f64 {
+    let operations = point.outcome.as_ref().ok().and_then(|m| m.operations);
+    operations.map_or(f64::INFINITY, |count| count as f64)
+}
+
+fn cells(comparison: &Comparison, point: &Point) -> Vec<String> {
+    let method = &comparison.methods[point.method];
+    let own = if method.is_own { " (own)" } else { "" };
+    let name = format!("{}{own}", method.name);
+    match &point.outcome {
+        Ok(measured) => {
+            let mut cells = vec![mark(measured), name, point.setting.to_string()];
+            cells.extend(measured_cells(measured));
+            cells
+        }
+        Err(_) => vec![String::new(), name, point.setting.to_string()],
+    }
+}
+
+fn mark(measured: &Measured) -> String {
+    let front = measured.front;
+    let marks = [(front.all, '*'), (front.poisson, 'P')];
+    marks.iter().filter(|m| m.0).map(|m| m.1).collect()
+}
+
+fn measured_cells(measured: &Measured) -> [String; 6] {
+    let floor = if measured.at_floor { "~" } else { "" };
+    [
+        measured
+            .operations
+            .map_or_else(|| "-".to_owned(), |count| format!("{:.2e}", count as f64)),
+        format!("{floor}{:.1e}", measured.error),
+        format!("{:.1e}", measured.energy_drift),
+        format!("{:.1e}", measured.casimir_drift),
+        measured
+            .tensor_defect
+            .map_or_else(|| "-".to_owned(), |defect| format!("{defect:.1e}")),
+        measured
+            .wall
+            .map_or_else(|| "-".to_owned(), |wall| duration(wall.seconds)),
+    ]
+}

@@ -1,0 +1,111 @@
+//! `compare`: the table, the object, the files, and what is refused.
+
+use crate::support::{BODY, Place};
+
+const FEW: &str = "splitting,dop853,so3-exponential+hamilton-jacobi:6";
+
+#[test]
+fn a_comparison_prints_its_front_and_says_how_good_the_reference_is() {
+    let here = Place::with(BODY);
+    let said = here.leafwise(&["compare", "scene.toml", "--only", FEW, "--repeat", "0"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    for piece in [
+        "to t = 4",
+        "own error is",
+        "so3-exponential + hamilton-jacobi 6",
+        "dop853",
+    ] {
+        assert!(said.out.contains(piece), "{piece}: {}", said.out);
+    }
+    let lines = said.out.lines().count();
+    let all = here.leafwise(&[
+        "compare",
+        "scene.toml",
+        "--only",
+        FEW,
+        "--repeat",
+        "0",
+        "--all",
+    ]);
+    assert!(all.out.lines().count() > lines + 10, "{}", all.out);
+    assert!(here.is_untouched());
+}
+
+#[test]
+fn the_object_and_the_files_hold_every_point() {
+    let here = Place::with(BODY);
+    let said = here.leafwise(&[
+        "compare",
+        "scene.toml",
+        "--only",
+        FEW,
+        "--steps",
+        "20,40,80",
+        "--repeat",
+        "1",
+        "--json",
+        "--csv",
+        "points.csv",
+        "--out",
+        "results",
+    ]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let object = said.json();
+    assert_eq!(object["time"], 4.0);
+    assert!(object["reference"]["error"].as_f64().expect("a number") < 1e-11);
+    let points = object["points"].as_array().expect("a list");
+    let of = |name: &'static str| points.iter().filter(move |p| p["method"] == name);
+    assert_eq!(of("splitting").count(), 3);
+    assert!(of("dop853").all(|p| p["tolerance"].is_number()));
+    for point in points {
+        assert!(
+            point["operations"].as_u64().is_some_and(|count| count > 0),
+            "{point}"
+        );
+        assert!(point["wall_seconds"]["median"].is_number(), "{point}");
+        assert!(point["front"]["poisson"].is_boolean(), "{point}");
+    }
+    let errors: Vec<f64> = of("splitting")
+        .filter_map(|p| p["error"].as_f64())
+        .collect();
+    assert!(errors[1] < errors[0] && errors[2] < errors[1], "{errors:?}");
+    let csv = here.read("points.csv");
+    assert_eq!(csv.lines().count(), points.len() + 1);
+    let columns = |line: &str| line.matches(',').count();
+    let heading = csv.lines().next().map(columns);
+    assert!(
+        csv.lines().all(|line| Some(columns(line)) == heading),
+        "{csv}"
+    );
+    assert_eq!(here.read("results/compare.csv"), csv);
+    let stored: serde_json::Value =
+        serde_json::from_str(&here.read("results/compare.json")).expect("an object");
+    assert_eq!(stored["points"], object["points"]);
+    assert!(here.read("results/compare.html").contains("</html>"));
+}
+
+#[test]
+fn a_comparison_that_cannot_be_made_says_why() {
+    let here = Place::with(BODY);
+    let refused = |arguments: &[&str], code: i32, pieces: &[&str]| {
+        let mut command = vec!["compare", "scene.toml"];
+        command.extend_from_slice(arguments);
+        let said = here.leafwise(&command);
+        assert_eq!(said.code, Some(code), "{}", said.err);
+        said.says(pieces);
+    };
+    refused(&["--with", "rk5"], 2, &["no stepper is called `rk5`"]);
+    refused(&["--steps", "9..3"], 2, &["`9..3` is not a list of steps"]);
+    refused(&["--time", "0"], 2, &["compared over a time"]);
+    refused(&["--budget", "0"], 2, &["positive number"]);
+    refused(
+        &["--only", "rk4", "--with", "rk4"],
+        2,
+        &["cannot be used with"],
+    );
+    refused(&["--set", "method.dynamics.order=3"], 3, &["order"]);
+    let bracket =
+        "system.bracket={ \"x1,x2\" = \"-x3\", \"x2,x3\" = \"-x1*x2\", \"x3,x1\" = \"-x2\" }";
+    refused(&["--set", bracket, "--only", "rk4"], 3, &["not Poisson"]);
+    assert!(here.is_untouched());
+}

@@ -1,0 +1,219 @@
+//! A method on a scene, ready to be run at any setting.
+
+use std::borrow::Cow;
+use std::fmt;
+
+use leafwise_core::part::{ParameterDefault, ParameterInfo, PartKind};
+use leafwise_core::{MapProperties, Registry};
+use leafwise_scene::document::{MethodParts, MethodTable};
+use leafwise_scene::{ComposedRun, SceneDocument, SceneLibrary, compose};
+
+use super::error::TradeError;
+
+/// A scene on which methods are compared.
+pub struct Bench<'a> {
+    document: &'a SceneDocument,
+    registry: &'a Registry,
+    library: &'a dyn SceneLibrary,
+    own: ComposedRun,
+    time: f64,
+    steps: u64,
+}
+
+impl<'a> Bench<'a> {
+    /// A scene's system and initial state over `time`, or to the scene's own end time.
+    ///
+    /// # Errors
+    /// [`TradeError::Refused`] with the scene's first error, [`TradeError::NoTime`] for a run that
+    /// ends where it begins.
+    pub fn new(
+        document: &'a SceneDocument,
+        registry: &'a Registry,
+        library: &'a dyn SceneLibrary,
+        time: Option<f64>,
+    ) -> Result<Self, TradeError> {
+        let own = compose(document, registry)?;
+        let step = own.plan.epsilon * own.plan.h;
+        let time = time.unwrap_or(own.plan.steps as f64 * step);
+        if !time.is_finite() || time == 0.0 {
+            return Err(TradeError::NoTime { time });
+        }
+        let steps = libm::round((time / step).abs()).max(1.0) as u64;
+        Ok(Self {
+            document,
+            registry,
+            library,
+            own,
+            time,
+            steps,
+        })
+    }
+
+    /// The scene.
+    pub fn document(&self) -> &SceneDocument {
+        self.document
+    }
+
+    /// The parts that methods are built of.
+    pub fn registry(&self) -> &Registry {
+        self.registry
+    }
+
+    /// The scene with its own method.
+    pub fn own(&self) -> &ComposedRun {
+        &self.own
+    }
+
+    /// The time over which methods are compared.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// The number of steps that the scene's own step makes of it.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// The names of the invariants: the energy, then the Casimirs.
+    pub fn invariants(&self) -> Vec<String> {
+        let casimirs = self.own.system.casimir_names().into_iter();
+        std::iter::once("energy")
+            .chain(casimirs)
+            .map(str::to_owned)
+            .collect()
+    }
+
+    /// The scene with another method, as it would be run.
+    ///
+    /// # Errors
+    /// Why the method does not fit, in words.
+    pub fn compose(
+        &self,
+        method: &MethodTable,
+        time_step: f64,
+        steps: u64,
+    ) -> Result<ComposedRun, String> {
+        let text = method
+            .write_into(&self.document.text, time_step, steps)
+            .map_err(|error| error.to_string())?;
+        let document = SceneDocument::parse(&self.document.name, &text, self.library)
+            .map_err(|error| error.to_string())?;
+        compose(&document, self.registry).map_err(|refusal| refusal.message.clone())
+    }
+}
+
+/// What is varied to trade cost for accuracy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Knob {
+    /// The number of steps.
+    Steps,
+    /// The tolerance of a method that chooses its own steps inside each step of the scene.
+    Tolerance,
+}
+
+/// One choice of what is varied.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setting {
+    /// The number of steps.
+    pub steps: u64,
+    /// The tolerance, for an adaptive method.
+    pub tolerance: Option<f64>,
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.tolerance {
+            Some(tolerance) => write!(f, "tolerance {tolerance:e}"),
+            None => write!(f, "{} steps", self.steps),
+        }
+    }
+}
+
+/// A method that fits a scene.
+pub struct Candidate {
+    /// The method; an adaptive one without its tolerance.
+    pub method: MethodTable,
+    /// What is varied.
+    pub knob: Knob,
+    /// One line: parts and orders.
+    pub name: String,
+    /// What the method declares.
+    pub properties: MapProperties,
+    /// The method built; for an adaptive one at the default tolerance.
+    pub run: ComposedRun,
+}
+
+/// The parameter by which a stepper chooses its own steps.
+const TOLERANCE: &str = "tolerance";
+
+impl Candidate {
+    /// Builds a method for a scene; `auto` is replaced by what is taken.
+    ///
+    /// # Errors
+    /// Why it does not fit, in words.
+    pub fn build(bench: &Bench<'_>, method: &MethodTable) -> Result<Self, String> {
+        let time_step = bench.time / bench.steps as f64;
+        let run = bench.compose(method, time_step, bench.steps)?;
+        let knob = knob(bench.registry, method);
+        let resolved = MethodTable::of_choices(&run.plan.parts);
+        let method = match knob {
+            Knob::Steps => resolved.unwrap_or_else(|| method.clone()),
+            Knob::Tolerance => method.clone(),
+        };
+        Ok(Self {
+            name: method.to_string(),
+            properties: run.method.map().properties(),
+            method,
+            knob,
+            run,
+        })
+    }
+
+    /// The method at a setting, as a scene would say it.
+    pub fn method_at(&self, setting: Setting) -> MethodTable {
+        let mut method = self.method.clone();
+        if let (Some(tolerance), MethodParts::Stepper(stepper)) =
+            (setting.tolerance, &mut method.parts)
+        {
+            *stepper = stepper.clone().with(TOLERANCE, tolerance);
+        }
+        method
+    }
+
+    /// The method built for a setting: itself, or an adaptive one at its tolerance.
+    ///
+    /// # Errors
+    /// Why it does not fit, in words.
+    pub fn run_at(
+        &self,
+        bench: &Bench<'_>,
+        setting: Setting,
+    ) -> Result<Cow<'_, ComposedRun>, String> {
+        if setting.tolerance.is_none() {
+            return Ok(Cow::Borrowed(&self.run));
+        }
+        let time_step = bench.time / setting.steps as f64;
+        let run = bench.compose(&self.method_at(setting), time_step, setting.steps)?;
+        Ok(Cow::Owned(run))
+    }
+}
+
+/// An adaptive stepper whose tolerance is left open is varied by it.
+fn knob(registry: &Registry, method: &MethodTable) -> Knob {
+    let MethodParts::Stepper(stepper) = &method.parts else {
+        return Knob::Steps;
+    };
+    let is_adaptive = registry.parts().into_iter().any(|info| {
+        let takes = |p: &ParameterInfo| {
+            p.name == TOLERANCE && matches!(p.default, ParameterDefault::Real(_))
+        };
+        info.kind == PartKind::Stepper
+            && info.name == stepper.name
+            && info.parameters.iter().any(takes)
+    });
+    if is_adaptive && stepper.parameter(TOLERANCE).is_none() && method.composition.is_none() {
+        Knob::Tolerance
+    } else {
+        Knob::Steps
+    }
+}

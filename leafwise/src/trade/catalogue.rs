@@ -1,0 +1,301 @@
+//! The methods that are compared on a scene.
+
+use leafwise_core::Accuracy;
+use leafwise_core::part::{ParameterSetting, PartKind};
+use leafwise_scene::compose::Stepping;
+use leafwise_scene::document::{MethodParts, MethodTable, PartUse};
+
+use super::candidate::{Bench, Candidate};
+
+/// How many methods are tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extent {
+    /// What a reader wants to see: the scene's own method, the cheapest exact realization,
+    /// Karasev's truncation if the scene names it, the best compositions, splitting, baselines.
+    Standard,
+    /// Every exact realization, every composition, collective integrators too.
+    Full,
+}
+
+/// A method on a scene, or why it does not fit.
+pub struct Entry {
+    /// The method as asked for.
+    pub method: MethodTable,
+    /// It built.
+    pub candidate: Result<Candidate, String>,
+}
+
+/// The orders m at which Hamilton–Jacobi is tried when none are asked for.
+const ORDERS: [usize; 6] = [2, 4, 6, 8, 10, 12];
+
+/// A higher order is not tried by itself where dS has this many monomials in its last term: their
+/// number grows by two to four each time, and the time to form them by ten to thirty.
+const MOST_MONOMIALS: usize = 300;
+
+/// On a lattice: where an evaluation costs this many times that of order 2.
+const MOST_WORK: u64 = 16;
+
+/// Implicit steppers solve dense systems: beyond this dimension they are not tried.
+const LARGEST_DENSE: usize = 96;
+
+/// The best composition of each order (Hairer, Lubich, Wanner, *Geometric Numerical Integration*,
+/// section V.3.2), and the others.
+const BEST_COMPOSITIONS: [(&str, usize); 4] = [
+    ("suzuki-4", 4),
+    ("kahan-li-6", 6),
+    ("suzuki-umeno-8", 8),
+    ("sofroniou-spaletta-10", 10),
+];
+const OTHER_COMPOSITIONS: [(&str, usize); 4] = [
+    ("triple-jump", 4),
+    ("yoshida-6", 6),
+    ("kahan-li-8", 8),
+    ("kahan-li-10", 10),
+];
+
+/// What the catalogue is made for.
+pub(super) struct Catalogue<'a> {
+    bench: &'a Bench<'a>,
+    extent: Extent,
+    /// The orders asked for.
+    orders: Option<&'a [usize]>,
+    entries: Vec<Entry>,
+}
+
+/// The methods for a scene, built. With `orders`, only methods of these declared orders beside the
+/// scene's own, and Hamilton–Jacobi at each of them.
+pub fn catalogue(bench: &Bench<'_>, extent: Extent, orders: Option<&[usize]>) -> Vec<Entry> {
+    let mut catalogue = Catalogue {
+        bench,
+        extent,
+        orders,
+        entries: Vec::new(),
+    };
+    catalogue.fill();
+    catalogue.entries
+}
+
+impl Catalogue<'_> {
+    fn fill(&mut self) {
+        let own = MethodTable::of_choices(&self.bench.own().plan.parts);
+        self.entries.extend(own.iter().map(|own| Entry {
+            method: own.clone(),
+            candidate: Candidate::build(self.bench, own),
+        }));
+        let cheapest = self.cheapest();
+        for realization in self.realizations(cheapest.as_ref(), own.as_ref()) {
+            self.rising_orders(&realization);
+        }
+        if self.extent == Extent::Full {
+            self.truncations();
+            if let Some(realization) = &cheapest {
+                self.collective(realization);
+            }
+        }
+        if let Some(realization) = cheapest {
+            for order in [2, 4] {
+                let base = MethodTable::pair(realization.clone(), hamilton_jacobi(order));
+                self.compositions(&base, order);
+            }
+        }
+        for stepper in ["splitting", "spherical-midpoint"] {
+            let base = MethodTable::stepper(PartUse::named(stepper));
+            if self.add(base.clone()) {
+                self.compositions(&base, 2);
+            }
+        }
+        self.baselines();
+    }
+
+    /// Whether a declared order is asked for.
+    fn wants(&self, order: usize) -> bool {
+        self.orders.is_none_or(|orders| orders.contains(&order))
+    }
+
+    /// Builds a method and adds it unless it is there; tells whether it fits the scene.
+    fn add(&mut self, method: MethodTable) -> bool {
+        let candidate = Candidate::build(self.bench, &method);
+        let fits = candidate.is_ok();
+        self.add_built(method, candidate);
+        fits
+    }
+
+    fn add_built(&mut self, method: MethodTable, candidate: Result<Candidate, String>) {
+        let is_there = |entry: &Entry| match (&entry.candidate, &candidate) {
+            (Ok(known), Ok(new)) => known.method == new.method,
+            _ => entry.method == method,
+        };
+        let is_wanted = match &candidate {
+            Ok(candidate) => self.wants(candidate.properties.order),
+            Err(_) => true,
+        };
+        if is_wanted && !self.entries.iter().any(is_there) {
+            self.entries.push(Entry { method, candidate });
+        }
+    }
+
+    /// The exact realization that a scene with `realization = "auto"` takes.
+    fn cheapest(&self) -> Option<PartUse> {
+        let method = MethodTable::pair(PartUse::named("auto"), hamilton_jacobi(2));
+        let candidate = Candidate::build(self.bench, &method).ok()?;
+        let MethodParts::Pair { realization, .. } = candidate.method.parts else {
+            return None;
+        };
+        Some(realization)
+    }
+
+    /// The realizations that Hamilton–Jacobi is tried over.
+    fn realizations(&self, cheapest: Option<&PartUse>, own: Option<&MethodTable>) -> Vec<PartUse> {
+        let mut realizations: Vec<PartUse> = cheapest.cloned().into_iter().collect();
+        if let Some(MethodParts::Pair { realization, .. }) = own.map(|own| &own.parts) {
+            realizations.push(realization.clone());
+        }
+        if self.extent == Extent::Full {
+            let parts = self.bench.registry().parts().into_iter();
+            let names = parts.filter(|p| p.kind == PartKind::Realization);
+            realizations.extend(names.map(|p| PartUse::named(p.name)).filter(|part| {
+                let method = MethodTable::pair(part.clone(), hamilton_jacobi(2));
+                let built = Candidate::build(self.bench, &method);
+                built.is_ok_and(|built| accuracy(&built) == Some(Accuracy::Exact))
+            }));
+        }
+        let mut kept: Vec<PartUse> = Vec::new();
+        for realization in realizations {
+            if !kept.iter().any(|known| same(known, &realization)) {
+                kept.push(realization);
+            }
+        }
+        kept
+    }
+
+    /// Hamilton–Jacobi of rising orders: those asked for, or until dS is too long.
+    fn rising_orders(&mut self, realization: &PartUse) {
+        if let Some(orders) = self.orders {
+            for order in orders.iter().filter(|m| m.is_multiple_of(2)) {
+                self.add(MethodTable::pair(
+                    realization.clone(),
+                    hamilton_jacobi(*order as i64),
+                ));
+            }
+            return;
+        }
+        let mut of_order_two = None;
+        for order in ORDERS {
+            let method = MethodTable::pair(realization.clone(), hamilton_jacobi(order as i64));
+            let built = Candidate::build(self.bench, &method);
+            // Truncated after n, a realization gains nothing from m above 2⌊n/2⌋ + 2.
+            let is_wasted = match built.as_ref().ok().and_then(accuracy) {
+                Some(Accuracy::Order(n)) => order > 2 * (n / 2),
+                _ => false,
+            };
+            let is_long = is_wasted || self.is_long(&built, &mut of_order_two);
+            self.add_built(method, built);
+            if is_long {
+                break;
+            }
+        }
+    }
+
+    /// Karasev's series after n = m for each order, where the dynamics is not too long.
+    fn truncations(&mut self) {
+        let mut of_order_two = None;
+        for order in ORDERS {
+            let realization = PartUse::named("karasev-truncated").with("order", order as i64);
+            let method = MethodTable::pair(realization, hamilton_jacobi(order as i64));
+            let built = Candidate::build(self.bench, &method);
+            let is_long = self.is_long(&built, &mut of_order_two);
+            self.add_built(method, built);
+            if is_long {
+                break;
+            }
+        }
+    }
+
+    /// Whether a higher order is not worth a try, or the present one does not fit.
+    fn is_long(&self, built: &Result<Candidate, String>, of_order_two: &mut Option<u64>) -> bool {
+        let Ok(built) = built else {
+            return true;
+        };
+        let work = lattice_work(built);
+        *of_order_two = of_order_two.or(work);
+        let heavy = match (work, *of_order_two) {
+            (Some(work), Some(first)) => work > MOST_WORK * first,
+            _ => false,
+        };
+        heavy || monomials(built) > MOST_MONOMIALS
+    }
+
+    fn collective(&mut self, realization: &PartUse) {
+        for stages in [2, 3] {
+            let dynamics = PartUse::named("collective").with("stages", stages);
+            self.add(MethodTable::pair(realization.clone(), dynamics));
+        }
+    }
+
+    /// Compositions of a base; those that do not raise its order are left out.
+    fn compositions(&mut self, base: &MethodTable, order: i64) {
+        let others = match self.extent {
+            Extent::Standard => &[],
+            Extent::Full => OTHER_COMPOSITIONS.as_slice(),
+        };
+        for (name, raised) in BEST_COMPOSITIONS.iter().chain(others) {
+            if *raised as i64 > order {
+                self.add(base.clone().composed(PartUse::named(*name)));
+            }
+        }
+    }
+
+    fn baselines(&mut self) {
+        let mut baselines = vec![
+            PartUse::named("dop853"),
+            PartUse::named("dormand-prince45"),
+            PartUse::named("rk4"),
+        ];
+        if self.bench.own().dimension() <= LARGEST_DENSE {
+            baselines.extend([
+                PartUse::named("implicit-midpoint"),
+                PartUse::named("gauss").with("stages", 2),
+                PartUse::named("gauss").with("stages", 3),
+            ]);
+        }
+        for baseline in baselines {
+            self.add(MethodTable::stepper(baseline));
+        }
+    }
+}
+
+fn hamilton_jacobi(order: i64) -> PartUse {
+    PartUse::named("hamilton-jacobi").with("order", order)
+}
+
+/// The same part with the same parameters where both give them.
+fn same(a: &PartUse, b: &PartUse) -> bool {
+    let agrees = |(name, value): &(String, ParameterSetting)| {
+        b.parameter(name).is_none_or(|other| other == value)
+    };
+    a.name == b.name && a.parameters.iter().all(agrees)
+}
+
+fn accuracy(candidate: &Candidate) -> Option<Accuracy> {
+    match &candidate.run.method {
+        Stepping::Lattice(lattice) => Some(lattice.method.realization().accuracy()),
+        stepping => Some(stepping.written()?.realization().accuracy()),
+    }
+}
+
+/// The monomials of dS's last term, 0 where dS is not known.
+fn monomials(candidate: &Candidate) -> usize {
+    let written = candidate.run.method.written();
+    let generating = written.and_then(|method| method.bisection().generating_function());
+    generating
+        .and_then(|generating| generating.gradients.last())
+        .map_or(0, |last| last.iter().map(|p| p.terms().len()).sum())
+}
+
+/// Operations of one evaluation on a lattice.
+fn lattice_work(candidate: &Candidate) -> Option<u64> {
+    match &candidate.run.method {
+        Stepping::Lattice(lattice) => Some(lattice.method.program().work()),
+        _ => None,
+    }
+}

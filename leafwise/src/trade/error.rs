@@ -1,0 +1,53 @@
+//! Why methods could not be compared on a scene.
+
+use leafwise_core::BuildError;
+use leafwise_scene::Refusal;
+
+/// Why methods could not be compared on a scene.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TradeError {
+    /// The scene cannot be built.
+    #[error("{}", .0.message)]
+    Refused(Refusal),
+    /// A formula that is watched has no code.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// A run that ends where it begins.
+    #[error("methods are compared over a time; the scene runs from t = 0 to t = {time}")]
+    NoTime {
+        /// The end time.
+        time: f64,
+    },
+    /// A method that cannot be read.
+    #[error("`{text}` is not a method: {reason}")]
+    Method {
+        /// What was given.
+        text: String,
+        /// Why not.
+        reason: String,
+    },
+    /// A list of steps that cannot be read.
+    #[error("`{text}` is not a list of steps: {reason}")]
+    Steps {
+        /// What was given.
+        text: String,
+        /// Why not.
+        reason: String,
+    },
+    /// No high-accuracy method reaches the end time.
+    #[error(
+        "no reference solution: {}; shorten the time or choose another initial state",
+        reasons.join("; ")
+    )]
+    NoReference {
+        /// Each method with the reason.
+        reasons: Vec<String>,
+    },
+}
+
+impl From<Refusal> for TradeError {
+    fn from(refusal: Refusal) -> Self {
+        Self::Refused(refusal)
+    }
+}

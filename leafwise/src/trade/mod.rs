@@ -1,0 +1,37 @@
+//! The trade between speed and accuracy, measured on a scene.
+//!
+//! A *candidate* is a method that fits the scene; its *setting* is the number of steps to the end
+//! time, or the tolerance of a method that chooses its own steps. A *trial* is one run: its cost
+//! in counted operations ([`SolverStatistics::operations`]), the distance of its end state from a
+//! reference solution, and the largest drift of every invariant over every step.
+//!
+//! - [`compare`]: every method over a grid of settings, with the fronts that no other point beats;
+//! - [`Reference`]: the end state by two methods of high accuracy, with an estimate of its error;
+//! - [`comparison_page`]: a comparison as a page with figures;
+//! - `candidate`, `catalogue`, `parse`, `grid`, `trial`, `front`: the pieces.
+//!
+//! [`SolverStatistics::operations`]: leafwise_core::SolverStatistics::operations
+
+mod candidate;
+mod catalogue;
+mod compare;
+mod error;
+mod front;
+mod grid;
+mod page;
+mod parse;
+mod reference;
+mod trial;
+
+pub use candidate::{Bench, Candidate, Knob, Setting};
+pub use catalogue::{Entry, Extent, catalogue};
+pub use compare::{
+    CompareOptions, ComparedMethod, Comparison, Front, LEAST_BUDGET, Measured, Point, compare,
+};
+pub use error::TradeError;
+pub use front::pareto_front;
+pub use grid::Grid;
+pub use page::comparison_page;
+pub use parse::parse_method;
+pub use reference::Reference;
+pub use trial::{Trial, TrialFailure, Wall, distance, run_trial, tensor_defect, time_run};

@@ -1,0 +1,166 @@
+//! The state at the end time, by two methods of high accuracy.
+
+use leafwise_scene::document::{MethodTable, PartUse};
+
+use super::candidate::{Bench, Candidate, Setting};
+use super::error::TradeError;
+use super::grid::Grid;
+use super::trial::{Trial, TrialFailure, distance, norm, run_trial};
+
+/// The state that errors are measured against, and how well it is known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reference {
+    /// x at the end time.
+    pub state: Vec<f64>,
+    /// An estimate of its error: the largest of the distance to the other method's state and of
+    /// what the last refinement of the better method changed.
+    pub error: f64,
+    /// The methods that agree, the better one first, with their settings.
+    pub methods: Vec<String>,
+}
+
+/// Errors below this many times the reference's own cannot be told from it.
+const FLOOR: f64 = 10.0;
+
+/// What one run of a reference may cost.
+const BUDGET: u64 = 1_000_000_000;
+
+/// Refinements that are tried: steps halved, tolerances lowered tenfold.
+const MOST_REFINEMENTS: u32 = 9;
+
+/// A change below this many units of round-off of the state is not refined any further.
+const ROUND_OFF: f64 = 4.0;
+
+impl Reference {
+    /// Computes the reference: two methods of different families, each refined until it no longer
+    /// changes.
+    ///
+    /// # Errors
+    /// [`TradeError::NoReference`] when no method reaches the end.
+    pub fn compute(bench: &Bench<'_>) -> Result<Self, TradeError> {
+        let mut found: Vec<Refined> = Vec::new();
+        let mut reasons = Vec::new();
+        for method in families(bench) {
+            match refine(bench, &method) {
+                Ok(refined) => found.push(refined),
+                Err(reason) => reasons.push(format!("{method}: {reason}")),
+            }
+            if found.len() == 2 {
+                break;
+            }
+        }
+        found.sort_by(|a, b| a.change.total_cmp(&b.change));
+        let Some(best) = found.first() else {
+            return Err(TradeError::NoReference { reasons });
+        };
+        let other = found
+            .get(1)
+            .map(|other| distance(&best.state, &other.state));
+        Ok(Self {
+            state: best.state.clone(),
+            error: best.change.max(other.unwrap_or(0.0)),
+            methods: found.iter().map(|refined| refined.name.clone()).collect(),
+        })
+    }
+
+    /// The smallest error that can be told from the reference's own.
+    pub fn floor(&self) -> f64 {
+        FLOOR * self.error
+    }
+
+    /// ‖x*‖.
+    pub fn norm(&self) -> f64 {
+        norm(&self.state)
+    }
+}
+
+/// A method refined until it no longer changes.
+struct Refined {
+    state: Vec<f64>,
+    change: f64,
+    name: String,
+}
+
+/// The largest system of stage equations that a Gauss method of eight stages is tried on.
+const LARGEST_GAUSS: usize = 12;
+
+/// Methods of order 8 and more, of families that share no code: implicit collocation,
+/// compositions of Poisson maps, an adaptive explicit pair.
+fn families(bench: &Bench<'_>) -> Vec<MethodTable> {
+    let tenth = || PartUse::named("sofroniou-spaletta-10");
+    let hamilton_jacobi = |order: i64| PartUse::named("hamilton-jacobi").with("order", order);
+    let auto = || PartUse::named("auto");
+    let mut families = Vec::new();
+    if bench.own().dimension() <= LARGEST_GAUSS {
+        families.push(MethodTable::stepper(
+            PartUse::named("gauss").with("stages", 8),
+        ));
+    }
+    families.push(MethodTable::stepper(PartUse::named("splitting")).composed(tenth()));
+    families.push(MethodTable::stepper(PartUse::named("dop853")));
+    families.push(MethodTable::pair(auto(), hamilton_jacobi(2)).composed(tenth()));
+    families
+        .push(MethodTable::pair(auto(), hamilton_jacobi(4)).composed(PartUse::named("kahan-li-8")));
+    families
+}
+
+fn refine(bench: &Bench<'_>, method: &MethodTable) -> Result<Refined, String> {
+    let candidate = Candidate::build(bench, method)?;
+    let grid = Grid::of_reference(&candidate, bench.steps());
+    let mut last: Option<Trial> = None;
+    let mut best: Option<Refined> = None;
+    let mut failure = None;
+    let mut before = f64::INFINITY;
+    for setting in (0..MOST_REFINEMENTS).map_while(|k| grid.setting(k as usize)) {
+        let trial = match run_setting(bench, &candidate, setting) {
+            Ok(trial) => trial,
+            Err(error @ TrialFailure::OverBudget { .. }) => {
+                failure = Some(error.to_string());
+                break;
+            }
+            // A coarse step may fail where a fine one does not.
+            Err(error) => {
+                failure = Some(error.to_string());
+                last = None;
+                continue;
+            }
+        };
+        if let Some(coarser) = &last {
+            let change = distance(&coarser.state, &trial.state);
+            if best.as_ref().is_none_or(|best| change < best.change) {
+                best = Some(Refined {
+                    state: trial.state.clone(),
+                    change,
+                    name: described(&candidate, setting),
+                });
+            }
+            let size = norm(&trial.state);
+            let stagnates = change >= 0.5 * before && before <= 1e-9 * size;
+            if change <= ROUND_OFF * f64::EPSILON * size || stagnates {
+                break;
+            }
+            before = change;
+        }
+        last = Some(trial);
+    }
+    best.ok_or_else(|| failure.unwrap_or_else(|| "it cannot be refined".to_owned()))
+}
+
+fn run_setting(
+    bench: &Bench<'_>,
+    candidate: &Candidate,
+    setting: Setting,
+) -> Result<Trial, TrialFailure> {
+    let run = candidate
+        .run_at(bench, setting)
+        .map_err(|reason| TrialFailure::DoesNotFit { reason })?;
+    let time_step = bench.time() / setting.steps as f64;
+    run_trial(&run, time_step, setting.steps, BUDGET)
+}
+
+fn described(candidate: &Candidate, setting: Setting) -> String {
+    match setting.tolerance {
+        Some(tolerance) => format!("{} at tolerance {tolerance:e}", candidate.name),
+        None => format!("{} in {} steps", candidate.name, setting.steps),
+    }
+}

@@ -1,0 +1,225 @@
+//! One run of one method: what it costs and what it keeps.
+
+use std::time::Instant;
+
+use leafwise_core::diagnostics::TensorDefect;
+use leafwise_core::{BuildError, Integrator, SolverStatistics, StepError};
+use leafwise_scene::ComposedRun;
+use leafwise_scene::compose::Stepping;
+
+/// Why a run did not reach its end.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TrialFailure {
+    /// The method does not fit the scene.
+    #[error("{reason}")]
+    DoesNotFit {
+        /// Why, in words.
+        reason: String,
+    },
+    /// A step could not be taken.
+    #[error("step {step}: {error}")]
+    Step {
+        /// The steps before it.
+        step: u64,
+        /// The solver's error.
+        error: StepError,
+    },
+    /// An invariant has no finite value.
+    #[error("step {step}: an invariant is not finite")]
+    NotFinite {
+        /// The steps before it.
+        step: u64,
+    },
+    /// The run costs more than it was allowed to.
+    #[error("more than {budget:.1e} operations: stopped at step {step} of {steps}")]
+    OverBudget {
+        /// What was allowed.
+        budget: f64,
+        /// The steps taken.
+        step: u64,
+        /// The steps asked for.
+        steps: u64,
+    },
+}
+
+/// What a run left behind.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trial {
+    /// x at the end.
+    pub state: Vec<f64>,
+    /// The solver's work.
+    pub statistics: SolverStatistics,
+    /// max |I(x_k) − I(x_0)| over every step, the energy's first.
+    pub drift: Vec<f64>,
+}
+
+impl Trial {
+    /// The cost by which runs are compared: counted operations, or evaluations where a part does
+    /// not count its own.
+    pub fn cost(&self) -> u64 {
+        cost(&self.statistics)
+    }
+}
+
+/// The cost of a solver's work.
+pub(super) fn cost(statistics: &SolverStatistics) -> u64 {
+    statistics.operations.unwrap_or(statistics.evaluations)
+}
+
+fn integrator(run: &ComposedRun, time_step: f64) -> Integrator {
+    let values = run.system.parameter_values();
+    Integrator::new(run.method.map(), &values, 1.0, time_step, &run.plan.initial)
+}
+
+/// Takes `steps` steps and watches the invariants at every one; stops once `budget` operations are
+/// spent.
+///
+/// # Errors
+/// [`TrialFailure`], with the step.
+pub fn run_trial(
+    run: &ComposedRun,
+    time_step: f64,
+    steps: u64,
+    budget: u64,
+) -> Result<Trial, TrialFailure> {
+    let unfit = |error: BuildError| TrialFailure::DoesNotFit {
+        reason: error.to_string(),
+    };
+    let mut observer = run.invariants().map_err(unfit)?;
+    let mut integrator = integrator(run, time_step);
+    let count = observer.observables();
+    let (mut initial, mut now) = (vec![0.0; count], vec![0.0; count]);
+    observer.evaluate(integrator.state(), &mut initial);
+    let mut drift = vec![0.0_f64; count];
+    for step in 0..steps {
+        integrator
+            .step()
+            .map_err(|error| TrialFailure::Step { step, error })?;
+        if cost(&integrator.statistics()) > budget {
+            return Err(TrialFailure::OverBudget {
+                budget: budget as f64,
+                step: step + 1,
+                steps,
+            });
+        }
+        observer.evaluate(integrator.state(), &mut now);
+        for ((drift, now), initial) in drift.iter_mut().zip(&now).zip(&initial) {
+            let change = (now - initial).abs();
+            if !change.is_finite() {
+                return Err(TrialFailure::NotFinite { step: step + 1 });
+            }
+            *drift = drift.max(change);
+        }
+    }
+    Ok(Trial {
+        state: integrator.state().to_vec(),
+        statistics: integrator.statistics(),
+        drift,
+    })
+}
+
+/// How long a run took, without observers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wall {
+    /// The median of the repetitions, in seconds.
+    pub seconds: f64,
+    /// The largest less the smallest, in seconds.
+    pub spread: f64,
+    /// How often it was measured.
+    pub repetitions: usize,
+}
+
+/// Steps without observers, `repetitions` times.
+///
+/// # Errors
+/// [`TrialFailure::Step`].
+pub fn time_run(
+    run: &ComposedRun,
+    time_step: f64,
+    steps: u64,
+    repetitions: usize,
+) -> Result<Wall, TrialFailure> {
+    let mut seconds = Vec::with_capacity(repetitions.max(1));
+    for _ in 0..repetitions.max(1) {
+        let mut integrator = integrator(run, time_step);
+        let started = Instant::now();
+        for step in 0..steps {
+            integrator
+                .step()
+                .map_err(|error| TrialFailure::Step { step, error })?;
+        }
+        seconds.push(started.elapsed().as_secs_f64());
+    }
+    seconds.sort_by(f64::total_cmp);
+    let (first, last) = (seconds[0], seconds[seconds.len() - 1]);
+    Ok(Wall {
+        seconds: seconds[seconds.len() / 2],
+        spread: last - first,
+        repetitions: seconds.len(),
+    })
+}
+
+/// The largest dimension of a dense tangent map.
+const LARGEST_TANGENT: usize = 128;
+
+/// The tensor defect ‖DΦ Π DΦᵀ − Π∘Φ‖ of one cold step from each state, the largest, relative to
+/// the tensor and the stretch of DΦ; `None` where the map offers no tangent.
+pub fn tensor_defect(run: &ComposedRun, time_step: f64, states: &[&[f64]]) -> Option<f64> {
+    let is_dense = !matches!(run.method, Stepping::Lattice(_));
+    if !is_dense || run.dimension() > LARGEST_TANGENT {
+        return None;
+    }
+    let values = run.system.parameter_values();
+    let map = run.method.map();
+    let mut instrument = TensorDefect::new(&run.system, map, &values, 1.0, time_step).ok()?;
+    let mut largest = 0.0_f64;
+    for state in states {
+        largest = largest.max(instrument.measure(state).ok()?.relative()?);
+    }
+    Some(largest)
+}
+
+/// ‖a − b‖, the Euclidean norm; in units of the largest difference, so that nothing overflows.
+pub fn distance(a: &[f64], b: &[f64]) -> f64 {
+    norm_of(a.iter().zip(b).map(|(a, b)| a - b))
+}
+
+/// ‖a‖.
+pub(super) fn norm(a: &[f64]) -> f64 {
+    norm_of(a.iter().copied())
+}
+
+fn norm_of(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    let largest = values.clone().fold(0.0_f64, |m, v| {
+        if m.is_nan() || v.is_nan() {
+            f64::NAN
+        } else {
+            m.max(v.abs())
+        }
+    });
+    if largest == 0.0 || !largest.is_finite() {
+        return largest;
+    }
+    largest * libm::sqrt(values.map(|v| v / largest * (v / largest)).sum())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::distance;
+
+    #[test]
+    fn distances_neither_overflow_nor_lose_what_is_not_a_number() {
+        // A quotient, a product, a sum, a root and a product, each rounded once.
+        for size in [1e200, 1e-200] {
+            let found = distance(&[3.0 * size, 4.0 * size], &[0.0, 0.0]);
+            assert!(
+                (found / (5.0 * size) - 1.0).abs() <= 4.0 * f64::EPSILON,
+                "{found:e}"
+            );
+        }
+        assert_eq!(distance(&[1.0], &[1.0]), 0.0);
+        assert!(distance(&[f64::NAN, 1.0], &[0.0, 0.0]).is_nan());
+        assert!(distance(&[1.0, f64::NAN, 2.0], &[0.0; 3]).is_nan());
+    }
+}

@@ -1,0 +1,269 @@
+//! Comparisons: the reference is as good as it says, fronts are fronts, failures are rows.
+
+mod common;
+
+use common::scene;
+use leafwise::ProblemLibrary;
+use leafwise::core::{Registry, Structure};
+use leafwise::scene::SceneDocument;
+use leafwise::trade::{
+    Bench, CompareOptions, Comparison, Grid, Knob, Reference, TradeError, TrialFailure, compare,
+    comparison_page, distance, parse_method,
+};
+use serde_json::Value;
+
+fn comparison(document: &SceneDocument, options: &CompareOptions) -> Comparison {
+    let registry = Registry::with_builtin();
+    let bench = Bench::new(document, &registry, &ProblemLibrary, None).expect("a bench");
+    compare(&bench, options, &mut |_, _, _| true).expect("a comparison")
+}
+
+fn only(methods: &[&str]) -> CompareOptions {
+    let registry = Registry::with_builtin();
+    let read = |text: &&str| parse_method(text, &registry).expect("a method");
+    CompareOptions {
+        only: methods.iter().map(read).collect(),
+        ..CompareOptions::default()
+    }
+}
+
+/// Against flows of 25 digits: two methods that agree to `error` are not both wrong by more, up to
+/// the rounding of a few coordinates.
+#[test]
+fn the_reference_is_as_near_to_the_flow_as_it_says() {
+    let text = include_str!("../../systems/reference/flows.json");
+    let data: Value = serde_json::from_str(text).expect("reference data");
+    let registry = Registry::with_builtin();
+    for flow in data["flows"].as_array().expect("a list of flows") {
+        let list = |key: &str| -> Vec<f64> {
+            let list = flow[key].as_array().expect("a list").iter();
+            list.map(|v| v.as_str().expect("a decimal").parse().expect("a number"))
+                .collect()
+        };
+        let (id, initial) = (flow["system"].as_str().expect("a name"), list("initial"));
+        let document = scene(id, &format!("{initial:?}"), 0.1, 10);
+        let bench = Bench::new(&document, &registry, &ProblemLibrary, None).expect("a bench");
+        let reference = Reference::compute(&bench).expect("a reference");
+        let error = distance(&reference.state, &list("final"));
+        let round_off = 4.0 * f64::EPSILON * reference.norm();
+        assert_eq!(reference.methods.len(), 2, "{id}");
+        assert!(error <= reference.error + round_off, "{id}: {error:e}");
+        assert!(reference.error <= 1e-12, "{id}: {:e}", reference.error);
+    }
+}
+
+#[test]
+fn the_standard_methods_of_a_rigid_body_are_compared_and_the_front_is_theirs() {
+    let document = scene("rigid-body", "[1, 3, 3]", 0.2, 50);
+    let comparison = comparison(&document, &CompareOptions::default());
+    let names: Vec<&str> = comparison.methods.iter().map(|m| m.name.as_str()).collect();
+    for name in [
+        "so3-exponential + hamilton-jacobi 2",
+        "so3-exponential + hamilton-jacobi 12",
+        "suzuki-umeno-8 of so3-exponential + hamilton-jacobi 4",
+        "sofroniou-spaletta-10 of splitting",
+        "spherical-midpoint",
+        "dop853",
+        "dormand-prince45",
+        "gauss 3",
+        "rk4",
+    ] {
+        assert!(names.contains(&name), "{name} in {names:?}");
+    }
+    let own: Vec<_> = comparison.methods.iter().filter(|m| m.is_own).collect();
+    assert_eq!(own.len(), 1);
+    assert_eq!(own[0].name, "karasev-truncated 6 + hamilton-jacobi 2");
+
+    let measured = || {
+        let points = comparison.points.iter();
+        points.filter_map(|p| Some((&comparison.methods[p.method], p.outcome.as_ref().ok()?)))
+    };
+    let floor = comparison.reference.floor();
+    for (method, a) in measured() {
+        let (cost, error) = (a.operations.expect("counted"), a.error.max(floor));
+        let beaten = |of_poisson: bool| {
+            measured().any(|(_, b)| {
+                let (c, e) = (b.operations.expect("counted"), b.error.max(floor));
+                (!of_poisson || b.is_poisson) && c <= cost && e <= error && (c, e) != (cost, error)
+            })
+        };
+        assert!(!(a.front.all && beaten(false)), "{}", method.name);
+        assert!(
+            !(a.front.poisson && (beaten(true) || !a.is_poisson)),
+            "{}",
+            method.name
+        );
+        // A Poisson map keeps the sphere: a few roundings of |x|² = 19 a step, added up.
+        if method.structure == Structure::Exact {
+            assert!(
+                a.casimir_drift < 1e-12,
+                "{}: {:e}",
+                method.name,
+                a.casimir_drift
+            );
+            assert!(a.is_poisson);
+        }
+        if method.structure == Structure::None {
+            assert!(!a.is_poisson, "{}", method.name);
+        }
+        assert!(a.wall.is_none(), "not asked for");
+    }
+    assert!(measured().filter(|(_, m)| m.front.poisson).count() >= 5);
+    // Each method got as far as the reference can tell, or spent what it may.
+    for at in 0..comparison.methods.len() {
+        let last = comparison.points.iter().rfind(|p| p.method == at);
+        let last = last.expect("every method has points");
+        match &last.outcome {
+            Ok(last) => assert!(last.error < 1e-10, "{}: {:e}", names[at], last.error),
+            Err(failure) => assert!(
+                matches!(failure, TrialFailure::OverBudget { .. }),
+                "{}: {failure}",
+                names[at]
+            ),
+        }
+    }
+}
+
+#[test]
+fn a_comparison_repeats_to_the_last_bit() {
+    let document = scene("lotka-volterra-periodic", "[1, 1.9, 0.5]", 0.05, 60);
+    let options = only(&["auto+hamilton-jacobi:6", "suzuki-4/splitting", "dop853"]);
+    assert_eq!(
+        comparison(&document, &options),
+        comparison(&document, &options)
+    );
+}
+
+#[test]
+fn what_fails_is_a_row_with_its_reason() {
+    let document = scene("rigid-body", "[1, 3, 3]", 0.2, 50);
+    let comparison = comparison(
+        &document,
+        &CompareOptions {
+            steps: Some(Grid::parse("2,500,10000").expect("a list")),
+            budget: Some(1_000_000),
+            ..only(&[
+                "so3-exponential+hamilton-jacobi:4",
+                "log-canonical+hamilton-jacobi:2",
+            ])
+        },
+    );
+    let [coarse, good, long] = comparison.points.as_slice() else {
+        panic!("{:?}", comparison.points);
+    };
+    assert!(
+        matches!(coarse.outcome, Err(TrialFailure::Step { step: 0, .. })),
+        "{coarse:?}"
+    );
+    assert!(good.outcome.is_ok());
+    assert!(
+        matches!(long.outcome, Err(TrialFailure::OverBudget { .. })),
+        "{long:?}"
+    );
+    let [(name, reason)] = comparison.refused.as_slice() else {
+        panic!("{:?}", comparison.refused);
+    };
+    assert!(
+        name.starts_with("log-canonical") && reason.contains("does not fit"),
+        "{reason}"
+    );
+}
+
+/// Long lattices go by sweeps for realization and dynamics, written out for steppers.
+#[test]
+fn a_lattice_of_64_sites_is_compared_by_sweeps_and_written_out() {
+    let document = SceneDocument::parse(
+        "lattice.toml",
+        "[system]\nlibrary = \"volterra-lattice\"\nfamilies = { x = 64 }\n\
+         [method]\nrealization = \"auto\"\ndynamics = { name = \"hamilton-jacobi\", order = 2 }\n\
+         time-step = 0.1\n[run]\ninitial = { \"x[i]\" = \"1 + 0.1*sin(2*pi*i/N)\" }\nsteps = 50\n",
+        &ProblemLibrary,
+    );
+    let options = only(&[
+        "auto+hamilton-jacobi:4",
+        "kahan-li-6/auto+hamilton-jacobi:2",
+        "suzuki-4/splitting",
+        "dop853",
+    ]);
+    let comparison = comparison(&document.expect("a scene"), &options);
+    assert_eq!(comparison.methods.len(), 4, "{:?}", comparison.refused);
+    assert!(
+        comparison.reference.error < 1e-11,
+        "{:e}",
+        comparison.reference.error
+    );
+    for (at, method) in comparison.methods.iter().enumerate() {
+        let of_method = comparison.points.iter().filter(|p| p.method == at);
+        let errors: Vec<f64> = of_method
+            .filter_map(|p| Some(p.outcome.as_ref().ok()?.error))
+            .collect();
+        let smallest = errors.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(smallest < 1e-9, "{}: {errors:?}", method.name);
+    }
+}
+
+#[test]
+fn a_comparison_over_no_time_is_refused() {
+    let document = scene("rigid-body", "[1, 3, 3]", 0.2, 0);
+    let registry = Registry::with_builtin();
+    let bench = Bench::new(&document, &registry, &ProblemLibrary, None);
+    assert!(matches!(bench.err(), Some(TradeError::NoTime { .. })));
+    let bench = Bench::new(&document, &registry, &ProblemLibrary, Some(-3.0)).expect("backward");
+    assert_eq!((bench.time(), bench.steps()), (-3.0, 15));
+}
+
+#[test]
+fn the_page_shows_the_methods_on_the_front_and_nothing_is_fetched() {
+    let document = scene("rigid-body", "[1, 3, 3]", 0.2, 50);
+    let comparison = comparison(
+        &document,
+        &only(&["splitting", "dop853", "auto+hamilton-jacobi:8"]),
+    );
+    let page =
+        comparison_page(&comparison, &document, "leafwise compare body.toml").expect("drawn");
+    assert_eq!(page.matches("<svg ").count(), 6, "no times were measured");
+    for text in [
+        "so3-exponential + hamilton-jacobi 8",
+        "dop853",
+        "leafwise compare body.toml",
+    ] {
+        assert!(page.contains(text), "{text}");
+    }
+    assert!(!page.contains("<script") && !page.contains("src=") && !page.contains("url("));
+}
+
+#[test]
+fn methods_are_read_by_name_and_errors_say_what_is_wrong() {
+    let registry = Registry::with_builtin();
+    let name = |text| parse_method(text, &registry).map(|m| m.to_string());
+    assert_eq!(name("gauss:3").expect("a stepper"), "gauss 3");
+    assert_eq!(name("dop853:1e-9").expect("a stepper"), "dop853 1e-9");
+    assert_eq!(
+        name("yoshida-6/karasev-truncated:6+collective").expect("a pair"),
+        "yoshida-6 of karasev-truncated 6 + collective"
+    );
+    for (text, reason) in [
+        ("gaus", "no stepper is called `gaus`"),
+        (
+            "so3-cayley+gauss",
+            "no dynamic approximation is called `gauss`",
+        ),
+        ("none/rk4", "no composition is called `none`"),
+        ("rk4:3", "`rk4` takes no parameter"),
+    ] {
+        let error = name(text).expect_err(text).to_string();
+        assert!(error.contains(reason), "{error}");
+    }
+}
+
+#[test]
+fn an_adaptive_method_is_varied_by_its_tolerance_unless_that_is_given() {
+    let document = scene("rigid-body", "[1, 3, 3]", 0.2, 50);
+    let open = comparison(&document, &only(&["dop853"]));
+    assert_eq!(open.methods[0].knob, Knob::Tolerance);
+    let tolerances: Vec<_> = open.points.iter().map(|p| p.setting.tolerance).collect();
+    assert!(tolerances.len() > 8 && tolerances.iter().all(Option::is_some));
+    let fixed = comparison(&document, &only(&["dop853:1e-9"]));
+    assert_eq!(fixed.methods[0].knob, Knob::Steps);
+    assert!(fixed.points.iter().all(|p| p.setting.tolerance.is_none()));
+}
