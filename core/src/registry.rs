@@ -23,6 +23,11 @@ pub trait SystemPart: Send + Sync {
     /// # Errors
     /// [`BuildError`] when a parameter is out of range.
     fn build(&self, parameters: &PartParameters) -> Result<PoissonSystem, BuildError>;
+    /// Where the values of a loaded part come from, for manifests: `expressions` or `numbers`.
+    fn path(&self, parameters: &PartParameters) -> Option<&'static str> {
+        let _ = parameters;
+        None
+    }
 }
 
 /// A realization that can be built for a system.
@@ -38,6 +43,11 @@ pub trait RealizationPart: Send + Sync {
         system: &PoissonSystem,
         parameters: &PartParameters,
     ) -> Result<Arc<dyn RealizationData>, BuildError>;
+    /// Where the values of a loaded part come from, for manifests: `expressions` or `numbers`.
+    fn path(&self, parameters: &PartParameters) -> Option<&'static str> {
+        let _ = parameters;
+        None
+    }
 }
 
 /// A dynamic approximation that can be built from parameters.
@@ -52,6 +62,11 @@ pub trait DynamicsPart: Send + Sync {
         &self,
         parameters: &PartParameters,
     ) -> Result<Arc<dyn DynamicApproximation>, BuildError>;
+    /// Where the values of a loaded part come from, for manifests: `expressions` or `numbers`.
+    fn path(&self, parameters: &PartParameters) -> Option<&'static str> {
+        let _ = parameters;
+        None
+    }
 }
 
 /// A step map that needs no realization.
@@ -67,6 +82,11 @@ pub trait StepperPart: Send + Sync {
         system: &PoissonSystem,
         parameters: &PartParameters,
     ) -> Result<Arc<dyn StepMap>, BuildError>;
+    /// Where the values of a loaded part come from, for manifests: `expressions` or `numbers`.
+    fn path(&self, parameters: &PartParameters) -> Option<&'static str> {
+        let _ = parameters;
+        None
+    }
 }
 
 /// A composition of step maps.

@@ -197,6 +197,30 @@ impl Expression {
         found
     }
 
+    /// The same formula with exact numbers in place of the parameters.
+    ///
+    /// # Panics
+    /// When an index is outside `values`.
+    pub fn with_parameters(&self, values: &[Rational]) -> Self {
+        let all = |parts: &[Expression]| -> Vec<Expression> {
+            parts
+                .iter()
+                .map(|part| part.with_parameters(values))
+                .collect()
+        };
+        let one = |part: &Expression| Box::new(part.with_parameters(values));
+        match self {
+            Expression::Constant(_) | Expression::Pi | Expression::Variable(_) => self.clone(),
+            Expression::Parameter(index) => Expression::Constant(values[*index].clone()),
+            Expression::Sum(terms) => Expression::Sum(all(terms)),
+            Expression::Product(factors) => Expression::Product(all(factors)),
+            Expression::Negate(operand) => Expression::Negate(one(operand)),
+            Expression::Quotient(above, below) => Expression::Quotient(one(above), one(below)),
+            Expression::Power(base, exponent) => Expression::Power(one(base), one(exponent)),
+            Expression::Apply(function, argument) => Expression::Apply(*function, one(argument)),
+        }
+    }
+
     /// The integer this expression is, when it is written as a constant or a negated one.
     fn integer(&self) -> Option<i64> {
         match self {
@@ -270,6 +294,8 @@ mod tests {
         assert_eq!(tree.evaluate(&[f64::NAN, 4.0], &[2.0]), expected);
         assert_eq!(tree.variables().into_iter().collect::<Vec<_>>(), [1]);
         assert_eq!(tree.parameters().into_iter().collect::<Vec<_>>(), [0]);
+        let fixed = tree.with_parameters(&[Rational::from_integer(2)]);
+        assert_eq!(fixed.evaluate(&[f64::NAN, 4.0], &[]), expected);
     }
 
     #[test]

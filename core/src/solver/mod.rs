@@ -1,6 +1,7 @@
 //! The step solver: β̂(L(y)) = x for y, and the increment α̂ − β̂ there.
 
 mod anderson;
+mod explicit;
 mod extrapolation;
 pub mod iteration;
 mod linear;
@@ -9,6 +10,7 @@ mod properties;
 mod workers;
 
 pub use anderson::Anderson;
+pub use explicit::ExplicitMap;
 pub use extrapolation::Extrapolation;
 pub use iteration::{CorrectionSize, LinearIteration};
 pub use linear::{elimination_operations, substitution_operations};

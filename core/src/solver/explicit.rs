@@ -1,0 +1,177 @@
+//! Explicit maps as code: one evaluation a step.
+
+use std::sync::{Arc, OnceLock};
+
+use leafwise_expression::{Graph, Kernel, OperationCount, Term, Workspace};
+
+use super::{SolverStatistics, Stepper};
+use crate::error::{BuildError, StepError};
+
+/// x ↦ x + f_{ε,h}(x), f given by code.
+#[derive(Clone, Debug)]
+pub struct ExplicitMap {
+    shared: Arc<Shared>,
+}
+
+#[derive(Debug)]
+struct Shared {
+    graph: Graph,
+    increment: Vec<Term>,
+    parameters: usize,
+    step: Kernel,
+    /// Df, compiled when the first tangent is asked for.
+    tangent: OnceLock<Option<Kernel>>,
+}
+
+impl ExplicitMap {
+    /// Compiles the map of an increment over the graph's first inputs, as many as it has components;
+    /// `parameters` is the number of the system's parameters.
+    pub fn compile(graph: Graph, increment: Vec<Term>, parameters: usize) -> Self {
+        Self {
+            shared: Arc::new(Shared {
+                step: Kernel::compile(&graph, &increment, parameters, increment.len()),
+                graph,
+                increment,
+                parameters,
+                tangent: OnceLock::new(),
+            }),
+        }
+    }
+
+    /// d.
+    pub fn dimension(&self) -> usize {
+        self.shared.increment.len()
+    }
+
+    /// Operations of one step.
+    pub fn operations(&self) -> OperationCount {
+        self.shared.step.step_operations()
+    }
+
+    /// A worker that steps `lanes` trajectories at once, as [`StepMap::stepper`].
+    ///
+    /// [`StepMap::stepper`]: super::StepMap::stepper
+    pub fn stepper(
+        &self,
+        lanes: usize,
+        parameters: &[f64],
+        epsilon: f64,
+        h: f64,
+    ) -> Box<dyn Stepper> {
+        let mut workspace = self.shared.step.workspace(lanes);
+        let sizes = (vec![epsilon; lanes], vec![h; lanes]);
+        self.shared
+            .step
+            .prepare(&mut workspace, parameters, &sizes.0, &sizes.1);
+        Box::new(ExplicitStepper {
+            shared: Arc::clone(&self.shared),
+            workspace,
+            parameters: parameters.to_vec(),
+            step_sizes: (epsilon, h),
+            last: vec![f64::NAN; self.dimension() * lanes],
+            lanes,
+            work: self.operations().work(),
+            statistics: SolverStatistics::default(),
+        })
+    }
+}
+
+impl Shared {
+    fn tangent(&self) -> Option<&Kernel> {
+        let compile = || -> Result<Kernel, BuildError> {
+            let d = self.increment.len();
+            let mut graph = self.graph.clone();
+            let mut outputs = Vec::with_capacity(d * d);
+            for component in &self.increment {
+                for j in 0..d {
+                    outputs.push(graph.derivative(component, j)?);
+                }
+            }
+            Ok(Kernel::compile(&graph, &outputs, self.parameters, d))
+        };
+        self.tangent.get_or_init(|| compile().ok()).as_ref()
+    }
+}
+
+/// Evaluates the step kernel once a step.
+///
+/// What the compensated state holds beyond a double enters the sum, not the evaluation: the
+/// increment's own rounding, an ulp of the size of the step, is as large as its influence.
+struct ExplicitStepper {
+    shared: Arc<Shared>,
+    workspace: Workspace,
+    parameters: Vec<f64>,
+    step_sizes: (f64, f64),
+    last: Vec<f64>,
+    lanes: usize,
+    /// Operations of one step.
+    work: u64,
+    statistics: SolverStatistics,
+}
+
+impl Stepper for ExplicitStepper {
+    fn increment(
+        &mut self,
+        x: &[f64],
+        _low: &[f64],
+        increment: &mut [f64],
+        outcome: &mut [Result<(), StepError>],
+    ) {
+        self.last.copy_from_slice(x);
+        self.shared.step.evaluate(&mut self.workspace, x, increment);
+        let d = self.shared.increment.len();
+        for (lane, outcome) in outcome.iter_mut().enumerate() {
+            let places = || (0..d).map(|i| i * self.lanes + lane);
+            self.statistics.steps += 1;
+            self.statistics.evaluations += 1;
+            self.statistics.most_evaluations = 1;
+            // An increment may be finite at a state that is not: where its coordinate rests.
+            *outcome = if places().all(|at| x[at].is_finite() && increment[at].is_finite()) {
+                Ok(())
+            } else {
+                self.statistics.failures += 1;
+                places().for_each(|at| increment[at] = 0.0);
+                Err(StepError::NonFinite {
+                    what: "the increment",
+                })
+            };
+        }
+    }
+
+    fn tangent(&mut self, lane: usize) -> Option<Vec<f64>> {
+        let kernel = self.shared.tangent()?;
+        let d = self.shared.increment.len();
+        let own = |values: &[f64]| -> Vec<f64> {
+            values
+                .iter()
+                .skip(lane)
+                .step_by(self.lanes)
+                .copied()
+                .collect()
+        };
+        let mut workspace = kernel.workspace(1);
+        let (epsilon, h) = self.step_sizes;
+        kernel.prepare(&mut workspace, &own(&self.parameters), &[epsilon], &[h]);
+        let mut tangent = vec![0.0; d * d];
+        kernel.evaluate(&mut workspace, &own(&self.last), &mut tangent);
+        (0..d).for_each(|i| tangent[i * d + i] += 1.0);
+        Some(tangent)
+    }
+
+    fn restart(&mut self) {}
+
+    fn statistics(&self) -> SolverStatistics {
+        SolverStatistics {
+            operations: Some(self.statistics.evaluations * self.work),
+            ..self.statistics
+        }
+    }
+
+    fn memory(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    fn restore(&mut self, memory: &[f64]) -> Result<(), usize> {
+        if memory.is_empty() { Ok(()) } else { Err(0) }
+    }
+}

@@ -1,0 +1,177 @@
+//! Batches of vectors, as the interface lays them out.
+
+use leafwise_plugin_abi::{LwInput, LwOutput};
+
+/// One vector for each point of a batch, to be read.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Input<'a> {
+    data: &'a [f64],
+    dim: usize,
+    point_stride: usize,
+    coordinate_stride: usize,
+}
+
+impl<'a> Input<'a> {
+    /// No vector.
+    pub(crate) const NONE: Self = Self {
+        data: &[],
+        dim: 0,
+        point_stride: 0,
+        coordinate_stride: 0,
+    };
+
+    /// Vectors of `dim` coordinates one behind the other.
+    pub(crate) fn points(data: &'a [f64], dim: usize) -> Self {
+        Self {
+            data,
+            dim,
+            point_stride: dim,
+            coordinate_stride: 1,
+        }
+    }
+
+    /// One vector that serves all points.
+    pub(crate) fn shared(data: &'a [f64]) -> Self {
+        Self {
+            data,
+            dim: data.len(),
+            point_stride: 0,
+            coordinate_stride: 1,
+        }
+    }
+
+    /// Any layout.
+    pub(crate) fn strided(
+        data: &'a [f64],
+        dim: usize,
+        point_stride: usize,
+        coordinate_stride: usize,
+    ) -> Self {
+        Self {
+            data,
+            dim,
+            point_stride,
+            coordinate_stride,
+        }
+    }
+
+    /// The struct of the interface, where `count` vectors are there.
+    pub(super) fn raw(&self, count: usize) -> LwInput {
+        let last = last_place(count, self.dim, self.point_stride, self.coordinate_stride);
+        assert!(
+            last.is_none_or(|last| last < self.data.len()),
+            "a whole batch"
+        );
+        LwInput {
+            data: if self.dim == 0 {
+                std::ptr::null()
+            } else {
+                self.data.as_ptr()
+            },
+            dim: self.dim,
+            point_stride: self.point_stride,
+            coordinate_stride: self.coordinate_stride,
+        }
+    }
+}
+
+/// One vector for each point of a batch, to be written.
+#[derive(Debug)]
+pub(crate) struct Output<'a> {
+    data: &'a mut [f64],
+    dim: usize,
+    point_stride: usize,
+    coordinate_stride: usize,
+}
+
+impl<'a> Output<'a> {
+    /// Vectors of `dim` coordinates one behind the other.
+    pub(crate) fn points(data: &'a mut [f64], dim: usize) -> Self {
+        Self {
+            data,
+            dim,
+            point_stride: dim,
+            coordinate_stride: 1,
+        }
+    }
+
+    /// Any layout in which no two numbers share a place.
+    pub(crate) fn strided(
+        data: &'a mut [f64],
+        dim: usize,
+        point_stride: usize,
+        coordinate_stride: usize,
+    ) -> Self {
+        Self {
+            data,
+            dim,
+            point_stride,
+            coordinate_stride,
+        }
+    }
+
+    /// The struct of the interface, where there is room for `count` vectors.
+    pub(super) fn raw(&mut self, count: usize) -> LwOutput {
+        let last = last_place(count, self.dim, self.point_stride, self.coordinate_stride);
+        assert!(
+            last.is_none_or(|last| last < self.data.len()),
+            "room for a batch"
+        );
+        LwOutput {
+            data: self.data.as_mut_ptr(),
+            dim: self.dim,
+            point_stride: self.point_stride,
+            coordinate_stride: self.coordinate_stride,
+        }
+    }
+
+    /// The first point and coordinate that is not finite, by the bits of the exponent.
+    pub(super) fn first_not_finite(&self, count: usize) -> Option<(usize, usize)> {
+        const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
+        let is_finite = |value: &f64| value.to_bits() & EXPONENT != EXPONENT;
+        let is_dense = self.data.len() == count * self.dim;
+        if is_dense && self.data.iter().all(is_finite) {
+            return None;
+        }
+        (0..count)
+            .flat_map(|point| (0..self.dim).map(move |coordinate| (point, coordinate)))
+            .find(|(point, coordinate)| {
+                let at = point * self.point_stride + coordinate * self.coordinate_stride;
+                !is_finite(&self.data[at])
+            })
+    }
+}
+
+/// The largest index that a batch touches.
+fn last_place(count: usize, dim: usize, point: usize, coordinate: usize) -> Option<usize> {
+    Some(count.checked_sub(1)? * point + dim.checked_sub(1)? * coordinate)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_finite_is_found_by_point_and_coordinate() {
+        for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -f64::NAN] {
+            let mut values = [1.0, f64::MAX, 5e-324, -0.0, wrong, wrong];
+            assert_eq!(
+                Output::points(&mut values, 2).first_not_finite(3),
+                Some((2, 0))
+            );
+            assert_eq!(Output::points(&mut values, 2).first_not_finite(2), None);
+            let lanes = Output::strided(&mut values, 3, 1, 2);
+            assert_eq!(lanes.first_not_finite(2), Some((0, 2)));
+            // Gaps are not looked at.
+            let gaps = Output::strided(&mut values, 2, 2, 1);
+            assert_eq!(gaps.first_not_finite(2), None);
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "room for a batch")]
+    fn a_batch_never_reaches_beyond_its_buffer() {
+        let mut values = [0.0; 5];
+        Output::points(&mut values, 3).raw(2);
+    }
+}

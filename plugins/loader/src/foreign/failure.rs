@@ -1,0 +1,91 @@
+//! How a call into a library failed.
+
+use leafwise_core::{BuildError, StepError};
+use leafwise_plugin_abi::{LW_DISCARD, LW_FATAL, LW_UNSUPPORTED, LwStatus};
+
+/// A call that returned no result.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum CallFailure {
+    /// The point is outside the domain; the ratio is known where it exceeds 0.
+    Discarded {
+        ratio: f64,
+        point: Option<usize>,
+        message: String,
+    },
+    /// The instance does not offer this.
+    Unsupported { message: String },
+    /// Any other failure.
+    Failed {
+        point: Option<usize>,
+        message: String,
+    },
+    /// The instance is broken, from this call on.
+    Broken { message: String },
+    /// A result that is no finite number.
+    NotFinite { point: usize, coordinate: usize },
+}
+
+impl CallFailure {
+    /// What a status and the texts beside it mean.
+    pub(super) fn new(status: LwStatus, point: i64, ratio: f64, message: String) -> Self {
+        let point = usize::try_from(point).ok();
+        match status {
+            LW_DISCARD => Self::Discarded {
+                ratio,
+                point,
+                message,
+            },
+            LW_UNSUPPORTED => Self::Unsupported { message },
+            LW_FATAL => Self::Broken { message },
+            _ => Self::Failed { point, message },
+        }
+    }
+
+    /// As the failure of a step.
+    pub(crate) fn of_step(self, part: &str, function: &str) -> StepError {
+        if let Self::Discarded { ratio, .. } = self
+            && ratio > 0.0
+        {
+            return StepError::LeftChart { ratio };
+        }
+        StepError::Part {
+            part: part.to_owned(),
+            message: format!("{function}: {self}"),
+        }
+    }
+
+    /// As the refusal of a system, a parameter or a partner.
+    pub(crate) fn of_build(self, part: &'static str) -> BuildError {
+        BuildError::DoesNotFit {
+            part,
+            reason: self.to_string(),
+        }
+    }
+}
+
+impl std::fmt::Display for CallFailure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let at = |point: &Option<usize>| {
+            point.map_or_else(String::new, |point| format!(" at point {point}"))
+        };
+        let (what, message) = match self {
+            Self::Discarded { point, message, .. } => {
+                (format!("outside its domain{}", at(point)), message)
+            }
+            Self::Unsupported { message } => ("not supported".to_owned(), message),
+            Self::Failed { point, message } => (format!("error{}", at(point)), message),
+            Self::Broken { message } => ("fatal".to_owned(), message),
+            Self::NotFinite { point, coordinate } => {
+                return write!(
+                    f,
+                    "non-finite output at point {point} coordinate {coordinate}"
+                );
+            }
+        };
+        if message.is_empty() {
+            write!(f, "{what}, with no reason given")
+        } else {
+            write!(f, "{what}: {message}")
+        }
+    }
+}

@@ -1,0 +1,275 @@
+//! One instance of a part: made, called, ended.
+
+use std::ffi::{CString, c_char, c_void};
+use std::sync::Arc;
+
+use leafwise_core::part::ParameterSetting;
+use leafwise_plugin_abi::{
+    LW_FATAL, LW_OK, LW_SETTING_INTEGER, LW_SETTING_REAL, LW_SETTING_TEXT, LwCreate, LwError,
+    LwMapCall, LwMapFn, LwSetting, LwStatus,
+};
+
+use super::batch::{Input, Output};
+use super::failure::CallFailure;
+use super::part::ForeignPart;
+use crate::host::{HostRealization, HostSystem};
+
+/// Room for what a failing call says.
+const MESSAGE: usize = 512;
+
+/// What an instance is made of.
+#[derive(Clone, Copy)]
+pub(crate) struct Making<'a> {
+    /// d; 0 for a system.
+    pub dimension: usize,
+    /// A value for each of the part's own parameters, in their order.
+    pub settings: &'a [(String, ParameterSetting)],
+}
+
+/// What the host lends an instance: dropped after it.
+#[derive(Default)]
+pub(crate) struct Lent {
+    /// The system to serve.
+    pub system: Option<HostSystem>,
+    /// The realization to serve.
+    pub realization: Option<HostRealization>,
+}
+
+/// An instance of a part, with what it was lent.
+pub(crate) struct Instance {
+    part: Arc<ForeignPart>,
+    pointer: *mut c_void,
+    is_broken: bool,
+    message: Box<[c_char; MESSAGE]>,
+    /// Dropped behind `destroy`.
+    _lent: Lent,
+}
+
+// SAFETY: the contract of plugins: consecutive calls on an instance may come from different threads,
+// and what the host lends is used during those calls only.
+unsafe impl Send for Instance {}
+
+/// One batched evaluation, its output excepted.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Call<'a> {
+    /// The number of points.
+    pub count: usize,
+    /// ε.
+    pub epsilon: f64,
+    /// h.
+    pub h: f64,
+    /// The points.
+    pub point: Input<'a>,
+    /// A second vector at each point.
+    pub v: Input<'a>,
+    /// A third vector at each point.
+    pub w: Input<'a>,
+}
+
+impl<'a> Call<'a> {
+    /// A call at these points and step sizes.
+    pub(crate) fn at(count: usize, epsilon: f64, h: f64, point: Input<'a>) -> Self {
+        Self {
+            count,
+            epsilon,
+            h,
+            point,
+            v: Input::NONE,
+            w: Input::NONE,
+        }
+    }
+}
+
+impl Instance {
+    /// Makes an instance.
+    pub(crate) fn new(
+        part: &Arc<ForeignPart>,
+        making: Making<'_>,
+        lent: Lent,
+    ) -> Result<Self, CallFailure> {
+        let mut message = Box::new([0; MESSAGE]);
+        let mut pointer = std::ptr::null_mut();
+        let status = with_arguments(making, &lent, |arguments| {
+            let mut error = error_into(&mut message);
+            let create = part
+                .lifecycle()
+                .create
+                .expect("checked when the part was read");
+            // SAFETY: the arguments, the place for the instance and the error live during the call;
+            // what `arguments` points to beyond it lives in `lent`, as long as the instance.
+            let status = unsafe { create(arguments, &mut pointer, &mut error) };
+            failure(status, &error, &message)
+        });
+        status.map(|()| Self {
+            part: Arc::clone(part),
+            pointer,
+            is_broken: false,
+            message,
+            _lent: lent,
+        })
+    }
+
+    /// The first argument of this instance's functions.
+    pub(crate) fn pointer(&self) -> *mut c_void {
+        self.pointer
+    }
+
+    /// Evaluates a function; every result is finite.
+    pub(crate) fn evaluate(
+        &mut self,
+        function: LwMapFn,
+        call: &Call<'_>,
+        mut output: Output<'_>,
+    ) -> Result<(), CallFailure> {
+        self.evaluate_unchecked(function, call, &mut output)?;
+        match output.first_not_finite(call.count) {
+            None => Ok(()),
+            Some((point, coordinate)) => Err(CallFailure::NotFinite { point, coordinate }),
+        }
+    }
+
+    /// Evaluates a function, whatever the results.
+    fn evaluate_unchecked(
+        &mut self,
+        function: LwMapFn,
+        call: &Call<'_>,
+        output: &mut Output<'_>,
+    ) -> Result<(), CallFailure> {
+        let Some(function) = function else {
+            return Err(CallFailure::Unsupported {
+                message: "the part has no such function".to_owned(),
+            });
+        };
+        if self.is_broken {
+            return Err(CallFailure::Broken {
+                message: "an earlier call broke this instance".to_owned(),
+            });
+        }
+        let raw = LwMapCall {
+            struct_size: size_of::<LwMapCall>() as u32,
+            reserved: 0,
+            count: call.count,
+            epsilon: call.epsilon,
+            h: call.h,
+            point: call.point.raw(call.count),
+            v: call.v.raw(call.count),
+            w: call.w.raw(call.count),
+            output: output.raw(call.count),
+        };
+        let mut error = error_into(&mut self.message);
+        // SAFETY: the instance was made by this part and is not broken; every vector of the batch
+        // lies in a live slice, the output in one that nothing else refers to.
+        let status = unsafe { function(self.pointer, &raw, &mut error) };
+        self.is_broken = status == LW_FATAL;
+        failure(status, &error, &self.message)
+    }
+}
+
+impl Drop for Instance {
+    fn drop(&mut self) {
+        if self.is_broken {
+            return;
+        }
+        let destroy = self
+            .part
+            .lifecycle()
+            .destroy
+            .expect("checked when the part was read");
+        // SAFETY: the instance was made by this part, is not broken, and is not called again.
+        unsafe { destroy(self.pointer) };
+    }
+}
+
+/// Where a call says why it failed.
+fn error_into(message: &mut [c_char; MESSAGE]) -> LwError {
+    message[0] = 0;
+    LwError {
+        capacity: MESSAGE as u32,
+        message: message.as_mut_ptr(),
+        point: -1,
+        ..LwError::empty()
+    }
+}
+
+fn failure(
+    status: LwStatus,
+    error: &LwError,
+    message: &[c_char; MESSAGE],
+) -> Result<(), CallFailure> {
+    if status == LW_OK {
+        return Ok(());
+    }
+    let bytes: Vec<u8> = message
+        .iter()
+        .take_while(|c| **c != 0)
+        .map(|c| c.cast_unsigned())
+        .collect();
+    let text = String::from_utf8_lossy(&bytes).trim().to_owned();
+    Err(CallFailure::new(status, error.point, error.ratio, text))
+}
+
+/// Calls `call` with the arguments of `create` and `properties`.
+pub(super) fn with_arguments<T>(
+    making: Making<'_>,
+    lent: &Lent,
+    call: impl FnOnce(&LwCreate) -> T,
+) -> T {
+    let json: serde_json::Map<String, serde_json::Value> = making
+        .settings
+        .iter()
+        .map(|(name, setting)| (name.clone(), serde_json::json!(setting)))
+        .collect();
+    let params = text(&serde_json::Value::Object(json).to_string());
+    let texts: Vec<(CString, CString)> = making
+        .settings
+        .iter()
+        .map(|(name, setting)| (text(name), text(&setting.to_string())))
+        .collect();
+    let settings: Vec<LwSetting> = making
+        .settings
+        .iter()
+        .zip(&texts)
+        .map(|((_, setting), (name, word))| raw_setting(setting, name, word))
+        .collect();
+    let system = lent.system.as_ref().map(HostSystem::raw);
+    let realization = lent.realization.as_ref().map(HostRealization::raw);
+    call(&LwCreate {
+        dim: making.dimension,
+        params: params.as_ptr(),
+        settings: settings.as_ptr(),
+        setting_count: settings.len(),
+        system: system.unwrap_or(std::ptr::null()),
+        realization: realization.unwrap_or(std::ptr::null()),
+        ..LwCreate::empty()
+    })
+}
+
+fn raw_setting(setting: &ParameterSetting, name: &CString, word: &CString) -> LwSetting {
+    let mut raw = LwSetting {
+        name: name.as_ptr(),
+        kind: LW_SETTING_TEXT,
+        reserved: 0,
+        integer: 0,
+        real: 0.0,
+        text: std::ptr::null(),
+    };
+    match setting {
+        ParameterSetting::Integer(value) => {
+            raw.kind = LW_SETTING_INTEGER;
+            raw.integer = *value;
+            raw.real = *value as f64;
+        }
+        ParameterSetting::Real(value) => {
+            raw.kind = LW_SETTING_REAL;
+            raw.real = *value;
+        }
+        ParameterSetting::Text(_) => raw.text = word.as_ptr(),
+    }
+    raw
+}
+
+/// A text as C has it; what stands behind a NUL is left out.
+fn text(text: &str) -> CString {
+    let until_nul = text.split('\0').next().unwrap_or_default();
+    CString::new(until_nul).unwrap_or_default()
+}

@@ -1,0 +1,25 @@
+//! A library's tables of functions as parts.
+//!
+//! - `batch`: vectors of a batch in any layout;
+//! - `part`, `instance`, `callee`: a part, its instances, calls with the host's errors;
+//! - `failure`: what a status means;
+//! - `system`, `realization`, `dynamics`, `step_map`: one kind each.
+
+mod batch;
+mod callee;
+mod dynamics;
+mod failure;
+mod instance;
+mod part;
+mod realization;
+mod step_map;
+mod system;
+
+pub(crate) use batch::{Input, Output};
+pub(crate) use dynamics::ForeignDynamicsPart;
+pub(crate) use failure::CallFailure;
+pub(crate) use instance::{Call, Instance, Lent, Making};
+pub(crate) use part::{ForeignPart, check_dimension, own_settings};
+pub(crate) use realization::ForeignRealizationPart;
+pub(crate) use step_map::{ForeignStepMapPart, promises};
+pub(crate) use system::ForeignSystemPart;

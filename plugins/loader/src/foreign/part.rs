@@ -1,0 +1,175 @@
+//! A part of a library with functions.
+
+use leafwise_core::part::{ParameterSetting, PartInfo};
+use leafwise_core::{BuildError, PartParameters};
+use leafwise_plugin_abi::{LW_OK, LwError, LwLifecycle, LwProperties};
+
+use super::instance::{Lent, Making, with_arguments};
+use crate::declaration::{Dimensions, Flags, Functions, PartDeclaration};
+use crate::handshake::PATH;
+
+/// What every wrapper of a part with functions knows.
+#[derive(Debug)]
+pub(crate) struct ForeignPart {
+    /// What it declares.
+    pub info: &'static PartInfo,
+    /// The dimensions it serves.
+    pub dimensions: Dimensions,
+    order: i32,
+    structure: i32,
+    flags: Flags,
+    /// Its functions.
+    pub functions: Functions,
+}
+
+/// What a part promises for given parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Properties {
+    /// n, m or the order in t, at least 1.
+    pub order: usize,
+    /// `LW_STRUCTURE_…`.
+    pub structure: i32,
+    /// Exact, symplectic, self-adjoint.
+    pub flags: Flags,
+}
+
+impl ForeignPart {
+    /// The part of a declaration with functions.
+    pub(crate) fn new(
+        declaration: &PartDeclaration,
+        functions: Functions,
+        info: &'static PartInfo,
+    ) -> Self {
+        Self {
+            info,
+            dimensions: declaration.dimensions,
+            order: declaration.order,
+            structure: declaration.structure,
+            flags: declaration.flags,
+            functions,
+        }
+    }
+
+    /// Its name.
+    pub(crate) fn name(&self) -> &'static str {
+        self.info.name
+    }
+
+    /// Whether points of S are pairs (x, p).
+    pub(crate) fn has_cotangent_chart(&self) -> bool {
+        self.flags.has_cotangent_chart()
+    }
+
+    /// Whether β̂(x, p) = α̂(x, −p).
+    pub(crate) fn is_reversible(&self) -> bool {
+        self.flags.is_reversible()
+    }
+
+    pub(super) fn lifecycle(&self) -> &LwLifecycle {
+        self.functions.lifecycle()
+    }
+
+    /// A value for each of the part's own parameters, defaults filled in.
+    pub(crate) fn settings(
+        &self,
+        parameters: &PartParameters,
+    ) -> Result<Vec<(String, ParameterSetting)>, BuildError> {
+        own_settings(self.info, parameters)
+    }
+
+    /// Refuses a dimension that the part does not serve.
+    pub(crate) fn check_dimension(&self, d: usize) -> Result<(), BuildError> {
+        check_dimension(self.name(), self.dimensions, d)
+    }
+
+    /// What it promises for these parameters.
+    pub(crate) fn properties(
+        &self,
+        dimension: usize,
+        settings: &[(String, ParameterSetting)],
+    ) -> Result<Properties, BuildError> {
+        let mut raw = LwProperties {
+            order: self.order,
+            structure: self.structure,
+            flags: self.flags.0,
+            ..LwProperties::empty()
+        };
+        let making = Making {
+            dimension,
+            settings,
+        };
+        if let Some(properties) = self.lifecycle().properties {
+            let mut message = [0; 256];
+            let mut error = LwError {
+                capacity: message.len() as u32,
+                message: message.as_mut_ptr(),
+                point: -1,
+                ..LwError::empty()
+            };
+            let status = with_arguments(making, &Lent::default(), |arguments| {
+                // SAFETY: the arguments, the properties and the error live during the call.
+                unsafe { properties(arguments, &mut raw, &mut error) }
+            });
+            if status != LW_OK {
+                let text: Vec<u8> = message
+                    .iter()
+                    .take_while(|c| **c != 0)
+                    .map(|c| c.cast_unsigned())
+                    .collect();
+                return Err(BuildError::DoesNotFit {
+                    part: self.name(),
+                    reason: String::from_utf8_lossy(&text).into_owned(),
+                });
+            }
+        }
+        Ok(Properties {
+            order: usize::try_from(raw.order).unwrap_or(0).max(1),
+            structure: raw.structure,
+            flags: Flags(raw.flags),
+        })
+    }
+}
+
+/// A value for each parameter that the part itself declares.
+pub(crate) fn own_settings(
+    info: &PartInfo,
+    parameters: &PartParameters,
+) -> Result<Vec<(String, ParameterSetting)>, BuildError> {
+    parameters.refuse_unknown(info)?;
+    let own = info.parameters.iter().filter(|p| p.name != PATH);
+    own.map(|parameter| {
+        let default: ParameterSetting = parameter.default.into();
+        let given = match &default {
+            ParameterSetting::Integer(_) => parameters.get(info, parameter.name)?.into(),
+            ParameterSetting::Real(_) => parameters.real(info, parameter.name)?.into(),
+            ParameterSetting::Text(_) => match parameters.setting(info, parameter.name)? {
+                word @ ParameterSetting::Text(_) => word,
+                other => {
+                    return Err(BuildError::Parameter {
+                        part: info.name,
+                        parameter: parameter.name.to_owned(),
+                        value: other.to_string(),
+                        expected: format!("`{}` is a word", parameter.name),
+                    });
+                }
+            },
+        };
+        Ok((parameter.name.to_owned(), given))
+    })
+    .collect()
+}
+
+/// Refuses a dimension that a part does not serve.
+pub(crate) fn check_dimension(
+    part: &'static str,
+    dimensions: Dimensions,
+    d: usize,
+) -> Result<(), BuildError> {
+    if dimensions.contains(d) {
+        return Ok(());
+    }
+    Err(BuildError::DoesNotFit {
+        part,
+        reason: format!("it serves dimension {dimensions}, and this system has {d}"),
+    })
+}

@@ -1,0 +1,180 @@
+//! A system by formulas: a scene's `[system]` table.
+
+use std::fmt::Write as _;
+
+use leafwise_core::part::{ParameterSetting, PartInfo};
+use leafwise_core::registry::SystemPart;
+use leafwise_core::{BuildError, PartParameters, PoissonSystem};
+use leafwise_scene::SceneDocument;
+use leafwise_scene::compose::instantiate;
+
+use super::keys::refused;
+use crate::declaration::PartDeclaration;
+use crate::error::Refusal;
+use crate::foreign::own_settings;
+
+/// Keys of the table that stand alone; the others are `families.…`, `bracket.…`, `casimirs.…`.
+const SINGLE: [&str; 4] = ["variables", "hamiltonian", "convention", "boundary"];
+
+/// The part's formulas as the text of a library system, with parameters of these values: a `[system]`
+/// table, as scenes have it.
+pub(crate) fn fragment(
+    part: &PartDeclaration,
+    settings: &[(String, ParameterSetting)],
+) -> Result<String, Refusal> {
+    let mut text = "[system]\n".to_owned();
+    let mut tables: [(&str, Vec<String>); 3] =
+        ["families", "bracket", "casimirs"].map(|name| (name, Vec::new()));
+    for (key, formula) in &part.formulas {
+        if SINGLE.contains(&key.as_str()) {
+            let value = match key.as_str() {
+                "variables" => {
+                    let names: Vec<String> = formula.split(',').map(|n| quoted(n.trim())).collect();
+                    format!("[{}]", names.join(", "))
+                }
+                _ => quoted(formula),
+            };
+            line(&mut text, key, &value);
+            continue;
+        }
+        let table = key.split_once('.').and_then(|(table, name)| {
+            let entry = tables.iter_mut().find(|(known, _)| *known == table)?;
+            Some((entry, name))
+        });
+        let Some(((table, entries), name)) = table else {
+            let known = format!(
+                "{}, families.NAME, bracket.…, casimirs.NAME",
+                SINGLE.join(", ")
+            );
+            return Err(refused(
+                part,
+                key,
+                format!("no such key here; a system has {known}"),
+            ));
+        };
+        let value = match *table {
+            "families" => {
+                let length = formula.trim().parse::<u64>();
+                length
+                    .map_err(|_| refused(part, key, "a length is a whole number"))?
+                    .to_string()
+            }
+            _ => quoted(formula),
+        };
+        entries.push(format!("{} = {value}", quoted(name)));
+    }
+    let numbers = settings.iter().filter_map(|(name, setting)| match setting {
+        ParameterSetting::Integer(value) => Some(format!("{} = {value}", quoted(name))),
+        ParameterSetting::Real(value) => Some(format!("{} = {value:?}", quoted(name))),
+        ParameterSetting::Text(_) => None,
+    });
+    let parameters = ("parameters", numbers.collect());
+    for (table, entries) in tables.into_iter().chain([parameters]) {
+        if !entries.is_empty() {
+            line(&mut text, table, &format!("{{ {} }}", entries.join(", ")));
+        }
+    }
+    Ok(text)
+}
+
+fn line(text: &mut String, key: &str, value: &str) {
+    writeln!(text, "{key} = {value}").expect("a string takes any text");
+}
+
+/// A string of TOML.
+fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}
+
+/// The system of the part's formulas at its defaults.
+pub(super) fn read(part: &PartDeclaration) -> Result<PoissonSystem, Refusal> {
+    let settings: Vec<(String, ParameterSetting)> = part
+        .description
+        .parameters
+        .iter()
+        .map(|parameter| (parameter.name.clone(), parameter.default.clone()))
+        .collect();
+    let text = fragment(part, &settings)?;
+    compose(part.id(), &text).map_err(|(key, problem)| refused(part, &key, problem))
+}
+
+/// The system of a fragment; what is wrong with it comes with the table's key.
+pub(crate) fn compose(id: &str, fragment: &str) -> Result<PoissonSystem, (String, String)> {
+    let of_scene = |error: leafwise_scene::SceneDiagnostic| {
+        let (line, _) = error.line_column();
+        let text = error.source_text.lines().nth(line.saturating_sub(1));
+        let key = text
+            .and_then(|line| line.split_once(" = "))
+            .map_or("system", |(key, _)| key);
+        let help = error
+            .help
+            .map_or_else(String::new, |help| format!("; {help}"));
+        (key.to_owned(), format!("{}{help}", error.message))
+    };
+    let parse = |initial: usize| {
+        let initial = vec!["1"; initial].join(", ");
+        let text = format!(
+            "{fragment}[method]\ntime-step = 0.1\n[run]\ninitial = [{initial}]\nsteps = 1\n"
+        );
+        SceneDocument::parse(id, &text, &leafwise_scene::NoLibrary)
+    };
+    // The dimension is known once the table has been read.
+    let document = parse(1).or_else(|errors| match dimension(fragment) {
+        Some(dimension) => parse(dimension),
+        None => Err(errors),
+    });
+    let document = document.map_err(|errors| {
+        let first = errors.diagnostics().into_iter().next();
+        first.map_or_else(|| ("system".to_owned(), errors.to_string()), of_scene)
+    })?;
+    let families = &document.system.families;
+    let lengths: Vec<usize> = families.iter().map(|(_, length)| length.value).collect();
+    let instantiated = instantiate(&document, &lengths).map_err(|refusal| of_scene(*refusal))?;
+    let system = instantiated.system(&document);
+    system.map_err(|error| ("bracket".to_owned(), error.to_string()))
+}
+
+/// The number of coordinates that a fragment declares.
+fn dimension(fragment: &str) -> Option<usize> {
+    let table: toml::Table = toml::from_str(fragment).ok()?;
+    let system = table.get("system")?;
+    let variables = system.get("variables").and_then(toml::Value::as_array);
+    let families = system.get("families").and_then(toml::Value::as_table);
+    let sites: i64 = families
+        .into_iter()
+        .flat_map(toml::Table::values)
+        .filter_map(toml::Value::as_integer)
+        .sum();
+    Some(variables.map_or(0, Vec::len) + usize::try_from(sites).ok()?)
+}
+
+/// A part of kind `LW_KIND_SYSTEM` with formulas.
+pub(crate) struct FormulaSystemPart {
+    info: &'static PartInfo,
+    declaration: PartDeclaration,
+}
+
+impl FormulaSystemPart {
+    pub(crate) fn new(declaration: &PartDeclaration, info: &'static PartInfo) -> Self {
+        Self {
+            info,
+            declaration: declaration.clone(),
+        }
+    }
+}
+
+impl SystemPart for FormulaSystemPart {
+    fn info(&self) -> &'static PartInfo {
+        self.info
+    }
+
+    fn build(&self, parameters: &PartParameters) -> Result<PoissonSystem, BuildError> {
+        let settings = own_settings(self.info, parameters)?;
+        let unfit = |reason: String| BuildError::DoesNotFit {
+            part: self.info.name,
+            reason,
+        };
+        let text = fragment(&self.declaration, &settings).map_err(|e| unfit(e.to_string()))?;
+        compose(self.info.name, &text).map_err(|(key, problem)| unfit(format!("{key}: {problem}")))
+    }
+}

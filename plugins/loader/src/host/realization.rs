@@ -1,0 +1,364 @@
+//! A realization as a table of functions.
+
+use std::cell::UnsafeCell;
+use std::ffi::c_void;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use leafwise_core::{
+    Accuracy, BuildError, ChartMaps, ChartWorker, Ends, RealizationData, RealizationMaps,
+    RealizationWorker, StepError,
+};
+use leafwise_plugin_abi::{
+    LW_ERROR, LW_FLAG_COTANGENT_CHART, LW_FLAG_EXACT, LW_FLAG_REVERSIBLE, LwError,
+    LwHostRealization, LwMapCall, LwRealization, LwStatus,
+};
+
+use super::points::{Buffers, Shape, each, fail};
+
+/// What is compiled of a realization once, for all instances that it is lent to.
+#[derive(Clone, Debug)]
+pub(crate) struct RealizationToLend {
+    realization: Arc<dyn RealizationData>,
+    maps: RealizationMaps,
+    chart: Option<ChartMaps>,
+}
+
+impl RealizationToLend {
+    /// Compiles the maps of a realization.
+    ///
+    /// # Errors
+    /// [`BuildError::Incompatible`] where it offers neither code nor numbers,
+    /// [`BuildError::Algebra`] where its code has no derivative.
+    pub(crate) fn new(
+        realization: &Arc<dyn RealizationData>,
+        parameters: &[f64],
+    ) -> Result<Self, BuildError> {
+        Ok(Self {
+            realization: Arc::clone(realization),
+            maps: RealizationMaps::new(realization, parameters)?,
+            chart: ChartMaps::of(realization, parameters.len())?,
+        })
+    }
+
+    /// The realization for one instance, for these values of the system's parameters.
+    pub(crate) fn lend(&self, parameters: &[f64]) -> HostRealization {
+        HostRealization::new(self.clone(), parameters.to_vec())
+    }
+
+    /// The chart about the section, where there is one.
+    pub(crate) fn chart(&self) -> Option<&ChartMaps> {
+        self.chart.as_ref()
+    }
+}
+
+/// The realization of one instance, lent from `create` to `destroy`.
+pub(crate) struct HostRealization {
+    shared: Box<Shared>,
+}
+
+/// What the plugin's pointers lead to.
+struct Shared {
+    raw: LwHostRealization,
+    functions: LwRealization,
+    source: RealizationToLend,
+    parameters: Vec<f64>,
+    is_called: AtomicBool,
+    state: UnsafeCell<State>,
+}
+
+struct State {
+    workers: Option<Workers>,
+    buffers: Buffers,
+    ends: Ends,
+    /// Dβ̂ and D(α̂ − β̂).
+    target: Vec<f64>,
+    increment: Vec<f64>,
+    /// Room for a point of S.
+    point: Vec<f64>,
+}
+
+/// Evaluators for one ε.
+struct Workers {
+    epsilon: u64,
+    maps: Box<dyn RealizationWorker>,
+    chart: Option<Box<dyn ChartWorker>>,
+}
+
+// SAFETY: the pointers lead to the box itself and to constant functions; the state is reached behind
+// `is_called` only.
+unsafe impl Send for HostRealization {}
+
+impl HostRealization {
+    fn new(source: RealizationToLend, parameters: Vec<f64>) -> Self {
+        let realization = &source.realization;
+        let (d, space) = (realization.dimension(), realization.space_dimension());
+        let mut raw = LwHostRealization::empty();
+        match realization.accuracy() {
+            Accuracy::Exact => raw.flags |= LW_FLAG_EXACT,
+            Accuracy::Order(n) => raw.order = i32::try_from(n).unwrap_or(i32::MAX),
+        }
+        if realization.points_are_pairs() {
+            raw.flags |= LW_FLAG_COTANGENT_CHART;
+            if realization.is_reversible() {
+                raw.flags |= LW_FLAG_REVERSIBLE;
+            }
+        }
+        let workers = Workers::new(&source, &parameters, 1.0);
+        let functions = table(&workers, !realization.points_are_pairs());
+        let mut shared = Box::new(Shared {
+            raw,
+            functions,
+            parameters,
+            is_called: AtomicBool::new(false),
+            state: UnsafeCell::new(State {
+                workers: Some(workers),
+                buffers: Buffers::default(),
+                ends: Ends::new(d),
+                target: vec![0.0; d * space],
+                increment: vec![0.0; d * space],
+                point: vec![0.0; space],
+            }),
+            source,
+        });
+        shared.raw.functions = &raw const shared.functions;
+        shared.raw.instance = (&raw mut *shared).cast();
+        Self { shared }
+    }
+
+    /// What `create` is given.
+    pub(crate) fn raw(&self) -> *const LwHostRealization {
+        &raw const self.shared.raw
+    }
+}
+
+impl Workers {
+    fn new(source: &RealizationToLend, parameters: &[f64], epsilon: f64) -> Self {
+        Self {
+            epsilon: epsilon.to_bits(),
+            maps: source.maps.worker(parameters, epsilon),
+            chart: source
+                .chart
+                .as_ref()
+                .map(|chart| chart.worker(parameters, epsilon)),
+        }
+    }
+}
+
+/// The functions that a realization of these abilities has; a chart where its points are not pairs.
+fn table(workers: &Workers, needs_chart: bool) -> LwRealization {
+    let mut table = LwRealization::empty();
+    table.space_dimension = Some(space_dimension);
+    table.alpha = Some(alpha);
+    table.beta = Some(beta);
+    table.sigma = Some(sigma);
+    table.ends = Some(ends);
+    if workers.maps.has_tangents() {
+        table.alpha_jacobian = Some(alpha_jacobian);
+        table.beta_with_jacobian = Some(beta_with_jacobian);
+        table.ends_jacobian = Some(ends_jacobian);
+    }
+    if let Some(worker) = workers.chart.as_ref().filter(|_| needs_chart) {
+        table.chart = Some(chart);
+        if worker.has_tangent() {
+            table.chart_jacobian = Some(chart_jacobian);
+        }
+    }
+    table
+}
+
+/// The realization behind a plugin's first argument.
+///
+/// # Safety
+/// `instance` is that of an [`LwHostRealization`] that is still lent.
+unsafe fn shared<'a>(instance: *mut c_void) -> &'a Shared {
+    // SAFETY: passed on to the caller.
+    unsafe { &*instance.cast::<Shared>() }
+}
+
+unsafe extern "C" fn space_dimension(instance: *mut c_void) -> usize {
+    // SAFETY: the contract of the table.
+    unsafe { shared(instance) }
+        .source
+        .realization
+        .space_dimension()
+}
+
+/// The evaluators and buffers of a call.
+struct Evaluator<'a> {
+    realization: &'a dyn RealizationData,
+    workers: &'a mut Workers,
+    ends: &'a mut Ends,
+    target: &'a mut [f64],
+    increment: &'a mut [f64],
+    point: &'a mut Vec<f64>,
+}
+
+impl Evaluator<'_> {
+    fn ends(&mut self, z: &[f64]) -> Result<(), StepError> {
+        self.workers.maps.ends(z, self.ends)
+    }
+
+    /// Dβ̂ and D(α̂ − β̂) at z.
+    fn tangents(&mut self, z: &[f64]) -> Result<(), StepError> {
+        self.ends(z)?;
+        self.workers.maps.tangents(self.target, self.increment)
+    }
+
+    fn beta(&self, out: &mut [f64]) {
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = self.ends.base[i] + self.ends.offset[i];
+        }
+    }
+
+    /// χ at a point whose coordinates nobody asks for.
+    fn chart_point(&mut self, x: &[f64], p: &[f64]) -> Result<(), StepError> {
+        let mut z = std::mem::take(self.point);
+        z.resize(self.realization.space_dimension(), 0.0);
+        let result = self.chart(x, p, &mut z);
+        *self.point = z;
+        result
+    }
+
+    fn chart(&mut self, x: &[f64], p: &[f64], z: &mut [f64]) -> Result<(), StepError> {
+        match &mut self.workers.chart {
+            Some(chart) => chart.point(x, p, z),
+            None => Err(StepError::NoTangent),
+        }
+    }
+}
+
+/// Evaluates one function at the points of a call.
+///
+/// # Safety
+/// The contract of the table: the instance is lent, the call and the error are what the interface
+/// says.
+unsafe fn evaluate(
+    instance: *mut c_void,
+    call: *const LwMapCall,
+    err: *mut LwError,
+    shape: impl FnOnce(usize, usize) -> Shape,
+    mut function: impl FnMut(&mut Evaluator<'_>, [&[f64]; 2], &mut [f64]) -> Result<(), StepError>,
+) -> LwStatus {
+    // SAFETY: passed on to the caller.
+    let shared = unsafe { shared(instance) };
+    if shared.is_called.swap(true, Ordering::Acquire) {
+        let text = "the realization is called from two threads at once";
+        // SAFETY: passed on to the caller.
+        return unsafe { fail(err, LW_ERROR, -1, 0.0, text) };
+    }
+    // SAFETY: nobody else is between the two changes of `is_called`.
+    let state = unsafe { &mut *shared.state.get() };
+    // SAFETY: passed on to the caller; a NULL call is refused by `each`.
+    let epsilon = unsafe { call.as_ref() }.map_or(1.0, |call| call.epsilon);
+    let known = state
+        .workers
+        .take()
+        .filter(|workers| workers.epsilon == epsilon.to_bits());
+    let mut workers =
+        known.unwrap_or_else(|| Workers::new(&shared.source, &shared.parameters, epsilon));
+    let realization = shared.source.realization.as_ref();
+    let mut evaluator = Evaluator {
+        realization,
+        workers: &mut workers,
+        ends: &mut state.ends,
+        target: &mut state.target,
+        increment: &mut state.increment,
+        point: &mut state.point,
+    };
+    let shape = shape(realization.dimension(), realization.space_dimension());
+    // SAFETY: passed on to the caller.
+    let status = unsafe {
+        each(call, err, shape, &mut state.buffers, |point, v, _, out| {
+            function(&mut evaluator, [point, v], out)
+        })
+    };
+    state.workers = Some(workers);
+    shared.is_called.store(false, Ordering::Release);
+    status
+}
+
+/// One point and no vector.
+fn of_space(point: usize, output: usize) -> Shape {
+    Shape {
+        point,
+        v: 0,
+        w: 0,
+        output,
+    }
+}
+
+/// A pair (x, p).
+fn of_pair(d: usize, output: usize) -> Shape {
+    Shape {
+        point: d,
+        v: d,
+        w: 0,
+        output,
+    }
+}
+
+macro_rules! maps {
+    ($($name:ident: $shape:expr, $evaluate:expr;)*) => {$(
+        unsafe extern "C" fn $name(
+            instance: *mut c_void,
+            call: *const LwMapCall,
+            err: *mut LwError,
+        ) -> LwStatus {
+            // SAFETY: the contract of the table.
+            unsafe { evaluate(instance, call, err, $shape, $evaluate) }
+        }
+    )*};
+}
+
+maps! {
+    alpha: |d, s| of_space(s, d), |maps, [z, _], out| {
+        maps.ends(z)?;
+        maps.beta(out);
+        out.iter_mut().zip(&maps.ends.increment).for_each(|(a, i)| *a += i);
+        Ok(())
+    };
+    beta: |d, s| of_space(s, d), |maps, [z, _], out| {
+        maps.ends(z)?;
+        maps.beta(out);
+        Ok(())
+    };
+    sigma: of_space, |maps, [x, _], out| {
+        maps.realization.section(x, out);
+        Ok(())
+    };
+    ends: |d, s| of_space(s, 3 * d), |maps, [z, _], out| {
+        maps.ends(z)?;
+        let parts = [&maps.ends.base, &maps.ends.offset, &maps.ends.increment];
+        out.iter_mut().zip(parts.into_iter().flatten()).for_each(|(out, v)| *out = *v);
+        Ok(())
+    };
+    alpha_jacobian: |d, s| of_space(s, d * s), |maps, [z, _], out| {
+        maps.tangents(z)?;
+        let sum = maps.target.iter().zip(maps.increment.iter()).map(|(t, i)| t + i);
+        out.iter_mut().zip(sum).for_each(|(out, v)| *out = v);
+        Ok(())
+    };
+    beta_with_jacobian: |d, s| of_space(s, d + d * s), |maps, [z, _], out| {
+        maps.tangents(z)?;
+        let (value, jacobian) = out.split_at_mut(maps.ends.base.len());
+        maps.beta(value);
+        jacobian.copy_from_slice(maps.target);
+        Ok(())
+    };
+    ends_jacobian: |d, s| of_space(s, 2 * d * s), |maps, [z, _], out| {
+        maps.tangents(z)?;
+        let (target, increment) = out.split_at_mut(maps.target.len());
+        target.copy_from_slice(maps.target);
+        increment.copy_from_slice(maps.increment);
+        Ok(())
+    };
+    chart: of_pair, |maps, [x, p], out| maps.chart(x, p, out);
+    chart_jacobian: |d, s| of_pair(d, s * 2 * d), |maps, [x, p], out| {
+        maps.chart_point(x, p)?;
+        match &mut maps.workers.chart {
+            Some(chart) => chart.tangent(out),
+            None => Err(StepError::NoTangent),
+        }
+    };
+}

@@ -1,0 +1,43 @@
+//! Plugins: parts of third parties in shared libraries, found, checked, opened and registered.
+//!
+//! Opening a library runs its code, which nothing inside this process can contain: a plugin is
+//! trusted as much as this program is. The checks here catch mistakes, not malice.
+//!
+//! The order, each step before the next:
+//!
+//! 1. [`find`]: an explicit path, or a name in the folders of the search path;
+//! 2. [`side_file`], `file`, `object`: what can be told without running anything;
+//! 3. [`probe`]: opened and tried in a child process, where it may crash or hang;
+//! 4. `library`, `floating_point`: opened for good;
+//! 5. `handshake`: everything it declares copied and checked, as a [`PluginDeclaration`];
+//! 6. `smoke`: every function called at a few points;
+//! 7. [`loader`]: registered, all parts or none.
+//!
+//! What is registered is `foreign` (a library's functions as parts) or `formulas` (its expressions as
+//! parts, for which everything works that works for a built-in one); `host` hands the host's own
+//! systems and realizations to plugins. [`error`] says why a plugin is refused.
+
+pub mod declaration;
+pub mod error;
+mod file;
+pub mod find;
+mod floating_point;
+mod foreign;
+mod formulas;
+mod handshake;
+mod host;
+mod library;
+pub mod loader;
+mod object;
+mod part;
+mod platform;
+pub mod probe;
+pub mod side_file;
+mod smoke;
+
+pub use declaration::{PartDeclaration, PluginDeclaration, ValuePath};
+pub use error::{PluginError, Refusal};
+pub use find::SearchPath;
+pub use loader::{LoadedPlugin, Loader, PluginRequest};
+pub use probe::{ProbeCommand, run_probe};
+pub use smoke::SmokeFailure;

@@ -1,0 +1,62 @@
+//! What a file beside a library says of it, to be read without running its code.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::Refusal;
+
+/// `acme.plugin.toml` beside `libacme.so` or `acme.so`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SideFile {
+    /// The plugin's id.
+    pub id: Option<String>,
+    /// Its version.
+    pub version: Option<String>,
+    /// The SHA-256 of the library, in hexadecimal: another file is refused.
+    pub sha256: Option<String>,
+    /// Its parts.
+    #[serde(default)]
+    pub parts: Vec<SidePart>,
+}
+
+/// A part as a side file has it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SidePart {
+    /// Its id.
+    pub id: String,
+    /// `system`, `realization`, `dynamics` or `step-map`.
+    pub kind: String,
+    /// What it is, in one line.
+    pub summary: Option<String>,
+}
+
+/// Where the side file of a library is.
+pub fn side_file_of(library: &Path) -> Option<PathBuf> {
+    let stem = library.file_stem()?.to_str()?;
+    let name = stem
+        .strip_prefix(std::env::consts::DLL_PREFIX)
+        .unwrap_or(stem);
+    Some(library.with_file_name(format!("{name}.plugin.toml")))
+}
+
+/// The side file of a library, `None` where there is none.
+///
+/// # Errors
+/// [`Refusal::SideFile`] where it says something else than it may.
+pub fn read(library: &Path) -> Result<Option<SideFile>, Refusal> {
+    let Some(file) = side_file_of(library).filter(|file| file.exists()) else {
+        return Ok(None);
+    };
+    let wrong = |message: String| Refusal::SideFile {
+        file: file.clone(),
+        message,
+    };
+    let text = fs::read_to_string(&file).map_err(|error| wrong(error.to_string()))?;
+    toml::from_str(&text)
+        .map(Some)
+        .map_err(|error| wrong(error.message().to_owned()))
+}
