@@ -40,13 +40,6 @@ impl Execution {
 /// A workspace reports its evaluations this many at a time.
 pub(super) const REPORT: u32 = 64;
 
-/// After this many evaluations of one lane machine code would have saved the time that it takes
-/// to compile, for kernels of any size: both grow with the number of operations.
-const EVALUATIONS: u64 = 2048;
-
-/// Larger kernels stay interpreted: compiling one takes longer than a second.
-const LARGEST: usize = 200_000;
-
 /// What one kernel has in machine code, for each number of lanes.
 #[derive(Debug, Default)]
 pub(super) struct Compiled {
@@ -82,7 +75,7 @@ impl Compiled {
         };
         let entry = find(&mut entries, lanes);
         entry.evaluations += u64::from(REPORT);
-        if entry.evaluations >= EVALUATIONS && code.instructions.len() <= LARGEST {
+        if entry.evaluations >= MachineCode::evaluations_to_pay(lanes) {
             entry.compile(code);
         }
         entry.machine.clone().flatten()

@@ -11,7 +11,15 @@ impl MachineCode {
         None
     }
 
-    pub(super) fn run(&self, _slots: &mut [f64]) {
+    pub(super) fn evaluations_to_pay(_lanes: usize) -> u64 {
+        u64::MAX
+    }
+
+    pub(super) fn scratch(&self) -> usize {
+        match *self {}
+    }
+
+    pub(super) fn run(&self, _slots: &mut [f64], _scratch: &mut [f64]) {
         match *self {}
     }
 

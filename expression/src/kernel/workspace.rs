@@ -16,9 +16,23 @@ use super::interpreter::run;
 pub struct Workspace {
     lanes: usize,
     slots: Aligned,
-    machine: Option<Arc<MachineCode>>,
+    machine: Option<Machine>,
     /// Evaluations until the kernel is told of them; 0 where it never is.
     until_report: u32,
+}
+
+/// Machine code and the memory it works in.
+#[derive(Clone, Debug)]
+struct Machine {
+    code: Arc<MachineCode>,
+    scratch: Aligned,
+}
+
+impl Machine {
+    fn new(code: Arc<MachineCode>) -> Self {
+        let scratch = Aligned::filled(code.scratch(), -0.0);
+        Self { code, scratch }
+    }
 }
 
 impl Kernel {
@@ -52,7 +66,7 @@ impl Kernel {
         Workspace {
             lanes,
             slots,
-            machine,
+            machine: machine.map(Machine::new),
             until_report,
         }
     }
@@ -120,8 +134,8 @@ impl Kernel {
 
     /// Runs the step kernel on the inputs that stand in the workspace.
     pub fn evaluate_in_place(&self, workspace: &mut Workspace) {
-        match &workspace.machine {
-            Some(machine) => machine.run(&mut workspace.slots),
+        match &mut workspace.machine {
+            Some(machine) => machine.code.run(&mut workspace.slots, &mut machine.scratch),
             None => {
                 run(&self.step_code, &mut workspace.slots, workspace.lanes);
                 self.count_evaluation(workspace);
@@ -133,7 +147,8 @@ impl Kernel {
         if workspace.until_report > 0 {
             workspace.until_report -= 1;
             if workspace.until_report == 0 {
-                workspace.machine = self.compiled.report(&self.step_code, workspace.lanes);
+                let machine = self.compiled.report(&self.step_code, workspace.lanes);
+                workspace.machine = machine.map(Machine::new);
                 workspace.until_report = REPORT;
             }
         }

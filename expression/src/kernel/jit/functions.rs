@@ -4,10 +4,16 @@ use crate::analytic::AnalyticFunction;
 use crate::expression::Function;
 
 macro_rules! entries {
-    ($($variant:ident => $entry:ident),* $(,)?) => {
+    ($($variant:ident => $entry:ident, $entry_lanes:ident;)*) => {
         $(
             extern "C" fn $entry(x: f64) -> f64 {
                 Function::$variant.apply(x)
+            }
+
+            unsafe extern "C" fn $entry_lanes(values: *mut f64, count: usize) {
+                // SAFETY: the code passes its own memory of `count` numbers.
+                let values = unsafe { std::slice::from_raw_parts_mut(values, count) };
+                Function::$variant.apply_lanes(values);
             }
         )*
 
@@ -18,25 +24,33 @@ macro_rules! entries {
             };
             entry as usize
         }
+
+        /// The address of (values, count), which replaces each x by f(x).
+        pub(super) fn elementary_lanes(function: Function) -> usize {
+            let entry: unsafe extern "C" fn(*mut f64, usize) = match function {
+                $(Function::$variant => $entry_lanes,)*
+            };
+            entry as usize
+        }
     };
 }
 
 entries! {
-    Exp => exp,
-    Ln => ln,
-    Sqrt => sqrt,
-    Sin => sin,
-    Cos => cos,
-    Tan => tan,
-    Asin => asin,
-    Acos => acos,
-    Atan => atan,
-    Sinh => sinh,
-    Cosh => cosh,
-    Tanh => tanh,
-    Asinh => asinh,
-    Acosh => acosh,
-    Atanh => atanh,
+    Exp => exp, exp_lanes;
+    Ln => ln, ln_lanes;
+    Sqrt => sqrt, sqrt_lanes;
+    Sin => sin, sin_lanes;
+    Cos => cos, cos_lanes;
+    Tan => tan, tan_lanes;
+    Asin => asin, asin_lanes;
+    Acos => acos, acos_lanes;
+    Atan => atan, atan_lanes;
+    Sinh => sinh, sinh_lanes;
+    Cosh => cosh, cosh_lanes;
+    Tanh => tanh, tanh_lanes;
+    Asinh => asinh, asinh_lanes;
+    Acosh => acosh, acosh_lanes;
+    Atanh => atanh, atanh_lanes;
 }
 
 extern "C" fn raise(a: f64, b: f64) -> f64 {
@@ -61,5 +75,44 @@ unsafe extern "C" fn differentiate(function: *const AnalyticFunction, order: u32
 /// The address of (f, k, x) ↦ f⁽ᵏ⁾(x), f by its address.
 pub(super) fn analytic() -> usize {
     let entry: unsafe extern "C" fn(*const AnalyticFunction, u32, f64) -> f64 = differentiate;
+    entry as usize
+}
+
+/// Replaces each a by a^b.
+unsafe extern "C" fn raise_lanes(a: *mut f64, b: *const f64, count: usize) {
+    // SAFETY: the code passes two pieces of its own memory, of `count` numbers each.
+    let (a, b) = unsafe {
+        (
+            std::slice::from_raw_parts_mut(a, count),
+            std::slice::from_raw_parts(b, count),
+        )
+    };
+    for (a, b) in a.iter_mut().zip(b) {
+        *a = libm::pow(*a, *b);
+    }
+}
+
+/// The address of (a, b, count), which replaces each a by a^b.
+pub(super) fn power_lanes() -> usize {
+    let entry: unsafe extern "C" fn(*mut f64, *const f64, usize) = raise_lanes;
+    entry as usize
+}
+
+/// Replaces each x by f⁽ᵏ⁾(x).
+unsafe extern "C" fn differentiate_lanes(
+    function: *const AnalyticFunction,
+    order: u32,
+    values: *mut f64,
+    count: usize,
+) {
+    // SAFETY: the code passes a live function and its own memory of `count` numbers.
+    let (function, values) = unsafe { (&*function, std::slice::from_raw_parts_mut(values, count)) };
+    function.derivative_lanes(order, values);
+}
+
+/// The address of (f, k, values, count), which replaces each x by f⁽ᵏ⁾(x).
+pub(super) fn analytic_lanes() -> usize {
+    let entry: unsafe extern "C" fn(*const AnalyticFunction, u32, *mut f64, usize) =
+        differentiate_lanes;
     entry as usize
 }

@@ -4,30 +4,56 @@ use std::fmt;
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 
-use cranelift_codegen::Context;
 use cranelift_codegen::isa::OwnedTargetIsa;
 use cranelift_codegen::settings::{self, Configurable};
 use cranelift_frontend::FunctionBuilderContext;
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{Linkage, Module, default_libcall_names};
 
-use super::emit::emit;
+#[cfg(all(target_arch = "x86_64", not(windows)))]
+use super::avx;
+use super::portable;
 use super::program::Program;
 use super::registers::Plan;
 use crate::analytic::AnalyticFunction;
 use crate::kernel::code::{Code, Instruction};
 
-/// How many registers for numbers a plan uses: all but what the compiler may want for itself.
-const REGISTERS: usize = if cfg!(target_arch = "aarch64") {
-    30
-} else {
-    15
-};
+/// The largest program in bytes of slots: offsets have 31 bits.
+const MOST_BYTES: usize = 1 << 30;
+
+/// The largest program for Cranelift in operations: its time grows faster than they do.
+const MOST_PORTABLE: usize = 20_000;
+
+/// What writes machine code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Backend {
+    /// Our own assembler, so many lanes an instruction.
+    #[cfg(all(target_arch = "x86_64", not(windows)))]
+    Avx(avx::Width),
+    /// Cranelift.
+    Portable,
+}
+
+impl Backend {
+    /// The fastest for so many lanes on this machine.
+    pub(super) fn best(lanes: usize) -> Self {
+        #[cfg(all(target_arch = "x86_64", not(windows)))]
+        if let Some(width) = avx::Width::best(lanes) {
+            return Self::Avx(width);
+        }
+        let _ = lanes;
+        Self::Portable
+    }
+}
+
+/// `fn(slots, scratch)`.
+type Entry = unsafe extern "C" fn(*mut f64, *mut f64);
 
 /// The machine code of one program for one number of lanes.
 pub(in crate::kernel) struct MachineCode {
-    entry: unsafe extern "C" fn(*mut f64),
+    entry: Entry,
     slots: usize,
+    scratch: usize,
     bytes: usize,
     seconds: f64,
     /// Owns the memory that `entry` points into; freed on drop.
@@ -39,7 +65,28 @@ pub(in crate::kernel) struct MachineCode {
 impl MachineCode {
     /// Compiles `code` for `lanes` lanes; `None` where the platform cannot or forbids it.
     pub(in crate::kernel) fn compile(code: &Code, lanes: usize) -> Option<Self> {
+        Self::compile_by(Backend::best(lanes), code, lanes)
+    }
+
+    /// After how many evaluations the code has saved the time that it took to compile, for programs
+    /// of any size: both grow with the number of operations.
+    pub(in crate::kernel) fn evaluations_to_pay(lanes: usize) -> u64 {
+        match Backend::best(lanes) {
+            #[cfg(all(target_arch = "x86_64", not(windows)))]
+            Backend::Avx(_) => 256,
+            Backend::Portable => 4096,
+        }
+    }
+
+    /// The same by a given backend.
+    pub(super) fn compile_by(backend: Backend, code: &Code, lanes: usize) -> Option<Self> {
         let start = Instant::now();
+        let slots = code.slots.checked_mul(lanes)?;
+        if slots * size_of::<f64>() > MOST_BYTES
+            || backend == Backend::Portable && code.instructions.len() > MOST_PORTABLE
+        {
+            return None;
+        }
         let functions: Box<[AnalyticFunction]> = code
             .instructions
             .iter()
@@ -48,58 +95,51 @@ impl MachineCode {
                 _ => None,
             })
             .collect();
+        let program = Program::new(code);
         let isa = host()?;
         let mut module = JITModule::new(JITBuilder::with_isa(isa, default_libcall_names()));
-        let mut context = module.make_context();
-        let mut builders = FunctionBuilderContext::new();
-        let program = Program::new(code);
-        let plan = Plan::new(&program, REGISTERS);
-        emit(
-            &program,
-            &plan,
-            lanes,
-            &functions,
-            module.isa(),
-            &mut context.func,
-            &mut builders,
-        );
-        let entry = link(&mut module, &mut context);
-        let bytes = context
-            .compiled_code()
-            .map_or(0, |compiled| compiled.code_buffer().len());
-        let machine = |module, entry| Self {
+        let written = write(&mut module, backend, &program, lanes, &functions);
+        let Some(Written {
+            address,
+            bytes,
+            scratch,
+        }) = written
+        else {
+            // SAFETY: no function of the module is known to anyone.
+            unsafe { module.free_memory() };
+            return None;
+        };
+        // SAFETY: every backend writes a function of this signature in the platform's C convention.
+        let entry = unsafe { std::mem::transmute::<*const u8, Entry>(address) };
+        Some(Self {
             entry,
-            slots: code.slots * lanes,
+            slots,
+            scratch,
             bytes,
             seconds: start.elapsed().as_secs_f64(),
             module: Mutex::new(Some(module)),
             _functions: functions,
-        };
-        match entry {
-            Some(address) => {
-                // SAFETY: `emit` writes a function of this signature in the platform's C convention.
-                let entry = unsafe {
-                    std::mem::transmute::<*const u8, unsafe extern "C" fn(*mut f64)>(address)
-                };
-                Some(machine(module, entry))
-            }
-            None => {
-                // SAFETY: no function of the module was finalized, so none can be called.
-                unsafe { module.free_memory() };
-                None
-            }
-        }
+        })
+    }
+
+    /// How many numbers of scratch memory [`MachineCode::run`] needs, all −0 at first.
+    pub(in crate::kernel) fn scratch(&self) -> usize {
+        self.scratch
     }
 
     /// Runs the program on `slots`, slot s of lane w at `[s*lanes + w]`.
     ///
     /// # Panics
-    /// When `slots` has another length than the code was compiled for.
-    pub(in crate::kernel) fn run(&self, slots: &mut [f64]) {
-        assert_eq!(slots.len(), self.slots, "the slots of another kernel");
-        // SAFETY: the code reads and writes the `self.slots` numbers from its argument on, and its
-        // memory lives as long as `self`.
-        unsafe { (self.entry)(slots.as_mut_ptr()) }
+    /// When `slots` or `scratch` has another length than the code was compiled for.
+    pub(in crate::kernel) fn run(&self, slots: &mut [f64], scratch: &mut [f64]) {
+        assert_eq!(
+            (slots.len(), scratch.len()),
+            (self.slots, self.scratch),
+            "the memory of another kernel"
+        );
+        // SAFETY: the code reads and writes the `self.slots` numbers from its first argument on and
+        // the `self.scratch` numbers from its second one on; its memory lives as long as `self`.
+        unsafe { (self.entry)(slots.as_mut_ptr(), scratch.as_mut_ptr()) }
     }
 
     /// The length of the code.
@@ -136,16 +176,65 @@ impl fmt::Debug for MachineCode {
     }
 }
 
-/// Compiles the function of `context` into executable memory and returns its address.
-fn link(module: &mut JITModule, context: &mut Context) -> Option<*const u8> {
-    let signature = &context.func.signature;
-    let id = module
-        .declare_function("kernel", Linkage::Local, signature)
-        .ok()?;
-    module.define_function(id, context).ok()?;
-    module.finalize_definitions().ok()?;
-    Some(module.get_finalized_function(id))
+/// A function in executable memory.
+struct Written {
+    address: *const u8,
+    bytes: usize,
+    scratch: usize,
 }
+
+/// Writes the program into executable memory.
+fn write(
+    module: &mut JITModule,
+    backend: Backend,
+    program: &Program,
+    lanes: usize,
+    functions: &[AnalyticFunction],
+) -> Option<Written> {
+    let mut context = module.make_context();
+    let signature = portable::signature(module.isa());
+    let id = module
+        .declare_function("kernel", Linkage::Local, &signature)
+        .ok()?;
+    let (bytes, scratch) = match backend {
+        #[cfg(all(target_arch = "x86_64", not(windows)))]
+        Backend::Avx(width) => {
+            let plan = Plan::new(program, width.registers() - 1);
+            let bytes = avx::assemble(program, &plan, lanes, width, functions);
+            module
+                .define_function_bytes(id, CACHE_LINE, &bytes, &[])
+                .ok()?;
+            (bytes.len(), avx::scratch_len(&plan, width))
+        }
+        Backend::Portable => {
+            let plan = Plan::new(program, portable::REGISTERS);
+            context.func.signature = signature;
+            portable::emit(
+                program,
+                &plan,
+                lanes,
+                functions,
+                module.isa(),
+                &mut context.func,
+                &mut FunctionBuilderContext::new(),
+            );
+            module.define_function(id, &mut context).ok()?;
+            let bytes = context
+                .compiled_code()
+                .map_or(0, |code| code.code_buffer().len());
+            (bytes, portable::scratch_len(&plan, lanes))
+        }
+    };
+    module.finalize_definitions().ok()?;
+    Some(Written {
+        address: module.get_finalized_function(id),
+        bytes,
+        scratch,
+    })
+}
+
+/// Where code starts.
+const CACHE_LINE: u64 = 64;
 
 /// The compiler for this machine, `None` where there is none.
 fn host() -> Option<OwnedTargetIsa> {

@@ -1,9 +1,18 @@
 //! Machine code for step kernels, bit-identical to the interpreter.
+//!
+//! A program's operations are put in order ([`program`]), its loads and stores planned
+//! ([`registers`]), and the steps written as machine code: by our own assembler where there is AVX
+//! ([`avx`]: it compiles in microseconds and takes four or eight lanes an instruction), elsewhere
+//! by Cranelift ([`portable`]).
 
-mod emit;
+#[cfg(all(target_arch = "x86_64", not(windows)))]
+mod avx;
 mod functions;
 mod machine;
+mod portable;
 mod program;
 mod registers;
+#[cfg(test)]
+mod tests;
 
 pub(super) use machine::MachineCode;

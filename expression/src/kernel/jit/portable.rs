@@ -1,9 +1,10 @@
-//! A planned program as a function of the compiler's intermediate code.
+//! A planned program as a function of the compiler's intermediate code, for any machine it knows:
+//! `fn(slots: *mut f64, scratch: *mut f64)`, one number or two an instruction.
 
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::{
-    AbiParam, Function as IrFunction, InstBuilder, MemFlagsData, SigRef, Signature, StackSlotData,
-    StackSlotKind, Type, Value, types,
+    AbiParam, Function as IrFunction, InstBuilder, MemFlagsData, SigRef, Signature, Type, Value,
+    types,
 };
 use cranelift_codegen::isa::TargetIsa;
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
@@ -17,7 +18,27 @@ use crate::kernel::code::Instruction;
 
 const NUMBER: i64 = size_of::<f64>() as i64;
 
-/// Writes `program` for `lanes` lanes as the body of `function`, of the signature `fn(*mut f64)`.
+/// How many registers for numbers a plan may use: all but what the compiler wants for itself.
+pub(super) const REGISTERS: usize = if cfg!(target_arch = "aarch64") {
+    30
+} else {
+    15
+};
+
+/// How many numbers of scratch memory a plan needs.
+pub(super) fn scratch_len(plan: &Plan, lanes: usize) -> usize {
+    plan.places * lanes.min(2)
+}
+
+/// `fn(*mut f64, *mut f64)` in the platform's C convention.
+pub(super) fn signature(isa: &dyn TargetIsa) -> Signature {
+    let mut signature = Signature::new(isa.default_call_conv());
+    let parameters = [AbiParam::new(isa.pointer_type()); 2];
+    signature.params.extend(parameters);
+    signature
+}
+
+/// Writes `program` for `lanes` lanes as the body of `function`, of that signature.
 pub(super) fn emit(
     program: &Program,
     plan: &Plan,
@@ -28,24 +49,15 @@ pub(super) fn emit(
     builders: &mut FunctionBuilderContext,
 ) {
     let pointer = isa.pointer_type();
-    function.signature = Signature::new(isa.default_call_conv());
-    function.signature.params.push(AbiParam::new(pointer));
     let mut builder = FunctionBuilder::new(function, builders);
     let entry = builder.create_block();
     builder.append_block_params_for_function_params(entry);
     builder.switch_to_block(entry);
-    let slots = builder.block_params(entry)[0];
+    let [slots, scratch] = [0, 1].map(|k| builder.block_params(entry)[k]);
     let number = match lanes {
         1 => types::F64,
         _ => types::F64X2,
     };
-    let place_bytes = number.bytes();
-    let scratch = builder.create_sized_stack_slot(StackSlotData::new(
-        StackSlotKind::ExplicitSlot,
-        plan.places as u32 * place_bytes,
-        4,
-    ));
-    let scratch = builder.ins().stack_addr(pointer, scratch, 0);
     let signatures = Signatures::new(&mut builder, isa);
     let mut emitter = Emitter {
         builder,

@@ -1,0 +1,300 @@
+//! The few instructions of x86-64 that kernels need, as bytes (Intel 64 and IA-32 Architectures
+//! Software Developer's Manual, volume 2: 2.3 for VEX, 2.7 for EVEX).
+
+/// A register for addresses and whole numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Gpr(u8);
+
+impl Gpr {
+    pub(super) const RAX: Self = Self(0);
+    pub(super) const RCX: Self = Self(1);
+    pub(super) const RDX: Self = Self(2);
+    pub(super) const RBX: Self = Self(3);
+    pub(super) const RBP: Self = Self(5);
+    pub(super) const RSI: Self = Self(6);
+    pub(super) const RDI: Self = Self(7);
+    pub(super) const R12: Self = Self(12);
+}
+
+/// How many numbers an instruction works on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::kernel::jit) enum Width {
+    /// One, in the lowest part of a register.
+    One,
+    /// Two, in 128 bits.
+    Two,
+    /// Four, in 256 bits.
+    Four,
+    /// Eight, in 512 bits: with these there are 32 registers.
+    Eight,
+}
+
+impl Width {
+    /// The number of numbers.
+    pub(in crate::kernel::jit) fn lanes(self) -> usize {
+        match self {
+            Self::One => 1,
+            Self::Two => 2,
+            Self::Four => 4,
+            Self::Eight => 8,
+        }
+    }
+
+    /// The widest that so many lanes fill on this machine, `None` without AVX.
+    pub(in crate::kernel::jit) fn best(lanes: usize) -> Option<Self> {
+        let available = [
+            (Self::Eight, is_x86_feature_detected!("avx512f")),
+            (Self::Four, is_x86_feature_detected!("avx")),
+            (Self::Two, is_x86_feature_detected!("avx")),
+            (Self::One, is_x86_feature_detected!("avx")),
+        ];
+        let fits = |&(width, is_available): &(Self, bool)| is_available && width.lanes() <= lanes;
+        available.into_iter().find(fits).map(|(width, _)| width)
+    }
+
+    /// The number of registers.
+    pub(in crate::kernel::jit) fn registers(self) -> usize {
+        match self {
+            Self::One | Self::Two | Self::Four => 16,
+            Self::Eight => 32,
+        }
+    }
+}
+
+/// A number in memory, `offset` bytes from where a register points: not RSP or R12.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Memory {
+    pub(super) base: Gpr,
+    pub(super) offset: i32,
+}
+
+/// The second operand of an instruction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Operand {
+    /// A register for numbers.
+    Register(u8),
+    /// Read from memory.
+    Memory(Memory),
+}
+
+/// An operation of two operands, or of its second alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub(super) enum Opcode {
+    SquareRoot = 0x51,
+    Add = 0x58,
+    Multiply = 0x59,
+    Subtract = 0x5C,
+    Divide = 0x5E,
+    Load = 0x10,
+    Store = 0x11,
+    /// The bits of both, exclusively or, of whole registers.
+    ExclusiveOr = 0x57,
+}
+
+/// What stands in an instruction's prefix beside the opcode.
+#[derive(Clone, Copy)]
+struct Prefix {
+    /// 1 for packed numbers, 3 for a single one.
+    kind: u8,
+    opcode: u8,
+}
+
+/// A place whose distance is not yet known.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Jump(usize);
+
+/// Bytes of machine code.
+#[derive(Debug, Default)]
+pub(super) struct Assembler {
+    pub(super) bytes: Vec<u8>,
+}
+
+impl Assembler {
+    /// target ← a ∘ b; ← ∘ b where the operation has one operand, `a` being any register then.
+    pub(super) fn compute(&mut self, width: Width, opcode: Opcode, target: u8, a: u8, b: Operand) {
+        let is_single = width == Width::One && opcode != Opcode::ExclusiveOr;
+        // Eight lanes have no exclusive or of numbers without an extension: that of whole numbers.
+        let code = match (width, opcode) {
+            (Width::Eight, Opcode::ExclusiveOr) => 0xEF,
+            _ => opcode as u8,
+        };
+        let prefix = Prefix {
+            kind: if is_single { 3 } else { 1 },
+            opcode: code,
+        };
+        self.encode(width, prefix, target, a, b);
+    }
+
+    /// target ← memory.
+    pub(super) fn load(&mut self, width: Width, target: u8, from: Memory) {
+        self.move_memory(width, Opcode::Load, target, from);
+    }
+
+    /// memory ← source.
+    pub(super) fn store(&mut self, width: Width, source: u8, to: Memory) {
+        self.move_memory(width, Opcode::Store, source, to);
+    }
+
+    fn move_memory(&mut self, width: Width, opcode: Opcode, register: u8, memory: Memory) {
+        let prefix = Prefix {
+            kind: if width == Width::One { 3 } else { 1 },
+            opcode: opcode as u8,
+        };
+        self.encode(width, prefix, register, 0, Operand::Memory(memory));
+    }
+
+    /// target ← source, whole registers of 128 bits.
+    pub(super) fn copy(&mut self, target: u8, source: u8) {
+        // vmovapd
+        let prefix = Prefix {
+            kind: 1,
+            opcode: 0x28,
+        };
+        self.encode(Width::Two, prefix, target, 0, Operand::Register(source));
+    }
+
+    fn encode(&mut self, width: Width, prefix: Prefix, target: u8, a: u8, b: Operand) {
+        match width {
+            Width::Eight => self.evex(prefix, target, a, b),
+            _ => self.vex(width, prefix, target, a, b),
+        }
+    }
+
+    fn vex(&mut self, width: Width, prefix: Prefix, target: u8, a: u8, b: Operand) {
+        let long = u8::from(width == Width::Four);
+        // Register numbers stand inverted.
+        let tail = (!a & 15) << 3 | long << 2 | prefix.kind;
+        let high_target = (!target >> 3 & 1) << 7;
+        let high_b = match b {
+            Operand::Register(register) => register >> 3 & 1,
+            Operand::Memory(memory) => memory.base.0 >> 3 & 1,
+        };
+        if high_b == 0 {
+            self.bytes.extend([0xC5, high_target | tail]);
+        } else {
+            self.bytes.extend([0xC4, high_target | 0x41, tail]);
+        }
+        self.bytes.push(prefix.opcode);
+        self.operand(target, b, 1);
+    }
+
+    fn evex(&mut self, prefix: Prefix, target: u8, a: u8, b: Operand) {
+        let (low_b, high_b) = match b {
+            Operand::Register(register) => (register >> 3 & 1, register >> 4 & 1),
+            Operand::Memory(memory) => (memory.base.0 >> 3 & 1, 0),
+        };
+        let first = (!target >> 3 & 1) << 7
+            | (high_b ^ 1) << 6
+            | (low_b ^ 1) << 5
+            | (!target >> 4 & 1) << 4
+            | 1;
+        let second = 0x80 | (!a & 15) << 3 | 0x04 | prefix.kind;
+        let third = 0x40 | (!a >> 4 & 1) << 3;
+        self.bytes
+            .extend([0x62, first, second, third, prefix.opcode]);
+        self.operand(target, b, 64);
+    }
+
+    /// The operands' byte and the displacement, of which a short one counts `unit` bytes.
+    fn operand(&mut self, target: u8, b: Operand, unit: i32) {
+        let target = (target & 7) << 3;
+        match b {
+            Operand::Register(register) => self.bytes.push(0xC0 | target | register & 7),
+            Operand::Memory(Memory { base, offset }) => {
+                let short = (offset % unit == 0)
+                    .then(|| i8::try_from(offset / unit).ok())
+                    .flatten();
+                match short {
+                    Some(short) => {
+                        self.bytes.extend([0x40 | target | base.0 & 7, short as u8]);
+                    }
+                    None => {
+                        self.bytes.push(0x80 | target | base.0 & 7);
+                        self.bytes.extend(offset.to_le_bytes());
+                    }
+                }
+            }
+        }
+    }
+
+    /// Marks that the upper halves of registers are not in use: before code that knows only 128 bits.
+    pub(super) fn zero_upper(&mut self) {
+        self.bytes.extend([0xC5, 0xF8, 0x77]);
+    }
+
+    pub(super) fn push(&mut self, register: Gpr) {
+        self.whole(register, 0x50);
+    }
+
+    pub(super) fn pop(&mut self, register: Gpr) {
+        self.whole(register, 0x58);
+    }
+
+    fn whole(&mut self, register: Gpr, opcode: u8) {
+        if register.0 >= 8 {
+            self.bytes.push(0x41);
+        }
+        self.bytes.push(opcode | register.0 & 7);
+    }
+
+    /// target ← source + offset.
+    pub(super) fn address(&mut self, target: Gpr, source: Memory) {
+        let Memory { base, offset } = source;
+        let extension = 0x48 | (target.0 >> 3 & 1) << 2 | base.0 >> 3 & 1;
+        let operands = 0x80 | (target.0 & 7) << 3 | base.0 & 7;
+        self.bytes.extend([extension, 0x8D, operands]);
+        self.bytes.extend(offset.to_le_bytes());
+    }
+
+    /// target ← a whole number of 64 bits.
+    pub(super) fn constant(&mut self, target: Gpr, value: u64) {
+        self.bytes.push(0x48 | target.0 >> 3 & 1);
+        self.bytes.push(0xB8 | target.0 & 7);
+        self.bytes.extend(value.to_le_bytes());
+    }
+
+    /// Calls the function that RAX points to.
+    pub(super) fn call_rax(&mut self) {
+        self.bytes.extend([0xFF, 0xD0]);
+    }
+
+    pub(super) fn give_back(&mut self) {
+        self.bytes.push(0xC3);
+    }
+
+    /// register ← the smaller of register and limit, as addresses.
+    pub(super) fn limit(&mut self, register: Gpr, limit: Gpr) {
+        self.compare(register, limit);
+        // cmova
+        let extension = 0x48 | (register.0 >> 3 & 1) << 2 | limit.0 >> 3 & 1;
+        let operands = 0xC0 | (register.0 & 7) << 3 | limit.0 & 7;
+        self.bytes.extend([extension, 0x0F, 0x47, operands]);
+    }
+
+    fn compare(&mut self, a: Gpr, b: Gpr) {
+        let extension = 0x48 | (b.0 >> 3 & 1) << 2 | a.0 >> 3 & 1;
+        let operands = 0xC0 | (b.0 & 7) << 3 | a.0 & 7;
+        self.bytes.extend([extension, 0x39, operands]);
+    }
+
+    /// Jumps on where a ≥ b, as addresses, to where [`Assembler::land`] says.
+    pub(super) fn jump_unless_below(&mut self, a: Gpr, b: Gpr) -> Jump {
+        self.compare(a, b);
+        self.bytes.extend([0x0F, 0x83, 0, 0, 0, 0]);
+        Jump(self.bytes.len())
+    }
+
+    /// The target of a jump is here.
+    pub(super) fn land(&mut self, jump: Jump) {
+        let distance = (self.bytes.len() - jump.0) as i32;
+        self.bytes[jump.0 - 4..jump.0].copy_from_slice(&distance.to_le_bytes());
+    }
+
+    /// Jumps back to where the code was `target` bytes long.
+    pub(super) fn jump_back(&mut self, target: usize) {
+        self.bytes.push(0xE9);
+        let distance = target as i64 - (self.bytes.len() as i64 + 4);
+        self.bytes.extend((distance as i32).to_le_bytes());
+    }
+}

@@ -1,0 +1,334 @@
+//! A planned program as bytes: `fn(slots: *mut f64, scratch: *mut f64)` in the System V convention.
+
+use super::assembler::{Assembler, Gpr, Memory, Opcode, Operand, Width};
+use crate::analytic::AnalyticFunction;
+use crate::expression::Function;
+use crate::kernel::code::Instruction;
+use crate::kernel::jit::functions;
+use crate::kernel::jit::program::{Operation, Program, Source};
+use crate::kernel::jit::registers::{Home, Plan, Step, is_call};
+
+/// Bytes of a number.
+const NUMBER: i32 = size_of::<f64>() as i32;
+
+/// The scratch memory starts with −0 in eight lanes, then has two groups of eight lanes for the
+/// operands of calls, then the places of the plan.
+const SIGNS: i32 = 0;
+const FIRST_OPERAND: i32 = 8 * NUMBER;
+const SECOND_OPERAND: i32 = 16 * NUMBER;
+const PLACES: i32 = 24 * NUMBER;
+
+/// Pointers stand this far inside what they point to: short displacements reach both ways.
+const INSIDE: i32 = 128;
+
+/// How many numbers of scratch memory a plan needs, the first eight of them −0.
+pub(in crate::kernel::jit) fn scratch_len(plan: &Plan, width: Width) -> usize {
+    (PLACES / NUMBER) as usize + plan.places * width.lanes()
+}
+
+/// The code of `program` for `lanes` lanes, `width` at a time.
+pub(in crate::kernel::jit) fn assemble(
+    program: &Program,
+    plan: &Plan,
+    lanes: usize,
+    width: Width,
+    analytic: &[AnalyticFunction],
+) -> Vec<u8> {
+    let calls = program
+        .operations
+        .iter()
+        .any(|operation| is_call(&operation.instruction));
+    // A call leaves RBX, RBP and R12 as they are.
+    let [slots, scratch, last] = if calls {
+        [Gpr::RBX, Gpr::RBP, Gpr::R12]
+    } else {
+        [Gpr::RDI, Gpr::RSI, Gpr::RDX]
+    };
+    let mut emitter = Emitter {
+        assembler: Assembler::default(),
+        program,
+        analytic,
+        slot_bytes: lanes as i32 * NUMBER,
+        width,
+        slots,
+        scratch,
+        registers: vec![None; width.registers()],
+        homes: vec![None; program.operations.len()],
+    };
+    if calls {
+        // Three of them also align the stack for the calls.
+        for register in [slots, scratch, last] {
+            emitter.assembler.push(register);
+        }
+    }
+    let inside = |base, offset| Memory { base, offset };
+    let assembler = &mut emitter.assembler;
+    assembler.address(slots, inside(Gpr::RDI, INSIDE));
+    assembler.address(scratch, inside(Gpr::RSI, PLACES + INSIDE));
+    if lanes == width.lanes() {
+        emitter.steps(plan);
+    } else {
+        let to_last = (lanes - width.lanes()) as i32 * NUMBER;
+        assembler.address(last, inside(slots, to_last));
+        emitter.groups(plan, last);
+    }
+    if width.lanes() > 2 {
+        emitter.assembler.zero_upper();
+    }
+    if calls {
+        for register in [last, scratch, slots] {
+            emitter.assembler.pop(register);
+        }
+    }
+    emitter.assembler.give_back();
+    emitter.assembler.bytes
+}
+
+struct Emitter<'a> {
+    assembler: Assembler,
+    program: &'a Program,
+    analytic: &'a [AnalyticFunction],
+    slot_bytes: i32,
+    width: Width,
+    /// [`INSIDE`] the first slot of the lanes at work.
+    slots: Gpr,
+    /// [`INSIDE`] the places of the scratch memory.
+    scratch: Gpr,
+    registers: Vec<Option<Source>>,
+    homes: Vec<Option<Home>>,
+}
+
+impl Emitter<'_> {
+    /// The steps for the first lanes, the next ones, …; where they do not divide evenly the last
+    /// group overlaps the one before it and finds the same numbers again.
+    fn groups(&mut self, plan: &Plan, last: Gpr) {
+        let start = self.assembler.bytes.len();
+        self.steps(plan);
+        let done = self.assembler.jump_unless_below(self.slots, last);
+        let next = Memory {
+            base: self.slots,
+            offset: self.width.lanes() as i32 * NUMBER,
+        };
+        self.assembler.address(self.slots, next);
+        self.assembler.limit(self.slots, last);
+        self.assembler.jump_back(start);
+        self.assembler.land(done);
+    }
+
+    fn steps(&mut self, plan: &Plan) {
+        for &step in &plan.steps {
+            match step {
+                Step::Load(source) => {
+                    let from = self.memory(source);
+                    let register = self.take(source);
+                    self.assembler.load(self.width, register, from);
+                }
+                Step::Operate(at) => {
+                    self.operate(at, &self.program.operations[at as usize]);
+                }
+                Step::Output(at) => {
+                    let slot = self.program.operations[at as usize].output;
+                    self.store(at, Home::Slot(slot.expect("an output has a slot")));
+                }
+                Step::Spill(at, place) => self.store(at, Home::Place(place)),
+                Step::Forget(source) => {
+                    if let Some(register) = self.find(source) {
+                        self.registers[register as usize] = None;
+                    }
+                }
+            }
+        }
+    }
+
+    fn find(&self, source: Source) -> Option<u8> {
+        let register = self.registers.iter().position(|r| *r == Some(source))?;
+        Some(register as u8)
+    }
+
+    /// The lowest free register, which has the shortest instructions; the plan leaves one.
+    fn take(&mut self, source: Source) -> u8 {
+        let free = self.registers.iter().position(Option::is_none);
+        let register = free.expect("a plan leaves a register free");
+        self.registers[register] = Some(source);
+        register as u8
+    }
+
+    /// Where a number that has no register stands.
+    fn memory(&self, source: Source) -> Memory {
+        match source {
+            Source::Slot(slot) => self.address(Home::Slot(slot)),
+            Source::Result(result) => {
+                let home = self.homes[result as usize];
+                self.address(home.expect("a result without a register is stored"))
+            }
+        }
+    }
+
+    fn address(&self, home: Home) -> Memory {
+        let (base, offset) = match home {
+            Home::Slot(slot) => (self.slots, slot as i32 * self.slot_bytes),
+            Home::Place(place) => {
+                let bytes = self.width.lanes() as i32 * NUMBER;
+                (self.scratch, place as i32 * bytes)
+            }
+        };
+        Memory {
+            base,
+            offset: offset - INSIDE,
+        }
+    }
+
+    /// A place at the start of the scratch memory.
+    fn header(&self, place: i32) -> Memory {
+        Memory {
+            base: self.scratch,
+            offset: place - PLACES - INSIDE,
+        }
+    }
+
+    fn store(&mut self, at: u32, home: Home) {
+        let register = self.find(Source::Result(at));
+        let register = register.expect("what is stored is in a register");
+        self.homes[at as usize] = Some(home);
+        let to = self.address(home);
+        self.assembler.store(self.width, register, to);
+    }
+
+    fn operand(&self, source: Source) -> Operand {
+        match self.find(source) {
+            Some(register) => Operand::Register(register),
+            None => Operand::Memory(self.memory(source)),
+        }
+    }
+
+    fn operate(&mut self, at: u32, operation: &Operation) {
+        let [a, b] = operation.operands;
+        let commutes = matches!(
+            operation.instruction,
+            Instruction::Add { .. } | Instruction::Multiply { .. }
+        );
+        // The first operand is a register; of two, the second has a shorter code if it is a low one.
+        let (a, b) = match (self.find(a), self.find(b)) {
+            (None, Some(_)) if commutes => (b, a),
+            (Some(first), Some(second)) if commutes && first < second => (b, a),
+            _ => (a, b),
+        };
+        let opcode = match operation.instruction {
+            Instruction::Add { .. } => Opcode::Add,
+            Instruction::Subtract { .. } => Opcode::Subtract,
+            Instruction::Multiply { .. } => Opcode::Multiply,
+            Instruction::Divide { .. } => Opcode::Divide,
+            Instruction::Negate { .. } => Opcode::ExclusiveOr,
+            Instruction::Apply {
+                function: Function::Sqrt,
+                ..
+            } => Opcode::SquareRoot,
+            Instruction::Apply { .. }
+            | Instruction::ApplyAnalytic { .. }
+            | Instruction::Power { .. } => return self.call(at, operation),
+        };
+        let first = self.find(a).expect("a plan loads the first operand");
+        let second = match opcode {
+            Opcode::ExclusiveOr => Operand::Memory(self.header(SIGNS)),
+            _ => self.operand(b),
+        };
+        // A root of several numbers has one operand alone.
+        let first = match opcode {
+            Opcode::SquareRoot if self.width != Width::One => 0,
+            _ => first,
+        };
+        let target = self.take(Source::Result(at));
+        self.assembler
+            .compute(self.width, opcode, target, first, second);
+    }
+
+    /// Calls a function, which keeps no registers; the plan has stored what is read later.
+    fn call(&mut self, at: u32, operation: &Operation) {
+        let [a, b] = operation.operands.map(|operand| {
+            self.find(operand)
+                .expect("a plan loads the operands of calls")
+        });
+        let entry = if self.width == Width::One {
+            self.pass_registers(operation, a, b)
+        } else {
+            self.pass_memory(operation, a, b)
+        };
+        self.assembler.constant(Gpr::RAX, entry as u64);
+        self.assembler.call_rax();
+        if self.width != Width::One {
+            let values = self.header(FIRST_OPERAND);
+            self.assembler.load(self.width, 0, values);
+        }
+        self.registers.fill(None);
+        self.registers[0] = Some(Source::Result(at));
+    }
+
+    /// Passes the operands in the first registers, the result comes in the first one.
+    fn pass_registers(&mut self, operation: &Operation, a: u8, b: u8) -> usize {
+        let assembler = &mut self.assembler;
+        match operation.instruction {
+            Instruction::Power { .. } => {
+                let spare = (2..5).find(|r| *r != a && *r != b).unwrap_or(5);
+                assembler.copy(spare, b);
+                assembler.copy(0, a);
+                assembler.copy(1, spare);
+                functions::power()
+            }
+            Instruction::ApplyAnalytic {
+                function, order, ..
+            } => {
+                assembler.copy(0, a);
+                assembler.constant(Gpr::RDI, address(self.analytic, function));
+                assembler.constant(Gpr::RSI, u64::from(order));
+                functions::analytic()
+            }
+            Instruction::Apply { function, .. } => {
+                assembler.copy(0, a);
+                functions::elementary(function)
+            }
+            _ => unreachable!("no other instruction is a call"),
+        }
+    }
+
+    /// Passes the operands in memory, the results come in place of the first one.
+    fn pass_memory(&mut self, operation: &Operation, a: u8, b: u8) -> usize {
+        let [first, second] = [FIRST_OPERAND, SECOND_OPERAND].map(|place| self.header(place));
+        let count = self.width.lanes() as u64;
+        let assembler = &mut self.assembler;
+        assembler.store(self.width, a, first);
+        let entry = match operation.instruction {
+            Instruction::Power { .. } => {
+                assembler.store(self.width, b, second);
+                assembler.address(Gpr::RDI, first);
+                assembler.address(Gpr::RSI, second);
+                assembler.constant(Gpr::RDX, count);
+                functions::power_lanes()
+            }
+            Instruction::ApplyAnalytic {
+                function, order, ..
+            } => {
+                assembler.constant(Gpr::RDI, address(self.analytic, function));
+                assembler.constant(Gpr::RSI, u64::from(order));
+                assembler.address(Gpr::RDX, first);
+                assembler.constant(Gpr::RCX, count);
+                functions::analytic_lanes()
+            }
+            Instruction::Apply { function, .. } => {
+                assembler.address(Gpr::RDI, first);
+                assembler.constant(Gpr::RSI, count);
+                functions::elementary_lanes(function)
+            }
+            _ => unreachable!("no other instruction is a call"),
+        };
+        if self.width.lanes() > 2 {
+            assembler.zero_upper();
+        }
+        entry
+    }
+}
+
+/// The address of a function among those that live as long as the code.
+fn address(analytic: &[AnalyticFunction], function: AnalyticFunction) -> u64 {
+    let known = analytic.iter().find(|known| **known == function);
+    std::ptr::from_ref(known.expect("every function of the code")) as u64
+}

@@ -1,0 +1,185 @@
+//! Every backend computes the bits of the interpreter, and gives its memory back.
+
+use proptest::prelude::*;
+
+#[cfg(all(target_arch = "x86_64", not(windows)))]
+use super::avx::Width;
+use super::machine::{Backend, MachineCode};
+use crate::analytic::AnalyticFunction;
+use crate::expression::Function;
+use crate::kernel::aligned::Aligned;
+use crate::kernel::code::{Code, Instruction};
+use crate::kernel::interpreter::run;
+
+/// Slots that a program only reads.
+const FIXED: u32 = 12;
+
+const SQUARE: AnalyticFunction = AnalyticFunction::new("square", |order, s| match order {
+    0 => s * s,
+    1 => 2.0 * s,
+    2 => 2.0,
+    _ => 0.0,
+});
+
+/// What an instruction does, and the instructions that its operands and result replace.
+type Choice = (u8, usize, usize, usize);
+
+/// A program whose results stand in slots of their own, taken again where `reuse` says so.
+fn code(choices: &[Choice], outputs: &[usize]) -> Code {
+    let mut written: Vec<u32> = Vec::new();
+    let mut code = Code {
+        slots: FIXED as usize,
+        ..Code::default()
+    };
+    for &(kind, first, second, reuse) in choices {
+        let operand = |choice: usize| {
+            let at = choice % (FIXED as usize + written.len());
+            let fixed = at.checked_sub(written.len());
+            fixed.map_or_else(|| written[at], |slot| slot as u32)
+        };
+        let (a, b) = (operand(first), operand(second));
+        let out = if reuse % 4 == 0 && !written.is_empty() {
+            written[reuse / 4 % written.len()]
+        } else {
+            code.slots += 1;
+            code.slots as u32 - 1
+        };
+        if !written.contains(&out) {
+            written.push(out);
+        }
+        code.instructions.push(match kind {
+            0..=7 => Instruction::Add { out, a, b },
+            8..=15 => Instruction::Subtract { out, a, b },
+            16..=23 => Instruction::Multiply { out, a, b },
+            24..=27 => Instruction::Divide { out, a, b },
+            28..=29 => Instruction::Negate { out, a },
+            30 => Instruction::Power { out, a, b },
+            31 => Instruction::ApplyAnalytic {
+                function: SQUARE,
+                order: first as u32 % 4,
+                out,
+                a,
+            },
+            _ => Instruction::Apply {
+                function: Function::ALL[second % Function::ALL.len()],
+                out,
+                a,
+            },
+        });
+    }
+    code.outputs = outputs
+        .iter()
+        .map(|choice| written[choice % written.len()])
+        .collect();
+    code.outputs.push(0);
+    code
+}
+
+fn backends(lanes: usize) -> Vec<Backend> {
+    let mut backends = vec![Backend::Portable];
+    #[cfg(all(target_arch = "x86_64", not(windows)))]
+    {
+        let widths = [Width::One, Width::Two, Width::Four, Width::Eight];
+        let best = Width::best(lanes).map_or(0, Width::lanes);
+        let usable = widths.into_iter().filter(|width| width.lanes() <= best);
+        // One number at a time serves one lane alone.
+        let usable = usable.filter(|width| (width.lanes() == 1) == (lanes == 1));
+        backends.extend(usable.map(Backend::Avx));
+    }
+    backends
+}
+
+fn number() -> impl Strategy<Value = f64> {
+    let special = [0.0, -0.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY]
+        .into_iter()
+        .chain([f64::MIN_POSITIVE / 4.0, f64::from_bits(1), f64::MAX, -1.0]);
+    prop_oneof![
+        6 => -3.0..3.0,
+        1 => any::<f64>(),
+        1 => proptest::sample::select(special.collect::<Vec<f64>>()),
+    ]
+}
+
+/// The outputs' bits; the payload of a NaN is not part of a result.
+fn outputs(code: &Code, slots: &[f64], lanes: usize) -> Vec<u64> {
+    let of_slot = |slot: &u32| slots[*slot as usize * lanes..][..lanes].to_vec();
+    let canonical = |x: f64| if x.is_nan() { f64::NAN } else { x };
+    let values = code.outputs.iter().flat_map(of_slot);
+    values.map(|x| canonical(x).to_bits()).collect()
+}
+
+fn check(code: &Code, numbers: &[f64]) -> Result<(), TestCaseError> {
+    for lanes in [1, 2, 3, 4, 5, 8, 11, 16] {
+        let mut start = Aligned::filled(code.slots * lanes, f64::NAN);
+        let fixed = FIXED as usize * lanes;
+        start[..fixed].copy_from_slice(&numbers[..fixed]);
+        let mut slots = start.clone();
+        run(code, &mut slots, lanes);
+        let expected = outputs(code, &slots, lanes);
+        for backend in backends(lanes) {
+            let machine = MachineCode::compile_by(backend, code, lanes);
+            let machine = machine.expect("this machine has a compiler");
+            let mut scratch = Aligned::filled(machine.scratch(), -0.0);
+            let mut slots = start.clone();
+            // Twice: nothing of the first run may be left over.
+            for _ in 0..2 {
+                machine.run(&mut slots, &mut scratch);
+                let found = outputs(code, &slots, lanes);
+                prop_assert_eq!(found, expected.clone(), "{:?}, {} lanes", backend, lanes);
+            }
+        }
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    #[test]
+    fn every_backend_computes_the_bits_of_the_interpreter(
+        choices in prop::collection::vec((0_u8..36, any::<usize>(), any::<usize>(), any::<usize>()), 1..200),
+        chosen in prop::collection::vec(any::<usize>(), 1..12),
+        numbers in prop::collection::vec(number(), FIXED as usize * 16),
+    ) {
+        check(&code(&choices, &chosen), &numbers)?;
+    }
+
+    /// More results alive than any machine has registers, and no calls, which would empty them.
+    #[test]
+    fn results_without_a_register_keep_their_bits(
+        choices in prop::collection::vec((0_u8..30, any::<usize>(), any::<usize>(), Just(1)), 300..500),
+        chosen in prop::collection::vec(any::<usize>(), 60..90),
+        numbers in prop::collection::vec(number(), FIXED as usize * 16),
+    ) {
+        check(&code(&choices, &chosen), &numbers)?;
+    }
+}
+
+/// Bytes of this process that can be executed.
+#[cfg(target_os = "linux")]
+fn executable_bytes() -> u64 {
+    let maps = std::fs::read_to_string("/proc/self/maps").expect("this process");
+    let size = |line: &str| {
+        let (range, rest) = line.split_once(' ')?;
+        let (start, end) = range.split_once('-')?;
+        let address = |text| u64::from_str_radix(text, 16).ok();
+        rest.starts_with("r-x")
+            .then(|| Some(address(end)? - address(start)?))?
+    };
+    maps.lines().filter_map(size).sum()
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn dropped_code_gives_its_memory_back() {
+    let choices: Vec<Choice> = (0..50).map(|at| (at as u8 % 30, at, 7 * at, 1)).collect();
+    let code = code(&choices, &[3, 49]);
+    let before = executable_bytes();
+    let rounds = 2_000;
+    for _ in 0..rounds {
+        drop(MachineCode::compile(&code, 8).expect("a compiler"));
+    }
+    // Other tests of this process hold a few pages of their own.
+    let held = executable_bytes().saturating_sub(before);
+    assert!(held < rounds / 2 * 4096, "{held} bytes");
+}
