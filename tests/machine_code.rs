@@ -159,7 +159,7 @@ fn steps(text: &str, execution: Execution) -> (u64, Vec<u64>) {
         .written()
         .and_then(|method| method.newton())
         .expect("one kernel")
-        .kernel();
+        .residual_kernel();
     let is_compiled = !kernel.machine_code().is_empty();
     assert_eq!(is_compiled, execution != Execution::Interpreted, "{text}");
     (

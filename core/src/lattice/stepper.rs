@@ -52,7 +52,7 @@ impl LatticeStepper {
                 let dimension = worker.field(fields.y).len();
                 Trajectory {
                     worker,
-                    extrapolation: Extrapolation::new(dimension),
+                    extrapolation: Extrapolation::new(dimension, 7),
                     displacement: vec![0.0; dimension],
                 }
             })
@@ -79,7 +79,7 @@ impl LatticeStepper {
             extrapolation,
             displacement,
         } = &mut self.trajectories[lane];
-        extrapolation.predict(displacement);
+        extrapolation.predict(displacement.as_chunks_mut().0);
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         loop {
             let y = worker.field_mut(self.fields.y);
@@ -119,7 +119,7 @@ impl LatticeStepper {
                 for (i, change) in change.iter().enumerate() {
                     increment[i * lanes + lane] = *change;
                 }
-                extrapolation.record(displacement);
+                extrapolation.record(displacement.as_chunks_mut().0, &[true]);
                 self.finish(iteration.evaluations());
                 return Ok(());
             }
@@ -151,7 +151,7 @@ impl Stepper for LatticeStepper {
                     .skip(lane)
                     .step_by(lanes)
                     .for_each(|i| *i = 0.0);
-                self.trajectories[lane].extrapolation.clear();
+                self.trajectories[lane].extrapolation.clear(0);
             }
         }
     }
@@ -165,7 +165,7 @@ impl Stepper for LatticeStepper {
     fn restart(&mut self) {
         self.trajectories
             .iter_mut()
-            .for_each(|t| t.extrapolation.clear());
+            .for_each(|t| t.extrapolation.clear(0));
     }
 
     fn statistics(&self) -> SolverStatistics {
@@ -178,7 +178,7 @@ impl Stepper for LatticeStepper {
     fn memory(&self) -> Vec<f64> {
         let mut memory = Vec::new();
         for trajectory in &self.trajectories {
-            trajectory.extrapolation.memory(&mut memory);
+            trajectory.extrapolation.memory(0, &mut memory);
         }
         memory
     }
@@ -192,7 +192,7 @@ impl Stepper for LatticeStepper {
             return Err(each * self.trajectories.len());
         }
         for (trajectory, part) in self.trajectories.iter_mut().zip(memory.chunks_exact(each)) {
-            trajectory.extrapolation.restore(part);
+            trajectory.extrapolation.restore(0, part);
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! The step solver: β̂(L(y)) = x for y, and the increment α̂ − β̂ there.
 
 mod anderson;
+mod elimination;
 mod explicit;
 mod extrapolation;
 pub mod iteration;
@@ -124,6 +125,14 @@ impl Default for SolverStatistics {
 }
 
 impl SolverStatistics {
+    /// Counts a step, its evaluations and its outcome.
+    pub fn count(&mut self, evaluations: u64, succeeded: bool) {
+        self.steps += 1;
+        self.evaluations += evaluations;
+        self.most_evaluations = self.most_evaluations.max(evaluations);
+        self.failures += u64::from(!succeeded);
+    }
+
     /// The mean number of operations a step, `None` when a part does not count its own.
     pub fn operations_per_step(&self) -> Option<f64> {
         let operations = self.operations? as f64;

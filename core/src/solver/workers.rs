@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::extrapolation::DEPTH;
 use super::iteration::{CorrectionSize, LinearIteration, Verdict};
 use super::{Extrapolation, SolverStatistics, Stepper};
 use crate::dynamics::{BisectionWorker, Correction};
@@ -68,7 +69,7 @@ impl WorkerStepper {
                 Trajectory {
                     realization,
                     bisection,
-                    extrapolation: Extrapolation::new(d),
+                    extrapolation: Extrapolation::new(d, DEPTH),
                     displacement: vec![0.0; d],
                     y: vec![0.0; d],
                     z: vec![0.0; space],
@@ -131,7 +132,8 @@ impl Trajectory {
             }
             return finite(increment).map(|()| 1);
         }
-        self.extrapolation.predict(&mut self.displacement);
+        self.extrapolation
+            .predict(self.displacement.as_chunks_mut().0);
         for i in 0..d {
             self.y[i] = x[i] + self.displacement[i];
         }
@@ -182,7 +184,8 @@ impl Trajectory {
         for i in 0..d {
             self.displacement[i] = self.y[i] - x[i];
         }
-        self.extrapolation.record(&self.displacement);
+        self.extrapolation
+            .record(self.displacement.as_chunks_mut().0, &[true]);
         Ok(evaluations)
     }
 }
@@ -232,7 +235,7 @@ impl Stepper for WorkerStepper {
                 }
                 Err(error) => {
                     self.statistics.failures += 1;
-                    trajectory.extrapolation.clear();
+                    trajectory.extrapolation.clear(0);
                     trajectory.bisection.restart();
                     own_increment.fill(0.0);
                     Err(error)
@@ -265,7 +268,7 @@ impl Stepper for WorkerStepper {
 
     fn restart(&mut self) {
         for trajectory in &mut self.trajectories {
-            trajectory.extrapolation.clear();
+            trajectory.extrapolation.clear(0);
             trajectory.bisection.restart();
         }
     }
@@ -280,7 +283,7 @@ impl Stepper for WorkerStepper {
     fn memory(&self) -> Vec<f64> {
         let mut memory = Vec::new();
         for trajectory in &self.trajectories {
-            trajectory.extrapolation.memory(&mut memory);
+            trajectory.extrapolation.memory(0, &mut memory);
             memory.extend(trajectory.bisection.memory());
         }
         memory
@@ -295,7 +298,7 @@ impl Stepper for WorkerStepper {
         let mut rest = memory;
         for trajectory in &mut self.trajectories {
             let (history, others) = rest.split_at(trajectory.extrapolation.memory_len());
-            trajectory.extrapolation.restore(history);
+            trajectory.extrapolation.restore(0, history);
             let (own, others) = others.split_at(trajectory.bisection.memory().len());
             trajectory.bisection.restore(own);
             rest = others;

@@ -72,10 +72,17 @@ fn newton_converges_over_code_and_over_numbers() {
             work.evaluations_per_step(),
             work.most_evaluations
         );
-        assert!(
-            work.evaluations_per_step() <= 5.0 && work.most_evaluations <= 8,
-            "{name}: {work:?}"
-        );
+        assert!(work.most_evaluations <= 10, "{name}: {work:?}");
+        // Evaluations without a Jacobian count for what they cost.
+        let newton = match map.newton() {
+            Some(newton) => {
+                let operations = work.operations_per_step().expect("code is counted");
+                operations / newton.work() as f64
+            }
+            None => work.evaluations_per_step(),
+        };
+        println!("{name}: {newton:.2} of Newton's evaluations a step");
+        assert!(newton <= 3.0, "{name}: {newton}");
     }
 }
 

@@ -99,7 +99,7 @@ impl StepMap for FusedStep {
                     one_form,
                     work,
                     forms: 0,
-                    extrapolation: Extrapolation::new(d),
+                    extrapolation: Extrapolation::new(d, 12),
                     displacement: vec![0.0; d],
                     centre: vec![0.0; d],
                     p: vec![0.0; d],
@@ -151,7 +151,8 @@ impl Trajectory {
     fn solve(&mut self, epsilon: f64, x: &[f64], low: &[f64]) -> Result<usize, StepError> {
         let d = x.len();
         let q = self.curve.rule.points();
-        self.extrapolation.predict(&mut self.displacement);
+        self.extrapolation
+            .predict(self.displacement.as_chunks_mut().0);
         for i in 0..d {
             self.centre[i] = x[i] + self.displacement[i];
         }
@@ -216,7 +217,8 @@ impl Trajectory {
                 what: "the increment",
             });
         }
-        self.extrapolation.record(&self.displacement);
+        self.extrapolation
+            .record(self.displacement.as_chunks_mut().0, &[true]);
         Ok(evaluations)
     }
 }
@@ -249,7 +251,7 @@ impl Stepper for FusedStepper {
                 }
                 Err(error) => {
                     self.statistics.failures += 1;
-                    trajectory.extrapolation.clear();
+                    trajectory.extrapolation.clear(0);
                     own.fill(0.0);
                     Err(error)
                 }
@@ -304,7 +306,7 @@ impl Stepper for FusedStepper {
     fn restart(&mut self) {
         self.trajectories
             .iter_mut()
-            .for_each(|t| t.extrapolation.clear());
+            .for_each(|t| t.extrapolation.clear(0));
     }
 
     fn statistics(&self) -> SolverStatistics {
@@ -319,7 +321,7 @@ impl Stepper for FusedStepper {
         let mut memory = Vec::new();
         for trajectory in &self.trajectories {
             memory.push(trajectory.curve.rule.points() as f64);
-            trajectory.extrapolation.memory(&mut memory);
+            trajectory.extrapolation.memory(0, &mut memory);
         }
         memory
     }
@@ -334,7 +336,7 @@ impl Stepper for FusedStepper {
         }
         for (trajectory, part) in self.trajectories.iter_mut().zip(memory.chunks_exact(each)) {
             trajectory.curve.set_points(part[0].max(1.0) as usize);
-            trajectory.extrapolation.restore(&part[1..]);
+            trajectory.extrapolation.restore(0, &part[1..]);
         }
         Ok(())
     }

@@ -1,0 +1,231 @@
+//! Elimination of small dense matrices, W of them side by side.
+//!
+//! The dimension is a constant `D` where that pays, and [`ANY`] otherwise: `D` = `ANY` reads it from
+//! the number of rows.
+
+/// A dimension that is known at run time only.
+pub(crate) const ANY: usize = 0;
+
+/// The dimension `D`, or `rows` where that is [`ANY`].
+#[inline(always)]
+pub(crate) fn dimension<const D: usize>(rows: usize) -> usize {
+    if D == ANY { rows } else { D }
+}
+
+/// P A = L U of W matrices by partial pivoting; the reciprocals of the pivots stand on the diagonal.
+///
+/// Near the identity every pivot is the largest of its column where it stands: all lanes are then
+/// eliminated at once, without a search. A lane where one is not is eliminated alone.
+#[derive(Clone, Debug)]
+pub(crate) struct Factors<const W: usize> {
+    entries: Vec<[f64; W]>,
+    /// The row that was exchanged with row k before column k was eliminated.
+    exchanges: Vec<[usize; W]>,
+    exchanged: [bool; W],
+    kept: Vec<[f64; W]>,
+    single: Vec<f64>,
+}
+
+impl<const W: usize> Factors<W> {
+    /// Room for d × d matrices.
+    pub(crate) fn new(d: usize) -> Self {
+        Self {
+            entries: vec![[0.0; W]; d * d],
+            exchanges: vec![[0; W]; d],
+            exchanged: [false; W],
+            kept: vec![[0.0; W]; d * d],
+            single: vec![0.0; d * d],
+        }
+    }
+
+    /// Factors `matrix`, row-major, in the lanes of `wanted`; the others keep their factors. Returns
+    /// where a wanted matrix is singular or not finite.
+    #[inline(always)]
+    pub(crate) fn factor<const D: usize>(
+        &mut self,
+        matrix: &[[f64; W]],
+        wanted: &[bool; W],
+    ) -> [bool; W] {
+        let d = dimension::<D>(self.exchanges.len());
+        let (entries, matrix) = (&mut self.entries[..d * d], &matrix[..d * d]);
+        let all = wanted.iter().all(|wanted| *wanted);
+        if !all {
+            self.kept.copy_from_slice(entries);
+        }
+        entries.copy_from_slice(matrix);
+        let in_place = eliminate::<D, W>(entries, d);
+        if !all {
+            for (entry, kept) in entries.iter_mut().zip(&self.kept) {
+                for w in 0..W {
+                    entry[w] = if wanted[w] { entry[w] } else { kept[w] };
+                }
+            }
+        }
+        let mut singular = [false; W];
+        for w in 0..W {
+            if wanted[w] {
+                self.exchanged[w] = !in_place[w];
+                singular[w] = !in_place[w] && !self.factor_alone(matrix, w);
+            }
+        }
+        singular
+    }
+
+    /// One lane with exchanges of rows; `false` where a pivot is zero or not finite.
+    #[cold]
+    fn factor_alone(&mut self, matrix: &[[f64; W]], lane: usize) -> bool {
+        let d = self.exchanges.len();
+        let a = &mut self.single;
+        for (value, entry) in a.iter_mut().zip(matrix) {
+            *value = entry[lane];
+        }
+        for k in 0..d {
+            let largest = |best: usize, row: usize| {
+                if a[row * d + k].abs() > a[best * d + k].abs() {
+                    row
+                } else {
+                    best
+                }
+            };
+            let pivot = (k + 1..d).fold(k, largest);
+            self.exchanges[k][lane] = pivot;
+            // Whole rows, the multipliers in them too: as one permutation from the start.
+            for column in 0..d {
+                a.swap(pivot * d + column, k * d + column);
+            }
+            let reciprocal = 1.0 / a[k * d + k];
+            if !reciprocal.is_finite() || reciprocal == 0.0 {
+                return false;
+            }
+            a[k * d + k] = reciprocal;
+            for row in k + 1..d {
+                let factor = a[row * d + k] * reciprocal;
+                a[row * d + k] = factor;
+                for column in k + 1..d {
+                    a[row * d + column] -= factor * a[k * d + column];
+                }
+            }
+        }
+        for (entry, value) in self.entries.iter_mut().zip(a) {
+            entry[lane] = *value;
+        }
+        true
+    }
+
+    /// A⁻¹ r in place of r, in every lane.
+    #[inline(always)]
+    pub(crate) fn solve<const D: usize>(&self, right: &mut [[f64; W]]) {
+        let d = dimension::<D>(self.exchanges.len());
+        let (right, entries) = (&mut right[..d], &self.entries[..d * d]);
+        for lane in 0..W {
+            if self.exchanged[lane] {
+                self.exchange(right, lane);
+            }
+        }
+        for row in 1..d {
+            for column in 0..row {
+                for w in 0..W {
+                    right[row][w] -= entries[row * d + column][w] * right[column][w];
+                }
+            }
+        }
+        for row in (0..d).rev() {
+            for column in row + 1..d {
+                for w in 0..W {
+                    right[row][w] -= entries[row * d + column][w] * right[column][w];
+                }
+            }
+            for w in 0..W {
+                right[row][w] *= entries[row * d + row][w];
+            }
+        }
+    }
+
+    #[cold]
+    fn exchange(&self, right: &mut [[f64; W]], lane: usize) {
+        for (k, exchange) in self.exchanges.iter().enumerate() {
+            let other = exchange[lane];
+            let (a, b) = (right[k][lane], right[other][lane]);
+            (right[k][lane], right[other][lane]) = (b, a);
+        }
+    }
+}
+
+/// Elimination without exchanges; `true` where partial pivoting would have made none either.
+#[inline(always)]
+fn eliminate<const D: usize, const W: usize>(a: &mut [[f64; W]], d: usize) -> [bool; W] {
+    let d = dimension::<D>(d);
+    let a = &mut a[..d * d];
+    let mut in_place = [true; W];
+    for k in 0..d {
+        let pivot = a[k * d + k];
+        let reciprocal = pivot.map(|pivot| 1.0 / pivot);
+        for w in 0..W {
+            in_place[w] &= reciprocal[w].is_finite() && reciprocal[w] != 0.0;
+        }
+        a[k * d + k] = reciprocal;
+        for row in k + 1..d {
+            let mut factor = a[row * d + k];
+            for w in 0..W {
+                in_place[w] &= factor[w].abs() <= pivot[w].abs();
+                factor[w] *= reciprocal[w];
+            }
+            a[row * d + k] = factor;
+            for column in k + 1..d {
+                for w in 0..W {
+                    a[row * d + column][w] -= factor[w] * a[k * d + column][w];
+                }
+            }
+        }
+    }
+    in_place
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ANY, Factors};
+
+    /// Solves one system in lane 1 of 2, the other lane's being the identity.
+    fn solve<const D: usize>(a: &[f64], r: &[f64]) -> Option<Vec<f64>> {
+        let d = r.len();
+        let unit = |at: usize| f64::from(u8::from(at.is_multiple_of(d + 1)));
+        let matrix: Vec<[f64; 2]> = a.iter().enumerate().map(|(at, v)| [unit(at), *v]).collect();
+        let mut right: Vec<[f64; 2]> = r.iter().map(|v| [*v, *v]).collect();
+        let mut factors = Factors::new(d);
+        let singular = factors.factor::<D>(&matrix, &[true; 2]);
+        assert!(!singular[0]);
+        factors.solve::<D>(&mut right);
+        assert!(right.iter().zip(r).all(|(solved, r)| solved[0] == *r));
+        (!singular[1]).then(|| right.iter().map(|v| v[1]).collect())
+    }
+
+    #[test]
+    fn solves_with_a_zero_leading_entry() {
+        let a = [0.0, 2.0, 1.0, 1.0, 1.0, 0.0, 3.0, 0.0, 1.0];
+        let r = [7.0, 3.0, 6.0];
+        let found = [solve::<3>(&a, &r), solve::<ANY>(&a, &r)].map(|z| z.expect("regular"));
+        assert_eq!(found[0], found[1], "a constant dimension changes no bit");
+        // The residual of elimination with pivoting: a few roundings of entries up to 7.
+        for (found, expected) in found[0].iter().zip([1.0, 2.0, 3.0]) {
+            assert!((found - expected).abs() <= 8.0 * f64::EPSILON, "{found}");
+        }
+    }
+
+    #[test]
+    fn refuses_matrices_that_are_singular_or_not_finite() {
+        for a in [[1.0, 2.0, 2.0, 4.0], [0.0; 4], [1.0, f64::NAN, 0.0, 1.0]] {
+            assert_eq!(solve::<2>(&a, &[1.0, 1.0]), None, "{a:?}");
+        }
+    }
+
+    /// Lanes that are not wanted keep the factors they have.
+    #[test]
+    fn other_lanes_keep_their_factors() {
+        let mut factors = Factors::<2>::new(1);
+        factors.factor::<1>(&[[2.0, 4.0]], &[true, true]);
+        factors.factor::<1>(&[[8.0, 8.0]], &[true, false]);
+        let mut right = [[1.0, 1.0]];
+        factors.solve::<1>(&mut right);
+        assert_eq!(right, [[0.125, 0.25]]);
+    }
+}

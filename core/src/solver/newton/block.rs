@@ -1,0 +1,475 @@
+//! W trajectories side by side.
+
+use leafwise_expression::Workspace;
+
+use super::convergence::{Convergence, Next};
+use super::kernel::NewtonKernel;
+use crate::error::StepError;
+use crate::solver::SolverStatistics;
+use crate::solver::elimination::{ANY, Factors, dimension};
+use crate::solver::extrapolation::{DEPTH, Extrapolation};
+
+/// Evaluations of one step. A smooth orbit takes 1 to 4, a cold start at a large step a dozen, one at a
+/// thousand times the size of a chart fifty.
+const MOST_EVALUATIONS: u32 = 100;
+
+/// One number of each lane.
+type Row<const W: usize> = [f64; W];
+
+/// W trajectories, each with its own history and its own stop; what one computes does not depend on
+/// the others. Vectors are rows of W numbers, one row a coordinate.
+pub(super) struct Block<const W: usize> {
+    kernel: NewtonKernel,
+    dimension: usize,
+    most_chords: u32,
+    full: Workspace,
+    residual: Workspace,
+    /// What each kernel returned last.
+    full_values: Vec<Row<W>>,
+    residual_values: Vec<Row<W>>,
+    pub(super) x: Vec<Row<W>>,
+    pub(super) low: Vec<Row<W>>,
+    pub(super) increment: Vec<Row<W>>,
+    pub(super) y: Vec<Row<W>>,
+    correction: Vec<Row<W>>,
+    /// Where the Jacobians were taken; the factors of D(β̂∘L), |D(β̂∘L) − 1| and D((α̂ − β̂)∘L) there.
+    anchor: Vec<Row<W>>,
+    factors: Factors<W>,
+    slope: Vec<Row<W>>,
+    change: Vec<Row<W>>,
+    /// What a correction of each component is judged against.
+    scale: Vec<Row<W>>,
+    /// The last term of a truncated series over its first, at the anchor.
+    guard: Row<W>,
+    extrapolation: Extrapolation<W>,
+    lanes: [Lane; W],
+    outcome: [Result<(), StepError>; W],
+}
+
+/// What a lane's solve is about.
+#[derive(Clone, Copy)]
+struct Lane {
+    convergence: Convergence,
+    /// What is evaluated next.
+    next: Next,
+    /// Whether there are Jacobians.
+    anchored: bool,
+    /// Evaluations with Jacobians in this step.
+    jacobians: u32,
+}
+
+impl<const W: usize> Block<W> {
+    /// `parameters` is a structure of arrays over the W lanes.
+    pub(super) fn new(kernel: &NewtonKernel, parameters: &[f64], epsilon: f64, h: f64) -> Self {
+        let d = kernel.dimension;
+        let prepared = |kernel: &leafwise_expression::Kernel| {
+            let mut workspace = kernel.workspace(W);
+            kernel.prepare(&mut workspace, parameters, &[epsilon; W], &[h; W]);
+            workspace
+        };
+        let rows = |count: usize| vec![[0.0; W]; count];
+        Self {
+            dimension: d,
+            most_chords: u32::try_from(kernel.work() / kernel.chord_work().max(1))
+                .unwrap_or(u32::MAX),
+            full: prepared(&kernel.full),
+            residual: prepared(&kernel.residual),
+            full_values: rows(kernel.full.outputs()),
+            residual_values: rows(kernel.residual.outputs()),
+            kernel: kernel.clone(),
+            x: rows(d),
+            low: rows(d),
+            increment: rows(d),
+            y: rows(d),
+            correction: rows(d),
+            anchor: rows(d),
+            factors: Factors::new(d),
+            slope: rows(d * d),
+            change: rows(d * d),
+            scale: rows(d),
+            guard: [0.0; W],
+            extrapolation: Extrapolation::new(d, DEPTH),
+            lanes: [Lane {
+                convergence: Convergence::new(),
+                next: Next::Done,
+                anchored: false,
+                jacobians: 0,
+            }; W],
+            outcome: [const { Ok(()) }; W],
+        }
+    }
+
+    /// The increments of the step from x + low.
+    pub(super) fn step(&mut self) {
+        match self.dimension {
+            2 => self.step_in::<2>(),
+            3 => self.step_in::<3>(),
+            4 => self.step_in::<4>(),
+            6 => self.step_in::<6>(),
+            _ => self.step_in::<ANY>(),
+        }
+    }
+
+    fn step_in<const D: usize>(&mut self) {
+        self.start::<D>();
+        loop {
+            let newton = self.lanes.map(|lane| lane.next == Next::Newton);
+            let chord = self.lanes.map(|lane| lane.next == Next::Chord);
+            let (any_newton, any_chord) = (newton.contains(&true), chord.contains(&true));
+            if any_newton {
+                self.evaluate_full::<D>(&newton);
+            } else if !any_chord {
+                break;
+            }
+            if any_chord {
+                let values = self.residual_values.as_flattened_mut();
+                let kernel = &self.kernel.residual;
+                kernel.evaluate(&mut self.residual, self.y.as_flattened(), values);
+            }
+            self.correct::<D>(&newton, &chord);
+            self.judge::<D>(&newton, &chord);
+        }
+        self.finish::<D>();
+    }
+
+    /// The predicted solutions, and the kernel that each lane evaluates there.
+    #[inline(always)]
+    fn start<const D: usize>(&mut self) {
+        let d = dimension::<D>(self.dimension);
+        let correction = &mut self.correction[..d];
+        self.extrapolation.predict(correction);
+        let mut distance = [0.0_f64; W];
+        for i in 0..d {
+            for w in 0..W {
+                self.y[i][w] = self.x[i][w] + correction[i][w];
+                let away = (self.y[i][w] - self.anchor[i][w]).abs();
+                distance[w] = larger(distance[w], relative(away, self.scale[i][w]));
+            }
+        }
+        for (w, lane) in self.lanes.iter_mut().enumerate() {
+            let distance = lane.anchored.then_some(distance[w]);
+            lane.next = lane.convergence.start(distance, self.most_chords);
+            lane.jacobians = 0;
+            self.outcome[w] = Ok(());
+        }
+    }
+
+    /// Evaluates the full kernel at y and keeps the Jacobians in the lanes of `newton`.
+    #[inline(always)]
+    fn evaluate_full<const D: usize>(&mut self, newton: &[bool; W]) {
+        let d = dimension::<D>(self.dimension);
+        let values = self.full_values.as_flattened_mut();
+        self.kernel
+            .full
+            .evaluate(&mut self.full, self.y.as_flattened(), values);
+        let (target, rest) = self.full_values[3 * d..].split_at(d * d);
+        let (change, guard) = rest.split_at(d * d);
+        for (kept, y) in self.anchor[..d].iter_mut().zip(&self.y) {
+            select(newton, kept, y);
+        }
+        for (kept, change) in self.change[..d * d].iter_mut().zip(change) {
+            select(newton, kept, change);
+        }
+        for (at, (kept, target)) in self.slope[..d * d].iter_mut().zip(target).enumerate() {
+            let unit = f64::from(u8::from(at.is_multiple_of(d + 1)));
+            select(newton, kept, &target.map(|entry| (entry - unit).abs()));
+        }
+        if !guard.is_empty() {
+            let (first, last) = guard.split_at(d);
+            select(newton, &mut self.guard, &guard_ratio(first, last));
+        }
+        let singular = self.factors.factor::<D>(target, newton);
+        for w in 0..W {
+            if newton[w] {
+                self.lanes[w].jacobians += 1;
+                self.lanes[w].anchored = !singular[w];
+            }
+        }
+    }
+
+    /// Corrections from what the kernels returned, by the full one in the lanes of `newton`, and what
+    /// they are judged against.
+    #[inline(always)]
+    fn correct<const D: usize>(&mut self, newton: &[bool; W], chord: &[bool; W]) {
+        let d = dimension::<D>(self.dimension);
+        let (full, residual) = (&self.full_values[..3 * d], &self.residual_values[..3 * d]);
+        let (x, y, low) = (&self.x[..d], &self.y[..d], &self.low[..d]);
+        let (correction, increment) = (&mut self.correction[..d], &mut self.increment[..d]);
+        let (slope, scale) = (&self.slope[..d * d], &mut self.scale[..d]);
+        let active: [bool; W] = std::array::from_fn(|w| newton[w] || chord[w]);
+        let mut state = [0.0_f64; W];
+        for i in 0..d {
+            let value = |at: usize, w: usize| {
+                if newton[w] {
+                    full[at][w]
+                } else {
+                    residual[at][w]
+                }
+            };
+            for w in 0..W {
+                // (base − x) + (β̂ − base) − low: base and x are close, their difference is exact.
+                correction[i][w] = x[i][w] - value(i, w) - value(d + i, w) + low[i][w];
+                increment[i][w] = if active[w] {
+                    value(2 * d + i, w)
+                } else {
+                    increment[i][w]
+                };
+                state[w] = state[w].max(x[i][w].abs() + increment[i][w].abs());
+            }
+        }
+        self.factors.solve::<D>(correction);
+        // A component may be the round-off of what the others put into it, Σ_j |D − 1|_ij |y_j|;
+        // never that of more than the state, however large a step is tried.
+        for i in 0..d {
+            let mut reach = [0.0_f64; W];
+            for j in 0..d {
+                for w in 0..W {
+                    reach[w] += slope[i * d + j][w] * (y[j][w].abs() + correction[j][w].abs());
+                }
+            }
+            for w in 0..W {
+                let own = x[i][w].abs() + increment[i][w].abs();
+                let judged = own + reach[w].min(state[w]);
+                scale[i][w] = if active[w] { judged } else { scale[i][w] };
+            }
+        }
+    }
+
+    /// Decides lane by lane, applies the corrections, and completes the increments that are done.
+    #[inline(always)]
+    fn judge<const D: usize>(&mut self, newton: &[bool; W], chord: &[bool; W]) {
+        let d = dimension::<D>(self.dimension);
+        let correction = &self.correction[..d];
+        let mut size = [0.0_f64; W];
+        for i in 0..d {
+            for w in 0..W {
+                size[w] = larger(size[w], relative(correction[i][w].abs(), self.scale[i][w]));
+            }
+        }
+        let (mut done, mut applied) = ([false; W], [false; W]);
+        for w in 0..W {
+            if newton[w] || chord[w] {
+                let decision = self.judge_lane(w, size[w], newton[w]);
+                let lane = &mut self.lanes[w];
+                lane.next = *decision.as_ref().unwrap_or(&Next::Done);
+                applied[w] = size[w].is_finite();
+                done[w] = lane.next == Next::Done;
+                self.outcome[w] = decision.map(drop);
+            }
+        }
+        let correction = &self.correction[..d];
+        for i in 0..d {
+            for w in 0..W {
+                self.y[i][w] += if applied[w] { correction[i][w] } else { 0.0 };
+            }
+        }
+        if done.contains(&true) {
+            // The last correction enters to first order.
+            let (change, increment) = (&self.change[..d * d], &mut self.increment[..d]);
+            for i in 0..d {
+                let mut first_order = [0.0; W];
+                for j in 0..d {
+                    for w in 0..W {
+                        first_order[w] += change[i * d + j][w] * correction[j][w];
+                    }
+                }
+                for w in 0..W {
+                    increment[i][w] += if done[w] { first_order[w] } else { 0.0 };
+                }
+            }
+        }
+    }
+
+    /// What a lane does after a correction.
+    #[inline(always)]
+    fn judge_lane(&mut self, w: usize, size: f64, is_newton: bool) -> Result<Next, StepError> {
+        let (correction, scale) = (&self.correction, &self.scale);
+        let lane = &mut self.lanes[w];
+        let norm = || {
+            let largest = |rows: &[Row<W>]| rows.iter().fold(0.0_f64, |m, row| m.max(row[w].abs()));
+            largest(correction) / largest(scale)
+        };
+        let next = if size.is_finite() && lane.anchored {
+            lane.convergence
+                .judge(size, norm, is_newton, self.most_chords)
+        } else if is_newton {
+            lane.convergence.evaluations += 1;
+            // An iterate outside the chart has no value: the guard tells the cause.
+            return Err(match self.guard[w] {
+                ratio if (1.0..f64::INFINITY).contains(&ratio) => StepError::LeftChart { ratio },
+                _ => StepError::NonFinite {
+                    what: "a Newton correction",
+                },
+            });
+        } else {
+            lane.convergence.evaluations += 1;
+            Next::Newton
+        };
+        match next {
+            Next::Done if self.guard[w] >= 1.0 && is_newton => Err(StepError::LeftChart {
+                ratio: self.guard[w],
+            }),
+            // The guard is that of an earlier point.
+            Next::Done if self.guard[w] >= 1.0 => Ok(Next::Newton),
+            Next::Newton | Next::Chord if lane.convergence.evaluations >= MOST_EVALUATIONS => {
+                Err(StepError::NoConvergence {
+                    evaluations: MOST_EVALUATIONS as usize,
+                    correction: size,
+                })
+            }
+            next => Ok(next),
+        }
+    }
+
+    /// Records the steps that were taken; a lane that failed forgets its history.
+    #[inline(always)]
+    fn finish<const D: usize>(&mut self) {
+        let d = dimension::<D>(self.dimension);
+        let (x, y) = (&self.x[..d], &self.y[..d]);
+        let correction = &mut self.correction[..d];
+        let mut finite = [true; W];
+        for i in 0..d {
+            for w in 0..W {
+                correction[i][w] = y[i][w] - x[i][w];
+                finite[w] &= self.increment[i][w].is_finite();
+            }
+        }
+        let mut took = [true; W];
+        for w in 0..W {
+            if self.outcome[w].is_ok() && !finite[w] {
+                self.outcome[w] = Err(StepError::NonFinite {
+                    what: "the increment",
+                });
+            }
+            if self.outcome[w].is_err() {
+                took[w] = false;
+                self.increment.iter_mut().for_each(|row| row[w] = 0.0);
+                self.extrapolation.clear(w);
+                self.lanes[w].anchored = false;
+            }
+        }
+        self.extrapolation.record(correction, &took);
+    }
+
+    /// Hands over the outcomes of a step and counts it; returns how many evaluations were with
+    /// Jacobians.
+    pub(super) fn report(
+        &mut self,
+        outcome: &mut [Result<(), StepError>],
+        statistics: &mut SolverStatistics,
+    ) -> u64 {
+        let mut jacobians = 0;
+        for (w, outcome) in outcome.iter_mut().enumerate() {
+            *outcome = std::mem::replace(&mut self.outcome[w], Ok(()));
+            let lane = &self.lanes[w];
+            statistics.count(lane.convergence.evaluations.into(), outcome.is_ok());
+            jacobians += u64::from(lane.jacobians);
+        }
+        jacobians
+    }
+
+    /// Both Jacobians at the solution of a lane's last step, row-major.
+    pub(super) fn jacobians(&mut self, lane: usize) -> (Vec<f64>, Vec<f64>) {
+        let d = self.dimension;
+        let values = self.full_values.as_flattened_mut();
+        self.kernel
+            .full
+            .evaluate(&mut self.full, self.y.as_flattened(), values);
+        let matrix = |from: usize| {
+            let rows = self.full_values[from..from + d * d].iter();
+            rows.map(|row| row[lane]).collect()
+        };
+        (matrix(3 * d), matrix(3 * d + d * d))
+    }
+
+    /// Forgets earlier steps.
+    pub(super) fn restart(&mut self) {
+        for (w, lane) in self.lanes.iter_mut().enumerate() {
+            lane.convergence = Convergence::new();
+            lane.anchored = false;
+            self.extrapolation.clear(w);
+        }
+    }
+
+    /// What the next step of a lane depends on. The Jacobians are evaluated again where they were
+    /// taken.
+    pub(super) fn memory(&self, lane: usize, into: &mut Vec<f64>) {
+        let Lane {
+            convergence,
+            anchored,
+            ..
+        } = &self.lanes[lane];
+        into.extend([
+            convergence.constant,
+            convergence.first,
+            if *anchored { 1.0 } else { 0.0 },
+        ]);
+        for rows in [&self.anchor, &self.scale] {
+            into.extend(
+                rows.iter()
+                    .map(|row| if *anchored { row[lane] } else { 0.0 }),
+            );
+        }
+        self.extrapolation.memory(lane, into);
+    }
+
+    /// How many numbers [`memory`](Self::memory) writes.
+    pub(super) fn memory_len(&self) -> usize {
+        3 + 2 * self.dimension + self.extrapolation.memory_len()
+    }
+
+    /// Restores a lane's [`memory`](Self::memory).
+    pub(super) fn restore(&mut self, lane: usize, memory: &[f64]) {
+        let d = self.dimension;
+        let (own, memory) = memory.split_at(3);
+        let (anchor, memory) = memory.split_at(d);
+        let (scale, history) = memory.split_at(d);
+        let convergence = &mut self.lanes[lane].convergence;
+        *convergence = Convergence::new();
+        (convergence.constant, convergence.first) = (own[0], own[1]);
+        for i in 0..d {
+            self.y[i][lane] = anchor[i];
+            self.scale[i][lane] = scale[i];
+        }
+        self.extrapolation.restore(lane, history);
+        if own[2] != 0.0 {
+            let only = std::array::from_fn(|w| w == lane);
+            self.evaluate_full::<ANY>(&only);
+        } else {
+            self.lanes[lane].anchored = false;
+        }
+    }
+}
+
+/// The values of the lanes in `mask`.
+#[inline(always)]
+fn select<const W: usize>(mask: &[bool; W], kept: &mut Row<W>, value: &Row<W>) {
+    for w in 0..W {
+        kept[w] = if mask[w] { value[w] } else { kept[w] };
+    }
+}
+
+/// max that keeps NaN.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b || a.is_nan() { a } else { b }
+}
+
+/// size/(scale + size), 0 for 0: a component that has no scale yet counts as 1.
+#[inline(always)]
+fn relative(size: f64, scale: f64) -> f64 {
+    if size == 0.0 {
+        0.0
+    } else {
+        size / (scale + size)
+    }
+}
+
+/// max |last| over max |first|, 0 where the last is 0.
+fn guard_ratio<const W: usize>(first: &[Row<W>], last: &[Row<W>]) -> Row<W> {
+    let size = |rows: &[Row<W>], w: usize| rows.iter().fold(0.0_f64, |m, row| m.max(row[w].abs()));
+    std::array::from_fn(|w| match (size(first, w), size(last, w)) {
+        (_, 0.0) => 0.0,
+        (first, last) => last / first,
+    })
+}

@@ -1,0 +1,96 @@
+//! The code of an iteration.
+
+use std::sync::Arc;
+
+use leafwise_expression::{Arithmetic, Graph, Kernel, OperationCount, Rational, Term};
+
+use crate::error::BuildError;
+use crate::realization::SourceTarget;
+use crate::solver::linear::{elimination_operations, substitution_operations};
+
+/// The code of one iteration at y, twice: base, β̂ − base and α̂ − β̂ alone, and these with the
+/// Jacobians D(β̂∘L) and D((α̂ − β̂)∘L) and the guard of the chart.
+#[derive(Clone, Debug)]
+pub struct NewtonKernel {
+    pub(super) full: Arc<Kernel>,
+    pub(super) residual: Arc<Kernel>,
+    pub(super) dimension: usize,
+}
+
+impl NewtonKernel {
+    /// Compiles the iteration for source and target code over the inputs y_0 … y_{d−1}.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a derivative has no code.
+    pub fn compile(
+        graph: &mut Graph,
+        ends: &SourceTarget,
+        parameters: usize,
+    ) -> Result<Self, BuildError> {
+        let d = ends.base.len();
+        let mut outputs: Vec<Term> = Vec::with_capacity(d * (3 + 2 * d) + 2 * d);
+        outputs.extend_from_slice(&ends.base);
+        outputs.extend_from_slice(&ends.offset);
+        outputs.extend_from_slice(&ends.increment);
+        let residual = Kernel::compile(graph, &outputs, parameters, d);
+        for i in 0..d {
+            for j in 0..d {
+                let base = graph.derivative(&ends.base[i], j)?;
+                let offset = graph.derivative(&ends.offset[i], j)?;
+                outputs.push(graph.combine(&[(Rational::one(), base), (Rational::one(), offset)]));
+            }
+        }
+        for i in 0..d {
+            for j in 0..d {
+                outputs.push(graph.derivative(&ends.increment[i], j)?);
+            }
+        }
+        if let Some((first, last)) = &ends.guard {
+            outputs.extend_from_slice(first);
+            outputs.extend_from_slice(last);
+        }
+        let full = Kernel::compile(graph, &outputs, parameters, d);
+        Ok(Self {
+            full: Arc::new(full),
+            residual: Arc::new(residual),
+            dimension: d,
+        })
+    }
+
+    /// Operations of one Newton iteration, the linear solve apart.
+    pub fn operations(&self) -> OperationCount {
+        self.full.step_operations()
+    }
+
+    /// Operations of α̂ and β̂ along the bisection alone.
+    pub fn residual_operations(&self) -> OperationCount {
+        self.residual.step_operations()
+    }
+
+    /// Operations once for each choice of parameters and step sizes.
+    pub fn coefficient_operations(&self) -> OperationCount {
+        self.full.coefficient_operations()
+    }
+
+    /// The code of one Newton iteration: outputs base, β̂ − base, α̂ − β̂, D(β̂∘L), D((α̂ − β̂)∘L), and
+    /// the guard's.
+    pub fn kernel(&self) -> &Kernel {
+        &self.full
+    }
+
+    /// The code of one iteration without Jacobians: outputs base, β̂ − base, α̂ − β̂.
+    pub fn residual_kernel(&self) -> &Kernel {
+        &self.residual
+    }
+
+    /// Weighted operations of one Newton iteration with its linear solve.
+    pub fn work(&self) -> u64 {
+        let d = self.dimension;
+        self.operations().work() + elimination_operations(d) + substitution_operations(d)
+    }
+
+    /// Weighted operations of an iteration with a Jacobian that is there.
+    pub fn chord_work(&self) -> u64 {
+        self.residual_operations().work() + substitution_operations(self.dimension)
+    }
+}
