@@ -5,6 +5,7 @@ use std::sync::Arc;
 use leafwise_expression::{Graph, Polynomial, Ring, Term};
 
 use crate::error::{BuildError, StepError};
+use crate::one_form::OneFormWorker;
 use crate::realization::RealizationData;
 use crate::system::PoissonSystem;
 
@@ -54,6 +55,11 @@ pub trait LagrangianBisection: Send + Sync + std::fmt::Debug {
     }
     /// y ↦ L(y) as numbers, for a bisection that offers no code.
     fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn BisectionWorker>> {
+        let _ = (parameters, epsilon, h);
+        None
+    }
+    /// θ as numbers, where L is the graph of a one-form in the realization's chart and offers no code.
+    fn one_form(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn OneFormWorker>> {
         let _ = (parameters, epsilon, h);
         None
     }

@@ -30,6 +30,7 @@ pub struct Anderson {
     residual: Vec<f64>,
     correction: Vec<f64>,
     is_started: bool,
+    operations: u64,
 }
 
 impl Anderson {
@@ -46,7 +47,15 @@ impl Anderson {
             residual: vec![0.0; size],
             correction: vec![0.0; size],
             is_started: false,
+            operations: 0,
         }
+    }
+
+    /// Operations so far, as [`SolverStatistics::operations`] counts them.
+    ///
+    /// [`SolverStatistics::operations`]: crate::SolverStatistics::operations
+    pub fn operations(&self) -> u64 {
+        self.operations
     }
 
     /// Forgets every iterate: the next solve begins.
@@ -68,6 +77,9 @@ impl Anderson {
         self.is_started = true;
         self.residual.copy_from_slice(residual);
         self.orthogonalize(scale);
+        // Each column in its basis, along the residual and into the correction.
+        let columns = self.columns;
+        self.operations += (2 * n * columns * columns.saturating_sub(1) + 12 * n * columns) as u64;
         let coordinates = self.coordinates_of(residual, scale);
         for (j, gamma) in coordinates.iter().enumerate().take(self.columns) {
             if *gamma == 0.0 {

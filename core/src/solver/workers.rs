@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::extrapolation::DEPTH;
 use super::iteration::{CorrectionSize, LinearIteration, Verdict};
-use super::{Extrapolation, SolverStatistics, Stepper};
+use super::{Anderson, Extrapolation, SolverStatistics, Stepper};
 use crate::dynamics::{BisectionWorker, Correction};
 use crate::error::StepError;
 use crate::realization::{Ends, RealizationWorker};
@@ -29,6 +29,9 @@ pub(crate) struct WorkerStepper {
 }
 
 struct Trajectory {
+    /// For parts without tangents.
+    anderson: Anderson,
+    scales: Vec<f64>,
     realization: Box<dyn RealizationWorker>,
     bisection: Box<dyn BisectionWorker>,
     extrapolation: Extrapolation,
@@ -67,6 +70,8 @@ impl WorkerStepper {
                     .collect();
                 let (realization, bisection) = make(&own);
                 Trajectory {
+                    anderson: Anderson::new(d),
+                    scales: vec![0.0; d],
                     realization,
                     bisection,
                     extrapolation: Extrapolation::new(d, DEPTH),
@@ -112,7 +117,8 @@ impl Trajectory {
     }
 
     fn operations(&self) -> Option<u64> {
-        Some(self.realization.operations()? + self.bisection.operations()? + self.linear)
+        let own = self.linear + self.anderson.operations();
+        Some(self.realization.operations()? + self.bisection.operations()? + own)
     }
 
     fn solve(
@@ -137,9 +143,10 @@ impl Trajectory {
         for i in 0..d {
             self.y[i] = x[i] + self.displacement[i];
         }
-        let newton = self.realization.has_tangents()
-            && self.bisection.has_tangent()
-            && !self.bisection.is_near_identity();
+        let has_tangents = self.realization.has_tangents() && self.bisection.has_tangent();
+        let is_near = self.bisection.is_near_identity();
+        let newton = has_tangents && !is_near;
+        self.anderson.clear();
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         loop {
             self.evaluate()?;
@@ -157,7 +164,14 @@ impl Trajectory {
             }
             let mut correction = CorrectionSize::default();
             for i in 0..d {
-                correction.take(self.residual[i], x[i].abs() + self.ends.increment[i].abs());
+                self.scales[i] = x[i].abs() + self.ends.increment[i].abs();
+                correction.take(self.residual[i], self.scales[i]);
+            }
+            if !has_tangents && !is_near {
+                self.anderson.correct(&mut self.residual, &self.scales);
+            }
+            for i in 0..d {
+                correction.take(self.residual[i], self.scales[i]);
                 self.y[i] += self.residual[i];
             }
             if iteration.judge_correction(&correction)? == Verdict::Converged {

@@ -8,6 +8,7 @@ use leafwise_core::{
 };
 
 use crate::coefficients::{first_order, generating_function};
+use crate::numbers::GraphOfEnergy;
 
 /// The Hamilton–Jacobi approximation of even order m (paper, section 4.2 and Algorithm 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +61,14 @@ impl DynamicApproximation for HamiltonJacobi {
         system: &PoissonSystem,
         realization: &Arc<dyn RealizationData>,
     ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
+        if let Some(opaque) = system.opaque() {
+            if self.order > 2 {
+                let missing = "formulas of the system for an order above 2";
+                return Err(opaque.not_offered(crate::register::INFO.name, missing));
+            }
+            let graph = GraphOfEnergy::new(system, realization, &self.describe())?;
+            return Ok(Arc::new(graph));
+        }
         let generating = match realization.series() {
             Some(series) => generating_function(system, series, self.order)?,
             None if self.order == 2 => first_order(system)?,

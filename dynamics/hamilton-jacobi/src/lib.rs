@@ -5,11 +5,13 @@
 //! the realization's chart, whatever its order n.
 //!
 //! - [`coefficients`]: the recursion for S_l in exact algebra.
+//! - [`numbers`]: graph(h dH) for systems of numbers.
 //! - [`bisection`]: graph(dŜ) as a Lagrangian bisection.
 //! - `register`: the part `hamilton-jacobi`.
 
 pub mod bisection;
 pub mod coefficients;
+pub mod numbers;
 mod register;
 
 pub use bisection::HamiltonJacobi;

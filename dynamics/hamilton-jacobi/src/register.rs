@@ -13,7 +13,8 @@ pub(crate) static INFO: PartInfo = PartInfo {
     kind: PartKind::Dynamics,
     summary: "graph of dS, S the truncated solution of the Hamilton-Jacobi equation",
     declares: "order m (even); self-adjoint; exactly Poisson over an exact realization",
-    domain: "realizations with a cotangent chart; Hamiltonians the formulas can say",
+    domain: "realizations with a cotangent chart; Hamiltonians the formulas can say, of order 2 \
+             also systems of numbers",
     literature: "Cabrera, Martin de Diego, Vaquero, Approximating Symplectic Realizations, \
                  section 4.2; Ferraro, de Leon, Marrero, Martin de Diego, Vaquero, On the \
                  geometry of the Hamilton-Jacobi equation and generating functions (2017)",

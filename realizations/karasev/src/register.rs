@@ -60,8 +60,8 @@ pub(crate) static COLLOCATED: PartInfo = PartInfo {
     summary: "Karasev's realization by collocation at Gauss nodes: numerically exact, any tensor",
     declares: "exact to round-off with points = 0 (as many nodes as the step needs); with q nodes \
                the bracket defect is O(epsilon^(2q)); self-adjoint",
-    domain: "where the curve of the step can be resolved by 24 nodes; any tensor the formulas can \
-             say",
+    domain: "where the curve of the step can be resolved by 24 nodes; any tensor, of formulas or \
+             of numbers",
     literature: "Cabrera, Martin de Diego, Vaquero, Approximating Symplectic Realizations, \
                  section 3.2, remark on other approximations; M. V. Karasev, Math. USSR Izv. 28 \
                  (1987)",

@@ -9,12 +9,12 @@ use leafwise_core::{
 
 use super::curve::Curve;
 use super::field::Field;
-use super::fused::FusedStep;
+use super::fused::{FusedStep, OneForm};
 use super::worker::CollocatedWorker;
 use crate::series::KarasevSeries;
 
 /// K_ε = (S ⊂ T*M, ω_M, α_ε, β_ε, σ) by collocation at q Gauss nodes, for any tensor with values
-/// and first derivatives of Π(y)p.
+/// of Π(y)p; its tangents where the tensor has first derivatives.
 ///
 /// With a fixed q the bracket defect of α̂ is O(ε^{2q}); the automatic choice adds nodes until the
 /// defect is at round-off for the step at hand.
@@ -22,7 +22,8 @@ use crate::series::KarasevSeries;
 pub struct CollocatedKarasev {
     field: Field,
     points: Option<usize>,
-    series: KarasevSeries,
+    /// Where the tensor is a formula.
+    series: Option<KarasevSeries>,
 }
 
 /// Where the automatic choice starts, and where it gives up: the curve is then too long for its
@@ -36,11 +37,11 @@ impl CollocatedKarasev {
     /// # Errors
     /// [`BuildError::Algebra`] where the tensor has no code.
     pub fn new(system: &PoissonSystem, points: Option<usize>) -> Result<Self, BuildError> {
-        let system = system.formulas(crate::register::COLLOCATED.name)?;
+        let formulas = system.expressions();
         Ok(Self {
-            field: Field::compile(system)?,
+            field: Field::of(system)?,
             points,
-            series: KarasevSeries::new(system.clone()),
+            series: formulas.map(|formulas| KarasevSeries::new(formulas.clone())),
         })
     }
 
@@ -93,7 +94,9 @@ impl RealizationData for CollocatedKarasev {
     }
 
     fn series(&self) -> Option<&dyn SourceSeries> {
-        Some(&self.series)
+        self.series
+            .as_ref()
+            .map(|series| series as &dyn SourceSeries)
     }
 
     fn worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationWorker>> {
@@ -112,9 +115,8 @@ impl RealizationData for CollocatedKarasev {
         properties: MapProperties,
     ) -> Option<Result<Box<dyn StepMap>, BuildError>> {
         // Only the graph of a one-form says p at x̂.
-        bisection.generating_function()?;
-        let parameters = system.parameters().len();
-        let fused = FusedStep::compile(self, bisection, properties, parameters);
+        let form = OneForm::of(system, &bisection)?;
+        let fused = form.map(|form| FusedStep::new(self, form, properties));
         Some(fused.map(|fused| Box::new(fused) as Box<dyn StepMap>))
     }
 }

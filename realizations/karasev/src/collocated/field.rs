@@ -1,92 +1,222 @@
-//! V(y, p) = Π(y) p and its derivatives as kernels.
+//! V(y, p) = Π(y) p and its derivatives, as kernels or as numbers of the system.
 
 use std::sync::Arc;
 
-use leafwise_core::{BuildError, SystemFormulas};
+use leafwise_core::system::{NumbersWorker, SystemNumbers};
+use leafwise_core::{BuildError, PoissonSystem, StepError, SystemFormulas};
 use leafwise_expression::{Graph, Kernel, Term, Workspace};
+use nalgebra::DMatrix;
 
-/// Compiled once a system: V; ∂V/∂y and ∂V/∂p = Π.
+/// V; ∂V/∂y and ∂V/∂p = Π where the system offers them.
 #[derive(Clone, Debug)]
 pub(super) struct Field {
-    value: Arc<Kernel>,
-    slopes: Arc<Kernel>,
+    source: Source,
     pub(super) dimension: usize,
 }
 
+#[derive(Clone, Debug)]
+enum Source {
+    Kernels {
+        value: Arc<Kernel>,
+        slopes: Arc<Kernel>,
+    },
+    Numbers(Arc<dyn SystemNumbers>),
+}
+
 impl Field {
-    pub(super) fn compile(system: &SystemFormulas) -> Result<Self, BuildError> {
-        let d = system.dimension();
-        let mut graph = Graph::new();
-        let inputs: Vec<Term> = (0..2 * d).map(|i| graph.input(i)).collect();
-        let v = system.apply_tensor(&mut graph, &inputs[..d], &inputs[d..])?;
-        let parameters = system.parameters().len();
-        let value = Kernel::compile(&graph, &v, parameters, 2 * d);
-        let mut slopes = Vec::with_capacity(2 * d * d);
-        for half in 0..2 {
-            for row in &v {
-                for j in 0..d {
-                    slopes.push(graph.derivative(row, half * d + j)?);
-                }
-            }
-        }
-        let slopes = Kernel::compile(&graph, &slopes, parameters, 2 * d);
+    /// The field of a system's tensor.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where an entry has no code.
+    pub(super) fn of(system: &PoissonSystem) -> Result<Self, BuildError> {
+        let source = match (system.expressions(), system.opaque()) {
+            (None, Some(system)) => Source::Numbers(Arc::clone(&system.numbers)),
+            _ => compiled(system.formulas(crate::register::COLLOCATED.name)?)?,
+        };
         Ok(Self {
-            value: Arc::new(value),
-            slopes: Arc::new(slopes),
-            dimension: d,
+            source,
+            dimension: system.dimension(),
         })
     }
 
     pub(super) fn worker(&self, parameters: &[f64]) -> FieldWorker {
-        let prepared = |kernel: &Kernel| {
-            let mut workspace = kernel.workspace(1);
-            kernel.prepare(&mut workspace, parameters, &[1.0], &[1.0]);
-            workspace
+        let d = self.dimension;
+        let evaluator = match &self.source {
+            Source::Kernels { value, slopes } => Evaluator::Kernels {
+                value: Prepared::new(value, parameters),
+                slopes: Prepared::new(slopes, parameters),
+                operations: 0,
+            },
+            Source::Numbers(numbers) => Evaluator::Numbers {
+                worker: numbers.worker(parameters),
+                has_slopes: numbers.derivatives().tensor,
+                units: DMatrix::identity(d, d).as_slice().to_vec(),
+                columns: vec![0.0; d * d],
+            },
         };
         FieldWorker {
-            value: prepared(&self.value),
-            slopes: prepared(&self.slopes),
-            work: [&self.value, &self.slopes].map(|kernel| kernel.step_operations().work()),
-            operations: 0,
-            field: self.clone(),
+            evaluator,
+            dimension: d,
         }
+    }
+}
+
+fn compiled(system: &SystemFormulas) -> Result<Source, BuildError> {
+    let d = system.dimension();
+    let mut graph = Graph::new();
+    let inputs: Vec<Term> = (0..2 * d).map(|i| graph.input(i)).collect();
+    let v = system.apply_tensor(&mut graph, &inputs[..d], &inputs[d..])?;
+    let parameters = system.parameters().len();
+    let value = Kernel::compile(&graph, &v, parameters, 2 * d);
+    let mut slopes = Vec::with_capacity(2 * d * d);
+    for half in 0..2 {
+        for row in &v {
+            for j in 0..d {
+                slopes.push(graph.derivative(row, half * d + j)?);
+            }
+        }
+    }
+    let slopes = Kernel::compile(&graph, &slopes, parameters, 2 * d);
+    Ok(Source::Kernels {
+        value: Arc::new(value),
+        slopes: Arc::new(slopes),
+    })
+}
+
+struct Prepared {
+    kernel: Arc<Kernel>,
+    workspace: Workspace,
+    /// Operations of one evaluation.
+    work: u64,
+}
+
+impl Prepared {
+    fn new(kernel: &Arc<Kernel>, parameters: &[f64]) -> Self {
+        let mut workspace = kernel.workspace(1);
+        kernel.prepare(&mut workspace, parameters, &[1.0], &[1.0]);
+        Self {
+            work: kernel.step_operations().work(),
+            kernel: Arc::clone(kernel),
+            workspace,
+        }
+    }
+
+    fn evaluate<'a>(
+        &mut self,
+        y: &[f64],
+        p: &[f64],
+        out: impl Iterator<Item = &'a mut f64>,
+    ) -> u64 {
+        for (i, value) in y.iter().chain(p).enumerate() {
+            self.workspace.input_mut(i)[0] = *value;
+        }
+        self.kernel.evaluate_in_place(&mut self.workspace);
+        for (i, out) in out.enumerate() {
+            *out = self.kernel.output(&self.workspace, i)[0];
+        }
+        self.work
     }
 }
 
 /// One thread's evaluator of V.
-#[derive(Clone)]
 pub(super) struct FieldWorker {
-    field: Field,
-    value: Workspace,
-    slopes: Workspace,
-    /// Operations of one evaluation of each kernel, and of all so far.
-    work: [u64; 2],
-    pub(super) operations: u64,
+    evaluator: Evaluator,
+    dimension: usize,
+}
+
+enum Evaluator {
+    Kernels {
+        value: Prepared,
+        slopes: Prepared,
+        operations: u64,
+    },
+    Numbers {
+        worker: Box<dyn NumbersWorker>,
+        has_slopes: bool,
+        /// The unit vectors, and room for as many columns.
+        units: Vec<f64>,
+        columns: Vec<f64>,
+    },
 }
 
 impl FieldWorker {
-    pub(super) fn value(&mut self, y: &[f64], p: &[f64], v: &mut [f64]) {
-        write(&mut self.value, y, p);
-        self.field.value.evaluate_in_place(&mut self.value);
-        self.operations += self.work[0];
-        for (i, v) in v.iter_mut().enumerate() {
-            *v = self.field.value.output(&self.value, i)[0];
+    /// V at every node, with one p.
+    pub(super) fn values(
+        &mut self,
+        nodes: &[f64],
+        p: &[f64],
+        values: &mut [f64],
+    ) -> Result<(), StepError> {
+        let d = self.dimension;
+        match &mut self.evaluator {
+            Evaluator::Kernels {
+                value, operations, ..
+            } => {
+                for (y, v) in nodes.chunks_exact(d).zip(values.chunks_exact_mut(d)) {
+                    *operations += value.evaluate(y, p, v.iter_mut());
+                }
+                Ok(())
+            }
+            Evaluator::Numbers { worker, .. } => worker.tensor(nodes, p, values),
+        }
+    }
+
+    /// Whether values are calls into another library, dearer than what an iteration adds to them.
+    pub(super) fn is_foreign(&self) -> bool {
+        matches!(self.evaluator, Evaluator::Numbers { .. })
+    }
+
+    /// Whether [`slopes`](Self::slopes) are offered.
+    pub(super) fn has_slopes(&self) -> bool {
+        match &self.evaluator {
+            Evaluator::Kernels { .. } => true,
+            Evaluator::Numbers { has_slopes, .. } => *has_slopes,
         }
     }
 
     /// ∂V/∂y and ∂V/∂p, row-major d × d.
-    pub(super) fn slopes(&mut self, y: &[f64], p: &[f64], by_y: &mut [f64], by_p: &mut [f64]) {
-        write(&mut self.slopes, y, p);
-        self.field.slopes.evaluate_in_place(&mut self.slopes);
-        self.operations += self.work[1];
-        for (i, slope) in by_y.iter_mut().chain(by_p.iter_mut()).enumerate() {
-            *slope = self.field.slopes.output(&self.slopes, i)[0];
+    pub(super) fn slopes(
+        &mut self,
+        y: &[f64],
+        p: &[f64],
+        by_y: &mut [f64],
+        by_p: &mut [f64],
+    ) -> Result<(), StepError> {
+        match &mut self.evaluator {
+            Evaluator::Kernels {
+                slopes, operations, ..
+            } => {
+                *operations += slopes.evaluate(y, p, by_y.iter_mut().chain(by_p));
+                Ok(())
+            }
+            Evaluator::Numbers {
+                worker,
+                units,
+                columns,
+                ..
+            } => {
+                worker.tensor_tangent(y, p, units, columns)?;
+                transpose(columns, by_y, self.dimension);
+                worker.tensor(y, units, columns)?;
+                transpose(columns, by_p, self.dimension);
+                Ok(())
+            }
+        }
+    }
+
+    /// Weighted operations so far; `None` for a system that does not count.
+    pub(super) fn operations(&self) -> Option<u64> {
+        match &self.evaluator {
+            Evaluator::Kernels { operations, .. } => Some(*operations),
+            Evaluator::Numbers { worker, .. } => worker.operations(),
         }
     }
 }
 
-fn write(workspace: &mut Workspace, y: &[f64], p: &[f64]) {
-    for (i, value) in y.iter().chain(p).enumerate() {
-        workspace.input_mut(i)[0] = *value;
+fn transpose(columns: &[f64], rows: &mut [f64], d: usize) {
+    for (i, row) in rows.chunks_exact_mut(d).enumerate() {
+        for (k, entry) in row.iter_mut().enumerate() {
+            *entry = columns[k * d + i];
+        }
     }
 }

@@ -7,12 +7,11 @@
 use std::sync::Arc;
 
 use leafwise_core::solver::iteration::Verdict;
-use leafwise_core::solver::{CorrectionSize, Extrapolation, LinearIteration};
+use leafwise_core::solver::{Extrapolation, LinearIteration};
 use leafwise_core::{
-    BuildError, LagrangianBisection, MapProperties, RealizationData, RealizationWorker,
-    SolverStatistics, StepError, StepMap, Stepper,
+    BuildError, CodeOneForm, LagrangianBisection, MapProperties, OneFormWorker, PoissonSystem,
+    RealizationData, RealizationWorker, SolverStatistics, StepError, StepMap, Stepper,
 };
-use leafwise_expression::{Graph, Kernel, StepSize, Term, Workspace};
 use nalgebra::DMatrix;
 
 use super::curve::Curve;
@@ -22,48 +21,62 @@ use super::worker::{CollocatedWorker, SHORT_TAIL};
 /// Budget of one step.
 const MOST_EVALUATIONS: usize = 100;
 
+/// x̂ ↦ p where the bisection is the graph of a one-form.
+#[derive(Clone, Debug)]
+pub(super) enum OneForm {
+    Code(CodeOneForm),
+    Numbers(Arc<dyn LagrangianBisection>),
+}
+
+impl OneForm {
+    /// The one-form of a bisection over pairs (x, p), `None` where it has none.
+    pub(super) fn of(
+        system: &PoissonSystem,
+        bisection: &Arc<dyn LagrangianBisection>,
+    ) -> Option<Result<Self, BuildError>> {
+        let (d, parameters) = (system.dimension(), system.parameters().len());
+        if let (Some(_), Some(code)) = (bisection.generating_function(), bisection.code()) {
+            let form = CodeOneForm::compile(d, parameters, |graph, epsilon, h, y| {
+                Ok(code.point(graph, epsilon, h, y)?.split_off(d))
+            });
+            return Some(form.map(Self::Code));
+        }
+        bisection.one_form(&system.parameter_values(), 1.0, 1.0)?;
+        Some(Ok(Self::Numbers(Arc::clone(bisection))))
+    }
+
+    fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn OneFormWorker> {
+        match self {
+            Self::Code(form) => form.worker(parameters, epsilon, h),
+            Self::Numbers(bisection) => bisection
+                .one_form(parameters, epsilon, h)
+                .expect("a one-form was offered when the method was composed"),
+        }
+    }
+}
+
 /// A K-HJ map over collocation.
 #[derive(Clone, Debug)]
 pub(super) struct FusedStep {
     data: Arc<CollocatedKarasev>,
     describe: String,
     properties: MapProperties,
-    /// x̂ ↦ (p, ∂p/∂x̂).
-    one_form: Arc<Kernel>,
+    form: OneForm,
 }
 
 impl FusedStep {
-    pub(super) fn compile(
+    pub(super) fn new(
         data: Arc<CollocatedKarasev>,
-        bisection: Arc<dyn LagrangianBisection>,
+        form: OneForm,
         properties: MapProperties,
-        parameters: usize,
-    ) -> Result<Self, BuildError> {
-        let d = data.dimension();
-        let code = bisection.code().ok_or_else(|| BuildError::Incompatible {
-            dynamics: "the bisection".to_owned(),
-            realization: data.describe(),
-            reason: "its one-form has no code".to_owned(),
-        })?;
-        let mut graph = Graph::new();
-        let y: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
-        let epsilon = graph.step_size(StepSize::Epsilon);
-        let h = graph.step_size(StepSize::H);
-        let mut outputs = code.point(&mut graph, &epsilon, &h, &y)?.split_off(d);
-        for i in 0..d {
-            let p = outputs[i].clone();
-            for j in 0..d {
-                outputs.push(graph.derivative(&p, j)?);
-            }
-        }
-        let one_form = Arc::new(Kernel::compile(&graph, &outputs, parameters, d));
+    ) -> Self {
         let describe = format!("{} + Hamilton-Jacobi, fused", data.describe());
-        Ok(Self {
+        Self {
             data,
             describe,
             properties,
-            one_form,
-        })
+            form,
+        }
     }
 }
 
@@ -90,15 +103,13 @@ impl StepMap for FusedStep {
                     .step_by(lanes)
                     .copied()
                     .collect();
-                let work = self.one_form.step_operations().work();
-                let mut one_form = self.one_form.workspace(1);
-                self.one_form.prepare(&mut one_form, &own, &[epsilon], &[h]);
                 Trajectory {
                     curve: self.data.curve(&own),
-                    kernel: Arc::clone(&self.one_form),
-                    one_form,
-                    work,
-                    forms: 0,
+                    form: self.form.worker(&own, epsilon, h),
+                    data: Arc::clone(&self.data),
+                    parameters: own,
+                    linear: 0,
+                    shift: vec![0.0; d],
                     extrapolation: Extrapolation::new(d, 12),
                     displacement: vec![0.0; d],
                     centre: vec![0.0; d],
@@ -124,31 +135,42 @@ struct FusedStepper {
 
 struct Trajectory {
     curve: Curve,
-    kernel: Arc<Kernel>,
-    one_form: Workspace,
-    /// Operations of one evaluation of dŜ, and how often it was evaluated.
-    work: u64,
-    forms: u64,
+    form: Box<dyn OneFormWorker>,
+    data: Arc<CollocatedKarasev>,
+    parameters: Vec<f64>,
+    /// Operations of the mean.
+    linear: u64,
     extrapolation: Extrapolation,
     displacement: Vec<f64>,
     centre: Vec<f64>,
     p: Vec<f64>,
+    /// x_k − Y(1), but for the state's own offset.
+    shift: Vec<f64>,
 }
 
 impl Trajectory {
-    fn one_form(&mut self) {
-        for (i, value) in self.centre.iter().enumerate() {
-            self.one_form.input_mut(i)[0] = *value;
-        }
-        self.kernel.evaluate_in_place(&mut self.one_form);
-        self.forms += 1;
-        for (i, p) in self.p.iter_mut().enumerate() {
-            *p = self.kernel.output(&self.one_form, i)[0];
-        }
+    fn operations(&self) -> Option<u64> {
+        Some(self.curve.operations()? + self.form.operations()? + self.linear)
     }
 
-    /// One solve at the present number of nodes.
+    /// One solve at the present number of nodes: by the plain iteration where it contracts, else
+    /// accelerated.
     fn solve(&mut self, epsilon: f64, x: &[f64], low: &[f64]) -> Result<usize, StepError> {
+        if !self.curve.is_foreign()
+            && let Ok(evaluations) = self.iterate(epsilon, x, low, false)
+        {
+            return Ok(evaluations);
+        }
+        self.iterate(epsilon, x, low, true)
+    }
+
+    fn iterate(
+        &mut self,
+        epsilon: f64,
+        x: &[f64],
+        low: &[f64],
+        accelerates: bool,
+    ) -> Result<usize, StepError> {
         let d = x.len();
         let q = self.curve.rule.points();
         self.extrapolation
@@ -157,34 +179,32 @@ impl Trajectory {
             self.centre[i] = x[i] + self.displacement[i];
         }
         // The straight curve through the predicted mean and the fixed end.
-        for (j, y) in self.curve.nodes.chunks_exact_mut(d).enumerate() {
-            let s: f64 = 0.5 + self.curve.rule.matrix[j * q..][..q].iter().sum::<f64>();
-            for i in 0..d {
-                y[i] = x[i] + 2.0 * (1.0 - s) * self.displacement[i];
-            }
-        }
-        self.one_form();
+        let rows = self.curve.rule.matrix.chunks_exact(q);
+        let left: Vec<f64> = rows.map(|row| 0.5 - row.iter().sum::<f64>()).collect();
+        let displacement = &self.displacement;
+        self.curve
+            .begin(x, accelerates, |j, i| 2.0 * left[j] * displacement[i]);
+        self.form.value(&self.centre, &mut self.p)?;
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         loop {
-            self.curve.evaluate(&self.p);
-            let mut size = CorrectionSize::default();
+            self.curve.evaluate(&self.p)?;
             for i in 0..d {
                 let end = self.curve.combination(epsilon, &self.curve.rule.end, i);
-                let mut mean = 0.0;
-                for j in 0..q {
-                    let row = &self.curve.rule.matrix[j * q..][..q];
-                    let offset = self.curve.combination(epsilon, row, i) - end + low[i];
-                    let change = (x[i] - self.curve.nodes[j * d + i]) + offset;
-                    size.take(change, x[i].abs() + offset.abs());
-                    self.curve.nodes[j * d + i] = x[i] + offset;
-                    mean += self.curve.rule.weights[j] * offset;
-                }
-                self.displacement[i] = mean;
-                self.centre[i] = x[i] + mean;
+                self.shift[i] = low[i] - end;
             }
-            self.one_form();
+            let size = self.curve.correct(epsilon, x, &self.shift);
+            for i in 0..d {
+                let offsets = self.curve.offsets.iter().skip(i).step_by(d);
+                let weights = self.curve.rule.weights.iter();
+                self.displacement[i] = weights.zip(offsets).map(|(b, offset)| b * offset).sum();
+                self.centre[i] = x[i] + self.displacement[i];
+            }
+            self.linear += (2 * q * d) as u64;
+            self.form.value(&self.centre, &mut self.p)?;
             if iteration.judge_correction(&size)? == Verdict::Converged {
-                return Ok(iteration.evaluations());
+                // V lags one correction behind.
+                self.curve.evaluate(&self.p)?;
+                return Ok(iteration.evaluations() + 1);
             }
         }
     }
@@ -271,7 +291,8 @@ impl Stepper for FusedStepper {
         let trajectory = self.trajectories.get_mut(lane)?;
         let d = trajectory.centre.len();
         // A curve of its own, so that measuring does not disturb stepping.
-        let curve = trajectory.curve.clone();
+        let mut curve = trajectory.data.curve(&trajectory.parameters);
+        curve.set_points(trajectory.curve.rule.points());
         let z: Vec<f64> = trajectory
             .centre
             .iter()
@@ -290,11 +311,9 @@ impl Stepper for FusedStepper {
         let mut change = vec![0.0; 2 * d * d];
         worker.tangents(&mut target, &mut change).ok()?;
         // D(·∘L) = ∂x + ∂p Dθ on L = graph θ.
-        let slope = DMatrix::from_fn(d, d, |i, j| {
-            trajectory
-                .kernel
-                .output(&trajectory.one_form, d + i * d + j)[0]
-        });
+        let mut slope = vec![0.0; d * d];
+        trajectory.form.jacobian(&mut slope).ok()?;
+        let slope = DMatrix::from_row_slice(d, d, &slope);
         let along = |rows: &[f64]| {
             let all = DMatrix::from_row_slice(d, 2 * d, rows);
             all.columns(0, d) + all.columns(d, d) * &slope
@@ -310,9 +329,8 @@ impl Stepper for FusedStepper {
     }
 
     fn statistics(&self) -> SolverStatistics {
-        let of = |t: &Trajectory| t.curve.operations() + t.forms * t.work;
         SolverStatistics {
-            operations: Some(self.trajectories.iter().map(of).sum()),
+            operations: self.trajectories.iter().map(Trajectory::operations).sum(),
             ..self.statistics
         }
     }

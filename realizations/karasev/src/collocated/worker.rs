@@ -50,15 +50,19 @@ impl RealizationWorker for CollocatedWorker {
         Ok(())
     }
 
+    fn has_tangents(&self) -> bool {
+        self.curve.has_slopes()
+    }
+
     fn operations(&self) -> Option<u64> {
-        Some(self.curve.operations())
+        self.curve.operations()
     }
 
     fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError> {
         let d = self.z.len() / 2;
         let q = self.curve.rule.points();
         let p = self.z[d..].to_vec();
-        let (jacobian, by_p) = self.curve.linearization(self.epsilon, &p);
+        let (jacobian, by_p) = self.curve.linearization(self.epsilon, &p)?;
         // (1 − ε A⊗V_y) dY = 1⊗dx + ε A⊗Π dp.
         let right = DMatrix::from_fn(q * d, 2 * d, |row, column| {
             let (j, i) = (row / d, row % d);
@@ -80,7 +84,7 @@ impl RealizationWorker for CollocatedWorker {
         let mut slope = vec![0.0; d * d];
         let mut tensor = vec![0.0; d * d];
         for k in 0..q {
-            self.curve.slope_by_y(k, &p, &mut slope, &mut tensor);
+            self.curve.slope_by_y(k, &p, &mut slope, &mut tensor)?;
             let (end, weight) = (
                 self.epsilon * self.curve.rule.end[k],
                 self.epsilon * self.curve.rule.weights[k],
