@@ -2,6 +2,7 @@
 //!
 //! - [`drift`]: invariants at every step, and their growth.
 //! - [`identity`]: is the tensor Poisson, is a Casimir one?
+//! - [`order`]: an order with a tolerance derived from the points.
 //! - [`realization_error`]: ε Π(α̂) − {α̂, α̂}_ω, and the dual-pair error {α̂_i, β̂_j}_ω.
 //! - [`section`]: α̂∘σ = β̂∘σ = id.
 //! - [`self_adjointness`]: Φ_{−h}∘Φ_h = id.
@@ -10,6 +11,7 @@
 
 pub mod drift;
 pub mod identity;
+pub mod order;
 pub mod realization_error;
 pub mod section;
 pub mod self_adjointness;
@@ -18,6 +20,7 @@ pub mod tensor_defect;
 
 pub use drift::{InvariantDrift, measure_drift};
 pub use identity::{IdentityCheck, Verdict, check_casimir, check_jacobi};
+pub use order::{FittedOrder, fit_order, least_slope};
 pub use realization_error::RealizationInstrument;
 pub use section::section_defect;
 pub use self_adjointness::self_adjointness_defect;
