@@ -141,13 +141,13 @@ pub struct VerifyArguments {
     /// Override a value of the scene, as in --set method.epsilon=0.05
     #[arg(long = "set", value_name = "KEY=VALUE", requires = "scene")]
     pub overrides: Vec<String>,
-    /// The whole library and several orders of every part: takes many minutes
+    /// The whole library, several orders and every choice of every part: takes many minutes
     #[arg(long)]
     pub full: bool,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub json: bool,
-    /// Write the table as a page to open in a browser
+    /// Write errors and table as a page to open in a browser
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
 }

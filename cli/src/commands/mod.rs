@@ -9,4 +9,3 @@ pub mod list;
 pub mod new;
 pub mod run;
 pub mod verify;
-mod verify_page;

@@ -17,9 +17,9 @@ fn every_declaration_of_every_part_is_met() {
     assert!(failing.is_empty(), "{}", failing.join("\n"));
     assert_eq!(said.code, Some(0));
     assert_eq!(json["outcome"], "met");
-    let rows = json["rows"].as_array().expect("rows").len();
-    assert!(rows >= 50, "{rows} step maps");
-    for row in json["rows"].as_array().expect("rows") {
+    let rows = json["rows"].as_array().expect("rows");
+    assert!(rows.len() >= 50, "{} step maps", rows.len());
+    for row in rows {
         let measured = &row["measured"];
         assert!(measured["evaluations_per_step"].is_number(), "{row}");
         assert!(measured["casimir_drift"].is_number(), "{row}");
@@ -29,8 +29,14 @@ fn every_declaration_of_every_part_is_met() {
             .as_array()
             .is_some_and(|refused| !refused.is_empty())
     );
+    let undecided = rows
+        .iter()
+        .filter(|row| row["measured"]["judgements"]["order"] == "undecided");
+    assert!(10 * undecided.count() < rows.len(), "most orders are seen");
     let page = here.read("verify.html");
     assert!(page.contains("<h2>rigid-body</h2>") && !page.contains("http"));
+    assert_eq!(page.matches("<svg").count(), 3);
+    assert_eq!(page.matches("<polyline").count(), rows.len());
 }
 
 #[test]
@@ -38,8 +44,19 @@ fn verify_measures_on_a_scene() {
     let here = Place::with(BODY);
     let said = here.leafwise(&["verify", "scene.toml", "--json"]);
     assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(said.err.contains("combinations on"), "{}", said.err);
     let json = said.json();
-    assert!(json["rows"].as_array().expect("rows").len() >= 20);
+    let rows = json["rows"].as_array().expect("rows").len();
+    assert!(rows >= 20);
+    // For a reader: a row a map, its name last, then the verdict.
+    let said = here.leafwise(&["verify", "scene.toml"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let met = said
+        .out
+        .lines()
+        .filter(|line| line.starts_with("  ok") || line.starts_with("  ?"));
+    assert_eq!(met.count(), rows, "{}", said.out);
+    assert!(said.out.contains("no declaration of"), "{}", said.out);
 }
 
 #[test]

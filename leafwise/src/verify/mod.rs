@@ -1,13 +1,30 @@
 //! What every part really does, measured against what it declares.
 //!
 //! - `problem`: a library system with its initial state and a reference flow.
-//! - `measure`: order, tensor defect, self-adjointness, drift and cost of one step map.
-//! - `survey`: every pair of realization and dynamics, every stepper and composition.
+//! - `candidates`: every pair of realization and dynamics, every stepper and composition.
+//! - `convergence`: global errors and their order.
+//! - `defects`: tensor defects of one step and their order.
+//! - `drift`: invariants and cost along an orbit.
+//! - `floor`: where errors become round-off.
+//! - `judgement`: declarations against measurements.
+//! - `measure`: all of it for one step map.
+//! - `order`: what is known of an order.
+//! - `survey`: all of it for every candidate, on several threads.
 
+mod candidates;
+mod convergence;
+mod defects;
+mod drift;
+mod floor;
+mod judgement;
 mod measure;
+mod order;
 mod problem;
 mod survey;
 
-pub use measure::{Judgement, Measured, measure};
+pub use candidates::Candidate;
+pub use judgement::Judgement;
+pub use measure::{Measured, measure};
+pub use order::MeasuredOrder;
 pub use problem::{FlowError, Problem, ProblemError};
-pub use survey::{Row, Survey, SurveyOptions, survey};
+pub use survey::{Progress, Refused, Row, Survey, SurveyOptions, survey};

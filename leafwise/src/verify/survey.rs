@@ -1,19 +1,27 @@
-//! Every pair of realization and dynamics, every stepper and every composition.
+//! Every combination of parts measured on every problem.
 
-use std::sync::Arc;
+use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::time::Instant;
 
-use leafwise_core::part::PartKind;
-use leafwise_core::{BuildError, Method, PartParameters, Registry, StepMap};
+use leafwise_core::{Registry, Structure};
 use serde::Serialize;
 
-use super::measure::{Judgement, Measured, measure};
+use super::candidates::Candidate;
+use super::judgement::Judgement;
+use super::measure::{Measured, measure};
 use super::problem::{FlowError, Problem};
 
-/// What a survey covers.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// What a survey covers, and how.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SurveyOptions {
     /// Every order of every part, not only the defaults.
     pub full: bool,
+    /// How many combinations are measured at the same time. What is measured does not depend on it,
+    /// apart from times.
+    pub threads: NonZeroUsize,
 }
 
 /// One step map on one problem.
@@ -31,6 +39,8 @@ pub struct Row {
     pub measured: Option<Measured>,
     /// Why nothing was.
     pub failure: Option<String>,
+    /// How long building and measuring took.
+    pub seconds: f64,
 }
 
 impl Row {
@@ -40,6 +50,24 @@ impl Row {
             .as_ref()
             .is_some_and(|m| !m.judgements.contains(&Judgement::NotMet))
     }
+
+    /// Whether a declaration could not be told from the order below.
+    pub fn is_undecided(&self) -> bool {
+        self.measured
+            .as_ref()
+            .is_some_and(|m| m.judgements.contains(&Judgement::Undecided))
+    }
+}
+
+/// A combination that does not fit.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Refused {
+    /// The problem.
+    pub problem: String,
+    /// The parts.
+    pub combination: String,
+    /// What is missing.
+    pub reason: String,
 }
 
 /// All rows, and the combinations that do not fit.
@@ -48,7 +76,7 @@ pub struct Survey {
     /// The rows.
     pub rows: Vec<Row>,
     /// Combinations refused when they were built, with the reason.
-    pub refused: Vec<(String, String)>,
+    pub refused: Vec<Refused>,
 }
 
 impl Survey {
@@ -58,8 +86,27 @@ impl Survey {
     }
 }
 
-/// Measures every step map that the registry's parts make on each problem; `progress` is told
-/// before each one.
+/// What a survey tells while it goes on.
+pub trait Progress {
+    /// A problem is about to be measured with `combinations` of parts.
+    fn problem(&mut self, name: &str, combinations: usize);
+    /// The next combination does not fit.
+    fn refused(&mut self, refused: &Refused);
+    /// The next row.
+    fn row(&mut self, row: &Row);
+}
+
+/// Global errors are measured over so many of a problem's steps.
+const HORIZON: f64 = 20.0;
+
+/// What became of a combination.
+enum Outcome {
+    Refused(Refused),
+    Row(Box<Row>),
+}
+
+/// Measures every step map that the registry's parts make on each problem. Rows come in one order
+/// whatever the number of threads, each as soon as it and all before it are measured.
 ///
 /// # Errors
 /// [`FlowError`] when a problem's reference flow cannot be computed.
@@ -67,175 +114,125 @@ pub fn survey(
     registry: &Registry,
     problems: &[Problem],
     options: &SurveyOptions,
-    progress: &mut dyn FnMut(&str, &str),
+    progress: &mut dyn Progress,
 ) -> Result<Survey, FlowError> {
+    let candidates = Candidate::all(registry, options.full);
     let mut survey = Survey::default();
     for problem in problems {
-        let horizon = 10.0 * problem.time_step;
+        let horizon = HORIZON * problem.time_step;
         let flow = problem.flow(registry, horizon)?;
-        for (name, map) in maps(registry, problem, options) {
-            let map = match map {
-                Ok(map) => map,
-                Err(error) => {
-                    survey
-                        .refused
-                        .push((format!("{name} on {}", problem.name), error.to_string()));
-                    continue;
+        progress.problem(&problem.name, candidates.len());
+        let measured = |at: usize| outcome(registry, problem, &candidates[at], &flow, horizon);
+        in_order(
+            candidates.len(),
+            options.threads.get(),
+            &measured,
+            |outcome| match outcome {
+                Outcome::Refused(refused) => {
+                    progress.refused(&refused);
+                    if !survey.refused.contains(&refused) {
+                        survey.refused.push(refused);
+                    }
                 }
-            };
-            progress(&problem.name, &name);
-            let properties = map.properties();
-            let (measured, failure) = match measure(problem, map.as_ref(), &flow, horizon) {
-                Ok(measured) => (Some(measured), None),
-                Err(error) => (None, Some(error.to_string())),
-            };
-            survey.rows.push(Row {
-                problem: problem.name.clone(),
-                map: name,
-                declared_order: properties.order,
-                declared_structure: structure(properties.structure),
-                measured,
-                failure,
-            });
-        }
+                Outcome::Row(row) => {
+                    progress.row(&row);
+                    survey.rows.push(*row);
+                }
+            },
+        );
     }
     Ok(survey)
 }
 
-fn structure(structure: leafwise_core::Structure) -> String {
-    match structure {
-        leafwise_core::Structure::Exact => "exact".to_owned(),
-        leafwise_core::Structure::Order(n) => format!("order {n}"),
-        leafwise_core::Structure::None => "none".to_owned(),
-    }
-}
-
-type Candidate = (String, Result<Arc<dyn StepMap>, BuildError>);
-
-/// The parameters a part is tried with: its defaults, or several orders.
-fn settings(registry: &Registry, name: &str, options: &SurveyOptions) -> Vec<PartParameters> {
-    let with = |key: &str, values: &[i64]| {
-        values
-            .iter()
-            .map(|v| PartParameters::new().with(key, *v))
-            .collect()
-    };
-    let info = registry.parts().into_iter().find(|info| info.name == name);
-    let takes = |key: &str| {
-        info.is_some_and(|info| {
-            info.parameters
-                .iter()
-                .any(|parameter| parameter.name == key)
-        })
-    };
-    match name {
-        "hamilton-jacobi" if options.full => with("order", &[2, 4, 6, 8]),
-        "karasev-truncated" if options.full => with("order", &[1, 2, 3, 4, 6, 8]),
-        "karasev-collocated" if options.full => with("points", &[0, 1, 2, 3]),
-        _ if options.full && takes("stages") => with("stages", &[1, 2, 3]),
-        // An adaptive method shows its order where the tolerance leaves the step alone.
-        _ if takes("tolerance") => vec![PartParameters::new().with("tolerance", 0.1)],
-        _ => vec![PartParameters::new()],
-    }
-}
-
-fn maps(registry: &Registry, problem: &Problem, options: &SurveyOptions) -> Vec<Candidate> {
-    let of_kind = |kind: PartKind| -> Vec<&'static str> {
-        registry
-            .parts()
-            .into_iter()
-            .filter(|p| p.kind == kind)
-            .map(|p| p.name)
-            .collect()
-    };
-    let mut maps: Vec<Candidate> = Vec::new();
-    for realization in of_kind(PartKind::Realization) {
-        for dynamics in of_kind(PartKind::Dynamics) {
-            for r in settings(registry, realization, options) {
-                for d in settings(registry, dynamics, options) {
-                    maps.push(pair(registry, problem, (realization, &r), (dynamics, &d)));
+/// work(0), work(1), … on several threads, handed over in this order.
+fn in_order<T: Send>(
+    count: usize,
+    threads: usize,
+    work: &(dyn Fn(usize) -> T + Sync),
+    mut take: impl FnMut(T),
+) {
+    let next = AtomicUsize::new(0);
+    let (sender, receiver) = mpsc::channel();
+    std::thread::scope(|scope| {
+        for _ in 0..threads.min(count) {
+            let (sender, next) = (sender.clone(), &next);
+            scope.spawn(move || {
+                loop {
+                    let at = next.fetch_add(1, Ordering::Relaxed);
+                    if at >= count || sender.send((at, work(at))).is_err() {
+                        return;
+                    }
                 }
+            });
+        }
+        drop(sender);
+        let mut early = BTreeMap::new();
+        let mut due = 0;
+        for (at, result) in receiver {
+            early.insert(at, result);
+            while let Some(result) = early.remove(&due) {
+                take(result);
+                due += 1;
             }
         }
+    });
+}
+
+fn outcome(
+    registry: &Registry,
+    problem: &Problem,
+    candidate: &Candidate,
+    flow: &[f64],
+    horizon: f64,
+) -> Outcome {
+    let started = Instant::now();
+    let map = match candidate.build(registry, &problem.system) {
+        Ok(map) => map,
+        Err(error) => {
+            return Outcome::Refused(Refused {
+                problem: problem.name.clone(),
+                combination: candidate.to_string(),
+                reason: error.to_string(),
+            });
+        }
+    };
+    let properties = map.properties();
+    let (measured, failure) = match measure(problem, map.as_ref(), flow, horizon) {
+        Ok(measured) => (Some(measured), None),
+        Err(error) => (None, Some(error.to_string())),
+    };
+    Outcome::Row(Box::new(Row {
+        problem: problem.name.clone(),
+        map: map.describe(),
+        declared_order: properties.order,
+        declared_structure: structure(properties.structure),
+        measured,
+        failure,
+        seconds: started.elapsed().as_secs_f64(),
+    }))
+}
+
+fn structure(structure: Structure) -> String {
+    match structure {
+        Structure::Exact => "exact".to_owned(),
+        Structure::Order(n) => format!("order {n}"),
+        Structure::None => "none".to_owned(),
     }
-    for stepper in of_kind(PartKind::Stepper) {
-        for given in settings(registry, stepper, options) {
-            let map = registry
-                .stepper(stepper)
-                .and_then(|p| p.build(&problem.system, &given));
-            let name = map
-                .as_ref()
-                .map_or_else(|_| stepper.to_owned(), |map| map.describe());
-            maps.push((name, map));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_order;
+
+    #[test]
+    fn results_come_in_order_from_any_number_of_threads() {
+        for threads in 1..5 {
+            let mut taken = Vec::new();
+            // The first of a few takes the longest.
+            let work =
+                |at: usize| (0..(7 - at % 7) * 1000).fold(at, |a, _| std::hint::black_box(a));
+            in_order(40, threads, &work, |result| taken.push(result));
+            assert_eq!(taken, (0..40).collect::<Vec<_>>());
         }
     }
-    for composition in of_kind(PartKind::Composition) {
-        let (base_name, base) = default_method(registry, problem);
-        let map = base.and_then(|base| {
-            registry
-                .composition(composition)?
-                .build(base, &PartParameters::new())
-        });
-        maps.push((format!("{composition} of {base_name}"), map));
-    }
-    maps
-}
-
-fn pair(
-    registry: &Registry,
-    problem: &Problem,
-    (realization, r): (&str, &PartParameters),
-    (dynamics, d): (&str, &PartParameters),
-) -> Candidate {
-    let method = || -> Result<Method, BuildError> {
-        let realization = registry
-            .realization(realization)?
-            .build(&problem.system, r)?;
-        let dynamics = registry.dynamics(dynamics)?.build(d)?;
-        Method::compose(&problem.system, realization, dynamics)
-    };
-    let method = method();
-    let name = method.as_ref().map_or_else(
-        |_| format!("{realization} + {dynamics}"),
-        |method| method.describe(),
-    );
-    (
-        name,
-        method.map(|method| Arc::new(method) as Arc<dyn StepMap>),
-    )
-}
-
-/// The realizations that a composition is measured over, the first that fits: exact ones, so that
-/// the composition's own order is seen.
-const BASES: [&str; 5] = [
-    "constant",
-    "log-canonical",
-    "so3-exponential",
-    "lie-poisson",
-    "karasev-collocated",
-];
-
-/// What compositions are measured over: Hamilton–Jacobi of order 2 over an exact realization.
-fn default_method(
-    registry: &Registry,
-    problem: &Problem,
-) -> (String, Result<Arc<dyn StepMap>, BuildError>) {
-    let defaults = PartParameters::new();
-    let order = PartParameters::new().with("order", 2);
-    let mut candidates = BASES.iter().map(|base| {
-        pair(
-            registry,
-            problem,
-            (base, &defaults),
-            ("hamilton-jacobi", &order),
-        )
-    });
-    candidates.find(|(_, map)| map.is_ok()).unwrap_or_else(|| {
-        pair(
-            registry,
-            problem,
-            ("karasev-truncated", &defaults),
-            ("hamilton-jacobi", &order),
-        )
-    })
 }

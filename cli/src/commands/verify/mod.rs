@@ -1,0 +1,124 @@
+//! `leafwise verify`: what every part really does, against what it declares.
+
+mod figure;
+mod json;
+mod live;
+mod page;
+mod row;
+
+use std::fs;
+use std::num::NonZeroUsize;
+use std::time::Instant;
+
+use leafwise::core::Registry;
+use leafwise::verify::{Problem, Survey, SurveyOptions, survey};
+
+use crate::arguments::{SceneArguments, VerifyArguments};
+use crate::console::Console;
+use crate::failure::{Failure, exit};
+use crate::scene::load;
+use crate::table::duration;
+
+use live::Live;
+
+/// The systems measured when no scene is named: linear, log-canonical, and six-dimensional.
+const PROBLEMS: [&str; 3] = ["rigid-body", "lotka-volterra-periodic", "heavy-top"];
+
+/// Lattices of the library are too long to be written out.
+const LATTICES: [&str; 2] = ["toda", "volterra-lattice"];
+
+/// Measures; returns the exit code.
+///
+/// # Errors
+/// [`Failure`] when the scene is not valid or the page cannot be written.
+pub fn execute(arguments: &VerifyArguments, console: &mut Console<'_>) -> Result<u8, Failure> {
+    let problems = problems(arguments)?;
+    let registry = Registry::with_builtin();
+    let options = SurveyOptions {
+        full: arguments.full,
+        threads: std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
+    };
+    let started = Instant::now();
+    let mut live = Live::new(console, arguments.json);
+    let survey = survey(&registry, &problems, &options, &mut live);
+    live.finish();
+    let seconds = started.elapsed().as_secs_f64();
+    let survey = survey.map_err(|error| {
+        Failure::usage(
+            error.to_string(),
+            "choose an initial state and a step that the system bears",
+        )
+    })?;
+    if let Some(file) = &arguments.html {
+        fs::write(file, page::page(&survey)).map_err(|source| Failure::File {
+            action: "write",
+            file: file.clone(),
+            source,
+        })?;
+    }
+    if arguments.json {
+        console.json(&json::object(&survey, seconds));
+    } else {
+        conclude(&survey, seconds, console);
+    }
+    Ok(if survey.is_met() {
+        exit::DONE
+    } else {
+        exit::CHECK_FAILED
+    })
+}
+
+fn problems(arguments: &VerifyArguments) -> Result<Vec<Problem>, Failure> {
+    if let Some(scene) = &arguments.scene {
+        let document = load(&SceneArguments {
+            scene: scene.clone(),
+            overrides: arguments.overrides.clone(),
+        })?;
+        let problem = Problem::of_scene(&document)
+            .map_err(|error| Failure::usage(error.to_string(), "correct the scene"))?;
+        return Ok(vec![problem]);
+    }
+    let all: Vec<&str> = if arguments.full {
+        let ids = leafwise::systems::all().iter().map(|system| system.id);
+        ids.filter(|id| !LATTICES.contains(id)).collect()
+    } else {
+        PROBLEMS.to_vec()
+    };
+    all.into_iter()
+        .map(|id| {
+            Problem::of_library(id).map_err(|error| {
+                Failure::usage(error.to_string(), "this is a defect of the library")
+            })
+        })
+        .collect()
+}
+
+/// What stands after the rows: combinations that do not fit, and the verdict.
+fn conclude(survey: &Survey, seconds: f64, console: &mut Console<'_>) {
+    if !survey.refused.is_empty() {
+        console.result("");
+        console.result("combinations that do not fit");
+        for refused in &survey.refused {
+            console.result(&format!(
+                "  {} on {}: {}",
+                refused.combination, refused.problem, refused.reason
+            ));
+        }
+    }
+    console.result("");
+    let count = survey.rows.len();
+    let failing = survey.rows.iter().filter(|row| !row.is_met()).count();
+    console.result(&match failing {
+        0 => format!("no declaration of {count} step maps is broken"),
+        1 => format!("one of {count} step maps does not meet what it declares"),
+        many => format!("{many} of {count} step maps do not meet what they declare"),
+    });
+    let undecided = survey.rows.iter().filter(|row| row.is_undecided()).count();
+    if undecided > 0 {
+        console.result(&format!(
+            "{undecided} with a `?` leave an order open: too few errors lie between round-off and \
+             the range where powers of the step rule"
+        ));
+    }
+    console.result(&format!("measured in {}", duration(seconds)));
+}

@@ -1,0 +1,93 @@
+//! Global errors over a fixed time.
+
+use leafwise_core::{Integrator, StepError, StepMap};
+
+use super::floor::Floor;
+use super::order::MeasuredOrder;
+use super::problem::Problem;
+
+/// Global errors (t, error) at a sequence of steps, and the order fitted to them.
+pub(super) struct Convergence {
+    pub errors: Vec<(f64, f64)>,
+    pub order: MeasuredOrder,
+    round_off: f64,
+}
+
+/// Numbers of steps over the horizon, about a quarter more each time: orders from 1 to 10 find
+/// errors between their pre-asymptotic range and round-off somewhere among them.
+const STEPS: [u32; 22] = [
+    2, 3, 4, 5, 6, 8, 10, 12, 15, 19, 24, 30, 38, 48, 60, 75, 94, 118, 148, 185, 231, 289,
+];
+
+/// Round-off of a global error relative to the state, at least and at most: compensated steps keep
+/// it at a few units; a flow may stretch it.
+const ROUND_OFF: [f64; 2] = [8.0 * f64::EPSILON, 4096.0 * f64::EPSILON];
+
+/// Errors above a tenth are not asymptotic.
+const LARGEST_ERROR: f64 = 0.1;
+
+impl Convergence {
+    /// Runs `map` over `horizon` at every step size, against the state `flow` there; steps so large
+    /// that the map fails are left out, and nothing is run after two errors at round-off.
+    ///
+    /// # Errors
+    /// The map's [`StepError`] when no step size succeeds.
+    pub fn measure(
+        problem: &Problem,
+        map: &dyn StepMap,
+        flow: &[f64],
+        horizon: f64,
+    ) -> Result<Self, StepError> {
+        let values = problem.system.parameter_values();
+        let mut errors: Vec<(f64, f64)> = Vec::new();
+        let mut failure = None;
+        let mut floor = Floor::new(ROUND_OFF[0], ROUND_OFF[1]);
+        for steps in STEPS {
+            let t = horizon / f64::from(steps);
+            let mut integrator = Integrator::new(map, &values, 1.0, t, &problem.initial);
+            match (0..steps).try_for_each(|_| integrator.step()) {
+                Ok(()) => {
+                    let error = distance(integrator.state(), flow);
+                    errors.push((t, error));
+                    floor.take(t, error);
+                }
+                Err(error) => failure = Some(error),
+            }
+            if floor.touched() >= 2 {
+                break;
+            }
+        }
+        if let (true, Some(error)) = (errors.is_empty(), failure) {
+            return Err(error);
+        }
+        // Errors of a self-adjoint map are even in t beside their leading term.
+        let gap = match map.properties().self_adjoint {
+            Some(true) => 2.0,
+            Some(false) | None => 1.0,
+        };
+        let asymptotic: Vec<_> = errors
+            .iter()
+            .copied()
+            .filter(|e| e.1 < LARGEST_ERROR)
+            .collect();
+        let round_off = floor.round_off;
+        Ok(Self {
+            order: MeasuredOrder::of(&asymptotic, round_off, gap),
+            errors,
+            round_off,
+        })
+    }
+
+    /// Whether no error is above round-off.
+    pub fn is_round_off(&self) -> bool {
+        let noise = 4.0 * self.round_off;
+        !self.errors.is_empty() && self.errors.iter().all(|e| e.1 <= noise)
+    }
+}
+
+/// ‖a − b‖/‖b‖.
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let difference: f64 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
+    let size: f64 = b.iter().map(|v| v * v).sum();
+    libm::sqrt(difference) / libm::sqrt(size).max(f64::MIN_POSITIVE)
+}

@@ -1,0 +1,63 @@
+//! Invariants and cost along an orbit.
+
+use std::time::Instant;
+
+use leafwise_core::diagnostics::{InvariantDrift, measure_drift};
+use leafwise_core::system::SystemInvariants;
+use leafwise_core::{Integrator, StepError, StepMap};
+
+use super::problem::Problem;
+
+/// What a run of a thousand steps shows.
+pub(super) struct Drift {
+    /// The largest relative deviation of the energy.
+    pub energy: f64,
+    /// That of the last tenth over that of the first.
+    pub growth: Option<f64>,
+    /// The largest relative deviation of a Casimir.
+    pub casimirs: f64,
+    /// Solver evaluations a step.
+    pub evaluations: f64,
+    /// Nanoseconds a step, observers apart.
+    pub nanoseconds: f64,
+}
+
+/// The number of steps over which drift is measured, and over which time is.
+const STEPS: usize = 1000;
+const TIMED_STEPS: usize = 200;
+
+impl Drift {
+    /// Runs `map` with steps of `t`.
+    ///
+    /// # Errors
+    /// The map's [`StepError`].
+    pub fn measure(problem: &Problem, map: &dyn StepMap, t: f64) -> Result<Self, StepError> {
+        let values = problem.system.parameter_values();
+        let start = || Integrator::new(map, &values, 1.0, t, &problem.initial);
+        let mut timed = start();
+        let started = Instant::now();
+        for _ in 0..TIMED_STEPS {
+            timed.step()?;
+        }
+        let nanoseconds = started.elapsed().as_secs_f64() * 1e9 / TIMED_STEPS as f64;
+        let mut integrator = start();
+        let invariants = match SystemInvariants::new(&problem.system, &values) {
+            Ok(mut observer) => measure_drift(&mut integrator, &mut observer, STEPS)?,
+            Err(_) => Vec::new(),
+        };
+        let (energy, casimirs) = match invariants.split_first() {
+            Some((energy, casimirs)) => (Some(energy), casimirs),
+            None => (None, invariants.as_slice()),
+        };
+        Ok(Self {
+            energy: energy.map_or(f64::NAN, InvariantDrift::relative),
+            growth: energy.and_then(|energy| energy.growth),
+            casimirs: casimirs
+                .iter()
+                .map(InvariantDrift::relative)
+                .fold(0.0, f64::max),
+            evaluations: integrator.statistics().evaluations_per_step(),
+            nanoseconds,
+        })
+    }
+}

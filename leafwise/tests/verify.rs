@@ -1,0 +1,243 @@
+//! Measurements judge declarations: right ones hold, and one order more than the truth is caught.
+
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+
+use leafwise::core::{
+    MapProperties, Method, PartParameters, Registry, SolverStatistics, StepError, StepMap, Stepper,
+    Structure,
+};
+use leafwise::verify::{
+    Judgement, Measured, Problem, Progress, Refused, Row, SurveyOptions, measure, survey,
+};
+
+/// Karasev's truncation of order n under Hamilton–Jacobi of order m.
+fn truncated(problem: &Problem, n: i64, m: i64) -> Arc<dyn StepMap> {
+    let registry = Registry::with_builtin();
+    let order = |order: i64| PartParameters::new().with("order", order);
+    let realization = registry.realization("karasev-truncated").expect("built in");
+    let dynamics = registry.dynamics("hamilton-jacobi").expect("built in");
+    let method = Method::compose(
+        &problem.system,
+        realization
+            .build(&problem.system, &order(n))
+            .expect("any tensor"),
+        dynamics.build(&order(m)).expect("an even order"),
+    );
+    Arc::new(method.expect("the parts fit"))
+}
+
+/// A map that declares something else.
+struct Declares(Arc<dyn StepMap>, MapProperties);
+
+impl StepMap for Declares {
+    fn dimension(&self) -> usize {
+        self.0.dimension()
+    }
+    fn properties(&self) -> MapProperties {
+        self.1
+    }
+    fn describe(&self) -> String {
+        self.0.describe()
+    }
+    fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
+        self.0.stepper(lanes, parameters, epsilon, h)
+    }
+}
+
+fn measured(problem: &Problem, map: &dyn StepMap) -> Measured {
+    let horizon = 20.0 * problem.time_step;
+    let flow = problem.flow(&Registry::with_builtin(), horizon);
+    measure(problem, map, &flow.expect("the flow exists"), horizon).expect("small steps succeed")
+}
+
+/// The paper's Lotka–Volterra system with its own step: few defects of n = 8 lie between round-off
+/// and the range where powers of t rule.
+fn steep() -> Problem {
+    let mut problem = Problem::of_library("lotka-volterra").expect("in the library");
+    problem.time_step = 0.2;
+    problem
+}
+
+#[test]
+fn what_is_declared_of_a_long_truncation_holds() {
+    for n in [4, 6, 8] {
+        let problem = steep();
+        let map = truncated(&problem, n, 8);
+        assert_eq!(map.properties().structure, Structure::Order(n as usize));
+        let found = measured(&problem, map.as_ref());
+        assert_eq!(
+            found.judgements[1],
+            Judgement::Met,
+            "n = {n}: {:?}",
+            found.structure
+        );
+        // Over a shorter time the flow can be told from its limit.
+        let problem = Problem::of_library("lotka-volterra").expect("in the library");
+        let found = measured(&problem, map.as_ref());
+        let context = format!("n = {n}: {:?} {:?}", found.order, found.structure);
+        assert_eq!(found.judgements, [Judgement::Met; 3], "{context}");
+    }
+}
+
+/// The truth is n for even n, and for even m.
+#[test]
+fn one_order_more_than_the_truth_is_caught() {
+    for problem in [
+        steep(),
+        Problem::of_library("lotka-volterra-periodic").expect("there"),
+    ] {
+        for n in [2, 4, 6, 8] {
+            let map = truncated(&problem, n, 2);
+            let truth = map.properties();
+            let structure = Structure::Order(n as usize + 1);
+            let boasts = Declares(map, MapProperties { structure, ..truth });
+            let found = measured(&problem, &boasts);
+            let context = format!("{} n = {n}: {:?}", problem.name, found.structure);
+            assert_ne!(found.judgements[1], Judgement::Met, "{context}");
+            if n < 8 {
+                assert_eq!(found.judgements[1], Judgement::NotMet, "{context}");
+            }
+        }
+    }
+    let problem = Problem::of_library("lotka-volterra-periodic").expect("in the library");
+    for m in [2, 4, 6] {
+        let map = truncated(&problem, 8, m);
+        let truth = map.properties();
+        let order = truth.order + 1;
+        let found = measured(&problem, &Declares(map, MapProperties { order, ..truth }));
+        assert_eq!(
+            found.judgements[0],
+            Judgement::NotMet,
+            "m = {m}: {:?}",
+            found.order
+        );
+    }
+}
+
+/// A map that bears only small steps.
+struct Limited {
+    map: Arc<dyn StepMap>,
+    largest: f64,
+}
+
+impl StepMap for Limited {
+    fn dimension(&self) -> usize {
+        self.map.dimension()
+    }
+    fn properties(&self) -> MapProperties {
+        self.map.properties()
+    }
+    fn describe(&self) -> String {
+        self.map.describe()
+    }
+    fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
+        let stepper = self.map.stepper(lanes, parameters, epsilon, h);
+        if (epsilon * h).abs() <= self.largest {
+            stepper
+        } else {
+            Box::new(Fails(stepper))
+        }
+    }
+}
+
+struct Fails(Box<dyn Stepper>);
+
+impl Stepper for Fails {
+    fn increment(
+        &mut self,
+        _: &[f64],
+        _: &[f64],
+        _: &mut [f64],
+        outcome: &mut [Result<(), StepError>],
+    ) {
+        outcome.fill(Err(StepError::LeftChart { ratio: 2.0 }));
+    }
+    fn restart(&mut self) {}
+    fn statistics(&self) -> SolverStatistics {
+        self.0.statistics()
+    }
+    fn memory(&self) -> Vec<f64> {
+        Vec::new()
+    }
+    fn restore(&mut self, _: &[f64]) -> Result<(), usize> {
+        Ok(())
+    }
+}
+
+#[test]
+fn a_step_that_is_too_large_breaks_no_promise() {
+    let problem = Problem::of_library("rigid-body").expect("in the library");
+    let map = truncated(&problem, 4, 4);
+    let largest = 0.3 * problem.time_step;
+    let found = measured(&problem, &Limited { map, largest });
+    assert_eq!(found.judgements, [Judgement::Met; 3]);
+    assert_eq!(found.time_step, problem.time_step / 4.0);
+    assert!(
+        found
+            .too_large
+            .is_some_and(|why| why.contains("left the realization's chart"))
+    );
+}
+
+#[test]
+fn a_map_that_fails_at_every_step_fails() {
+    let problem = Problem::of_library("rigid-body").expect("in the library");
+    let map = truncated(&problem, 4, 4);
+    let horizon = problem.time_step;
+    let outcome = measure(
+        &problem,
+        &Limited { map, largest: 0.0 },
+        &problem.initial,
+        horizon,
+    );
+    assert_eq!(outcome.err(), Some(StepError::LeftChart { ratio: 2.0 }));
+}
+
+/// What a survey tells, in its order.
+#[derive(Default)]
+struct Told(Vec<String>);
+
+impl Progress for Told {
+    fn problem(&mut self, name: &str, _: usize) {
+        self.0.push(name.to_owned());
+    }
+    fn refused(&mut self, refused: &Refused) {
+        self.0.push(refused.combination.clone());
+    }
+    fn row(&mut self, row: &Row) {
+        self.0.push(row.map.clone());
+    }
+}
+
+/// Everything but times.
+fn without_times(rows: &[Row]) -> Vec<String> {
+    let without = |row: &Row| {
+        let mut row = row.clone();
+        row.seconds = 0.0;
+        if let Some(measured) = &mut row.measured {
+            measured.nanoseconds_per_step = 0.0;
+        }
+        format!("{row:?}")
+    };
+    rows.iter().map(without).collect()
+}
+
+#[test]
+fn a_survey_does_not_depend_on_its_threads() {
+    let registry = Registry::with_builtin();
+    let problems = [Problem::of_library("rigid-body").expect("in the library")];
+    let run = |threads: usize| {
+        let options = SurveyOptions {
+            full: false,
+            threads: NonZeroUsize::new(threads).expect("not 0"),
+        };
+        let mut told = Told::default();
+        let survey = survey(&registry, &problems, &options, &mut told).expect("a flow");
+        assert!(survey.is_met());
+        (without_times(&survey.rows), survey.refused, told.0)
+    };
+    let (rows, refused, told) = run(1);
+    assert!(told.len() > rows.len() && !refused.is_empty());
+    assert_eq!((rows, refused, told), run(3));
+}
