@@ -79,6 +79,11 @@ impl ChartMaps {
         }))
     }
 
+    /// Whether points of S are pairs (x, p) themselves: χ is the identity.
+    pub fn has_pairs(&self) -> bool {
+        matches!(self.kind, Kind::Pairs)
+    }
+
     /// An evaluator for fixed parameters and ε.
     ///
     /// # Panics

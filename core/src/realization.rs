@@ -173,6 +173,30 @@ pub trait RealizationWorker: Send {
     fn has_tangents(&self) -> bool {
         true
     }
+    /// The Hessian of z ↦ λ·α̂(z) at the point of the last call, row-major d_S × d_S, for a covector λ
+    /// of d numbers.
+    ///
+    /// # Errors
+    /// [`StepError::NoTangent`] where it is not offered.
+    fn source_hessian(&mut self, covector: &[f64], hessian: &mut [f64]) -> Result<(), StepError> {
+        let _ = (covector, hessian);
+        Err(StepError::NoTangent)
+    }
+    /// Whether [`source_hessian`](Self::source_hessian) is offered: exact tangents of collective
+    /// integrators need it.
+    fn has_source_hessian(&self) -> bool {
+        false
+    }
+    /// Forgets earlier evaluations.
+    fn restart(&mut self) {}
+    /// What later evaluations depend on, for a checkpoint; always of the same length.
+    fn memory(&self) -> Vec<f64> {
+        Vec::new()
+    }
+    /// Restores [`memory`](Self::memory).
+    fn restore(&mut self, memory: &[f64]) {
+        let _ = memory;
+    }
     /// Operations so far, as [`SolverStatistics::operations`] counts them; `None` for a part that
     /// does not count.
     ///

@@ -160,18 +160,6 @@ fn a_pair_that_cannot_be_combined_is_refused_with_what_fits() {
             "karasev-collocated",
         ],
     );
-    refused(
-        &[
-            "method.realization=karasev-collocated",
-            "method.dynamics=collective",
-        ],
-        &[
-            "collective",
-            "cannot be combined with karasev-collocated",
-            "these fit: ",
-            "so3-cayley",
-        ],
-    );
     let magnetic = "[system]\nlibrary = \"magnetic\"\n[method]\n\
                     realization = \"darboux-magnetic\"\ntime-step = 0.1\n\
                     [run]\ninitial = [1, 0, 0, 0, 1, 0]\nsteps = 1\n";

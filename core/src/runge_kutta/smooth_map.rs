@@ -41,6 +41,16 @@ pub trait MapWorker: Send {
         let _ = (z, out);
         Err(StepError::NoTangent)
     }
+    /// Forgets earlier evaluations.
+    fn restart(&mut self) {}
+    /// What later evaluations depend on, for a checkpoint; always of the same length.
+    fn memory(&self) -> Vec<f64> {
+        Vec::new()
+    }
+    /// Restores [`memory`](Self::memory).
+    fn restore(&mut self, memory: &[f64]) {
+        let _ = memory;
+    }
     /// Operations so far, as [`SolverStatistics::operations`] counts them; `None` for a map that does
     /// not count.
     ///
@@ -234,6 +244,21 @@ impl SmoothMapEvaluator {
     /// When a slice has another length than the map's inputs or Jacobian.
     pub fn jacobian(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         self.worker.jacobian(z, out)
+    }
+
+    /// Forgets earlier evaluations.
+    pub fn restart(&mut self) {
+        self.worker.restart();
+    }
+
+    /// What later evaluations depend on, for a checkpoint; always of the same length.
+    pub fn memory(&self) -> Vec<f64> {
+        self.worker.memory()
+    }
+
+    /// Restores [`memory`](Self::memory).
+    pub fn restore(&mut self, memory: &[f64]) {
+        self.worker.restore(memory);
     }
 
     /// Weighted operations of all evaluations so far; `None` for a map that does not count.

@@ -264,11 +264,16 @@ impl StageSolver {
         size
     }
 
+    /// Whether [`tangent`](Self::tangent) is offered: F has a Jacobian.
+    pub fn has_tangent(&self) -> bool {
+        self.anderson.is_none()
+    }
+
     /// D(z + τ Σ b_j F(Z_j)) · V at the last solve, for V of as many rows as coordinates: exact
     /// through the stage equations. `None` where they are singular or F has no Jacobian.
     pub fn tangent(&mut self, seeds: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let n = self.start.len();
-        if self.anderson.is_some() {
+        if !self.has_tangent() {
             return None;
         }
         self.evaluate_jacobians().ok()?;
@@ -291,14 +296,15 @@ impl StageSolver {
         Some(self.field.operations()? + self.linear)
     }
 
-    /// Forgets the last solve.
+    /// Forgets earlier solves.
     pub fn clear(&mut self) {
         self.displacements.fill(0.0);
+        self.field.restart();
     }
 
-    /// What the next solve depends on: the displacements of the last one.
-    pub fn memory(&self) -> &[f64] {
-        &self.displacements
+    /// What the next solve depends on: the displacements of the last one, and the field's memory.
+    pub fn memory(&self) -> Vec<f64> {
+        [self.displacements.clone(), self.field.memory()].concat()
     }
 
     /// Restores [`memory`](Self::memory).
@@ -306,6 +312,8 @@ impl StageSolver {
     /// # Panics
     /// When `memory` has another length.
     pub fn restore(&mut self, memory: &[f64]) {
-        self.displacements.copy_from_slice(memory);
+        let (displacements, field) = memory.split_at(self.displacements.len());
+        self.displacements.copy_from_slice(displacements);
+        self.field.restore(field);
     }
 }

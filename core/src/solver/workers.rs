@@ -98,6 +98,13 @@ impl WorkerStepper {
 }
 
 impl Trajectory {
+    /// Forgets earlier steps.
+    fn restart(&mut self) {
+        self.extrapolation.clear(0);
+        self.bisection.restart();
+        self.realization.restart();
+    }
+
     /// Evaluates both maps at y.
     fn evaluate(&mut self) -> Result<(), StepError> {
         self.bisection.point(&self.y, &mut self.z)?;
@@ -249,8 +256,7 @@ impl Stepper for WorkerStepper {
                 }
                 Err(error) => {
                     self.statistics.failures += 1;
-                    trajectory.extrapolation.clear(0);
-                    trajectory.bisection.restart();
+                    trajectory.restart();
                     own_increment.fill(0.0);
                     Err(error)
                 }
@@ -282,8 +288,7 @@ impl Stepper for WorkerStepper {
 
     fn restart(&mut self) {
         for trajectory in &mut self.trajectories {
-            trajectory.extrapolation.clear(0);
-            trajectory.bisection.restart();
+            trajectory.restart();
         }
     }
 
@@ -299,12 +304,16 @@ impl Stepper for WorkerStepper {
         for trajectory in &self.trajectories {
             trajectory.extrapolation.memory(0, &mut memory);
             memory.extend(trajectory.bisection.memory());
+            memory.extend(trajectory.realization.memory());
         }
         memory
     }
 
     fn restore(&mut self, memory: &[f64]) -> Result<(), usize> {
-        let each = |t: &Trajectory| t.extrapolation.memory_len() + t.bisection.memory().len();
+        let each = |t: &Trajectory| {
+            let parts = t.bisection.memory().len() + t.realization.memory().len();
+            t.extrapolation.memory_len() + parts
+        };
         let expected = self.trajectories.iter().map(each).sum();
         if memory.len() != expected {
             return Err(expected);
@@ -315,6 +324,8 @@ impl Stepper for WorkerStepper {
             trajectory.extrapolation.restore(0, history);
             let (own, others) = others.split_at(trajectory.bisection.memory().len());
             trajectory.bisection.restore(own);
+            let (own, others) = others.split_at(trajectory.realization.memory().len());
+            trajectory.realization.restore(own);
             rest = others;
         }
         Ok(())

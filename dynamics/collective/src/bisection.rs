@@ -1,59 +1,65 @@
 //! Σ_h(σ(M)) as a Lagrangian bisection.
 
-use leafwise_core::runge_kutta::{PartitionedTableau, SmoothMapEvaluator, StageSolver};
-use leafwise_core::{BisectionWorker, Correction, LagrangianBisection, StepError};
+use leafwise_core::runge_kutta::{PartitionedTableau, SmoothMap, StageSolver};
+use leafwise_core::{
+    BisectionWorker, ChartMaps, ChartWorker, Correction, LagrangianBisection, StepError,
+};
 use nalgebra::DMatrix;
-
-use crate::hamiltonian::CollectiveField;
 
 /// y ↦ χ(Σ_h(y, 0)), Σ_h the integrator of K = H∘α̂∘χ in the chart χ.
 #[derive(Clone, Debug)]
 pub struct ImageOfSection {
-    field: CollectiveField,
+    field: SmoothMap,
+    chart: ChartMaps,
     tableau: PartitionedTableau,
     correction: Correction,
+    /// The number of coordinates of a point of S.
+    space: usize,
 }
 
 impl ImageOfSection {
-    /// The bisection of an integrator with these coefficients.
+    /// The bisection of an integrator with these coefficients of the `field` of K, in a space of so
+    /// many coordinates.
     pub fn new(
-        field: CollectiveField,
+        field: SmoothMap,
+        chart: ChartMaps,
         tableau: PartitionedTableau,
         correction: Correction,
+        space: usize,
     ) -> Self {
         Self {
             field,
+            chart,
             tableau,
             correction,
+            space,
         }
     }
 }
 
 impl LagrangianBisection for ImageOfSection {
     fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn BisectionWorker>> {
-        let field = self.field.field.evaluator(parameters, epsilon, h);
+        let field = self.field.evaluator(parameters, epsilon, h);
         let n = field.map().inputs();
         Some(Box::new(Worker {
             stages: StageSolver::new(field, self.tableau.clone(), h),
-            chart: self
-                .field
-                .chart
-                .as_ref()
-                .map(|chart| chart.evaluator(parameters, epsilon, h)),
+            chart: self.chart.worker(parameters, epsilon),
             near_identity: self.correction == Correction::Bisection,
             end: vec![0.0; n],
             change: vec![0.0; n],
+            of_chart: vec![0.0; self.space * n],
         }))
     }
 }
 
 struct Worker {
     stages: StageSolver,
-    chart: Option<SmoothMapEvaluator>,
+    chart: Box<dyn ChartWorker>,
     near_identity: bool,
     /// Σ_h(y, 0) and its difference from (y, 0).
     end: Vec<f64>,
     change: Vec<f64>,
+    of_chart: Vec<f64>,
 }
 
 impl BisectionWorker for Worker {
@@ -65,28 +71,28 @@ impl BisectionWorker for Worker {
         for (end, change) in self.end.iter_mut().zip(&self.change) {
             *end += change;
         }
-        match &mut self.chart {
-            None => z.copy_from_slice(&self.end),
-            Some(chart) => chart.value(&self.end, z)?,
-        }
-        Ok(())
+        let (x, p) = self.end.split_at(d);
+        self.chart.point(x, p, z)
     }
 
     fn tangent(&mut self, tangent: &mut [f64]) -> Result<(), StepError> {
+        if !self.has_tangent() {
+            return Err(StepError::NoTangent);
+        }
         let n = self.end.len();
         let section = DMatrix::identity(n, n / 2);
         let singular = || StepError::NonFinite {
             what: "the tangent of the stage equations",
         };
-        let mut image = self.stages.tangent(&section).ok_or_else(singular)?;
-        if let Some(chart) = &mut self.chart {
-            let rows = chart.map().outputs();
-            let mut entries = vec![0.0; rows * n];
-            chart.jacobian(&self.end, &mut entries)?;
-            image = DMatrix::from_row_slice(rows, n, &entries) * image;
-        }
+        let image = self.stages.tangent(&section).ok_or_else(singular)?;
+        self.chart.tangent(&mut self.of_chart)?;
+        let image = DMatrix::from_row_slice(self.of_chart.len() / n, n, &self.of_chart) * image;
         tangent.copy_from_slice(image.transpose().as_slice());
         Ok(())
+    }
+
+    fn has_tangent(&self) -> bool {
+        self.stages.has_tangent() && self.chart.has_tangent()
     }
 
     /// β̂ is constant along the flow of H∘α over exact realization data, so D(β̂∘L) − 1 = O(h^{m+1}).
@@ -95,11 +101,7 @@ impl BisectionWorker for Worker {
     }
 
     fn operations(&self) -> Option<u64> {
-        let chart = self
-            .chart
-            .as_ref()
-            .map_or(Some(0), SmoothMapEvaluator::operations);
-        Some(self.stages.operations()? + chart?)
+        Some(self.stages.operations()? + self.chart.operations()?)
     }
 
     fn restart(&mut self) {
@@ -107,7 +109,7 @@ impl BisectionWorker for Worker {
     }
 
     fn memory(&self) -> Vec<f64> {
-        self.stages.memory().to_vec()
+        self.stages.memory()
     }
 
     fn restore(&mut self, memory: &[f64]) {

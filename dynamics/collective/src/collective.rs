@@ -4,14 +4,15 @@ use std::sync::Arc;
 
 use leafwise_core::runge_kutta::PartitionedTableau;
 use leafwise_core::{
-    BuildError, Correction, DynamicApproximation, LagrangianBisection, PoissonSystem,
-    RealizationData,
+    BuildError, ChartMaps, Correction, DynamicApproximation, LagrangianBisection, PoissonSystem,
+    RealizationData, RealizationMaps,
 };
 
 use crate::bisection::ImageOfSection;
 use crate::gauss::{MOST_STAGES, gauss};
-use crate::hamiltonian::CollectiveField;
+use crate::hamiltonian::collective_field;
 use crate::implicit_midpoint::implicit_midpoint;
+use crate::numbers::collective_numbers;
 use crate::stormer_verlet::stormer_verlet;
 
 /// A symplectic integrator Σ_h on T*M.
@@ -129,26 +130,39 @@ impl DynamicApproximation for Collective {
             realization: realization.describe(),
             reason: reason.to_owned(),
         };
-        let code = realization.code().ok_or_else(|| {
+        let (d, parameters) = (system.dimension(), system.parameter_values());
+        let chart = ChartMaps::of(realization, parameters.len())?.ok_or_else(|| {
             missing(
-                "it offers no code for its source map, whose second derivatives the stage \
-                 equations need",
-            )
-        })?;
-        let d = system.dimension();
-        let chart = realization.chart();
-        if chart.is_none() && realization.space_dimension() != 2 * d {
-            return Err(missing(
                 "its points are not pairs (x, p) and it offers no symplectic chart about its \
                  section",
-            ));
-        }
-        let system = system.formulas(crate::register::INFO.name)?;
-        let field = CollectiveField::compile(system, code, chart)?;
+            )
+        })?;
+        let space = realization.space_dimension();
+        let chart_has_code = chart.has_pairs() || realization.chart().is_some();
+        let code = realization.code().filter(|_| chart_has_code);
+        let field = match (system.expressions(), code) {
+            (Some(formulas), Some(code)) => collective_field(formulas, code, realization.chart())?,
+            _ => {
+                let maps = RealizationMaps::new(realization, &parameters)?;
+                let worker = maps.worker(&parameters, 1.0);
+                if !worker.has_tangents() || !chart.worker(&parameters, 1.0).has_tangent() {
+                    return Err(missing(
+                        "it offers no tangents of its source map, which the gradient of the \
+                         collective Hamiltonian needs",
+                    ));
+                }
+                let gradient = system.gradient_map()?;
+                let has_jacobian =
+                    chart.has_pairs() && worker.has_source_hessian() && gradient.has_jacobian();
+                collective_numbers(gradient, maps, chart.clone(), space, has_jacobian)
+            }
+        };
         Ok(Arc::new(ImageOfSection::new(
             field,
+            chart,
             self.integrator.tableau(d),
             self.correction,
+            space,
         )))
     }
 }

@@ -16,8 +16,8 @@ pub(crate) static INFO: PartInfo = PartInfo {
     declares: "order 2 (stormer-verlet, implicit-midpoint) or 2s (gauss); corrected: exactly \
                Poisson over an exact realization; uncorrected: Poisson to the integrator's order; \
                not self-adjoint, except the corrected implicit midpoint over some realizations",
-    domain: "realizations with code, on T*M or with a symplectic chart; steps for which the stage \
-             equations converge",
+    domain: "realizations with code or tangents, on T*M or with a symplectic chart; steps for which \
+             the stage equations converge",
     literature: "Cabrera, Martin de Diego, Vaquero, Approximating Symplectic Realizations, \
                  section 4.3 and Algorithm 2; McLachlan, Modin, Verdier, Collective symplectic \
                  integrators, Nonlinearity 27 (2014); Hairer, Lubich, Wanner, Geometric Numerical \

@@ -42,7 +42,7 @@ impl OneStep for ImplicitRungeKutta {
     }
 
     fn memory(&self) -> Vec<f64> {
-        self.0.memory().to_vec()
+        self.0.memory()
     }
 
     fn restore(&mut self, memory: &[f64]) {

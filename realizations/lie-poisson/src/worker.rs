@@ -25,8 +25,7 @@ const MOST_BASES: usize = 8;
 ///
 /// α, β = x + f(W) x ∓ ½ Z x with W = Z²/4 and f of [`even_part`](crate::even_part): the increment
 /// α − β = −Z x is exact up to one product. Tangents differentiate the fractions: with
-/// y = (1 + sW)⁻¹ x, ∂_p of W(1 + sW)⁻¹x is (1 + sW)⁻¹ ∂_p W y, and by A(p) v = Π(v) p
-/// ∂_p W y = ¼ ε (Π(Zy) + Z Π(y)).
+/// y = (1 + sW)⁻¹ x, ∂_p of W(1 + sW)⁻¹x is (1 + sW)⁻¹ ∂_p W y, and A(p) v = Π(v) p.
 pub struct LiePoissonWorker {
     algebra: LieAlgebra,
     epsilon: f64,
@@ -43,9 +42,10 @@ struct Point {
     resolvents: Vec<Resolvent>,
 }
 
-/// r, 1 + sW and y = (1 + sW)⁻¹ x.
+/// r, s, 1 + sW and y = (1 + sW)⁻¹ x.
 struct Resolvent {
     weight: f64,
+    shift: f64,
     factors: LU<f64, Dyn, Dyn>,
     solution: DVector<f64>,
 }
@@ -85,6 +85,7 @@ impl LiePoissonWorker {
             let solution = factors.solve(&x).ok_or(SINGULAR)?;
             resolvents.push(Resolvent {
                 weight: fraction.weight,
+                shift: fraction.shift,
                 factors,
                 solution,
             });
@@ -97,6 +98,15 @@ impl LiePoissonWorker {
             quarter_square,
             resolvents,
         })
+    }
+}
+
+impl LiePoissonWorker {
+    /// p ↦ ∂_p W y = ¼ ε (Π(Zy) + Z Π(y)).
+    fn square_tangent(&self, point: &Point, y: &DVector<f64>) -> DMatrix<f64> {
+        let image = self.algebra.tensor(&(&point.map * y));
+        let through = &point.map * self.algebra.tensor(y);
+        (image + through) * (0.25 * self.epsilon)
     }
 }
 
@@ -198,9 +208,7 @@ impl RealizationWorker for LiePoissonWorker {
         let mut by_p = &tensor * 0.5;
         for resolvent in &point.resolvents {
             let y = &resolvent.solution;
-            let image = self.algebra.tensor(&(&point.map * y));
-            let through = &point.map * self.algebra.tensor(y);
-            let change = (image + through) * (0.25 * self.epsilon);
+            let change = self.square_tangent(point, y);
             let solve = |right: &DMatrix<f64>| resolvent.factors.solve(right).ok_or(SINGULAR);
             by_p += solve(&change)? * resolvent.weight;
             by_x += solve(&point.quarter_square)? * resolvent.weight;
@@ -218,5 +226,48 @@ impl RealizationWorker for LiePoissonWorker {
             }
         }
         Ok(())
+    }
+
+    /// With μ = (1 + sW)⁻ᵀλ and y = (1 + sW)⁻¹x, D²(λ·W(1 + sW)⁻¹x) along v and w is
+    /// μ·(∂²_vw W y + ∂_v W ∂_w y + ∂_w W ∂_v y), ∂_v y = (1 + sW)⁻¹(v_x − s ∂_v W y), and
+    /// μ·∂_v W u = −¼ ε v_p·(A(μ)Z + A(Zᵀμ)) u since μ·A(v)a = −v·A(μ)a.
+    fn source_hessian(&mut self, covector: &[f64], hessian: &mut [f64]) -> Result<(), StepError> {
+        let point = self.last.as_ref().ok_or(StepError::NoTangent)?;
+        let (d, epsilon) = (point.x.len(), self.epsilon);
+        let coadjoint = |v: &DVector<f64>| self.algebra.coadjoint(v.as_slice());
+        let lambda = DVector::from_column_slice(covector);
+        let mut mixed = coadjoint(&lambda) * (0.5 * epsilon);
+        let mut by_pp = DMatrix::zeros(d, d);
+        for resolvent in &point.resolvents {
+            let (r, s, y) = (resolvent.weight, resolvent.shift, &resolvent.solution);
+            let inverse = resolvent.factors.try_inverse().ok_or(SINGULAR)?;
+            let mu = inverse.transpose() * &lambda;
+            let along = coadjoint(&mu);
+            let slope = (&along * &point.map + coadjoint(&(point.map.transpose() * &mu)))
+                * (-0.25 * epsilon);
+            let through_p = &inverse * self.square_tangent(point, y) * -s;
+            let twice = (&along * self.algebra.tensor(y)) * (-0.25 * epsilon * epsilon)
+                + &slope * through_p;
+            by_pp += (&twice + twice.transpose()) * r;
+            mixed += slope * inverse * r;
+        }
+        let (n, resolvents) = (d as u64, point.resolvents.len() as u64);
+        let inverse = elimination_operations(d) + n * substitution_operations(d);
+        let each = 12 * n * n * n + 12 * n * n + inverse + 5 * self.algebra.operations();
+        self.operations += resolvents * each;
+        let entry = |row: usize, column: usize| match (row < d, column < d) {
+            (true, true) => 0.0,
+            (true, false) => mixed[(column - d, row)],
+            (false, true) => mixed[(row - d, column)],
+            (false, false) => by_pp[(row - d, column - d)],
+        };
+        for (at, value) in hessian.iter_mut().enumerate() {
+            *value = entry(at / (2 * d), at % (2 * d));
+        }
+        Ok(())
+    }
+
+    fn has_source_hessian(&self) -> bool {
+        true
     }
 }

@@ -5,6 +5,7 @@ mod common;
 use common::{ALGEBRAS, algebra};
 use leafwise_core::realization::{Ends, RealizationWorker};
 use leafwise_core::{RealizationData, StepError, realization_worker};
+use leafwise_karasev::CollocatedKarasev;
 use leafwise_lie_poisson::LiePoisson;
 use leafwise_lie_poisson::structure::StructureConstants;
 use leafwise_lie_poisson::worker::LiePoissonWorker;
@@ -74,5 +75,44 @@ proptest! {
             let error = distance(&found[i], &expected[i]);
             prop_assert!(error <= bound, "{name}: {error:e} > {bound:e}");
         }
+    }
+}
+
+/// The Hessian of λ·α beside that of the collocated curve, differentiated through its equations: a
+/// dozen nodes represent it to round-off while |Im λ(Z)| stays below 2π/3.
+#[test]
+fn second_derivatives_are_those_of_the_curve() {
+    for name in ALGEBRAS {
+        let system = algebra(name);
+        let d = system.dimension();
+        let parameters = system.parameter_values();
+        let numbers = |k: f64, scale: f64| -> Vec<f64> {
+            (0..d)
+                .map(|i| scale * libm::sin(1.0 + k * i as f64))
+                .collect()
+        };
+        let z = [numbers(2.3, 1.0), numbers(1.7, 0.5)].concat();
+        let covector = numbers(3.1, 1.0);
+        let formulas = system.expressions().expect("formulas");
+        let structure = StructureConstants::new(formulas).expect("a linear tensor");
+        let collocated = CollocatedKarasev::new(&system, Some(12)).expect("code");
+        let mut workers: [Box<dyn RealizationWorker>; 2] = [
+            Box::new(LiePoissonWorker::new(structure.at(&parameters), 0.9)),
+            collocated.worker(&parameters, 0.9).expect("numbers"),
+        ];
+        let hessians = workers.each_mut().map(|worker| {
+            let mut hessian = vec![0.0; 4 * d * d];
+            worker.ends(&z, &mut Ends::new(d)).expect("inside");
+            worker
+                .source_hessian(&covector, &mut hessian)
+                .expect("second derivatives");
+            hessian
+        });
+        let size = largest(hessians[0].iter().copied());
+        let error = distance(&hessians[0], &hessians[1]) / size;
+        assert!(
+            error <= 64.0 * d as f64 * UNIT_ROUNDOFF,
+            "{name}: {error:e}"
+        );
     }
 }

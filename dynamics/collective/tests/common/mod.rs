@@ -8,7 +8,7 @@ use std::sync::Arc;
 use leafwise_collective::{Collective, SymplecticIntegrator};
 use leafwise_core::{
     Accuracy, BuildError, Convention, Correction, Integrator, LagrangianChart, Method,
-    PoissonSystem, RealizationCode, RealizationData, SourceTarget, StepMap,
+    PoissonSystem, RealizationCode, RealizationData, SourceTarget, StepMap, Stepper,
 };
 use leafwise_expression::syntax::{Formula, Scope};
 use leafwise_expression::{Arithmetic, Expression, Graph, Rational, Term};
@@ -244,6 +244,15 @@ pub fn run(map: &dyn StepMap, t: f64, steps: usize, initial: &[f64]) -> Vec<f64>
         integrator.step().expect("a step that converges");
     }
     integrator.state().to_vec()
+}
+
+/// One step of a worker.
+pub fn advance(stepper: &mut dyn Stepper, x: &mut [f64; 3]) {
+    let mut increment = [0.0; 3];
+    let mut outcome = [Ok(())];
+    stepper.increment(x, &[0.0; 3], &mut increment, &mut outcome);
+    assert_eq!(outcome, [Ok(())]);
+    x.iter_mut().zip(increment).for_each(|(x, i)| *x += i);
 }
 
 /// The Euclidean distance of two states.

@@ -69,6 +69,14 @@ impl Curve {
         self.linear += elimination_operations(q * d) + columns as u64 * each;
     }
 
+    /// Counts an adjoint solve of the linearized equations, and the products with second derivatives
+    /// at every node.
+    pub(super) fn count_hessian(&mut self) {
+        let (q, d) = (self.rule.points(), self.dimension);
+        let adjoint = elimination_operations(q * d) + substitution_operations(q * d);
+        self.linear += adjoint + (q * 12 * d * d * d + 4 * q * q * d) as u64;
+    }
+
     /// The same with another number of nodes.
     pub(super) fn set_points(&mut self, q: usize) {
         let size = q * self.dimension;
@@ -189,7 +197,7 @@ impl Curve {
         let mut iteration = LinearIteration::new(MOST_NEWTON);
         loop {
             self.evaluate(p)?;
-            let (jacobian, _) = self.linearization(epsilon, p)?;
+            let jacobian = self.linearization(epsilon, p)?.matrix;
             let mut residual = DVector::zeros(q * d);
             for j in 0..q {
                 let row = &self.rule.matrix[j * q..][..q];
@@ -218,12 +226,12 @@ impl Curve {
         self.field.has_slopes()
     }
 
-    /// The matrix 1 − ε A⊗V_y of the linearized equations, and Π at every node (q × d × d).
+    /// The linearized equations at the present nodes.
     pub(super) fn linearization(
         &mut self,
         epsilon: f64,
         p: &[f64],
-    ) -> Result<(DMatrix<f64>, Vec<f64>), StepError> {
+    ) -> Result<Linearization, StepError> {
         let (q, d) = (self.rule.points(), self.dimension);
         let mut by_y = vec![0.0; q * d * d];
         let mut by_p = vec![0.0; q * d * d];
@@ -234,24 +242,18 @@ impl Curve {
                 .slopes(y, p, &mut by_y[own.clone()], &mut by_p[own])?;
         }
         self.linear += 3 * (q * d * q * d) as u64;
-        let jacobian = DMatrix::from_fn(q * d, q * d, |row, column| {
+        let matrix = DMatrix::from_fn(q * d, q * d, |row, column| {
             let (j, i, k, l) = (row / d, row % d, column / d, column % d);
             let unit = if row == column { 1.0 } else { 0.0 };
             unit - epsilon * self.rule.matrix[j * q + k] * by_y[k * d * d + i * d + l]
         });
-        Ok((jacobian, by_p))
+        Ok(Linearization { matrix, by_y, by_p })
     }
+}
 
-    /// ∂V/∂y at a node after [`evaluate`](Self::evaluate).
-    pub(super) fn slope_by_y(
-        &mut self,
-        k: usize,
-        p: &[f64],
-        by_y: &mut [f64],
-        by_p: &mut [f64],
-    ) -> Result<(), StepError> {
-        let d = self.dimension;
-        let y = &self.nodes[k * d..][..d];
-        self.field.slopes(y, p, by_y, by_p)
-    }
+/// 1 − ε A⊗V_y, and V_y and V_p = Π at every node, q × d × d.
+pub(super) struct Linearization {
+    pub(super) matrix: DMatrix<f64>,
+    pub(super) by_y: Vec<f64>,
+    pub(super) by_p: Vec<f64>,
 }

@@ -28,7 +28,7 @@ pub struct CollocatedKarasev {
 
 /// Where the automatic choice starts, and where it gives up: the curve is then too long for its
 /// chart.
-const FEWEST_POINTS: usize = 2;
+pub(super) const FEWEST_POINTS: usize = 2;
 const MOST_POINTS: usize = 24;
 
 impl CollocatedKarasev {
@@ -100,12 +100,10 @@ impl RealizationData for CollocatedKarasev {
     }
 
     fn worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationWorker>> {
-        Some(Box::new(CollocatedWorker {
-            curve: self.curve(parameters),
-            epsilon,
-            most_points: self.most_points(),
-            z: vec![0.0; 2 * self.field.dimension],
-        }))
+        let curve = self.curve(parameters);
+        let d = self.field.dimension;
+        let worker = CollocatedWorker::new(curve, epsilon, self.most_points(), d);
+        Some(Box::new(worker))
     }
 
     fn fuse(

@@ -7,6 +7,8 @@ use leafwise_core::{BuildError, PoissonSystem, StepError, SystemFormulas};
 use leafwise_expression::{Graph, Kernel, Term, Workspace};
 use nalgebra::DMatrix;
 
+use super::curvature::{Curvature, CurvatureWorker};
+
 /// V; ∂V/∂y and ∂V/∂p = Π where the system offers them.
 #[derive(Clone, Debug)]
 pub(super) struct Field {
@@ -19,6 +21,7 @@ enum Source {
     Kernels {
         value: Arc<Kernel>,
         slopes: Arc<Kernel>,
+        curvature: Curvature,
     },
     Numbers(Arc<dyn SystemNumbers>),
 }
@@ -42,9 +45,14 @@ impl Field {
     pub(super) fn worker(&self, parameters: &[f64]) -> FieldWorker {
         let d = self.dimension;
         let evaluator = match &self.source {
-            Source::Kernels { value, slopes } => Evaluator::Kernels {
+            Source::Kernels {
+                value,
+                slopes,
+                curvature,
+            } => Evaluator::Kernels {
                 value: Prepared::new(value, parameters),
                 slopes: Prepared::new(slopes, parameters),
+                curvature: curvature.worker(parameters),
                 operations: 0,
             },
             Source::Numbers(numbers) => Evaluator::Numbers {
@@ -80,6 +88,7 @@ fn compiled(system: &SystemFormulas) -> Result<Source, BuildError> {
     Ok(Source::Kernels {
         value: Arc::new(value),
         slopes: Arc::new(slopes),
+        curvature: Curvature::new(system),
     })
 }
 
@@ -128,6 +137,7 @@ enum Evaluator {
     Kernels {
         value: Prepared,
         slopes: Prepared,
+        curvature: CurvatureWorker,
         operations: u64,
     },
     Numbers {
@@ -204,10 +214,35 @@ impl FieldWorker {
         }
     }
 
+    /// Whether [`curvatures`](Self::curvatures) are offered.
+    pub(super) fn has_curvatures(&self) -> bool {
+        match &self.evaluator {
+            Evaluator::Kernels { curvature, .. } => curvature.is_offered(),
+            Evaluator::Numbers { .. } => false,
+        }
+    }
+
+    /// ν·∂²V/∂y∂y and ν·∂²V/∂y∂p at (y, p, ν), row-major d × d.
+    pub(super) fn curvatures(
+        &mut self,
+        at: (&[f64], &[f64], &[f64]),
+        by_yy: &mut [f64],
+        by_yp: &mut [f64],
+    ) -> Result<(), StepError> {
+        match &mut self.evaluator {
+            Evaluator::Kernels { curvature, .. } => curvature.evaluate(at, by_yy, by_yp),
+            Evaluator::Numbers { .. } => Err(StepError::NoTangent),
+        }
+    }
+
     /// Weighted operations so far; `None` for a system that does not count.
     pub(super) fn operations(&self) -> Option<u64> {
         match &self.evaluator {
-            Evaluator::Kernels { operations, .. } => Some(*operations),
+            Evaluator::Kernels {
+                operations,
+                curvature,
+                ..
+            } => Some(operations + curvature.operations),
             Evaluator::Numbers { worker, .. } => worker.operations(),
         }
     }

@@ -299,12 +299,7 @@ impl Stepper for FusedStepper {
             .chain(&trajectory.p)
             .copied()
             .collect();
-        let mut worker = CollocatedWorker {
-            curve,
-            epsilon: self.epsilon,
-            most_points: None,
-            z: z.clone(),
-        };
+        let mut worker = CollocatedWorker::new(curve, self.epsilon, None, d);
         let mut ends = leafwise_core::Ends::new(d);
         worker.ends(&z, &mut ends).ok()?;
         let mut target = vec![0.0; 2 * d * d];

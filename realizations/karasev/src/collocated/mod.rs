@@ -7,16 +7,20 @@
 //!
 //! - [`rule`]: nodes, weights and the matrices A.
 //! - `field`: Π(y)p and its derivatives as kernels.
+//! - `curvature`: its second derivatives along a covector.
 //! - `curve`: the nodal values solved for.
+//! - `tangent`: derivatives through the curve's equations.
 //! - `worker`: α̂, β̂ and their tangents at (x, p).
 //! - `fused`: the step as one solve for curve, x̂ and p.
 //! - `data`: [`CollocatedKarasev`].
 
+mod curvature;
 mod curve;
 mod data;
 mod field;
 mod fused;
 pub mod rule;
+mod tangent;
 mod worker;
 
 pub use data::CollocatedKarasev;

@@ -1,23 +1,46 @@
-//! α̂ and β̂ at (x, p), with exact tangents through the curve's equations.
+//! α̂ and β̂ at (x, p) and their derivatives.
 
 use leafwise_core::{Ends, RealizationWorker, StepError};
-use nalgebra::DMatrix;
 
 use super::curve::Curve;
+use super::data::FEWEST_POINTS;
+use super::tangent::CurveTangent;
 
 /// The trailing Legendre coefficient, relative, whose square is round-off.
 pub(super) const SHORT_TAIL: f64 = 1e-9;
 
 /// One thread's evaluator.
 pub(super) struct CollocatedWorker {
-    pub(super) curve: Curve,
-    pub(super) epsilon: f64,
+    curve: Curve,
+    epsilon: f64,
     /// The most nodes an automatic choice takes; `None` when their number is fixed.
-    pub(super) most_points: Option<usize>,
-    pub(super) z: Vec<f64>,
+    most_points: Option<usize>,
+    /// The last point, and the tangent there once it is known.
+    z: Vec<f64>,
+    tangent: Option<CurveTangent>,
 }
 
 impl CollocatedWorker {
+    pub(super) fn new(curve: Curve, epsilon: f64, most_points: Option<usize>, d: usize) -> Self {
+        Self {
+            curve,
+            epsilon,
+            most_points,
+            z: vec![0.0; 2 * d],
+            tangent: None,
+        }
+    }
+
+    fn take_tangent(&mut self) -> Result<CurveTangent, StepError> {
+        match self.tangent.take() {
+            Some(tangent) => Ok(tangent),
+            None => {
+                let p = &self.z[self.z.len() / 2..];
+                CurveTangent::solve(&mut self.curve, self.epsilon, p)
+            }
+        }
+    }
+
     /// Solves the curve, with more nodes where its tail asks for them.
     fn solve(&mut self) -> Result<(), StepError> {
         let (x, p) = self.z.split_at(self.z.len() / 2);
@@ -39,6 +62,7 @@ impl CollocatedWorker {
 impl RealizationWorker for CollocatedWorker {
     fn ends(&mut self, z: &[f64], ends: &mut Ends) -> Result<(), StepError> {
         self.z.copy_from_slice(z);
+        self.tangent = None;
         self.solve()?;
         let d = z.len() / 2;
         let curve = &self.curve;
@@ -59,52 +83,36 @@ impl RealizationWorker for CollocatedWorker {
     }
 
     fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError> {
-        let d = self.z.len() / 2;
-        let q = self.curve.rule.points();
-        let p = self.z[d..].to_vec();
-        let (jacobian, by_p) = self.curve.linearization(self.epsilon, &p)?;
-        // (1 − ε A⊗V_y) dY = 1⊗dx + ε A⊗Π dp.
-        let right = DMatrix::from_fn(q * d, 2 * d, |row, column| {
-            let (j, i) = (row / d, row % d);
-            if column < d {
-                return if i == column { 1.0 } else { 0.0 };
-            }
-            let l = column - d;
-            let sum: f64 = (0..q)
-                .map(|k| self.curve.rule.matrix[j * q + k] * by_p[k * d * d + i * d + l])
-                .sum();
-            self.epsilon * sum
-        });
-        self.curve.count_tangents(2 * d);
-        let nodes = jacobian.lu().solve(&right).ok_or(StepError::NonFinite {
-            what: "the tangent of the curve",
-        })?;
-        target.fill(0.0);
-        increment.fill(0.0);
-        let mut slope = vec![0.0; d * d];
-        let mut tensor = vec![0.0; d * d];
-        for k in 0..q {
-            self.curve.slope_by_y(k, &p, &mut slope, &mut tensor)?;
-            let (end, weight) = (
-                self.epsilon * self.curve.rule.end[k],
-                self.epsilon * self.curve.rule.weights[k],
-            );
-            for i in 0..d {
-                for column in 0..2 * d {
-                    let mut change: f64 = (0..d)
-                        .map(|l| slope[i * d + l] * nodes[(k * d + l, column)])
-                        .sum();
-                    if column >= d {
-                        change += tensor[i * d + column - d];
-                    }
-                    target[i * 2 * d + column] += end * change;
-                    increment[i * 2 * d + column] -= weight * change;
-                }
-            }
-        }
-        for i in 0..d {
-            target[i * 2 * d + i] += 1.0;
-        }
+        let tangent = self.take_tangent()?;
+        tangent.ends(&self.curve, self.epsilon, target, increment);
+        self.tangent = Some(tangent);
         Ok(())
+    }
+
+    fn source_hessian(&mut self, covector: &[f64], hessian: &mut [f64]) -> Result<(), StepError> {
+        let tangent = self.take_tangent()?;
+        let p = &self.z[covector.len()..];
+        tangent.source_hessian(&mut self.curve, self.epsilon, p, covector, hessian)?;
+        self.tangent = Some(tangent);
+        Ok(())
+    }
+
+    fn has_source_hessian(&self) -> bool {
+        self.curve.field.has_curvatures()
+    }
+
+    /// With an automatic choice of nodes, it starts again from few.
+    fn restart(&mut self) {
+        if self.most_points.is_some() {
+            self.curve.set_points(FEWEST_POINTS);
+        }
+    }
+
+    fn memory(&self) -> Vec<f64> {
+        vec![self.curve.rule.points() as f64]
+    }
+
+    fn restore(&mut self, memory: &[f64]) {
+        self.curve.set_points(memory[0].max(1.0) as usize);
     }
 }

@@ -1,0 +1,175 @@
+//! Over a realization that computes numbers: the same maps, and what is missing is said.
+
+mod common;
+
+use std::sync::Arc;
+
+use common::{Cayley, INTEGRATORS, Rotations, distance, lotka_volterra, method, rigid_body, run};
+use leafwise_collective::{Collective, SymplecticIntegrator};
+use leafwise_core::diagnostics::TensorDefect;
+use leafwise_core::{
+    Accuracy, BuildError, Correction, Ends, LagrangianChart, Method, RealizationData,
+    RealizationWorker, StepError, StepMap, realization_worker,
+};
+use leafwise_karasev::CollocatedKarasev;
+
+/// A realization with its code forgotten: values and tangents, or values alone.
+#[derive(Debug)]
+struct Numbers<R> {
+    of: R,
+    tangents: bool,
+}
+
+struct Worker {
+    of: Box<dyn RealizationWorker>,
+    tangents: bool,
+}
+
+impl<R: RealizationData> RealizationData for Numbers<R> {
+    fn dimension(&self) -> usize {
+        self.of.dimension()
+    }
+    fn space_dimension(&self) -> usize {
+        self.of.space_dimension()
+    }
+    fn accuracy(&self) -> Accuracy {
+        self.of.accuracy()
+    }
+    fn describe(&self) -> String {
+        format!("{}, as numbers", self.of.describe())
+    }
+    fn section(&self, x: &[f64], z: &mut [f64]) {
+        self.of.section(x, z);
+    }
+    fn chart(&self) -> Option<&dyn LagrangianChart> {
+        self.of.chart()
+    }
+    fn worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationWorker>> {
+        Some(Box::new(Worker {
+            of: realization_worker(&self.of, parameters, epsilon).expect("maps"),
+            tangents: self.tangents,
+        }))
+    }
+}
+
+impl RealizationWorker for Worker {
+    fn ends(&mut self, z: &[f64], ends: &mut Ends) -> Result<(), StepError> {
+        self.of.ends(z, ends)
+    }
+    fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError> {
+        self.of.tangents(target, increment)
+    }
+    fn has_tangents(&self) -> bool {
+        self.tangents
+    }
+}
+
+const START: [f64; 3] = [1.0, 1.5, -0.7];
+
+/// Values and tangents are enough: stages, solve and end are those of the code, to the round-off that
+/// ten steps gather.
+#[test]
+fn without_second_derivatives_the_map_is_the_same() {
+    let system = rigid_body();
+    let tangents = true;
+    let pairs: [(Arc<dyn RealizationData>, Arc<dyn RealizationData>); 2] = [
+        (
+            Arc::new(Cayley),
+            Arc::new(Numbers {
+                of: Cayley,
+                tangents,
+            }),
+        ),
+        (
+            Arc::new(Rotations),
+            Arc::new(Numbers {
+                of: Rotations,
+                tangents,
+            }),
+        ),
+    ];
+    for (code, numbers) in pairs {
+        for integrator in INTEGRATORS {
+            for correction in [Correction::Bisection, Correction::None] {
+                let [expected, found] = [&code, &numbers].map(|realization| {
+                    let map = method(&system, realization, integrator, correction);
+                    run(&map, 0.1, 10, &START)
+                });
+                let error = distance(&found, &expected);
+                let bound = 10.0 * 8.0 * f64::EPSILON;
+                assert!(
+                    error <= bound,
+                    "{}, {integrator}: {error:e}",
+                    numbers.describe()
+                );
+            }
+        }
+    }
+}
+
+/// The instrument says that it has no tangent; it takes no differences.
+#[test]
+fn without_second_derivatives_the_tangent_is_not_offered() {
+    let system = rigid_body();
+    let numbers: Arc<dyn RealizationData> = Arc::new(Numbers {
+        of: Cayley,
+        tangents: true,
+    });
+    let gauss = SymplecticIntegrator::Gauss(2);
+    let map = method(&system, &numbers, gauss, Correction::Bisection);
+    let mut instrument = TensorDefect::new(&system, &map, &[], 1.0, 0.1).expect("a tensor");
+    assert_eq!(instrument.measure(&START), Err(StepError::NoTangent));
+}
+
+#[test]
+fn without_tangents_there_is_no_field() {
+    let numbers = Arc::new(Numbers {
+        of: Cayley,
+        tangents: false,
+    });
+    let dynamics = Collective::new(SymplecticIntegrator::Gauss(1), Correction::Bisection);
+    let dynamics = Arc::new(dynamics.expect("few stages"));
+    let error = Method::compose(&rigid_body(), numbers, dynamics).expect_err("no gradient");
+    assert!(matches!(error, BuildError::Incompatible { .. }), "{error}");
+    assert!(error.to_string().contains("no tangents"), "{error}");
+}
+
+/// How many nodes the curve has is part of a checkpoint.
+#[test]
+fn a_resumed_run_over_collocation_has_the_same_bits() {
+    let system = lotka_volterra();
+    let collocated = CollocatedKarasev::new(&system, None).expect("a tensor with code");
+    let realization: Arc<dyn RealizationData> = Arc::new(collocated);
+    for integrator in INTEGRATORS {
+        let map = method(&system, &realization, integrator, Correction::Bisection);
+        let mut through = map.stepper(1, &[], 1.0, 0.2);
+        let mut x = [1.0, 1.9, 0.5];
+        for _ in 0..10 {
+            common::advance(through.as_mut(), &mut x);
+        }
+        let mut resumed = map.stepper(1, &[], 1.0, 0.2);
+        resumed
+            .restore(&through.memory())
+            .expect("a memory of this map");
+        let mut y = x;
+        for _ in 0..10 {
+            common::advance(through.as_mut(), &mut x);
+            common::advance(resumed.as_mut(), &mut y);
+        }
+        assert_eq!(x.map(f64::to_bits), y.map(f64::to_bits), "{integrator}");
+    }
+}
+
+/// Every evaluation of V, of Π and of the energy's derivatives is counted.
+#[test]
+fn operations_over_numbers_are_counted() {
+    let system = lotka_volterra();
+    let collocated = CollocatedKarasev::new(&system, Some(4)).expect("a tensor with code");
+    let realization: Arc<dyn RealizationData> = Arc::new(collocated);
+    let gauss = SymplecticIntegrator::Gauss(2);
+    let map = method(&system, &realization, gauss, Correction::Bisection);
+    let mut stepper = map.stepper(1, &[], 1.0, 0.1);
+    common::advance(stepper.as_mut(), &mut [1.0, 1.9, 0.5]);
+    let operations = stepper.statistics().operations.expect("counted");
+    assert!(operations > 10_000, "{operations}");
+}
