@@ -86,7 +86,11 @@ impl Candidate {
 /// What a part is tried with: its defaults, or several orders and every choice it offers.
 fn settings(part: &PartInfo, full: bool) -> Vec<Chosen> {
     let name = part.name;
-    let takes = |key: &str| part.parameters.iter().any(|parameter| parameter.name == key);
+    let takes = |key: &str| {
+        part.parameters
+            .iter()
+            .any(|parameter| parameter.name == key)
+    };
     let numbers = |key: &str, values: &[i64]| -> Vec<PartParameters> {
         let with = |value: &i64| PartParameters::new().with(key, *value);
         values.iter().map(with).collect()
