@@ -65,6 +65,8 @@ pub enum Command {
     Verify(VerifyArguments),
     /// Measure cost against accuracy over methods, orders and steps
     Compare(CompareArguments),
+    /// Find the cheapest method and step that hold given tolerances
+    Tune(TuneArguments),
     /// Write a commented scene file to start from
     New(NewArguments),
 }
@@ -80,6 +82,7 @@ impl Command {
             Self::Evaluate(arguments) => arguments.json,
             Self::Verify(arguments) => arguments.json,
             Self::Compare(arguments) => arguments.json,
+            Self::Tune(arguments) => arguments.json,
             Self::New(_) => false,
         }
     }
@@ -198,6 +201,53 @@ pub struct CompareArguments {
     /// Write a page with figures, the table and the object into a directory
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+}
+
+/// Arguments of `tune`.
+#[derive(Args, Clone, Debug)]
+pub struct TuneArguments {
+    /// What to find a method for.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// The largest error of the final state: its Euclidean distance from the true one
+    #[arg(long, value_name = "ERROR", value_parser = positive)]
+    pub error: Option<f64>,
+    /// The largest deviation of the energy over every step
+    #[arg(long, value_name = "DRIFT", value_parser = positive)]
+    pub energy: Option<f64>,
+    /// The largest deviation of every Casimir over every step
+    #[arg(long, value_name = "DRIFT", value_parser = positive)]
+    pub casimir: Option<f64>,
+    /// Take all three relative to the state's and the invariants' sizes
+    #[arg(long)]
+    pub relative: bool,
+    /// Recommend the cheapest of all methods, not the cheapest Poisson map
+    #[arg(long)]
+    pub any: bool,
+    /// Methods beside all that fit: `realization:order+dynamics:order`, a stepper, or
+    /// `composition/…` of one of them
+    #[arg(long, value_name = "METHOD,…", value_delimiter = ',')]
+    pub with: Vec<String>,
+    /// These methods alone
+    #[arg(
+        long,
+        value_name = "METHOD,…",
+        value_delimiter = ',',
+        conflicts_with = "with"
+    )]
+    pub only: Vec<String>,
+    /// The end time [default: the scene's]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    pub time: Option<f64>,
+    /// The operations that one run may take [default: 5e8, or ten runs of the scene's own method]
+    #[arg(long, value_name = "OPERATIONS", value_parser = positive)]
+    pub budget: Option<f64>,
+    /// Put the method into the scene file; comments and layout stay
+    #[arg(long, conflicts_with = "overrides")]
+    pub write: bool,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// A positive number.

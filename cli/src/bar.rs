@@ -60,6 +60,21 @@ impl Steps {
         Self(bar)
     }
 
+    /// A spinner, drawn only if `is_shown`, for a search of unknown length.
+    pub fn unmeasured(message: &str, is_shown: bool) -> Self {
+        let line = Self::new(message, is_shown);
+        if let Ok(style) = ProgressStyle::with_template("  {spinner} {pos} runs  {msg}") {
+            line.0.set_style(style);
+        }
+        line
+    }
+
+    /// Before the next run.
+    pub fn tick(&mut self, method: &str, runs: u64) {
+        self.0.set_position(runs);
+        self.0.set_message(method.to_owned());
+    }
+
     /// Before the next method.
     pub fn show(&mut self, method: &str, at: usize, count: usize) {
         self.0.set_length(count as u64);

@@ -68,6 +68,7 @@ pub fn run(
         Command::Run(arguments) => commands::run::execute(&arguments, console, interrupt),
         Command::Check(arguments) => commands::check::execute(&arguments, console),
         Command::Compare(arguments) => commands::compare::execute(&arguments, console, interrupt),
+        Command::Tune(arguments) => commands::tune::execute(&arguments, console, interrupt),
         Command::Verify(arguments) => commands::verify::execute(&arguments, console),
         Command::List(arguments) => commands::list::execute(&arguments, console),
         Command::Describe(arguments) => commands::describe::execute(&arguments, console),

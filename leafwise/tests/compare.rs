@@ -109,12 +109,19 @@ fn the_standard_methods_of_a_rigid_body_are_compared_and_the_front_is_theirs() {
         assert!(a.wall.is_none(), "not asked for");
     }
     assert!(measured().filter(|(_, m)| m.front.poisson).count() >= 5);
-    // Each method got as far as the reference can tell, or spent what it may.
+    // Each method got as far as the reference can tell, spent what it may, or stands at the finest
+    // of the grid: a 2048th of the scene's step.
+    let finest = 50 * 2048;
     for at in 0..comparison.methods.len() {
         let last = comparison.points.iter().rfind(|p| p.method == at);
         let last = last.expect("every method has points");
         match &last.outcome {
-            Ok(last) => assert!(last.error < 1e-10, "{}: {:e}", names[at], last.error),
+            Ok(measured) => assert!(
+                measured.error < 1e-10 || last.setting.steps == finest,
+                "{}: {:e}",
+                names[at],
+                measured.error
+            ),
             Err(failure) => assert!(
                 matches!(failure, TrialFailure::OverBudget { .. }),
                 "{}: {failure}",
@@ -141,7 +148,7 @@ fn what_fails_is_a_row_with_its_reason() {
         &document,
         &CompareOptions {
             steps: Some(Grid::parse("2,500,10000").expect("a list")),
-            budget: Some(1_000_000),
+            budget: Some(400_000),
             ..only(&[
                 "so3-exponential+hamilton-jacobi:4",
                 "log-canonical+hamilton-jacobi:2",

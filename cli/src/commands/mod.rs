@@ -8,4 +8,5 @@ pub mod explain;
 pub mod list;
 pub mod new;
 pub mod run;
+pub mod tune;
 pub mod verify;

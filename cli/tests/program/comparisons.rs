@@ -109,3 +109,84 @@ fn a_comparison_that_cannot_be_made_says_why() {
     refused(&["--set", bracket, "--only", "rk4"], 3, &["not Poisson"]);
     assert!(here.is_untouched());
 }
+
+#[test]
+fn tune_writes_a_scene_that_runs_within_what_was_asked() {
+    let scene = include_str!("../../../scenes/rigid_body.toml");
+    let here = Place::with(&scene.replace("steps   = 1000", "steps   = 100"));
+    let said = here.leafwise(&["tune", "scene.toml", "--error", "1e-8", "--write", "--json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let found = said.json();
+    assert_eq!(found["outcome"], "found");
+    let recommended = &found["recommended"];
+    assert_eq!(recommended["measured"]["poisson"], true);
+    let written = here.read("scene.toml");
+    for comment in scene.lines().filter(|line| line.starts_with('#')) {
+        assert!(written.contains(comment), "{comment}\n{written}");
+    }
+    let run = here.leafwise(&["run", "scene.toml", "--json", "--quiet"]);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    let run = run.json();
+    let list = |value: &serde_json::Value| -> Vec<f64> {
+        let list = value.as_array().expect("a list").iter();
+        list.map(|x| x.as_f64().expect("a number")).collect()
+    };
+    let error = leafwise::trade::distance(
+        &list(&run["final_state"]),
+        &list(&found["reference"]["state"]),
+    );
+    assert!(error <= 1e-8, "{error:e}");
+    let said = recommended["measured"]["error"].as_f64().expect("a number");
+    assert!(
+        (error - said).abs() <= 1e-3 * said,
+        "{error:e}, said {said:e}"
+    );
+    let operations = run["solver"]["operations_per_step"]
+        .as_f64()
+        .expect("counted");
+    let steps = run["steps"].as_f64().expect("a number");
+    let counted = recommended["measured"]["operations"]
+        .as_f64()
+        .expect("counted");
+    assert!(
+        (operations * steps / counted - 1.0).abs() < 1e-9,
+        "{operations}"
+    );
+}
+
+#[test]
+fn tune_says_what_it_found_beside_and_what_keeps_it() {
+    let here = Place::with(BODY);
+    let only = "so3-exponential+hamilton-jacobi:6,dop853";
+    let tune = |arguments: &[&str], code: i32| {
+        let mut command = vec!["tune", "scene.toml", "--only", only];
+        command.extend_from_slice(arguments);
+        let said = here.leafwise(&command);
+        assert_eq!(said.code, Some(code), "{}{}", said.out, said.err);
+        said
+    };
+    let said = tune(&["--error", "1e-7"], 0);
+    for piece in [
+        "the cheapest Poisson map: so3-exponential + hamilton-jacobi 6",
+        "the cheapest of all, not a Poisson map: dop853",
+        "predicted  measured",
+        "[method]\nrealization = \"so3-exponential\"",
+        "--write puts it into the scene",
+    ] {
+        assert!(said.out.contains(piece), "{piece}: {}", said.out);
+    }
+    let said = tune(&["--error", "1e-7", "--any"], 0);
+    assert!(
+        said.out.contains("stepper     = { name = \"dop853\""),
+        "{}",
+        said.out
+    );
+    let said = tune(&["--error", "1e-18"], 5);
+    assert!(said.out.contains("ask for less"), "{}", said.out);
+    let said = tune(&["--error", "1e-7", "--budget", "1e4", "--json"], 5);
+    assert_eq!(said.json()["outcome"], "not found");
+    assert_eq!(said.json()["nearest"]["limit"], "budget");
+    tune(&[], 2).says(&["nothing is asked"]);
+    tune(&["--error", "1e-7", "--write", "--set", "run.steps=3"], 2).says(&["cannot be used"]);
+    assert!(here.is_untouched());
+}

@@ -24,6 +24,27 @@ impl PoissonSystem {
         }
     }
 
+    /// The same for methods that need no Jacobian, which long systems take long to compile.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a formula has no code.
+    pub fn field_values(&self) -> Result<SmoothMap, BuildError> {
+        match &self.definition {
+            Definition::Numbers(_) => self.field_map(),
+            Definition::Formulas(system) => {
+                let (mut graph, x) = inputs(system.dimension());
+                let field = system.vector_field(&mut graph, &x)?;
+                let parameters = system.parameters().len();
+                Ok(SmoothMap::compile_values(
+                    &graph,
+                    &field,
+                    parameters,
+                    x.len(),
+                ))
+            }
+        }
+    }
+
     /// (u, w) ↦ −Π(u)w, with its Jacobian where the system offers the derivative of Π.
     ///
     /// # Errors

@@ -276,7 +276,7 @@ pub(crate) fn adaptive_map(
             expected: "the tolerance lies in 1e-14 to 0.1".to_owned(),
         });
     }
-    let field = system.field_map()?;
+    let field = system.field_values()?;
     Ok(Arc::new(ReferenceMap {
         dimension: system.dimension(),
         properties: MapProperties {

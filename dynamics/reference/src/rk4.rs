@@ -14,12 +14,15 @@ pub(crate) static INFO: PartInfo = PartInfo {
     name: "rk4",
     kind: PartKind::Stepper,
     summary: "the classical Runge-Kutta method, explicit",
-    declares: "order 4; not a Poisson map; not self-adjoint; exact tangent",
+    declares: "order 4; not a Poisson map; not self-adjoint; exact tangent up to 256 variables",
     domain: "any system, of formulas or of numbers",
     literature: "W. Kutta, Z. Math. Phys. 46 (1901); Hairer, Norsett, Wanner, Solving Ordinary \
                  Differential Equations I, table II.1.2",
     parameters: &[],
 };
+
+/// Beyond this dimension no tangent is offered: its matrix takes longer to compile than a run.
+const LARGEST_TANGENT: usize = 256;
 
 /// RK4 for one trajectory.
 pub(crate) struct Rk4 {
@@ -100,7 +103,11 @@ impl StepperPart for Part {
         parameters: &PartParameters,
     ) -> Result<Arc<dyn StepMap>, BuildError> {
         parameters.refuse_unknown(&INFO)?;
-        let field = system.field_map()?;
+        let field = if system.dimension() <= LARGEST_TANGENT {
+            system.field_map()?
+        } else {
+            system.field_values()?
+        };
         Ok(Arc::new(ReferenceMap {
             dimension: system.dimension(),
             properties: MapProperties {

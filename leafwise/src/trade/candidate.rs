@@ -3,12 +3,15 @@
 use std::borrow::Cow;
 use std::fmt;
 
-use leafwise_core::part::{ParameterDefault, ParameterInfo, PartKind};
+use leafwise_core::part::{ParameterDefault, ParameterInfo, ParameterSetting, PartKind};
 use leafwise_core::{MapProperties, Registry};
-use leafwise_scene::document::{MethodParts, MethodTable};
+use leafwise_scene::document::{MethodParts, MethodTable, PartUse};
 use leafwise_scene::{ComposedRun, SceneDocument, SceneLibrary, compose};
 
 use super::error::TradeError;
+
+/// Parameters that are always named.
+const ORDERS: [&str; 3] = ["order", "stages", "tolerance"];
 
 /// A scene on which methods are compared.
 pub struct Bench<'a> {
@@ -59,9 +62,48 @@ impl<'a> Bench<'a> {
         self.registry
     }
 
+    /// Where systems named by a scene are looked up.
+    pub fn library(&self) -> &dyn SceneLibrary {
+        self.library
+    }
+
     /// The scene with its own method.
     pub fn own(&self) -> &ComposedRun {
         &self.own
+    }
+
+    /// The scene's own method, `auto` replaced by what was taken.
+    pub fn own_method(&self) -> Option<MethodTable> {
+        self.resolved(&self.own)
+    }
+
+    /// The method of a composed scene, without parameters that have their usual values and are no
+    /// orders.
+    fn resolved(&self, run: &ComposedRun) -> Option<MethodTable> {
+        let mut method = MethodTable::of_choices(&run.plan.parts)?;
+        let infos = self.registry.parts();
+        let simplify = |part: &mut PartUse| {
+            let info = infos.iter().find(|info| info.name == part.name);
+            part.parameters.retain(|(name, value)| {
+                let known = info.and_then(|i| i.parameters.iter().find(|p| p.name == name));
+                let usual = known.map(|p| ParameterSetting::from(p.default));
+                ORDERS.contains(&name.as_str()) || usual.as_ref() != Some(value)
+            });
+        };
+        match &mut method.parts {
+            MethodParts::Stepper(stepper) => simplify(stepper),
+            MethodParts::Pair {
+                realization,
+                dynamics,
+            } => {
+                simplify(realization);
+                simplify(dynamics);
+            }
+        }
+        if let Some(composition) = &mut method.composition {
+            simplify(composition);
+        }
+        Some(method)
     }
 
     /// The time over which methods are compared.
@@ -155,7 +197,7 @@ impl Candidate {
         let time_step = bench.time / bench.steps as f64;
         let run = bench.compose(method, time_step, bench.steps)?;
         let knob = knob(bench.registry, method);
-        let resolved = MethodTable::of_choices(&run.plan.parts);
+        let resolved = bench.resolved(&run);
         let method = match knob {
             Knob::Steps => resolved.unwrap_or_else(|| method.clone()),
             Knob::Tolerance => method.clone(),

@@ -77,7 +77,7 @@ pub fn catalogue(bench: &Bench<'_>, extent: Extent, orders: Option<&[usize]>) ->
 
 impl Catalogue<'_> {
     fn fill(&mut self) {
-        let own = MethodTable::of_choices(&self.bench.own().plan.parts);
+        let own = self.bench.own_method();
         self.entries.extend(own.iter().map(|own| Entry {
             method: own.clone(),
             candidate: Candidate::build(self.bench, own),

@@ -8,8 +8,10 @@ use super::catalogue::{Entry, Extent, catalogue};
 use super::error::TradeError;
 use super::front::pareto_front;
 use super::grid::Grid;
+use super::measured::{Front, Measured};
+use super::plateau::{Plateau, SMALL};
 use super::reference::Reference;
-use super::trial::{Trial, TrialFailure, Wall, distance, run_trial, tensor_defect, time_run};
+use super::trial::{TrialFailure, run_trial, time_run};
 
 /// What is compared.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -62,47 +64,6 @@ pub struct Point {
     pub outcome: Result<Measured, TrialFailure>,
 }
 
-/// What a run costs and what it keeps.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Measured {
-    /// Operations of the whole run, as
-    /// [`SolverStatistics::operations`](leafwise_core::SolverStatistics::operations) counts them.
-    pub operations: Option<u64>,
-    /// Evaluations of the whole run.
-    pub evaluations: u64,
-    /// How long it took.
-    pub wall: Option<Wall>,
-    /// ‖x − x*‖ at the end time.
-    pub error: f64,
-    /// The same over ‖x*‖.
-    pub relative_error: f64,
-    /// Whether the error is below ten times the reference's own: it may be smaller or larger.
-    pub at_floor: bool,
-    /// max |H(x_k) − H(x_0)| over every step.
-    pub energy_drift: f64,
-    /// The largest max |C(x_k) − C(x_0)| of a Casimir over every step; 0 where there is none.
-    pub casimir_drift: f64,
-    /// The tensor defect of one step, from the first state and from the last, relative; `None`
-    /// where the map offers no tangent.
-    pub tensor_defect: Option<f64>,
-    /// Whether the run is one of a Poisson map: declared exact, or declared to some order and
-    /// with a tensor defect of round-off at this step.
-    pub is_poisson: bool,
-    /// Which fronts it stands on.
-    pub front: Front,
-}
-
-/// The fronts on which a point stands.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Front {
-    /// Error against counted operations, among all methods.
-    pub all: bool,
-    /// The same among Poisson maps.
-    pub poisson: bool,
-    /// Error against wall time, among all methods.
-    pub wall: bool,
-}
-
 /// Methods compared on a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
@@ -122,10 +83,6 @@ pub struct Comparison {
     pub refused: Vec<(String, String)>,
 }
 
-/// A tensor defect of round-off, in units of u: products of up to a dozen factors, a few dozen of
-/// them, and the solve.
-pub(super) const DEFECT_ROUND_OFF: f64 = 256.0 * f64::EPSILON;
-
 /// Measures every method at every setting. `progress` is told the method and the number of
 /// methods before each one; it ends the comparison by returning `false`.
 ///
@@ -139,7 +96,7 @@ pub fn compare(
     let reference = Reference::compute(bench)?;
     let (entries, mut refused) = (entries(bench, options), Vec::new());
     let budget = options.budget.unwrap_or_else(|| own_budget(bench));
-    let own = MethodTable::of_choices(&bench.own().plan.parts);
+    let own = bench.own_method();
     let (mut methods, mut points) = (Vec::new(), Vec::new());
     let count = entries.len();
     for (at, entry) in entries.into_iter().enumerate() {
@@ -218,7 +175,7 @@ fn entries(bench: &Bench<'_>, options: &CompareOptions) -> Vec<Entry> {
 /// Four runs of the scene's own method, or the least budget.
 fn own_budget(bench: &Bench<'_>) -> u64 {
     let time_step = bench.time() / bench.steps() as f64;
-    let own = run_trial(bench.own(), time_step, bench.steps(), u64::MAX);
+    let own = run_trial(bench.own(), 1.0, time_step, bench.steps(), u64::MAX);
     own.map_or(0, |trial| 4 * trial.cost()).max(LEAST_BUDGET)
 }
 
@@ -245,8 +202,7 @@ impl Sweep<'_> {
                 Err(TrialFailure::OverBudget { .. } | TrialFailure::DoesNotFit { .. }) => true,
                 Err(_) => false,
                 Ok(measured) => {
-                    let cost = measured.operations.unwrap_or(measured.evaluations);
-                    let is_flat = plateau.is_reached(measured.error, cost);
+                    let is_flat = plateau.is_reached(measured.error, measured.cost());
                     let is_small = plateau.least <= SMALL * self.reference.norm();
                     measured.at_floor || (is_small && is_flat)
                 }
@@ -263,88 +219,14 @@ impl Sweep<'_> {
         let unfit = |reason| TrialFailure::DoesNotFit { reason };
         let run = self.candidate.run_at(self.bench, setting).map_err(unfit)?;
         let time_step = self.bench.time() / setting.steps as f64;
-        let trial = run_trial(&run, time_step, setting.steps, self.budget)?;
-        let wall = match self.repetitions {
-            0 => None,
-            count => Some(time_run(&run, time_step, setting.steps, count)?),
-        };
-        let defect = tensor_defect(&run, time_step, &[&run.plan.initial, &trial.state]);
-        Ok(measured(
-            &trial,
-            wall,
-            defect,
-            self.candidate.properties.structure,
-            self.reference,
-        ))
-    }
-}
-
-/// An error that is small enough, relative to the state, for a plateau to be round-off.
-pub(super) const SMALL: f64 = 1e-8;
-
-/// Watches whether more cost still makes less error.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Plateau {
-    /// The least error so far.
-    pub least: f64,
-    cost: u64,
-    without_gain: u32,
-}
-
-impl Default for Plateau {
-    fn default() -> Self {
-        Self {
-            least: f64::INFINITY,
-            cost: 0,
-            without_gain: 0,
+        let trial = run_trial(&run, 1.0, time_step, setting.steps, self.budget)?;
+        let structure = self.candidate.properties.structure;
+        let mut measured = Measured::of(&trial, &run, time_step, structure, self.reference);
+        if self.repetitions > 0 {
+            let wall = time_run(&run, 1.0, time_step, setting.steps, self.repetitions)?;
+            measured.wall = Some(wall);
         }
-    }
-}
-
-impl Plateau {
-    /// Takes in the next run; tells whether two costlier ones in a row gained less than a tenth.
-    pub fn is_reached(&mut self, error: f64, cost: u64) -> bool {
-        if error < 0.9 * self.least {
-            self.without_gain = 0;
-        } else if cost > self.cost {
-            self.without_gain += 1;
-        }
-        self.cost = self.cost.max(cost);
-        self.least = self.least.min(error);
-        self.without_gain >= 2
-    }
-}
-
-fn measured(
-    trial: &Trial,
-    wall: Option<Wall>,
-    tensor_defect: Option<f64>,
-    structure: Structure,
-    reference: &Reference,
-) -> Measured {
-    let error = distance(&trial.state, &reference.state);
-    let size = reference.norm();
-    Measured {
-        operations: trial.statistics.operations,
-        evaluations: trial.statistics.evaluations,
-        wall,
-        error,
-        relative_error: if size > 0.0 { error / size } else { error },
-        at_floor: error <= reference.floor(),
-        energy_drift: trial.drift.first().copied().unwrap_or(0.0),
-        casimir_drift: trial.drift.iter().skip(1).fold(0.0, |m, v| v.max(m)),
-        tensor_defect,
-        is_poisson: is_poisson(structure, tensor_defect),
-        front: Front::default(),
-    }
-}
-
-/// Whether a map of this declared structure and measured defect is Poisson to round-off.
-pub(super) fn is_poisson(structure: Structure, tensor_defect: Option<f64>) -> bool {
-    match structure {
-        Structure::Exact => true,
-        Structure::Order(_) => tensor_defect.is_some_and(|defect| defect <= DEFECT_ROUND_OFF),
-        Structure::None => false,
+        Ok(measured)
     }
 }
 

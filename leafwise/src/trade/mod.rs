@@ -6,9 +6,11 @@
 //! reference solution, and the largest drift of every invariant over every step.
 //!
 //! - [`compare`]: every method over a grid of settings, with the fronts that no other point beats;
+//! - [`Tuner`]: the cheapest method and step that hold what is asked;
 //! - [`Reference`]: the end state by two methods of high accuracy, with an estimate of its error;
 //! - [`comparison_page`]: a comparison as a page with figures;
-//! - `candidate`, `catalogue`, `parse`, `grid`, `trial`, `front`: the pieces.
+//! - `candidate`, `catalogue`, `parse`, `grid`, `trial`, `measured`, `plateau`, `front`: the pieces;
+//! - `tolerances`, `track`, `search`: those of the tuner.
 //!
 //! [`SolverStatistics::operations`]: leafwise_core::SolverStatistics::operations
 
@@ -18,20 +20,30 @@ mod compare;
 mod error;
 mod front;
 mod grid;
+mod measured;
 mod page;
 mod parse;
+mod plateau;
 mod reference;
+mod search;
+mod tolerances;
+mod track;
 mod trial;
+mod tune;
 
 pub use candidate::{Bench, Candidate, Knob, Setting};
 pub use catalogue::{Entry, Extent, catalogue};
-pub use compare::{
-    CompareOptions, ComparedMethod, Comparison, Front, LEAST_BUDGET, Measured, Point, compare,
-};
+pub use compare::{CompareOptions, ComparedMethod, Comparison, LEAST_BUDGET, Point, compare};
 pub use error::TradeError;
 pub use front::pareto_front;
 pub use grid::Grid;
+pub use measured::{Front, Measured};
 pub use page::comparison_page;
 pub use parse::parse_method;
 pub use reference::Reference;
+pub use tolerances::Tolerances;
 pub use trial::{Trial, TrialFailure, Wall, distance, run_trial, tensor_defect, time_run};
+pub use tune::{
+    Limit, MOST_OPERATIONS, Predicted, Reached, Recommendation, RunnerUp, TuneOptions, Tuner,
+    Tuning,
+};

@@ -5,7 +5,8 @@ use leafwise_scene::report::{ComparisonData, Curve, CurvePoint, Plot};
 use leafwise_scene::run::PROGRAM_VERSION;
 use leafwise_scene::{ReportError, SceneDocument, render_comparison};
 
-use super::compare::{Comparison, Measured, Point};
+use super::compare::{Comparison, Point};
+use super::measured::Measured;
 
 /// The families of methods, by colour.
 const FAMILIES: [&str; 6] = [

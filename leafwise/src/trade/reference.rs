@@ -155,7 +155,7 @@ fn run_setting(
         .run_at(bench, setting)
         .map_err(|reason| TrialFailure::DoesNotFit { reason })?;
     let time_step = bench.time() / setting.steps as f64;
-    run_trial(&run, time_step, setting.steps, BUDGET)
+    run_trial(&run, 1.0, time_step, setting.steps, BUDGET)
 }
 
 fn described(candidate: &Candidate, setting: Setting) -> String {

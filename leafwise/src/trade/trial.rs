@@ -32,7 +32,7 @@ pub enum TrialFailure {
         step: u64,
     },
     /// The run costs more than it was allowed to.
-    #[error("more than {budget:.1e} operations: stopped at step {step} of {steps}")]
+    #[error("it takes more than {budget:.1e} operations: stopped at step {step} of {steps}")]
     OverBudget {
         /// What was allowed.
         budget: f64,
@@ -67,19 +67,23 @@ pub(super) fn cost(statistics: &SolverStatistics) -> u64 {
     statistics.operations.unwrap_or(statistics.evaluations)
 }
 
-fn integrator(run: &ComposedRun, time_step: f64) -> Integrator {
+fn integrator(run: &ComposedRun, epsilon: f64, h: f64) -> Integrator {
     let values = run.system.parameter_values();
-    Integrator::new(run.method.map(), &values, 1.0, time_step, &run.plan.initial)
+    Integrator::new(run.method.map(), &values, epsilon, h, &run.plan.initial)
 }
 
-/// Takes `steps` steps and watches the invariants at every one; stops once `budget` operations are
-/// spent.
+/// A run stops early when this fraction of it foresees twice its budget.
+const FORESEEN: u64 = 8;
+
+/// Takes `steps` steps of εh and watches the invariants at every one; stops once `budget`
+/// operations are spent, or clearly will be.
 ///
 /// # Errors
 /// [`TrialFailure`], with the step.
 pub fn run_trial(
     run: &ComposedRun,
-    time_step: f64,
+    epsilon: f64,
+    h: f64,
     steps: u64,
     budget: u64,
 ) -> Result<Trial, TrialFailure> {
@@ -87,7 +91,7 @@ pub fn run_trial(
         reason: error.to_string(),
     };
     let mut observer = run.invariants().map_err(unfit)?;
-    let mut integrator = integrator(run, time_step);
+    let mut integrator = integrator(run, epsilon, h);
     let count = observer.observables();
     let (mut initial, mut now) = (vec![0.0; count], vec![0.0; count]);
     observer.evaluate(integrator.state(), &mut initial);
@@ -96,10 +100,14 @@ pub fn run_trial(
         integrator
             .step()
             .map_err(|error| TrialFailure::Step { step, error })?;
-        if cost(&integrator.statistics()) > budget {
+        let spent = cost(&integrator.statistics());
+        let taken = step + 1;
+        let foreseen = spent as f64 * (steps as f64 / taken as f64);
+        let is_hopeless = taken >= steps / FORESEEN && foreseen > 2.0 * budget as f64;
+        if spent > budget || is_hopeless {
             return Err(TrialFailure::OverBudget {
                 budget: budget as f64,
-                step: step + 1,
+                step: taken,
                 steps,
             });
         }
@@ -130,19 +138,20 @@ pub struct Wall {
     pub repetitions: usize,
 }
 
-/// Steps without observers, `repetitions` times.
+/// Takes `steps` steps of εh without observers, `repetitions` times.
 ///
 /// # Errors
 /// [`TrialFailure::Step`].
 pub fn time_run(
     run: &ComposedRun,
-    time_step: f64,
+    epsilon: f64,
+    h: f64,
     steps: u64,
     repetitions: usize,
 ) -> Result<Wall, TrialFailure> {
     let mut seconds = Vec::with_capacity(repetitions.max(1));
     for _ in 0..repetitions.max(1) {
-        let mut integrator = integrator(run, time_step);
+        let mut integrator = integrator(run, epsilon, h);
         let started = Instant::now();
         for step in 0..steps {
             integrator

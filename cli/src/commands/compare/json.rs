@@ -7,7 +7,7 @@ use leafwise::trade::{Comparison, Measured, Point, Reference};
 use serde_json::{Value, json};
 
 /// Everything that was measured.
-pub(super) fn object(document: &SceneDocument, comparison: &Comparison) -> Value {
+pub(in crate::commands) fn object(document: &SceneDocument, comparison: &Comparison) -> Value {
     let methods: Vec<Value> = comparison
         .methods
         .iter()
@@ -78,7 +78,8 @@ fn point_json(comparison: &Comparison, point: &Point) -> Value {
     object
 }
 
-fn measured_json(measured: &Measured) -> Value {
+/// What a run costs and what it keeps.
+pub(in crate::commands) fn measured_json(measured: &Measured) -> Value {
     let wall = measured.wall.map(|wall| {
         json!({
             "median": wall.seconds, "spread": wall.spread, "repetitions": wall.repetitions,

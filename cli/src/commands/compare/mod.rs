@@ -1,7 +1,7 @@
 //! `leafwise compare`: cost against accuracy, over methods, orders and steps.
 
 mod csv;
-mod json;
+pub(super) mod json;
 mod table;
 
 use std::fs;

@@ -1,0 +1,88 @@
+//! The object of `tune --json`.
+
+use leafwise::scene::json::json_number;
+use leafwise::trade::{Limit, Reached, Recommendation, RunnerUp};
+use serde_json::{Value, json};
+
+use super::Found;
+use super::text::advice;
+use crate::commands::compare::json::{measured_json, reference};
+
+/// Everything that was found.
+pub(super) fn object(found: &Found<'_>) -> Value {
+    let tuning = found.tuning;
+    let asked = tuning.asked;
+    let recommended = found.recommended();
+    let runners_up: Vec<Value> = tuning.runners_up.iter().map(runner_up).collect();
+    json!({
+        "outcome": if recommended.is_some() { "found" } else { "not found" },
+        "scene": found.document.name,
+        "time": json_number(found.bench.time()),
+        "asked": {
+            "error": asked.error.map(json_number),
+            "energy": asked.energy.map(json_number),
+            "casimir": asked.casimirs.map(json_number),
+            "relative": asked.relative,
+            "poisson": !found.any,
+        },
+        "reference": reference(found.tuner.reference()),
+        "recommended": recommended.map(recommendation),
+        "cheapest_of_all": tuning.any.as_ref().map(recommendation),
+        "runners_up": runners_up,
+        "nearest": tuning.nearest.as_ref().map(|reached| nearest(found, reached)),
+        "methods": tuning.methods,
+        "runs": tuning.runs,
+        "operations_spent": tuning.spent,
+        "written": found.written,
+    })
+}
+
+fn recommendation(recommended: &Recommendation) -> Value {
+    json!({
+        "name": recommended.name,
+        "method": recommended.method.text(recommended.time_step),
+        "steps": recommended.setting.steps,
+        "time_step": json_number(recommended.time_step),
+        "tolerance": recommended.setting.tolerance.map(json_number),
+        "predicted": recommended.predicted.map(|predicted| json!({
+            "error": json_number(predicted.error),
+            "operations": json_number(predicted.operations),
+        })),
+        "measured": measured_json(&recommended.measured),
+    })
+}
+
+fn runner_up(runner: &RunnerUp) -> Value {
+    json!({
+        "name": runner.name,
+        "steps": runner.setting.steps,
+        "tolerance": runner.setting.tolerance.map(json_number),
+        "operations": runner.operations,
+        "error": json_number(runner.error),
+        "poisson": runner.is_poisson,
+    })
+}
+
+fn nearest(found: &Found<'_>, reached: &Reached) -> Value {
+    let names = found.bench.invariants();
+    let drift = names.into_iter().zip(&reached.drift);
+    let drift: serde_json::Map<String, Value> = drift
+        .map(|(name, drift)| (name, json_number(*drift)))
+        .collect();
+    json!({
+        "name": reached.name,
+        "steps": reached.setting.steps,
+        "tolerance": reached.setting.tolerance.map(json_number),
+        "error": json_number(reached.error),
+        "drift": drift,
+        "missed": reached.missed,
+        "ratio": json_number(reached.ratio),
+        "limit": match reached.limit {
+            Limit::Reference => "reference",
+            Limit::RoundOff => "round-off",
+            Limit::Budget => "budget",
+            Limit::Failure => "failure",
+        },
+        "advice": advice(reached.limit),
+    })
+}

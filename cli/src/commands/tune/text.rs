@@ -1,0 +1,209 @@
+//! What was found, at the terminal.
+
+use leafwise::trade::{Limit, Reached, Recommendation, RunnerUp, Tolerances, Tuning};
+
+use super::Found;
+use crate::console::Console;
+use crate::table::{aligned_after, duration, grouped, short};
+
+/// Prints the recommendation, or what keeps every method from it.
+pub(super) fn print(found: &Found<'_>, console: &mut Console<'_>) {
+    let (bench, reference, tuning) = (found.bench, found.tuner.reference(), found.tuning);
+    console.result(&format!(
+        "asked to t = {}: {}",
+        short(bench.time()),
+        asked(&tuning.asked)
+    ));
+    console.result(&format!(
+        "errors against {}; their own is {:.1e}",
+        reference.methods.join(" and "),
+        reference.error
+    ));
+    console.result(&format!(
+        "tried {} methods in {} runs of {:.1e} operations together",
+        tuning.methods,
+        grouped(tuning.runs),
+        tuning.spent as f64
+    ));
+    console.result("");
+    match found.recommended() {
+        Some(recommended) => print_found(found, recommended, console),
+        None => print_missed(found, console),
+    }
+}
+
+fn asked(asked: &Tolerances) -> String {
+    let relative = if asked.relative { "relative " } else { "" };
+    let parts = [
+        ("error", asked.error),
+        ("energy", asked.energy),
+        ("Casimirs", asked.casimirs),
+    ];
+    let parts: Vec<String> = parts
+        .iter()
+        .filter_map(|(name, tolerance)| Some(format!("{relative}{name} {:e}", (*tolerance)?)))
+        .collect();
+    parts.join(", ")
+}
+
+fn print_found(found: &Found<'_>, recommended: &Recommendation, console: &mut Console<'_>) {
+    let tuning = found.tuning;
+    let kind = if found.any { "method" } else { "Poisson map" };
+    console.result(&format!(
+        "the cheapest {kind}: {}, {}",
+        console.bold(&recommended.name),
+        recommended.setting
+    ));
+    console.result("");
+    for line in aligned_after(&measured(found, recommended), 1) {
+        console.result(&format!("  {line}"));
+    }
+    console.result("");
+    if let Some(any) = tuning
+        .any
+        .as_ref()
+        .filter(|any| any.method != recommended.method)
+    {
+        console.result(&beside(recommended, any));
+        console.result("");
+    }
+    print_runners_up(tuning, console);
+    console.result(recommended.method.text(recommended.time_step).trim_end());
+    console.result(&format!(
+        "[run]\nsteps       = {}",
+        recommended.setting.steps
+    ));
+    console.result("");
+    console.result(&if found.written {
+        format!("written into {}", found.document.name)
+    } else {
+        "--write puts it into the scene".to_owned()
+    });
+}
+
+/// Predicted and measured, line by line.
+fn measured(found: &Found<'_>, recommended: &Recommendation) -> Vec<Vec<String>> {
+    let (measured, predicted) = (&recommended.measured, recommended.predicted);
+    let number = |value: f64| format!("{value:.2e}");
+    let or_dash = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), number);
+    let row = |label: &str, predicted: Option<f64>, measured: String| {
+        vec![label.to_owned(), or_dash(predicted), measured]
+    };
+    let mut rows = vec![
+        vec![String::new(), "predicted".to_owned(), "measured".to_owned()],
+        row("error", predicted.map(|p| p.error), number(measured.error)),
+        row("energy", None, number(measured.energy_drift)),
+    ];
+    if found.bench.invariants().len() > 1 {
+        rows.push(row("Casimirs", None, number(measured.casimir_drift)));
+    }
+    rows.push(row(
+        "operations",
+        predicted.map(|p| p.operations),
+        or_dash(measured.operations.map(|count| count as f64)),
+    ));
+    if let Some(wall) = measured.wall {
+        rows.push(row("time (noisy)", None, duration(wall.seconds)));
+    }
+    rows
+}
+
+/// The cheapest of all beside the cheapest Poisson map.
+fn beside(recommended: &Recommendation, any: &Recommendation) -> String {
+    let ratio = recommended.measured.cost() as f64 / any.measured.cost().max(1) as f64;
+    format!(
+        "the cheapest of all, not a Poisson map: {}, {}: {ratio:.1} times cheaper, error {:.1e}, \
+         energy {:.1e}, Casimirs {:.1e}; --any takes it",
+        any.name,
+        any.setting,
+        any.measured.error,
+        any.measured.energy_drift,
+        any.measured.casimir_drift
+    )
+}
+
+fn print_runners_up(tuning: &Tuning, console: &mut Console<'_>) {
+    let cells = |runner: &RunnerUp| {
+        vec![
+            if runner.is_poisson { "P" } else { "" }.to_owned(),
+            runner.name.clone(),
+            runner.setting.to_string(),
+            format!("{:.2e}", runner.operations as f64),
+            format!("{:.1e}", runner.error),
+        ]
+    };
+    if tuning.runners_up.is_empty() {
+        return;
+    }
+    let headings = ["", "runners-up", "setting", "operations", "error"];
+    let mut rows = vec![headings.map(str::to_owned).to_vec()];
+    rows.extend(tuning.runners_up.iter().map(cells));
+    for line in aligned_after(&rows, 3) {
+        console.result(&format!("  {line}"));
+    }
+    console.result("");
+}
+
+fn print_missed(found: &Found<'_>, console: &mut Console<'_>) {
+    let tuning = found.tuning;
+    console.result(if found.any {
+        "no method holds it"
+    } else {
+        "no Poisson map holds it"
+    });
+    match &tuning.nearest {
+        Some(reached) => {
+            let lines = nearest(found, reached);
+            lines.iter().for_each(|line| console.result(line));
+        }
+        None => console.result(&format!(
+            "  the reference itself is known to {:.1e} only: {}",
+            found.tuner.reference().error,
+            advice(Limit::Reference)
+        )),
+    }
+    if let Some(any) = tuning.any.as_ref().filter(|_| !found.any) {
+        console.result(&format!(
+            "  {}, {} holds it, and is not a Poisson map; --any takes it",
+            any.name, any.setting
+        ));
+    }
+}
+
+fn nearest(found: &Found<'_>, reached: &Reached) -> [String; 2] {
+    let names = found.bench.invariants();
+    let drift = names.iter().zip(&reached.drift);
+    let drift: Vec<String> = drift
+        .map(|(name, drift)| format!("{name} {drift:.1e}"))
+        .collect();
+    [
+        format!(
+            "  the nearest is {}, {}: error {:.1e}, {}",
+            reached.name,
+            reached.setting,
+            reached.error,
+            drift.join(", ")
+        ),
+        format!(
+            "  the {} is {:.1} times what is asked: {}",
+            reached.missed,
+            reached.ratio,
+            advice(reached.limit)
+        ),
+    ]
+}
+
+/// What keeps a method from what is asked, and what to try.
+pub(super) fn advice(limit: Limit) -> &'static str {
+    match limit {
+        Limit::Reference => {
+            "the motion magnifies round-off too much to tell; shorten it with --time, or ask for less"
+        }
+        Limit::RoundOff => {
+            "smaller steps no longer help, round-off does not get smaller; shorten the run with \
+             --time, or ask for less"
+        }
+        Limit::Budget => "it would take more operations than a run may; raise --budget",
+        Limit::Failure => "its steps fail; choose another method with --only",
+    }
+}

@@ -1,0 +1,96 @@
+//! What a run costs and what it keeps.
+
+use leafwise_core::Structure;
+use leafwise_scene::ComposedRun;
+
+use super::reference::Reference;
+use super::trial::{Trial, Wall, distance, tensor_defect};
+
+/// What a run costs and what it keeps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// Operations of the whole run, as
+    /// [`SolverStatistics::operations`](leafwise_core::SolverStatistics::operations) counts them.
+    pub operations: Option<u64>,
+    /// Evaluations of the whole run.
+    pub evaluations: u64,
+    /// How long it took.
+    pub wall: Option<Wall>,
+    /// ‖x − x*‖ at the end time.
+    pub error: f64,
+    /// The same over ‖x*‖.
+    pub relative_error: f64,
+    /// Whether the error is below ten times the reference's own: it may be smaller or larger.
+    pub at_floor: bool,
+    /// max |H(x_k) − H(x_0)| over every step.
+    pub energy_drift: f64,
+    /// The largest max |C(x_k) − C(x_0)| of a Casimir over every step; 0 where there is none.
+    pub casimir_drift: f64,
+    /// The tensor defect of one step, from the first state and from the last, relative; `None`
+    /// where the map offers no tangent.
+    pub tensor_defect: Option<f64>,
+    /// Whether the run is one of a Poisson map: declared exact, or declared to some order and
+    /// with a tensor defect of round-off at this step.
+    pub is_poisson: bool,
+    /// Which fronts it stands on.
+    pub front: Front,
+}
+
+/// The fronts on which a point stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Front {
+    /// Error against counted operations, among all methods.
+    pub all: bool,
+    /// The same among Poisson maps.
+    pub poisson: bool,
+    /// Error against wall time, among all methods.
+    pub wall: bool,
+}
+
+/// A tensor defect of round-off, in units of u: products of up to a dozen factors, a few dozen of
+/// them, and the solve.
+const DEFECT_ROUND_OFF: f64 = 256.0 * f64::EPSILON;
+
+impl Measured {
+    /// What a run of `run` says, `structure` being what the method declares.
+    pub(super) fn of(
+        trial: &Trial,
+        run: &ComposedRun,
+        time_step: f64,
+        structure: Structure,
+        reference: &Reference,
+    ) -> Self {
+        let error = distance(&trial.state, &reference.state);
+        let size = reference.norm();
+        let states: [&[f64]; 2] = [&run.plan.initial, &trial.state];
+        let tensor_defect = tensor_defect(run, time_step, &states);
+        Self {
+            operations: trial.statistics.operations,
+            evaluations: trial.statistics.evaluations,
+            wall: None,
+            error,
+            relative_error: if size > 0.0 { error / size } else { error },
+            at_floor: error <= reference.floor(),
+            energy_drift: trial.drift.first().copied().unwrap_or(0.0),
+            casimir_drift: trial.drift.iter().skip(1).fold(0.0, |m, v| v.max(m)),
+            tensor_defect,
+            is_poisson: is_poisson(structure, tensor_defect),
+            front: Front::default(),
+        }
+    }
+
+    /// The cost by which runs are compared: counted operations, or evaluations where a part does
+    /// not count its own.
+    pub fn cost(&self) -> u64 {
+        self.operations.unwrap_or(self.evaluations)
+    }
+}
+
+/// Whether a map of this declared structure and measured defect is Poisson to round-off.
+pub(super) fn is_poisson(structure: Structure, tensor_defect: Option<f64>) -> bool {
+    match structure {
+        Structure::Exact => true,
+        Structure::Order(_) => tensor_defect.is_some_and(|defect| defect <= DEFECT_ROUND_OFF),
+        Structure::None => false,
+    }
+}

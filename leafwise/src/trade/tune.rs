@@ -1,0 +1,391 @@
+//! The cheapest method and step that hold what is asked, found by measuring.
+
+use leafwise_core::StepMap;
+use leafwise_scene::document::MethodTable;
+use leafwise_scene::{SceneDocument, compose};
+
+use super::candidate::{Bench, Candidate, Setting};
+use super::catalogue::{Entry, Extent, catalogue};
+use super::error::TradeError;
+use super::measured::Measured;
+use super::reference::Reference;
+use super::search::Search;
+use super::tolerances::{Limits, Tolerances};
+use super::track::{End, Track, Tried};
+use super::trial::{run_trial, time_run};
+
+/// What is tried.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TuneOptions {
+    /// Methods beside all that fit the scene.
+    pub with: Vec<MethodTable>,
+    /// These methods alone, where there are any.
+    pub only: Vec<MethodTable>,
+    /// What one run may cost in operations; [`MOST_OPERATIONS`] otherwise, or ten runs of the
+    /// scene's own method where that is more.
+    pub budget: Option<u64>,
+}
+
+/// What one run may cost, in operations: about a second.
+pub const MOST_OPERATIONS: u64 = 500_000_000;
+
+/// The methods that fit a scene and the state that they are judged by.
+pub struct Tuner<'a> {
+    bench: &'a Bench<'a>,
+    reference: Reference,
+    candidates: Vec<Candidate>,
+    refused: Vec<(String, String)>,
+    budget: u64,
+}
+
+/// A method with its step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recommendation {
+    /// The method.
+    pub method: MethodTable,
+    /// One line: parts and orders.
+    pub name: String,
+    /// Steps and tolerance.
+    pub setting: Setting,
+    /// εh.
+    pub time_step: f64,
+    /// What the runs beside it foretold: error and operations; `None` with fewer than two.
+    pub predicted: Option<Predicted>,
+    /// What was measured, stepped as `leafwise run` will.
+    pub measured: Measured,
+    /// The scene with this method.
+    pub scene: String,
+}
+
+/// What was foretold of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Predicted {
+    /// The final state's error.
+    pub error: f64,
+    /// The counted operations.
+    pub operations: f64,
+}
+
+/// A run that came as near as any to what is asked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reached {
+    /// The method at its setting.
+    pub name: String,
+    /// Steps and tolerance.
+    pub setting: Setting,
+    /// The final state's error.
+    pub error: f64,
+    /// The largest deviation of each invariant, the energy first.
+    pub drift: Vec<f64>,
+    /// The largest ratio of what was measured to what is asked.
+    pub ratio: f64,
+    /// What is missed by that ratio: `final state`, or an invariant's name.
+    pub missed: String,
+    /// Why it does not come nearer.
+    pub limit: Limit,
+}
+
+/// What keeps a method from what is asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Limit {
+    /// The reference itself is not known as well as is asked.
+    Reference,
+    /// Smaller steps do not help: round-off, or the motion's own sensitivity to it.
+    RoundOff,
+    /// A run may not cost as much as it would take.
+    Budget,
+    /// Steps that are small enough fail.
+    Failure,
+}
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tuning {
+    /// What was asked, in the units of the scene: of the final state, and of each invariant that
+    /// was asked for.
+    pub asked: Tolerances,
+    /// The cheapest Poisson map that holds it.
+    pub poisson: Option<Recommendation>,
+    /// The cheapest of all methods that hold it.
+    pub any: Option<Recommendation>,
+    /// The next best, the cheapest run of each: first Poisson maps, then the others.
+    pub runners_up: Vec<RunnerUp>,
+    /// The Poisson map's run that comes nearest, where none holds it.
+    pub nearest: Option<Reached>,
+    /// Methods tried.
+    pub methods: usize,
+    /// Runs made.
+    pub runs: u64,
+    /// What they cost together, in operations.
+    pub spent: u64,
+}
+
+/// A method that holds what is asked and is not the cheapest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunnerUp {
+    /// Parts and orders.
+    pub name: String,
+    /// Steps and tolerance.
+    pub setting: Setting,
+    /// The counted operations.
+    pub operations: u64,
+    /// The final state's error.
+    pub error: f64,
+    /// Whether it is a Poisson map.
+    pub is_poisson: bool,
+}
+
+/// How many of each kind are listed.
+const RUNNERS_UP: usize = 5;
+
+impl<'a> Tuner<'a> {
+    /// Builds every method that fits the scene and computes the reference.
+    ///
+    /// # Errors
+    /// [`TradeError::NoReference`].
+    pub fn new(bench: &'a Bench<'a>, options: &TuneOptions) -> Result<Self, TradeError> {
+        let reference = Reference::compute(bench)?;
+        let build = |method: &MethodTable| Entry {
+            method: method.clone(),
+            candidate: Candidate::build(bench, method),
+        };
+        let mut entries: Vec<Entry> = options.only.iter().map(build).collect();
+        if entries.is_empty() {
+            entries = catalogue(bench, Extent::Full, None);
+            entries.extend(options.with.iter().map(build));
+        }
+        let (mut candidates, mut refused) = (Vec::new(), Vec::new());
+        for entry in entries {
+            match entry.candidate {
+                Ok(candidate) => candidates.push(candidate),
+                Err(reason) => refused.push((entry.method.to_string(), reason)),
+            }
+        }
+        let own = run_trial(
+            bench.own(),
+            1.0,
+            bench.time() / bench.steps() as f64,
+            bench.steps(),
+            u64::MAX,
+        );
+        let own = own.map_or(0, |trial| 10 * trial.cost());
+        let budget = options.budget.unwrap_or(own.max(MOST_OPERATIONS));
+        let mut tuner = Self {
+            bench,
+            reference,
+            candidates,
+            refused,
+            budget,
+        };
+        tuner.leave_out_uncounted();
+        Ok(tuner)
+    }
+
+    /// Costs are compared in one unit: where some methods count operations, those that do not are
+    /// left out.
+    fn leave_out_uncounted(&mut self) {
+        let counts = |candidate: &Candidate| {
+            let run = &candidate.run;
+            let values = run.system.parameter_values();
+            let map: &dyn StepMap = run.method.map();
+            map.stepper(1, &values, 1.0, 1.0)
+                .statistics()
+                .operations
+                .is_some()
+        };
+        if !self.candidates.iter().any(counts) {
+            return;
+        }
+        let (kept, left_out): (Vec<_>, Vec<_>) = std::mem::take(&mut self.candidates)
+            .into_iter()
+            .partition(counts);
+        self.candidates = kept;
+        let reason = "it does not count its operations";
+        let names = left_out.into_iter().map(|candidate| candidate.name);
+        self.refused
+            .extend(names.map(|name| (name, reason.to_owned())));
+    }
+
+    /// What errors are measured against.
+    pub fn reference(&self) -> &Reference {
+        &self.reference
+    }
+
+    /// Methods that do not fit, with the reason.
+    pub fn refused(&self) -> &[(String, String)] {
+        &self.refused
+    }
+
+    /// What one run may cost.
+    pub fn budget(&self) -> u64 {
+        self.budget
+    }
+
+    /// Finds the cheapest methods that hold `asked`. `progress` is told a method and the number of
+    /// runs before each one; it ends the search by returning `false`.
+    ///
+    /// # Errors
+    /// [`TradeError::Interrupted`]; [`TradeError::Build`] for an invariant without code.
+    pub fn tune(
+        &self,
+        asked: &Tolerances,
+        progress: &mut dyn FnMut(&str, u64) -> bool,
+    ) -> Result<Tuning, TradeError> {
+        let limits = asked.limits(&self.reference, &self.initial_invariants()?);
+        let mut search = Search {
+            bench: self.bench,
+            reference: &self.reference,
+            limits: &limits,
+            tracks: self
+                .candidates
+                .iter()
+                .map(|c| Track::new(self.bench, c))
+                .collect(),
+            budget: self.budget,
+            runs: 0,
+            spent: 0,
+        };
+        // What the reference cannot judge is not searched for.
+        let can_judge = self.reference.error < limits.error;
+        if can_judge && !search.screen(progress) {
+            return Err(TradeError::Interrupted);
+        }
+        if can_judge {
+            search.refine();
+        }
+        let [poisson, any] = [true, false].map(|poisson| self.recommend(&search, poisson));
+        let nearest = match poisson {
+            Some(_) => None,
+            None => self.nearest(&search, can_judge),
+        };
+        Ok(Tuning {
+            asked: *asked,
+            runners_up: runners_up(&search, [&poisson, &any]),
+            poisson,
+            any,
+            nearest,
+            methods: self.candidates.len(),
+            runs: search.runs,
+            spent: search.spent,
+        })
+    }
+
+    fn initial_invariants(&self) -> Result<Vec<f64>, TradeError> {
+        let own = self.bench.own();
+        let mut observer = own.invariants()?;
+        let mut values = vec![0.0; observer.observables()];
+        observer.evaluate(&own.plan.initial, &mut values);
+        Ok(values)
+    }
+
+    /// The cheapest run, repeated as the scene that is to be written runs it; the next one where
+    /// the last bits of ε·h make it miss.
+    fn recommend(&self, search: &Search<'_>, poisson: bool) -> Option<Recommendation> {
+        let mut met: Vec<(&Track<'_>, &Tried)> = search
+            .tracks
+            .iter()
+            .flat_map(|track| track.tried.iter().map(move |tried| (track, tried)))
+            .filter(|(_, tried)| tried.is_met() && (!poisson || tried.is_poisson))
+            .collect();
+        met.sort_by_key(|(_, tried)| tried.trial.cost());
+        met.into_iter()
+            .find_map(|(track, tried)| self.repeat(track, tried, search.limits))
+    }
+
+    fn repeat(&self, track: &Track<'_>, tried: &Tried, limits: &Limits) -> Option<Recommendation> {
+        let setting = tried.setting;
+        let method = track.candidate.method_at(setting);
+        let time_step = self.bench.time() / setting.steps as f64;
+        let document = self.bench.document();
+        let scene = method
+            .write_into(&document.text, time_step, setting.steps)
+            .ok()?;
+        let written = SceneDocument::parse(&document.name, &scene, self.bench.library()).ok()?;
+        let run = compose(&written, self.bench.registry()).ok()?;
+        let (epsilon, h, steps) = (run.plan.epsilon, run.plan.h, run.plan.steps);
+        let trial = run_trial(&run, epsilon, h, steps, u64::MAX).ok()?;
+        if limits.excess(&trial, &self.reference).ratio > 1.0 {
+            return None;
+        }
+        let structure = track.candidate.properties.structure;
+        let mut measured = Measured::of(&trial, &run, time_step, structure, &self.reference);
+        measured.wall = time_run(&run, epsilon, h, steps, REPETITIONS).ok();
+        let predicted = track.predicted(setting, |tried| tried.error);
+        Some(Recommendation {
+            name: track.candidate.name.clone(),
+            method,
+            setting,
+            time_step,
+            predicted: predicted.map(|(error, operations)| Predicted { error, operations }),
+            measured,
+            scene,
+        })
+    }
+
+    /// The run of a Poisson map that misses by the least.
+    fn nearest(&self, search: &Search<'_>, can_judge: bool) -> Option<Reached> {
+        let runs = search
+            .tracks
+            .iter()
+            .filter(|track| track.is_geometric())
+            .flat_map(|track| track.tried.iter().map(move |tried| (track, tried)));
+        let least = runs.min_by(|a, b| a.1.excess.ratio.total_cmp(&b.1.excess.ratio));
+        let names = self.bench.invariants();
+        if !can_judge {
+            return None;
+        }
+        let (track, tried) = least?;
+        Some(Reached {
+            name: track.candidate.name.clone(),
+            setting: tried.setting,
+            error: tried.error,
+            drift: tried.trial.drift.clone(),
+            ratio: tried.excess.ratio,
+            missed: match tried.excess.invariant {
+                None => "final state".to_owned(),
+                Some(at) => names.get(at).cloned().unwrap_or_default(),
+            },
+            limit: match &track.ended {
+                Some(End::RoundOff) => Limit::RoundOff,
+                Some(End::Failed(_)) => Limit::Failure,
+                _ => Limit::Budget,
+            },
+        })
+    }
+}
+
+/// How often the recommended run is timed.
+const REPETITIONS: usize = 5;
+
+fn runners_up(search: &Search<'_>, recommended: [&Option<Recommendation>; 2]) -> Vec<RunnerUp> {
+    let mut of_kind = [Vec::new(), Vec::new()];
+    for track in &search.tracks {
+        let Some(tried) = track
+            .cheapest(track.is_geometric())
+            .or(track.cheapest(false))
+        else {
+            continue;
+        };
+        let is_recommended = recommended
+            .iter()
+            .copied()
+            .flatten()
+            .any(|r| r.method == track.candidate.method_at(r.setting));
+        if !is_recommended {
+            of_kind[usize::from(!tried.is_poisson)].push(RunnerUp {
+                name: track.candidate.name.clone(),
+                setting: tried.setting,
+                operations: tried.trial.cost(),
+                error: tried.error,
+                is_poisson: tried.is_poisson,
+            });
+        }
+    }
+    let mut runners_up = Vec::new();
+    for mut kind in of_kind {
+        kind.sort_by_key(|runner| runner.operations);
+        kind.truncate(RUNNERS_UP);
+        runners_up.append(&mut kind);
+    }
+    runners_up
+}

@@ -1,0 +1,257 @@
+//! The tuner: what it recommends holds what is asked, and compare's grid has nothing much cheaper.
+
+mod common;
+
+use common::scene;
+use leafwise::ProblemLibrary;
+use leafwise::core::Registry;
+use leafwise::prelude::compose;
+use leafwise::scene::SceneDocument;
+use leafwise::trade::{
+    Bench, CompareOptions, Comparison, Limit, Measured, Recommendation, Tolerances, TuneOptions,
+    Tuner, Tuning, compare, distance, parse_method,
+};
+
+fn asked(error: f64) -> Tolerances {
+    Tolerances {
+        error: Some(error),
+        ..Tolerances::default()
+    }
+}
+
+fn tune(tuner: &Tuner<'_>, asked: Tolerances) -> Tuning {
+    tuner.tune(&asked, &mut |_, _| true).expect("a search")
+}
+
+/// Nothing on the grid that meets `error` is more than 1.3 times cheaper.
+fn is_cheapest(
+    found: &Recommendation,
+    comparison: &Comparison,
+    error: f64,
+    counts: impl Fn(&Measured) -> bool,
+) {
+    let cost = found.measured.operations.expect("counted");
+    for point in &comparison.points {
+        let Ok(measured) = &point.outcome else {
+            continue;
+        };
+        if measured.error > error || !counts(measured) {
+            continue;
+        }
+        let other = measured.operations.expect("counted");
+        assert!(
+            cost as f64 <= 1.3 * other as f64,
+            "{} takes {cost} for {error:e}, {} at {} only {other}",
+            found.name,
+            comparison.methods[point.method].name,
+            point.setting
+        );
+    }
+}
+
+/// The scene as it would be written, stepped by itself.
+fn rerun(found: &Recommendation, registry: &Registry) -> Vec<f64> {
+    let document =
+        SceneDocument::parse("tuned.toml", &found.scene, &ProblemLibrary).expect("a scene");
+    let run = compose(&document, registry).expect("a run");
+    let mut integrator = run.integrator();
+    (0..run.plan.steps).for_each(|_| integrator.step().expect("a step"));
+    integrator.state().to_vec()
+}
+
+fn tuned_at_1e_4_and_1e_8(document: &SceneDocument) {
+    let registry = Registry::with_builtin();
+    let bench = Bench::new(document, &registry, &ProblemLibrary, None).expect("a bench");
+    let comparison = compare(&bench, &CompareOptions::default(), &mut |_, _, _| true);
+    let comparison = comparison.expect("a comparison");
+    let tuner = Tuner::new(&bench, &TuneOptions::default()).expect("methods");
+    assert_eq!(tuner.reference(), &comparison.reference);
+    for error in [1e-4, 1e-8] {
+        let tuning = tune(&tuner, asked(error));
+        let poisson = tuning.poisson.as_ref().expect("a Poisson map");
+        let any = tuning.any.as_ref().expect("a method");
+        for found in [poisson, any] {
+            let state = rerun(found, &registry);
+            let measured = distance(&state, &tuner.reference().state);
+            assert!(
+                measured + tuner.reference().error <= error,
+                "{}: {measured:e}",
+                found.name
+            );
+            assert_eq!(
+                measured, found.measured.error,
+                "{}: as it will be run",
+                found.name
+            );
+            if let Some(predicted) = found.predicted {
+                let operations = found.measured.operations.expect("counted") as f64;
+                // The error by its order of magnitude, the cost closely.
+                let near = |a: f64, b: f64, factor: f64| a < factor * b && b < factor * a;
+                assert!(
+                    near(predicted.error, measured, 10.0),
+                    "{}: {predicted:?}",
+                    found.name
+                );
+                assert!(
+                    near(predicted.operations, operations, 1.5),
+                    "{}: {predicted:?}",
+                    found.name
+                );
+            }
+        }
+        assert!(poisson.measured.is_poisson);
+        is_cheapest(poisson, &comparison, error, |m| m.is_poisson);
+        is_cheapest(any, &comparison, error, |_| true);
+        assert!(any.measured.operations <= poisson.measured.operations);
+        let cost = |r: &Recommendation| r.measured.operations.expect("counted");
+        for runner in &tuning.runners_up {
+            let best = if runner.is_poisson { poisson } else { any };
+            assert!(
+                runner.operations >= cost(best) && runner.error <= error,
+                "{runner:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_rigid_body_is_tuned() {
+    tuned_at_1e_4_and_1e_8(&scene("rigid-body", "[1, 3, 3]", 0.2, 100));
+}
+
+#[test]
+fn the_periodic_lotka_volterra_system_is_tuned() {
+    tuned_at_1e_4_and_1e_8(&scene(
+        "lotka-volterra-periodic",
+        "[1, 1.9, 0.5]",
+        0.05,
+        400,
+    ));
+}
+
+#[test]
+fn the_magnetic_particle_is_tuned() {
+    let initial = "[1.0, 0.5, -0.5, 0.3, 0.2, 0.4]";
+    tuned_at_1e_4_and_1e_8(&scene("magnetic", initial, 0.1, 200));
+}
+
+fn lattice(sites: usize, steps: u64) -> SceneDocument {
+    let text = format!(
+        "[system]\nlibrary = \"volterra-lattice\"\nfamilies = {{ x = {sites} }}\n[method]\n\
+         realization = {{ name = \"karasev-truncated\", order = 2 }}\n\
+         dynamics = {{ name = \"hamilton-jacobi\", order = 2 }}\ntime-step = 0.1\n[run]\n\
+         initial = {{ \"x[i]\" = \"1 + 0.1*sin(2*pi*i/N)\" }}\nsteps = {steps}\n"
+    );
+    SceneDocument::parse("lattice.toml", &text, &ProblemLibrary).expect("a scene")
+}
+
+#[test]
+fn a_lattice_of_64_sites_is_tuned() {
+    tuned_at_1e_4_and_1e_8(&lattice(64, 200));
+}
+
+#[test]
+fn invariants_are_held_at_every_step_and_cost_what_they_cost() {
+    let document = scene("rigid-body", "[1, 3, 3]", 0.2, 100);
+    let registry = Registry::with_builtin();
+    let bench = Bench::new(&document, &registry, &ProblemLibrary, None).expect("a bench");
+    let tuner = Tuner::new(&bench, &TuneOptions::default()).expect("methods");
+    let loose = tune(&tuner, asked(1e-4));
+    let held = tune(
+        &tuner,
+        Tolerances {
+            energy: Some(1e-9),
+            casimirs: Some(1e-12),
+            ..asked(1e-4)
+        },
+    );
+    let (loose, held) = (loose.any.expect("a method"), held.any.expect("a method"));
+    assert!(
+        loose.measured.energy_drift > 1e-9,
+        "the energy is what is hard"
+    );
+    assert!(held.measured.error <= 1e-4 && held.measured.energy_drift <= 1e-9);
+    assert!(held.measured.casimir_drift <= 1e-12);
+    assert!(held.measured.operations > loose.measured.operations);
+
+    // Invariants alone need no end state; relative ones are in units of H(0) and |x(0)|².
+    let energy = tune(
+        &tuner,
+        Tolerances {
+            energy: Some(1e-4),
+            relative: true,
+            ..Tolerances::default()
+        },
+    );
+    let found = energy.any.expect("a method");
+    let initial = 0.5 + 6.0 + 3.6;
+    assert!(found.measured.energy_drift <= 1e-4 * initial);
+    assert!(found.measured.operations < loose.measured.operations);
+}
+
+#[test]
+fn what_cannot_be_held_says_what_keeps_it() {
+    let document = scene("rigid-body", "[1, 3, 3]", 0.2, 10);
+    let registry = Registry::with_builtin();
+    let bench = Bench::new(&document, &registry, &ProblemLibrary, None).expect("a bench");
+    let only = |text: &str, budget: Option<u64>| {
+        let options = TuneOptions {
+            only: vec![parse_method(text, &registry).expect("a method")],
+            budget,
+            ..TuneOptions::default()
+        };
+        Tuner::new(&bench, &options).expect("a method")
+    };
+    let hamilton_jacobi = "so3-exponential+hamilton-jacobi:4";
+    // Beyond the reference: nothing is run.
+    let tuning = tune(&only(hamilton_jacobi, None), asked(1e-16));
+    assert!(tuning.poisson.is_none() && tuning.nearest.is_none() && tuning.runs == 0);
+    // Too dear.
+    let tuning = tune(&only(hamilton_jacobi, Some(20_000)), asked(1e-8));
+    let nearest = tuning.nearest.expect("something was run");
+    assert_eq!(nearest.limit, Limit::Budget);
+    assert_eq!(nearest.missed, "final state");
+    assert!(nearest.ratio > 1.0 && nearest.error > 1e-8, "{nearest:?}");
+    // Round-off: no step makes the energy exact.
+    let tuning = tune(
+        &only(hamilton_jacobi, None),
+        Tolerances {
+            energy: Some(1e-17),
+            ..Tolerances::default()
+        },
+    );
+    let nearest = tuning.nearest.expect("something was run");
+    assert_eq!(
+        (nearest.limit, nearest.missed.as_str()),
+        (Limit::RoundOff, "energy")
+    );
+    // A Poisson map is asked for, and a baseline alone is allowed.
+    let tuning = tune(&only("dop853", None), asked(1e-6));
+    assert!(tuning.poisson.is_none() && tuning.any.is_some() && tuning.nearest.is_none());
+}
+
+#[test]
+fn a_search_repeats_and_can_be_ended() {
+    let document = scene("lotka-volterra-periodic", "[1, 1.9, 0.5]", 0.05, 60);
+    let registry = Registry::with_builtin();
+    let bench = Bench::new(&document, &registry, &ProblemLibrary, None).expect("a bench");
+    let methods = ["auto+hamilton-jacobi:4", "kahan-li-6/splitting", "dop853"];
+    let options = TuneOptions {
+        only: methods
+            .map(|text| parse_method(text, &registry).expect("a method"))
+            .to_vec(),
+        ..TuneOptions::default()
+    };
+    let tuner = Tuner::new(&bench, &options).expect("methods");
+    let once = tune(&tuner, asked(1e-6));
+    let again = tune(&tuner, asked(1e-6));
+    let scenes = |t: &Tuning| [&t.poisson, &t.any].map(|r| r.as_ref().map(|r| r.scene.clone()));
+    assert_eq!(scenes(&once), scenes(&again));
+    assert_eq!((once.runs, once.spent), (again.runs, again.spent));
+    let mut left = 3;
+    let ended = tuner.tune(&asked(1e-6), &mut |_, _| {
+        left -= 1;
+        left > 0
+    });
+    assert!(ended.is_err_and(|error| error.to_string() == "interrupted"));
+}
