@@ -125,6 +125,11 @@ impl<const W: usize> Block<W> {
                 let values = self.residual_values.as_flattened_mut();
                 let kernel = &self.kernel.residual;
                 kernel.evaluate(&mut self.residual, self.y.as_flattened(), values);
+                let guard = &self.residual_values[3 * self.dimension..];
+                if !guard.is_empty() {
+                    let (first, last) = guard.split_at(self.dimension);
+                    select(&chord, &mut self.guard, &guard_ratio(first, last));
+                }
             }
             self.correct::<D>(&newton, &chord);
             self.judge::<D>(&newton, &chord);
@@ -306,11 +311,9 @@ impl<const W: usize> Block<W> {
             Next::Newton
         };
         match next {
-            Next::Done if self.guard[w] >= 1.0 && is_newton => Err(StepError::LeftChart {
+            Next::Done if self.guard[w] >= 1.0 => Err(StepError::LeftChart {
                 ratio: self.guard[w],
             }),
-            // The guard is that of an earlier point.
-            Next::Done if self.guard[w] >= 1.0 => Ok(Next::Newton),
             Next::Newton | Next::Chord if lane.convergence.evaluations >= MOST_EVALUATIONS => {
                 Err(StepError::NoConvergence {
                     evaluations: MOST_EVALUATIONS as usize,

@@ -32,7 +32,12 @@ impl NewtonKernel {
         outputs.extend_from_slice(&ends.base);
         outputs.extend_from_slice(&ends.offset);
         outputs.extend_from_slice(&ends.increment);
-        let residual = Kernel::compile(graph, &outputs, parameters, d);
+        let guard: Vec<Term> = match &ends.guard {
+            Some((first, last)) => first.iter().chain(last).cloned().collect(),
+            None => Vec::new(),
+        };
+        let guarded = [&outputs[..], &guard[..]].concat();
+        let residual = Kernel::compile(graph, &guarded, parameters, d);
         for i in 0..d {
             for j in 0..d {
                 let base = graph.derivative(&ends.base[i], j)?;
@@ -45,10 +50,7 @@ impl NewtonKernel {
                 outputs.push(graph.derivative(&ends.increment[i], j)?);
             }
         }
-        if let Some((first, last)) = &ends.guard {
-            outputs.extend_from_slice(first);
-            outputs.extend_from_slice(last);
-        }
+        outputs.extend(guard);
         let full = Kernel::compile(graph, &outputs, parameters, d);
         Ok(Self {
             full: Arc::new(full),
@@ -78,7 +80,8 @@ impl NewtonKernel {
         &self.full
     }
 
-    /// The code of one iteration without Jacobians: outputs base, β̂ − base, α̂ − β̂.
+    /// The code of one iteration without Jacobians: outputs base, β̂ − base, α̂ − β̂, and the
+    /// guard's.
     pub fn residual_kernel(&self) -> &Kernel {
         &self.residual
     }
