@@ -7,10 +7,12 @@
 use std::sync::Arc;
 
 use leafwise_core::solver::iteration::Verdict;
-use leafwise_core::solver::{CorrectionSize, Extrapolation, LinearIteration};
+use leafwise_core::solver::{
+    CorrectionSize, Extrapolation, LaneByLane, LinearIteration, Trajectory,
+};
 use leafwise_core::{
-    BuildError, LagrangianBisection, MapProperties, RealizationData, RealizationWorker,
-    SolverStatistics, StepError, StepMap, Stepper,
+    BuildError, LagrangianBisection, MapProperties, RealizationData, RealizationWorker, StepError,
+    StepMap, Stepper,
 };
 use leafwise_expression::{Graph, Kernel, StepSize, Term, Workspace};
 use nalgebra::DMatrix;
@@ -21,6 +23,9 @@ use super::worker::{CollocatedWorker, SHORT_TAIL};
 
 /// Budget of one step.
 const MOST_EVALUATIONS: usize = 100;
+
+/// Levels of differences that the start is extrapolated from.
+const EXTRAPOLATION: usize = 12;
 
 /// A K-HJ map over collocation.
 #[derive(Clone, Debug)]
@@ -82,47 +87,30 @@ impl StepMap for FusedStep {
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
         let d = self.dimension();
-        let trajectories = (0..lanes)
-            .map(|lane| {
-                let own: Vec<f64> = parameters
-                    .iter()
-                    .skip(lane)
-                    .step_by(lanes)
-                    .copied()
-                    .collect();
-                let work = self.one_form.step_operations().work();
-                let mut one_form = self.one_form.workspace(1);
-                self.one_form.prepare(&mut one_form, &own, &[epsilon], &[h]);
-                Trajectory {
-                    curve: self.data.curve(&own),
-                    kernel: Arc::clone(&self.one_form),
-                    one_form,
-                    work,
-                    forms: 0,
-                    extrapolation: Extrapolation::new(d, 12),
-                    displacement: vec![0.0; d],
-                    centre: vec![0.0; d],
-                    p: vec![0.0; d],
-                }
-            })
-            .collect();
-        Box::new(FusedStepper {
-            trajectories,
-            epsilon,
-            most_points: self.data.most_points(),
-            statistics: SolverStatistics::default(),
-        })
+        Box::new(LaneByLane::new(lanes, d, parameters, |parameters| {
+            let mut one_form = self.one_form.workspace(1);
+            self.one_form
+                .prepare(&mut one_form, parameters, &[epsilon], &[h]);
+            FusedTrajectory {
+                epsilon,
+                most_points: self.data.most_points(),
+                curve: self.data.curve(parameters),
+                kernel: Arc::clone(&self.one_form),
+                one_form,
+                work: self.one_form.step_operations().work(),
+                forms: 0,
+                extrapolation: Extrapolation::new(d, EXTRAPOLATION),
+                displacement: vec![0.0; d],
+                centre: vec![0.0; d],
+                p: vec![0.0; d],
+            }
+        }))
     }
 }
 
-struct FusedStepper {
-    trajectories: Vec<Trajectory>,
+struct FusedTrajectory {
     epsilon: f64,
     most_points: Option<usize>,
-    statistics: SolverStatistics,
-}
-
-struct Trajectory {
     curve: Curve,
     kernel: Arc<Kernel>,
     one_form: Workspace,
@@ -135,7 +123,7 @@ struct Trajectory {
     p: Vec<f64>,
 }
 
-impl Trajectory {
+impl FusedTrajectory {
     fn one_form(&mut self) {
         for (i, value) in self.centre.iter().enumerate() {
             self.one_form.input_mut(i)[0] = *value;
@@ -148,8 +136,8 @@ impl Trajectory {
     }
 
     /// One solve at the present number of nodes.
-    fn solve(&mut self, epsilon: f64, x: &[f64], low: &[f64]) -> Result<usize, StepError> {
-        let d = x.len();
+    fn solve(&mut self, x: &[f64], low: &[f64], evaluations: &mut u64) -> Result<(), StepError> {
+        let (d, epsilon) = (x.len(), self.epsilon);
         let q = self.curve.rule.points();
         self.extrapolation
             .predict(self.displacement.as_chunks_mut().0);
@@ -166,6 +154,7 @@ impl Trajectory {
         self.one_form();
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         loop {
+            *evaluations += 1;
             self.curve.evaluate(&self.p);
             let mut size = CorrectionSize::default();
             for i in 0..d {
@@ -184,24 +173,24 @@ impl Trajectory {
             }
             self.one_form();
             if iteration.judge_correction(&size)? == Verdict::Converged {
-                return Ok(iteration.evaluations());
+                return Ok(());
             }
         }
     }
+}
 
+impl Trajectory for FusedTrajectory {
     fn step(
         &mut self,
-        epsilon: f64,
-        most_points: Option<usize>,
         x: &[f64],
         low: &[f64],
         increment: &mut [f64],
-    ) -> Result<usize, StepError> {
-        let mut evaluations = 0;
+        evaluations: &mut u64,
+    ) -> Result<(), StepError> {
         loop {
-            evaluations += self.solve(epsilon, x, low)?;
+            self.solve(x, low, evaluations)?;
             let (points, tail) = (self.curve.rule.points(), self.curve.tail());
-            match most_points {
+            match self.most_points {
                 Some(most) if tail > SHORT_TAIL && points < most => {
                     self.curve.set_points(points + 1);
                 }
@@ -210,74 +199,26 @@ impl Trajectory {
             }
         }
         for (i, increment) in increment.iter_mut().enumerate() {
-            *increment = -self.curve.combination(epsilon, &self.curve.rule.weights, i);
+            *increment = -self
+                .curve
+                .combination(self.epsilon, &self.curve.rule.weights, i);
         }
-        if increment.iter().any(|v| !v.is_finite()) {
-            return Err(StepError::NonFinite {
-                what: "the increment",
-            });
+        if increment.iter().all(|v| v.is_finite()) {
+            self.extrapolation
+                .record(self.displacement.as_chunks_mut().0, &[true]);
         }
-        self.extrapolation
-            .record(self.displacement.as_chunks_mut().0, &[true]);
-        Ok(evaluations)
-    }
-}
-
-impl Stepper for FusedStepper {
-    fn increment(
-        &mut self,
-        x: &[f64],
-        low: &[f64],
-        increment: &mut [f64],
-        outcome: &mut [Result<(), StepError>],
-    ) {
-        let lanes = self.trajectories.len();
-        let d = x.len() / lanes;
-        let mut own = vec![0.0; d];
-        for (lane, trajectory) in self.trajectories.iter_mut().enumerate() {
-            let of = |values: &[f64]| -> Vec<f64> {
-                values.iter().skip(lane).step_by(lanes).copied().collect()
-            };
-            let result =
-                trajectory.step(self.epsilon, self.most_points, &of(x), &of(low), &mut own);
-            self.statistics.steps += 1;
-            outcome[lane] = match result {
-                Ok(evaluations) => {
-                    let evaluations = evaluations as u64;
-                    self.statistics.evaluations += evaluations;
-                    self.statistics.most_evaluations =
-                        self.statistics.most_evaluations.max(evaluations);
-                    Ok(())
-                }
-                Err(error) => {
-                    self.statistics.failures += 1;
-                    trajectory.extrapolation.clear(0);
-                    own.fill(0.0);
-                    Err(error)
-                }
-            };
-            let places = increment.iter_mut().skip(lane).step_by(lanes);
-            places.zip(&own).for_each(|(place, value)| *place = *value);
-        }
+        Ok(())
     }
 
-    fn solution(&self, lane: usize) -> Option<Vec<f64>> {
-        self.trajectories
-            .get(lane)
-            .map(|trajectory| trajectory.centre.clone())
+    fn solution(&self) -> Option<&[f64]> {
+        Some(&self.centre)
     }
 
-    fn tangent(&mut self, lane: usize) -> Option<Vec<f64>> {
-        let trajectory = self.trajectories.get_mut(lane)?;
-        let d = trajectory.centre.len();
+    fn tangent(&mut self) -> Option<Vec<f64>> {
+        let d = self.centre.len();
         // A curve of its own, so that measuring does not disturb stepping.
-        let curve = trajectory.curve.clone();
-        let z: Vec<f64> = trajectory
-            .centre
-            .iter()
-            .chain(&trajectory.p)
-            .copied()
-            .collect();
+        let curve = self.curve.clone();
+        let z: Vec<f64> = self.centre.iter().chain(&self.p).copied().collect();
         let mut worker = CollocatedWorker {
             curve,
             epsilon: self.epsilon,
@@ -291,9 +232,7 @@ impl Stepper for FusedStepper {
         worker.tangents(&mut target, &mut change).ok()?;
         // D(·∘L) = ∂x + ∂p Dθ on L = graph θ.
         let slope = DMatrix::from_fn(d, d, |i, j| {
-            trajectory
-                .kernel
-                .output(&trajectory.one_form, d + i * d + j)[0]
+            self.kernel.output(&self.one_form, d + i * d + j)[0]
         });
         let along = |rows: &[f64]| {
             let all = DMatrix::from_row_slice(d, 2 * d, rows);
@@ -303,41 +242,22 @@ impl Stepper for FusedStepper {
         Some(map.transpose().as_slice().to_vec())
     }
 
-    fn restart(&mut self) {
-        self.trajectories
-            .iter_mut()
-            .for_each(|t| t.extrapolation.clear(0));
+    fn operations(&self) -> Option<u64> {
+        Some(self.curve.operations() + self.forms * self.work)
     }
 
-    fn statistics(&self) -> SolverStatistics {
-        let of = |t: &Trajectory| t.curve.operations() + t.forms * t.work;
-        SolverStatistics {
-            operations: Some(self.trajectories.iter().map(of).sum()),
-            ..self.statistics
-        }
+    fn restart(&mut self) {
+        self.extrapolation.clear(0);
     }
 
     fn memory(&self) -> Vec<f64> {
-        let mut memory = Vec::new();
-        for trajectory in &self.trajectories {
-            memory.push(trajectory.curve.rule.points() as f64);
-            trajectory.extrapolation.memory(0, &mut memory);
-        }
+        let mut memory = vec![self.curve.rule.points() as f64];
+        self.extrapolation.memory(0, &mut memory);
         memory
     }
 
-    fn restore(&mut self, memory: &[f64]) -> Result<(), usize> {
-        let each = 1 + self
-            .trajectories
-            .first()
-            .map_or(0, |t| t.extrapolation.memory_len());
-        if memory.len() != each * self.trajectories.len() {
-            return Err(each * self.trajectories.len());
-        }
-        for (trajectory, part) in self.trajectories.iter_mut().zip(memory.chunks_exact(each)) {
-            trajectory.curve.set_points(part[0].max(1.0) as usize);
-            trajectory.extrapolation.restore(0, &part[1..]);
-        }
-        Ok(())
+    fn restore(&mut self, memory: &[f64]) {
+        self.curve.set_points(memory[0].max(1.0) as usize);
+        self.extrapolation.restore(0, &memory[1..]);
     }
 }
