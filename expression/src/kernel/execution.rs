@@ -31,6 +31,16 @@ impl Execution {
         }
     }
 
+    /// What does the work on this machine, for reports.
+    pub fn describe(self) -> &'static str {
+        match self {
+            _ if !MachineCode::is_available() => "interpreter",
+            Self::Interpreted => "interpreter",
+            Self::Compiled => "machine code",
+            Self::Adaptive => "interpreter, then machine code",
+        }
+    }
+
     /// Sets what [`Kernel::workspace`](super::Kernel::workspace) takes from now on.
     pub fn set_default_of_process(self) {
         DEFAULT.store(self as u8, Ordering::Relaxed);

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use leafwise_core::StepMap;
 use leafwise_core::diagnostics::Verdict;
 use leafwise_expression::OperationCount;
 use serde::Deserialize;
@@ -142,7 +143,7 @@ impl Beginning {
     }
 
     /// Writes the manifest of a run that has ended.
-    pub fn write_ended(&self, report: &RunReport) -> Result<(), RunError> {
+    pub fn write_ended(&self, report: &RunReport, map: &dyn StepMap) -> Result<(), RunError> {
         let mut fields = self.fields.clone();
         let drift: Map<String, Value> = report
             .invariants
@@ -170,6 +171,7 @@ impl Beginning {
                 "failures": report.statistics.failures,
             },
             "drift": drift,
+            "machine_code": machine_code(map),
         });
         if let Value::Object(ending) = ending {
             fields.extend(ending);
@@ -191,6 +193,20 @@ impl Beginning {
 fn write(directory: &Path, fields: Map<String, Value>) -> Result<(), RunError> {
     let text = format!("{:#}\n", Value::Object(fields));
     replace(&directory.join(FILE), text.as_bytes())
+}
+
+/// The kernels of the steps that were compiled to machine code, for each number of lanes.
+fn machine_code(map: &dyn StepMap) -> Vec<Value> {
+    let mut compiled = Vec::new();
+    for (name, kernel) in map.kernels() {
+        for size in kernel.machine_code() {
+            compiled.push(json!({
+                "kernel": name, "operations": kernel.step_operations().total(),
+                "lanes": size.lanes, "bytes": size.bytes,
+            }));
+        }
+    }
+    compiled
 }
 
 fn operations(count: OperationCount) -> Value {

@@ -39,6 +39,13 @@ impl Field {
         })
     }
 
+    pub(super) fn kernels(&self) -> [(&'static str, &Kernel); 2] {
+        [
+            ("tensor times momentum", &self.value),
+            ("its derivatives", &self.slopes),
+        ]
+    }
+
     pub(super) fn worker(&self, parameters: &[f64]) -> FieldWorker {
         let d = self.dimension;
         let evaluator = match &self.source {

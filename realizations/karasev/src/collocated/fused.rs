@@ -93,6 +93,12 @@ impl StepMap for FusedStep {
         self.describe.clone()
     }
 
+    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+        let mut kernels = vec![("one-form", self.one_form.as_ref())];
+        kernels.extend(self.data.kernels());
+        kernels
+    }
+
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
         let d = self.dimension();
         let trajectories = (0..lanes)
