@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::method::Fields;
+use super::method::MethodFields;
 use super::program::{LatticeProgram, LatticeWorker};
 use crate::error::StepError;
 use crate::solver::iteration::{CorrectionSize, LinearIteration, Verdict};
@@ -18,7 +18,7 @@ const MOST_EVALUATIONS: usize = 200;
 /// observed rate, or when the corrections stagnate at round-off.
 pub struct LatticeStepper {
     program: Arc<LatticeProgram>,
-    fields: Fields,
+    fields: MethodFields,
     /// Operations of one evaluation.
     work: u64,
     trajectories: Vec<Trajectory>,
@@ -34,7 +34,7 @@ struct Trajectory {
 impl LatticeStepper {
     pub(super) fn new(
         program: Arc<LatticeProgram>,
-        fields: Fields,
+        fields: MethodFields,
         lanes: usize,
         parameters: &[f64],
         epsilon: f64,

@@ -12,6 +12,7 @@
 //! - [`entire`]: the entire functions that close the Lie series.
 //! - [`code`]: flows as straight-line code.
 //! - [`splitting`]: Strang's product as a step map.
+//! - [`lattice`]: the same on long lattices, by sweeps.
 //! - `division`, `display`: exact quotients in the ring, terms as text.
 //! - `register`: the part `splitting`.
 
@@ -20,10 +21,12 @@ mod display;
 mod division;
 pub mod entire;
 pub mod flow;
+pub mod lattice;
 pub mod piece;
 pub mod pieces;
 mod register;
 pub mod splitting;
 
+pub use lattice::LatticeSplitting;
 pub use piece::Piece;
 pub use splitting::Splitting;
