@@ -12,8 +12,11 @@ pub trait LatticeMap: StepMap {
     fn proxy(&self) -> &PoissonSystem;
     /// The proxy lattice.
     fn proxy_geometry(&self) -> &LatticeGeometry;
-    /// Operations of all sweeps, each taken once, all sites together.
+    /// The operations of one evaluation, all sites together: of a solver's iteration, of an explicit
+    /// step.
     fn operations(&self) -> usize;
+    /// The same, weighted as [`SolverStatistics::operations`](crate::SolverStatistics) is.
+    fn work(&self) -> u64;
     /// The numbers a coordinate that an evaluation keeps.
     fn fields(&self) -> usize;
 }

@@ -133,11 +133,6 @@ impl LatticeMethod {
     pub fn dynamics(&self) -> &dyn DynamicApproximation {
         self.dynamics.as_ref()
     }
-
-    /// The compiled sweeps.
-    pub fn program(&self) -> &LatticeProgram {
-        &self.program
-    }
 }
 
 impl LatticeMap for LatticeMethod {
@@ -155,6 +150,10 @@ impl LatticeMap for LatticeMethod {
 
     fn operations(&self) -> usize {
         self.program.operations()
+    }
+
+    fn work(&self) -> u64 {
+        self.program.work()
     }
 
     fn fields(&self) -> usize {

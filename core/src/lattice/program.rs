@@ -77,14 +77,10 @@ impl LatticeProgram {
         self.stages.len()
     }
 
-    fn stencils(&self) -> impl Iterator<Item = &Stencil> {
-        self.stages.iter().flat_map(|stage| &stage.stencils)
-    }
-
-    /// The operations of one evaluation, all sites together.
+    /// The operations of one evaluation of all stages, all sites together.
     pub fn operations(&self) -> usize {
-        self.stencils()
-            .map(|s| s.sites() * s.kernel.step_operations().total())
+        (0..self.stages.len())
+            .map(|stage| self.stage_operations(stage))
             .sum()
     }
 
@@ -95,7 +91,15 @@ impl LatticeProgram {
             .sum()
     }
 
-    /// The weighted operations of one stage, all sites together.
+    /// The operations of one stage, all sites together.
+    pub fn stage_operations(&self, stage: usize) -> usize {
+        let stencils = self.stages[stage].stencils.iter();
+        stencils
+            .map(|s| s.sites() * s.kernel.step_operations().total())
+            .sum()
+    }
+
+    /// The same, weighted.
     pub fn stage_work(&self, stage: usize) -> u64 {
         let stencils = self.stages[stage].stencils.iter();
         stencils

@@ -43,6 +43,14 @@ impl LatticeBase {
         }
     }
 
+    /// Realization and dynamics, unless a stepper stands in their place.
+    pub fn method(&self) -> Option<&LatticeMethod> {
+        match self {
+            Self::Method(method) => Some(method),
+            Self::Sweeps(_) => None,
+        }
+    }
+
     /// The map, to be composed.
     pub(super) fn shared(&self) -> Arc<dyn StepMap> {
         match self {
@@ -168,7 +176,7 @@ impl Stepping {
         let sites = map.geometry().length();
         let each = match lattice.base {
             LatticeBase::Method(_) => "One iteration",
-            LatticeBase::Sweeps(_) => "One sweep of each",
+            LatticeBase::Sweeps(_) => "One evaluation",
         };
         vec![
             (

@@ -10,7 +10,7 @@ use leafwise_core::solver::{MapProperties, StepMap, Stepper, Structure};
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::{Arithmetic, Ring, StepSize};
 
-use super::sweeps::Sweeps;
+use super::sweeps::{Sweeps, flows};
 use super::units::find_repeating_pieces;
 use crate::code::flow_increment;
 use crate::piece::Piece;
@@ -241,7 +241,15 @@ impl LatticeMap for LatticeSplitting {
     }
 
     fn operations(&self) -> usize {
-        self.shared.program.operations()
+        let stages = flows(&self.shared.order, &[1.0]);
+        let operations = |flow: &(usize, f64)| self.shared.program.stage_operations(flow.0);
+        stages.iter().map(operations).sum()
+    }
+
+    fn work(&self) -> u64 {
+        let stages = flows(&self.shared.order, &[1.0]);
+        let work = |flow: &(usize, f64)| self.shared.program.stage_work(flow.0);
+        stages.iter().map(work).sum()
     }
 
     fn fields(&self) -> usize {

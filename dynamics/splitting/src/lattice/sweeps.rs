@@ -83,7 +83,7 @@ impl Sweeps {
 
 /// The stages of φ¹_{γt/2} ∘ … ∘ φʳ_{γt} ∘ … ∘ φ¹_{γt/2} for each γ, with the parts of t that they
 /// take.
-fn flows(order: &[usize], factors: &[f64]) -> Vec<(usize, f64)> {
+pub(super) fn flows(order: &[usize], factors: &[f64]) -> Vec<(usize, f64)> {
     let mut flows: Vec<(usize, f64)> = Vec::new();
     let Some((middle, outer)) = order.split_last() else {
         return flows;
