@@ -23,6 +23,8 @@ pub struct Ring {
     atom_symbols: FxHashMap<Atom, Symbol>,
     derivatives: FxHashMap<(Symbol, usize), Polynomial>,
     has_relations: bool,
+    /// Products of terms that may still be formed.
+    remaining: u64,
 }
 
 impl Ring {
@@ -36,7 +38,31 @@ impl Ring {
             atom_symbols: FxHashMap::default(),
             derivatives: FxHashMap::default(),
             has_relations: false,
+            remaining: u64::MAX,
         }
+    }
+
+    /// The same for at most `products` products of terms. Once they are spent every further product
+    /// is 0, so that a computation that grows too long soon ends: who sets a limit asks
+    /// [`is_spent`](Self::is_spent) before taking a result.
+    pub fn limited(variables: usize, products: u64) -> Self {
+        Self {
+            remaining: products,
+            ..Self::new(variables)
+        }
+    }
+
+    #[allow(missing_docs)]
+    pub fn spent(&self) -> u64 { u64::MAX - self.remaining }
+    /// Whether the limit was reached, and results are void.
+    pub fn is_spent(&self) -> bool {
+        self.remaining == 0
+    }
+
+    /// Whether so many products of terms may be formed; none may after a refusal.
+    fn spend(&mut self, products: usize) -> bool {
+        self.remaining = self.remaining.saturating_sub(products as u64);
+        !self.is_spent()
     }
 
     /// The number d of state variables.
@@ -101,13 +127,16 @@ impl Ring {
         let mut plain = Vec::new();
         for (monomial, coefficient) in f.terms() {
             for &(symbol, exponent) in monomial.factors() {
+                if self.is_spent() {
+                    return Ok(Polynomial::zero());
+                }
                 let rest = monomial.shifted(symbol, -1);
                 let factor = coefficient.scaled(&Rational::from_integer(exponent.into()));
                 if usize::from(symbol) == variable {
                     plain.push((rest, factor));
                 } else if usize::from(symbol) >= self.variables {
                     let inner = self.generator_derivative(symbol, variable)?;
-                    if !inner.is_zero() {
+                    if !inner.is_zero() && self.spend(inner.terms().len()) {
                         parts.push((Rational::one(), inner.times_term(&rest, &factor)));
                     }
                 }
@@ -179,6 +208,9 @@ impl Ring {
             }
             if rewritten.is_empty() {
                 return f;
+            }
+            if !self.spend(rewritten.iter().map(|r| r.terms().len()).sum()) {
+                return Polynomial::zero();
             }
             f = Polynomial::collect(
                 settled
@@ -433,6 +465,9 @@ impl Arithmetic for Ring {
     }
 
     fn multiply(&mut self, a: &Polynomial, b: &Polynomial) -> Polynomial {
+        if !self.spend(a.terms().len() * b.terms().len()) {
+            return Polynomial::zero();
+        }
         self.normalize(a.product(b))
     }
 
