@@ -50,9 +50,9 @@ impl Field {
                 slopes,
                 curvature,
             } => Evaluator::Kernels {
-                value: Prepared::new(value, parameters),
-                slopes: Prepared::new(slopes, parameters),
-                curvature: curvature.worker(parameters),
+                value: Box::new(Prepared::new(value, parameters)),
+                slopes: Box::new(Prepared::new(slopes, parameters)),
+                curvature: Box::new(curvature.worker(parameters)),
                 operations: 0,
             },
             Source::Numbers(numbers) => Evaluator::Numbers {
@@ -135,9 +135,9 @@ pub(super) struct FieldWorker {
 
 enum Evaluator {
     Kernels {
-        value: Prepared,
-        slopes: Prepared,
-        curvature: CurvatureWorker,
+        value: Box<Prepared>,
+        slopes: Box<Prepared>,
+        curvature: Box<CurvatureWorker>,
         operations: u64,
     },
     Numbers {
