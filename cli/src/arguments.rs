@@ -6,8 +6,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use leafwise::expression::Execution;
 
 /// Exit codes, for the help text.
-const CODES: &str = "Exit codes: 0 done, 1 the run failed, 2 usage, 3 invalid scene, \
-                     5 a check failed, 130 interrupted with a checkpoint written.";
+const CODES: &str = "Exit codes: 0 done, 1 the run failed, 2 usage, 3 invalid scene, 4 a plugin \
+                     was refused, 5 a check failed, 130 interrupted with a checkpoint written.";
 
 /// Poisson integrators assembled from symplectic realizations and Lagrangian bisections.
 #[derive(Debug, Parser)]
@@ -25,6 +25,21 @@ pub struct Arguments {
         default_value = "adaptive"
     )]
     pub kernels: Kernels,
+    /// Shared libraries with parts.
+    #[command(flatten)]
+    pub plugins: PluginArguments,
+}
+
+/// Which plugins are loaded beside those that a scene names.
+#[derive(Args, Clone, Debug, Default)]
+pub struct PluginArguments {
+    /// Load the parts of a shared library: a path, or a name in the search path. It runs the
+    /// library's code
+    #[arg(long = "plugin", value_name = "PATH", global = true)]
+    pub plugins: Vec<PathBuf>,
+    /// Load no plugin, whatever a scene names; so does LEAFWISE_NO_PLUGINS
+    #[arg(long, global = true)]
+    pub no_plugins: bool,
 }
 
 /// How step kernels run.
@@ -69,6 +84,30 @@ pub enum Command {
     Tune(TuneArguments),
     /// Write a commented scene file to start from
     New(NewArguments),
+    /// List plugins, or check one
+    #[command(subcommand)]
+    Plugin(PluginCommand),
+}
+
+/// What to do with plugins.
+#[derive(Debug, Subcommand)]
+pub enum PluginCommand {
+    /// List the libraries of the search path, without loading any
+    List(PluginListArguments),
+    /// Try a library and report to the process that waits
+    #[command(hide = true)]
+    Probe {
+        /// The library.
+        path: PathBuf,
+    },
+}
+
+/// Arguments of `plugin list`.
+#[derive(Args, Clone, Debug)]
+pub struct PluginListArguments {
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
 }
 
 impl Command {
@@ -83,7 +122,8 @@ impl Command {
             Self::Verify(arguments) => arguments.json,
             Self::Compare(arguments) => arguments.json,
             Self::Tune(arguments) => arguments.json,
-            Self::New(_) => false,
+            Self::Plugin(PluginCommand::List(arguments)) => arguments.json,
+            Self::Plugin(PluginCommand::Probe { .. }) | Self::New(_) => false,
         }
     }
 }

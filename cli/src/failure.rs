@@ -4,6 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use leafwise::core::BuildError;
+use leafwise::plugins::PluginError;
 use leafwise::scene::compose::Refusal;
 use leafwise::scene::{ReportError, RunError, SceneDiagnostic};
 use leafwise::trade::TradeError;
@@ -22,6 +23,8 @@ pub mod exit {
     pub const USAGE: u8 = 2;
     /// The scene is not valid.
     pub const INVALID_SCENE: u8 = 3;
+    /// A plugin was refused.
+    pub const PLUGIN_REFUSED: u8 = 4;
     /// A check failed.
     pub const CHECK_FAILED: u8 = 5;
     /// Interrupted, with a checkpoint written.
@@ -53,6 +56,14 @@ pub enum Failure {
     /// A scene that is not valid: each problem where it stands.
     #[error("the scene is not valid")]
     Scene(Vec<SceneDiagnostic>),
+    /// A plugin that was refused, with its place in the scene that names it.
+    #[error("{error}")]
+    Plugin {
+        /// Why.
+        error: Box<PluginError>,
+        /// Where it is named.
+        place: Option<Box<SceneDiagnostic>>,
+    },
     /// A run that could not be started or kept on disk.
     #[error(transparent)]
     Run(RunError),
@@ -101,11 +112,20 @@ impl Failure {
         }
     }
 
+    /// The refusal of a plugin.
+    pub fn plugin(error: PluginError, place: Option<SceneDiagnostic>) -> Self {
+        Self::Plugin {
+            error: Box::new(error),
+            place: place.map(Box::new),
+        }
+    }
+
     /// The program's exit code.
     pub fn code(&self) -> u8 {
         match self {
             Self::Usage { .. } | Self::File { action: "read", .. } => exit::USAGE,
             Self::File { .. } => exit::RUN_FAILED,
+            Self::Plugin { .. } => exit::PLUGIN_REFUSED,
             Self::Scene(_) | Self::Build(_) => exit::INVALID_SCENE,
             Self::Run(error) if error.is_usage() => exit::USAGE,
             Self::Trade(TradeError::NoReference { .. }) | Self::Report(_) => exit::RUN_FAILED,
@@ -122,6 +142,12 @@ impl Failure {
                     let text = problem.render(console.color);
                     console.prose(&text);
                 }
+            }
+            Self::Plugin {
+                place: Some(place), ..
+            } => {
+                let text = place.render(console.color);
+                console.prose(&text);
             }
             _ => {
                 console.prose(&format!("{} {self}", console.error_word()));
@@ -153,6 +179,11 @@ impl Failure {
                     })
                     .collect();
                 json!({ "message": self.to_string(), "problems": problems })
+            }
+            Self::Plugin { error, .. } => {
+                json!({
+                    "message": self.to_string(), "plugin": error.plugin, "refusal": error.refusal,
+                })
             }
             _ => json!({ "message": self.to_string() }),
         }

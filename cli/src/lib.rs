@@ -5,6 +5,7 @@
 //! - [`failure`]: errors and their exit codes.
 //! - [`scene`]: reading a scene with its overrides.
 //! - [`commands`]: one module for each command.
+//! - [`plugins`]: the plugins that a command line and a scene ask for.
 //! - [`bar`]: the progress bar.
 //! - [`table`]: aligned columns.
 
@@ -13,6 +14,7 @@ pub mod bar;
 pub mod commands;
 pub mod console;
 pub mod failure;
+pub mod plugins;
 pub mod scene;
 pub mod table;
 
@@ -64,16 +66,22 @@ pub fn run(
     };
     Execution::from(arguments.kernels).set_default_of_process();
     let json = arguments.command.wants_json();
+    let plugins = &arguments.plugins;
     let outcome = match arguments.command {
-        Command::Run(arguments) => commands::run::execute(&arguments, console, interrupt),
-        Command::Check(arguments) => commands::check::execute(&arguments, console),
-        Command::Compare(arguments) => commands::compare::execute(&arguments, console, interrupt),
-        Command::Tune(arguments) => commands::tune::execute(&arguments, console, interrupt),
-        Command::Verify(arguments) => commands::verify::execute(&arguments, console),
-        Command::List(arguments) => commands::list::execute(&arguments, console),
-        Command::Describe(arguments) => commands::describe::execute(&arguments, console),
-        Command::Evaluate(arguments) => commands::evaluate::execute(&arguments, console),
+        Command::Run(arguments) => commands::run::execute(&arguments, plugins, console, interrupt),
+        Command::Check(arguments) => commands::check::execute(&arguments, plugins, console),
+        Command::Compare(arguments) => {
+            commands::compare::execute(&arguments, plugins, console, interrupt)
+        }
+        Command::Verify(arguments) => commands::verify::execute(&arguments, plugins, console),
+        Command::List(arguments) => commands::list::execute(&arguments, plugins, console),
+        Command::Describe(arguments) => commands::describe::execute(&arguments, plugins, console),
+        Command::Evaluate(arguments) => commands::evaluate::execute(&arguments, plugins, console),
+        Command::Tune(arguments) => {
+            commands::tune::execute(&arguments, plugins, console, interrupt)
+        }
         Command::New(arguments) => commands::new::execute(&arguments, console),
+        Command::Plugin(command) => commands::plugin::execute(&command, plugins, console),
     };
     outcome.unwrap_or_else(|failure: Failure| failure.print(console, json))
 }

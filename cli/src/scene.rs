@@ -4,18 +4,27 @@ use std::fs;
 use std::path::Path;
 use std::string::FromUtf8Error;
 
-use leafwise::ProblemLibrary;
-use leafwise::scene::{SceneDiagnostic, SceneDocument};
+use leafwise::scene::SceneDiagnostic;
 
 use crate::arguments::SceneArguments;
 use crate::failure::Failure;
 
-/// Reads the scene that the command line names.
+/// A scene file as it is, with the overrides of the command line.
+pub struct SceneText {
+    /// The file's name.
+    pub name: String,
+    /// Its text.
+    pub text: String,
+    /// Keys and values.
+    pub overrides: Vec<(String, String)>,
+}
+
+/// Reads the file that the command line names.
 ///
 /// # Errors
 /// [`Failure::File`] when the file cannot be read, [`Failure::Usage`] for an override without
-/// `=`, [`Failure::Scene`] for everything wrong inside.
-pub fn load(arguments: &SceneArguments) -> Result<SceneDocument, Failure> {
+/// `=`, [`Failure::Scene`] for text in another encoding.
+pub fn read(arguments: &SceneArguments) -> Result<SceneText, Failure> {
     let file = &arguments.scene;
     let bytes = fs::read(file).map_err(|source| {
         if source.kind() == std::io::ErrorKind::NotFound {
@@ -41,9 +50,11 @@ pub fn load(arguments: &SceneArguments) -> Result<SceneDocument, Failure> {
         };
         overrides.push((path.trim().to_owned(), value.trim().to_owned()));
     }
-    let name = file.display().to_string();
-    SceneDocument::parse_with(&name, &text, &overrides, &ProblemLibrary)
-        .map_err(|errors| Failure::Scene(errors.diagnostics()))
+    Ok(SceneText {
+        name: file.display().to_string(),
+        text,
+        overrides,
+    })
 }
 
 /// A scene in another encoding, at the first byte that is not UTF-8.

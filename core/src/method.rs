@@ -62,7 +62,10 @@ impl Method {
     ) -> Result<Self, BuildError> {
         let bisection = dynamics.bisection(system, &realization)?;
         let properties = properties_of(realization.as_ref(), dynamics.as_ref());
-        let fused = Arc::clone(&realization).fuse(system, Arc::clone(&bisection), properties);
+        let solves = dynamics.correction() == Correction::Bisection;
+        let fused = solves
+            .then(|| Arc::clone(&realization).fuse(system, Arc::clone(&bisection), properties))
+            .flatten();
         if let Some(fused) = fused {
             let path = Path::Fused(Arc::from(fused?));
             return Ok(Self {

@@ -23,6 +23,14 @@ pub trait SystemPart: Send + Sync {
     /// # Errors
     /// [`BuildError`] when a parameter is out of range.
     fn build(&self, parameters: &PartParameters) -> Result<PoissonSystem, BuildError>;
+    /// The text of a scene's `[system]` table, for a system given by formulas.
+    fn fragment(&self) -> Option<&str> {
+        None
+    }
+    /// Whether it can compute values without formulas.
+    fn has_numbers(&self) -> bool {
+        self.fragment().is_none()
+    }
     /// Where the values of a loaded part come from, for manifests: `expressions` or `numbers`.
     fn path(&self, parameters: &PartParameters) -> Option<&'static str> {
         let _ = parameters;

@@ -4,6 +4,7 @@
 //! - [`expression`]: formulas, exact algebra, straight-line kernels.
 //! - [`karasev`], [`hamilton_jacobi`]: the built-in parts.
 //! - [`systems`]: the problem library.
+//! - [`plugins`]: parts of third parties from shared libraries.
 //! - [`scene`]: scene files, composed, run and reported.
 //! - [`library`]: the problem library as a scene's source of systems.
 //! - [`verify`]: what every part really does, measured against what it declares.
@@ -25,13 +26,14 @@ pub use leafwise_hamilton_jacobi as hamilton_jacobi;
 pub use leafwise_karasev as karasev;
 pub use leafwise_lie_poisson as lie_poisson;
 pub use leafwise_log_canonical as log_canonical;
+pub use leafwise_plugin_loader as plugins;
 pub use leafwise_reference as reference;
 pub use leafwise_scene as scene;
 pub use leafwise_so3 as so3;
 pub use leafwise_splitting as splitting;
 pub use leafwise_systems as systems;
 
-pub use library::ProblemLibrary;
+pub use library::{ProblemLibrary, SystemLibrary};
 
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]

@@ -1,5 +1,9 @@
-//! The problem library as a scene's source of systems.
+//! Systems by name, as a scene's `library = "…"` asks for them.
 
+use std::sync::Arc;
+
+use leafwise_core::part::PartKind;
+use leafwise_core::registry::{Registry, SystemPart};
 use leafwise_scene::SceneLibrary;
 
 /// Where `library = "rigid-body"` is looked up: the systems of [`crate::systems`].
@@ -29,5 +33,47 @@ impl SceneLibrary for ProblemLibrary {
             .iter()
             .map(|system| system.id)
             .collect()
+    }
+}
+
+/// The problem library, and the systems of a registry: those of plugins.
+#[derive(Clone)]
+pub struct SystemLibrary {
+    parts: Vec<Arc<dyn SystemPart>>,
+}
+
+impl SystemLibrary {
+    /// The library of a registry as it is now.
+    pub fn of(registry: &Registry) -> Self {
+        let parts = registry.parts().into_iter();
+        let systems = parts.filter(|info| info.kind == PartKind::System);
+        Self {
+            parts: systems
+                .filter_map(|info| registry.system(info.name).ok())
+                .collect(),
+        }
+    }
+
+    fn find(&self, id: &str) -> Option<&Arc<dyn SystemPart>> {
+        self.parts.iter().find(|part| part.info().name == id)
+    }
+}
+
+impl SceneLibrary for SystemLibrary {
+    fn fragment(&self, id: &str) -> Option<&str> {
+        match self.find(id) {
+            Some(part) => part.fragment(),
+            None => ProblemLibrary.fragment(id),
+        }
+    }
+
+    fn part(&self, id: &str) -> Option<Arc<dyn SystemPart>> {
+        let part = self.find(id).filter(|part| part.has_numbers());
+        part.map(Arc::clone)
+    }
+
+    fn ids(&self) -> Vec<&str> {
+        let own = self.parts.iter().map(|part| part.info().name);
+        own.chain(ProblemLibrary.ids()).collect()
     }
 }

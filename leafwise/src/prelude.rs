@@ -6,4 +6,4 @@ pub use leafwise_core::{
 };
 pub use leafwise_scene::{ComposedRun, SceneDiagnostic, SceneDocument, compose};
 
-pub use crate::library::ProblemLibrary;
+pub use crate::library::{ProblemLibrary, SystemLibrary};

@@ -18,9 +18,9 @@ pub use compose::{ComposedRun, ComposedSystem, Refusal, SceneChecks, compose, co
 pub use diagnostic::{SceneDiagnostic, formula_span, string_content};
 pub use document::{
     Boundary, BracketSpec, Convention, InitialSpec, Located, MethodParts, MethodSection,
-    MethodTable, NoLibrary, Number, ParameterValue, PartSpec, PartUse, Place, RecordSpec,
-    RewriteError, RunSection, SceneDocument, SceneErrors, SceneLibrary, SceneProblem,
-    SceneProblemCause, Source, StepSpec, SystemSection,
+    MethodTable, NoLibrary, Number, NumbersSystem, ParameterValue, PartSpec, PartUse, Place,
+    PluginSpec, RecordSpec, RewriteError, RunSection, SceneDocument, SceneErrors, SceneLibrary,
+    SceneProblem, SceneProblemCause, Source, StepSpec, SystemSection,
 };
 pub use report::{ComparisonData, ReportData, ReportError, render_comparison, render_report};
 pub use run::{Progress, RunError, RunOptions, RunOutcome, RunReport};

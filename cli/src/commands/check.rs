@@ -1,24 +1,28 @@
 //! `leafwise check`: is the tensor Poisson, are the Casimirs Casimirs?
 
-use leafwise::core::Registry;
 use leafwise::core::diagnostics::{IdentityCheck, Verdict};
 use leafwise::scene::compose::{SceneChecks, compose};
 use leafwise::scene::json::{json_number, json_numbers};
 use serde_json::{Map, Value, json};
 
-use crate::arguments::CheckArguments;
+use crate::arguments::{CheckArguments, PluginArguments};
 use crate::console::Console;
 use crate::failure::{Failure, exit};
-use crate::scene::load;
+use crate::plugins::Parts;
 use crate::table::words;
 
 /// Checks the scene; returns the exit code.
 ///
 /// # Errors
 /// [`Failure`] when the scene is not valid.
-pub fn execute(arguments: &CheckArguments, console: &mut Console<'_>) -> Result<u8, Failure> {
-    let document = load(&arguments.scene)?;
-    let composed = compose(&document, &Registry::with_builtin())?;
+pub fn execute(
+    arguments: &CheckArguments,
+    plugins: &PluginArguments,
+    console: &mut Console<'_>,
+) -> Result<u8, Failure> {
+    let mut parts = Parts::new(plugins)?;
+    let document = parts.scene(&arguments.scene)?;
+    let composed = compose(&document, &parts.registry)?;
     let names = composed.system.variables();
     let checks = SceneChecks::of(&composed.system, &composed.near)?;
     let mut rows = vec![vec![

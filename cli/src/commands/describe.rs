@@ -7,9 +7,10 @@ use leafwise::scene::document::nearest;
 use leafwise::systems::{LibrarySystem, SystemError};
 use serde_json::{Value, json};
 
-use crate::arguments::DescribeArguments;
+use crate::arguments::{DescribeArguments, PluginArguments};
 use crate::console::Console;
 use crate::failure::{Failure, exit};
+use crate::plugins::Parts;
 use crate::table::words;
 
 /// Text wider than this is wrapped.
@@ -19,9 +20,13 @@ const WIDTH: usize = 88;
 ///
 /// # Errors
 /// [`Failure::Usage`] with the nearest name when there is none such.
-pub fn execute(arguments: &DescribeArguments, console: &mut Console<'_>) -> Result<u8, Failure> {
+pub fn execute(
+    arguments: &DescribeArguments,
+    plugins: &PluginArguments,
+    console: &mut Console<'_>,
+) -> Result<u8, Failure> {
     let name = arguments.name.as_str();
-    let registry = Registry::with_builtin();
+    let registry = Parts::new(plugins)?.registry;
     let mut found: Vec<(Vec<String>, Value)> = Vec::new();
     let mut listing = registry.listing().into_iter();
     if let Some((info, origin)) = listing.find(|(info, _)| info.name == name) {
@@ -74,7 +79,9 @@ fn part(info: &PartInfo, origin: &Origin) -> Vec<String> {
         ("literature", info.literature),
         ("origin", &origin.to_string()),
     ] {
-        labelled(&mut lines, label, text);
+        if !text.is_empty() {
+            labelled(&mut lines, label, text);
+        }
     }
     lines.push(String::new());
     if info.parameters.is_empty() {

@@ -1,7 +1,7 @@
 //! `leafwise evaluate`: the realization and the generating function at a point.
 
 use leafwise::core::part::ParameterSetting;
-use leafwise::core::{BuildError, Method, Registry};
+use leafwise::core::{BuildError, Method};
 use leafwise::expression::graph::lift;
 use leafwise::expression::{Arithmetic, Graph, Kernel, Rational, StepSize, Term};
 use leafwise::karasev::TruncatedKarasev;
@@ -9,10 +9,10 @@ use leafwise::scene::compose::{ComposedRun, compose};
 use leafwise::scene::json::{json_number, json_numbers};
 use serde_json::{Map, Value, json};
 
-use crate::arguments::EvaluateArguments;
+use crate::arguments::{EvaluateArguments, PluginArguments};
 use crate::console::Console;
 use crate::failure::{Failure, exit};
-use crate::scene::load;
+use crate::plugins::Parts;
 use crate::table::words;
 
 /// The values at a point (x, p).
@@ -29,9 +29,14 @@ struct Values {
 ///
 /// # Errors
 /// [`Failure`] when the scene is not valid or the point has another dimension.
-pub fn execute(arguments: &EvaluateArguments, console: &mut Console<'_>) -> Result<u8, Failure> {
-    let document = load(&arguments.scene)?;
-    let run = compose(&document, &Registry::with_builtin())?;
+pub fn execute(
+    arguments: &EvaluateArguments,
+    plugins: &PluginArguments,
+    console: &mut Console<'_>,
+) -> Result<u8, Failure> {
+    let mut parts = Parts::new(plugins)?;
+    let document = parts.scene(&arguments.scene)?;
+    let run = compose(&document, &parts.registry)?;
     let Some(method) = run.method.written() else {
         if run.method.lattice().is_none() {
             return Err(Failure::usage(

@@ -43,6 +43,14 @@ pub fn explain(run: &ComposedRun, start: Instant) -> Result<Vec<String>, BuildEr
             ));
         }
     }
+    for part in plan.system.iter().chain(&plan.parts) {
+        if let (Some(path), Some(origin)) = (part.path, &part.origin) {
+            rows.push((
+                "Loaded".to_owned(),
+                format!("{} by {path}, from {origin}", part.name),
+            ));
+        }
+    }
     match (run.method.written(), run.method.lattice()) {
         (Some(method), _) => rows.extend(series(run, method)?),
         (None, None) => {}

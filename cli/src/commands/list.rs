@@ -5,9 +5,10 @@ use leafwise::core::{Origin, Registry};
 use leafwise::scene::compose::LIE_ALGEBRAS;
 use serde_json::{Value, json};
 
-use crate::arguments::{Kind, ListArguments};
+use crate::arguments::{Kind, ListArguments, PluginArguments};
 use crate::console::Console;
 use crate::failure::{Failure, exit};
+use crate::plugins::Parts;
 use crate::table::words;
 
 /// Every kind, in the order in which they are listed.
@@ -24,8 +25,12 @@ const KINDS: [(Kind, &str); 6] = [
 ///
 /// # Errors
 /// Never; the signature is that of every command.
-pub fn execute(arguments: &ListArguments, console: &mut Console<'_>) -> Result<u8, Failure> {
-    let registry = Registry::with_builtin();
+pub fn execute(
+    arguments: &ListArguments,
+    plugins: &PluginArguments,
+    console: &mut Console<'_>,
+) -> Result<u8, Failure> {
+    let registry = Parts::new(plugins)?.registry;
     let mut object = serde_json::Map::new();
     let mut is_first = true;
     for (kind, heading) in KINDS {

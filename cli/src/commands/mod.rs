@@ -7,6 +7,7 @@ pub mod evaluate;
 pub mod explain;
 pub mod list;
 pub mod new;
+pub mod plugin;
 pub mod run;
 pub mod tune;
 pub mod verify;

@@ -4,7 +4,6 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use leafwise::core::Registry;
 use leafwise::scene::compose::{ComposedRun, compose};
 use leafwise::scene::json::{json_number, json_numbers};
 use leafwise::scene::run::{
@@ -13,11 +12,11 @@ use leafwise::scene::run::{
 use serde_json::{Map, Value, json};
 
 use super::explain::explain;
-use crate::arguments::RunArguments;
+use crate::arguments::{PluginArguments, RunArguments};
 use crate::bar::Bar;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
-use crate::scene::load;
+use crate::plugins::Parts;
 use crate::table::{duration, grouped, numbers, short};
 
 /// Coordinates of a state that a message shows.
@@ -29,12 +28,14 @@ const SHOWN_COORDINATES: usize = 12;
 /// [`Failure`] when the run cannot be started or written.
 pub fn execute(
     arguments: &RunArguments,
+    plugins: &PluginArguments,
     console: &mut Console<'_>,
     interrupt: &Arc<AtomicBool>,
 ) -> Result<u8, Failure> {
     let start = Instant::now();
-    let document = load(&arguments.scene)?;
-    let composed = compose(&document, &Registry::with_builtin())?;
+    let mut parts = Parts::new(plugins)?;
+    let document = parts.scene(&arguments.scene)?;
+    let composed = compose(&document, &parts.registry)?;
     if arguments.explain {
         for line in explain(&composed, start)? {
             console.prose(&line);

@@ -5,5 +5,6 @@ mod failing_runs;
 mod invalid_scenes;
 mod other_commands;
 mod parts;
+mod plugins;
 mod runs;
 mod support;

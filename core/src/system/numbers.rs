@@ -67,7 +67,7 @@ impl Derivatives {
 ///
 /// Every function takes a batch of points, one behind the other: d numbers a point, and as many points
 /// as `out` holds results. A vector argument holds d numbers for each point, or d numbers that serve
-/// all of them. What is written for a point depends on that point alone.
+/// all of them; so may the point itself, where vectors differ. What is written for a point depends on that point alone.
 pub trait NumbersWorker: Send {
     /// Π(y)v, (Πv)_i = Σ_j Π_ij(y) v_j: d results a point.
     ///

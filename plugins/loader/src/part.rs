@@ -78,8 +78,29 @@ macro_rules! either {
     )*};
 }
 
+impl SystemPart for Either<dyn SystemPart> {
+    fn info(&self) -> &'static PartInfo {
+        self.info
+    }
+
+    fn build(&self, parameters: &PartParameters) -> Result<PoissonSystem, BuildError> {
+        self.chosen(parameters)?.build(parameters)
+    }
+
+    fn fragment(&self) -> Option<&str> {
+        self.formulas.as_ref()?.fragment()
+    }
+
+    fn has_numbers(&self) -> bool {
+        self.numbers.is_some()
+    }
+
+    fn path(&self, parameters: &PartParameters) -> Option<&'static str> {
+        self.word(parameters)
+    }
+}
+
 either! {
-    SystemPart => PoissonSystem, ();
     RealizationPart => Arc<dyn RealizationData>, (system: &PoissonSystem);
     DynamicsPart => Arc<dyn DynamicApproximation>, ();
     StepperPart => Arc<dyn StepMap>, (system: &PoissonSystem);
@@ -118,7 +139,7 @@ pub(crate) fn part(
         PartKind::System => kind!(
             System,
             SystemPart,
-            FormulaSystemPart::new(declaration, info),
+            FormulaSystemPart::new(declaration, info)?,
             System,
             ForeignSystemPart
         ),

@@ -11,7 +11,8 @@ use std::path::Path;
 
 use leafwise_core::Registry;
 use leafwise_plugin_loader::{PluginError, ProbeCommand, Refusal, SmokeFailure};
-use support::{Workshop, impatient, load, probe};
+use support::build::Workshop;
+use support::{impatient, load, probe};
 
 /// The refusal of a file; the registry, which held one part, is as it was.
 #[track_caller]

@@ -12,12 +12,16 @@ use serde::Serialize;
 
 use super::Refusal;
 use super::system::DENSE_LIMIT;
-use crate::document::{Located, ParameterValue, PartSpec, Place, SceneDocument, Source, nearest};
+use crate::document::{
+    Located, Number, ParameterValue, PartSpec, Place, SceneDocument, Source, nearest,
+};
 
 /// What stands in for a part the scene leaves open.
 const DEFAULT_REALIZATION: &str = "karasev-truncated";
 const DEFAULT_DYNAMICS: &str = "hamilton-jacobi";
 const DEFAULT_DYNAMICS_ORDER: i64 = 4;
+/// What values alone allow.
+const ORDER_OF_NUMBERS: i64 = 2;
 
 /// A part as chosen, with all its parameters.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -34,6 +38,8 @@ pub struct PartChoice {
     pub reason: Option<&'static str>,
     /// Where it comes from.
     pub origin: Option<Origin>,
+    /// Where its values come from, for a loaded part: `expressions` or `numbers`.
+    pub path: Option<&'static str>,
 }
 
 /// What the scene's method is built of.
@@ -70,7 +76,8 @@ impl Parts {
 
 /// Builds the parts that `[method]` names.
 ///
-/// A part that is absent or called `auto` is chosen: Hamilton–Jacobi of order 4, and the cheapest
+/// A part that is absent or called `auto` is chosen: Hamilton–Jacobi of order 4 (2 for a system of
+/// numbers), and the cheapest
 /// exact realization that fits the tensor; where none does, or parameters are given with `auto`,
 /// Karasev's truncated after the dynamics' order, the smallest n for which Theorem 2 promises it.
 pub(super) fn parts(
@@ -91,7 +98,7 @@ pub(super) fn parts(
                 .composition(request.name())
                 .map_err(|_| request.unknown(PartKind::Composition, registry))?;
             let given = request.parameters(part.info())?;
-            choices.push(request.choice(part.info(), &given, registry));
+            choices.push(request.choice(part.info(), &given, None, registry));
             Some((part, given))
         }
     };
@@ -99,6 +106,41 @@ pub(super) fn parts(
         base,
         composition,
         choices,
+    })
+}
+
+/// The part that the scene's system comes from, where it is one of the registry's.
+pub(super) fn system_choice(document: &SceneDocument, registry: &Registry) -> Option<PartChoice> {
+    let library = document.system.library.as_ref()?;
+    let part = registry.system(&library.value).ok()?;
+    let info = part.info();
+    let (given, path) = match &document.system.numbers {
+        Some(numbers) => (numbers.given.clone(), "numbers"),
+        None => {
+            let values = document.system.parameters.iter();
+            let with = |given: PartParameters,
+                        (name, value): &(Located<String>, Located<Number>)| {
+                given.with(name.value.clone(), value.value.value)
+            };
+            (values.fold(PartParameters::new(), with), "expressions")
+        }
+    };
+    let shown = info
+        .parameters
+        .iter()
+        .filter(|p| p.name != "path")
+        .map(|p| {
+            let value = given.setting(info, p.name);
+            (p.name, value.unwrap_or_else(|_| p.default.into()))
+        });
+    Some(PartChoice {
+        kind: info.kind,
+        name: info.name,
+        parameters: shown.collect(),
+        is_automatic: false,
+        reason: None,
+        origin: registry.origin(info.name).cloned(),
+        path: Some(path),
     })
 }
 
@@ -118,7 +160,7 @@ fn stepper(
     let map = part
         .build(system, &given)
         .map_err(|error| request.refused(&error))?;
-    choices.push(request.choice(part.info(), &given, registry));
+    choices.push(request.choice(part.info(), &given, part.path(&given), registry));
     Ok(Base::Stepper(map))
 }
 
@@ -128,11 +170,16 @@ fn pair(
     registry: &Registry,
     choices: &mut Vec<PartChoice>,
 ) -> Result<Base, Refusal> {
+    let order = if system.expressions().is_some() {
+        DEFAULT_DYNAMICS_ORDER
+    } else {
+        ORDER_OF_NUMBERS
+    };
     let request = Request::new(
         document,
         document.method.dynamics.as_ref(),
         DEFAULT_DYNAMICS,
-        DEFAULT_DYNAMICS_ORDER,
+        order,
     );
     let part = registry
         .dynamics(request.name())
@@ -141,7 +188,7 @@ fn pair(
     let dynamics = part
         .build(&given)
         .map_err(|error| request.refused(&error))?;
-    let dynamics_choice = request.choice(part.info(), &given, registry);
+    let dynamics_choice = request.choice(part.info(), &given, part.path(&given), registry);
 
     let order = i64::try_from(dynamics.order()).unwrap_or(DEFAULT_DYNAMICS_ORDER);
     let request = Request::new(
@@ -169,7 +216,7 @@ fn pair(
         }
         refusal
     })?;
-    choices.push(request.choice(part.info(), &given, registry));
+    choices.push(request.choice(part.info(), &given, part.path(&given), registry));
     choices.push(dynamics_choice);
     Ok(Base::Pair(realization, dynamics))
 }
@@ -239,6 +286,7 @@ fn exact(
             is_automatic: true,
             reason: Some(reason),
             origin: registry.origin(info.name).cloned(),
+            path: None,
         };
         Some((realization, choice))
     })
@@ -390,6 +438,7 @@ impl<'a> Request<'a> {
         &self,
         info: &'static PartInfo,
         given: &PartParameters,
+        path: Option<&'static str>,
         registry: &Registry,
     ) -> PartChoice {
         let parameters = info
@@ -411,6 +460,7 @@ impl<'a> Request<'a> {
             is_automatic: self.named().is_none(),
             reason: None,
             origin: registry.origin(info.name).cloned(),
+            path,
         }
     }
 }

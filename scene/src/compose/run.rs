@@ -11,7 +11,7 @@ use leafwise_core::{
 use super::Refusal;
 use super::lattice::{STEPPER_LIMIT, SceneLattice, shortened};
 use super::observables::Observable;
-use super::parts::{Base, PartChoice, Parts, parts, what_fits};
+use super::parts::{Base, PartChoice, Parts, parts, system_choice, what_fits};
 use super::stepping::{LatticeStepping, MapStepping, Stepping};
 use super::system::compose_system;
 use crate::document::{PartSpec, SceneDocument};
@@ -33,6 +33,8 @@ pub struct RunPlan {
     pub observables: Vec<Observable>,
     /// Realization and dynamics as chosen.
     pub parts: Vec<PartChoice>,
+    /// The part that the system comes from, where it is one of the registry's.
+    pub system: Option<PartChoice>,
     /// The scene's families with their lengths.
     pub families: Vec<(String, usize)>,
 }
@@ -86,6 +88,7 @@ pub fn compose(document: &SceneDocument, registry: &Registry) -> Result<Composed
         initial: composed.initial,
         observables: composed.observables,
         parts: choices,
+        system: system_choice(document, registry),
         families: document
             .system
             .families

@@ -7,8 +7,8 @@ use super::Refusal;
 use super::initial::initial_state;
 use super::instantiate::instantiate;
 use super::lattice::{SceneLattice, shortened};
-use super::names::check_names;
-use super::observables::Observable;
+use super::names::{check_names, scope};
+use super::observables::{Observable, observables};
 use crate::document::SceneDocument;
 
 /// The largest dimension of a lattice that is written out site by site; longer ones are templates.
@@ -34,6 +34,15 @@ pub struct ComposedSystem {
 /// The first thing wrong, underlined in the scene.
 pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusal> {
     check_names(document)?;
+    if let Some(numbers) = &document.system.numbers {
+        let initial = initial_state(document)?;
+        return Ok(ComposedSystem {
+            system: PoissonSystem::clone(&numbers.system),
+            near: initial.clone(),
+            initial,
+            observables: observables(document, &scope(document, &[]))?,
+        });
+    }
     if let Some(lattice) = SceneLattice::of(document)? {
         let (system, geometry, observables) = lattice.trial()?;
         let initial = initial_state(document)?;

@@ -123,6 +123,12 @@ pub enum SceneProblemCause {
         /// Why not.
         reason: &'static str,
     },
+    /// A library system that cannot be made with the parameters given.
+    #[error("{message}")]
+    System {
+        /// Why not.
+        message: String,
+    },
     /// A bracket entry whose key is no pair of variables.
     #[error("`{key}` is not a pair of variables")]
     BracketKey {
@@ -157,6 +163,7 @@ impl SceneProblemCause {
             Self::Duplicate { .. } => "declared before".to_owned(),
             Self::InvalidName { reason, .. } => (*reason).to_owned(),
             Self::BracketKey { .. } => "expected two variables and a comma".to_owned(),
+            Self::System { .. } => "here".to_owned(),
             Self::Override { .. } => "given on the command line".to_owned(),
         }
     }

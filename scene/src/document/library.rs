@@ -1,9 +1,19 @@
 //! Where `library = "…"` is looked up.
 
+use std::sync::Arc;
+
+use leafwise_core::registry::SystemPart;
+
 /// A collection of named scene fragments, each a TOML text with a `[system]` table.
 pub trait SceneLibrary {
     /// The text of the fragment with this id.
     fn fragment(&self, id: &str) -> Option<&str>;
+
+    /// The system with this id as a part, where it can compute numbers without formulas.
+    fn part(&self, id: &str) -> Option<Arc<dyn SystemPart>> {
+        let _ = id;
+        None
+    }
 
     /// All ids, for suggestions.
     fn ids(&self) -> Vec<&str>;

@@ -150,7 +150,11 @@ fn example_name(key: &str) -> &'static str {
     }
 }
 
-fn read_parameter(item: &Item<'_>, problems: &mut Problems) -> Option<Located<ParameterValue>> {
+/// The value of a parameter of a part.
+pub(super) fn read_parameter(
+    item: &Item<'_>,
+    problems: &mut Problems,
+) -> Option<Located<ParameterValue>> {
     if item.is_string() {
         return item
             .string(problems)

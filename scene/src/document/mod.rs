@@ -1,7 +1,8 @@
 //! The scene's text as typed sections, every value with its place in the text.
 //!
 //! - `located`: values that remember where they were written;
-//! - `system`, `bracket`, `method`, `run`: one table of the scene each;
+//! - `system`, `bracket`, `method`, `run`, `plugin`: one table or list of the scene each;
+//! - `numbers`: systems that have no formulas;
 //! - `method_table`: a method as a value, written into a scene's text;
 //! - `overrides`: `--set path=value`, applied by rewriting the text;
 //! - `library`: where `library = "…"` is looked up;
@@ -14,7 +15,9 @@ mod library;
 mod located;
 mod method;
 mod method_table;
+mod numbers;
 mod overrides;
+mod plugin;
 mod reader;
 mod run;
 mod scene;
@@ -29,6 +32,8 @@ pub use library::{NoLibrary, SceneLibrary};
 pub use located::{Located, Number, Place, Source};
 pub use method::{MethodSection, ParameterValue, PartSpec, StepSpec};
 pub use method_table::{MethodParts, MethodTable, PartUse, RewriteError};
+pub use numbers::NumbersSystem;
+pub use plugin::PluginSpec;
 pub use run::{InitialSpec, RecordSpec, RunSection};
 pub use scene::SceneDocument;
 pub use suggest::nearest;

@@ -9,7 +9,8 @@ use super::library::SceneLibrary;
 use super::located::{Located, Place, Source};
 use super::method::{MethodSection, read_method};
 use super::overrides::apply_overrides;
-use super::reader::{Item, Problems, Table, end_of};
+use super::plugin::{PluginSpec, read_plugins};
+use super::reader::{Problems, Table, end_of};
 use super::run::{RunSection, read_run};
 use super::system::{SystemSection, read_system};
 use crate::diagnostic::{SceneDiagnostic, formula_span};
@@ -30,7 +31,7 @@ pub struct SceneDocument {
     /// Where to start, how far to go, what to keep.
     pub run: RunSection,
     /// Shared libraries to load first.
-    pub plugins: Vec<Located<String>>,
+    pub plugins: Vec<PluginSpec>,
 }
 
 impl SceneDocument {
@@ -159,12 +160,7 @@ fn without_consequences(problems: Vec<SceneProblem>) -> Vec<SceneProblem> {
         .collect()
 }
 
-type Sections = (
-    SystemSection,
-    MethodSection,
-    RunSection,
-    Vec<Located<String>>,
-);
+type Sections = (SystemSection, MethodSection, RunSection, Vec<PluginSpec>);
 
 fn read(
     text: &str,
@@ -208,9 +204,6 @@ fn read(
     let run = run
         .as_ref()
         .and_then(|table| read_run(table, system.as_ref(), problems));
-    let plugins = match root.get("plugins") {
-        Some(item) => item.list_of("a list of paths", problems, Item::string),
-        None => Some(Vec::new()),
-    };
+    let plugins = read_plugins(&root, problems);
     Some((system?, method?, run?, plugins?))
 }

@@ -8,6 +8,7 @@ use super::bracket::{BracketSpec, read_bracket};
 use super::error::SceneProblemCause;
 use super::library::SceneLibrary;
 use super::located::{Located, Number, Place, Source};
+use super::numbers::{NumbersSystem, PATH, asks_for_numbers, read_numbers};
 use super::reader::{Item, Problems, Table};
 use super::suggest::nearest;
 
@@ -51,6 +52,8 @@ pub struct SystemSection {
     pub hamiltonian: Located<String>,
     /// Claimed Casimirs by name.
     pub casimirs: Vec<(Located<String>, Located<String>)>,
+    /// A library system without formulas, in place of bracket, Hamiltonian and Casimirs.
+    pub numbers: Option<NumbersSystem>,
 }
 
 impl SystemSection {
@@ -105,7 +108,14 @@ pub(super) fn read_system(
         }
     }
     let id = item.string(problems)?;
-    let Some(text) = library.fragment(&id.value) else {
+    let fragment_text = library.fragment(&id.value);
+    let part = library.part(&id.value);
+    if let Some(part) = &part
+        && (fragment_text.is_none() || asks_for_numbers(table, problems))
+    {
+        return read_numbers(table, &id, part.as_ref(), problems);
+    }
+    let Some(text) = fragment_text else {
         let ids = library.ids();
         problems.push(
             SceneProblemCause::UnknownName {
@@ -120,7 +130,7 @@ pub(super) fn read_system(
     };
     *fragment = Some((id.value.clone(), text.to_owned()));
     let mut system = read_fragment(&id.value, text, problems)?;
-    override_values(table, &mut system, problems);
+    override_values(table, &mut system, part.is_some(), problems);
     system.library = Some(id);
     Some(system)
 }
@@ -155,11 +165,25 @@ fn read_fragment(id: &str, text: &str, problems: &mut Problems) -> Option<System
     read_inline(&table, problems)
 }
 
-/// Replaces parameter values and family lengths given beside `library`.
-fn override_values(table: &Table<'_>, system: &mut SystemSection, problems: &mut Problems) {
+/// Replaces parameter values and family lengths given beside `library`; where the system has numbers
+/// too, one parameter tells which to take.
+fn override_values(
+    table: &Table<'_>,
+    system: &mut SystemSection,
+    has_numbers: bool,
+    problems: &mut Problems,
+) {
     let parameters = table
         .get("parameters")
-        .and_then(|item| item.pairs("a table of numbers", problems, Item::number));
+        .and_then(|item| item.table(&item.title, "a table of numbers", problems))
+        .and_then(|table| {
+            let given = table.items.iter();
+            let given = given.filter(|item| !(has_numbers && item.key.value == PATH));
+            let values: Vec<_> = given
+                .map(|item| Some((item.key.clone(), item.number(problems)?)))
+                .collect();
+            values.into_iter().collect()
+        });
     replace(
         &mut system.parameters,
         parameters,
@@ -271,6 +295,7 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
         convention: convention?,
         hamiltonian: hamiltonian?,
         casimirs: casimirs?,
+        numbers: None,
     };
     check_names(&system, problems);
     check_dimension(table, &system, problems);

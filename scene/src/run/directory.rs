@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::checkpoint::{self, Checkpoint};
 use super::error::RunError;
-use super::manifest::{self, Manifest, PROGRAM_VERSION};
+use super::manifest::{self, Manifest, PROGRAM_VERSION, PluginRecord};
 use super::samples;
 use crate::document::SceneDocument;
 
@@ -43,11 +43,16 @@ pub(super) struct RunDirectory {
 }
 
 impl RunDirectory {
-    /// Takes hold of `path` for a run of `scene`.
+    /// Takes hold of `path` for a run of `scene` with these plugins.
     ///
     /// A directory without a run in it must be empty. With `force` the run it holds is removed:
     /// only the files that a run writes.
-    pub fn open(path: &Path, scene: &str, force: bool) -> Result<Self, RunError> {
+    pub fn open(
+        path: &Path,
+        scene: &str,
+        plugins: &[PluginRecord],
+        force: bool,
+    ) -> Result<Self, RunError> {
         let is_ours = path.join(LOCK).exists() || path.join(manifest::FILE).exists();
         let is_empty = match fs::read_dir(path) {
             Ok(mut entries) => entries.next().is_none(),
@@ -61,7 +66,7 @@ impl RunDirectory {
         }
         let stored = Manifest::read(path);
         if let Some(stored) = stored.as_ref().filter(|_| !force) {
-            refuse_other(path, stored, scene)?;
+            refuse_other(path, stored, scene, plugins)?;
         }
         fs::create_dir_all(path).map_err(RunError::io(path))?;
         let lock_path = path.join(LOCK);
@@ -91,7 +96,12 @@ impl RunDirectory {
 }
 
 /// Refuses a directory whose run has ended or is of another scene.
-fn refuse_other(path: &Path, stored: &Manifest, scene: &str) -> Result<(), RunError> {
+fn refuse_other(
+    path: &Path,
+    stored: &Manifest,
+    scene: &str,
+    plugins: &[PluginRecord],
+) -> Result<(), RunError> {
     let directory = path.to_owned();
     if !stored.is_unfinished() {
         let ended = if stored.outcome == "failed" {
@@ -113,6 +123,14 @@ fn refuse_other(path: &Path, stored: &Manifest, scene: &str) -> Result<(), RunEr
         return Err(RunError::SceneChanged {
             directory,
             difference: difference(&before, scene),
+        });
+    }
+    let is_used = |before: &&PluginRecord| plugins.iter().any(|now| now.sha256 == before.sha256);
+    if let Some(changed) = stored.plugins.iter().find(|before| !is_used(before)) {
+        return Err(RunError::PluginChanged {
+            directory,
+            plugin: changed.path.clone(),
+            sha256: changed.sha256.clone(),
         });
     }
     Ok(())

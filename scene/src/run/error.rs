@@ -53,6 +53,20 @@ pub enum RunError {
         /// The version that began it.
         version: String,
     },
+    /// The unfinished run was begun with another file of a plugin.
+    #[error(
+        "{} holds a run begun with another {} (sha256 {} then); continuing it would mix the two; \
+         use --force to start afresh",
+        directory.display(), plugin.display(), sha256.get(..12).unwrap_or(sha256)
+    )]
+    PluginChanged {
+        /// The run directory.
+        directory: PathBuf,
+        /// The library.
+        plugin: PathBuf,
+        /// The hash of the file that began the run.
+        sha256: String,
+    },
     /// The directory holds something else.
     #[error(
         "{} exists and is not a run directory; choose another with --out DIR",
@@ -122,6 +136,7 @@ impl RunError {
             Self::Ended { .. }
                 | Self::SceneChanged { .. }
                 | Self::VersionChanged { .. }
+                | Self::PluginChanged { .. }
                 | Self::Foreign { .. }
                 | Self::Busy { .. }
                 | Self::Damaged { .. }

@@ -7,7 +7,7 @@ use super::checkpoint::replace;
 use super::directory::{FINAL_STATE, REPORT, RunDirectory, SCENE, WINDOWS};
 use super::drive::{Session, invariant_name};
 use super::error::RunError;
-use super::manifest::Beginning;
+use super::manifest::{Beginning, plugins};
 use super::outcome::{InvariantDrift, RunOutcome, RunReport};
 use super::progress::Progress;
 use super::samples::WIDEST_STATE;
@@ -48,7 +48,12 @@ pub fn run(
     if let Some(refusal) = checks.refusal(document, &composed.system, options.allow_non_poisson) {
         return Err(RunError::Refused(refusal));
     }
-    let directory = RunDirectory::open(&options.directory, &document.text, options.force)?;
+    let directory = RunDirectory::open(
+        &options.directory,
+        &document.text,
+        &plugins(composed),
+        options.force,
+    )?;
     let resumed = directory.unfinished.as_ref();
     let resumed_at = resumed.map(|(checkpoint, _)| checkpoint.integrator.steps);
     let started = resumed.map(|(_, started)| started.clone());

@@ -1,18 +1,19 @@
 //! What was run, with what, and how it ended: `manifest.json`.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use leafwise_core::Origin;
 use leafwise_core::diagnostics::Verdict;
 use leafwise_expression::OperationCount;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use super::checkpoint::replace;
 use super::error::RunError;
 use super::outcome::{RunOutcome, RunReport};
 use super::time::now;
-use crate::compose::{ComposedRun, SceneChecks, TensorShape, tensor_shape};
+use crate::compose::{ComposedRun, PartChoice, SceneChecks, TensorShape, tensor_shape};
 use crate::document::SceneDocument;
 use crate::json::{json_number, json_numbers};
 
@@ -31,6 +32,24 @@ pub struct Manifest {
     pub outcome: String,
     /// When the run was begun.
     pub started: String,
+    /// The libraries it uses.
+    #[serde(default)]
+    pub plugins: Vec<PluginRecord>,
+}
+
+/// A library that a run uses.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PluginRecord {
+    /// The file.
+    pub path: PathBuf,
+    /// Its SHA-256, in hexadecimal.
+    pub sha256: String,
+    /// The version it states.
+    pub version: String,
+    /// The plugin interface it was built for.
+    pub abi: String,
+    /// The parts taken from it, each with where its values come from.
+    pub parts: Map<String, Value>,
 }
 
 impl Manifest {
@@ -69,23 +88,7 @@ impl Beginning {
         command: &str,
         started: Option<String>,
     ) -> Self {
-        let parts: Vec<Value> = run
-            .plan
-            .parts
-            .iter()
-            .map(|part| {
-                let parameters: Map<String, Value> = part
-                    .parameters
-                    .iter()
-                    .map(|(name, v)| ((*name).to_owned(), json!(v)))
-                    .collect();
-                json!({
-                    "kind": part.kind, "name": part.name, "parameters": parameters,
-                    "origin": part.origin,
-                    "chosen": if part.is_automatic { "automatically" } else { "by the scene" },
-                })
-            })
-            .collect();
+        let parts: Vec<Value> = run.plan.parts.iter().map(part).collect();
         let casimirs: Map<String, Value> = checks
             .casimirs
             .iter()
@@ -120,7 +123,9 @@ impl Beginning {
             "dimension": run.dimension(),
             "tensor": shape.to_string(),
             "checks": { "jacobi": verdict_word(checks.jacobi.verdict), "casimirs": casimirs },
+            "system": run.plan.system.as_ref().map(part),
             "parts": parts,
+            "plugins": plugins(run),
             "path": run.method.path(),
             "declared_order": run.method.declared_order(),
             "epsilon": run.plan.epsilon,
@@ -186,6 +191,54 @@ impl Beginning {
         }
         write(&report.directory, fields)
     }
+}
+
+/// A part as chosen.
+fn part(choice: &PartChoice) -> Value {
+    let parameters: Map<String, Value> = choice
+        .parameters
+        .iter()
+        .map(|(name, v)| ((*name).to_owned(), json!(v)))
+        .collect();
+    let mut part = json!({
+        "kind": choice.kind, "name": choice.name, "parameters": parameters,
+        "origin": choice.origin,
+        "chosen": if choice.is_automatic { "automatically" } else { "by the scene" },
+    });
+    if let Some(path) = choice.path {
+        part["path"] = json!(path);
+    }
+    part
+}
+
+/// The libraries that parts come from, each once.
+pub(super) fn plugins(run: &ComposedRun) -> Vec<PluginRecord> {
+    let mut plugins: Vec<PluginRecord> = Vec::new();
+    for choice in run.plan.parts.iter().chain(&run.plan.system) {
+        let Some(Origin::Library {
+            path,
+            sha256,
+            version,
+            abi,
+        }) = &choice.origin
+        else {
+            continue;
+        };
+        let place = plugins.iter().position(|known| known.path == *path);
+        let place = place.unwrap_or_else(|| {
+            plugins.push(PluginRecord {
+                path: path.clone(),
+                sha256: sha256.clone(),
+                version: version.clone(),
+                abi: abi.clone(),
+                parts: Map::new(),
+            });
+            plugins.len() - 1
+        });
+        let taken = json!(choice.path);
+        plugins[place].parts.insert(choice.name.to_owned(), taken);
+    }
+    plugins
 }
 
 fn write(directory: &Path, fields: Map<String, Value>) -> Result<(), RunError> {

@@ -31,6 +31,6 @@ mod time;
 pub use directory::default_directory;
 pub use error::RunError;
 pub use execute::{RunOptions, run};
-pub use manifest::{Manifest, PROGRAM_VERSION};
+pub use manifest::{Manifest, PROGRAM_VERSION, PluginRecord};
 pub use outcome::{Failure, InvariantDrift, RunOutcome, RunReport};
 pub use progress::{Progress, Quiet, Status};

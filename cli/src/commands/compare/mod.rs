@@ -9,7 +9,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use leafwise::ProblemLibrary;
 use leafwise::core::Registry;
 use leafwise::scene::document::MethodTable;
 use leafwise::scene::{SceneChecks, SceneDocument};
@@ -17,11 +16,11 @@ use leafwise::trade::{
     Bench, CompareOptions, Comparison, Grid, compare, comparison_page, parse_method,
 };
 
-use crate::arguments::CompareArguments;
+use crate::arguments::{CompareArguments, PluginArguments};
 use crate::bar::Steps;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
-use crate::scene::load;
+use crate::plugins::Parts;
 
 /// Measures; returns the exit code.
 ///
@@ -30,13 +29,15 @@ use crate::scene::load;
 /// cannot be written.
 pub fn execute(
     arguments: &CompareArguments,
+    plugins: &PluginArguments,
     console: &mut Console<'_>,
     interrupt: &Arc<AtomicBool>,
 ) -> Result<u8, Failure> {
-    let document = load(&arguments.scene)?;
-    let registry = Registry::with_builtin();
-    let options = options(arguments, &registry)?;
-    let bench = Bench::new(&document, &registry, &ProblemLibrary, arguments.time)?;
+    let mut parts = Parts::new(plugins)?;
+    let document = parts.scene(&arguments.scene)?;
+    let options = options(arguments, &parts.registry)?;
+    let library = parts.library();
+    let bench = Bench::new(&document, &parts.registry, &library, arguments.time)?;
     check(&document, &bench)?;
     let mut bar = Steps::new("reference solution", console.is_terminal);
     let comparison = compare(&bench, &options, &mut |method, at, count| {

@@ -6,7 +6,6 @@ mod text;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use leafwise::ProblemLibrary;
 use leafwise::core::Registry;
 use leafwise::scene::SceneDocument;
 use leafwise::scene::document::MethodTable;
@@ -15,11 +14,11 @@ use leafwise::trade::{
 };
 
 use super::compare::{check, write};
-use crate::arguments::TuneArguments;
+use crate::arguments::{PluginArguments, TuneArguments};
 use crate::bar::Steps;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
-use crate::scene::load;
+use crate::plugins::Parts;
 
 /// What there is to print.
 struct Found<'a> {
@@ -52,6 +51,7 @@ impl Found<'_> {
 /// cannot be written.
 pub fn execute(
     arguments: &TuneArguments,
+    plugins: &PluginArguments,
     console: &mut Console<'_>,
     interrupt: &Arc<AtomicBool>,
 ) -> Result<u8, Failure> {
@@ -67,10 +67,11 @@ pub fn execute(
             "give --error 1e-8, --energy 1e-6, --casimir 1e-12, or several of them",
         ));
     }
-    let document = load(&arguments.scene)?;
-    let registry = Registry::with_builtin();
-    let options = options(arguments, &registry)?;
-    let bench = Bench::new(&document, &registry, &ProblemLibrary, arguments.time)?;
+    let mut parts = Parts::new(plugins)?;
+    let document = parts.scene(&arguments.scene)?;
+    let options = options(arguments, &parts.registry)?;
+    let library = parts.library();
+    let bench = Bench::new(&document, &parts.registry, &library, arguments.time)?;
     check(&document, &bench)?;
     let mut bar = Steps::unmeasured("methods and reference solution", console.is_terminal);
     let tuner = Tuner::new(&bench, &options)?;

@@ -10,13 +10,12 @@ use std::fs;
 use std::num::NonZeroUsize;
 use std::time::Instant;
 
-use leafwise::core::Registry;
 use leafwise::verify::{Problem, Survey, SurveyOptions, survey};
 
-use crate::arguments::{SceneArguments, VerifyArguments};
+use crate::arguments::{PluginArguments, SceneArguments, VerifyArguments};
 use crate::console::Console;
 use crate::failure::{Failure, exit};
-use crate::scene::load;
+use crate::plugins::Parts;
 use crate::table::duration;
 
 use live::Live;
@@ -31,16 +30,20 @@ const LATTICES: [&str; 2] = ["toda", "volterra-lattice"];
 ///
 /// # Errors
 /// [`Failure`] when the scene is not valid or the page cannot be written.
-pub fn execute(arguments: &VerifyArguments, console: &mut Console<'_>) -> Result<u8, Failure> {
-    let problems = problems(arguments)?;
-    let registry = Registry::with_builtin();
+pub fn execute(
+    arguments: &VerifyArguments,
+    plugins: &PluginArguments,
+    console: &mut Console<'_>,
+) -> Result<u8, Failure> {
+    let mut parts = Parts::new(plugins)?;
+    let problems = problems(arguments, &mut parts)?;
     let options = SurveyOptions {
         full: arguments.full,
         threads: std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
     };
     let started = Instant::now();
     let mut live = Live::new(console, arguments.json);
-    let survey = survey(&registry, &problems, &options, &mut live);
+    let survey = survey(&parts.registry, &problems, &options, &mut live);
     live.finish();
     let seconds = started.elapsed().as_secs_f64();
     let survey = survey.map_err(|error| {
@@ -68,9 +71,9 @@ pub fn execute(arguments: &VerifyArguments, console: &mut Console<'_>) -> Result
     })
 }
 
-fn problems(arguments: &VerifyArguments) -> Result<Vec<Problem>, Failure> {
+fn problems(arguments: &VerifyArguments, parts: &mut Parts) -> Result<Vec<Problem>, Failure> {
     if let Some(scene) = &arguments.scene {
-        let document = load(&SceneArguments {
+        let document = parts.scene(&SceneArguments {
             scene: scene.clone(),
             overrides: arguments.overrides.clone(),
         })?;

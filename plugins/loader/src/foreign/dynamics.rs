@@ -146,34 +146,45 @@ impl ForeignBisection {
     }
 }
 
-impl LagrangianBisection for ForeignBisection {
-    fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn BisectionWorker>> {
-        let table = self.dynamics.table;
-        let (d, space) = (self.system.dimension(), self.realization.space_dimension());
+impl ForeignBisection {
+    /// An instance for one worker.
+    fn caller(&self, parameters: &[f64], epsilon: f64, h: f64) -> Caller {
         let lent = self
             .lent(parameters)
             .map_err(|error| CallFailure::Unsupported {
                 message: error.to_string(),
             });
-        let caller = Caller {
+        Caller {
             callee: Callee::new(&self.dynamics.part, self.making(), lent),
-            table,
+            table: self.dynamics.table,
             epsilon,
             h,
-        };
-        if table.one_form.is_some() {
-            let form = OneForm {
-                caller,
-                y: vec![0.0; d],
-            };
-            let chart = self.chart(parameters, epsilon)?;
-            return Some(Box::new(GraphOfOneForm::new(
-                Box::new(form),
-                chart,
-                d,
-                space,
-            )));
         }
+    }
+
+    fn form(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn OneFormWorker> {
+        Box::new(OneForm {
+            caller: self.caller(parameters, epsilon, h),
+            y: vec![0.0; self.system.dimension()],
+        })
+    }
+}
+
+impl LagrangianBisection for ForeignBisection {
+    fn one_form(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn OneFormWorker>> {
+        self.dynamics.table.one_form?;
+        Some(self.form(parameters, epsilon, h))
+    }
+
+    fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn BisectionWorker>> {
+        let (d, space) = (self.system.dimension(), self.realization.space_dimension());
+        let table = self.dynamics.table;
+        if table.one_form.is_some() {
+            let form = self.form(parameters, epsilon, h);
+            let chart = self.chart(parameters, epsilon)?;
+            return Some(Box::new(GraphOfOneForm::new(form, chart, d, space)));
+        }
+        let caller = self.caller(parameters, epsilon, h);
         if table.embedding.is_some() {
             return Some(Box::new(Embedding {
                 caller,

@@ -190,7 +190,7 @@ impl Worker {
             return Ok(());
         }
         let d = self.dimension;
-        let [v, w] = vectors.map(|values| match values.len() {
+        let [y, v, w] = [y, vectors[0], vectors[1]].map(|values| match values.len() {
             0 => Input::NONE,
             length if length == d => Input::shared(values),
             _ => Input::points(values, d),
@@ -198,7 +198,7 @@ impl Worker {
         let call = Call {
             v,
             w,
-            ..Call::at(out.len() / results, 1.0, 0.0, Input::points(y, d))
+            ..Call::at(out.len() / results, 1.0, 0.0, y)
         };
         let output = Output::points(out, results);
         self.callee.evaluate(name, function, &call, output)

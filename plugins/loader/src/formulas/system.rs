@@ -12,6 +12,7 @@ use super::keys::refused;
 use crate::declaration::PartDeclaration;
 use crate::error::Refusal;
 use crate::foreign::own_settings;
+use crate::handshake::PATH;
 
 /// Keys of the table that stand alone; the others are `families.…`, `bracket.…`, `casimirs.…`.
 const SINGLE: [&str; 4] = ["variables", "hamiltonian", "convention", "boundary"];
@@ -86,15 +87,20 @@ fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
 }
 
-/// The system of the part's formulas at its defaults.
-pub(super) fn read(part: &PartDeclaration) -> Result<PoissonSystem, Refusal> {
-    let settings: Vec<(String, ParameterSetting)> = part
+/// The part's own parameters at their defaults.
+fn defaults(part: &PartDeclaration) -> Vec<(String, ParameterSetting)> {
+    let own = part
         .description
         .parameters
         .iter()
-        .map(|parameter| (parameter.name.clone(), parameter.default.clone()))
-        .collect();
-    let text = fragment(part, &settings)?;
+        .filter(|parameter| parameter.name != PATH);
+    own.map(|parameter| (parameter.name.clone(), parameter.default.clone()))
+        .collect()
+}
+
+/// The system of the part's formulas at its defaults.
+pub(super) fn read(part: &PartDeclaration) -> Result<PoissonSystem, Refusal> {
+    let text = fragment(part, &defaults(part))?;
     compose(part.id(), &text).map_err(|(key, problem)| refused(part, &key, problem))
 }
 
@@ -152,20 +158,30 @@ fn dimension(fragment: &str) -> Option<usize> {
 pub(crate) struct FormulaSystemPart {
     info: &'static PartInfo,
     declaration: PartDeclaration,
+    /// The table with the default parameters.
+    fragment: String,
 }
 
 impl FormulaSystemPart {
-    pub(crate) fn new(declaration: &PartDeclaration, info: &'static PartInfo) -> Self {
-        Self {
+    pub(crate) fn new(
+        declaration: &PartDeclaration,
+        info: &'static PartInfo,
+    ) -> Result<Self, Refusal> {
+        Ok(Self {
             info,
+            fragment: fragment(declaration, &defaults(declaration))?,
             declaration: declaration.clone(),
-        }
+        })
     }
 }
 
 impl SystemPart for FormulaSystemPart {
     fn info(&self) -> &'static PartInfo {
         self.info
+    }
+
+    fn fragment(&self) -> Option<&str> {
+        Some(&self.fragment)
     }
 
     fn build(&self, parameters: &PartParameters) -> Result<PoissonSystem, BuildError> {

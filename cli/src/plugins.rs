@@ -1,0 +1,124 @@
+//! The plugins that a command line and a scene ask for.
+
+use std::path::Path;
+
+use leafwise::SystemLibrary;
+use leafwise::core::Registry;
+use leafwise::plugins::{
+    LoadedPlugin, Loader, PluginError, PluginRequest, ProbeCommand, SearchPath,
+};
+use leafwise::scene::document::PluginSpec;
+use leafwise::scene::{SceneDiagnostic, SceneDocument};
+
+use crate::arguments::{PluginArguments, SceneArguments};
+use crate::failure::Failure;
+use crate::scene::{SceneText, read};
+
+/// Forbids plugins where it is set to anything but nothing and `0`.
+pub const NO_PLUGINS: &str = "LEAFWISE_NO_PLUGINS";
+
+/// The hidden command that tries a library in a process of its own.
+pub const PROBE: [&str; 2] = ["plugin", "probe"];
+
+/// What a command works with: the built-in parts, and those of the plugins asked for.
+pub struct Parts {
+    /// The parts by name.
+    pub registry: Registry,
+    loader: Loader,
+}
+
+impl Parts {
+    /// The built-in parts and those of `--plugin`.
+    ///
+    /// # Errors
+    /// [`Failure::Plugin`].
+    pub fn new(arguments: &PluginArguments) -> Result<Self, Failure> {
+        let mut parts = Self {
+            registry: Registry::with_builtin(),
+            loader: loader(arguments.no_plugins),
+        };
+        for plugin in &arguments.plugins {
+            parts.load(&PluginRequest::new(plugin), Path::new("."))?;
+        }
+        Ok(parts)
+    }
+
+    /// Loads a plugin; a relative path starts from `base`.
+    ///
+    /// # Errors
+    /// [`Failure::Plugin`].
+    pub fn load(&mut self, request: &PluginRequest, base: &Path) -> Result<LoadedPlugin, Failure> {
+        let loaded = self.loader.load(request, base, &mut self.registry);
+        loaded.map_err(|error| Failure::plugin(error, None))
+    }
+
+    /// The folders in which plugins are looked for by name.
+    pub fn search(&self) -> &SearchPath {
+        self.loader.search()
+    }
+
+    /// Systems by name: the problem library, and those of the plugins.
+    pub fn library(&self) -> SystemLibrary {
+        SystemLibrary::of(&self.registry)
+    }
+
+    /// Reads a scene, after loading the plugins that it names.
+    ///
+    /// # Errors
+    /// [`Failure::Plugin`] where one of them is refused, and those of reading a scene.
+    pub fn scene(&mut self, arguments: &SceneArguments) -> Result<SceneDocument, Failure> {
+        let text = read(arguments)?;
+        let (effective, plugins) = PluginSpec::of_scene(&text.text, &text.overrides);
+        let base = arguments.scene.parent().unwrap_or(Path::new("."));
+        for plugin in plugins {
+            let request = PluginRequest {
+                name: plugin.path.value.clone().into(),
+                sha256: plugin.sha256.as_ref().map(|hash| hash.value.clone()),
+            };
+            let loaded = self.loader.load(&request, base, &mut self.registry);
+            loaded.map_err(|error| {
+                let place = diagnostic(&error, &plugin, &text, &effective);
+                Failure::plugin(error, Some(place))
+            })?;
+        }
+        let SceneText {
+            name,
+            text,
+            overrides,
+        } = text;
+        SceneDocument::parse_with(&name, &text, &overrides, &self.library())
+            .map_err(|errors| Failure::Scene(errors.diagnostics()))
+    }
+}
+
+/// The refusal of a plugin at its place in the scene.
+fn diagnostic(
+    error: &PluginError,
+    plugin: &PluginSpec,
+    text: &SceneText,
+    effective: &str,
+) -> SceneDiagnostic {
+    SceneDiagnostic {
+        message: error.to_string(),
+        label: "refused".to_owned(),
+        source_name: text.name.clone(),
+        source_text: effective.to_owned(),
+        span: plugin.path.span.clone(),
+        help: None,
+    }
+}
+
+/// The loader of this program: it tries libraries in a process of its own.
+fn loader(no_plugins: bool) -> Loader {
+    let forbidden = std::env::var_os(NO_PLUGINS).is_some_and(|set| !set.is_empty() && set != "0");
+    if no_plugins || forbidden {
+        return Loader::off();
+    }
+    // A program that does not know its own file starts nothing, and every plugin is refused with that
+    // reason.
+    let own = std::env::current_exe().unwrap_or_default();
+    let probe = ProbeCommand::new(own, PROBE.map(Into::into));
+    Loader::new(SearchPath::of_environment())
+        .with_probe(probe)
+        .with_user_cache()
+}

@@ -1,0 +1,726 @@
+//! Loaded parts at work: what they compute is what the same parts compute when they are compiled in.
+
+#![cfg(unix)]
+
+mod support;
+
+use std::sync::Arc;
+
+use leafwise_core::system::{Casimir, NumbersWorker, Parameter};
+use leafwise_core::{
+    Accuracy, BuildError, Convention, Ends, Integrator, MapProperties, Method, Part,
+    PartParameters, PoissonSystem, RealizationData, RealizationWorker, Registry, SolverStatistics,
+    StepError, StepMap, Stepper, Structure,
+};
+use leafwise_example_plugin::Rodrigues;
+use leafwise_expression::syntax::{Formula, Scope};
+use leafwise_plugin_sdk::ChartRealization;
+use support::build::{Workshop, rust_example};
+use support::{built_in, load};
+
+/// The rigid body by formulas, with moments of inertia as parameters.
+fn rigid_body() -> PoissonSystem {
+    let names = ["x1", "x2", "x3"];
+    let parameters = [("I1", 1.0), ("I2", 0.75), ("I3", 1.25)];
+    let scope = Scope::new()
+        .with_variables(&names)
+        .with_parameters(&parameters.map(|(name, _)| name));
+    let formula = |text: &str| {
+        let formula = Formula::parse(text).expect("a formula");
+        formula
+            .resolve(&scope, None)
+            .expect("known names")
+            .expect("no boundary")
+    };
+    PoissonSystem::new(
+        names.map(str::to_owned).to_vec(),
+        parameters
+            .map(|(name, value)| Parameter {
+                name: name.to_owned(),
+                value,
+            })
+            .to_vec(),
+        [
+            ((0, 1), formula("-x3")),
+            ((0, 2), formula("x2")),
+            ((1, 2), formula("-x1")),
+        ],
+        formula("x1^2/(2*I1) + x2^2/(2*I2) + x3^2/(2*I3)"),
+        vec![Casimir {
+            name: "spin".to_owned(),
+            expression: formula("x1^2 + x2^2 + x3^2"),
+        }],
+        Convention::HamiltonianFirst,
+    )
+    .expect("a system")
+}
+
+fn realization(
+    registry: &Registry,
+    name: &str,
+    system: &PoissonSystem,
+    parameters: PartParameters,
+) -> Result<Arc<dyn RealizationData>, BuildError> {
+    registry.realization(name)?.build(system, &parameters)
+}
+
+fn method(
+    registry: &Registry,
+    system: &PoissonSystem,
+    realization: Arc<dyn RealizationData>,
+    (dynamics, order): (&str, Option<i64>),
+) -> Result<Method, BuildError> {
+    let parameters = match order {
+        Some(order) => PartParameters::new().with("order", order),
+        None => PartParameters::new(),
+    };
+    let dynamics = registry.dynamics(dynamics)?.build(&parameters)?;
+    Method::compose(system, realization, dynamics)
+}
+
+const START: [f64; 3] = [0.3, 1.0, -0.7];
+
+/// The states after `steps` steps of 0.1.
+fn orbit(system: &PoissonSystem, map: &dyn StepMap, steps: usize) -> Vec<[u64; 3]> {
+    let mut integrator = Integrator::new(map, &system.parameter_values(), 1.0, 0.1, &START);
+    (0..steps)
+        .map(|_| {
+            integrator.step().expect("a step");
+            [0, 1, 2].map(|i| integrator.state()[i].to_bits())
+        })
+        .collect()
+}
+
+/// The end of a trajectory as numbers.
+fn end(orbit: &[[u64; 3]]) -> [f64; 3] {
+    orbit[orbit.len() - 1].map(f64::from_bits)
+}
+
+/// The largest difference of two ends.
+fn distance(a: &[[u64; 3]], b: &[[u64; 3]]) -> f64 {
+    let (a, b) = (end(a), end(b));
+    (0..3).fold(0.0, |largest, i| (a[i] - b[i]).abs().max(largest))
+}
+
+/// The realization of the example plugin, compiled into this test: numbers alone.
+#[derive(Debug)]
+struct CompiledIn;
+
+impl RealizationData for CompiledIn {
+    fn dimension(&self) -> usize {
+        3
+    }
+    fn space_dimension(&self) -> usize {
+        6
+    }
+    fn accuracy(&self) -> Accuracy {
+        Accuracy::Exact
+    }
+    fn describe(&self) -> String {
+        "rodrigues".to_owned()
+    }
+    fn section(&self, x: &[f64], z: &mut [f64]) {
+        z[..3].copy_from_slice(x);
+        z[3..].fill(0.0);
+    }
+    fn worker(&self, _: &[f64], epsilon: f64) -> Option<Box<dyn RealizationWorker>> {
+        Some(Box::new(CompiledInWorker {
+            epsilon,
+            z: [0.0; 6],
+        }))
+    }
+}
+
+struct CompiledInWorker {
+    epsilon: f64,
+    z: [f64; 6],
+}
+
+impl RealizationWorker for CompiledInWorker {
+    fn ends(&mut self, z: &[f64], ends: &mut Ends) -> Result<(), StepError> {
+        self.z.copy_from_slice(z);
+        let (x, p) = z.split_at(3);
+        let (even, odd) = (&mut ends.offset, &mut ends.increment);
+        Rodrigues
+            .parts(self.epsilon, x, p, even, odd)
+            .expect("defined everywhere");
+        ends.base.copy_from_slice(x);
+        for (even, odd) in even.iter_mut().zip(odd) {
+            *even -= *odd;
+            *odd *= 2.0;
+        }
+        Ok(())
+    }
+
+    fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError> {
+        let (x, p) = self.z.split_at(3);
+        let parts = Rodrigues.jacobian(self.epsilon, x, p, target, increment);
+        parts.expect("defined everywhere");
+        for (even, odd) in target.iter_mut().zip(increment) {
+            *even -= *odd;
+            *odd *= 2.0;
+        }
+        (0..3).for_each(|i| target[i * 7] += 1.0);
+        Ok(())
+    }
+}
+
+#[test]
+fn a_realization_of_numbers_steps_to_the_same_bits_loaded_or_compiled_in() {
+    let mut registry = built_in();
+    load(&rust_example(), None, &mut registry).expect("the example");
+    let system = rigid_body();
+    let numbers = PartParameters::new().with("path", "numbers");
+    let loaded = realization(&registry, "example/so3-rodrigues", &system, numbers);
+    let loaded = loaded.expect("it fits");
+    assert!(loaded.code().is_none());
+    let dynamics = ("hamilton-jacobi", Some(2));
+    let here = method(&registry, &system, Arc::new(CompiledIn), dynamics).expect("a method");
+    let there = method(&registry, &system, loaded, dynamics).expect("a method");
+    assert_eq!(there.path(), "workers");
+    assert_eq!(there.properties(), here.properties());
+    assert_eq!(there.properties().structure, Structure::Exact);
+    assert_eq!(orbit(&system, &there, 500), orbit(&system, &here, 500));
+}
+
+#[test]
+fn a_realization_of_formulas_is_a_built_in_one() {
+    let mut registry = built_in();
+    let plugin = load(&rust_example(), None, &mut registry).expect("the example");
+    let system = rigid_body();
+    // The same formulas without the library.
+    let mut declared = plugin.declaration.parts[0].clone();
+    declared.description.name = "compiled-in".to_owned();
+    declared.description.parameters.clear();
+    declared.functions = None;
+    let Part::Realization(part) = declared.part().expect("its formulas") else {
+        panic!("a realization");
+    };
+    let defaults = PartParameters::new;
+    let here = part.build(&system, &defaults()).expect("it fits");
+    let there = realization(&registry, "example/so3-rodrigues", &system, defaults());
+    let there = there.expect("it fits");
+    for order in [2, 6] {
+        let dynamics = ("hamilton-jacobi", Some(order));
+        let compose = |realization: &Arc<dyn RealizationData>| {
+            method(&registry, &system, Arc::clone(realization), dynamics).expect("a method")
+        };
+        let (here, there) = (compose(&here), compose(&there));
+        assert_eq!(there.path(), "one kernel");
+        assert_eq!(orbit(&system, &there, 500), orbit(&system, &here, 500));
+    }
+    // Its series is that of its own chart: at order 6 it goes where Karasev's goes.
+    let karasev = realization(&registry, "so3-exponential", &system, defaults());
+    let compose = |realization, order| {
+        let dynamics = ("hamilton-jacobi", Some(order));
+        method(&registry, &system, realization, dynamics).expect("a method")
+    };
+    let oracle = orbit(&system, &compose(karasev.expect("it fits"), 10), 20);
+    let error = |order: i64| {
+        let own = orbit(&system, &compose(Arc::clone(&there), order), 20);
+        distance(&own, &oracle)
+    };
+    let errors = [2, 4, 6].map(error);
+    assert!(
+        errors[1] < 1e-2 * errors[0] && errors[2] < 1e-2 * errors[1],
+        "{errors:?}"
+    );
+    // Collective integrators need its derivatives, which formulas have.
+    let collective = method(&registry, &system, there, ("collective", None));
+    assert_eq!(
+        collective.expect("a method").properties().structure,
+        Structure::Exact
+    );
+}
+
+/// The gyrostat of the C example in Rust, operation by operation.
+struct Gyrostat;
+
+impl NumbersWorker for Gyrostat {
+    fn tensor(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        let points = out.chunks_exact_mut(3).zip(y.chunks_exact(3));
+        for (at, (out, y)) in points.enumerate() {
+            let v = leafwise_core::system::numbers::vector(v, 3, at);
+            for a in 0..3 {
+                let (b, c) = ((a + 1) % 3, (a + 2) % 3);
+                out[a] = y[b] * v[c] - y[c] * v[b];
+            }
+        }
+        Ok(())
+    }
+
+    fn hamiltonian(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        for (out, y) in out.iter_mut().zip(y.chunks_exact(3)) {
+            let energy = (0..3).fold(0.0, |sum, a| sum + 0.5 * inverse_inertia(a) * y[a] * y[a]);
+            *out = energy - 0.3 * y[2];
+        }
+        Ok(())
+    }
+
+    fn gradient(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        for (out, y) in out.chunks_exact_mut(3).zip(y.chunks_exact(3)) {
+            for a in 0..3 {
+                out[a] = inverse_inertia(a) * y[a] - if a == 2 { 0.3 } else { 0.0 };
+            }
+        }
+        Ok(())
+    }
+
+    fn casimirs(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        for (out, y) in out.iter_mut().zip(y.chunks_exact(3)) {
+            *out = y[0] * y[0] + y[1] * y[1] + y[2] * y[2];
+        }
+        Ok(())
+    }
+
+    fn tensor_tangent(
+        &mut self,
+        _: &[f64],
+        v: &[f64],
+        w: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), StepError> {
+        self.tensor(w, v, out)
+    }
+
+    fn hessian(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        let points = out.chunks_exact_mut(3).zip(y.chunks_exact(3));
+        for (at, (out, _)) in points.enumerate() {
+            let v = leafwise_core::system::numbers::vector(v, 3, at);
+            (0..3).for_each(|a| out[a] = inverse_inertia(a) * v[a]);
+        }
+        Ok(())
+    }
+}
+
+fn inverse_inertia(axis: usize) -> f64 {
+    1.0 / [1.0, 0.75, 1.25][axis]
+}
+
+#[derive(Debug)]
+struct GyrostatNumbers;
+
+impl leafwise_core::SystemNumbers for GyrostatNumbers {
+    fn derivatives(&self) -> leafwise_core::system::Derivatives {
+        leafwise_core::system::Derivatives {
+            tensor: true,
+            hamiltonian: true,
+            casimirs: false,
+        }
+    }
+
+    fn worker(&self, _: &[f64]) -> Box<dyn NumbersWorker> {
+        Box::new(Gyrostat)
+    }
+}
+
+fn c_example(workshop: &Workshop) -> std::path::PathBuf {
+    workshop.compile("../../../examples/c/gyrostat")
+}
+
+#[test]
+fn a_system_of_numbers_steps_to_the_same_bits_loaded_or_compiled_in() {
+    let workshop = Workshop::new();
+    let mut registry = built_in();
+    load(&c_example(&workshop), None, &mut registry).expect("the example");
+    let part = registry.system("example-c/gyrostat").expect("the gyrostat");
+    let loaded = part.build(&PartParameters::new()).expect("its defaults");
+    assert_eq!(loaded.variables(), ["x1", "x2", "x3"]);
+    assert_eq!(loaded.casimir_names(), ["spin"]);
+    assert_eq!(loaded.parameter_values(), [1.0, 0.75, 1.25, 0.3]);
+    assert_eq!(loaded.path(), "numbers");
+    let here: PoissonSystem = leafwise_core::system::OpaqueSystem {
+        name: "gyrostat".to_owned(),
+        variables: loaded.variables().to_vec(),
+        parameters: loaded.parameters().to_vec(),
+        casimirs: vec!["spin".to_owned()],
+        numbers: Arc::new(GyrostatNumbers),
+    }
+    .into();
+    let run = |system: &PoissonSystem| {
+        let defaults = PartParameters::new();
+        let realization = realization(&registry, "karasev-collocated", system, defaults);
+        let dynamics = ("hamilton-jacobi", Some(2));
+        let method = method(&registry, system, realization.expect("it serves"), dynamics);
+        orbit(system, &method.expect("a method"), 300)
+    };
+    let (there, here) = (run(&loaded), run(&here));
+    assert_eq!(there, here);
+    let spin = |x: [f64; 3]| x.iter().map(|x| x * x).sum::<f64>();
+    let drift = (spin(end(&there)) - spin(START)).abs() / spin(START);
+    assert!(drift <= 300.0 * f64::EPSILON, "{drift:e}");
+    let refused = part.build(&PartParameters::new().with("I2", -1.0));
+    let text = refused
+        .expect_err("a negative moment of inertia")
+        .to_string();
+    assert!(text.contains("moments of inertia are positive"), "{text}");
+}
+
+/// A system in C, a realization in Rust, each by numbers, and the program's own dynamics.
+#[test]
+fn parts_of_two_libraries_make_one_method() {
+    let workshop = Workshop::new();
+    let mut registry = built_in();
+    load(&c_example(&workshop), None, &mut registry).expect("the system");
+    load(&rust_example(), None, &mut registry).expect("the realization");
+    let part = registry.system("example-c/gyrostat").expect("the gyrostat");
+    let system = part.build(&PartParameters::new()).expect("its defaults");
+    let mut orbits = Vec::new();
+    for path in ["numbers", "expressions"] {
+        let path = PartParameters::new().with("path", path);
+        let realization = realization(&registry, "example/so3-rodrigues", &system, path);
+        let realization = realization.expect("it takes the gyrostat's tensor");
+        let dynamics = ("hamilton-jacobi", Some(2));
+        let method = method(&registry, &system, realization, dynamics).expect("a method");
+        orbits.push(orbit(&system, &method, 200));
+    }
+    let spin = |x: [f64; 3]| x.iter().map(|x| x * x).sum::<f64>();
+    for orbit in &orbits {
+        let drift = (spin(end(orbit)) - spin(START)).abs() / spin(START);
+        assert!(drift <= 200.0 * f64::EPSILON, "{drift:e}");
+    }
+    assert!(distance(&orbits[0], &orbits[1]) <= 200.0 * 4.0 * f64::EPSILON);
+    // The realization refuses other tensors, with its own words.
+    let part = registry.system("example/epidemic").expect("the epidemic");
+    let epidemic = part.build(&PartParameters::new()).expect("its defaults");
+    let numbers = PartParameters::new().with("path", "numbers");
+    let refused = realization(&registry, "example/so3-rodrigues", &epidemic, numbers);
+    let text = refused.expect_err("another tensor").to_string();
+    assert!(text.contains("the tensor is not that of so(3)*"), "{text}");
+}
+
+#[test]
+fn dynamics_of_numbers_are_those_of_the_built_in_part() {
+    let workshop = Workshop::new();
+    let mut registry = built_in();
+    let plugin = load(&workshop.compile("bisections"), None, &mut registry).expect("six parts");
+    assert!(
+        plugin.tried.iter().all(|tried| tried.len() >= 4),
+        "{:?}",
+        plugin.tried
+    );
+    let system = rigid_body();
+    let cayley = || {
+        let defaults = PartParameters::new();
+        realization(&registry, "so3-cayley", &system, defaults).expect("it fits")
+    };
+    let built_in = method(&registry, &system, cayley(), ("hamilton-jacobi", Some(2)));
+    let built_in = built_in.expect("a method");
+    let expected = orbit(&system, &built_in, 100);
+    for name in ["one-form", "embedding", "flow"] {
+        for values in ["", "-values"] {
+            let name = format!("bisections/{name}{values}");
+            let own = method(&registry, &system, cayley(), (&name, None)).expect("a method");
+            assert_eq!(own.properties(), built_in.properties());
+            let error = distance(&orbit(&system, &own, 100), &expected);
+            assert!(error <= 100.0 * 8.0 * f64::EPSILON, "{name}: {error:e}");
+            let mut stepper = own.stepper(1, &system.parameter_values(), 1.0, 0.1);
+            let mut outcome = [Ok(())];
+            stepper.increment(&START, &[0.0; 3], &mut [0.0; 3], &mut outcome);
+            assert_eq!(stepper.tangent(0).is_some(), values.is_empty(), "{name}");
+        }
+    }
+    // Collocation takes a one-form into its own solve.
+    let fused = |dynamics: (&str, Option<i64>)| {
+        let defaults = PartParameters::new();
+        let collocated = realization(&registry, "karasev-collocated", &system, defaults);
+        method(&registry, &system, collocated.expect("it fits"), dynamics).expect("a method")
+    };
+    let (own, built_in) = (
+        fused(("bisections/one-form", None)),
+        fused(("hamilton-jacobi", Some(2))),
+    );
+    assert_eq!(
+        (own.path(), built_in.path()),
+        ("fused".to_owned(), "fused".to_owned())
+    );
+    let error = distance(&orbit(&system, &own, 100), &orbit(&system, &built_in, 100));
+    assert!(error <= 100.0 * 8.0 * f64::EPSILON, "{error:e}");
+    // A realization whose points are no pairs has a chart, which a one-form goes through.
+    let group = || {
+        let defaults = PartParameters::new().with("chart", "cayley");
+        realization(&registry, "so3-group", &system, defaults).expect("it fits")
+    };
+    let refused = method(&registry, &system, group(), ("bisections/one-form", None));
+    let text = refused.expect_err("the part says so").to_string();
+    assert!(
+        text.contains("points of S are to be pairs (x, p)"),
+        "{text}"
+    );
+}
+
+#[test]
+fn leaving_a_domain_is_told_with_its_ratio() {
+    let workshop = Workshop::new();
+    let mut registry = built_in();
+    load(&workshop.compile("walled"), None, &mut registry).expect("a realization");
+    let system = rigid_body();
+    let defaults = PartParameters::new;
+    let walled = realization(&registry, "walled/cayley", &system, defaults()).expect("it fits");
+    let dynamics = ("hamilton-jacobi", Some(2));
+    let walled = method(&registry, &system, walled, dynamics).expect("a method");
+    let cayley = realization(&registry, "so3-cayley", &system, defaults()).expect("it fits");
+    let cayley = method(&registry, &system, cayley, dynamics).expect("a method");
+    // Inside it is the Cayley chart, by values alone.
+    let (own, expected) = (orbit(&system, &walled, 100), orbit(&system, &cayley, 100));
+    assert!(distance(&own, &expected) <= 100.0 * 8.0 * f64::EPSILON);
+    // |h grad H| is 1.5 or so at h = 1.
+    let mut integrator = Integrator::new(&walled, &system.parameter_values(), 1.0, 1.0, &START);
+    match integrator.step() {
+        Err(StepError::LeftChart { ratio }) => assert!((1.0..2.0).contains(&ratio), "{ratio}"),
+        other => panic!("{other:?}"),
+    }
+    assert_eq!(integrator.state(), START);
+    // A system of another tensor is not served.
+    let text = {
+        let part = registry.realization("walled/cayley").expect("it is there");
+        let other = pendulum_on_three();
+        part.build(&other, &defaults())
+            .expect_err("another tensor")
+            .to_string()
+    };
+    assert!(
+        text.contains("walled/cayley does not fit this system"),
+        "{text}"
+    );
+    assert!(text.contains("the tensor is not that of so(3)*"), "{text}");
+}
+
+/// {x1, x2} = 1 and a Casimir x3.
+fn pendulum_on_three() -> PoissonSystem {
+    let scope = Scope::new().with_variables(&["x1", "x2", "x3"]);
+    let formula = |text: &str| {
+        let formula = Formula::parse(text).expect("a formula");
+        formula
+            .resolve(&scope, None)
+            .expect("known names")
+            .expect("no boundary")
+    };
+    PoissonSystem::new(
+        ["x1", "x2", "x3"].map(str::to_owned).to_vec(),
+        Vec::new(),
+        [((0, 1), formula("1"))],
+        formula("x2^2/2 - cos(x1)"),
+        Vec::new(),
+        Convention::HamiltonianFirst,
+    )
+    .expect("a system")
+}
+
+/// Heun's rule as the C fixture has it, operation by operation.
+struct Heun {
+    worker: Box<dyn NumbersWorker>,
+    t: f64,
+    weight: f64,
+}
+
+impl Heun {
+    fn field(&mut self, y: &[f64]) -> [f64; 3] {
+        let (mut gradient, mut out) = ([0.0; 3], [0.0; 3]);
+        self.worker.gradient(y, &mut gradient).expect("formulas");
+        self.worker
+            .tensor(y, &gradient, &mut out)
+            .expect("formulas");
+        out.map(|v| -v)
+    }
+}
+
+impl Stepper for Heun {
+    fn increment(
+        &mut self,
+        x: &[f64],
+        _: &[f64],
+        increment: &mut [f64],
+        outcome: &mut [Result<(), StepError>],
+    ) {
+        let (t, w) = (self.t, self.weight);
+        let first = self.field(x);
+        let stage: Vec<f64> = x.iter().zip(&first).map(|(x, f)| x + t * f).collect();
+        let second = self.field(&stage);
+        for j in 0..3 {
+            increment[j] = t * ((1.0 - w) * first[j] + w * second[j]);
+        }
+        outcome[0] = Ok(());
+    }
+    fn restart(&mut self) {}
+    fn statistics(&self) -> SolverStatistics {
+        SolverStatistics::default()
+    }
+    fn memory(&self) -> Vec<f64> {
+        Vec::new()
+    }
+    fn restore(&mut self, _: &[f64]) -> Result<(), usize> {
+        Ok(())
+    }
+}
+
+struct HeunMap(PoissonSystem);
+
+impl StepMap for HeunMap {
+    fn dimension(&self) -> usize {
+        3
+    }
+    fn properties(&self) -> MapProperties {
+        MapProperties {
+            order: 2,
+            structure: Structure::None,
+            self_adjoint: Some(false),
+        }
+    }
+    fn describe(&self) -> String {
+        "heun".to_owned()
+    }
+    fn stepper(&self, _: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
+        Box::new(Heun {
+            worker: self.0.numbers().expect("formulas").worker(parameters),
+            t: epsilon * h,
+            weight: 0.25,
+        })
+    }
+}
+
+#[test]
+fn a_step_map_of_numbers_steps_to_the_same_bits_on_any_number_of_lanes() {
+    let workshop = Workshop::new();
+    let mut registry = Registry::empty();
+    load(&workshop.compile("steps"), None, &mut registry).expect("step maps");
+    let system = rigid_body();
+    let part = registry.stepper("steps/heun").expect("Heun's rule");
+    let loaded = part.build(&system, &PartParameters::new().with("weight", 0.25));
+    let (loaded, here) = (loaded.expect("it fits"), HeunMap(system.clone()));
+    assert_eq!(loaded.properties(), here.properties());
+    assert_eq!(
+        orbit(&system, loaded.as_ref(), 300),
+        orbit(&system, &here, 300)
+    );
+    // Lanes 0 to 3 share their parameters, and so an instance and a call; lane 4 has others.
+    let (lanes, d) = (5, 3);
+    let inertia = |lane: usize| [1.0, 0.75, if lane == 4 { 2.0 } else { 1.25 }];
+    let start = |lane: usize| [0.3 + 0.1 * lane as f64, 1.0, -0.7];
+    let spread = |of: &dyn Fn(usize) -> [f64; 3]| -> Vec<f64> {
+        (0..d * lanes)
+            .map(|at| of(at % lanes)[at / lanes])
+            .collect()
+    };
+    let mut stepper = loaded.stepper(lanes, &spread(&inertia), 1.0, 0.1);
+    let mut increment = vec![0.0; d * lanes];
+    let mut outcome = vec![Ok(()); lanes];
+    stepper.increment(&spread(&start), &[0.0; 15], &mut increment, &mut outcome);
+    for lane in 0..lanes {
+        let mut alone = [0.0; 3];
+        let mut single = here.stepper(1, &inertia(lane), 1.0, 0.1);
+        single.increment(&start(lane), &[0.0; 3], &mut alone, &mut [Ok(())]);
+        let own = [0, 1, 2].map(|i| increment[i * lanes + lane]);
+        assert_eq!(own, alone, "lane {lane}");
+    }
+    assert_eq!(stepper.statistics().steps, 5);
+}
+
+#[test]
+fn one_failing_lane_leaves_the_others_their_steps() {
+    let workshop = Workshop::new();
+    let mut registry = Registry::empty();
+    load(&workshop.compile("steps"), None, &mut registry).expect("step maps");
+    let system = rigid_body();
+    let stepper = |name: &str| {
+        let part = registry.stepper(name).expect("a step map");
+        let map = part
+            .build(&system, &PartParameters::new())
+            .expect("it fits");
+        map.stepper(3, &[1.0; 9], 1.0, 0.5)
+    };
+    let states = [0.5, 3.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let mut increment = [9.0; 9];
+    let mut outcome = [Ok(()), Ok(()), Ok(())];
+    let mut local = stepper("steps/local");
+    local.increment(&states, &[0.0; 9], &mut increment, &mut outcome);
+    assert_eq!(increment, [0.5, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    assert_eq!(
+        outcome,
+        [Ok(()), Err(StepError::LeftChart { ratio: 1.5 }), Ok(())]
+    );
+    assert_eq!(local.statistics().failures, 1);
+    // A broken instance is called no more, not even to be ended: the fixture would abort.
+    let mut fragile = stepper("steps/fragile");
+    fragile.increment(&states, &[0.0; 9], &mut increment, &mut outcome);
+    assert_eq!(increment, [0.0; 9]);
+    let text = outcome[0].clone().expect_err("it is broken").to_string();
+    assert!(
+        text.contains("steps/fragile failed: increment: fatal"),
+        "{text}"
+    );
+    fragile.increment(&[0.5; 9], &[0.0; 9], &mut increment, &mut outcome);
+    let text = outcome[2].clone().expect_err("it stays broken").to_string();
+    assert!(
+        text.contains("an earlier call broke this instance"),
+        "{text}"
+    );
+}
+
+/// Parts by formulas alone against the same formulas written here.
+#[test]
+fn formulas_need_no_functions() {
+    let workshop = Workshop::new();
+    let mut registry = built_in();
+    load(&workshop.compile("formulas"), None, &mut registry).expect("three parts");
+    let part = registry.system("formulas/pendulum").expect("the pendulum");
+    let strong = PartParameters::new().with("strength", 2.0);
+    let system = part.build(&strong).expect("its formulas");
+    assert_eq!(system.path(), "expressions");
+    assert_eq!(system.parameter_values(), [2.0]);
+    let (start, t) = ([0.4, 0.3], 0.05);
+    let run = |map: &dyn StepMap, steps: usize| {
+        let mut integrator = Integrator::new(map, &[2.0], 1.0, t, &start);
+        for _ in 0..steps {
+            integrator.step().expect("a step");
+        }
+        [0, 1].map(|i| integrator.state()[i])
+    };
+    // S_1 = H over Karasev's realization is Hamilton–Jacobi of order 2.
+    let karasev = || {
+        let defaults = PartParameters::new();
+        realization(&registry, "karasev-truncated", &system, defaults).expect("it fits")
+    };
+    let built_in = method(&registry, &system, karasev(), ("hamilton-jacobi", Some(2)));
+    let energy = registry.dynamics("formulas/energy").expect("S = h H");
+    let energy = energy.build(&strong).expect("a number");
+    let own = Method::compose(&system, karasev(), energy).expect("a method");
+    let built_in = built_in.expect("a method");
+    assert_eq!(
+        (own.path(), own.properties()),
+        (built_in.path(), built_in.properties())
+    );
+    let (own, built_in) = (run(&own, 100), run(&built_in, 100));
+    for i in 0..2 {
+        assert!((own[i] - built_in[i]).abs() <= 100.0 * 2.0 * f64::EPSILON);
+    }
+    // The symplectic Euler rule, step by step.
+    let euler = registry.stepper("formulas/euler").expect("the rule");
+    let euler = euler.build(&system, &strong).expect("dimension 2");
+    assert_eq!(euler.properties().structure, Structure::Exact);
+    let mut expected = start;
+    for _ in 0..10 {
+        expected[1] -= t * 2.0 * libm::sin(expected[0]);
+        expected[0] += t * expected[1];
+    }
+    let found = run(euler.as_ref(), 10);
+    for i in 0..2 {
+        assert!((found[i] - expected[i]).abs() <= 10.0 * 2.0 * f64::EPSILON);
+    }
+    // det DΦ = 1.
+    let mut stepper = euler.stepper(1, &[2.0], 1.0, t);
+    stepper.increment(&start, &[0.0; 2], &mut [0.0; 2], &mut [Ok(())]);
+    let tangent = stepper.tangent(0).expect("formulas have derivatives");
+    let area = tangent[0] * tangent[3] - tangent[1] * tangent[2];
+    assert!((area - 1.0).abs() <= 4.0 * f64::EPSILON, "{area}");
+    let wrong = registry.stepper("formulas/euler").expect("the rule");
+    let text = wrong
+        .build(&rigid_body(), &strong)
+        .err()
+        .expect("dimension 3")
+        .to_string();
+    assert!(
+        text.contains("it serves dimension 2, and this system has 3"),
+        "{text}"
+    );
+}
