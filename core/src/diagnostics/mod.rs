@@ -1,5 +1,6 @@
 //! Instruments: what a system, a realization or a method really is, measured.
 //!
+//! - [`differences`]: derivatives where none are offered, with their error.
 //! - [`drift`]: invariants at every step, and their growth.
 //! - [`identity`]: is the tensor Poisson, is a Casimir one?
 //! - [`order`]: an order with a tolerance derived from the points.
@@ -9,8 +10,10 @@
 //! - [`tensor_defect`]: DΦ Π DΦᵀ − Π∘Φ with the exact tangent map.
 //! - [`slope`]: fitted orders, points under the round-off plateau dropped.
 
+pub mod differences;
 pub mod drift;
 pub mod identity;
+mod numeric_identity;
 pub mod order;
 pub mod realization_error;
 pub mod section;

@@ -1,0 +1,104 @@
+//! Derivatives by differences: for instruments alone, and marked as such.
+//!
+//! Solvers never use them. An instrument does where a map or a system offers no exact derivative; what
+//! it then reports stands beside its floor, the size of the differences' own error.
+
+use nalgebra::DMatrix;
+
+use crate::error::StepError;
+
+/// The largest step relative to a coordinate: the estimated truncation, of order δ⁴, and round-off,
+/// u/δ, balance near 1e-12.
+const LARGEST: f64 = 1.0 / 256.0;
+
+/// A derivative with an estimate of its error, entry by entry.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Differences {
+    /// DF, outputs × inputs.
+    pub jacobian: DMatrix<f64>,
+    /// What it may be wrong by.
+    pub error: DMatrix<f64>,
+}
+
+/// DF(x) of a map with `outputs` components, by central differences over δ, δ/2 and δ/4 extrapolated to
+/// order 6 in δ, each coordinate in steps of its own size.
+///
+/// The error is the last extrapolation's change, and the round-off of F over the smallest step.
+///
+/// # Errors
+/// The map's [`StepError`].
+pub fn jacobian_by_differences(
+    x: &[f64],
+    outputs: usize,
+    mut map: impl FnMut(&[f64], &mut [f64]) -> Result<(), StepError>,
+) -> Result<Differences, StepError> {
+    let d = x.len();
+    let largest = x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let mut jacobian = DMatrix::zeros(outputs, d);
+    let mut error = DMatrix::zeros(outputs, d);
+    let mut point = x.to_vec();
+    let mut ends = [vec![0.0; outputs], vec![0.0; outputs]];
+    for k in 0..d {
+        let size = match (x[k] == 0.0, largest == 0.0) {
+            (false, _) => x[k].abs(),
+            (true, false) => largest,
+            (true, true) => 1.0,
+        };
+        let mut slopes = vec![[0.0_f64; 3]; outputs];
+        let mut noise = vec![0.0_f64; outputs];
+        for (level, factor) in [1.0, 0.5, 0.25].into_iter().enumerate() {
+            let step = LARGEST * factor * size;
+            let (ahead, behind) = (x[k] + step, x[k] - step);
+            for (at, end) in [ahead, behind].into_iter().zip(&mut ends) {
+                point[k] = at;
+                map(&point, end)?;
+            }
+            point[k] = x[k];
+            for i in 0..outputs {
+                let [ahead_value, behind_value] = [ends[0][i], ends[1][i]];
+                slopes[i][level] = (ahead_value - behind_value) / (ahead - behind);
+                let size = ahead_value.abs().max(behind_value.abs());
+                noise[i] = 4.0 * f64::EPSILON * size / step;
+            }
+        }
+        for (i, [whole, half, quarter]) in slopes.into_iter().enumerate() {
+            let coarse = half + (half - whole) / 3.0;
+            let fine = quarter + (quarter - half) / 3.0;
+            let change = (fine - coarse) / 15.0;
+            jacobian[(i, k)] = fine + change;
+            error[(i, k)] = change.abs() + noise[i];
+        }
+    }
+    Ok(Differences { jacobian, error })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::jacobian_by_differences;
+
+    /// F(x, y) = (x y², exp(x/y)): derivatives of every order, coordinates of different sizes.
+    #[test]
+    fn the_error_is_covered_by_its_estimate_and_near_round_off() {
+        for x in [[0.7, -1.3], [3.0e8, 2.0e8], [0.0, 4.0]] {
+            let found = jacobian_by_differences(&x, 2, |at, out| {
+                out[0] = at[0] * at[1] * at[1];
+                out[1] = libm::exp(at[0] / at[1]);
+                Ok(())
+            })
+            .expect("a smooth map");
+            let [a, b] = x;
+            let e = libm::exp(a / b);
+            let exact = [[b * b, 2.0 * a * b], [e / b, -a / (b * b) * e]];
+            for i in 0..2 {
+                for k in 0..2 {
+                    let error = (found.jacobian[(i, k)] - exact[i][k]).abs();
+                    let estimate = found.error[(i, k)];
+                    assert!(error <= estimate, "{x:?}: {error:e} > {estimate:e}");
+                    // δ⁴ times fifth derivatives, and u/δ.
+                    let largest = exact[i][0].abs().max(exact[i][1].abs());
+                    assert!(estimate <= 1e-10 * largest, "{x:?}: {estimate:e}");
+                }
+            }
+        }
+    }
+}
