@@ -70,14 +70,20 @@ fn worst(check: &IdentityCheck, names: &[String]) -> Vec<String> {
 }
 
 fn describe(check: &IdentityCheck, what: &str, names: &[String]) -> String {
+    let differences = check.floor.map_or_else(String::new, |floor| {
+        format!(" (derivatives are differences, which tell it down to {floor:.1e})")
+    });
     match check.verdict {
         Verdict::Proved => "proved: its normal form is zero".to_owned(),
         Verdict::NumericallyZero => format!(
-            "numerically zero: at most {:.1e} of its terms near the initial state",
+            "numerically zero: at most {:.1e} of its terms near the initial state{differences}",
             check.residual
         ),
+        Verdict::Violated if check.worst.is_empty() => {
+            format!("violated: {:.3e} of its terms{differences}", check.residual)
+        }
         Verdict::Violated => format!(
-            "violated: {:.3e} of its terms at the worst {what} {}",
+            "violated: {:.3e} of its terms at the worst {what} {}{differences}",
             check.residual,
             worst(check, names).join(", ")
         ),
@@ -94,6 +100,7 @@ fn as_json(check: &IdentityCheck, names: &[String]) -> Value {
             Verdict::Undecided => "undecided",
         },
         "residual": json_number(check.residual),
+        "floor": check.floor.map(json_number),
         "worst": worst(check, names),
         "at": json_numbers(&check.at),
     })

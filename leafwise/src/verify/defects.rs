@@ -1,7 +1,7 @@
 //! Tensor defects of one step over a sequence of step sizes.
 
-use leafwise_core::StepMap;
 use leafwise_core::diagnostics::TensorDefect;
+use leafwise_core::{StepError, StepMap, Structure};
 
 use super::floor::Floor;
 use super::judgement::ROUND_OFF;
@@ -10,10 +10,25 @@ use super::problem::Problem;
 
 /// Tensor defects of one step, relative to the tensor.
 pub(super) struct Defects {
-    /// (t, defect).
-    pub points: Vec<(f64, f64)>,
+    /// A defect for each step at which one could be measured.
+    points: Vec<(f64, Measured)>,
     /// n in tⁿ⁺¹.
     pub order: MeasuredOrder,
+}
+
+/// A relative defect.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Measured {
+    pub defect: f64,
+    /// What of it may be the error of differences; 0 for an exact tangent.
+    floor: f64,
+}
+
+impl Measured {
+    /// Whether it can be told from what the differences may be wrong by.
+    fn is_told(self) -> bool {
+        self.floor == 0.0 || self.defect > 4.0 * self.floor
+    }
 }
 
 /// Steps an eighth of an octave apart, from eight times the problem's down to a 64th of it.
@@ -24,35 +39,54 @@ const PLATEAU: [f64; 2] = [8.0 * f64::EPSILON, ROUND_OFF * f64::EPSILON];
 
 impl Defects {
     /// One step at every size; sizes that fail are left out, and nothing is measured after four
-    /// defects at round-off.
+    /// defects at round-off, or at what differences leave.
     pub fn measure(problem: &Problem, map: &dyn StepMap) -> Self {
         let mut points = Vec::new();
         let mut floor = Floor::new(PLATEAU[0], PLATEAU[1]);
+        let mut untold = 0;
         for k in 0..SIZES {
             let t = problem.time_step * libm::exp2(3.0 - 0.125 * f64::from(k));
-            let Some(defect) = defect(problem, map, t) else {
+            let Some(measured) = defect(problem, map, t) else {
                 continue;
             };
-            points.push((t, defect));
-            floor.take(t, defect);
-            if floor.touched() == 4 {
+            points.push((t, measured));
+            untold = if measured.is_told() { 0 } else { untold + 1 };
+            if measured.is_told() {
+                floor.take(t, measured.defect);
+            }
+            if floor.touched() == 4 || untold == 4 {
                 break;
             }
         }
-        let order = MeasuredOrder::of(&points, floor.round_off, 1.0).of_one_step();
+        let told = || points.iter().filter(|(_, measured)| measured.is_told());
+        let defects: Vec<(f64, f64)> = told().map(|(t, measured)| (*t, measured.defect)).collect();
+        let round_off = told().map(|p| p.1.floor).fold(floor.round_off, f64::max);
+        let order = MeasuredOrder::of(&defects, round_off, 1.0).of_one_step();
         Self { points, order }
     }
 
-    /// Whether every defect is round-off; `None` where none could be measured.
+    /// Whether every defect is round-off, or what differences leave; `None` where none could be
+    /// measured.
     pub fn is_round_off(&self) -> Option<bool> {
-        let worst = self.points.iter().map(|p| p.1).fold(0.0, f64::max);
-        (!self.points.is_empty()).then_some(worst <= PLATEAU[1])
+        let is_none = |m: &Measured| m.defect <= PLATEAU[1].max(m.floor);
+        (!self.points.is_empty()).then(|| self.points.iter().all(|(_, m)| is_none(m)))
     }
 }
 
-/// The relative defect of one step of t; `None` where the step fails or the map offers no tangent.
-pub(super) fn defect(problem: &Problem, map: &dyn StepMap, t: f64) -> Option<f64> {
+/// The relative defect of one step of t, by differences where the map offers no tangent and declares
+/// a structure; `None` where the step fails or there is nothing to measure by.
+pub(super) fn defect(problem: &Problem, map: &dyn StepMap, t: f64) -> Option<Measured> {
     let values = problem.system.parameter_values();
     let mut instrument = TensorDefect::new(&problem.system, map, &values, 1.0, t).ok()?;
-    instrument.measure(&problem.initial).ok()?.relative()
+    let defect = match instrument.measure(&problem.initial) {
+        Err(StepError::NoTangent) if map.properties().structure != Structure::None => {
+            instrument.measure_by_differences(&problem.initial)
+        }
+        measured => measured,
+    };
+    let defect = defect.ok()?;
+    Some(Measured {
+        defect: defect.relative()?,
+        floor: defect.relative_floor()?,
+    })
 }

@@ -28,7 +28,7 @@ pub struct Measured {
     /// Why the problem's step is too large for the map.
     pub too_large: Option<String>,
     /// The tensor defect of such a step, relative to the tensor; `None` where the map offers no
-    /// tangent.
+    /// tangent and declares no structure.
     pub tensor_defect: Option<f64>,
     /// ‖Φ_{−h}(Φ_h(x)) − x‖ relative to x.
     pub self_adjointness: f64,
@@ -75,7 +75,7 @@ pub fn measure(
         structure: defects.order,
         time_step: run.time_step,
         too_large: run.too_large.map(|error| error.to_string()),
-        tensor_defect: defect(problem, map, run.time_step),
+        tensor_defect: defect(problem, map, run.time_step).map(|measured| measured.defect),
         self_adjointness: run.self_adjointness,
         casimir_drift: run.drift.casimirs,
         energy_drift: run.drift.energy,

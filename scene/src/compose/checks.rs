@@ -64,6 +64,9 @@ impl SceneChecks {
         allow_non_poisson: bool,
     ) -> Option<Refusal> {
         let names = |indices: &[usize]| {
+            if indices.is_empty() {
+                return "linear functions of all coordinates".to_owned();
+            }
             let names: Vec<&str> = indices
                 .iter()
                 .map(|i| system.variables()[*i].as_str())
