@@ -1,5 +1,6 @@
 //! The compensated step loop.
 
+use crate::compensation::two_sum;
 use crate::error::StepError;
 use crate::solver::{SolverStatistics, StepMap, Stepper};
 
@@ -90,12 +91,7 @@ impl Integrator {
             .zip(&mut self.low)
             .zip(&self.increment)
         {
-            let change = increment + *low;
-            let sum = *x + change;
-            // Knuth's two-sum: sum + low = x + change exactly.
-            let back = sum - *x;
-            *low = (*x - (sum - back)) + (change - back);
-            *x = sum;
+            (*x, *low) = two_sum(*x, increment + *low);
         }
         self.steps += 1;
         Ok(())

@@ -22,6 +22,7 @@
 
 pub mod chart;
 mod code_workers;
+mod compensation;
 pub mod diagnostics;
 pub mod dynamics;
 pub mod error;
@@ -42,6 +43,7 @@ pub mod system;
 
 pub use chart::{ChartMaps, ChartWorker};
 pub use code_workers::{RealizationMaps, realization_worker};
+pub use compensation::two_sum;
 pub use dynamics::{
     BisectionCode, BisectionWorker, Correction, DynamicApproximation, LagrangianBisection,
 };

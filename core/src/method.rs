@@ -9,8 +9,7 @@ use crate::dynamics::{Correction, DynamicApproximation, LagrangianBisection};
 use crate::error::BuildError;
 use crate::realization::{Accuracy, RealizationData};
 use crate::solver::{
-    MakeWorkers, MapProperties, NewtonKernel, NewtonStepper, StepMap, Stepper, Structure,
-    WorkerStepper,
+    LaneByLane, MapProperties, NewtonKernel, NewtonStepper, StepMap, Stepper, Structure, Workers,
 };
 use crate::system::PoissonSystem;
 
@@ -226,32 +225,26 @@ impl StepMap for Method {
             }
             Path::Fused(map) => map.stepper(lanes, parameters, epsilon, h),
             Path::Workers { code, points } => {
-                let realization = Arc::clone(&self.realization);
-                let bisection = Arc::clone(&self.bisection);
-                let (code, points) = (code.clone(), points.clone());
-                let make: Arc<MakeWorkers> = Arc::new(move |parameters: &[f64]| {
-                    let maps = match &code {
+                let (d, space) = (self.dimension(), self.realization.space_dimension());
+                let correction = self.dynamics.correction();
+                let offered = "a worker was offered when the method was composed";
+                Box::new(LaneByLane::new(lanes, d, parameters, |parameters| {
+                    let maps = match code {
                         Some(code) => code.worker(parameters, epsilon),
-                        None => realization
-                            .worker(parameters, epsilon)
-                            .expect("a worker was offered when the method was composed"),
+                        None => {
+                            let worker = self.realization.worker(parameters, epsilon);
+                            worker.expect(offered)
+                        }
                     };
-                    let points = match &points {
+                    let points = match points {
                         Some(points) => points.worker(parameters, epsilon, h),
-                        None => bisection
-                            .worker(parameters, epsilon, h)
-                            .expect("a worker was offered when the method was composed"),
+                        None => {
+                            let worker = self.bisection.worker(parameters, epsilon, h);
+                            worker.expect(offered)
+                        }
                     };
-                    (maps, points)
-                });
-                Box::new(WorkerStepper::new(
-                    &make,
-                    lanes,
-                    parameters,
-                    self.dimension(),
-                    self.realization.space_dimension(),
-                    self.dynamics.correction(),
-                ))
+                    Workers::new((maps, points), d, space, correction)
+                }))
             }
         }
     }

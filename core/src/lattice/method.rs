@@ -8,11 +8,11 @@ use super::geometry::LatticeGeometry;
 use super::observables::SiteDensity;
 use super::program::{LatticeProgram, Proxy, shift};
 use super::stages::{Field, StageBuilder};
-use super::stepper::LatticeStepper;
+use super::stepper::LatticeTrajectory;
 use crate::dynamics::DynamicApproximation;
 use crate::error::BuildError;
 use crate::realization::RealizationData;
-use crate::solver::{MapProperties, StepMap, Stepper};
+use crate::solver::{LaneByLane, MapProperties, StepMap, Stepper};
 use crate::system::{PoissonSystem, SystemFormulas};
 
 /// A lattice system that can be written out at any length.
@@ -171,15 +171,10 @@ impl StepMap for LatticeMethod {
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
-        let programs = Arc::clone(&self.program);
-        Box::new(LatticeStepper::new(
-            programs,
-            self.fields,
-            lanes,
-            parameters,
-            epsilon,
-            h,
-        ))
+        let d = self.geometry.dimension();
+        Box::new(LaneByLane::new(lanes, d, parameters, |parameters| {
+            LatticeTrajectory::new(&self.program, self.fields, parameters, epsilon, h)
+        }))
     }
 }
 

@@ -10,7 +10,7 @@
 //! - [`stages`]: how a realization writes its maps as stages.
 //! - [`program`]: stages compiled to stencils, and their sweeps.
 //! - [`method`](mod@method): realization and dynamics combined over a lattice.
-//! - [`stepper`]: the linear iteration for β̂(L(y)) = x.
+//! - `stepper`: the linear iteration for β̂(L(y)) = x.
 //! - [`observables`]: sums over sites.
 
 pub mod geometry;
@@ -18,7 +18,7 @@ pub mod method;
 pub mod observables;
 pub mod program;
 pub mod stages;
-pub mod stepper;
+mod stepper;
 
 pub use geometry::LatticeGeometry;
 pub use method::{LatticeMethod, LatticeSource};

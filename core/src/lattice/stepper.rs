@@ -6,194 +6,118 @@ use super::method::Fields;
 use super::program::{LatticeProgram, LatticeWorker};
 use crate::error::StepError;
 use crate::solver::iteration::{CorrectionSize, LinearIteration, Verdict};
-use crate::solver::{Extrapolation, SolverStatistics, Stepper};
+use crate::solver::{Extrapolation, Trajectory};
 
 /// Budget of one step. At t‖DX‖ = 1 the iteration gains a factor of about two each time.
 const MOST_EVALUATIONS: usize = 200;
+
+/// Levels of differences that the start is extrapolated from, a number a coordinate each.
+const EXTRAPOLATION: usize = 7;
 
 /// Solves β̂(L(y)) = x by the iteration whose rate is the size of D(β̂∘L) − 1 = O(t), without any
 /// Jacobian: O(N) a step.
 ///
 /// *Stop*: when what the next correction would add is below a small part of an ulp, judged by the
 /// observed rate, or when the corrections stagnate at round-off.
-pub struct LatticeStepper {
+pub(super) struct LatticeTrajectory {
     program: Arc<LatticeProgram>,
     fields: Fields,
-    /// Operations of one evaluation.
-    work: u64,
-    trajectories: Vec<Trajectory>,
-    statistics: SolverStatistics,
-}
-
-struct Trajectory {
     worker: LatticeWorker,
     extrapolation: Extrapolation,
     displacement: Vec<f64>,
+    evaluations: u64,
 }
 
-impl LatticeStepper {
+impl LatticeTrajectory {
     pub(super) fn new(
-        program: Arc<LatticeProgram>,
+        program: &Arc<LatticeProgram>,
         fields: Fields,
-        lanes: usize,
         parameters: &[f64],
         epsilon: f64,
         h: f64,
     ) -> Self {
-        let trajectories = (0..lanes)
-            .map(|lane| {
-                let own: Vec<f64> = parameters
-                    .iter()
-                    .skip(lane)
-                    .step_by(lanes)
-                    .copied()
-                    .collect();
-                let worker = program.worker(&own, epsilon, h);
-                let dimension = worker.field(fields.y).len();
-                Trajectory {
-                    worker,
-                    extrapolation: Extrapolation::new(dimension, 7),
-                    displacement: vec![0.0; dimension],
-                }
-            })
-            .collect();
+        let worker = program.worker(parameters, epsilon, h);
+        let dimension = worker.field(fields.y).len();
         Self {
-            work: program.work(),
-            program,
+            program: Arc::clone(program),
             fields,
-            trajectories,
-            statistics: SolverStatistics::default(),
+            worker,
+            extrapolation: Extrapolation::new(dimension, EXTRAPOLATION),
+            displacement: vec![0.0; dimension],
+            evaluations: 0,
         }
     }
+}
 
-    fn solve(
+impl Trajectory for LatticeTrajectory {
+    fn step(
         &mut self,
-        lane: usize,
         x: &[f64],
         low: &[f64],
         increment: &mut [f64],
+        evaluations: &mut u64,
     ) -> Result<(), StepError> {
-        let lanes = self.trajectories.len();
-        let Trajectory {
+        let Self {
             worker,
-            extrapolation,
             displacement,
-        } = &mut self.trajectories[lane];
-        extrapolation.predict(displacement.as_chunks_mut().0);
+            fields,
+            ..
+        } = self;
+        self.extrapolation.predict(displacement.as_chunks_mut().0);
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         loop {
-            let y = worker.field_mut(self.fields.y);
-            for (i, y) in y.iter_mut().enumerate() {
-                *y = x[i * lanes + lane] + displacement[i];
+            let y = worker.field_mut(fields.y);
+            for ((y, x), displacement) in y.iter_mut().zip(x).zip(&*displacement) {
+                *y = x + displacement;
             }
             self.program.run(worker);
-            let (offset, change) = (
-                worker.field(self.fields.offset),
-                worker.field(self.fields.increment),
-            );
-            let y = worker.field(self.fields.y);
+            *evaluations += 1;
+            self.evaluations += 1;
+            let (offset, change) = (worker.field(fields.offset), worker.field(fields.increment));
+            let y = worker.field(fields.y);
             let mut size = CorrectionSize::default();
             let mut finite = true;
             for i in 0..displacement.len() {
-                let here = i * lanes + lane;
                 // x − y is exact: they are close.
-                let correction = (x[here] - y[i]) - offset[i] + low[here];
-                displacement[i] = (y[i] - x[here]) + correction;
+                let correction = (x[i] - y[i]) - offset[i] + low[i];
+                displacement[i] = (y[i] - x[i]) + correction;
                 finite &= correction.is_finite() && change[i].is_finite();
-                size.take(correction, x[here].abs() + change[i].abs());
+                size.take(correction, x[i].abs() + change[i].abs());
             }
-            let verdict = match iteration.judge_correction(&size) {
-                Ok(verdict) if finite => verdict,
-                Ok(_) => {
-                    self.finish(iteration.evaluations());
-                    return Err(StepError::NonFinite {
-                        what: "a correction of the lattice",
-                    });
-                }
-                Err(error) => {
-                    self.finish(iteration.evaluations());
-                    return Err(error);
-                }
-            };
+            let verdict = iteration.judge_correction(&size)?;
+            if !finite {
+                return Err(StepError::NonFinite {
+                    what: "a correction of the lattice",
+                });
+            }
             if verdict == Verdict::Converged {
-                for (i, change) in change.iter().enumerate() {
-                    increment[i * lanes + lane] = *change;
-                }
-                extrapolation.record(displacement.as_chunks_mut().0, &[true]);
-                self.finish(iteration.evaluations());
+                increment.copy_from_slice(change);
+                self.extrapolation
+                    .record(displacement.as_chunks_mut().0, &[true]);
                 return Ok(());
             }
         }
     }
 
-    fn finish(&mut self, evaluations: usize) {
-        self.statistics.steps += 1;
-        self.statistics.evaluations += evaluations as u64;
-        self.statistics.most_evaluations = self.statistics.most_evaluations.max(evaluations as u64);
-    }
-}
-
-impl Stepper for LatticeStepper {
-    fn increment(
-        &mut self,
-        x: &[f64],
-        low: &[f64],
-        increment: &mut [f64],
-        outcome: &mut [Result<(), StepError>],
-    ) {
-        for lane in 0..self.trajectories.len() {
-            outcome[lane] = self.solve(lane, x, low, increment);
-            if outcome[lane].is_err() {
-                self.statistics.failures += 1;
-                let lanes = self.trajectories.len();
-                increment
-                    .iter_mut()
-                    .skip(lane)
-                    .step_by(lanes)
-                    .for_each(|i| *i = 0.0);
-                self.trajectories[lane].extrapolation.clear(0);
-            }
-        }
+    fn solution(&self) -> Option<&[f64]> {
+        Some(self.worker.field(self.fields.y))
     }
 
-    fn solution(&self, lane: usize) -> Option<Vec<f64>> {
-        self.trajectories
-            .get(lane)
-            .map(|t| t.worker.field(self.fields.y).to_vec())
+    fn operations(&self) -> Option<u64> {
+        Some(self.evaluations * self.program.work())
     }
 
     fn restart(&mut self) {
-        self.trajectories
-            .iter_mut()
-            .for_each(|t| t.extrapolation.clear(0));
-    }
-
-    fn statistics(&self) -> SolverStatistics {
-        SolverStatistics {
-            operations: Some(self.statistics.evaluations * self.work),
-            ..self.statistics
-        }
+        self.extrapolation.clear(0);
     }
 
     fn memory(&self) -> Vec<f64> {
-        let mut memory = Vec::new();
-        for trajectory in &self.trajectories {
-            trajectory.extrapolation.memory(0, &mut memory);
-        }
+        let mut memory = Vec::with_capacity(self.extrapolation.memory_len());
+        self.extrapolation.memory(0, &mut memory);
         memory
     }
 
-    fn restore(&mut self, memory: &[f64]) -> Result<(), usize> {
-        let each = self
-            .trajectories
-            .first()
-            .map_or(0, |t| t.extrapolation.memory_len());
-        if memory.len() != each * self.trajectories.len() {
-            return Err(each * self.trajectories.len());
-        }
-        for (trajectory, part) in self.trajectories.iter_mut().zip(memory.chunks_exact(each)) {
-            trajectory.extrapolation.restore(0, part);
-        }
-        Ok(())
+    fn restore(&mut self, memory: &[f64]) {
+        self.extrapolation.restore(0, memory);
     }
 }

@@ -1,13 +1,14 @@
 //! The stage equations of an implicit, possibly partitioned, Runge–Kutta method.
 
-use nalgebra::{DMatrix, DVector, Dyn, LU};
+use nalgebra::DMatrix;
 
 use super::smooth_map::SmoothMapEvaluator;
 use super::tableau::PartitionedTableau;
 use crate::error::StepError;
 use crate::solver::iteration::Verdict;
 use crate::solver::{
-    Anderson, CorrectionSize, LinearIteration, elimination_operations, substitution_operations,
+    Anderson, CorrectionSize, DenseFactors, LinearIteration, elimination_operations,
+    substitution_operations,
 };
 
 /// Budget of one solve by Newton's iteration.
@@ -36,6 +37,11 @@ pub struct StageSolver {
     displacements: Vec<f64>,
     slopes: Vec<f64>,
     jacobians: Vec<f64>,
+    /// 1 − τ a_ij DF(Z_j) and its factors; a correction of the displacements and its scale.
+    matrix: Vec<f64>,
+    factors: DenseFactors,
+    correction: Vec<f64>,
+    scales: Vec<f64>,
     /// z of the last solve, and a stage.
     start: Vec<f64>,
     stage: Vec<f64>,
@@ -60,14 +66,19 @@ impl StageSolver {
         let tableau = tableau.into();
         let s = tableau.stages();
         let has_jacobian = field.map().has_jacobian();
+        let size = if has_jacobian { s * n } else { 0 };
         Self {
             anderson: (!has_jacobian).then(|| Anderson::new(s * n)),
+            matrix: vec![0.0; size * size],
+            factors: DenseFactors::new(size),
+            correction: vec![0.0; s * n],
+            scales: vec![0.0; s * n],
             field,
             tableau,
             time_step,
             displacements: vec![0.0; s * n],
             slopes: vec![0.0; s * n],
-            jacobians: vec![0.0; if has_jacobian { s * n * n } else { 0 }],
+            jacobians: vec![0.0; size * n],
             start: vec![0.0; n],
             stage: vec![0.0; n],
             linear: 0,
@@ -114,7 +125,7 @@ impl StageSolver {
     fn newton(&mut self) -> Result<usize, StepError> {
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         let mut last = f64::INFINITY;
-        let mut newton: Option<LU<f64, Dyn, Dyn>> = None;
+        let mut contracts = false;
         let (n, stages) = (self.start.len(), self.tableau.stages());
         let size = stages * n;
         // The residuals' sums, the substitution, the slopes' corrections; the matrix and its factors.
@@ -122,26 +133,23 @@ impl StageSolver {
         let fresh = (2 * size * size) as u64 + elimination_operations(size);
         loop {
             self.evaluate_slopes()?;
-            let lu = match newton.take() {
-                Some(lu) => lu,
-                None => {
-                    self.evaluate_jacobians()?;
-                    self.linear += fresh;
-                    self.matrix().lu()
+            if !contracts {
+                self.evaluate_jacobians()?;
+                self.linear += fresh;
+                if !self.factor() {
+                    return Err(StepError::NonFinite {
+                        what: "a correction of the stages",
+                    });
                 }
-            };
-            self.linear += each;
-            let mut correction = self.residual();
-            if !lu.solve_mut(&mut correction) {
-                return Err(StepError::NonFinite {
-                    what: "a correction of the stages",
-                });
             }
-            let size = self.correct(correction.as_slice());
+            self.linear += each;
+            self.residual();
+            self.factors.solve(&mut self.correction);
+            let size = self.correct();
             if iteration.judge(size)? == Verdict::Converged {
                 return Ok(iteration.evaluations());
             }
-            newton = (size <= SLOW * last).then_some(lu);
+            contracts = size <= SLOW * last;
             last = size;
         }
     }
@@ -149,23 +157,22 @@ impl StageSolver {
     fn accelerate(&mut self, anderson: &mut Anderson) -> Result<usize, StepError> {
         let n = self.start.len();
         let mut iteration = LinearIteration::new(MOST_ACCELERATED);
-        let mut scales = vec![0.0; self.displacements.len()];
         anderson.clear();
         loop {
             self.evaluate_slopes()?;
-            self.linear += (2 * scales.len() * self.tableau.stages()) as u64;
-            let mut correction = self.residual();
+            self.linear += (2 * self.scales.len() * self.tableau.stages()) as u64;
+            self.residual();
             let mut size = CorrectionSize::default();
-            for (row, scale) in scales.iter_mut().enumerate() {
+            for (row, scale) in self.scales.iter_mut().enumerate() {
                 let displacement = self.displacements[row];
                 *scale = (self.start[row % n] + displacement).abs()
                     + displacement.abs()
-                    + correction[row].abs();
-                size.take(correction[row], *scale);
+                    + self.correction[row].abs();
+                size.take(self.correction[row], *scale);
             }
-            anderson.correct(correction.as_mut_slice(), &scales);
-            for (row, change) in correction.iter().enumerate() {
-                size.take(*change, scales[row]);
+            anderson.correct(&mut self.correction, &self.scales);
+            for (row, change) in self.correction.iter().enumerate() {
+                size.take(*change, self.scales[row]);
                 self.displacements[row] += change;
             }
             if iteration.judge_correction(&size)? == Verdict::Converged {
@@ -205,21 +212,25 @@ impl StageSolver {
         Ok(())
     }
 
-    /// 1 − τ a_ij DF(Z_j).
-    fn matrix(&self) -> DMatrix<f64> {
-        let n = self.start.len();
-        DMatrix::from_fn(self.slopes.len(), self.slopes.len(), |row, column| {
-            let (i, c, j, k) = (row / n, row % n, column / n, column % n);
-            let unit = if row == column { 1.0 } else { 0.0 };
-            let a = self.tableau.row(i, c)[j];
-            unit - self.time_step * a * self.jacobians[(j * n + c) * n + k]
-        })
+    /// Factors 1 − τ a_ij DF(Z_j); `false` where that is singular.
+    fn factor(&mut self) -> bool {
+        let (n, size) = (self.start.len(), self.slopes.len());
+        for (row, entries) in self.matrix.chunks_exact_mut(size).enumerate() {
+            let (i, c) = (row / n, row % n);
+            for (column, entry) in entries.iter_mut().enumerate() {
+                let (j, k) = (column / n, column % n);
+                let unit = if row == column { 1.0 } else { 0.0 };
+                let a = self.tableau.row(i, c)[j];
+                *entry = unit - self.time_step * a * self.jacobians[(j * n + c) * n + k];
+            }
+        }
+        self.factors.factor(&self.matrix)
     }
 
-    /// τ Σ_j a_ij F(Z_j) − (Z_i − z).
-    fn residual(&self) -> DVector<f64> {
+    /// τ Σ_j a_ij F(Z_j) − (Z_i − z) into `correction`.
+    fn residual(&mut self) {
         let n = self.start.len();
-        DVector::from_fn(self.slopes.len(), |row, _| {
+        for (row, residual) in self.correction.iter_mut().enumerate() {
             let (i, c) = (row / n, row % n);
             let sum: f64 = self
                 .tableau
@@ -228,19 +239,21 @@ impl StageSolver {
                 .zip(self.slopes.chunks(n))
                 .map(|(a, slope)| a * slope[c])
                 .sum();
-            self.time_step * sum - self.displacements[row]
-        })
+            *residual = self.time_step * sum - self.displacements[row];
+        }
     }
 
-    /// Adds a correction to the stages, and to the slopes to first order; returns its relative size.
-    fn correct(&mut self, correction: &[f64]) -> f64 {
+    /// Adds the correction to the stages, and to the slopes to first order; returns its relative
+    /// size.
+    fn correct(&mut self) -> f64 {
         let n = self.start.len();
         let mut size = 0.0_f64;
-        for (displacement, change) in self.displacements.iter_mut().zip(correction) {
+        for (displacement, change) in self.displacements.iter_mut().zip(&self.correction) {
             *displacement += change;
         }
-        for (i, correction) in correction.chunks(n).enumerate() {
+        for i in 0..self.tableau.stages() {
             self.place(i);
+            let correction = &self.correction[i * n..][..n];
             let jacobian = &self.jacobians[i * n * n..][..n * n];
             for (c, row) in jacobian.chunks(n).enumerate() {
                 let (mut change, mut reach) = (0.0, 0.0);
@@ -277,11 +290,16 @@ impl StageSolver {
             return None;
         }
         self.evaluate_jacobians().ok()?;
-        let mut stages = DMatrix::from_fn(self.slopes.len(), seeds.ncols(), |row, column| {
-            seeds[(row % n, column)]
-        });
-        if !self.matrix().lu().solve_mut(&mut stages) {
+        if !self.factor() {
             return None;
+        }
+        let mut stages = DMatrix::zeros(self.slopes.len(), seeds.ncols());
+        for (column, seed) in seeds.column_iter().enumerate() {
+            for row in 0..self.correction.len() {
+                self.correction[row] = seed[row % n];
+            }
+            self.factors.solve(&mut self.correction);
+            stages.column_mut(column).copy_from_slice(&self.correction);
         }
         let mut tangent = seeds.clone();
         for (j, b) in self.tableau.weights().iter().enumerate() {

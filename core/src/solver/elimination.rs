@@ -33,7 +33,7 @@ impl<const W: usize> Factors<W> {
             entries: vec![[0.0; W]; d * d],
             exchanges: vec![[0; W]; d],
             exchanged: [false; W],
-            kept: vec![[0.0; W]; d * d],
+            kept: vec![[0.0; W]; if W > 1 { d * d } else { 0 }],
             single: vec![0.0; d * d],
         }
     }

@@ -122,19 +122,16 @@ impl Stepper for ExplicitStepper {
         let d = self.shared.increment.len();
         for (lane, outcome) in outcome.iter_mut().enumerate() {
             let places = || (0..d).map(|i| i * self.lanes + lane);
-            self.statistics.steps += 1;
-            self.statistics.evaluations += 1;
-            self.statistics.most_evaluations = 1;
             // An increment may be finite at a state that is not: where its coordinate rests.
             *outcome = if places().all(|at| x[at].is_finite() && increment[at].is_finite()) {
                 Ok(())
             } else {
-                self.statistics.failures += 1;
                 places().for_each(|at| increment[at] = 0.0);
                 Err(StepError::NonFinite {
                     what: "the increment",
                 })
             };
+            self.statistics.count(1, outcome.is_ok());
         }
     }
 

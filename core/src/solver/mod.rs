@@ -5,6 +5,7 @@ mod elimination;
 mod explicit;
 mod extrapolation;
 pub mod iteration;
+mod lanes;
 mod linear;
 mod newton;
 mod properties;
@@ -14,10 +15,11 @@ pub use anderson::Anderson;
 pub use explicit::ExplicitMap;
 pub use extrapolation::Extrapolation;
 pub use iteration::{CorrectionSize, LinearIteration};
-pub use linear::{elimination_operations, substitution_operations};
+pub use lanes::{LaneByLane, Trajectory};
+pub use linear::{DenseFactors, elimination_operations, substitution_operations};
 pub use newton::{NewtonKernel, NewtonStepper};
 pub use properties::{MapProperties, Structure};
-pub(crate) use workers::{MakeWorkers, WorkerStepper};
+pub(crate) use workers::Workers;
 
 use crate::error::StepError;
 

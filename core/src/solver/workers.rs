@@ -1,47 +1,37 @@
 //! The solve for parts that compute numbers: no code, one trajectory at a time.
 
-use std::sync::Arc;
-
 use super::extrapolation::DEPTH;
 use super::iteration::{CorrectionSize, LinearIteration, Verdict};
-use super::{Anderson, Extrapolation, SolverStatistics, Stepper};
+use super::{Anderson, Extrapolation, Trajectory};
 use crate::dynamics::{BisectionWorker, Correction};
 use crate::error::StepError;
 use crate::realization::{Ends, RealizationWorker};
-use crate::solver::linear::{elimination_operations, solve_in_place, substitution_operations};
+use crate::solver::linear::{DenseFactors, elimination_operations, substitution_operations};
 
 /// Budget of one step.
 const MOST_EVALUATIONS: usize = 100;
-
-/// Makes the workers of one trajectory for parameters, ε and h.
-pub(crate) type MakeWorkers =
-    dyn Fn(&[f64]) -> (Box<dyn RealizationWorker>, Box<dyn BisectionWorker>) + Send + Sync;
 
 /// Solves β̂(L(y)) = x with workers of a realization and a bisection.
 ///
 /// Where D(β̂∘L) is near the identity (a collective integrator over a good realization), and where a
 /// worker offers no tangents, the correction is the residual itself; elsewhere it is Newton's, with
 /// the tangents of both workers. D(β̂∘L) = 1 + O(εh), so that residuals converge for small steps.
-pub(crate) struct WorkerStepper {
-    trajectories: Vec<Trajectory>,
-    correction: Correction,
-    statistics: SolverStatistics,
-}
-
-struct Trajectory {
+pub(crate) struct Workers {
     /// For parts without tangents.
     anderson: Anderson,
     scales: Vec<f64>,
     realization: Box<dyn RealizationWorker>,
     bisection: Box<dyn BisectionWorker>,
+    correction: Correction,
     extrapolation: Extrapolation,
     displacement: Vec<f64>,
     y: Vec<f64>,
     z: Vec<f64>,
     residual: Vec<f64>,
     ends: Ends,
-    /// D(β̂∘L), D((α̂−β̂)∘L), DL, and the worker's own tangents.
+    /// D(β̂∘L), its factors, D((α̂−β̂)∘L), DL, and the worker's own tangents.
     target: Vec<f64>,
+    factors: DenseFactors,
     change: Vec<f64>,
     point: Vec<f64>,
     target_of_z: Vec<f64>,
@@ -50,59 +40,35 @@ struct Trajectory {
     linear: u64,
 }
 
-impl WorkerStepper {
+impl Workers {
+    /// For points of S of as many coordinates as `space`.
     pub(crate) fn new(
-        make: &Arc<MakeWorkers>,
-        lanes: usize,
-        parameters: &[f64],
+        (realization, bisection): (Box<dyn RealizationWorker>, Box<dyn BisectionWorker>),
         dimension: usize,
         space: usize,
         correction: Correction,
     ) -> Self {
         let d = dimension;
-        let trajectories = (0..lanes)
-            .map(|lane| {
-                let own: Vec<f64> = parameters
-                    .iter()
-                    .skip(lane)
-                    .step_by(lanes)
-                    .copied()
-                    .collect();
-                let (realization, bisection) = make(&own);
-                Trajectory {
-                    anderson: Anderson::new(d),
-                    scales: vec![0.0; d],
-                    realization,
-                    bisection,
-                    extrapolation: Extrapolation::new(d, DEPTH),
-                    displacement: vec![0.0; d],
-                    y: vec![0.0; d],
-                    z: vec![0.0; space],
-                    residual: vec![0.0; d],
-                    ends: Ends::new(d),
-                    target: vec![0.0; d * d],
-                    change: vec![0.0; d * d],
-                    point: vec![0.0; space * d],
-                    target_of_z: vec![0.0; d * space],
-                    change_of_z: vec![0.0; d * space],
-                    linear: 0,
-                }
-            })
-            .collect();
         Self {
-            trajectories,
+            anderson: Anderson::new(d),
+            scales: vec![0.0; d],
+            realization,
+            bisection,
             correction,
-            statistics: SolverStatistics::default(),
+            extrapolation: Extrapolation::new(d, DEPTH),
+            displacement: vec![0.0; d],
+            y: vec![0.0; d],
+            z: vec![0.0; space],
+            residual: vec![0.0; d],
+            ends: Ends::new(d),
+            target: vec![0.0; d * d],
+            factors: DenseFactors::new(d),
+            change: vec![0.0; d * d],
+            point: vec![0.0; space * d],
+            target_of_z: vec![0.0; d * space],
+            change_of_z: vec![0.0; d * space],
+            linear: 0,
         }
-    }
-}
-
-impl Trajectory {
-    /// Forgets earlier steps.
-    fn restart(&mut self) {
-        self.extrapolation.clear(0);
-        self.bisection.restart();
-        self.realization.restart();
     }
 
     /// Evaluates both maps at y.
@@ -123,28 +89,24 @@ impl Trajectory {
         Ok(())
     }
 
-    fn operations(&self) -> Option<u64> {
-        let own = self.linear + self.anderson.operations();
-        Some(self.realization.operations()? + self.bisection.operations()? + own)
+    /// α̂(L(x)) − x.
+    fn uncorrected(&mut self, x: &[f64], increment: &mut [f64]) -> Result<(), StepError> {
+        self.y.copy_from_slice(x);
+        self.evaluate()?;
+        let Ends {
+            base,
+            offset,
+            increment: change,
+        } = &self.ends;
+        for i in 0..x.len() {
+            increment[i] = (base[i] - x[i]) + offset[i] + change[i];
+        }
+        Ok(())
     }
 
-    fn solve(
-        &mut self,
-        x: &[f64],
-        low: &[f64],
-        increment: &mut [f64],
-        correction: Correction,
-    ) -> Result<usize, StepError> {
+    /// Solves for y; returns whether the last correction is Newton's.
+    fn solve(&mut self, x: &[f64], low: &[f64], evaluations: &mut u64) -> Result<bool, StepError> {
         let d = x.len();
-        if correction == Correction::None {
-            self.y.copy_from_slice(x);
-            self.evaluate()?;
-            for i in 0..d {
-                increment[i] =
-                    (self.ends.base[i] - x[i]) + self.ends.offset[i] + self.ends.increment[i];
-            }
-            return finite(increment).map(|()| 1);
-        }
         self.extrapolation
             .predict(self.displacement.as_chunks_mut().0);
         for i in 0..d {
@@ -156,6 +118,7 @@ impl Trajectory {
         self.anderson.clear();
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         loop {
+            *evaluations += 1;
             self.evaluate()?;
             for i in 0..d {
                 self.residual[i] = x[i] - self.ends.base[i] - self.ends.offset[i] + low[i];
@@ -163,11 +126,12 @@ impl Trajectory {
             if newton {
                 self.tangents()?;
                 self.linear += elimination_operations(d) + substitution_operations(d);
-                if !solve_in_place(&mut self.target, &mut self.residual) {
+                if !self.factors.factor(&self.target) {
                     return Err(StepError::NonFinite {
                         what: "a Newton correction",
                     });
                 }
+                self.factors.solve(&mut self.residual);
             }
             let mut correction = CorrectionSize::default();
             for i in 0..d {
@@ -182,42 +146,10 @@ impl Trajectory {
                 self.y[i] += self.residual[i];
             }
             if iteration.judge_correction(&correction)? == Verdict::Converged {
-                break;
+                return Ok(newton);
             }
         }
-        let mut evaluations = iteration.evaluations();
-        if !newton && self.residual.iter().any(|r| *r != 0.0) {
-            // The increment varies with y far more than the residual does: without its tangent the
-            // last correction enters by one more evaluation.
-            self.evaluate()?;
-            evaluations += 1;
-        }
-        for i in 0..d {
-            let row = &self.change[i * d..][..d];
-            let first_order: f64 = if newton {
-                row.iter().zip(&self.residual).map(|(k, r)| k * r).sum()
-            } else {
-                0.0
-            };
-            increment[i] = self.ends.increment[i] + first_order;
-        }
-        finite(increment)?;
-        for i in 0..d {
-            self.displacement[i] = self.y[i] - x[i];
-        }
-        self.extrapolation
-            .record(self.displacement.as_chunks_mut().0, &[true]);
-        Ok(evaluations)
     }
-}
-
-fn finite(increment: &[f64]) -> Result<(), StepError> {
-    if increment.iter().all(|v| v.is_finite()) {
-        return Ok(());
-    }
-    Err(StepError::NonFinite {
-        what: "the increment",
-    })
 }
 
 /// The d × d product of a d × s and an s × d matrix, row-major.
@@ -230,104 +162,81 @@ fn product(a: &[f64], b: &[f64], d: usize, out: &mut [f64]) {
     }
 }
 
-impl Stepper for WorkerStepper {
-    fn increment(
+impl Trajectory for Workers {
+    fn step(
         &mut self,
         x: &[f64],
         low: &[f64],
         increment: &mut [f64],
-        outcome: &mut [Result<(), StepError>],
-    ) {
-        let lanes = self.trajectories.len();
-        for (lane, trajectory) in self.trajectories.iter_mut().enumerate() {
-            let own = |values: &[f64]| -> Vec<f64> {
-                values.iter().skip(lane).step_by(lanes).copied().collect()
-            };
-            let mut own_increment = vec![0.0; x.len() / lanes];
-            let result = trajectory.solve(&own(x), &own(low), &mut own_increment, self.correction);
-            self.statistics.steps += 1;
-            outcome[lane] = match result {
-                Ok(evaluations) => {
-                    let evaluations = evaluations as u64;
-                    self.statistics.evaluations += evaluations;
-                    self.statistics.most_evaluations =
-                        self.statistics.most_evaluations.max(evaluations);
-                    Ok(())
-                }
-                Err(error) => {
-                    self.statistics.failures += 1;
-                    trajectory.restart();
-                    own_increment.fill(0.0);
-                    Err(error)
-                }
-            };
-            let places = increment.iter_mut().skip(lane).step_by(lanes);
-            places
-                .zip(&own_increment)
-                .for_each(|(place, value)| *place = *value);
-        }
-    }
-
-    fn solution(&self, lane: usize) -> Option<Vec<f64>> {
-        self.trajectories
-            .get(lane)
-            .map(|trajectory| trajectory.y.clone())
-    }
-
-    fn tangent(&mut self, lane: usize) -> Option<Vec<f64>> {
-        let trajectory = self.trajectories.get_mut(lane)?;
-        let d = trajectory.y.len();
-        trajectory.evaluate().ok()?;
-        trajectory.tangents().ok()?;
+        evaluations: &mut u64,
+    ) -> Result<(), StepError> {
         if self.correction == Correction::None {
-            let sum = trajectory.target.iter().zip(&trajectory.change);
+            *evaluations = 1;
+            return self.uncorrected(x, increment);
+        }
+        let newton = self.solve(x, low, evaluations)?;
+        if !newton && self.residual.iter().any(|r| *r != 0.0) {
+            // The increment varies with y far more than the residual does: without its tangent the
+            // last correction enters by one more evaluation.
+            self.evaluate()?;
+            *evaluations += 1;
+        }
+        let d = x.len();
+        for i in 0..d {
+            let row = &self.change[i * d..][..d];
+            let first_order: f64 = if newton {
+                row.iter().zip(&self.residual).map(|(k, r)| k * r).sum()
+            } else {
+                0.0
+            };
+            increment[i] = self.ends.increment[i] + first_order;
+            self.displacement[i] = self.y[i] - x[i];
+        }
+        if increment.iter().all(|v| v.is_finite()) {
+            self.extrapolation
+                .record(self.displacement.as_chunks_mut().0, &[true]);
+        }
+        Ok(())
+    }
+
+    fn solution(&self) -> Option<&[f64]> {
+        Some(&self.y)
+    }
+
+    fn tangent(&mut self) -> Option<Vec<f64>> {
+        self.evaluate().ok()?;
+        self.tangents().ok()?;
+        if self.correction == Correction::None {
+            let sum = self.target.iter().zip(&self.change);
             return Some(sum.map(|(t, c)| t + c).collect());
         }
-        super::tangent_of_map(&trajectory.target, &trajectory.change, d)
+        super::tangent_of_map(&self.target, &self.change, self.y.len())
+    }
+
+    fn operations(&self) -> Option<u64> {
+        let own = self.linear + self.anderson.operations();
+        Some(self.realization.operations()? + self.bisection.operations()? + own)
     }
 
     fn restart(&mut self) {
-        for trajectory in &mut self.trajectories {
-            trajectory.restart();
-        }
-    }
-
-    fn statistics(&self) -> SolverStatistics {
-        SolverStatistics {
-            operations: self.trajectories.iter().map(Trajectory::operations).sum(),
-            ..self.statistics
-        }
+        self.extrapolation.clear(0);
+        self.bisection.restart();
+        self.realization.restart();
     }
 
     fn memory(&self) -> Vec<f64> {
-        let mut memory = Vec::new();
-        for trajectory in &self.trajectories {
-            trajectory.extrapolation.memory(0, &mut memory);
-            memory.extend(trajectory.bisection.memory());
-            memory.extend(trajectory.realization.memory());
-        }
+        let mut memory = Vec::with_capacity(self.extrapolation.memory_len());
+        self.extrapolation.memory(0, &mut memory);
+        memory.extend(self.bisection.memory());
+        memory.extend(self.realization.memory());
         memory
     }
 
-    fn restore(&mut self, memory: &[f64]) -> Result<(), usize> {
-        let each = |t: &Trajectory| {
-            let parts = t.bisection.memory().len() + t.realization.memory().len();
-            t.extrapolation.memory_len() + parts
-        };
-        let expected = self.trajectories.iter().map(each).sum();
-        if memory.len() != expected {
-            return Err(expected);
-        }
-        let mut rest = memory;
-        for trajectory in &mut self.trajectories {
-            let (history, others) = rest.split_at(trajectory.extrapolation.memory_len());
-            trajectory.extrapolation.restore(0, history);
-            let (own, others) = others.split_at(trajectory.bisection.memory().len());
-            trajectory.bisection.restore(own);
-            let (own, others) = others.split_at(trajectory.realization.memory().len());
-            trajectory.realization.restore(own);
-            rest = others;
-        }
-        Ok(())
+    fn restore(&mut self, memory: &[f64]) {
+        let (history, parts) = memory.split_at(self.extrapolation.memory_len());
+        self.extrapolation.restore(0, history);
+        let (bisection, realization) = parts.split_at(self.bisection.memory().len());
+        self.bisection.restore(bisection);
+        self.realization.restore(realization);
     }
 }

@@ -2,7 +2,6 @@
 
 use leafwise_core::runge_kutta::{MapWorker, SmoothMap, SmoothMapEvaluator};
 use leafwise_core::{ChartMaps, ChartWorker, Ends, RealizationMaps, RealizationWorker, StepError};
-use nalgebra::{DMatrix, DVector};
 
 /// (x, p) ↦ (−∂K/∂p, ∂K/∂x) for K = H∘α̂_ε∘χ, from ∇K = (Dα̂ Dχ)ᵀ ∇H; `space` is the number of
 /// coordinates of a point of S.
@@ -29,6 +28,11 @@ pub fn collective_numbers(
             slope: vec![0.0; d],
             target: vec![0.0; d * space],
             increment: vec![0.0; d * space],
+            of_chart: vec![0.0; if chart.has_pairs() { 0 } else { space * 2 * d }],
+            source: vec![0.0; d * 2 * d],
+            of_energy: vec![0.0; if has_jacobian { d * d } else { 0 }],
+            of_source: vec![0.0; if has_jacobian { 4 * d * d } else { 0 }],
+            image: vec![0.0; d],
             linear: 0,
         })
     })
@@ -47,13 +51,20 @@ struct NumericField {
     slope: Vec<f64>,
     target: Vec<f64>,
     increment: Vec<f64>,
+    /// Dχ, and D(α̂∘χ), d × 2d.
+    of_chart: Vec<f64>,
+    source: Vec<f64>,
+    /// D²H, D²(λ·α̂), and a column of D²H Dα̂.
+    of_energy: Vec<f64>,
+    of_source: Vec<f64>,
+    image: Vec<f64>,
     /// Operations of the products.
     linear: u64,
 }
 
 impl NumericField {
-    /// Evaluates α̂, ∇H and D(α̂∘χ), d × 2d, at (x, p).
-    fn evaluate(&mut self, z: &[f64]) -> Result<DMatrix<f64>, StepError> {
+    /// Evaluates α̂, ∇H and D(α̂∘χ) at (x, p).
+    fn evaluate(&mut self, z: &[f64]) -> Result<(), StepError> {
         let (d, space) = (self.alpha.len(), self.point.len());
         let (x, p) = z.split_at(d);
         self.chart.point(x, p, &mut self.point)?;
@@ -63,47 +74,63 @@ impl NumericField {
             *alpha = self.ends.base[i] + self.ends.offset[i] + self.ends.increment[i];
         }
         self.gradient.value(&self.alpha, &mut self.slope)?;
-        let source = DMatrix::from_fn(d, space, |i, k| {
-            self.target[i * space + k] + self.increment[i * space + k]
-        });
         self.linear += (d * space + 4 * d * d) as u64;
-        if self.has_pairs {
-            return Ok(source);
+        // Dα̂ = Dβ̂ + D(α̂ − β̂), in place of the first.
+        for (target, increment) in self.target.iter_mut().zip(&self.increment) {
+            *target += increment;
         }
-        let mut entries = vec![0.0; space * 2 * d];
-        self.chart.tangent(&mut entries)?;
+        if self.has_pairs {
+            self.source.copy_from_slice(&self.target);
+            return Ok(());
+        }
+        self.chart.tangent(&mut self.of_chart)?;
         self.linear += 4 * (d * d * space) as u64;
-        Ok(source * DMatrix::from_row_slice(space, 2 * d, &entries))
+        for (at, entry) in self.source.iter_mut().enumerate() {
+            let row = &self.target[at / (2 * d) * space..][..space];
+            let column = self.of_chart.iter().skip(at % (2 * d)).step_by(2 * d);
+            *entry = row.iter().zip(column).map(|(a, b)| a * b).sum();
+        }
+        Ok(())
     }
+}
+
+/// Component k of Mᵀ v for a row-major matrix M of so many columns.
+fn transposed(matrix: &[f64], columns: usize, vector: &[f64], k: usize) -> f64 {
+    let column = matrix.iter().skip(k).step_by(columns);
+    column.zip(vector).map(|(m, v)| m * v).sum()
 }
 
 impl MapWorker for NumericField {
     fn value(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        let source = self.evaluate(z)?;
-        let slope = source.transpose() * DVector::from_column_slice(&self.slope);
+        self.evaluate(z)?;
         let d = self.alpha.len();
         for i in 0..d {
-            out[i] = -slope[d + i];
-            out[d + i] = slope[i];
+            out[i] = -transposed(&self.source, 2 * d, &self.slope, d + i);
+            out[d + i] = transposed(&self.source, 2 * d, &self.slope, i);
         }
         Ok(())
     }
 
     fn jacobian(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        let source = self.evaluate(z)?;
+        self.evaluate(z)?;
         let d = self.alpha.len();
-        let mut entries = vec![0.0; d * d];
-        self.gradient.jacobian(&self.alpha, &mut entries)?;
-        let of_energy = DMatrix::from_row_slice(d, d, &entries);
-        let mut entries = vec![0.0; 4 * d * d];
-        self.maps.source_hessian(&self.slope, &mut entries)?;
-        let of_source = DMatrix::from_row_slice(2 * d, 2 * d, &entries);
-        let hessian = source.transpose() * of_energy * &source + of_source;
+        self.gradient.jacobian(&self.alpha, &mut self.of_energy)?;
+        self.maps.source_hessian(&self.slope, &mut self.of_source)?;
         self.linear += (12 * d * d * d) as u64;
-        for i in 0..d {
-            for k in 0..2 * d {
-                out[i * 2 * d + k] = -hessian[(d + i, k)];
-                out[(d + i) * 2 * d + k] = hessian[(i, k)];
+        for k in 0..2 * d {
+            // A column of D²H Dα̂, then of D²K.
+            for (i, image) in self.image.iter_mut().enumerate() {
+                let row = &self.of_energy[i * d..][..d];
+                let column = self.source.iter().skip(k).step_by(2 * d);
+                *image = row.iter().zip(column).map(|(a, b)| a * b).sum();
+            }
+            let second = |row: usize| {
+                let own = transposed(&self.source, 2 * d, &self.image, row);
+                own + self.of_source[row * 2 * d + k]
+            };
+            for i in 0..d {
+                out[i * 2 * d + k] = -second(d + i);
+                out[(d + i) * 2 * d + k] = second(i);
             }
         }
         Ok(())

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::solver::{MapProperties, SolverStatistics, StepMap, Stepper};
-use leafwise_core::{BuildError, StepError};
+use leafwise_core::{BuildError, StepError, two_sum};
 
 use crate::scheme::Scheme;
 
@@ -98,19 +98,17 @@ impl Compensated {
         self.low.copy_from_slice(low);
     }
 
+    fn clear(&mut self) {
+        self.high.fill(0.0);
+        self.low.fill(0.0);
+    }
+
     fn add(&mut self, change: &[f64]) {
         for ((high, low), change) in self.high.iter_mut().zip(&mut self.low).zip(change) {
             let (sum, error) = two_sum(*high, *change);
             (*high, *low) = two_sum(sum, error + *low);
         }
     }
-}
-
-/// Knuth's two-sum: s + e = a + b exactly, s = a + b rounded.
-fn two_sum(a: f64, b: f64) -> (f64, f64) {
-    let sum = a + b;
-    let back = sum - a;
-    (sum, (a - (sum - back)) + (b - back))
 }
 
 /// One stepper a stage, with its own step size and its own history: the i-th stages of successive
@@ -140,7 +138,7 @@ impl Stepper for ComposedStepper {
         let lanes = outcome.len();
         outcome.fill(Ok(()));
         self.state.set(x, low);
-        self.sum.set(&vec![0.0; x.len()], &vec![0.0; x.len()]);
+        self.sum.clear();
         for stage in &mut self.stages {
             stage.increment(
                 &self.state.high,

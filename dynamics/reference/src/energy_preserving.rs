@@ -8,10 +8,11 @@ use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator, Tableau};
 use leafwise_core::solver::iteration::Verdict;
 use leafwise_core::solver::{
-    Anderson, CorrectionSize, LinearIteration, elimination_operations, substitution_operations,
+    Anderson, CorrectionSize, DenseFactors, LinearIteration, elimination_operations,
+    substitution_operations,
 };
 use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use crate::one_step::{OneStep, ReferenceMap, larger, reach, relative};
 
@@ -54,18 +55,44 @@ struct EnergyPreserving {
     /// x of the last step and K.
     start: Vec<f64>,
     slopes: Vec<f64>,
-    /// −Π(U(c_i)) W_i and its derivatives by K and by x, stages × stages and stages × 1 blocks.
-    values: DVector<f64>,
-    by_slopes: DMatrix<f64>,
-    by_start: DMatrix<f64>,
+    /// −Π(U(c_i)) W_i and its derivatives by K and by x, row-major.
+    values: Vec<f64>,
+    by_slopes: Vec<f64>,
+    by_start: Vec<f64>,
     /// Σ_k |Π_ck W_k| at each stage.
     reaches: Vec<f64>,
+    averages_of_gradient: Averages,
+    /// U at a node or stage, with W after it; a value there and its derivatives.
+    place: Vec<f64>,
+    value: Vec<f64>,
+    slope: Vec<f64>,
+    /// 1 − ∂(−ΠW)/∂K, its factors, and a correction of K with its scale.
+    matrix: Vec<f64>,
+    factors: DenseFactors,
+    correction: Vec<f64>,
+    scales: Vec<f64>,
     /// For systems without derivatives.
     anderson: Option<Anderson>,
     /// Operations of the averages, the stages and the solves.
     linear: u64,
     /// Those of one iteration.
     work: u64,
+}
+
+/// W_i, ∂W_i/∂K (d × sd) and ∂W_i/∂x (d × d), one stage after the other.
+struct Averages {
+    values: Vec<f64>,
+    by_slopes: Vec<f64>,
+    by_start: Vec<f64>,
+}
+
+/// Where the coefficients a_j of a place come from.
+#[derive(Clone, Copy)]
+enum Coefficients {
+    /// ∫₀^τ ℓ_j at a quadrature node.
+    Node,
+    /// a_ij at a stage.
+    Stage,
 }
 
 /// At each node the place, the averages and their two derivatives; at each stage the place, two
@@ -118,94 +145,136 @@ impl EnergyPreserving {
             integrals,
             start: vec![0.0; d],
             slopes: vec![0.0; size],
-            values: DVector::zeros(size),
-            by_slopes: DMatrix::zeros(size, size),
-            by_start: DMatrix::zeros(size, d),
+            values: vec![0.0; size],
+            by_slopes: vec![0.0; size * size],
+            by_start: vec![0.0; size * d],
             reaches: vec![0.0; size],
+            averages_of_gradient: Averages {
+                values: vec![0.0; size],
+                by_slopes: vec![0.0; size * size],
+                by_start: vec![0.0; size * d],
+            },
+            place: vec![0.0; 2 * d],
+            value: vec![0.0; d],
+            slope: vec![0.0; 2 * d * d],
+            matrix: vec![0.0; size * size],
+            factors: DenseFactors::new(size),
+            correction: vec![0.0; size],
+            scales: vec![0.0; size],
             anderson: (!is_exact).then(|| Anderson::new(size)),
             linear: 0,
             work: iteration_operations(d, stages, is_exact),
         }
     }
 
-    /// x + t Σ_j a_j K_j.
-    fn place(&self, coefficients: &[f64]) -> Vec<f64> {
-        let d = self.start.len();
-        (0..d)
-            .map(|c| {
-                let sum: f64 = coefficients
-                    .iter()
-                    .zip(self.slopes.chunks(d))
-                    .map(|(a, slope)| a * slope[c])
-                    .sum();
-                self.start[c] + self.time_step * sum
-            })
-            .collect()
+    /// Writes x + t Σ_j a_j K_j into the first half of `place`.
+    fn place(&mut self, coefficients: Coefficients, at: usize) {
+        let (d, s) = (self.start.len(), self.tableau.stages());
+        let rows = match coefficients {
+            Coefficients::Node => &self.integrals,
+            Coefficients::Stage => &self.tableau.matrix,
+        };
+        let row = &rows[at * s..][..s];
+        for c in 0..d {
+            let slopes = self.slopes.chunks_exact(d);
+            let sum: f64 = row.iter().zip(slopes).map(|(a, slope)| a * slope[c]).sum();
+            self.place[c] = self.start[c] + self.time_step * sum;
+        }
     }
 
-    /// Evaluates the stages at the current K, and their derivatives where the system has them.
-    fn evaluate(&mut self) -> Result<(), StepError> {
-        let is_exact = self.anderson.is_none();
+    /// The averaged gradients at the current K, and their derivatives where the system has them.
+    fn average(&mut self) -> Result<(), StepError> {
         let (d, s) = (self.start.len(), self.tableau.stages());
-        let mut averaged = vec![vec![0.0; d]; s];
-        // ∂W_i/∂K_j and ∂W_i/∂x.
-        let mut by_slope = vec![DMatrix::<f64>::zeros(d, s * d); s];
-        let mut by_start = vec![DMatrix::<f64>::zeros(d, d); s];
-        let (mut gradient, mut hessian) = (vec![0.0; d], vec![0.0; d * d]);
+        let averages = &mut self.averages_of_gradient;
+        averages.values.fill(0.0);
+        averages.by_slopes.fill(0.0);
+        averages.by_start.fill(0.0);
         for q in 0..QUADRATURE {
-            let integrals = &self.integrals[q * s..][..s];
-            let u = self.place(integrals);
-            self.gradient.value(&u, &mut gradient)?;
+            self.place(Coefficients::Node, q);
+            self.gradient.value(&self.place[..d], &mut self.value)?;
+            let averages = &mut self.averages_of_gradient;
             let weight = |i: usize| self.quadrature.weights[q] * self.averages[q * s + i];
-            for (i, averaged) in averaged.iter_mut().enumerate() {
-                for (sum, g) in averaged.iter_mut().zip(&gradient) {
-                    *sum += weight(i) * g;
-                }
+            for (row, sum) in averages.values.iter_mut().enumerate() {
+                *sum += weight(row / d) * self.value[row % d];
             }
-            if !is_exact {
+            if self.anderson.is_some() {
                 continue;
             }
-            self.gradient.jacobian(&u, &mut hessian)?;
-            let hessian = DMatrix::from_row_slice(d, d, &hessian);
-            for i in 0..s {
-                let weight = weight(i);
-                by_start[i] += &hessian * weight;
-                for (j, integral) in integrals.iter().enumerate() {
-                    let mut block = by_slope[i].columns_mut(j * d, d);
-                    block += &hessian * (weight * integral * self.time_step);
+            let hessian = &mut self.slope[..d * d];
+            self.gradient.jacobian(&self.place[..d], hessian)?;
+            for row in 0..s * d {
+                let (weight, hessian) = (weight(row / d), &hessian[row % d * d..][..d]);
+                let by_start = &mut averages.by_start[row * d..][..d];
+                for (sum, h) in by_start.iter_mut().zip(hessian) {
+                    *sum += weight * h;
                 }
-            }
-        }
-        let mut value = vec![0.0; d];
-        let mut jacobian = vec![0.0; 2 * d * d];
-        for i in 0..s {
-            let row = self.tableau.matrix[i * s..][..s].to_vec();
-            let uw = [self.place(&row), averaged[i].clone()].concat();
-            self.tensor.value(&uw, &mut value)?;
-            self.values.rows_mut(i * d, d).copy_from_slice(&value);
-            if !is_exact {
-                continue;
-            }
-            self.tensor.jacobian(&uw, &mut jacobian)?;
-            let both = DMatrix::from_row_slice(d, 2 * d, &jacobian);
-            let (by_u, by_w) = (both.columns(0, d), both.columns(d, d));
-            let mut slopes = by_w * &by_slope[i];
-            for (j, a) in row.iter().enumerate() {
-                let mut block = slopes.columns_mut(j * d, d);
-                block += by_u * (a * self.time_step);
-            }
-            self.by_slopes.rows_mut(i * d, d).copy_from(&slopes);
-            let start = by_u + by_w * &by_start[i];
-            self.by_start.rows_mut(i * d, d).copy_from(&start);
-            for c in 0..d {
-                self.reaches[i * d + c] = reach(&jacobian[c * 2 * d + d..][..d], &averaged[i]);
+                let by_slopes = &mut averages.by_slopes[row * s * d..][..s * d];
+                for (column, sum) in by_slopes.iter_mut().enumerate() {
+                    let integral = self.integrals[q * s + column / d];
+                    *sum += weight * integral * self.time_step * hessian[column % d];
+                }
             }
         }
         Ok(())
     }
 
-    fn matrix(&self) -> DMatrix<f64> {
-        DMatrix::identity(self.slopes.len(), self.slopes.len()) - &self.by_slopes
+    /// Evaluates the stages at the current K, and their derivatives where the system has them.
+    fn evaluate(&mut self) -> Result<(), StepError> {
+        let (d, s) = (self.start.len(), self.tableau.stages());
+        self.average()?;
+        for i in 0..s {
+            self.place(Coefficients::Stage, i);
+            let own = i * d..(i + 1) * d;
+            self.place[d..].copy_from_slice(&self.averages_of_gradient.values[own.clone()]);
+            self.tensor.value(&self.place, &mut self.values[own])?;
+            if self.anderson.is_none() {
+                self.tensor.jacobian(&self.place, &mut self.slope)?;
+                self.differentiate(i);
+            }
+        }
+        Ok(())
+    }
+
+    /// The derivatives of −Π(U(c_i)) W_i from those of the tensor's map at that stage.
+    fn differentiate(&mut self, i: usize) {
+        let (d, s) = (self.start.len(), self.tableau.stages());
+        let averages = &self.averages_of_gradient;
+        for c in 0..d {
+            let (by_u, by_w) = self.slope[c * 2 * d..][..2 * d].split_at(d);
+            let row = i * d + c;
+            // Σ_k ∂_w,k · (row k of a matrix of W_i's derivatives)
+            let through = |of: &[f64], columns: usize, column: usize| -> f64 {
+                let rows = of[i * d * columns..].chunks_exact(columns);
+                by_w.iter().zip(rows).map(|(w, of)| w * of[column]).sum()
+            };
+            for column in 0..s * d {
+                let a = self.tableau.matrix[i * s + column / d];
+                self.by_slopes[row * s * d + column] = through(&averages.by_slopes, s * d, column)
+                    + a * self.time_step * by_u[column % d];
+            }
+            for column in 0..d {
+                self.by_start[row * d + column] =
+                    through(&averages.by_start, d, column) + by_u[column];
+            }
+            self.reaches[row] = reach(by_w, &self.place[d..]);
+        }
+    }
+
+    /// Factors 1 − ∂(−ΠW)/∂K; `false` where that is singular.
+    fn factor(&mut self) -> bool {
+        let size = self.slopes.len();
+        for (at, entry) in self.matrix.iter_mut().enumerate() {
+            let unit = if at / size == at % size { 1.0 } else { 0.0 };
+            *entry = unit - self.by_slopes[at];
+        }
+        self.factors.factor(&self.matrix)
+    }
+
+    /// −Π(U) W − K.
+    fn residual(&mut self) {
+        for (at, residual) in self.correction.iter_mut().enumerate() {
+            *residual = self.values[at] - self.slopes[at];
+        }
     }
 
     /// Newton's iteration for K.
@@ -215,18 +284,20 @@ impl EnergyPreserving {
         loop {
             self.evaluate()?;
             self.linear += self.work;
-            let mut correction = &self.values - DVector::from_column_slice(&self.slopes);
-            if !self.matrix().lu().solve_mut(&mut correction) {
+            self.residual();
+            if !self.factor() {
                 return Err(StepError::NonFinite {
                     what: "a correction of the stages",
                 });
             }
+            self.factors.solve(&mut self.correction);
             let mut size = 0.0;
             for (at, slope) in self.slopes.iter_mut().enumerate() {
-                *slope += correction[at];
+                let correction = self.correction[at];
+                *slope += correction;
                 let t = self.time_step.abs();
                 let scale = self.start[at % d].abs() + t * self.reaches[at];
-                size = larger(relative(t * correction[at], scale), size);
+                size = larger(relative(t * correction, scale), size);
             }
             if iteration.judge(size)? == Verdict::Converged {
                 return Ok(iteration.evaluations());
@@ -239,31 +310,30 @@ impl EnergyPreserving {
         let d = self.start.len();
         let t = self.time_step.abs();
         let mut iteration = LinearIteration::new(MOST_ACCELERATED);
-        let mut scales = vec![0.0; self.slopes.len()];
         if let Some(anderson) = &mut self.anderson {
             anderson.clear();
         }
         loop {
             self.evaluate()?;
             self.linear += self.work;
-            let mut correction = &self.values - DVector::from_column_slice(&self.slopes);
+            self.residual();
             let mut size = CorrectionSize::default();
-            for (at, scale) in scales.iter_mut().enumerate() {
+            for (at, scale) in self.scales.iter_mut().enumerate() {
                 *scale = self.start[at % d].abs() + t * self.values[at].abs();
-                size.take(t * correction[at], *scale);
+                size.take(t * self.correction[at], *scale);
             }
             if let Some(anderson) = &mut self.anderson {
-                anderson.correct(correction.as_mut_slice(), &scales);
+                anderson.correct(&mut self.correction, &self.scales);
             }
             for (at, slope) in self.slopes.iter_mut().enumerate() {
-                *slope += correction[at];
-                size.take(t * correction[at], scales[at]);
+                *slope += self.correction[at];
+                size.take(t * self.correction[at], self.scales[at]);
             }
             if iteration.judge_correction(&size)? == Verdict::Converged {
                 // The energy is kept as far as K is −Π(U) W: once more, without acceleration.
                 self.evaluate()?;
                 self.linear += self.work;
-                self.slopes.copy_from_slice(self.values.as_slice());
+                self.slopes.copy_from_slice(&self.values);
                 return Ok(iteration.evaluations() + 1);
             }
         }
@@ -301,13 +371,18 @@ impl OneStep for EnergyPreserving {
             return None;
         }
         self.evaluate().ok()?;
-        let mut slopes = self.by_start.clone();
-        if !self.matrix().lu().solve_mut(&mut slopes) {
+        if !self.factor() {
             return None;
         }
         let mut tangent = DMatrix::identity(d, d);
-        for (j, b) in self.tableau.weights.iter().enumerate() {
-            tangent += slopes.rows(j * d, d) * (self.time_step * b);
+        for column in 0..d {
+            let slopes = self.by_start.iter().skip(column).step_by(d);
+            let mut slopes: Vec<f64> = slopes.copied().collect();
+            self.factors.solve(&mut slopes);
+            for (row, slope) in slopes.iter().enumerate() {
+                let weight = self.tableau.weights[row / d] * self.time_step;
+                tangent[(row % d, column)] += weight * slope;
+            }
         }
         Some(tangent)
     }

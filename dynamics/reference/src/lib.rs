@@ -26,4 +26,5 @@ pub mod implicit_midpoint;
 mod one_step;
 pub mod projection;
 pub mod rk4;
+mod singular;
 pub mod spherical_midpoint;

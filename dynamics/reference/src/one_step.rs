@@ -1,13 +1,14 @@
 //! A method as a step map, one trajectory a lane.
 
-use leafwise_core::{MapProperties, SolverStatistics, StepError, StepMap, Stepper};
+use leafwise_core::solver::{LaneByLane, Trajectory};
+use leafwise_core::{MapProperties, StepError, StepMap, Stepper};
 use nalgebra::DMatrix;
 
 /// One thread's evaluator of a method, for fixed parameters and time step.
 pub(crate) trait OneStep: Send {
     /// Φ(x) − x; returns how often the field was evaluated at all stages.
     fn increment(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError>;
-    /// Operations so far, as [`SolverStatistics::operations`] counts them; `None` over a system that
+    /// Operations so far, as [`Trajectory::operations`] counts them; `None` over a system that
     /// does not count.
     fn operations(&self) -> Option<u64>;
     /// DΦ at the x of the last step, `None` where it is not offered.
@@ -51,106 +52,47 @@ impl StepMap for ReferenceMap {
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
-        let methods = (0..lanes)
-            .map(|lane| {
-                let own: Vec<f64> = parameters
-                    .iter()
-                    .skip(lane)
-                    .step_by(lanes)
-                    .copied()
-                    .collect();
-                (self.make)(&own, epsilon * h)
-            })
-            .collect();
-        Box::new(LaneStepper {
-            methods,
-            statistics: SolverStatistics::default(),
-        })
+        let make = |parameters: &[f64]| Lane((self.make)(parameters, epsilon * h));
+        Box::new(LaneByLane::new(lanes, self.dimension, parameters, make))
     }
 }
 
-struct LaneStepper {
-    methods: Vec<Box<dyn OneStep>>,
-    statistics: SolverStatistics,
-}
+/// A method as the [`Trajectory`] of a lane.
+struct Lane(Box<dyn OneStep>);
 
-impl Stepper for LaneStepper {
-    /// Steps from the doubles `x`: what the compensated state holds beyond them, half a unit in the
-    /// last place, changes an increment by less than its own rounding.
-    fn increment(
+impl Trajectory for Lane {
+    /// Steps from the double `x`: what the compensated state holds beyond it, half a unit in the last
+    /// place, changes an increment by less than its own rounding.
+    fn step(
         &mut self,
         x: &[f64],
         _low: &[f64],
         increment: &mut [f64],
-        outcome: &mut [Result<(), StepError>],
-    ) {
-        let lanes = self.methods.len();
-        for (lane, method) in self.methods.iter_mut().enumerate() {
-            let own: Vec<f64> = x.iter().skip(lane).step_by(lanes).copied().collect();
-            let mut change = vec![0.0; own.len()];
-            let result = method.increment(&own, &mut change).and_then(|evaluations| {
-                if change.iter().all(|v| v.is_finite()) {
-                    Ok(evaluations as u64)
-                } else {
-                    Err(StepError::NonFinite {
-                        what: "the increment",
-                    })
-                }
-            });
-            self.statistics.steps += 1;
-            outcome[lane] = match result {
-                Ok(evaluations) => {
-                    self.statistics.evaluations += evaluations;
-                    self.statistics.most_evaluations =
-                        self.statistics.most_evaluations.max(evaluations);
-                    Ok(())
-                }
-                Err(error) => {
-                    self.statistics.failures += 1;
-                    method.restart();
-                    change.fill(0.0);
-                    Err(error)
-                }
-            };
-            let places = increment.iter_mut().skip(lane).step_by(lanes);
-            places
-                .zip(&change)
-                .for_each(|(place, value)| *place = *value);
-        }
+        evaluations: &mut u64,
+    ) -> Result<(), StepError> {
+        *evaluations += self.0.increment(x, increment)? as u64;
+        Ok(())
     }
 
-    fn tangent(&mut self, lane: usize) -> Option<Vec<f64>> {
-        let tangent = self.methods.get_mut(lane)?.tangent()?;
+    fn tangent(&mut self) -> Option<Vec<f64>> {
+        let tangent = self.0.tangent()?;
         Some(tangent.transpose().as_slice().to_vec())
     }
 
-    fn restart(&mut self) {
-        self.methods.iter_mut().for_each(|method| method.restart());
+    fn operations(&self) -> Option<u64> {
+        self.0.operations()
     }
 
-    fn statistics(&self) -> SolverStatistics {
-        SolverStatistics {
-            operations: self.methods.iter().map(|method| method.operations()).sum(),
-            ..self.statistics
-        }
+    fn restart(&mut self) {
+        self.0.restart();
     }
 
     fn memory(&self) -> Vec<f64> {
-        self.methods.iter().flat_map(|m| m.memory()).collect()
+        self.0.memory()
     }
 
-    fn restore(&mut self, memory: &[f64]) -> Result<(), usize> {
-        let expected = self.methods.iter().map(|m| m.memory().len()).sum();
-        if memory.len() != expected {
-            return Err(expected);
-        }
-        let mut rest = memory;
-        for method in &mut self.methods {
-            let (own, others) = rest.split_at(method.memory().len());
-            method.restore(own);
-            rest = others;
-        }
-        Ok(())
+    fn restore(&mut self, memory: &[f64]) {
+        self.0.restore(memory);
     }
 }
 

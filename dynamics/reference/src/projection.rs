@@ -8,12 +8,12 @@ use leafwise_core::runge_kutta::{SmoothMapEvaluator, Tableau};
 use leafwise_core::solver::LinearIteration;
 use leafwise_core::solver::iteration::Verdict;
 use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
-use nalgebra::{DMatrix, DVector};
 
 use crate::gauss::{STAGES, stages};
 use crate::implicit::ImplicitRungeKutta;
 use crate::one_step::{OneStep, ReferenceMap, larger, reach, relative};
 use crate::rk4::Rk4;
+use crate::singular::SingularSystem;
 
 pub(crate) static INFO: PartInfo = PartInfo {
     name: "projection",
@@ -40,78 +40,109 @@ const MOST_EVALUATIONS: usize = 50;
 struct Projection {
     base: Box<dyn OneStep>,
     invariants: SmoothMapEvaluator,
+    /// g(x); g and Dg at a state; Dg(x̃) in units of its slopes, and these units.
+    kept: Vec<f64>,
+    values: Vec<f64>,
+    rows: Vec<f64>,
+    normals: Vec<f64>,
+    units: Vec<f64>,
+    state: Vec<f64>,
+    /// Dg(y) Dg(x̃)ᵀ, and g(x) − g(y), then λ.
+    gram: SingularSystem,
+    multipliers: Vec<f64>,
     /// Operations of the normal equations.
     linear: u64,
 }
 
 impl Projection {
-    fn invariants_at(&mut self, x: &[f64]) -> Result<(DVector<f64>, Vec<f64>), StepError> {
-        let count = self.invariants.map().outputs();
-        let mut values = DVector::zeros(count);
-        let mut rows = vec![0.0; count * x.len()];
-        self.invariants.value(x, values.as_mut_slice())?;
-        self.invariants.jacobian(x, &mut rows)?;
-        Ok((values, rows))
+    fn new(base: Box<dyn OneStep>, invariants: SmoothMapEvaluator) -> Self {
+        let (count, d) = (invariants.map().outputs(), invariants.map().inputs());
+        Self {
+            base,
+            invariants,
+            kept: vec![0.0; count],
+            values: vec![0.0; count],
+            rows: vec![0.0; count * d],
+            normals: vec![0.0; count * d],
+            units: vec![0.0; count],
+            state: vec![0.0; d],
+            gram: SingularSystem::new(count),
+            multipliers: vec![0.0; count],
+            linear: 0,
+        }
+    }
+
+    /// Values and derivatives of the invariants at x + change.
+    fn evaluate(&mut self, x: &[f64], change: &[f64]) -> Result<(), StepError> {
+        for (c, state) in self.state.iter_mut().enumerate() {
+            *state = x[c] + change[c];
+        }
+        self.invariants.value(&self.state, &mut self.values)?;
+        self.invariants.jacobian(&self.state, &mut self.rows)
+    }
+
+    /// Takes the derivatives at x̃, each invariant in units of its slope, so that their sizes do not
+    /// enter the rank.
+    fn take_normals(&mut self) {
+        let d = self.state.len();
+        for (k, unit) in self.units.iter_mut().enumerate() {
+            let row = &self.rows[k * d..][..d];
+            let slope = libm::sqrt(row.iter().map(|v| v * v).sum());
+            *unit = if slope > 0.0 { 1.0 / slope } else { 0.0 };
+            for (normal, value) in self.normals[k * d..].iter_mut().zip(row) {
+                *normal = *unit * value;
+            }
+        }
+    }
+
+    /// λ at the state evaluated last.
+    fn solve(&mut self) -> Result<(), StepError> {
+        let (count, d) = (self.kept.len(), self.state.len());
+        for i in 0..count {
+            self.multipliers[i] = self.units[i] * (self.kept[i] - self.values[i]);
+            let row = &self.rows[i * d..][..d];
+            for j in 0..count {
+                let normal = &self.normals[j * d..][..d];
+                let product: f64 = row.iter().zip(normal).map(|(a, b)| a * b).sum();
+                self.gram.matrix[i * count + j] = self.units[i] * product;
+            }
+        }
+        // The normal matrix, its elimination, the change.
+        self.linear += (2 * count * count * (d + count) + 2 * count * d) as u64;
+        if self.gram.solve(&mut self.multipliers) {
+            return Ok(());
+        }
+        Err(StepError::NonFinite {
+            what: "the invariants of a projection",
+        })
     }
 }
 
 impl OneStep for Projection {
     fn increment(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError> {
         let d = x.len();
-        let mut evaluations = self.base.increment(x, increment)?;
-        let (kept, _) = self.invariants_at(x)?;
-        let count = kept.len();
-        let next: Vec<f64> = x.iter().zip(&*increment).map(|(x, i)| x + i).collect();
-        let mut normals = DMatrix::from_row_slice(count, d, &self.invariants_at(&next)?.1);
-        // Each invariant in units of its slope, so that their sizes do not enter the rank below.
-        let units = DVector::from_fn(count, |k, _| {
-            let slope = libm::sqrt(normals.row(k).iter().map(|v| v * v).sum());
-            if slope > 0.0 { 1.0 / slope } else { 0.0 }
-        });
-        let units = DMatrix::from_diagonal(&units);
-        normals = &units * normals;
+        let evaluations = self.base.increment(x, increment)?;
+        self.invariants.value(x, &mut self.kept)?;
+        self.evaluate(x, increment)?;
+        self.take_normals();
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         loop {
-            let y: Vec<f64> = x.iter().zip(&*increment).map(|(x, i)| x + i).collect();
-            let (values, rows) = self.invariants_at(&y)?;
-            let residual = &kept - values;
-            // The invariants' gradients may be parallel, at an equilibrium or for dependent Casimirs:
-            // the smallest multipliers then.
-            let gram = &units * DMatrix::from_row_slice(count, d, &rows) * normals.transpose();
-            let scaled = &units * &residual;
-            if !gram.iter().chain(scaled.iter()).all(|v| v.is_finite()) {
-                return Err(StepError::NonFinite {
-                    what: "the invariants of a projection",
-                });
-            }
-            // The normal matrix, some ten products of its size, the change.
-            self.linear += (2 * count * count * (d + 10 * count) + 2 * count * d) as u64;
-            let decomposition = gram.svd(true, true);
-            let largest = decomposition
-                .singular_values
-                .iter()
-                .fold(0.0_f64, |m, v| m.max(*v));
-            let multipliers = decomposition.solve(&scaled, 1e-12 * largest).map_err(|_| {
-                StepError::NonFinite {
-                    what: "the multipliers of a projection",
+            self.solve()?;
+            for (lambda, normal) in self.multipliers.iter().zip(self.normals.chunks_exact(d)) {
+                for (change, n) in increment.iter_mut().zip(normal) {
+                    *change += lambda * n;
                 }
-            })?;
-            let change = normals.transpose() * multipliers;
-            increment
-                .iter_mut()
-                .zip(change.iter())
-                .for_each(|(i, c)| *i += c);
+            }
             let mut size = 0.0;
-            for k in 0..count {
-                let scale = kept[k].abs() + reach(&rows[k * d..][..d], &y);
-                size = larger(relative(residual[k], scale), size);
+            for (k, kept) in self.kept.iter().enumerate() {
+                let scale = kept.abs() + reach(&self.rows[k * d..][..d], &self.state);
+                size = larger(relative(kept - self.values[k], scale), size);
             }
             if iteration.judge(size)? == Verdict::Converged {
-                break;
+                return Ok(evaluations + iteration.evaluations());
             }
+            self.evaluate(x, increment)?;
         }
-        evaluations += iteration.evaluations();
-        Ok(evaluations)
     }
 
     fn operations(&self) -> Option<u64> {
@@ -171,11 +202,8 @@ impl StepperPart for Part {
                         &field, tableau, parameters, time_step,
                     )),
                 };
-                Box::new(Projection {
-                    base,
-                    invariants: invariants.evaluator(parameters, 1.0, 1.0),
-                    linear: 0,
-                })
+                let invariants = invariants.evaluator(parameters, 1.0, 1.0);
+                Box::new(Projection::new(base, invariants))
             }),
         }))
     }

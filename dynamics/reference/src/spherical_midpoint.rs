@@ -6,12 +6,14 @@ use leafwise_core::part::{PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
 use leafwise_core::solver::iteration::Verdict;
-use leafwise_core::solver::{LinearIteration, elimination_operations, substitution_operations};
+use leafwise_core::solver::{
+    DenseFactors, LinearIteration, elimination_operations, substitution_operations,
+};
 use leafwise_core::{
     BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure, SystemFormulas,
 };
 use leafwise_expression::{Arithmetic, Polynomial, Ring};
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use crate::one_step::{OneStep, ReferenceMap, larger, reach, relative};
 
@@ -42,6 +44,13 @@ struct SphericalMidpoint {
     middle: Vec<f64>,
     values: Vec<f64>,
     jacobian: Vec<f64>,
+    /// ∂Γ/∂D and ∂Γ/∂x of each triple.
+    turns: Vec<Matrix3<f64>>,
+    stretches: Vec<Matrix3<f64>>,
+    /// 1 − t DX(Γ) ∂Γ/∂D, its factors, and a correction of D.
+    matrix: Vec<f64>,
+    factors: DenseFactors,
+    correction: Vec<f64>,
     /// Operations of the triples and the solves.
     linear: u64,
 }
@@ -58,6 +67,11 @@ impl SphericalMidpoint {
             middle: room(),
             values: room(),
             jacobian: vec![0.0; d * d],
+            turns: vec![Matrix3::zeros(); d / 3],
+            stretches: vec![Matrix3::zeros(); d / 3],
+            matrix: vec![0.0; d * d],
+            factors: DenseFactors::new(d),
+            correction: room(),
             linear: 0,
         }
     }
@@ -76,26 +90,34 @@ impl SphericalMidpoint {
         (unit * radius, turn, stretch + 2.0 * turn)
     }
 
-    /// X(Γ) and DX(Γ) at the current change; returns ∂Γ/∂D and ∂Γ/∂x, block-diagonal.
-    fn evaluate(&mut self) -> Result<(DMatrix<f64>, DMatrix<f64>), StepError> {
-        let d = self.start.len();
-        let (mut by_change, mut by_start) = (DMatrix::zeros(d, d), DMatrix::zeros(d, d));
-        for triple in 0..d / 3 {
-            let (middle, change, start) = self.middle(triple);
+    /// X(Γ), DX(Γ) and the derivatives of Γ at the current change.
+    fn evaluate(&mut self) -> Result<(), StepError> {
+        for triple in 0..self.turns.len() {
+            let (middle, turn, stretch) = self.middle(triple);
             self.middle[3 * triple..][..3].copy_from_slice(middle.as_slice());
-            let at = (3 * triple, 3 * triple);
-            by_change.view_mut(at, (3, 3)).copy_from(&change);
-            by_start.view_mut(at, (3, 3)).copy_from(&start);
+            self.turns[triple] = turn;
+            self.stretches[triple] = stretch;
         }
         self.field.value(&self.middle, &mut self.values)?;
-        self.field.jacobian(&self.middle, &mut self.jacobian)?;
-        Ok((by_change, by_start))
+        self.field.jacobian(&self.middle, &mut self.jacobian)
     }
 
-    /// t DX(Γ).
-    fn field_tangent(&self) -> DMatrix<f64> {
+    /// Entry (i, k) of t DX(Γ)·B for a matrix B of these blocks.
+    fn through(&self, blocks: &[Matrix3<f64>], i: usize, k: usize) -> f64 {
+        let row = &self.jacobian[i * self.start.len() + k / 3 * 3..][..3];
+        let column = blocks[k / 3].column(k % 3);
+        let sum: f64 = row.iter().zip(column.iter()).map(|(a, b)| a * b).sum();
+        self.time_step * sum
+    }
+
+    /// Factors 1 − t DX(Γ) ∂Γ/∂D; `false` where that is singular.
+    fn factor(&mut self) -> bool {
         let d = self.start.len();
-        DMatrix::from_row_slice(d, d, &self.jacobian) * self.time_step
+        for at in 0..d * d {
+            let unit = if at / d == at % d { 1.0 } else { 0.0 };
+            self.matrix[at] = unit - self.through(&self.turns, at / d, at % d);
+        }
+        self.factors.factor(&self.matrix)
     }
 
     fn solve(&mut self) -> Result<usize, StepError> {
@@ -103,23 +125,25 @@ impl SphericalMidpoint {
         let t = self.time_step;
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         loop {
-            let (by_change, _) = self.evaluate()?;
+            self.evaluate()?;
             // Radii, the middle and its two derivatives; the matrix, block by block; the solve.
             let blocks = (TRIPLE * d / 3 + 7 * d * d) as u64;
             self.linear += blocks + elimination_operations(d) + substitution_operations(d);
-            let mut correction = DVector::from_fn(d, |c, _| t * self.values[c] - self.change[c]);
-            let matrix = DMatrix::identity(d, d) - self.field_tangent() * by_change;
-            if !matrix.lu().solve_mut(&mut correction) {
+            for c in 0..d {
+                self.correction[c] = t * self.values[c] - self.change[c];
+            }
+            if !self.factor() {
                 return Err(StepError::NonFinite {
                     what: "a correction of the midpoint",
                 });
             }
+            self.factors.solve(&mut self.correction);
             let mut size = 0.0;
             for c in 0..d {
-                self.change[c] += correction[c];
+                self.change[c] += self.correction[c];
                 let sensitivity = reach(&self.jacobian[c * d..][..d], &self.middle);
                 let scale = self.start[c].abs() + (t * sensitivity).abs();
-                size = larger(relative(correction[c], scale), size);
+                size = larger(relative(self.correction[c], scale), size);
             }
             if iteration.judge(size)? == Verdict::Converged {
                 return Ok(iteration.evaluations());
@@ -146,14 +170,20 @@ impl OneStep for SphericalMidpoint {
 
     fn tangent(&mut self) -> Option<DMatrix<f64>> {
         let d = self.start.len();
-        let (by_change, by_start) = self.evaluate().ok()?;
-        let field = self.field_tangent();
-        let mut change = &field * by_start;
-        let matrix = DMatrix::identity(d, d) - field * by_change;
-        matrix
-            .lu()
-            .solve_mut(&mut change)
-            .then(|| DMatrix::identity(d, d) + change)
+        self.evaluate().ok()?;
+        if !self.factor() {
+            return None;
+        }
+        let mut tangent = DMatrix::identity(d, d);
+        for k in 0..d {
+            let column = (0..d).map(|i| self.through(&self.stretches, i, k));
+            let mut column: Vec<f64> = column.collect();
+            self.factors.solve(&mut column);
+            for (i, change) in column.iter().enumerate() {
+                tangent[(i, k)] += change;
+            }
+        }
+        Some(tangent)
     }
 
     fn restart(&mut self) {

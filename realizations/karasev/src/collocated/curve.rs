@@ -3,9 +3,9 @@
 use leafwise_core::StepError;
 use leafwise_core::solver::iteration::Verdict;
 use leafwise_core::solver::{
-    Anderson, CorrectionSize, LinearIteration, elimination_operations, substitution_operations,
+    Anderson, CorrectionSize, DenseFactors, LinearIteration, elimination_operations,
+    substitution_operations,
 };
-use nalgebra::{DMatrix, DVector};
 
 use super::field::{Field, FieldWorker};
 use super::rule::CollocationRule;
@@ -31,6 +31,10 @@ pub(super) struct Curve {
     scales: Vec<f64>,
     anderson: Anderson,
     accelerates: bool,
+    /// Room for the linearized equations, made when they are first asked for.
+    linearization: Option<Linearization>,
+    /// Nothing but zeros, d of them.
+    nothing: Vec<f64>,
     /// Operations of accelerations at other numbers of nodes.
     accelerated: u64,
     /// Operations of the sums over nodes and the solves.
@@ -51,6 +55,8 @@ impl Curve {
             scales: vec![0.0; q * d],
             anderson: Anderson::new(q * d),
             accelerates: false,
+            linearization: None,
+            nothing: vec![0.0; d],
             accelerated: 0,
             linear: 0,
         }
@@ -91,6 +97,7 @@ impl Curve {
         room.into_iter().for_each(|room| *room = vec![0.0; size]);
         self.accelerated += self.anderson.operations();
         self.anderson = Anderson::new(size);
+        self.linearization = None;
     }
 
     /// V at every node; an iteration sums it over the nodes, once a node.
@@ -130,19 +137,19 @@ impl Curve {
         self.field.is_foreign()
     }
 
-    /// Begins an iteration, accelerated or not, from the curve at `offset(j, i)` = Y_j − x,
-    /// component i.
+    /// Begins an iteration, accelerated or not, from the curve at `offset(rule, j, i)` =
+    /// Y_j − x, component i.
     pub(super) fn begin(
         &mut self,
         x: &[f64],
         accelerates: bool,
-        offset: impl Fn(usize, usize) -> f64,
+        offset: impl Fn(&CollocationRule, usize, usize) -> f64,
     ) {
         let d = self.dimension;
         self.accelerates = accelerates;
         self.anderson.clear();
         for (at, node) in self.nodes.iter_mut().enumerate() {
-            self.offsets[at] = offset(at / d, at % d);
+            self.offsets[at] = offset(&self.rule, at / d, at % d);
             *node = x[at % d] + self.offsets[at];
         }
     }
@@ -176,12 +183,13 @@ impl Curve {
     /// Solves for the nodal values: the iteration from the constant curve, then, where the system has
     /// slopes, Newton's method.
     pub(super) fn solve(&mut self, epsilon: f64, x: &[f64], p: &[f64]) -> Result<(), StepError> {
-        let nothing = vec![0.0; self.dimension];
-        self.begin(x, self.is_foreign(), |_, _| 0.0);
+        self.begin(x, self.is_foreign(), |_, _, _| 0.0);
         let mut iteration = LinearIteration::new(MOST_ITERATIONS);
         loop {
             self.evaluate(p)?;
+            let nothing = std::mem::take(&mut self.nothing);
             let size = self.correct(epsilon, x, &nothing);
+            self.nothing = nothing;
             match iteration.judge_correction(&size) {
                 Ok(Verdict::Continue) => {}
                 Ok(Verdict::Converged) => return self.evaluate(p),
@@ -193,25 +201,29 @@ impl Curve {
 
     fn newton(&mut self, epsilon: f64, x: &[f64], p: &[f64]) -> Result<(), StepError> {
         let (q, d) = (self.rule.points(), self.dimension);
-        self.begin(x, false, |_, _| 0.0);
+        self.begin(x, false, |_, _, _| 0.0);
         let mut iteration = LinearIteration::new(MOST_NEWTON);
         loop {
             self.evaluate(p)?;
-            let jacobian = self.linearization(epsilon, p)?.matrix;
-            let mut residual = DVector::zeros(q * d);
             for j in 0..q {
                 let row = &self.rule.matrix[j * q..][..q];
                 for i in 0..d {
-                    residual[j * d + i] =
+                    self.corrections[j * d + i] =
                         (x[i] - self.nodes[j * d + i]) + self.combination(epsilon, row, i);
                 }
             }
+            let mut linearization = self.linearize(epsilon, p)?;
             self.linear += elimination_operations(q * d) + substitution_operations(q * d);
-            let change = jacobian.lu().solve(&residual).ok_or(StepError::NonFinite {
-                what: "a Newton correction of the curve",
-            })?;
+            let is_regular = linearization.factor();
+            linearization.factors.solve(&mut self.corrections);
+            self.linearization = Some(linearization);
+            if !is_regular {
+                return Err(StepError::NonFinite {
+                    what: "a Newton correction of the curve",
+                });
+            }
             let mut size = CorrectionSize::default();
-            for (index, change) in change.iter().enumerate() {
+            for (index, change) in self.corrections.iter().enumerate() {
                 self.nodes[index] += change;
                 size.take(*change, x[index % d].abs() + self.nodes[index].abs());
             }
@@ -226,34 +238,76 @@ impl Curve {
         self.field.has_slopes()
     }
 
-    /// The linearized equations at the present nodes.
-    pub(super) fn linearization(
+    /// The linearized equations at the present nodes, in the room that
+    /// [`give_back`](Self::give_back) gave.
+    pub(super) fn linearize(
         &mut self,
         epsilon: f64,
         p: &[f64],
     ) -> Result<Linearization, StepError> {
         let (q, d) = (self.rule.points(), self.dimension);
-        let mut by_y = vec![0.0; q * d * d];
-        let mut by_p = vec![0.0; q * d * d];
-        for k in 0..q {
-            let y = &self.nodes[k * d..][..d];
-            let own = k * d * d..(k + 1) * d * d;
-            self.field
-                .slopes(y, p, &mut by_y[own.clone()], &mut by_p[own])?;
+        let room = self.linearization.take();
+        let mut room = room.unwrap_or_else(|| Linearization::new(q, d));
+        let slopes = room.by_y.chunks_exact_mut(d * d);
+        let slopes = slopes.zip(room.by_p.chunks_exact_mut(d * d));
+        for (y, (by_y, by_p)) in self.nodes.chunks_exact(d).zip(slopes) {
+            self.field.slopes(y, p, by_y, by_p)?;
         }
         self.linear += 3 * (q * d * q * d) as u64;
-        let matrix = DMatrix::from_fn(q * d, q * d, |row, column| {
+        for (at, entry) in room.matrix.iter_mut().enumerate() {
+            let (row, column) = (at / (q * d), at % (q * d));
             let (j, i, k, l) = (row / d, row % d, column / d, column % d);
             let unit = if row == column { 1.0 } else { 0.0 };
-            unit - epsilon * self.rule.matrix[j * q + k] * by_y[k * d * d + i * d + l]
-        });
-        Ok(Linearization { matrix, by_y, by_p })
+            let slope = room.by_y[k * d * d + i * d + l];
+            *entry = unit - epsilon * self.rule.matrix[j * q + k] * slope;
+        }
+        Ok(room)
+    }
+
+    /// Keeps the room of a linearization for the next one.
+    pub(super) fn give_back(&mut self, room: Linearization) {
+        let size = self.nodes.len();
+        self.linearization = Some(room).filter(|room| room.matrix.len() == size * size);
     }
 }
 
-/// 1 − ε A⊗V_y, and V_y and V_p = Π at every node, q × d × d.
+/// 1 − ε A⊗V_y, its factors, and V_y and V_p = Π at every node, q × d × d, row-major.
 pub(super) struct Linearization {
-    pub(super) matrix: DMatrix<f64>,
+    pub(super) matrix: Vec<f64>,
+    pub(super) factors: DenseFactors,
     pub(super) by_y: Vec<f64>,
     pub(super) by_p: Vec<f64>,
+}
+
+impl Linearization {
+    fn new(q: usize, d: usize) -> Self {
+        let size = q * d;
+        Self {
+            matrix: vec![0.0; size * size],
+            factors: DenseFactors::new(size),
+            by_y: vec![0.0; size * d],
+            by_p: vec![0.0; size * d],
+        }
+    }
+
+    /// Factors the matrix; `false` where it is singular.
+    pub(super) fn factor(&mut self) -> bool {
+        self.factors.factor(&self.matrix)
+    }
+
+    /// Factors the transpose instead; `false` where it is singular.
+    pub(super) fn factor_transpose(&mut self, size: usize) -> bool {
+        for row in 0..size {
+            for column in 0..row {
+                self.matrix.swap(row * size + column, column * size + row);
+            }
+        }
+        let is_regular = self.factor();
+        for row in 0..size {
+            for column in 0..row {
+                self.matrix.swap(row * size + column, column * size + row);
+            }
+        }
+        is_regular
+    }
 }

@@ -7,10 +7,10 @@
 use std::sync::Arc;
 
 use leafwise_core::solver::iteration::Verdict;
-use leafwise_core::solver::{Extrapolation, LinearIteration};
+use leafwise_core::solver::{Extrapolation, LaneByLane, LinearIteration, Trajectory};
 use leafwise_core::{
     BuildError, CodeOneForm, LagrangianBisection, MapProperties, OneFormWorker, PoissonSystem,
-    RealizationData, RealizationWorker, SolverStatistics, StepError, StepMap, Stepper,
+    RealizationData, RealizationWorker, StepError, StepMap, Stepper,
 };
 use nalgebra::DMatrix;
 
@@ -20,6 +20,9 @@ use super::worker::{CollocatedWorker, SHORT_TAIL};
 
 /// Budget of one step.
 const MOST_EVALUATIONS: usize = 100;
+
+/// Levels of differences that the start is extrapolated from.
+const EXTRAPOLATION: usize = 12;
 
 /// x̂ ↦ p where the bisection is the graph of a one-form.
 #[derive(Clone, Debug)]
@@ -95,45 +98,28 @@ impl StepMap for FusedStep {
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
         let d = self.dimension();
-        let trajectories = (0..lanes)
-            .map(|lane| {
-                let own: Vec<f64> = parameters
-                    .iter()
-                    .skip(lane)
-                    .step_by(lanes)
-                    .copied()
-                    .collect();
-                Trajectory {
-                    curve: self.data.curve(&own),
-                    form: self.form.worker(&own, epsilon, h),
-                    data: Arc::clone(&self.data),
-                    parameters: own,
-                    linear: 0,
-                    shift: vec![0.0; d],
-                    extrapolation: Extrapolation::new(d, 12),
-                    displacement: vec![0.0; d],
-                    centre: vec![0.0; d],
-                    p: vec![0.0; d],
-                }
-            })
-            .collect();
-        Box::new(FusedStepper {
-            trajectories,
-            epsilon,
-            most_points: self.data.most_points(),
-            statistics: SolverStatistics::default(),
-        })
+        Box::new(LaneByLane::new(lanes, d, parameters, |parameters| {
+            FusedTrajectory {
+                epsilon,
+                most_points: self.data.most_points(),
+                curve: self.data.curve(parameters),
+                form: self.form.worker(parameters, epsilon, h),
+                data: Arc::clone(&self.data),
+                parameters: parameters.to_vec(),
+                linear: 0,
+                shift: vec![0.0; d],
+                extrapolation: Extrapolation::new(d, EXTRAPOLATION),
+                displacement: vec![0.0; d],
+                centre: vec![0.0; d],
+                p: vec![0.0; d],
+            }
+        }))
     }
 }
 
-struct FusedStepper {
-    trajectories: Vec<Trajectory>,
+struct FusedTrajectory {
     epsilon: f64,
     most_points: Option<usize>,
-    statistics: SolverStatistics,
-}
-
-struct Trajectory {
     curve: Curve,
     form: Box<dyn OneFormWorker>,
     data: Arc<CollocatedKarasev>,
@@ -148,30 +134,24 @@ struct Trajectory {
     shift: Vec<f64>,
 }
 
-impl Trajectory {
-    fn operations(&self) -> Option<u64> {
-        Some(self.curve.operations()? + self.form.operations()? + self.linear)
-    }
-
+impl FusedTrajectory {
     /// One solve at the present number of nodes: by the plain iteration where it contracts, else
     /// accelerated.
-    fn solve(&mut self, epsilon: f64, x: &[f64], low: &[f64]) -> Result<usize, StepError> {
-        if !self.curve.is_foreign()
-            && let Ok(evaluations) = self.iterate(epsilon, x, low, false)
-        {
-            return Ok(evaluations);
+    fn solve(&mut self, x: &[f64], low: &[f64], evaluations: &mut u64) -> Result<(), StepError> {
+        if !self.curve.is_foreign() && self.iterate(x, low, evaluations, false).is_ok() {
+            return Ok(());
         }
-        self.iterate(epsilon, x, low, true)
+        self.iterate(x, low, evaluations, true)
     }
 
     fn iterate(
         &mut self,
-        epsilon: f64,
         x: &[f64],
         low: &[f64],
+        evaluations: &mut u64,
         accelerates: bool,
-    ) -> Result<usize, StepError> {
-        let d = x.len();
+    ) -> Result<(), StepError> {
+        let (d, epsilon) = (x.len(), self.epsilon);
         let q = self.curve.rule.points();
         self.extrapolation
             .predict(self.displacement.as_chunks_mut().0);
@@ -179,14 +159,14 @@ impl Trajectory {
             self.centre[i] = x[i] + self.displacement[i];
         }
         // The straight curve through the predicted mean and the fixed end.
-        let rows = self.curve.rule.matrix.chunks_exact(q);
-        let left: Vec<f64> = rows.map(|row| 0.5 - row.iter().sum::<f64>()).collect();
         let displacement = &self.displacement;
-        self.curve
-            .begin(x, accelerates, |j, i| 2.0 * left[j] * displacement[i]);
+        self.curve.begin(x, accelerates, |rule, j, i| {
+            2.0 * rule.remaining[j] * displacement[i]
+        });
         self.form.value(&self.centre, &mut self.p)?;
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         loop {
+            *evaluations += 1;
             self.curve.evaluate(&self.p)?;
             for i in 0..d {
                 let end = self.curve.combination(epsilon, &self.curve.rule.end, i);
@@ -203,25 +183,25 @@ impl Trajectory {
             self.form.value(&self.centre, &mut self.p)?;
             if iteration.judge_correction(&size)? == Verdict::Converged {
                 // V lags one correction behind.
-                self.curve.evaluate(&self.p)?;
-                return Ok(iteration.evaluations() + 1);
+                *evaluations += 1;
+                return self.curve.evaluate(&self.p);
             }
         }
     }
+}
 
+impl Trajectory for FusedTrajectory {
     fn step(
         &mut self,
-        epsilon: f64,
-        most_points: Option<usize>,
         x: &[f64],
         low: &[f64],
         increment: &mut [f64],
-    ) -> Result<usize, StepError> {
-        let mut evaluations = 0;
+        evaluations: &mut u64,
+    ) -> Result<(), StepError> {
         loop {
-            evaluations += self.solve(epsilon, x, low)?;
+            self.solve(x, low, evaluations)?;
             let (points, tail) = (self.curve.rule.points(), self.curve.tail());
-            match most_points {
+            match self.most_points {
                 Some(most) if tail > SHORT_TAIL && points < most => {
                     self.curve.set_points(points + 1);
                 }
@@ -230,75 +210,27 @@ impl Trajectory {
             }
         }
         for (i, increment) in increment.iter_mut().enumerate() {
-            *increment = -self.curve.combination(epsilon, &self.curve.rule.weights, i);
+            *increment = -self
+                .curve
+                .combination(self.epsilon, &self.curve.rule.weights, i);
         }
-        if increment.iter().any(|v| !v.is_finite()) {
-            return Err(StepError::NonFinite {
-                what: "the increment",
-            });
+        if increment.iter().all(|v| v.is_finite()) {
+            self.extrapolation
+                .record(self.displacement.as_chunks_mut().0, &[true]);
         }
-        self.extrapolation
-            .record(self.displacement.as_chunks_mut().0, &[true]);
-        Ok(evaluations)
-    }
-}
-
-impl Stepper for FusedStepper {
-    fn increment(
-        &mut self,
-        x: &[f64],
-        low: &[f64],
-        increment: &mut [f64],
-        outcome: &mut [Result<(), StepError>],
-    ) {
-        let lanes = self.trajectories.len();
-        let d = x.len() / lanes;
-        let mut own = vec![0.0; d];
-        for (lane, trajectory) in self.trajectories.iter_mut().enumerate() {
-            let of = |values: &[f64]| -> Vec<f64> {
-                values.iter().skip(lane).step_by(lanes).copied().collect()
-            };
-            let result =
-                trajectory.step(self.epsilon, self.most_points, &of(x), &of(low), &mut own);
-            self.statistics.steps += 1;
-            outcome[lane] = match result {
-                Ok(evaluations) => {
-                    let evaluations = evaluations as u64;
-                    self.statistics.evaluations += evaluations;
-                    self.statistics.most_evaluations =
-                        self.statistics.most_evaluations.max(evaluations);
-                    Ok(())
-                }
-                Err(error) => {
-                    self.statistics.failures += 1;
-                    trajectory.extrapolation.clear(0);
-                    own.fill(0.0);
-                    Err(error)
-                }
-            };
-            let places = increment.iter_mut().skip(lane).step_by(lanes);
-            places.zip(&own).for_each(|(place, value)| *place = *value);
-        }
+        Ok(())
     }
 
-    fn solution(&self, lane: usize) -> Option<Vec<f64>> {
-        self.trajectories
-            .get(lane)
-            .map(|trajectory| trajectory.centre.clone())
+    fn solution(&self) -> Option<&[f64]> {
+        Some(&self.centre)
     }
 
-    fn tangent(&mut self, lane: usize) -> Option<Vec<f64>> {
-        let trajectory = self.trajectories.get_mut(lane)?;
-        let d = trajectory.centre.len();
+    fn tangent(&mut self) -> Option<Vec<f64>> {
+        let d = self.centre.len();
         // A curve of its own, so that measuring does not disturb stepping.
-        let mut curve = trajectory.data.curve(&trajectory.parameters);
-        curve.set_points(trajectory.curve.rule.points());
-        let z: Vec<f64> = trajectory
-            .centre
-            .iter()
-            .chain(&trajectory.p)
-            .copied()
-            .collect();
+        let mut curve = self.data.curve(&self.parameters);
+        curve.set_points(self.curve.rule.points());
+        let z: Vec<f64> = self.centre.iter().chain(&self.p).copied().collect();
         let mut worker = CollocatedWorker::new(curve, self.epsilon, None, d);
         let mut ends = leafwise_core::Ends::new(d);
         worker.ends(&z, &mut ends).ok()?;
@@ -307,7 +239,7 @@ impl Stepper for FusedStepper {
         worker.tangents(&mut target, &mut change).ok()?;
         // D(·∘L) = ∂x + ∂p Dθ on L = graph θ.
         let mut slope = vec![0.0; d * d];
-        trajectory.form.jacobian(&mut slope).ok()?;
+        self.form.jacobian(&mut slope).ok()?;
         let slope = DMatrix::from_row_slice(d, d, &slope);
         let along = |rows: &[f64]| {
             let all = DMatrix::from_row_slice(d, 2 * d, rows);
@@ -317,40 +249,22 @@ impl Stepper for FusedStepper {
         Some(map.transpose().as_slice().to_vec())
     }
 
-    fn restart(&mut self) {
-        self.trajectories
-            .iter_mut()
-            .for_each(|t| t.extrapolation.clear(0));
+    fn operations(&self) -> Option<u64> {
+        Some(self.curve.operations()? + self.form.operations()? + self.linear)
     }
 
-    fn statistics(&self) -> SolverStatistics {
-        SolverStatistics {
-            operations: self.trajectories.iter().map(Trajectory::operations).sum(),
-            ..self.statistics
-        }
+    fn restart(&mut self) {
+        self.extrapolation.clear(0);
     }
 
     fn memory(&self) -> Vec<f64> {
-        let mut memory = Vec::new();
-        for trajectory in &self.trajectories {
-            memory.push(trajectory.curve.rule.points() as f64);
-            trajectory.extrapolation.memory(0, &mut memory);
-        }
+        let mut memory = vec![self.curve.rule.points() as f64];
+        self.extrapolation.memory(0, &mut memory);
         memory
     }
 
-    fn restore(&mut self, memory: &[f64]) -> Result<(), usize> {
-        let each = 1 + self
-            .trajectories
-            .first()
-            .map_or(0, |t| t.extrapolation.memory_len());
-        if memory.len() != each * self.trajectories.len() {
-            return Err(each * self.trajectories.len());
-        }
-        for (trajectory, part) in self.trajectories.iter_mut().zip(memory.chunks_exact(each)) {
-            trajectory.curve.set_points(part[0].max(1.0) as usize);
-            trajectory.extrapolation.restore(0, &part[1..]);
-        }
-        Ok(())
+    fn restore(&mut self, memory: &[f64]) {
+        self.curve.set_points(memory[0].max(1.0) as usize);
+        self.extrapolation.restore(0, &memory[1..]);
     }
 }

@@ -18,6 +18,8 @@ pub struct CollocationRule {
     pub end: Vec<f64>,
     /// (2q−1) b_k P_{q−1}(ξ_k): the last Legendre coefficient of nodal values.
     pub last: Vec<f64>,
+    /// 1 − c_j = ½ − Σ_k A_jk.
+    pub remaining: Vec<f64>,
 }
 
 impl CollocationRule {
@@ -40,12 +42,14 @@ impl CollocationRule {
                 })
                 .sum()
         };
-        let matrix = basis
+        let matrix: Vec<f64> = basis
             .iter()
             .flat_map(|row| (0..q).map(|k| integral(row, k)))
             .collect();
         let end = at(1.0);
+        let rows = matrix.chunks_exact(q);
         Self {
+            remaining: rows.map(|row| 0.5 - row.iter().sum::<f64>()).collect(),
             matrix,
             end: (0..q).map(|k| integral(&end, k)).collect(),
             last: (0..q)

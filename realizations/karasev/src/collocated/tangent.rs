@@ -1,62 +1,99 @@
 //! First and second derivatives of the ends at (x, p), exact through the curve's equations.
 
 use leafwise_core::StepError;
-use nalgebra::{DMatrix, DVector};
 
 use super::curve::{Curve, Linearization};
 
-/// The linearized equations (1 − ε A⊗V_y) dY = 1⊗dx + ε A⊗Π dp and their solution.
+/// The linearized equations (1 − ε A⊗V_y) dY = 1⊗dx + ε A⊗Π dp and their solution, in memory that is
+/// kept from point to point.
+#[derive(Default)]
 pub(super) struct CurveTangent {
-    linearization: Linearization,
-    /// dY for dx and dp, q d × 2d.
-    nodes: DMatrix<f64>,
+    linearization: Option<Linearization>,
+    /// dY for dx and dp: 2d columns of q d numbers.
+    nodes: Vec<f64>,
+    /// Multipliers μ of the curve's equations; V's second derivatives along ν at a node.
+    multipliers: Vec<f64>,
+    weight: Vec<f64>,
+    by_yy: Vec<f64>,
+    by_yp: Vec<f64>,
+    /// V_yy dY at a node, d × 2d.
+    image: Vec<f64>,
 }
 
 impl CurveTangent {
-    pub(super) fn solve(curve: &mut Curve, epsilon: f64, p: &[f64]) -> Result<Self, StepError> {
-        let (q, d) = (curve.rule.points(), p.len());
-        let linearization = curve.linearization(epsilon, p)?;
-        let right = DMatrix::from_fn(q * d, 2 * d, |row, column| {
-            let (j, i) = (row / d, row % d);
-            if column < d {
-                return if i == column { 1.0 } else { 0.0 };
-            }
-            let l = column - d;
-            let sum: f64 = (0..q)
-                .map(|k| curve.rule.matrix[j * q + k] * linearization.by_p[k * d * d + i * d + l])
-                .sum();
-            epsilon * sum
-        });
-        curve.count_tangents(2 * d);
-        let lu = linearization.matrix.clone().lu();
-        let nodes = lu.solve(&right).ok_or(SINGULAR)?;
-        Ok(Self {
-            linearization,
-            nodes,
-        })
+    /// Whether the tangent is that of the last point.
+    pub(super) fn is_known(&self) -> bool {
+        self.linearization.is_some()
     }
 
-    /// Dβ̂ and D(α̂ − β̂), row-major d × 2d.
+    /// Forgets the point.
+    pub(super) fn clear(&mut self, curve: &mut Curve) {
+        if let Some(room) = self.linearization.take() {
+            curve.give_back(room);
+        }
+    }
+
+    /// Solves the linearized equations at the curve's nodes.
+    pub(super) fn solve(
+        &mut self,
+        curve: &mut Curve,
+        epsilon: f64,
+        p: &[f64],
+    ) -> Result<(), StepError> {
+        let (q, d) = (curve.rule.points(), p.len());
+        let size = q * d;
+        let mut linearization = curve.linearize(epsilon, p)?;
+        self.nodes.resize(2 * d * size, 0.0);
+        for (column, nodes) in self.nodes.chunks_exact_mut(size).enumerate() {
+            for (row, value) in nodes.iter_mut().enumerate() {
+                let (j, i) = (row / d, row % d);
+                *value = if column < d {
+                    if i == column { 1.0 } else { 0.0 }
+                } else {
+                    let tensor = linearization.by_p.iter().skip(i * d + column - d);
+                    let weights = &curve.rule.matrix[j * q..][..q];
+                    let terms = weights.iter().zip(tensor.step_by(d * d));
+                    epsilon * terms.map(|(a, tensor)| a * tensor).sum::<f64>()
+                };
+            }
+        }
+        curve.count_tangents(2 * d);
+        let is_regular = linearization.factor();
+        for column in self.nodes.chunks_exact_mut(size) {
+            linearization.factors.solve(column);
+        }
+        if !is_regular {
+            curve.give_back(linearization);
+            return Err(SINGULAR);
+        }
+        self.linearization = Some(linearization);
+        Ok(())
+    }
+
+    /// Dβ̂ and D(α̂ − β̂) at the point of [`solve`](Self::solve), row-major d × 2d.
+    ///
+    /// # Errors
+    /// [`StepError::NoTangent`] before a point was solved.
     pub(super) fn ends(
         &self,
         curve: &Curve,
         epsilon: f64,
         target: &mut [f64],
         increment: &mut [f64],
-    ) {
-        let q = curve.rule.points();
-        let d = self.nodes.ncols() / 2;
+    ) -> Result<(), StepError> {
+        let linearization = self.linearization.as_ref().ok_or(StepError::NoTangent)?;
+        let (q, d) = (curve.rule.points(), self.dimension(curve));
         target.fill(0.0);
         increment.fill(0.0);
         for k in 0..q {
-            let slope = &self.linearization.by_y[k * d * d..][..d * d];
-            let tensor = &self.linearization.by_p[k * d * d..][..d * d];
+            let slope = &linearization.by_y[k * d * d..][..d * d];
+            let tensor = &linearization.by_p[k * d * d..][..d * d];
             let (end, weight) = (epsilon * curve.rule.end[k], epsilon * curve.rule.weights[k]);
             for i in 0..d {
                 for column in 0..2 * d {
-                    let mut change: f64 = (0..d)
-                        .map(|l| slope[i * d + l] * self.nodes[(k * d + l, column)])
-                        .sum();
+                    let node = &self.nodes[column * q * d + k * d..][..d];
+                    let row = &slope[i * d..][..d];
+                    let mut change = product(row, node);
                     if column >= d {
                         change += tensor[i * d + column - d];
                     }
@@ -68,6 +105,7 @@ impl CurveTangent {
         for i in 0..d {
             target[i * 2 * d + i] += 1.0;
         }
+        Ok(())
     }
 
     /// D²(λ·α̂), row-major 2d × 2d.
@@ -75,8 +113,12 @@ impl CurveTangent {
     /// α̂ = x + ε Σ_k e_k V_k with e_k = W_k(0). With multipliers μ_j of the curve's equations,
     /// (1 − ε A⊗V_y)ᵀ μ = (ε e_k V_yᵀ λ)_k, the first-order terms cancel and what is left is
     /// Σ_k ν_k·D²V_k, ν_k = ε (e_k λ + Σ_j A_jk μ_j), along dY_k and dp.
+    ///
+    /// # Errors
+    /// [`StepError::NoTangent`] before a point was solved, or for a system without second
+    /// derivatives.
     pub(super) fn source_hessian(
-        &self,
+        &mut self,
         curve: &mut Curve,
         epsilon: f64,
         p: &[f64],
@@ -84,44 +126,75 @@ impl CurveTangent {
         hessian: &mut [f64],
     ) -> Result<(), StepError> {
         let (q, d) = (curve.rule.points(), p.len());
+        let size = q * d;
         let start = |curve: &Curve, k: usize| curve.rule.end[k] - curve.rule.weights[k];
-        let right = DVector::from_fn(q * d, |row, _| {
+        let linearization = self.linearization.as_mut().ok_or(StepError::NoTangent)?;
+        self.multipliers.resize(size, 0.0);
+        for (row, value) in self.multipliers.iter_mut().enumerate() {
             let (k, l) = (row / d, row % d);
-            let slope = &self.linearization.by_y[k * d * d..][..d * d];
-            let along: f64 = (0..d).map(|i| slope[i * d + l] * covector[i]).sum();
-            epsilon * start(curve, k) * along
-        });
+            let slope = linearization.by_y[k * d * d..][..d * d].iter();
+            let column = slope.skip(l).step_by(d);
+            let along: f64 = column.zip(covector).map(|(v, c)| v * c).sum();
+            *value = epsilon * start(curve, k) * along;
+        }
         curve.count_hessian();
-        let adjoint = self.linearization.matrix.transpose().lu();
-        let multipliers = adjoint.solve(&right).ok_or(SINGULAR)?;
-        let mut sum = DMatrix::zeros(2 * d, 2 * d);
-        let mut by_yy = vec![0.0; d * d];
-        let mut by_yp = vec![0.0; d * d];
+        if !linearization.factor_transpose(size) {
+            return Err(SINGULAR);
+        }
+        linearization.factors.solve(&mut self.multipliers);
+        self.weight.resize(d, 0.0);
+        self.by_yy.resize(d * d, 0.0);
+        self.by_yp.resize(d * d, 0.0);
+        self.image.resize(2 * d * d, 0.0);
+        hessian.fill(0.0);
         for k in 0..q {
-            let weight: Vec<f64> = (0..d)
-                .map(|i| {
-                    let through: f64 = (0..q)
-                        .map(|j| curve.rule.matrix[j * q + k] * multipliers[j * d + i])
-                        .sum();
-                    epsilon * (start(curve, k) * covector[i] + through)
-                })
-                .collect();
-            let node = curve.nodes[k * d..][..d].to_vec();
+            for (i, weight) in self.weight.iter_mut().enumerate() {
+                let multipliers = self.multipliers.iter().skip(i).step_by(d);
+                let column = curve.rule.matrix.iter().skip(k).step_by(q);
+                let through: f64 = column.zip(multipliers).map(|(a, m)| a * m).sum();
+                *weight = epsilon * (start(curve, k) * covector[i] + through);
+            }
+            let node = &curve.nodes[k * d..][..d];
+            let at = (node, p, &self.weight[..]);
             curve
                 .field
-                .curvatures((&node, p, &weight), &mut by_yy, &mut by_yp)?;
-            let along = self.nodes.rows(k * d, d);
-            let by_yy = DMatrix::from_row_slice(d, d, &by_yy);
-            sum += along.transpose() * by_yy * along;
-            let mixed = along.transpose() * DMatrix::from_row_slice(d, d, &by_yp);
-            let mut right = sum.columns_mut(d, d);
-            right += &mixed;
-            let mut below = sum.rows_mut(d, d);
-            below += mixed.transpose();
+                .curvatures(at, &mut self.by_yy, &mut self.by_yp)?;
+            self.add_node(k, size, hessian);
         }
-        hessian.copy_from_slice(sum.as_slice());
         Ok(())
     }
+
+    /// Adds ν_k·D²V_k along dY_k and dp.
+    fn add_node(&mut self, k: usize, size: usize, hessian: &mut [f64]) {
+        let d = self.weight.len();
+        let along = |column: usize| &self.nodes[column * size + k * d..][..d];
+        for column in 0..2 * d {
+            for i in 0..d {
+                let row = &self.by_yy[i * d..][..d];
+                self.image[column * d + i] = product(row, along(column));
+            }
+        }
+        for row in 0..2 * d {
+            for column in 0..2 * d {
+                let image = &self.image[column * d..][..d];
+                hessian[row * 2 * d + column] += product(along(row), image);
+            }
+            for column in 0..d {
+                let mixed = self.by_yp.iter().skip(column).step_by(d);
+                let mixed: f64 = mixed.zip(along(row)).map(|(v, a)| v * a).sum();
+                hessian[row * 2 * d + d + column] += mixed;
+                hessian[(d + column) * 2 * d + row] += mixed;
+            }
+        }
+    }
+
+    fn dimension(&self, curve: &Curve) -> usize {
+        curve.nodes.len() / curve.rule.points()
+    }
+}
+
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 const SINGULAR: StepError = StepError::NonFinite {

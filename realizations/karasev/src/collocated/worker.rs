@@ -17,7 +17,7 @@ pub(super) struct CollocatedWorker {
     most_points: Option<usize>,
     /// The last point, and the tangent there once it is known.
     z: Vec<f64>,
-    tangent: Option<CurveTangent>,
+    tangent: CurveTangent,
 }
 
 impl CollocatedWorker {
@@ -27,18 +27,17 @@ impl CollocatedWorker {
             epsilon,
             most_points,
             z: vec![0.0; 2 * d],
-            tangent: None,
+            tangent: CurveTangent::default(),
         }
     }
 
-    fn take_tangent(&mut self) -> Result<CurveTangent, StepError> {
-        match self.tangent.take() {
-            Some(tangent) => Ok(tangent),
-            None => {
-                let p = &self.z[self.z.len() / 2..];
-                CurveTangent::solve(&mut self.curve, self.epsilon, p)
-            }
+    /// The tangent at the last point.
+    fn know_tangent(&mut self) -> Result<(), StepError> {
+        if self.tangent.is_known() {
+            return Ok(());
         }
+        let p = &self.z[self.z.len() / 2..];
+        self.tangent.solve(&mut self.curve, self.epsilon, p)
     }
 
     /// Solves the curve, with more nodes where its tail asks for them.
@@ -62,7 +61,7 @@ impl CollocatedWorker {
 impl RealizationWorker for CollocatedWorker {
     fn ends(&mut self, z: &[f64], ends: &mut Ends) -> Result<(), StepError> {
         self.z.copy_from_slice(z);
-        self.tangent = None;
+        self.tangent.clear(&mut self.curve);
         self.solve()?;
         let d = z.len() / 2;
         let curve = &self.curve;
@@ -83,18 +82,17 @@ impl RealizationWorker for CollocatedWorker {
     }
 
     fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError> {
-        let tangent = self.take_tangent()?;
-        tangent.ends(&self.curve, self.epsilon, target, increment);
-        self.tangent = Some(tangent);
-        Ok(())
+        self.know_tangent()?;
+        self.tangent
+            .ends(&self.curve, self.epsilon, target, increment)
     }
 
     fn source_hessian(&mut self, covector: &[f64], hessian: &mut [f64]) -> Result<(), StepError> {
-        let tangent = self.take_tangent()?;
+        self.know_tangent()?;
         let p = &self.z[covector.len()..];
-        tangent.source_hessian(&mut self.curve, self.epsilon, p, covector, hessian)?;
-        self.tangent = Some(tangent);
-        Ok(())
+        let curve = &mut self.curve;
+        self.tangent
+            .source_hessian(curve, self.epsilon, p, covector, hessian)
     }
 
     fn has_source_hessian(&self) -> bool {

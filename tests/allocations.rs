@@ -1,0 +1,152 @@
+//! The step loop allocates nothing: neither a stepper nor the state's update nor an observer.
+
+use std::sync::Arc;
+
+use allocation_counter::measure;
+use leafwise::core::part::PartKind;
+use leafwise::core::solver::Observe;
+use leafwise::core::{Integrator, Method, PartParameters, Registry, StepMap};
+use leafwise::expression::Execution;
+use leafwise::prelude::{ProblemLibrary, SceneDocument};
+use leafwise::scene;
+use leafwise::scene::compose::Stepping;
+use leafwise_tests::{Problem, library};
+
+/// Steps until histories are full and collocation has its number of nodes.
+const WARM_UP: usize = 40;
+
+/// Steps that are watched.
+const STEPS: usize = 50;
+
+fn names(registry: &Registry, kind: PartKind) -> Vec<&'static str> {
+    let parts = registry.parts().into_iter();
+    parts.filter(|p| p.kind == kind).map(|p| p.name).collect()
+}
+
+/// Asserts that steps of one and of several trajectories allocate nothing.
+fn assert_allocates_nothing(problem: &Problem, map: &dyn StepMap) {
+    let parameters = problem.system.parameter_values();
+    let step = 0.1 * problem.time_step;
+    let mut integrator = Integrator::new(map, &parameters, 1.0, step, &problem.initial);
+    (0..WARM_UP).for_each(|_| integrator.step().expect("a step"));
+    let counted = measure(|| (0..STEPS).for_each(|_| integrator.step().expect("a step")));
+    assert_eq!(counted.count_total, 0, "{}: {counted:?}", map.describe());
+
+    let lanes = 11;
+    let spread =
+        |values: &[f64]| -> Vec<f64> { values.iter().flat_map(|v| vec![*v; lanes]).collect() };
+    let mut stepper = map.stepper(lanes, &spread(&parameters), 1.0, step);
+    let (mut x, low) = (
+        spread(&problem.initial),
+        spread(&vec![0.0; problem.initial.len()]),
+    );
+    let mut increment = low.clone();
+    let mut outcome = vec![Ok(()); lanes];
+    let mut steps = |count: usize| {
+        for _ in 0..count {
+            stepper.increment(&x, &low, &mut increment, &mut outcome);
+            x.iter_mut()
+                .zip(&increment)
+                .for_each(|(x, change)| *x += change);
+        }
+    };
+    steps(WARM_UP);
+    let counted = measure(|| steps(STEPS));
+    assert_eq!(
+        counted.count_total,
+        0,
+        "{}, lanes: {counted:?}",
+        map.describe()
+    );
+}
+
+#[test]
+fn no_stepper_allocates() {
+    let registry = Registry::with_builtin();
+    let none = PartParameters::new();
+    // Interpreted or compiled from the start: what changes on the way allocates once.
+    for execution in [Execution::Interpreted, Execution::Compiled] {
+        execution.set_default_of_process();
+        let mut checked = 0;
+        for id in [
+            "rigid-body",
+            "lotka-volterra-periodic",
+            "heavy-top",
+            "magnetic",
+            "point-vortices",
+        ] {
+            let problem = library(id);
+            let mut maps: Vec<Arc<dyn StepMap>> = Vec::new();
+            for realization in names(&registry, PartKind::Realization) {
+                let part = registry.realization(realization).expect("listed");
+                let Ok(realization) = part.build(&problem.system, &none) else {
+                    continue;
+                };
+                for dynamics in names(&registry, PartKind::Dynamics) {
+                    let part = registry.dynamics(dynamics).expect("listed");
+                    let dynamics = part.build(&none).expect("defaults");
+                    let method = Method::compose(&problem.system, realization.clone(), dynamics);
+                    maps.extend(method.map(|map| Arc::new(map) as Arc<dyn StepMap>));
+                }
+            }
+            for stepper in names(&registry, PartKind::Stepper) {
+                let part = registry.stepper(stepper).expect("listed");
+                maps.extend(part.build(&problem.system, &none));
+            }
+            let composition = registry.composition("suzuki-4").expect("built in");
+            let composed = maps.iter().map(|map| composition.build(map.clone(), &none));
+            let composed: Vec<_> = composed.flatten().collect();
+            maps.extend(composed);
+            for map in maps {
+                assert_allocates_nothing(&problem, map.as_ref());
+                checked += 1;
+            }
+        }
+        assert!(checked > 30, "{checked} maps");
+    }
+    lattices_and_observers();
+}
+
+/// A long lattice with its observers.
+fn lattices_and_observers() {
+    let text = "[system]\nlibrary = \"volterra-lattice\"\nfamilies = { x = 100 }\n\
+                 [method]\nrealization = { name = \"karasev-truncated\", order = 2 }\n\
+                 dynamics = { name = \"hamilton-jacobi\", order = 2 }\ntime-step = 0.05\n\
+                 [run]\ninitial = { \"x[i]\" = \"1 + 0.1*sin(2*pi*i/N)\" }\nsteps = 1\n";
+    let document = SceneDocument::parse("lattice.toml", text, &ProblemLibrary).expect("a scene");
+    let run = scene::compose(&document, &Registry::with_builtin()).expect("a method");
+    let Stepping::Lattice(lattice) = &run.method else {
+        panic!("a long lattice steps by templates");
+    };
+    let mut observers = lattice.invariants.clone();
+    let mut values = vec![0.0; observers.observables()];
+    let mut integrator = run.integrator();
+    let mut steps = |count: usize| {
+        for _ in 0..count {
+            integrator.step().expect("a step");
+            observers.evaluate(integrator.state(), &mut values);
+        }
+    };
+    steps(WARM_UP);
+    let counted = measure(|| steps(STEPS));
+    assert_eq!(counted.count_total, 0, "{counted:?}");
+}
+
+#[test]
+fn an_allocation_is_counted() {
+    let counted = measure(|| drop(std::hint::black_box(vec![1.0])));
+    assert_eq!(counted.count_total, 1);
+}
+
+#[test]
+fn observers_allocate_nothing() {
+    let problem = library("heavy-top");
+    let parameters = problem.system.parameter_values();
+    let mut observer =
+        leafwise::core::system::SystemInvariants::new(&problem.system, &parameters).expect("code");
+    let mut values = vec![0.0; observer.observables()];
+    let counted = measure(|| {
+        (0..STEPS).for_each(|_| observer.evaluate(&problem.initial, &mut values));
+    });
+    assert_eq!(counted.count_total, 0, "{counted:?}");
+}
