@@ -1,4 +1,6 @@
-//! What the benches share: scenes from text, composed.
+//! What the benches share: scenes from text, composed; code by hand.
+
+pub mod rotations;
 
 use leafwise::ProblemLibrary;
 use leafwise::core::Registry;

@@ -1,5 +1,6 @@
 //! The command line.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -68,6 +69,8 @@ impl From<Kernels> for Execution {
 pub enum Command {
     /// Integrate a scene into a run directory with a report
     Run(RunArguments),
+    /// Integrate many initial states or parameter sets, reduced to statistics
+    Ensemble(EnsembleArguments),
     /// Check that the tensor is Poisson and the Casimirs are Casimirs
     Check(CheckArguments),
     /// List systems, realizations, dynamics and the Lie algebras a bracket may name
@@ -115,6 +118,7 @@ impl Command {
     pub fn wants_json(&self) -> bool {
         match self {
             Self::Run(arguments) => arguments.json,
+            Self::Ensemble(arguments) => arguments.json,
             Self::Check(arguments) => arguments.json,
             Self::List(arguments) => arguments.json,
             Self::Describe(arguments) => arguments.json,
@@ -154,6 +158,38 @@ pub struct RunArguments {
     #[arg(long)]
     pub force: bool,
     /// The run directory [default: runs/ and the scene's name]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Integrate a tensor that violates the Jacobi identity
+    #[arg(long)]
+    pub allow_non_poisson: bool,
+    /// Print nothing but errors
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// Arguments of `ensemble`.
+#[derive(Args, Clone, Debug)]
+pub struct EnsembleArguments {
+    /// What to run: a scene with a table `[ensemble]`.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Run this member alone, as an ordinary run into a directory of its own
+    #[arg(long, value_name = "NUMBER", conflicts_with_all = ["threads", "lanes"])]
+    pub member: Option<u64>,
+    /// Threads [default: all of the machine's]; the results do not depend on it
+    #[arg(long, value_name = "COUNT")]
+    pub threads: Option<NonZeroUsize>,
+    /// Members side by side on a thread; the results do not depend on it
+    #[arg(long, value_name = "COUNT", default_value = "64")]
+    pub lanes: NonZeroUsize,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// Replace the run that the directory holds
+    #[arg(long)]
+    pub force: bool,
+    /// The run directory [default: runs/ and the scene's name with -ensemble, or -member-NUMBER]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Integrate a tensor that violates the Jacobi identity

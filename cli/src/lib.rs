@@ -69,6 +69,9 @@ pub fn run(
     let plugins = &arguments.plugins;
     let outcome = match arguments.command {
         Command::Run(arguments) => commands::run::execute(&arguments, plugins, console, interrupt),
+        Command::Ensemble(arguments) => {
+            commands::ensemble::execute(&arguments, plugins, console, interrupt)
+        }
         Command::Check(arguments) => commands::check::execute(&arguments, plugins, console),
         Command::Compare(arguments) => {
             commands::compare::execute(&arguments, plugins, console, interrupt)

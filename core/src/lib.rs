@@ -38,6 +38,7 @@ pub mod quadrature;
 pub mod realization;
 pub mod registry;
 pub mod runge_kutta;
+mod side_by_side;
 pub mod solver;
 pub mod system;
 
@@ -60,5 +61,6 @@ pub use realization::{
     SourceRecursion, SourceSeries, SourceTarget,
 };
 pub use registry::{Part, Registry, RegistryError};
+pub use side_by_side::SideBySide;
 pub use solver::{MapProperties, Observe, SolverStatistics, StepMap, Stepper, Structure};
 pub use system::{Convention, PoissonSystem, SystemFormulas, SystemNumbers};

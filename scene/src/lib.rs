@@ -4,12 +4,14 @@
 //! - [`diagnostic`]: what is wrong, underlined where it stands;
 //! - [`compose`](mod@compose): the text as a Poisson system, a method and the plan of a run;
 //! - [`run`](mod@run): the run, into a directory with everything needed to resume and repeat it;
+//! - [`ensemble`]: many members at once, reduced into such a directory;
 //! - [`report`]: recorded data as one self-contained HTML page;
 //! - [`json`]: numbers as JSON.
 
 pub mod compose;
 pub mod diagnostic;
 pub mod document;
+pub mod ensemble;
 pub mod json;
 pub mod report;
 pub mod run;
@@ -17,10 +19,11 @@ pub mod run;
 pub use compose::{ComposedRun, ComposedSystem, Refusal, SceneChecks, compose, compose_system};
 pub use diagnostic::{SceneDiagnostic, formula_span, string_content};
 pub use document::{
-    Boundary, BracketSpec, Convention, InitialSpec, Located, MethodParts, MethodSection,
-    MethodTable, NoLibrary, Number, NumbersSystem, ParameterValue, PartSpec, PartUse, Place,
-    PluginSpec, RecordSpec, RewriteError, RunSection, SceneDocument, SceneErrors, SceneLibrary,
-    SceneProblem, SceneProblemCause, Source, StepSpec, SystemSection,
+    Boundary, BracketSpec, Convention, Distribution, EnsembleSection, FinalStates, InitialDraw,
+    InitialSpec, Located, MethodParts, MethodSection, MethodTable, NoLibrary, Number,
+    NumbersSystem, ParameterDraw, ParameterValue, PartSpec, PartUse, Place, PluginSpec, RecordSpec,
+    RewriteError, RunSection, SceneDocument, SceneErrors, SceneLibrary, SceneProblem,
+    SceneProblemCause, Source, StepSpec, SystemSection,
 };
 pub use report::{ComparisonData, ReportData, ReportError, render_comparison, render_report};
 pub use run::{Progress, RunError, RunOptions, RunOutcome, RunReport};

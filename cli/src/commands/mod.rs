@@ -3,6 +3,7 @@
 pub mod check;
 pub mod compare;
 pub mod describe;
+pub mod ensemble;
 pub mod evaluate;
 pub mod explain;
 pub mod list;

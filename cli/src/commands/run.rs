@@ -1,9 +1,11 @@
 //! `leafwise run`: a scene into a run directory.
 
+use std::ffi::OsStr;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::{ComposedRun, compose};
 use leafwise::scene::json::{json_number, json_numbers};
 use leafwise::scene::run::{
@@ -12,7 +14,7 @@ use leafwise::scene::run::{
 use serde_json::{Map, Value, json};
 
 use super::explain::explain;
-use crate::arguments::{PluginArguments, RunArguments};
+use crate::arguments::{PluginArguments, RunArguments, SceneArguments};
 use crate::bar::Bar;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
@@ -49,24 +51,52 @@ pub fn execute(
             .unwrap_or_else(|| default_directory(&document)),
         force: arguments.force,
         allow_non_poisson: arguments.allow_non_poisson,
-        command: command(arguments),
+        command: command(&arguments.scene, arguments.allow_non_poisson),
     };
-    let is_shown = console.is_terminal && !arguments.quiet;
+    let told = Told {
+        json: arguments.json,
+        quiet: arguments.quiet,
+    };
+    integrate(&document, &composed, &options, told, console, interrupt)
+}
+
+/// What is told of a run.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Told {
+    /// One object on standard output.
+    pub json: bool,
+    /// Nothing but errors on standard error.
+    pub quiet: bool,
+}
+
+/// Integrates a composed scene; returns the exit code.
+///
+/// # Errors
+/// [`Failure`] when the run cannot be started or written.
+pub(super) fn integrate(
+    document: &SceneDocument,
+    composed: &ComposedRun,
+    options: &RunOptions,
+    told: Told,
+    console: &mut Console<'_>,
+    interrupt: &Arc<AtomicBool>,
+) -> Result<u8, Failure> {
+    let is_shown = console.is_terminal && !told.quiet;
     let mut bar = Bar::new(composed.plan.steps, is_shown, interrupt);
-    let report = run(&document, &composed, &options, &mut bar);
+    let report = run(document, composed, options, &mut bar);
     bar.finish();
     let report = report?;
-    if !arguments.quiet {
-        for line in summary(&composed, &report, console) {
+    if !told.quiet {
+        for line in summary(composed, &report, console) {
             console.prose(&line);
         }
     }
     if let RunOutcome::Failed(failure) = &report.outcome {
-        for line in failure_lines(&composed, failure, &report, console) {
+        for line in failure_lines(composed, failure, &report, console) {
             console.prose(&line);
         }
     }
-    if arguments.json {
+    if told.json {
         console.json(&report_json(&report));
     }
     Ok(match report.outcome {
@@ -77,21 +107,23 @@ pub fn execute(
 }
 
 /// The command that repeats the run of the scene as stored, overrides already in it.
-fn command(arguments: &RunArguments) -> String {
-    let file = arguments
-        .scene
-        .scene
-        .file_name()
-        .map(|name| name.to_string_lossy().into_owned());
-    let mut command = format!("leafwise run {}", file.unwrap_or_default());
-    if arguments.allow_non_poisson {
+fn command(scene: &SceneArguments, allow_non_poisson: bool) -> String {
+    repeating("run", scene.scene.file_name(), allow_non_poisson)
+}
+
+/// The command that runs a file once more.
+pub(super) fn repeating(verb: &str, file: Option<&OsStr>, allow_non_poisson: bool) -> String {
+    let file = file.unwrap_or_default().to_string_lossy();
+    let mut command = format!("leafwise {verb} {file}");
+    if allow_non_poisson {
         command.push_str(" --allow-non-poisson");
     }
     command
 }
 
-fn summary(composed: &ComposedRun, report: &RunReport, console: &Console<'_>) -> Vec<String> {
-    let method = composed
+/// The parts of a run in one line.
+pub(super) fn method_line(composed: &ComposedRun) -> String {
+    composed
         .plan
         .parts
         .iter()
@@ -103,7 +135,11 @@ fn summary(composed: &ComposedRun, report: &RunReport, console: &Console<'_>) ->
             parameters.fold(part.name.to_owned(), |text, parameter| text + &parameter)
         })
         .collect::<Vec<_>>()
-        .join(" + ");
+        .join(" + ")
+}
+
+fn summary(composed: &ComposedRun, report: &RunReport, console: &Console<'_>) -> Vec<String> {
+    let method = method_line(composed);
     let word = match report.outcome {
         RunOutcome::Done => "done",
         RunOutcome::Interrupted => "interrupted",
@@ -231,7 +267,7 @@ fn report_json(report: &RunReport) -> Value {
 }
 
 /// A deviation with three digits.
-fn drift(value: f64) -> String {
+pub(super) fn drift(value: f64) -> String {
     if value == 0.0 {
         "0".to_owned()
     } else {

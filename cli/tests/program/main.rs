@@ -1,6 +1,7 @@
 //! The program run as a process: exit codes, messages, files, signals.
 
 mod comparisons;
+mod ensembles;
 mod failing_runs;
 mod invalid_scenes;
 mod other_commands;

@@ -1,7 +1,7 @@
 //! The scene's text as typed sections, every value with its place in the text.
 //!
 //! - `located`: values that remember where they were written;
-//! - `system`, `bracket`, `method`, `run`, `plugin`: one table or list of the scene each;
+//! - `system`, `bracket`, `method`, `run`, `ensemble`, `plugin`: one table or list of the scene each;
 //! - `numbers`: systems that have no formulas;
 //! - `method_table`: a method as a value, written into a scene's text;
 //! - `overrides`: `--set path=value`, applied by rewriting the text;
@@ -10,6 +10,7 @@
 //! - `reader`: typed access to parsed TOML.
 
 mod bracket;
+mod ensemble;
 mod error;
 mod library;
 mod located;
@@ -27,6 +28,7 @@ mod system;
 mod tests;
 
 pub use bracket::BracketSpec;
+pub use ensemble::{Distribution, EnsembleSection, FinalStates, InitialDraw, ParameterDraw};
 pub use error::{SceneErrors, SceneProblem, SceneProblemCause};
 pub use library::{NoLibrary, SceneLibrary};
 pub use located::{Located, Number, Place, Source};

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use toml_edit::{DocumentMut, InlineTable, Item, Key, TableLike, Value};
 
+use super::ensemble;
 use super::error::SceneProblemCause;
 use super::located::{Place, Source};
 use super::method;
@@ -147,18 +148,22 @@ fn check_path(keys: &[Key], path: &str) -> Result<(), Refusal> {
         let (table, valid): (String, &[&str]) = match &names[..depth] {
             [] => (
                 "the scene".to_owned(),
-                &["system", "method", "run", "plugins"],
+                &["system", "method", "run", "ensemble", "plugins"],
             ),
             ["system"] => ("[system]".to_owned(), &super::system::KEYS),
             ["method"] => ("[method]".to_owned(), &method::KEYS),
             ["run"] => ("[run]".to_owned(), &["initial", "steps", "record", "out"]),
             ["run", "record"] => ("record".to_owned(), &["every", "observables"]),
+            ["ensemble"] => ("[ensemble]".to_owned(), &ensemble::KEYS),
+            ["ensemble", "record"] => ("record".to_owned(), &ensemble::RECORD_KEYS),
             ["system", "parameters" | "families" | "bracket" | "casimirs"]
             | [
                 "method",
                 "realization" | "dynamics" | "composition" | "stepper",
             ]
-            | ["run", "initial"] => continue,
+            | ["run", "initial"]
+            | ["ensemble", "initial" | "parameters"]
+            | ["ensemble", "parameters", _] => continue,
             _ => {
                 let reason = format!("`{}` has no keys", names[..depth].join("."));
                 let cause = SceneProblemCause::Override {

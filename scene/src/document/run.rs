@@ -94,11 +94,10 @@ fn read_record(
     system: Option<&SystemSection>,
     problems: &mut Problems,
 ) -> Option<RecordSpec> {
-    let defaults = || default_observables(&table.place, system);
     let Some(item) = table.get("record") else {
         return Some(RecordSpec {
             every: 1,
-            observables: defaults(),
+            observables: read_observables(None, &table.place, system, problems)?,
         });
     };
     let record = item.table("record", "a table", problems)?;
@@ -107,20 +106,25 @@ fn read_record(
         Some(every) => every.whole(1, problems).map(|every| every.value),
         None => Some(1),
     };
-    let observables = match record.get("observables") {
-        Some(list) => list.list_of("a list of names", problems, Item::string),
-        None => Some(defaults()),
-    };
+    let observables = read_observables(Some(&record), &table.place, system, problems);
     Some(RecordSpec {
         every: every?,
         observables: observables?,
     })
 }
 
-fn default_observables(run: &Place, system: Option<&SystemSection>) -> Vec<Located<String>> {
-    let energy = Located::new("energy".to_owned(), run.clone());
+/// The names in a `record` table; energy and every Casimir where it gives none.
+pub(super) fn read_observables(
+    record: Option<&Table<'_>>,
+    section: &Place,
+    system: Option<&SystemSection>,
+    problems: &mut Problems,
+) -> Option<Vec<Located<String>>> {
+    if let Some(list) = record.and_then(|record| record.get("observables")) {
+        return list.list_of("a list of names", problems, Item::string);
+    }
+    let energy = Located::new("energy".to_owned(), section.clone());
     let casimirs = system.into_iter().flat_map(|system| &system.casimirs);
-    std::iter::once(energy)
-        .chain(casimirs.map(|(name, _)| name.clone()))
-        .collect()
+    let names = casimirs.map(|(name, _)| name.clone());
+    Some(std::iter::once(energy).chain(names).collect())
 }

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use toml::de::DeTable;
 
+use super::ensemble::{EnsembleSection, read_ensemble};
 use super::error::{SceneErrors, SceneProblem, SceneProblemCause, source_text};
 use super::library::SceneLibrary;
 use super::located::{Located, Place, Source};
@@ -30,6 +31,8 @@ pub struct SceneDocument {
     pub method: MethodSection,
     /// Where to start, how far to go, what to keep.
     pub run: RunSection,
+    /// Many initial states or parameter sets at once.
+    pub ensemble: Option<EnsembleSection>,
     /// Shared libraries to load first.
     pub plugins: Vec<PluginSpec>,
 }
@@ -68,13 +71,14 @@ impl SceneDocument {
         let text = effective.unwrap_or_else(|| text.to_owned());
         let name = name.to_owned();
         match sections {
-            Some((system, method, run, plugins)) if problems.0.is_empty() => Ok(Self {
+            Some((system, method, run, ensemble, plugins)) if problems.0.is_empty() => Ok(Self {
                 name,
                 text,
                 fragment,
                 system,
                 method,
                 run,
+                ensemble,
                 plugins,
             }),
             _ => {
@@ -160,7 +164,13 @@ fn without_consequences(problems: Vec<SceneProblem>) -> Vec<SceneProblem> {
         .collect()
 }
 
-type Sections = (SystemSection, MethodSection, RunSection, Vec<PluginSpec>);
+type Sections = (
+    SystemSection,
+    MethodSection,
+    RunSection,
+    Option<EnsembleSection>,
+    Vec<PluginSpec>,
+);
 
 fn read(
     text: &str,
@@ -184,7 +194,10 @@ fn read(
         }
     };
     let root = Table::new("the scene", document.get_ref(), end_of(text), text);
-    root.only(&["system", "method", "run", "plugins"], problems);
+    root.only(
+        &["system", "method", "run", "ensemble", "plugins"],
+        problems,
+    );
     let mut section = |key: &str, example: &str| {
         root.require(key, example, problems)
             .and_then(|item| item.table(&format!("[{key}]"), "a table", problems))
@@ -204,6 +217,13 @@ fn read(
     let run = run
         .as_ref()
         .and_then(|table| read_run(table, system.as_ref(), problems));
+    let ensemble = match root.get("ensemble") {
+        Some(item) => item
+            .table("[ensemble]", "a table", problems)
+            .and_then(|table| read_ensemble(&table, system.as_ref(), problems))
+            .map(Some),
+        None => Some(None),
+    };
     let plugins = read_plugins(&root, problems);
-    Some((system?, method?, run?, plugins?))
+    Some((system?, method?, run?, ensemble?, plugins?))
 }

@@ -3,6 +3,7 @@
 //! - `data`: what a report is made from;
 //! - `page`, `html`, `figure`: the page and its pieces;
 //! - `comparison`, `work_precision`: methods compared, as a page of its own;
+//! - `ensemble`: many members, as a page of its own;
 //! - `drift`, `history`, `orbit`, `space`, `lattice`: the figures;
 //! - `axis`, `decimate`, `canvas`: axes, long series reduced to pixels, drawing.
 
@@ -12,6 +13,7 @@ mod comparison;
 mod data;
 mod decimate;
 mod drift;
+mod ensemble;
 mod error;
 mod figure;
 mod history;
@@ -26,6 +28,7 @@ mod work_precision;
 
 pub use comparison::{ComparisonData, render_comparison};
 pub use data::{Ellipsoid, InvariantSeries, Outcome, ReportData, TimeSeries, Trajectory};
+pub use ensemble::{Band, EnsembleData, render_ensemble};
 pub use error::ReportError;
 pub use page::render_report;
 pub use work_precision::{Curve, CurvePoint, Plot};

@@ -58,7 +58,7 @@ pub(super) fn head(title: &str, scene_name: &str, version: &str) -> String {
     page
 }
 
-fn banner(outcome: &Outcome) -> String {
+pub(super) fn banner(outcome: &Outcome) -> String {
     match outcome {
         Outcome::Done { message } => format!(
             "<section class=\"banner done\"><strong>Done</strong> <span>{}</span></section>\n",

@@ -12,7 +12,7 @@ use super::invariants::Windows;
 use super::snapshots::Snapshots;
 
 /// The file's name in the run directory.
-pub(super) const FILE: &str = "checkpoint.bin";
+pub(crate) const FILE: &str = "checkpoint.bin";
 
 /// The file begins with this: name and format version.
 const MAGIC: &[u8; 8] = b"leafwis2";
@@ -40,7 +40,7 @@ pub(super) struct Checkpoint {
 }
 
 /// Replaces `path` in one operation: readers see the old content or the new.
-pub(super) fn replace(path: &Path, content: &[u8]) -> Result<(), RunError> {
+pub(crate) fn replace(path: &Path, content: &[u8]) -> Result<(), RunError> {
     let temporary = path.with_extension("new");
     let mut file = File::create(&temporary).map_err(RunError::io(&temporary))?;
     file.write_all(content).map_err(RunError::io(&temporary))?;
@@ -150,24 +150,35 @@ impl Checkpoint {
     }
 }
 
-struct Writer(Vec<u8>);
+/// Numbers as bytes, 8 each.
+pub(crate) struct Writer(pub(crate) Vec<u8>);
 
 impl Writer {
-    fn whole(&mut self, value: u64) {
+    pub(crate) fn whole(&mut self, value: u64) {
         self.0.extend_from_slice(&value.to_le_bytes());
     }
 
-    fn number(&mut self, value: f64) {
+    pub(crate) fn number(&mut self, value: f64) {
         self.0.extend_from_slice(&value.to_le_bytes());
     }
 
-    fn list(&mut self, values: &[f64]) {
+    pub(crate) fn list(&mut self, values: &[f64]) {
         self.whole(values.len() as u64);
         values.iter().for_each(|value| self.number(*value));
     }
+
+    /// A text as so many whole numbers, its bytes in eights, filled up with zeros.
+    pub(crate) fn text(&mut self, text: &str) {
+        let words = text.len().div_ceil(8);
+        self.whole(words as u64);
+        let end = self.0.len() + 8 * words;
+        self.0.extend_from_slice(text.as_bytes());
+        self.0.resize(end, 0);
+    }
 }
 
-struct Reader<'a>(&'a [u8]);
+/// What a [`Writer`] wrote.
+pub(crate) struct Reader<'a>(pub(crate) &'a [u8]);
 
 impl Reader<'_> {
     fn eight(&mut self) -> Option<[u8; 8]> {
@@ -176,21 +187,29 @@ impl Reader<'_> {
         Some(*first)
     }
 
-    fn whole(&mut self) -> Option<u64> {
+    pub(crate) fn whole(&mut self) -> Option<u64> {
         self.eight().map(u64::from_le_bytes)
     }
 
-    fn number(&mut self) -> Option<f64> {
+    pub(crate) fn number(&mut self) -> Option<f64> {
         self.eight().map(f64::from_le_bytes)
     }
 
     /// A list's length, which the rest must hold.
-    fn length(&mut self) -> Option<usize> {
+    pub(crate) fn length(&mut self) -> Option<usize> {
         let length = usize::try_from(self.whole()?).ok()?;
         (length <= self.0.len() / 8).then_some(length)
     }
 
-    fn list(&mut self) -> Option<Vec<f64>> {
+    pub(crate) fn text(&mut self) -> Option<String> {
+        let length = 8 * self.length()?;
+        let (text, rest) = self.0.split_at(length);
+        self.0 = rest;
+        let text = std::str::from_utf8(text).ok()?;
+        Some(text.trim_end_matches('\0').to_owned())
+    }
+
+    pub(crate) fn list(&mut self) -> Option<Vec<f64>> {
         (0..self.length()?).map(|_| self.number()).collect()
     }
 

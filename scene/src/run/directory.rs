@@ -3,20 +3,24 @@
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 
-use super::checkpoint::{self, Checkpoint};
+use super::checkpoint;
 use super::error::RunError;
-use super::manifest::{self, Manifest, PROGRAM_VERSION, PluginRecord};
+use super::manifest::{self, Kind, Manifest, PROGRAM_VERSION, PluginRecord};
 use super::samples;
 use crate::document::SceneDocument;
+use crate::ensemble::store;
 
 /// The scene as run.
-pub(super) const SCENE: &str = "scene.toml";
+pub(crate) const SCENE: &str = "scene.toml";
 /// Maxima of the invariants' deviations over windows.
-pub(super) const WINDOWS: &str = "windows.csv";
+pub(crate) const WINDOWS: &str = "windows.csv";
 /// The last state, where samples do not hold it.
-pub(super) const FINAL_STATE: &str = "final_state.bin";
+pub(crate) const FINAL_STATE: &str = "final_state.bin";
 /// The page to open.
-pub(super) const REPORT: &str = "report.html";
+pub(crate) const REPORT: &str = "report.html";
+/// What the members of an ensemble are reduced to, and the first of those that failed.
+pub(crate) const STATISTICS: &str = "statistics.csv";
+pub(crate) const FAILURES: &str = "failures.csv";
 /// Held by the program that writes.
 const LOCK: &str = ".lock";
 
@@ -28,31 +32,45 @@ pub fn default_directory(document: &SceneDocument) -> PathBuf {
     if let Some(out) = &document.run.out {
         return PathBuf::from(&out.value);
     }
-    let stem = Path::new(&document.name).file_stem().map(PathBuf::from);
-    Path::new("runs").join(stem.unwrap_or_else(|| PathBuf::from("scene")))
+    Path::new("runs").join(stem(document))
+}
+
+/// The scene file's name without its extension.
+pub(crate) fn stem(document: &SceneDocument) -> String {
+    let stem = Path::new(&document.name).file_stem();
+    stem.map_or_else(
+        || "scene".to_owned(),
+        |stem| stem.to_string_lossy().into_owned(),
+    )
+}
+
+/// A run that wants a directory.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Asked<'a> {
+    /// One trajectory or many.
+    pub kind: Kind,
+    /// The scene as run.
+    pub scene: &'a str,
+    /// The libraries it uses.
+    pub plugins: &'a [PluginRecord],
 }
 
 /// A directory that this program writes to, until dropped.
-pub(super) struct RunDirectory {
+pub(crate) struct RunDirectory {
     /// Where it is.
     pub path: PathBuf,
-    /// The unfinished run it holds, and when that was begun.
-    pub unfinished: Option<(Checkpoint, String)>,
+    /// When the unfinished run that it holds was begun.
+    pub unfinished: Option<String>,
     /// The lock ends with the file.
     _lock: File,
 }
 
 impl RunDirectory {
-    /// Takes hold of `path` for a run of `scene` with these plugins.
+    /// Takes hold of `path` for a run.
     ///
     /// A directory without a run in it must be empty. With `force` the run it holds is removed:
     /// only the files that a run writes.
-    pub fn open(
-        path: &Path,
-        scene: &str,
-        plugins: &[PluginRecord],
-        force: bool,
-    ) -> Result<Self, RunError> {
+    pub fn open(path: &Path, run: &Asked<'_>, force: bool) -> Result<Self, RunError> {
         let is_ours = path.join(LOCK).exists() || path.join(manifest::FILE).exists();
         let is_empty = match fs::read_dir(path) {
             Ok(mut entries) => entries.next().is_none(),
@@ -66,7 +84,7 @@ impl RunDirectory {
         }
         let stored = Manifest::read(path);
         if let Some(stored) = stored.as_ref().filter(|_| !force) {
-            refuse_other(path, stored, scene, plugins)?;
+            refuse_other(path, stored, run)?;
         }
         fs::create_dir_all(path).map_err(RunError::io(path))?;
         let lock_path = path.join(LOCK);
@@ -81,7 +99,7 @@ impl RunDirectory {
             Err(TryLockError::Error(error)) => return Err(RunError::io(&lock_path)(error)),
         }
         let unfinished = match stored {
-            Some(stored) if !force => Some((Checkpoint::read(path)?, stored.started)),
+            Some(stored) if !force => Some(stored.started),
             _ => None,
         };
         if unfinished.is_none() {
@@ -96,13 +114,17 @@ impl RunDirectory {
 }
 
 /// Refuses a directory whose run has ended or is of another scene.
-fn refuse_other(
-    path: &Path,
-    stored: &Manifest,
-    scene: &str,
-    plugins: &[PluginRecord],
-) -> Result<(), RunError> {
+fn refuse_other(path: &Path, stored: &Manifest, run: &Asked<'_>) -> Result<(), RunError> {
+    let Asked {
+        kind,
+        scene,
+        plugins,
+    } = *run;
     let directory = path.to_owned();
+    if stored.kind != kind {
+        let other = stored.kind.words();
+        return Err(RunError::OtherKind { directory, other });
+    }
     if !stored.is_unfinished() {
         let ended = if stored.outcome == "failed" {
             "failed"
@@ -146,6 +168,10 @@ fn remove_run(path: &Path) -> Result<(), RunError> {
         WINDOWS,
         FINAL_STATE,
         REPORT,
+        STATISTICS,
+        FAILURES,
+        store::CSV,
+        store::BINARY,
     ] {
         let file = path.join(name);
         match fs::remove_file(&file) {

@@ -49,7 +49,11 @@ enum Column {
 
 impl<'a> Session<'a> {
     /// The first session of a run, or the next one after a checkpoint.
-    pub fn new(run: &'a ComposedRun, directory: &'a RunDirectory) -> Result<Self, RunError> {
+    pub fn new(
+        run: &'a ComposedRun,
+        directory: &'a RunDirectory,
+        resumed: Option<&Checkpoint>,
+    ) -> Result<Self, RunError> {
         let plan = &run.plan;
         let mut invariants = Functions::invariants(run)?;
         let formulas = Functions::formulas(run)?;
@@ -70,7 +74,7 @@ impl<'a> Session<'a> {
             &plan.initial,
         );
         let row = vec![0.0; columns.len()];
-        let Some((checkpoint, _)) = &directory.unfinished else {
+        let Some(checkpoint) = resumed else {
             let windows = Windows::new(invariants.at(&plan.initial));
             let samples = Samples::create(&directory.path, &headings(run))?;
             let (before, wall) = (SolverStatistics::default(), Duration::ZERO);

@@ -67,6 +67,17 @@ pub enum RunError {
         /// The hash of the file that began the run.
         sha256: String,
     },
+    /// The directory holds a run of one trajectory where an ensemble is asked for, or the reverse.
+    #[error(
+        "{} holds {other}; write elsewhere with --out DIR, or replace it with --force",
+        directory.display()
+    )]
+    OtherKind {
+        /// The run directory.
+        directory: PathBuf,
+        /// What it holds.
+        other: &'static str,
+    },
     /// The directory holds something else.
     #[error(
         "{} exists and is not a run directory; choose another with --out DIR",
@@ -111,7 +122,7 @@ pub enum RunError {
 
 impl RunError {
     /// For `map_err` on opening a file that an unfinished run must have.
-    pub(super) fn resuming(file: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
+    pub(crate) fn resuming(file: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
         let file = file.into();
         move |source| {
             if source.kind() == io::ErrorKind::NotFound {
@@ -124,7 +135,7 @@ impl RunError {
     }
 
     /// For `map_err` on operations on a file.
-    pub(super) fn io(file: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
+    pub(crate) fn io(file: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
         let file = file.into();
         move |source| Self::Io { file, source }
     }
@@ -138,6 +149,7 @@ impl RunError {
                 | Self::VersionChanged { .. }
                 | Self::PluginChanged { .. }
                 | Self::Foreign { .. }
+                | Self::OtherKind { .. }
                 | Self::Busy { .. }
                 | Self::Damaged { .. }
         )

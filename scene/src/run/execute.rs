@@ -3,11 +3,11 @@
 use std::fs;
 use std::path::PathBuf;
 
-use super::checkpoint::replace;
-use super::directory::{FINAL_STATE, REPORT, RunDirectory, SCENE, WINDOWS};
+use super::checkpoint::{Checkpoint, replace};
+use super::directory::{Asked, FINAL_STATE, REPORT, RunDirectory, SCENE, WINDOWS};
 use super::drive::{Session, invariant_name};
 use super::error::RunError;
-use super::manifest::{Beginning, plugins};
+use super::manifest::{Beginning, Kind, plugins};
 use super::outcome::{InvariantDrift, RunOutcome, RunReport};
 use super::progress::Progress;
 use super::samples::WIDEST_STATE;
@@ -48,17 +48,22 @@ pub fn run(
     if let Some(refusal) = checks.refusal(document, &composed.system, options.allow_non_poisson) {
         return Err(RunError::Refused(refusal));
     }
-    let directory = RunDirectory::open(
-        &options.directory,
-        &document.text,
-        &plugins(composed),
-        options.force,
-    )?;
-    let resumed = directory.unfinished.as_ref();
-    let resumed_at = resumed.map(|(checkpoint, _)| checkpoint.integrator.steps);
-    let started = resumed.map(|(_, started)| started.clone());
-    let beginning = Beginning::new(document, composed, &checks, &options.command, started);
-    let mut session = Session::new(composed, &directory)?;
+    let kind = Kind::Run;
+    let asked = Asked {
+        kind,
+        scene: &document.text,
+        plugins: &plugins(composed),
+    };
+    let directory = RunDirectory::open(&options.directory, &asked, options.force)?;
+    let started = directory.unfinished.clone();
+    let resumed = started.as_ref().map(|_| Checkpoint::read(&directory.path));
+    let resumed = resumed.transpose()?;
+    let resumed_at = resumed
+        .as_ref()
+        .map(|checkpoint| checkpoint.integrator.steps);
+    let command = &options.command;
+    let beginning = Beginning::new(kind, document, composed, &checks, command, started);
+    let mut session = Session::new(composed, &directory, resumed.as_ref())?;
     replace(&directory.path.join(SCENE), document.text.as_bytes())?;
     beginning.write_running(&directory.path)?;
     let outcome = session.drive(progress)?;

@@ -23,6 +23,27 @@ pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
 /// The file's name in the run directory.
 pub(super) const FILE: &str = "manifest.json";
 
+/// What a directory holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// One trajectory.
+    #[default]
+    Run,
+    /// Many.
+    Ensemble,
+}
+
+impl Kind {
+    /// For messages.
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Self::Run => "a run of one trajectory",
+            Self::Ensemble => "an ensemble",
+        }
+    }
+}
+
 /// What of a stored manifest decides whether a run is resumed.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 pub struct Manifest {
@@ -32,6 +53,9 @@ pub struct Manifest {
     pub outcome: String,
     /// When the run was begun.
     pub started: String,
+    /// One trajectory or many.
+    #[serde(default)]
+    pub kind: Kind,
     /// The libraries it uses.
     #[serde(default)]
     pub plugins: Vec<PluginRecord>,
@@ -66,7 +90,7 @@ impl Manifest {
 }
 
 /// The word for an outcome.
-pub(super) fn outcome_word(outcome: &RunOutcome) -> &'static str {
+pub(crate) fn outcome_word(outcome: &RunOutcome) -> &'static str {
     match outcome {
         RunOutcome::Done => "done",
         RunOutcome::Interrupted => "interrupted",
@@ -75,13 +99,14 @@ pub(super) fn outcome_word(outcome: &RunOutcome) -> &'static str {
 }
 
 /// What a manifest says before the first step.
-pub(super) struct Beginning {
+pub(crate) struct Beginning {
     fields: Map<String, Value>,
 }
 
 impl Beginning {
     /// Describes a run begun at `started`, or now.
     pub fn new(
+        kind: Kind,
         document: &SceneDocument,
         run: &ComposedRun,
         checks: &SceneChecks,
@@ -116,6 +141,7 @@ impl Beginning {
         let shape: TensorShape = tensor_shape(&run.system);
         let fields = json!({
             "program": "leafwise",
+            "kind": kind,
             "version": PROGRAM_VERSION,
             "command": command,
             "scene": document.name,
@@ -146,9 +172,18 @@ impl Beginning {
         write(directory, fields)
     }
 
-    /// Writes the manifest of a run that has ended.
-    pub fn write_ended(&self, report: &RunReport) -> Result<(), RunError> {
+    /// Writes the manifest of a run that has ended, with what its kind tells of the end.
+    pub fn write_end(&self, directory: &Path, ending: Value) -> Result<(), RunError> {
         let mut fields = self.fields.clone();
+        if let Value::Object(ending) = ending {
+            fields.insert("ended".to_owned(), json!(now()));
+            fields.extend(ending);
+        }
+        write(directory, fields)
+    }
+
+    /// Writes the manifest of a run of one trajectory that has ended.
+    pub fn write_ended(&self, report: &RunReport) -> Result<(), RunError> {
         let drift: Map<String, Value> = report
             .invariants
             .iter()
@@ -161,8 +196,7 @@ impl Beginning {
                 (invariant.name.clone(), entry)
             })
             .collect();
-        let ending = json!({
-            "ended": now(),
+        let mut ending = json!({
             "outcome": outcome_word(&report.outcome),
             "steps": report.steps,
             "time": json_number(report.time),
@@ -176,20 +210,14 @@ impl Beginning {
             },
             "drift": drift,
         });
-        if let Value::Object(ending) = ending {
-            fields.extend(ending);
-        }
         if let RunOutcome::Failed(failure) = &report.outcome {
-            fields.insert(
-                "failure".to_owned(),
-                json!({
-                    "message": failure.message, "step": failure.step,
-                    "time": json_number(failure.time), "state": json_numbers(&failure.state),
-                    "hint": failure.hint,
-                }),
-            );
+            ending["failure"] = json!({
+                "message": failure.message, "step": failure.step,
+                "time": json_number(failure.time), "state": json_numbers(&failure.state),
+                "hint": failure.hint,
+            });
         }
-        write(&report.directory, fields)
+        self.write_end(&report.directory, ending)
     }
 }
 
@@ -212,7 +240,7 @@ fn part(choice: &PartChoice) -> Value {
 }
 
 /// The libraries that parts come from, each once.
-pub(super) fn plugins(run: &ComposedRun) -> Vec<PluginRecord> {
+pub(crate) fn plugins(run: &ComposedRun) -> Vec<PluginRecord> {
     let mut plugins: Vec<PluginRecord> = Vec::new();
     for choice in run.plan.parts.iter().chain(&run.plan.system) {
         let Some(Origin::Library {

@@ -28,9 +28,16 @@ mod summary;
 mod tests;
 mod time;
 
+pub(crate) use checkpoint::{FILE as CHECKPOINT, Reader, Writer, replace};
 pub use directory::default_directory;
+pub(crate) use directory::{
+    Asked, FAILURES, REPORT, RunDirectory, SCENE, STATISTICS, WINDOWS, stem,
+};
 pub use error::RunError;
 pub use execute::{RunOptions, run};
-pub use manifest::{Manifest, PROGRAM_VERSION, PluginRecord};
+pub(crate) use manifest::{Beginning, outcome_word, plugins};
+pub use manifest::{Kind, Manifest, PROGRAM_VERSION, PluginRecord};
 pub use outcome::{Failure, InvariantDrift, RunOutcome, RunReport};
 pub use progress::{Progress, Quiet, Status};
+pub(crate) use samples::quoted;
+pub(crate) use summary::{file_name, method_lines, short, title};

@@ -21,7 +21,7 @@ pub struct Failure {
 
 impl Failure {
     /// The failure of a step from `state`.
-    pub(super) fn of_step(error: &StepError, steps: u64, time: f64, state: &[f64]) -> Self {
+    pub(crate) fn of_step(error: &StepError, steps: u64, time: f64, state: &[f64]) -> Self {
         let text = error.to_string();
         // The solver's messages end in what to try, after a semicolon.
         let (message, hint) = text
@@ -37,7 +37,7 @@ impl Failure {
     }
 
     /// An invariant that has no value at the state after `steps` steps: no further step is taken.
-    pub(super) fn of_observable(name: &str, steps: u64, time: f64, state: &[f64]) -> Self {
+    pub(crate) fn of_observable(name: &str, steps: u64, time: f64, state: &[f64]) -> Self {
         let place = if steps == 0 {
             "the initial state"
         } else {

@@ -135,7 +135,7 @@ pub(super) fn read(directory: &Path, stride: usize) -> io::Result<Vec<Vec<f64>>>
 }
 
 /// A heading, in quotes where it holds a comma or a quote.
-fn quoted(column: &str) -> String {
+pub(crate) fn quoted(column: &str) -> String {
     if column.contains([',', '"']) {
         format!("\"{}\"", column.replace('"', "\"\""))
     } else {

@@ -86,7 +86,7 @@ pub(super) fn report_data(
 }
 
 /// A path's last part.
-fn file_name(path: &str) -> String {
+pub(crate) fn file_name(path: &str) -> String {
     let name = std::path::Path::new(path).file_name();
     name.map_or_else(
         || path.to_owned(),
@@ -95,7 +95,7 @@ fn file_name(path: &str) -> String {
 }
 
 /// "rigid_body.toml" as "Rigid body".
-fn title(name: &str) -> String {
+pub(crate) fn title(name: &str) -> String {
     let stem = std::path::Path::new(name)
         .file_stem()
         .map(|stem| stem.to_string_lossy());
@@ -133,7 +133,7 @@ fn outcome(run: &ComposedRun, report: &RunReport) -> Outcome {
     }
 }
 
-fn method_lines(run: &ComposedRun) -> Vec<(String, String)> {
+pub(crate) fn method_lines(run: &ComposedRun) -> Vec<(String, String)> {
     let method = &run.method;
     let line = |label: &str, text: String| (label.to_owned(), text);
     let mut lines: Vec<_> = method
@@ -212,7 +212,7 @@ fn facts(run: &ComposedRun, report: &RunReport) -> Vec<(String, String)> {
 }
 
 /// A number with up to twelve digits.
-fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     rounded(value, 12)
 }
 

@@ -1,0 +1,445 @@
+//! The `[ensemble]` table: many initial states or parameter sets at once.
+
+use super::error::SceneProblemCause;
+use super::located::{Located, Place};
+use super::reader::{Item, Problems, Table};
+use super::run::{RecordSpec, read_observables};
+use super::suggest::nearest;
+use super::system::SystemSection;
+
+pub(super) const KEYS: [&str; 7] = [
+    "members",
+    "seed",
+    "initial",
+    "parameters",
+    "record",
+    "final-states",
+    "out",
+];
+
+pub(super) const RECORD_KEYS: [&str; 4] = ["every", "observables", "quantiles", "drift-every"];
+
+/// The `[ensemble]` table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnsembleSection {
+    /// The table's header.
+    pub place: Place,
+    /// How many members; as many as a file of states or a grid of parameters has, where not said.
+    pub members: Option<Located<u64>>,
+    /// What the random numbers depend on, beside the member.
+    pub seed: u64,
+    /// Where members start; all at the scene's initial state where not said.
+    pub initial: Option<Located<InitialDraw>>,
+    /// Parameters that differ from member to member.
+    pub parameters: Vec<(Located<String>, Located<ParameterDraw>)>,
+    /// What is reduced, and every how many steps; only at the start and the end where not said.
+    pub record: RecordSpec,
+    /// Whether the scene says every how many steps.
+    pub has_every: bool,
+    /// The quantiles of every observable, between 0 and 1.
+    pub quantiles: Vec<f64>,
+    /// Every how many steps the invariants' drifts are taken in.
+    pub drift_every: u64,
+    /// Whether each member's last state is kept.
+    pub final_states: FinalStates,
+    /// The run directory, when the scene names one.
+    pub out: Option<Located<String>>,
+}
+
+/// Where members start.
+#[derive(Clone, Debug, PartialEq)]
+pub enum InitialDraw {
+    /// Drawn about a centre, the scene's initial state where none is given.
+    Drawn {
+        /// From what.
+        distribution: Distribution,
+        /// About what.
+        center: Option<Vec<f64>>,
+    },
+    /// The rows of a file, beside the scene.
+    File(String),
+}
+
+/// A distribution of states about a centre c; lengths are Euclidean.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Distribution {
+    /// Uniform in |x − c| ≤ r.
+    Ball(f64),
+    /// Uniform in |x_i − c_i| ≤ w_i.
+    Box(Vec<f64>),
+    /// Independent normal coordinates of these standard deviations.
+    Normal(Vec<f64>),
+    /// Uniform on |x − c| = r.
+    Sphere(f64),
+    /// Uniform in the ball of this radius, then moved along the Casimirs' gradients onto the leaf of c.
+    Leaf(f64),
+}
+
+/// The values that a parameter takes.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ParameterDraw {
+    /// Uniform between two numbers.
+    Uniform(f64, f64),
+    /// Normal, of this mean and standard deviation.
+    Normal(f64, f64),
+    /// One after the other: a direction of a grid.
+    Grid(Vec<f64>),
+}
+
+/// How each member's last state is kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FinalStates {
+    /// Not at all.
+    #[default]
+    None,
+    /// Decimals, with parameters and observables.
+    Csv,
+    /// Doubles, the states alone.
+    Binary,
+}
+
+impl FinalStates {
+    const WORDS: [(&'static str, Self); 3] = [
+        ("none", Self::None),
+        ("csv", Self::Csv),
+        ("binary", Self::Binary),
+    ];
+}
+
+/// Reads `[ensemble]`; `system` fixes the dimension, the parameters and the default observables.
+pub(super) fn read_ensemble(
+    table: &Table<'_>,
+    system: Option<&SystemSection>,
+    problems: &mut Problems,
+) -> Option<EnsembleSection> {
+    table.only(&KEYS, problems);
+    let members = optional(table, "members", problems, |item, problems| {
+        item.whole(1, problems)
+    });
+    let seed = optional(table, "seed", problems, |item, problems| {
+        item.whole(0, problems)
+    });
+    let initial = optional(table, "initial", problems, |item, problems| {
+        let draw = read_initial(item, system, problems)?;
+        Some(Located::new(draw, item.place()))
+    });
+    let parameters = match table.get("parameters") {
+        Some(item) => read_parameters(item, system, problems),
+        None => Some(Vec::new()),
+    };
+    let record = read_record(table, system, problems);
+    let final_states = optional(table, "final-states", problems, read_final_states);
+    let out = optional(table, "out", problems, |item, problems| {
+        item.string(problems)
+    });
+    let (record, has_every, quantiles, drift_every) = record?;
+    Some(EnsembleSection {
+        place: table.place.clone(),
+        members: members?,
+        seed: seed?.map_or(0, |seed| seed.value),
+        initial: initial?,
+        parameters: parameters?,
+        record,
+        has_every,
+        quantiles,
+        drift_every,
+        final_states: final_states?.unwrap_or_default(),
+        out: out?,
+    })
+}
+
+/// `None` for a value that is wrong, `Some(None)` for one that is not there.
+fn optional<T>(
+    table: &Table<'_>,
+    key: &str,
+    problems: &mut Problems,
+    read: impl FnOnce(&Item<'_>, &mut Problems) -> Option<T>,
+) -> Option<Option<T>> {
+    match table.get(key) {
+        Some(item) => read(item, problems).map(Some),
+        None => Some(None),
+    }
+}
+
+const DISTRIBUTIONS: [&str; 6] = ["ball", "box", "normal", "sphere", "leaf", "file"];
+
+fn read_initial(
+    item: &Item<'_>,
+    system: Option<&SystemSection>,
+    problems: &mut Problems,
+) -> Option<InitialDraw> {
+    let table = item.table("initial", "a table such as { ball = 0.1 }", problems)?;
+    table.only(&[&DISTRIBUTIONS[..], &["center"]].concat(), problems);
+    let chosen = one_of(&table, &DISTRIBUTIONS, "initial = { ball = 0.1 }", problems)?;
+    let dimension = system.map(SystemSection::dimension);
+    let center = optional(&table, "center", problems, |item, problems| {
+        vector(item, dimension, problems)
+    })?;
+    let distribution = match chosen.key.value.as_str() {
+        "ball" => Distribution::Ball(positive(chosen, problems)?),
+        "sphere" => Distribution::Sphere(positive(chosen, problems)?),
+        "leaf" => {
+            if let Some(system) = system.filter(|system| system.casimirs.is_empty()) {
+                let hint = if system.library.is_some() {
+                    "this library system has none: take ball instead"
+                } else {
+                    "declare casimirs in [system], or take ball instead"
+                };
+                problems.push(
+                    SceneProblemCause::Conflict {
+                        first: "a system without Casimirs".to_owned(),
+                        second: "leaf".to_owned(),
+                        advice: hint.to_owned(),
+                    },
+                    chosen.key.place(),
+                );
+                return None;
+            }
+            Distribution::Leaf(positive(chosen, problems)?)
+        }
+        "box" => Distribution::Box(lengths(chosen, dimension, problems)?),
+        "normal" => Distribution::Normal(lengths(chosen, dimension, problems)?),
+        _ => {
+            if let Some(center) = table.get("center") {
+                problems.push(
+                    SceneProblemCause::Conflict {
+                        first: "file".to_owned(),
+                        second: "center".to_owned(),
+                        advice: "the file holds the states themselves: remove center".to_owned(),
+                    },
+                    center.key.place(),
+                );
+            }
+            return Some(InitialDraw::File(chosen.string(problems)?.value));
+        }
+    };
+    Some(InitialDraw::Drawn {
+        distribution,
+        center,
+    })
+}
+
+/// The one entry whose key is among `keys`.
+fn one_of<'t, 'a>(
+    table: &'t Table<'a>,
+    keys: &[&str],
+    example: &str,
+    problems: &mut Problems,
+) -> Option<&'t Item<'a>> {
+    let is_choice = |item: &&Item<'a>| keys.contains(&item.key.value.as_str());
+    let mut given = table.items.iter().filter(is_choice);
+    let first = given.next();
+    if let (Some(first), Some(second)) = (first, given.next()) {
+        problems.push(
+            SceneProblemCause::Conflict {
+                first: first.key.value.clone(),
+                second: second.key.value.clone(),
+                advice: format!("keep one of {}", keys.join(", ")),
+            },
+            second.key.place(),
+        );
+        return None;
+    }
+    if first.is_none() && table.items.iter().all(|item| item.key.value == "center") {
+        table.require(keys[0], example, problems);
+    }
+    first
+}
+
+fn positive(item: &Item<'_>, problems: &mut Problems) -> Option<f64> {
+    let number = item.number(problems)?;
+    if number.value.value > 0.0 {
+        return Some(number.value.value);
+    }
+    out_of_range(item, &number.value.literal, "a positive number", problems);
+    None
+}
+
+fn out_of_range(item: &Item<'_>, value: &str, allowed: &str, problems: &mut Problems) {
+    problems.push(
+        SceneProblemCause::OutOfRange {
+            key: item.title.clone(),
+            value: value.to_owned(),
+            allowed: allowed.to_owned(),
+        },
+        item.place(),
+    );
+}
+
+/// One number for each coordinate.
+fn vector(item: &Item<'_>, dimension: Option<usize>, problems: &mut Problems) -> Option<Vec<f64>> {
+    let numbers = item.list_of("a list of numbers", problems, Item::number)?;
+    if let Some(dimension) = dimension.filter(|dimension| *dimension != numbers.len()) {
+        problems.push(
+            SceneProblemCause::Shape {
+                what: item.title.clone(),
+                found: format!("{} entries", numbers.len()),
+                expected: format!("{dimension}, one for each variable"),
+            },
+            item.place(),
+        );
+        return None;
+    }
+    Some(numbers.iter().map(|number| number.value.value).collect())
+}
+
+/// One number for all coordinates, or one for each; not negative.
+fn lengths(item: &Item<'_>, dimension: Option<usize>, problems: &mut Problems) -> Option<Vec<f64>> {
+    let lengths = if item.is_list() {
+        vector(item, dimension, problems)?
+    } else {
+        vec![item.number(problems)?.value.value; dimension.unwrap_or(1)]
+    };
+    match lengths.iter().find(|length| **length < 0.0) {
+        None => Some(lengths),
+        Some(length) => {
+            out_of_range(item, &format!("{length:?}"), "positive or 0", problems);
+            None
+        }
+    }
+}
+
+type Draws = Vec<(Located<String>, Located<ParameterDraw>)>;
+
+fn read_parameters(
+    item: &Item<'_>,
+    system: Option<&SystemSection>,
+    problems: &mut Problems,
+) -> Option<Draws> {
+    let expected = "a table such as { I1 = { uniform = [0.9, 1.1] } }";
+    let draws = item.pairs(expected, problems, read_parameter)?;
+    let mut are_known = true;
+    for (name, _) in &draws {
+        let Some(system) = system else { continue };
+        let known = || {
+            system
+                .parameters
+                .iter()
+                .map(|(name, _)| name.value.as_str())
+        };
+        if !known().any(|known| known == name.value) {
+            problems.push(
+                SceneProblemCause::UnknownName {
+                    kind: "parameter of this system",
+                    name: name.value.clone(),
+                    nearest: nearest(&name.value, known()),
+                    valid: known().map(str::to_owned).collect(),
+                },
+                name.place(),
+            );
+            are_known = false;
+        }
+    }
+    are_known.then_some(draws)
+}
+
+fn read_parameter(item: &Item<'_>, problems: &mut Problems) -> Option<Located<ParameterDraw>> {
+    const WAYS: [&str; 4] = ["uniform", "normal", "values", "range"];
+    let title = item.key.value.clone();
+    let table = item.table(&title, "a table such as { uniform = [0.9, 1.1] }", problems)?;
+    table.only(&WAYS, problems);
+    let chosen = one_of(&table, &WAYS, "uniform = [0.9, 1.1]", problems)?;
+    let numbers = chosen.list_of("a list of numbers", problems, Item::number)?;
+    let values: Vec<f64> = numbers.iter().map(|number| number.value.value).collect();
+    let mut refuse = |expected: &str| {
+        problems.push(
+            SceneProblemCause::Shape {
+                what: chosen.title.clone(),
+                found: format!("{values:?}"),
+                expected: expected.to_owned(),
+            },
+            chosen.place(),
+        );
+        None
+    };
+    let draw = match (chosen.key.value.as_str(), &values[..]) {
+        ("uniform", &[from, to]) if from <= to => ParameterDraw::Uniform(from, to),
+        ("uniform", _) => return refuse("[from, to], the smaller first"),
+        ("normal", &[mean, deviation]) if deviation >= 0.0 => {
+            ParameterDraw::Normal(mean, deviation)
+        }
+        ("normal", _) => return refuse("[mean, standard deviation]"),
+        ("range", &[from, to, count]) => match grid(from, to, count) {
+            Some(grid) => ParameterDraw::Grid(grid),
+            None => return refuse("[from, to, count], count a whole number of at least 2"),
+        },
+        ("range", _) => return refuse("[from, to, count]"),
+        (_, []) => return refuse("at least one value"),
+        _ => ParameterDraw::Grid(values.clone()),
+    };
+    Some(Located::new(draw, item.place()))
+}
+
+/// The largest grid in one direction.
+const MOST_POINTS: f64 = 1e9;
+
+/// `count` equidistant numbers, the ends among them.
+fn grid(from: f64, to: f64, count: f64) -> Option<Vec<f64>> {
+    let is_count = (2.0..=MOST_POINTS).contains(&count) && libm::floor(count) == count;
+    let last = count - 1.0;
+    let point = |at: usize| {
+        let s = at as f64 / last;
+        from * (1.0 - s) + to * s
+    };
+    is_count.then(|| (0..count as usize).map(point).collect())
+}
+
+type Record = (RecordSpec, bool, Vec<f64>, u64);
+
+fn read_record(
+    table: &Table<'_>,
+    system: Option<&SystemSection>,
+    problems: &mut Problems,
+) -> Option<Record> {
+    let Some(item) = table.get("record") else {
+        let observables = read_observables(None, &table.place, system, problems)?;
+        let every = u64::MAX;
+        return Some((RecordSpec { every, observables }, false, Vec::new(), 1));
+    };
+    let record = item.table("record", "a table", problems)?;
+    record.only(&RECORD_KEYS, problems);
+    let whole = |item: &Item<'_>, problems: &mut Problems| item.whole(1, problems);
+    let every = optional(&record, "every", problems, whole);
+    let drift_every = optional(&record, "drift-every", problems, whole);
+    let observables = read_observables(Some(&record), &table.place, system, problems);
+    let quantiles = match record.get("quantiles") {
+        Some(list) => list.list_of("a list of numbers", problems, read_quantile),
+        None => Some(Vec::new()),
+    };
+    let every = every?;
+    let record = RecordSpec {
+        every: every.as_ref().map_or(u64::MAX, |every| every.value),
+        observables: observables?,
+    };
+    let drift_every = drift_every?.map_or(1, |every| every.value);
+    Some((record, every.is_some(), quantiles?, drift_every))
+}
+
+fn read_quantile(item: &Item<'_>, problems: &mut Problems) -> Option<f64> {
+    let number = item.number(problems)?.value;
+    if (0.0..=1.0).contains(&number.value) {
+        return Some(number.value);
+    }
+    out_of_range(item, &number.literal, "between 0 and 1", problems);
+    None
+}
+
+fn read_final_states(item: &Item<'_>, problems: &mut Problems) -> Option<FinalStates> {
+    let written = item.string(problems)?;
+    let words = FinalStates::WORDS.iter().map(|(word, _)| *word);
+    let known = FinalStates::WORDS
+        .iter()
+        .find(|(word, _)| *word == written.value);
+    if known.is_none() {
+        problems.push(
+            SceneProblemCause::UnknownName {
+                kind: "form of final states",
+                nearest: nearest(&written.value, words.clone()),
+                valid: words.map(str::to_owned).collect(),
+                name: written.value.clone(),
+            },
+            written.place(),
+        );
+    }
+    known.map(|(_, form)| *form)
+}

@@ -1,0 +1,36 @@
+//! Many initial states or parameter sets at once: lanes side by side on several threads.
+//!
+//! - `plan`: [`compose_ensemble`], a scene's system and method with its members;
+//! - `population`: [`Population`], the members' initial states and parameters by number;
+//! - `random`: numbers that depend on seed, member and purpose alone; `states`: a file of states;
+//! - `block`: members side by side; `observers`: functions of all their states;
+//! - `drive`: blocks on threads, taken in by number, so that no result depends on either;
+//! - `statistics`, `quantiles`: what members are reduced to;
+//! - `checkpoint`, `store`, `tables`, `page`: what the run directory holds;
+//! - `execute`: [`run_ensemble`], all of it.
+
+mod block;
+mod checkpoint;
+mod drive;
+mod execute;
+mod member;
+mod observers;
+mod page;
+mod plan;
+mod population;
+mod quantiles;
+mod random;
+mod states;
+mod statistics;
+pub(crate) mod store;
+mod tables;
+#[cfg(test)]
+mod tests;
+
+pub use drive::Workforce;
+pub use execute::{EnsembleReport, default_ensemble_directory, run_ensemble};
+pub use member::{MemberError, member_scene};
+pub use plan::{ComposedEnsemble, compose_ensemble};
+pub use population::Population;
+pub use statistics::{Deviation, MemberFailure, Reductions, Summary};
+pub use tables::ending as ensemble_json;

@@ -1,0 +1,123 @@
+//! Quantiles of a stream of numbers in bounded memory.
+
+/// Numbers a level holds before half of them move on, with twice the weight.
+const CAPACITY: usize = 1024;
+
+/// A sketch of a distribution: a number at level l stands for 2ˡ of those that were put in.
+///
+/// A full level is sorted and every other number of it moves up, by turns the odd and the even places
+/// (I. Munro, M. Paterson, *Selection and sorting with limited storage*, Theor. Comput. Sci. 12
+/// (1980)). Each time ranks change by at most 2ˡ, up and down by turns: the error of a rank is at most
+/// Σ_l ⌈c_l/2⌉ 2ˡ for c_l compactions of level l. Up to a thousand numbers are kept as they are.
+/// The result depends on the numbers and their order alone.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Sketch {
+    /// The numbers of each level.
+    pub levels: Vec<Vec<f64>>,
+    /// c_l.
+    pub compactions: Vec<u64>,
+}
+
+impl Sketch {
+    /// Takes in a number.
+    pub fn push(&mut self, value: f64) {
+        self.level(0).push(value);
+        let mut level = 0;
+        while self.levels[level].len() >= CAPACITY {
+            let mut full = std::mem::take(&mut self.levels[level]);
+            full.sort_unstable_by(f64::total_cmp);
+            let turn = (self.compactions[level] % 2) as usize;
+            self.compactions[level] += 1;
+            self.level(level + 1)
+                .extend(full.iter().skip(turn).step_by(2));
+            full.clear();
+            self.levels[level] = full;
+            level += 1;
+        }
+    }
+
+    fn level(&mut self, level: usize) -> &mut Vec<f64> {
+        if level == self.levels.len() {
+            self.levels.push(Vec::new());
+            self.compactions.push(0);
+        }
+        &mut self.levels[level]
+    }
+
+    /// How many numbers were put in.
+    pub fn count(&self) -> u64 {
+        let weights = self.levels.iter().zip(0_u32..);
+        weights.map(|(level, l)| (level.len() as u64) << l).sum()
+    }
+
+    /// The smallest number that at least the part `p` of all do not exceed, for each `p`; NaN where
+    /// there is none.
+    pub fn quantiles(&self, parts: &[f64]) -> Vec<f64> {
+        let levels = self.levels.iter().zip(0_u32..);
+        let mut all: Vec<(f64, u64)> = levels
+            .flat_map(|(level, l)| level.iter().map(move |value| (*value, 1 << l)))
+            .collect();
+        all.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let count = self.count();
+        let quantile = |p: f64| {
+            let wanted = (libm::ceil(p * count as f64) as u64).clamp(1, count.max(1));
+            let mut below = 0;
+            let reached = all.iter().find(|(_, weight)| {
+                below += weight;
+                below >= wanted
+            });
+            reached.map_or(f64::NAN, |(value, _)| *value)
+        };
+        parts.iter().map(|p| quantile(*p)).collect()
+    }
+
+    /// The largest error of a quantile's rank, as a part of the count.
+    pub fn rank_error(&self) -> f64 {
+        let levels = self.compactions.iter().zip(0_u32..);
+        let error: u64 = levels.map(|(count, l)| count.div_ceil(2) << l).sum();
+        error as f64 / self.count().max(1) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_numbers_have_their_exact_quantiles() {
+        let mut sketch = Sketch::default();
+        for k in 0..1000_u64 {
+            sketch.push((k * 383 % 1000) as f64);
+        }
+        assert_eq!(
+            sketch.quantiles(&[0.0, 0.001, 0.25, 0.5, 1.0]),
+            [0.0, 0.0, 249.0, 499.0, 999.0]
+        );
+        assert_eq!(sketch.rank_error(), 0.0);
+        assert!(Sketch::default().quantiles(&[0.5])[0].is_nan());
+    }
+
+    #[test]
+    fn ranks_of_many_numbers_are_as_near_as_the_sketch_says() {
+        let count = 300_007_u64;
+        for stride in [1, 104_729, 299_993] {
+            let mut sketch = Sketch::default();
+            (0..count).for_each(|k| sketch.push((k * stride % count) as f64));
+            assert_eq!(sketch.count(), count);
+            let bound = sketch.rank_error();
+            assert!(bound < 0.005, "{bound}");
+            for (p, value) in [0.01, 0.1, 0.5, 0.9, 0.99]
+                .into_iter()
+                .zip(sketch.quantiles(&[0.01, 0.1, 0.5, 0.9, 0.99]))
+            {
+                // The numbers are 0 … count − 1: a number is its rank. Beside the ranks' error, a
+                // quantile falls on a number that is kept, one of the heaviest weight at worst.
+                let heaviest = (1_u64 << (sketch.levels.len() - 1)) as f64 / count as f64;
+                let error = ((value + 1.0) / count as f64 - p).abs();
+                assert!(error <= bound + heaviest, "{p}: {error}");
+            }
+            let kept: usize = sketch.levels.iter().map(Vec::len).sum();
+            assert!(kept < CAPACITY * sketch.levels.len());
+        }
+    }
+}

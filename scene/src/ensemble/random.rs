@@ -1,0 +1,120 @@
+//! Random numbers that depend on a seed, a member and a purpose alone.
+
+/// Philox4x32-10: ten rounds that scatter a counter under a key (J. Salmon, M. Moraes, R. Dror,
+/// D. Shaw, *Parallel random numbers: as easy as 1, 2, 3*, SC11).
+fn philox(counter: [u32; 4], key: [u32; 2]) -> [u32; 4] {
+    let [mut a, mut b, mut c, mut d] = counter;
+    let [mut first, mut second] = key;
+    for _ in 0..10 {
+        let left = 0xD251_1F53 * u64::from(a);
+        let right = 0xCD9E_8D57 * u64::from(c);
+        (a, b, c, d) = (
+            (right >> 32) as u32 ^ b ^ first,
+            right as u32,
+            (left >> 32) as u32 ^ d ^ second,
+            left as u32,
+        );
+        first = first.wrapping_add(0x9E37_79B9);
+        second = second.wrapping_add(0xBB67_AE85);
+    }
+    [a, b, c, d]
+}
+
+/// One stream of numbers: any member's can be drawn without those before it.
+pub(super) struct Random {
+    key: [u32; 2],
+    /// Block of the stream, stream, member.
+    counter: [u32; 4],
+    waiting: Option<u64>,
+}
+
+impl Random {
+    /// The numbers of a member for one purpose.
+    pub fn new(seed: u64, member: u64, stream: u32) -> Self {
+        Self {
+            key: [seed as u32, (seed >> 32) as u32],
+            counter: [0, stream, member as u32, (member >> 32) as u32],
+            waiting: None,
+        }
+    }
+
+    fn bits(&mut self) -> u64 {
+        if let Some(bits) = self.waiting.take() {
+            return bits;
+        }
+        let [a, b, c, d] = philox(self.counter, self.key);
+        self.counter[0] = self.counter[0].wrapping_add(1);
+        self.waiting = Some(u64::from(c) | u64::from(d) << 32);
+        u64::from(a) | u64::from(b) << 32
+    }
+
+    /// Uniform in (0, 1): an odd multiple of 2⁻⁵³.
+    pub fn uniform(&mut self) -> f64 {
+        ((self.bits() >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
+    }
+
+    /// Standard normal, by Box and Muller.
+    pub fn normal(&mut self) -> f64 {
+        let radius = libm::sqrt(-2.0 * libm::log(self.uniform()));
+        radius * libm::cos(2.0 * std::f64::consts::PI * self.uniform())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The known answers of the Random123 distribution.
+    #[test]
+    fn philox_gives_its_known_answers() {
+        assert_eq!(
+            philox([0; 4], [0; 2]),
+            [0x6627_e8d5, 0xe169_c58d, 0xbc57_ac4c, 0x9b00_dbd8]
+        );
+        assert_eq!(
+            philox([u32::MAX; 4], [u32::MAX; 2]),
+            [0x408f_276d, 0x41c8_3b0e, 0xa20b_c7c6, 0x6d54_51fd]
+        );
+        assert_eq!(
+            philox(
+                [0x243f_6a88, 0x85a3_08d3, 0x1319_8a2e, 0x0370_7344],
+                [0xa409_3822, 0x299f_31d0]
+            ),
+            [0xd16c_fe09, 0x94fd_cceb, 0x5001_e420, 0x2412_6ea1]
+        );
+    }
+
+    /// Moments of 10⁵ numbers within five standard errors.
+    #[test]
+    fn numbers_have_their_moments() {
+        let count = 100_000;
+        let (mut uniform, mut normal) = ([0.0; 2], [0.0; 4]);
+        for member in 0..count {
+            let mut random = Random::new(7, member, 3);
+            let (u, z) = (random.uniform(), random.normal());
+            assert!(u > 0.0 && u < 1.0);
+            uniform[0] += u;
+            uniform[1] += u * u;
+            let mut power = 1.0;
+            for moment in &mut normal {
+                power *= z;
+                *moment += power;
+            }
+        }
+        let n = count as f64;
+        let close = |sum: f64, mean: f64, variance: f64| {
+            let error = libm::sqrt(variance / n);
+            assert!(
+                (sum / n - mean).abs() < 5.0 * error,
+                "{} for {mean}",
+                sum / n
+            );
+        };
+        close(uniform[0], 0.5, 1.0 / 12.0);
+        close(uniform[1], 1.0 / 3.0, 4.0 / 45.0);
+        close(normal[0], 0.0, 1.0);
+        close(normal[1], 1.0, 2.0);
+        close(normal[2], 0.0, 15.0);
+        close(normal[3], 3.0, 96.0);
+    }
+}

@@ -1,0 +1,233 @@
+//! What an ensemble is reduced to, member after member.
+
+use leafwise_core::SolverStatistics;
+
+use super::quantiles::Sketch;
+
+/// The most failed members that are told one by one.
+pub(super) const MOST_NAMED: usize = 1000;
+
+/// One observable at one time, over the members.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// Members with a finite value.
+    pub count: u64,
+    /// Members whose value is not finite; they enter nothing else.
+    pub undefined: u64,
+    /// Their mean.
+    pub mean: f64,
+    /// Σ (value − mean)².
+    pub(super) squares: f64,
+    /// The smallest value, and the first member that has it.
+    pub minimum: (f64, u64),
+    /// The largest value, and the first member that has it.
+    pub maximum: (f64, u64),
+    /// For quantiles, where some are asked for.
+    pub(super) sketch: Option<Sketch>,
+}
+
+impl Summary {
+    pub(super) fn new(has_quantiles: bool) -> Self {
+        Self {
+            count: 0,
+            undefined: 0,
+            mean: 0.0,
+            squares: 0.0,
+            minimum: (f64::INFINITY, 0),
+            maximum: (f64::NEG_INFINITY, 0),
+            sketch: has_quantiles.then(Sketch::default),
+        }
+    }
+
+    /// Takes in a member's value, by Welford's recurrence.
+    pub(super) fn push(&mut self, value: f64, member: u64) {
+        if !value.is_finite() {
+            self.undefined += 1;
+            return;
+        }
+        self.count += 1;
+        let change = value - self.mean;
+        self.mean += change / self.count as f64;
+        self.squares += change * (value - self.mean);
+        if value < self.minimum.0 {
+            self.minimum = (value, member);
+        }
+        if value > self.maximum.0 {
+            self.maximum = (value, member);
+        }
+        if let Some(sketch) = &mut self.sketch {
+            sketch.push(value);
+        }
+    }
+
+    /// The unbiased variance; 0 for fewer than two members.
+    pub fn variance(&self) -> f64 {
+        if self.count < 2 {
+            return 0.0;
+        }
+        self.squares / (self.count - 1) as f64
+    }
+
+    /// The square root of the variance.
+    pub fn deviation(&self) -> f64 {
+        libm::sqrt(self.variance())
+    }
+
+    /// The quantiles of these parts of the members, nothing where none were asked for.
+    pub fn quantiles(&self, parts: &[f64]) -> Vec<f64> {
+        let sketch = self.sketch.as_ref();
+        sketch.map_or_else(Vec::new, |sketch| sketch.quantiles(parts))
+    }
+
+    /// The largest error of a quantile's rank, as a part of the members.
+    pub fn rank_error(&self) -> f64 {
+        self.sketch.as_ref().map_or(0.0, Sketch::rank_error)
+    }
+}
+
+/// An invariant's deviations |I(x_k) − I(x_0)| in one window of steps, over the members.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deviation {
+    /// The largest.
+    pub maximum: f64,
+    /// The first member that has it.
+    pub member: u64,
+    /// The sum of the members' largest.
+    pub(super) sum: f64,
+}
+
+impl Deviation {
+    pub(super) fn new() -> Self {
+        Self {
+            maximum: 0.0,
+            member: 0,
+            sum: 0.0,
+        }
+    }
+
+    pub(super) fn push(&mut self, deviation: f64, member: u64) {
+        if deviation > self.maximum {
+            (self.maximum, self.member) = (deviation, member);
+        }
+        self.sum += deviation;
+    }
+}
+
+/// A member that did not reach the end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MemberFailure {
+    /// Which one.
+    pub member: u64,
+    /// The step that failed, counted from 1; 0 where there is no initial state.
+    pub step: u64,
+    /// The time before that step.
+    pub time: f64,
+    /// What happened.
+    pub message: String,
+    /// The last good state.
+    pub state: Vec<f64>,
+}
+
+/// Everything an ensemble is reduced to. Members that fail are counted, and enter nothing else.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reductions {
+    /// Members that were taken in, in their order.
+    pub members: u64,
+    /// How many of them failed.
+    pub failed: u64,
+    /// The first thousand of these.
+    pub failures: Vec<MemberFailure>,
+    /// Observables at one time after those at the time before.
+    pub summaries: Vec<Summary>,
+    /// Invariants in one window after those in the window before.
+    pub windows: Vec<Deviation>,
+    /// Invariants over the whole run.
+    pub whole: Vec<Deviation>,
+    /// The same relative to |I(x_0)|, members with I(x_0) = 0 left out.
+    pub relative: Vec<Deviation>,
+    /// I(x_0) over the members.
+    pub initial: Vec<Summary>,
+    /// The solver's work, failed members included.
+    pub statistics: SolverStatistics,
+}
+
+/// The sizes of [`Reductions`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Shape {
+    pub times: usize,
+    pub observables: usize,
+    pub windows: usize,
+    pub invariants: usize,
+    pub has_quantiles: bool,
+}
+
+impl Reductions {
+    pub(super) fn new(shape: Shape) -> Self {
+        let deviations = |count: usize| vec![Deviation::new(); count];
+        Self {
+            members: 0,
+            failed: 0,
+            failures: Vec::new(),
+            summaries: vec![Summary::new(shape.has_quantiles); shape.times * shape.observables],
+            windows: deviations(shape.windows * shape.invariants),
+            whole: deviations(shape.invariants),
+            relative: deviations(shape.invariants),
+            initial: vec![Summary::new(false); shape.invariants],
+            statistics: SolverStatistics::default(),
+        }
+    }
+
+    /// Members that reached the end.
+    pub fn done(&self) -> u64 {
+        self.members - self.failed
+    }
+
+    /// The mean over the members of an invariant's largest deviation.
+    pub fn mean_deviation(&self, deviation: &Deviation) -> f64 {
+        deviation.sum / self.done().max(1) as f64
+    }
+
+    pub(super) fn add_work(&mut self, work: SolverStatistics) {
+        let sum = &mut self.statistics;
+        sum.steps += work.steps;
+        sum.evaluations += work.evaluations;
+        sum.operations = sum.operations.zip(work.operations).map(|(a, b)| a + b);
+        sum.most_evaluations = sum.most_evaluations.max(work.most_evaluations);
+        sum.failures += work.failures;
+    }
+
+    pub(super) fn push_failure(&mut self, failure: MemberFailure) {
+        self.failed += 1;
+        if self.failures.len() < MOST_NAMED {
+            self.failures.push(failure);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moments_are_those_of_two_passes() {
+        let values: Vec<f64> = (0..1000).map(|k| 1e6 + libm::sin(k as f64)).collect();
+        let mut summary = Summary::new(false);
+        for (member, value) in values.iter().enumerate() {
+            summary.push(*value, member as u64);
+        }
+        summary.push(f64::NAN, 1000);
+        let n = values.len() as f64;
+        let mean = values.iter().map(|v| v - 1e6).sum::<f64>() / n;
+        let squares: f64 = values
+            .iter()
+            .map(|v| (v - 1e6 - mean) * (v - 1e6 - mean))
+            .sum();
+        assert_eq!((summary.count, summary.undefined), (1000, 1));
+        // Each value is rounded to 1.2e-10; a thousand additions to the mean round as much.
+        assert!((summary.mean - 1e6 - mean).abs() < 1e3 * 1.2e-10);
+        assert!((summary.variance() / (squares / (n - 1.0)) - 1.0).abs() < 1e-9);
+        let largest = values.iter().copied().fold(f64::MIN, f64::max);
+        assert_eq!(summary.maximum.0, largest);
+        assert_eq!(values[summary.minimum.1 as usize], summary.minimum.0);
+    }
+}
