@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use leafwise::core::{BuildError, Integrator, Method};
-use leafwise::expression::{Graph, Kernel, StepSize, Term};
+use leafwise::expression::{Execution, Graph, Kernel, StepSize, Term};
 use leafwise::scene::compose::{ComposedRun, tensor_shape};
 
 use crate::table::{duration, words};
@@ -66,11 +66,32 @@ pub fn explain(run: &ComposedRun, start: Instant) -> Result<Vec<String>, BuildEr
             .map(|(label, cost)| (label.to_owned(), cost)),
     );
     rows.push(("Scene text to first step".to_owned(), first_step));
+    rows.extend(machine_code(run));
     let rows: Vec<Vec<String>> = rows
         .into_iter()
         .map(|(label, text)| vec![format!("  {label}"), text])
         .collect();
     Ok(words(&rows))
+}
+
+/// What the kernels of a step become as machine code, compiled here if they are to be at all.
+fn machine_code(run: &ComposedRun) -> Vec<(String, String)> {
+    let execution = Execution::default_of_process();
+    let mut rows = vec![("Execution".to_owned(), execution.describe().to_owned())];
+    if execution == Execution::Interpreted {
+        return rows;
+    }
+    for (name, kernel) in run.method.map().kernels() {
+        kernel.workspace_for(1, Execution::Compiled);
+        for size in kernel.machine_code() {
+            let time = duration(size.seconds);
+            rows.push((
+                "Machine code".to_owned(),
+                format!("{name}: {size}, in {time}"),
+            ));
+        }
+    }
+    rows
 }
 
 /// Lines about S_1, S_3, … and the kernel of dS.
