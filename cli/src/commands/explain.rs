@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use leafwise::core::dynamics::Generating;
 use leafwise::core::{BuildError, Integrator, Method};
 use leafwise::expression::{Execution, Graph, Kernel, StepSize, Term};
 use leafwise::scene::compose::{ComposedRun, tensor_shape};
@@ -97,18 +98,25 @@ fn machine_code(run: &ComposedRun) -> Vec<(String, String)> {
 /// Lines about S_1, S_3, … and the kernel of dS.
 fn series(run: &ComposedRun, method: &Method) -> Result<Vec<(String, String)>, BuildError> {
     let mut rows = Vec::new();
-    if let Some(generating) = method.bisection().generating_function() {
-        let terms = generating.coefficients.iter().zip(&generating.gradients);
-        for (at, (s, gradient)) in terms.enumerate() {
-            let of_gradient: usize = gradient
-                .iter()
-                .map(|component| component.terms().len())
-                .sum();
-            rows.push((
-                format!("S_{}", 2 * at + 1),
-                format!("{} monomials, dS {of_gradient}", s.terms().len()),
-            ));
+    match method.bisection().generating_function() {
+        Some(Generating::Polynomials(function)) => {
+            let terms = function.coefficients.iter().zip(&function.gradients);
+            for (at, (s, gradient)) in terms.enumerate() {
+                let of_gradient: usize = gradient
+                    .iter()
+                    .map(|component| component.terms().len())
+                    .sum();
+                rows.push((
+                    format!("S_{}", 2 * at + 1),
+                    format!("{} monomials, dS {of_gradient}", s.terms().len()),
+                ));
+            }
         }
+        Some(Generating::Code(code)) => rows.push((
+            format!("S_1 to S_{}", 2 * code.coefficients.len() - 1),
+            "as code: expanded they would be longer".to_owned(),
+        )),
+        None => {}
     }
     if let Some(kernel) = one_form_kernel(run, method)? {
         rows.push((
