@@ -2,7 +2,6 @@
 
 use leafwise::core::part::ParameterSetting;
 use leafwise::core::{BuildError, Method};
-use leafwise::expression::graph::lift;
 use leafwise::expression::{Arithmetic, Graph, Kernel, Rational, StepSize, Term};
 use leafwise::karasev::TruncatedKarasev;
 use leafwise::scene::compose::{ComposedRun, compose};

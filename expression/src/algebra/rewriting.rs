@@ -2,7 +2,7 @@
 
 use super::generator::Generator;
 use super::monomial::Monomial;
-use super::polynomial::{Coefficient, Polynomial};
+use super::polynomial::{Coefficient, CoefficientRing, Polynomial};
 use super::ring::Ring;
 use crate::expression::Function;
 use crate::rational::Rational;

@@ -52,9 +52,6 @@ impl Ring {
         }
     }
 
-    #[allow(missing_docs)]
-        self.remaining
-    }
     /// Whether the limit was reached, and results are void.
     pub fn is_spent(&self) -> bool {
         self.remaining == 0

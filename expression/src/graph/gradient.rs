@@ -64,3 +64,86 @@ impl Graph {
         Ok(partials.into_iter().filter(of_state).collect())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::expression::Function;
+    use crate::kernel::Kernel;
+
+    const INPUTS: usize = 3;
+
+    /// Nodes from pairs of earlier ones, each at most 1.6 in size, with slopes of at most 1.6 in both.
+    fn build(graph: &mut Graph, choices: &[(u8, usize, usize)]) -> Term {
+        let mut terms: Vec<Term> = (0..INPUTS).map(|at| graph.input(at)).collect();
+        let half = Rational::new(1, 2);
+        for &(kind, a, b) in choices {
+            let (a, b) = (
+                &terms[a % terms.len()].clone(),
+                &terms[b % terms.len()].clone(),
+            );
+            let square = graph.multiply(a, a);
+            let above_one = graph.one();
+            let above_one = graph.add(&above_one, &square);
+            let next = match kind % 5 {
+                0 => graph.combine(&[(half.clone(), a.clone()), (-&half, b.clone())]),
+                1 => {
+                    let product = graph.multiply(a, b);
+                    graph.scale(&half, &product)
+                }
+                2 => graph.apply(Function::Sin, a).expect("a sine"),
+                3 => graph.divide(b, &above_one).expect("a quotient"),
+                _ => {
+                    let exponent = graph.constant(&Rational::new(-1, 3));
+                    let power = graph.power(&above_one, &exponent).expect("a power");
+                    graph.apply(Function::Atan, &power).expect("an arctangent")
+                }
+            };
+            terms.push(next);
+        }
+        terms.pop().expect("inputs stand first")
+    }
+
+    proptest! {
+        /// Both modes are exact and sum the same paths in another order; n nodes make slopes of at
+        /// most 3.2ⁿ.
+        #[test]
+        fn reverse_and_forward_mode_agree(
+            choices in prop::collection::vec((any::<u8>(), any::<usize>(), any::<usize>()), 1..10),
+            x in prop::array::uniform3(-1.0_f64..1.0),
+        ) {
+            let mut graph = Graph::new();
+            let f = build(&mut graph, &choices);
+            let mut outputs = graph.gradient(&f, INPUTS).expect("derivatives exist");
+            for at in 0..INPUTS {
+                outputs.push(graph.derivative(&f, at).expect("derivatives exist"));
+            }
+            let kernel = Kernel::compile(&graph, &outputs, 0, INPUTS);
+            let mut workspace = kernel.workspace(1);
+            kernel.prepare(&mut workspace, &[], &[1.0], &[1.0]);
+            let mut values = [0.0; 2 * INPUTS];
+            kernel.evaluate(&mut workspace, &x, &mut values);
+            let (mut bound, mut slope) = (64.0 * f64::EPSILON, 1.0);
+            for _ in &choices {
+                slope *= 3.2;
+            }
+            bound *= slope;
+            let (reverse, forward) = values.split_at(INPUTS);
+            for (a, b) in reverse.iter().zip(forward) {
+                prop_assert!((a - b).abs() <= bound, "{reverse:?} {forward:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn inputs_that_a_term_does_not_read_have_slope_zero() {
+        let mut graph = Graph::new();
+        let (x, unused) = (graph.input(0), 1);
+        let cube = graph.integer_power(&x, 3).expect("a power");
+        let gradient = graph.gradient(&cube, 2).expect("derivatives exist");
+        assert!(graph.is_zero(&gradient[unused]));
+        assert_eq!(gradient[0], graph.derivative(&cube, 0).expect("it exists"));
+    }
+}
