@@ -8,6 +8,7 @@
 use std::sync::Arc;
 
 use leafwise::core::diagnostics::{TensorDefect, measure_drift, section_defect};
+use leafwise::core::dynamics::Generating;
 use leafwise::core::system::SystemInvariants;
 use leafwise::core::{
     Integrator, Method, PartParameters, PoissonSystem, RealizationData, Registry, StepMap,
@@ -71,7 +72,8 @@ impl Case {
     }
 }
 
-/// The four systems with their closed forms, and over collocation.
+/// The four systems with their closed forms, and over collocation; and point vortices, whose
+/// Hamilton-Jacobi coefficients are formed as code.
 fn cases() -> Vec<Case> {
     let case = |id: &'static str, exact: &str| {
         let problem = library(id);
@@ -88,6 +90,7 @@ fn cases() -> Vec<Case> {
         case("heavy-top", "karasev-collocated"),
         case("so4", "lie-poisson"),
         case("so4", "karasev-collocated"),
+        case("point-vortices", "constant"),
     ]
 }
 
@@ -139,6 +142,24 @@ fn hamilton_jacobi_over_exact_realizations_is_poisson() {
         for m in [2, 4, 6, 8] {
             assert_poisson(&case, &case.compose(hamilton_jacobi(m)));
         }
+    }
+}
+
+/// Ŝ is expanded where sums cancel, and code where they do not.
+#[test]
+fn the_shorter_form_of_the_generating_function_is_taken() {
+    for (id, exact, is_code) in [
+        ("rigid-body", "so3-exponential", false),
+        ("lotka-volterra-periodic", "log-canonical", false),
+        ("heavy-top", "lie-poisson", false),
+        ("magnetic", "karasev-collocated", true),
+        ("point-vortices", "constant", true),
+    ] {
+        let problem = library(id);
+        let exact = realization(&problem.system, exact, PartParameters::new());
+        let method = compose(&problem.system, &exact, hamilton_jacobi(6));
+        let generating = method.bisection().generating_function().expect("a graph");
+        assert_eq!(matches!(generating, Generating::Code(_)), is_code, "{id}");
     }
 }
 

@@ -1,12 +1,15 @@
 //! Machine code computes the bits of the interpreter: random graphs of every operation, with
 //! special values among the inputs; and whole steps of methods.
 
+use std::sync::Mutex;
+
 use leafwise::ProblemLibrary;
 use leafwise::core::Registry;
 use leafwise::expression::{
     AnalyticFunction, Arithmetic, Execution, Function, Graph, Kernel, Rational, Term,
 };
-use leafwise::scene::{SceneDocument, compose};
+use leafwise::scene::run::{Quiet, run};
+use leafwise::scene::{RunOptions, SceneDocument, compose};
 use proptest::prelude::*;
 
 const INPUTS: usize = 5;
@@ -168,9 +171,12 @@ fn steps(text: &str, execution: Execution) -> (u64, Vec<u64>) {
     )
 }
 
-/// The only test that sets the execution of the whole process.
+/// Held by tests that set or rely on the execution of the whole process.
+static EXECUTION: Mutex<()> = Mutex::new(());
+
 #[test]
 fn whole_steps_have_the_same_bits() {
+    let _held = EXECUTION.lock().expect("no other test failed");
     let scene = |library: &str, initial: &str, realization: &str, m: usize, time_step: f64| {
         format!(
             "[system]\nlibrary = \"{library}\"\n[method]\nrealization = {realization}\n\
@@ -204,5 +210,43 @@ fn whole_steps_have_the_same_bits() {
         let interpreted = steps(&text, Execution::Interpreted);
         assert_eq!(steps(&text, Execution::Compiled), interpreted, "{text}");
         assert_eq!(steps(&text, Execution::Adaptive), interpreted, "{text}");
+    }
+}
+
+#[test]
+fn the_manifest_says_what_was_compiled() {
+    let _held = EXECUTION.lock().expect("no other test failed");
+    let text = "[system]\nlibrary = \"rigid-body\"\n[method]\n\
+                realization = { name = \"karasev-truncated\", order = 4 }\n\
+                dynamics = { name = \"hamilton-jacobi\", order = 2 }\n\
+                time-step = 0.1\n[run]\ninitial = [1, 3, 3]\nsteps = 1000\n";
+    let root = tempfile::tempdir().expect("a directory");
+    for execution in [Execution::Interpreted, Execution::Adaptive] {
+        execution.set_default_of_process();
+        let document = SceneDocument::parse("top.toml", text, &ProblemLibrary).expect("a scene");
+        let composed = compose(&document, &Registry::with_builtin()).expect("a method");
+        let options = RunOptions {
+            directory: root.path().join(format!("{execution:?}")),
+            force: false,
+            allow_non_poisson: false,
+            command: "leafwise run top.toml".to_owned(),
+        };
+        run(&document, &composed, &options, &mut Quiet).expect("a run");
+        let manifest = options.directory.join("manifest.json");
+        let manifest = std::fs::read_to_string(manifest).expect("a manifest");
+        let manifest: serde_json::Value = serde_json::from_str(&manifest).expect("JSON");
+        let compiled = manifest["machine_code"].as_array().expect("a list");
+        if execution == Execution::Interpreted {
+            assert!(compiled.is_empty(), "{compiled:?}");
+            continue;
+        }
+        let method = composed.method.written().expect("a method");
+        let operations = method.newton().expect("one kernel").operations().total();
+        let newton = compiled
+            .iter()
+            .find(|entry| entry["kernel"] == "Newton iteration")
+            .expect("the iteration was compiled");
+        assert_eq!(newton["operations"], operations);
+        assert_eq!(newton["lanes"], 1);
     }
 }

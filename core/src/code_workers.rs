@@ -137,6 +137,13 @@ impl CodeRealization {
         })
     }
 
+    pub(crate) fn kernels(&self) -> [(&'static str, &Kernel); 2] {
+        [
+            ("source and target", &self.ends),
+            ("tangents of source and target", &self.tangents),
+        ]
+    }
+
     pub(crate) fn worker(&self, parameters: &[f64], epsilon: f64) -> Box<dyn RealizationWorker> {
         Box::new(CodeRealizationWorker {
             ends: prepared(&self.ends, parameters, epsilon, 1.0),
@@ -226,6 +233,10 @@ pub(crate) struct CodeBisection {
 }
 
 impl CodeBisection {
+    pub(crate) fn kernel(&self) -> (&'static str, &Kernel) {
+        ("points of the bisection", &self.kernel)
+    }
+
     pub(crate) fn compile(
         code: &dyn BisectionCode,
         d: usize,

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::{Graph, Polynomial, Ring, Term};
+use leafwise_expression::{Graph, Term};
 
 use crate::error::{BuildError, StepError};
+pub use crate::generating_function::{Generating, GeneratingCode, GeneratingFunction};
 use crate::one_form::OneFormWorker;
 use crate::realization::RealizationData;
 use crate::system::PoissonSystem;
@@ -64,7 +65,7 @@ pub trait LagrangianBisection: Send + Sync + std::fmt::Debug {
         None
     }
     /// The generating function, where L is the graph of dŜ.
-    fn generating_function(&self) -> Option<&GeneratingFunction> {
+    fn generating_function(&self) -> Option<&Generating> {
         None
     }
 }
@@ -122,16 +123,4 @@ pub trait BisectionCode {
         h: &Term,
         y: &[Term],
     ) -> Result<Vec<Term>, BuildError>;
-}
-
-/// Ŝ_{ε,h} = Σ_{l odd} ε^{l−1} hˡ S_l in exact algebra (paper, section 4.2; only odd l by
-/// Proposition 1).
-#[derive(Clone, Debug)]
-pub struct GeneratingFunction {
-    /// The ring the coefficients live in.
-    pub ring: Ring,
-    /// S_1, S_3, … at ε = 1.
-    pub coefficients: Vec<Polynomial>,
-    /// dS_1, dS_3, …: d components each.
-    pub gradients: Vec<Vec<Polynomial>>,
 }

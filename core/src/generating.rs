@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::graph::lift;
-use leafwise_expression::{Arithmetic, Graph, Polynomial, Term};
+use leafwise_expression::{Graph, Term};
 
 use crate::chart::ChartMaps;
-use crate::dynamics::{BisectionCode, BisectionWorker, GeneratingFunction, LagrangianBisection};
+use crate::dynamics::{BisectionCode, BisectionWorker, Generating, LagrangianBisection};
 use crate::error::BuildError;
 use crate::one_form::{CodeOneForm, GraphOfOneForm};
 use crate::realization::RealizationData;
@@ -14,7 +13,7 @@ use crate::realization::RealizationData;
 /// y ↦ χ(y, dŜ_{ε,h}(y)), χ the realization's chart about σ; (y, dŜ(y)) itself on T*M.
 #[derive(Clone, Debug)]
 pub struct GraphOfDifferential {
-    generating: GeneratingFunction,
+    generating: Generating,
     realization: Arc<dyn RealizationData>,
     /// dŜ and χ as numbers, where χ has no code.
     numbers: Option<(CodeOneForm, ChartMaps)>,
@@ -29,7 +28,7 @@ impl GraphOfDifferential {
     /// which β̂(x, p) is not α̂(x, −p): even coefficients of S vanish only there (paper,
     /// Proposition 1). [`BuildError::Algebra`] where a derivative has no code.
     pub fn new(
-        generating: GeneratingFunction,
+        generating: Generating,
         realization: &Arc<dyn RealizationData>,
         parameters: usize,
         dynamics: &str,
@@ -52,7 +51,7 @@ impl GraphOfDifferential {
                 .ok_or_else(|| missing("it has no symplectic chart about its section"))?;
             let d = realization.dimension();
             let form = CodeOneForm::compile(d, parameters, |graph, epsilon, h, y| {
-                differential(&generating, graph, epsilon, h, y)
+                generating.differential(graph, epsilon, h, y)
             })?;
             Some((form, chart))
         };
@@ -82,7 +81,7 @@ impl LagrangianBisection for GraphOfDifferential {
         )))
     }
 
-    fn generating_function(&self) -> Option<&GeneratingFunction> {
+    fn generating_function(&self) -> Option<&Generating> {
         Some(&self.generating)
     }
 }
@@ -95,32 +94,10 @@ impl BisectionCode for GraphOfDifferential {
         h: &Term,
         y: &[Term],
     ) -> Result<Vec<Term>, BuildError> {
-        let p = differential(&self.generating, graph, epsilon, h, y)?;
+        let p = self.generating.differential(graph, epsilon, h, y)?;
         match self.realization.chart() {
             None => Ok(y.iter().cloned().chain(p).collect()),
             Some(chart) => chart.point(graph, epsilon, y, &p),
         }
     }
-}
-
-/// dŜ_{ε,h}(y) as code.
-fn differential(
-    generating: &GeneratingFunction,
-    graph: &mut Graph,
-    epsilon: &Term,
-    h: &Term,
-    y: &[Term],
-) -> Result<Vec<Term>, BuildError> {
-    // ε^{l−1} hˡ for l = 1, 3, …
-    let time = graph.multiply(epsilon, h);
-    let square = graph.multiply(&time, &time);
-    let mut power = h.clone();
-    let mut outputs: Vec<Vec<(Term, Polynomial)>> = vec![Vec::new(); y.len()];
-    for gradient in &generating.gradients {
-        for (output, component) in outputs.iter_mut().zip(gradient) {
-            output.push((power.clone(), component.clone()));
-        }
-        power = graph.multiply(&power, &square);
-    }
-    Ok(lift(graph, &generating.ring, &outputs, y)?)
 }

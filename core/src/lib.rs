@@ -27,6 +27,7 @@ pub mod diagnostics;
 pub mod dynamics;
 pub mod error;
 pub mod generating;
+mod generating_function;
 pub mod integrator;
 pub mod lattice;
 pub mod method;
@@ -58,7 +59,7 @@ pub use origin::Origin;
 pub use part::{PartInfo, PartKind, PartParameters};
 pub use realization::{
     Accuracy, Ends, LagrangianChart, RealizationCode, RealizationData, RealizationWorker,
-    SourceRecursion, SourceSeries, SourceTarget,
+    SourceRecursion, SourceSeries, SourceSeriesIn, SourceTarget,
 };
 pub use registry::{Part, Registry, RegistryError};
 pub use side_by_side::SideBySide;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::{Graph, StepSize, Term};
+use leafwise_expression::{Graph, Kernel, StepSize, Term};
 
 use crate::code_workers::{CodeBisection, CodeRealization};
 use crate::dynamics::{Correction, DynamicApproximation, LagrangianBisection};
@@ -216,6 +216,21 @@ impl StepMap for Method {
             self.realization.describe(),
             self.dynamics.describe()
         )
+    }
+
+    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+        match &self.path {
+            Path::Code(newton) => vec![
+                ("Newton iteration", newton.kernel()),
+                ("residual alone", newton.residual_kernel()),
+            ],
+            Path::Fused(map) => map.kernels(),
+            Path::Workers { code, points } => {
+                let maps = code.iter().flat_map(CodeRealization::kernels);
+                maps.chain(points.iter().map(CodeBisection::kernel))
+                    .collect()
+            }
+        }
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {

@@ -1,6 +1,6 @@
 //! Bisections that are graphs of closed one-forms, as numbers.
 
-use leafwise_expression::{Graph, StepSize, Term};
+use leafwise_expression::{Graph, Kernel, StepSize, Term};
 
 use crate::chart::ChartWorker;
 use crate::dynamics::BisectionWorker;
@@ -99,6 +99,11 @@ pub struct CodeOneForm {
 }
 
 impl CodeOneForm {
+    /// What is evaluated, for reports.
+    pub fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+        self.map.kernels()
+    }
+
     /// Compiles y ↦ θ(y) and its Jacobian; `write` gets ε, h and y.
     ///
     /// # Errors

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::{Graph, Polynomial, Ring, Term};
+use leafwise_expression::{DifferentialAlgebra, Graph, Ring, Term};
 
 use crate::chart::ChartWorker;
 use crate::dynamics::LagrangianBisection;
@@ -207,20 +207,25 @@ pub trait RealizationWorker: Send {
 }
 
 /// The exact (untruncated) series of α∘χ along p(h) = Σ_{k≥1} pₖ hᵏ at ε = 1, where χ is a
-/// cotangent chart with χ(x, 0) = σ(x) and inv(x, p) = (x, −p).
-pub trait SourceSeries {
+/// cotangent chart with χ(x, 0) = σ(x) and inv(x, p) = (x, −p), in the algebra A.
+pub trait SourceSeriesIn<A: DifferentialAlgebra> {
     /// Starts the recursion at α₀ = x.
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where the tensor is outside the algebra.
-    fn start(&self, ring: &mut Ring) -> Result<Box<dyn SourceRecursion>, BuildError>;
+    fn start(&self, algebra: &mut A) -> Result<Box<dyn SourceRecursion<A>>, BuildError>;
 }
 
+/// The series as exact polynomials and as straight-line code.
+pub trait SourceSeries: SourceSeriesIn<Ring> + SourceSeriesIn<Graph> {}
+
+impl<S: SourceSeriesIn<Ring> + SourceSeriesIn<Graph>> SourceSeries for S {}
+
 /// One order of [`SourceSeries`] after the other.
-pub trait SourceRecursion {
-    /// Given pₖ (d polynomials; k = 1 at the first call), the coefficient αₖ of hᵏ in α(x, p(h)).
+pub trait SourceRecursion<A: DifferentialAlgebra> {
+    /// Given pₖ (d components; k = 1 at the first call), the coefficient αₖ of hᵏ in α(x, p(h)).
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where the tensor is outside the algebra.
-    fn push(&mut self, ring: &mut Ring, p: Vec<Polynomial>) -> Result<Vec<Polynomial>, BuildError>;
+    fn push(&mut self, algebra: &mut A, p: Vec<A::Element>) -> Result<Vec<A::Element>, BuildError>;
 }

@@ -7,6 +7,7 @@
 //! - [`analytic`]: functions that a crate evaluates itself, with their derivatives.
 //! - [`arithmetic`]: the operations a formula needs, over any algebra.
 //! - [`algebra`]: the differential ring of Laurent polynomials with adjoined functions.
+//! - [`differential`]: the ring and the code as algebras over the state's coordinates.
 //! - [`series`]: Taylor coefficients of formulas along a curve, one order at a time.
 //! - [`graph`]: straight-line code with shared nodes and exact derivatives.
 //! - [`kernel`]: coefficient kernel and step kernel, evaluated W lanes at a time.
@@ -14,6 +15,7 @@
 pub mod algebra;
 pub mod analytic;
 pub mod arithmetic;
+pub mod differential;
 pub mod elementary;
 mod evaluate;
 pub mod expression;
@@ -27,6 +29,7 @@ mod vector;
 pub use algebra::{Polynomial, Ring};
 pub use analytic::AnalyticFunction;
 pub use arithmetic::{AlgebraError, Arithmetic};
+pub use differential::DifferentialAlgebra;
 pub use evaluate::VariableIn;
 pub use expression::{Expression, Function};
 pub use graph::{Graph, StepSize, Term};

@@ -2,7 +2,6 @@
 
 use leafwise::core::part::ParameterSetting;
 use leafwise::core::{BuildError, Method};
-use leafwise::expression::graph::lift;
 use leafwise::expression::{Arithmetic, Graph, Kernel, Rational, StepSize, Term};
 use leafwise::karasev::TruncatedKarasev;
 use leafwise::scene::compose::{ComposedRun, compose};
@@ -189,21 +188,15 @@ fn evaluate(
     }
     let mut generating = Vec::new();
     if let Some(function) = method.bisection().generating_function() {
-        let one = at.graph.one();
         let square = at.graph.multiply(&epsilon, &epsilon);
         // S_l at ε is ε^{l−1} times S_l at 1.
-        let mut power = one;
-        for (k, (s, gradient)) in function
-            .coefficients
-            .iter()
-            .zip(&function.gradients)
-            .enumerate()
-        {
-            let outputs: Vec<_> = std::iter::once(s)
-                .chain(gradient)
-                .map(|polynomial| vec![(power.clone(), polynomial.clone())])
+        let mut power = at.graph.one();
+        for k in 0..function.len() {
+            let at_one = function.coefficient(&mut at.graph, k, &inputs[..d])?;
+            let terms: Vec<Term> = at_one
+                .iter()
+                .map(|term| at.graph.multiply(&power, term))
                 .collect();
-            let terms = lift(&mut at.graph, &function.ring, &outputs, &inputs[..d])?;
             let values = at.values(&terms);
             generating.push((2 * k + 1, values[0], values[1..].to_vec()));
             power = at.graph.multiply(&power, &square);

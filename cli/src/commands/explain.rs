@@ -2,8 +2,9 @@
 
 use std::time::Instant;
 
+use leafwise::core::dynamics::Generating;
 use leafwise::core::{BuildError, Integrator, Method};
-use leafwise::expression::{Graph, Kernel, StepSize, Term};
+use leafwise::expression::{Execution, Graph, Kernel, StepSize, Term};
 use leafwise::scene::compose::{ComposedRun, tensor_shape};
 
 use crate::table::{duration, words};
@@ -66,6 +67,7 @@ pub fn explain(run: &ComposedRun, start: Instant) -> Result<Vec<String>, BuildEr
             .map(|(label, cost)| (label.to_owned(), cost)),
     );
     rows.push(("Scene text to first step".to_owned(), first_step));
+    rows.extend(machine_code(run));
     let rows: Vec<Vec<String>> = rows
         .into_iter()
         .map(|(label, text)| vec![format!("  {label}"), text])
@@ -73,21 +75,48 @@ pub fn explain(run: &ComposedRun, start: Instant) -> Result<Vec<String>, BuildEr
     Ok(words(&rows))
 }
 
+/// What the kernels of a step become as machine code, compiled here if they are to be at all.
+fn machine_code(run: &ComposedRun) -> Vec<(String, String)> {
+    let execution = Execution::default_of_process();
+    let mut rows = vec![("Execution".to_owned(), execution.describe().to_owned())];
+    if execution == Execution::Interpreted {
+        return rows;
+    }
+    for (name, kernel) in run.method.map().kernels() {
+        kernel.workspace_for(1, Execution::Compiled);
+        for size in kernel.machine_code() {
+            let time = duration(size.seconds);
+            rows.push((
+                "Machine code".to_owned(),
+                format!("{name}: {size}, in {time}"),
+            ));
+        }
+    }
+    rows
+}
+
 /// Lines about S_1, S_3, … and the kernel of dS.
 fn series(run: &ComposedRun, method: &Method) -> Result<Vec<(String, String)>, BuildError> {
     let mut rows = Vec::new();
-    if let Some(generating) = method.bisection().generating_function() {
-        let terms = generating.coefficients.iter().zip(&generating.gradients);
-        for (at, (s, gradient)) in terms.enumerate() {
-            let of_gradient: usize = gradient
-                .iter()
-                .map(|component| component.terms().len())
-                .sum();
-            rows.push((
-                format!("S_{}", 2 * at + 1),
-                format!("{} monomials, dS {of_gradient}", s.terms().len()),
-            ));
+    match method.bisection().generating_function() {
+        Some(Generating::Polynomials(function)) => {
+            let terms = function.coefficients.iter().zip(&function.gradients);
+            for (at, (s, gradient)) in terms.enumerate() {
+                let of_gradient: usize = gradient
+                    .iter()
+                    .map(|component| component.terms().len())
+                    .sum();
+                rows.push((
+                    format!("S_{}", 2 * at + 1),
+                    format!("{} monomials, dS {of_gradient}", s.terms().len()),
+                ));
+            }
         }
+        Some(Generating::Code(code)) => rows.push((
+            format!("S_1 to S_{}", 2 * code.coefficients.len() - 1),
+            "as code: expanded they would be longer".to_owned(),
+        )),
+        None => {}
     }
     if let Some(kernel) = one_form_kernel(run, method)? {
         rows.push((

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::{Arithmetic, Graph, StepSize, Term};
+use leafwise_expression::{Arithmetic, Graph, Kernel, StepSize, Term};
 
 use super::geometry::LatticeGeometry;
 use super::observables::SiteDensity;
@@ -170,6 +170,13 @@ impl StepMap for LatticeMethod {
         )
     }
 
+    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+        self.program
+            .kernels()
+            .map(|kernel| ("a site", kernel))
+            .collect()
+    }
+
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
         let d = self.geometry.dimension();
         Box::new(LaneByLane::new(lanes, d, parameters, |parameters| {
@@ -288,7 +295,7 @@ fn reach(system: &SystemFormulas, geometry: &LatticeGeometry) -> Result<usize, B
             if graph.is_zero(&term) {
                 continue;
             }
-            for input in leafwise_expression::Kernel::compile_used(&graph, &[term], 0).1 {
+            for input in Kernel::compile_used(&graph, &[term], 0).1 {
                 let (_, site) = geometry.locate(input % d);
                 reach[which] = reach[which].max(shift(geometry, centre, site).unsigned_abs());
             }

@@ -105,6 +105,11 @@ impl LatticeProgram {
         self.offsets[longest.unwrap_or(0)]
     }
 
+    /// The kernels of all stages and classes of sites.
+    pub fn kernels(&self) -> impl Iterator<Item = &Kernel> {
+        self.stages.iter().flatten().map(|stencil| &stencil.kernel)
+    }
+
     /// The number of fields, one number a coordinate each.
     pub fn fields(&self) -> usize {
         self.fields

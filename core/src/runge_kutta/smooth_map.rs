@@ -75,6 +75,21 @@ impl std::fmt::Debug for SmoothMap {
 }
 
 impl SmoothMap {
+    /// The kernels of the values and the Jacobian, for reports; none of a map given by numbers.
+    pub fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+        match &self.source {
+            Source::Kernels { value, jacobian } => {
+                let jacobian = jacobian
+                    .iter()
+                    .map(|kernel| ("its Jacobian", kernel.as_ref()));
+                std::iter::once(("values", value.as_ref()))
+                    .chain(jacobian)
+                    .collect()
+            }
+            Source::Numbers(_) => Vec::new(),
+        }
+    }
+
     /// Compiles `outputs` over the graph's first `inputs` inputs and their derivatives.
     ///
     /// # Errors

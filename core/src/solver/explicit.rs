@@ -48,6 +48,11 @@ impl ExplicitMap {
         self.shared.step.step_operations()
     }
 
+    /// The code of one step.
+    pub fn kernel(&self) -> &Kernel {
+        &self.shared.step
+    }
+
     /// A worker that steps `lanes` trajectories at once, as [`StepMap::stepper`].
     ///
     /// [`StepMap::stepper`]: super::StepMap::stepper

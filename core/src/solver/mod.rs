@@ -21,6 +21,8 @@ pub use newton::{NewtonKernel, NewtonStepper};
 pub use properties::{MapProperties, Structure};
 pub(crate) use workers::Workers;
 
+use leafwise_expression::Kernel;
+
 use crate::error::StepError;
 
 /// The largest relative remainder that ends a solve: 1/32 of a unit roundoff. Unlike rounding it has
@@ -44,6 +46,11 @@ pub trait StepMap: Send + Sync {
     fn properties(&self) -> MapProperties;
     /// One line for reports: names and orders.
     fn describe(&self) -> String;
+    /// The kernels that its steps evaluate and what each computes, for reports; none where the
+    /// steps are numbers from elsewhere.
+    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+        Vec::new()
+    }
     /// A worker that steps `lanes` trajectories at once with these parameters (a structure of
     /// arrays over the lanes) and step sizes.
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper>;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use leafwise_core::solver::{MapProperties, SolverStatistics, StepMap, Stepper};
 use leafwise_core::{BuildError, StepError, two_sum};
+use leafwise_expression::Kernel;
 
 use crate::scheme::Scheme;
 
@@ -59,6 +60,10 @@ impl StepMap for Composed {
 
     fn describe(&self) -> String {
         format!("{} of {}", self.scheme.info.name, self.base.describe())
+    }
+
+    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+        self.base.kernels()
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {

@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
+use leafwise_core::dynamics::Generating;
 use leafwise_core::{
     BuildError, DynamicApproximation, GraphOfDifferential, LagrangianBisection, PoissonSystem,
     RealizationData,
 };
 
-use crate::coefficients::{first_order, generating_function};
+use crate::coefficients::first_order;
+use crate::form::shortest;
 use crate::numbers::GraphOfEnergy;
 
 /// The Hamilton–Jacobi approximation of even order m (paper, section 4.2 and Algorithm 1).
@@ -70,8 +72,8 @@ impl DynamicApproximation for HamiltonJacobi {
             return Ok(Arc::new(graph));
         }
         let generating = match realization.series() {
-            Some(series) => generating_function(system, series, self.order)?,
-            None if self.order == 2 => first_order(system)?,
+            Some(series) => shortest(system, series, self.order)?,
+            None if self.order == 2 => Generating::Polynomials(first_order(system)?),
             None => {
                 return Err(BuildError::Incompatible {
                     dynamics: self.describe(),

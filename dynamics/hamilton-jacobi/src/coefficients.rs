@@ -1,12 +1,12 @@
 //! l·S_l = [h^{l−1}] H(α(x, Σ_{k<l} hᵏ dS_k)).
 
-use leafwise_core::dynamics::GeneratingFunction;
-use leafwise_core::realization::SourceSeries;
+use leafwise_core::dynamics::{GeneratingCode, GeneratingFunction};
+use leafwise_core::realization::{SourceSeries, SourceSeriesIn};
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::series::{Tape, TaylorState};
-use leafwise_expression::{Arithmetic, Polynomial, Rational, Ring};
+use leafwise_expression::{DifferentialAlgebra, Graph, Polynomial, Rational, Ring};
 
-/// Ŝ with S_1, S_3, …, S_{m−1} at ε = 1 for an even order m (paper, section 4.2). Even
+/// Ŝ with S_1, S_3, …, S_{m−1} at ε = 1 for an even order m (paper, section 4.2), expanded. Even
 /// coefficients vanish by Proposition 1 and are not formed.
 ///
 /// # Errors
@@ -18,28 +18,77 @@ pub fn generating_function(
     order: usize,
 ) -> Result<GeneratingFunction, BuildError> {
     let mut ring = Ring::new(system.dimension());
-    let mut coefficients = Vec::new();
-    let mut gradients: Vec<Vec<Polynomial>> = Vec::new();
-    for_each_coefficient(
-        system,
-        series,
-        order.saturating_sub(1),
-        &mut ring,
-        |ring, l, s| {
-            if l % 2 == 0 {
-                return Ok(None);
-            }
-            let gradient = ring.gradient(&s)?;
-            coefficients.push(s);
-            gradients.push(gradient.clone());
-            Ok(Some(gradient))
-        },
-    )?;
+    let (coefficients, gradients) = odd_coefficients(system, series, order, &mut ring)?;
     Ok(GeneratingFunction {
         ring,
         coefficients,
         gradients,
     })
+}
+
+/// The same, unless it takes more than `products` products of terms: then `None`.
+///
+/// # Errors
+/// Those of [`generating_function`].
+pub fn within(
+    system: &PoissonSystem,
+    series: &dyn SourceSeries,
+    order: usize,
+    products: u64,
+) -> Result<Option<GeneratingFunction>, BuildError> {
+    let mut ring = Ring::limited(system.dimension(), products);
+    let formed = odd_coefficients(system, series, order, &mut ring);
+    if ring.is_spent() {
+        return Ok(None);
+    }
+    let (coefficients, gradients) = formed?;
+    Ok(Some(GeneratingFunction {
+        ring,
+        coefficients,
+        gradients,
+    }))
+}
+
+/// The same as straight-line code.
+///
+/// # Errors
+/// Those of [`generating_function`].
+pub fn generating_code(
+    system: &PoissonSystem,
+    series: &dyn SourceSeries,
+    order: usize,
+) -> Result<GeneratingCode, BuildError> {
+    let mut graph = Graph::new();
+    let (coefficients, gradients) = odd_coefficients(system, series, order, &mut graph)?;
+    Ok(GeneratingCode {
+        graph,
+        coefficients,
+        gradients,
+    })
+}
+
+/// S_l and dS_l for odd l < m.
+type Coefficients<E> = (Vec<E>, Vec<Vec<E>>);
+
+fn odd_coefficients<A: DifferentialAlgebra, S: SourceSeriesIn<A> + ?Sized>(
+    system: &PoissonSystem,
+    series: &S,
+    order: usize,
+    algebra: &mut A,
+) -> Result<Coefficients<A::Element>, BuildError> {
+    let d = system.dimension();
+    let (mut coefficients, mut gradients) = (Vec::new(), Vec::new());
+    let last = order.saturating_sub(1);
+    for_each_coefficient(system, series, last, algebra, |algebra, l, s| {
+        if l % 2 == 0 {
+            return Ok(None);
+        }
+        let gradient = algebra.differential(&s, d)?;
+        coefficients.push(s);
+        gradients.push(gradient.clone());
+        Ok(Some(gradient))
+    })?;
+    Ok((coefficients, gradients))
 }
 
 /// S_1 = H, which is the same in every chart.
@@ -81,30 +130,33 @@ pub fn all_coefficients(
     Ok((ring, all))
 }
 
-/// Runs the recursion; `take(ring, l, S_l)` returns dS_l, or `None` for 0.
-fn for_each_coefficient(
+/// Runs the recursion; `take(algebra, l, S_l)` returns dS_l, or `None` for 0.
+fn for_each_coefficient<A: DifferentialAlgebra, S: SourceSeriesIn<A> + ?Sized>(
     system: &PoissonSystem,
-    series: &dyn SourceSeries,
+    series: &S,
     last: usize,
-    ring: &mut Ring,
-    mut take: impl FnMut(&mut Ring, usize, Polynomial) -> Result<Option<Vec<Polynomial>>, BuildError>,
+    algebra: &mut A,
+    mut take: impl FnMut(&mut A, usize, A::Element) -> Result<Option<Vec<A::Element>>, BuildError>,
 ) -> Result<(), BuildError> {
     let system = system.formulas(crate::register::INFO.name)?;
     let d = system.dimension();
     let mut tape = Tape::new();
     let energy = tape.record(system.hamiltonian())?;
     let mut state = TaylorState::new(&tape);
-    let mut source = series.start(ring)?;
-    let mut alpha: Vec<Polynomial> = (0..d).map(|i| ring.variable(i)).collect();
+    let mut source = series.start(algebra)?;
+    let mut alpha: Vec<A::Element> = (0..d).map(|i| algebra.coordinate(i)).collect();
     for l in 1..=last {
-        state.extend(&tape, ring, |_, i| alpha[i].clone())?;
-        let s = ring.scale(
+        state.extend(&tape, algebra, |_, i| alpha[i].clone())?;
+        let s = algebra.scale(
             &Rational::new(1, l as i64),
             state.coefficient(energy, l - 1),
         );
-        let gradient = take(ring, l, s)?.unwrap_or_else(|| vec![Polynomial::zero(); d]);
+        let gradient = match take(algebra, l, s)? {
+            Some(gradient) => gradient,
+            None => vec![algebra.zero(); d],
+        };
         if l < last {
-            alpha = source.push(ring, gradient)?;
+            alpha = source.push(algebra, gradient)?;
         }
     }
     Ok(())

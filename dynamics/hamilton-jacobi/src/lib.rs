@@ -4,13 +4,15 @@
 //! ∂_h S = H∘α_ε(x, dS), S_0 = 0 (paper, section 4.2). The S_l come from the untruncated series of
 //! the realization's chart, whatever its order n.
 //!
-//! - [`coefficients`]: the recursion for S_l in exact algebra.
+//! - [`coefficients`]: the recursion for S_l, in exact algebra or as code.
+//! - `form`: which of the two.
 //! - [`numbers`]: graph(h dH) for systems of numbers.
 //! - [`bisection`]: graph(dŜ) as a Lagrangian bisection.
 //! - `register`: the part `hamilton-jacobi`.
 
 pub mod bisection;
 pub mod coefficients;
+mod form;
 pub mod numbers;
 mod register;
 

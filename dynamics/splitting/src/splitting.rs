@@ -136,6 +136,10 @@ impl StepMap for Splitting {
         format!("{} into {pieces} pieces", INFO.name)
     }
 
+    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+        vec![("step", self.shared.step.kernel())]
+    }
+
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
         self.shared.step.stepper(lanes, parameters, epsilon, h)
     }

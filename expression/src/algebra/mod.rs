@@ -3,6 +3,7 @@
 mod generator;
 mod monomial;
 mod polynomial;
+mod rewriting;
 mod ring;
 
 pub use generator::{Atom, Generator};

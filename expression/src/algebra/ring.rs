@@ -18,11 +18,13 @@ use crate::rational::Rational;
 pub struct Ring {
     variables: usize,
     generators: Vec<Generator>,
-    symbols: FxHashMap<Generator, Symbol>,
+    pub(super) symbols: FxHashMap<Generator, Symbol>,
     atoms: Vec<Atom>,
     atom_symbols: FxHashMap<Atom, Symbol>,
     derivatives: FxHashMap<(Symbol, usize), Polynomial>,
-    has_relations: bool,
+    pub(super) has_relations: bool,
+    /// Products of terms that may still be formed.
+    remaining: u64,
 }
 
 impl Ring {
@@ -36,7 +38,29 @@ impl Ring {
             atom_symbols: FxHashMap::default(),
             derivatives: FxHashMap::default(),
             has_relations: false,
+            remaining: u64::MAX,
         }
+    }
+
+    /// The same for at most `products` products of terms. Once they are spent every further product
+    /// is 0, so that a computation that grows too long soon ends: who sets a limit asks
+    /// [`is_spent`](Self::is_spent) before taking a result.
+    pub fn limited(variables: usize, products: u64) -> Self {
+        Self {
+            remaining: products,
+            ..Self::new(variables)
+        }
+    }
+
+    /// Whether the limit was reached, and results are void.
+    pub fn is_spent(&self) -> bool {
+        self.remaining == 0
+    }
+
+    /// Whether so many products of terms may be formed; none may after a refusal.
+    pub(super) fn spend(&mut self, products: usize) -> bool {
+        self.remaining = self.remaining.saturating_sub(products as u64);
+        !self.is_spent()
     }
 
     /// The number d of state variables.
@@ -101,13 +125,16 @@ impl Ring {
         let mut plain = Vec::new();
         for (monomial, coefficient) in f.terms() {
             for &(symbol, exponent) in monomial.factors() {
+                if self.is_spent() {
+                    return Ok(Polynomial::zero());
+                }
                 let rest = monomial.shifted(symbol, -1);
                 let factor = coefficient.scaled(&Rational::from_integer(exponent.into()));
                 if usize::from(symbol) == variable {
                     plain.push((rest, factor));
                 } else if usize::from(symbol) >= self.variables {
                     let inner = self.generator_derivative(symbol, variable)?;
-                    if !inner.is_zero() {
+                    if !inner.is_zero() && self.spend(inner.terms().len()) {
                         parts.push((Rational::one(), inner.times_term(&rest, &factor)));
                     }
                 }
@@ -159,84 +186,6 @@ impl Ring {
         };
         self.derivatives.insert((symbol, variable), result.clone());
         Ok(result)
-    }
-
-    /// The normal form under the generators' relations.
-    fn normalize(&mut self, mut f: Polynomial) -> Polynomial {
-        if !self.has_relations {
-            return f;
-        }
-        loop {
-            let mut settled = Vec::new();
-            let mut rewritten = Vec::new();
-            for (monomial, coefficient) in f.terms() {
-                match self.rewrite(monomial) {
-                    None => settled.push((monomial.clone(), coefficient.clone())),
-                    Some(replacement) => {
-                        rewritten.push(replacement.times_term(&Monomial::one(), coefficient));
-                    }
-                }
-            }
-            if rewritten.is_empty() {
-                return f;
-            }
-            f = Polynomial::collect(
-                settled
-                    .into_iter()
-                    .chain(rewritten.iter().flat_map(|r| r.terms().to_vec())),
-            );
-        }
-    }
-
-    /// One application of a relation to a monomial, `None` when it is in normal form.
-    fn rewrite(&self, monomial: &Monomial) -> Option<Polynomial> {
-        let one = || Coefficient::from_rational(&Rational::one());
-        for &(symbol, exponent) in monomial.factors() {
-            let Some(generator) = self.generator(symbol) else {
-                continue;
-            };
-            match generator {
-                Generator::Inverse(u) => {
-                    let (leading, _) = u.terms().last().expect("an inverse has terms");
-                    if exponent > 0 && monomial.is_multiple_of(leading) {
-                        let rest = monomial.multiply(&leading.inverse());
-                        let tail = u
-                            .terms()
-                            .iter()
-                            .rev()
-                            .skip(1)
-                            .map(|(m, c)| (rest.multiply(m), c.scaled(&-Rational::one())));
-                        return Some(Polynomial::collect(
-                            tail.chain(std::iter::once((rest.shifted(symbol, -1), one()))),
-                        ));
-                    }
-                    if exponent < 0 {
-                        let rest = monomial.shifted(symbol, 1);
-                        return Some(u.times_term(&rest, &one()));
-                    }
-                }
-                Generator::Root(u, q) if exponent >= *q as i16 => {
-                    return Some(u.times_term(&monomial.shifted(symbol, -(*q as i16)), &one()));
-                }
-                Generator::Function(function @ (Function::Cos | Function::Cosh), u)
-                    if exponent >= 2 =>
-                {
-                    let (partner, sign) = if *function == Function::Cos {
-                        (Function::Sin, -Rational::one())
-                    } else {
-                        (Function::Sinh, Rational::one())
-                    };
-                    let partner = self.symbols[&Generator::Function(partner, u.clone())];
-                    let rest = monomial.shifted(symbol, -2);
-                    return Some(Polynomial::collect([
-                        (rest.clone(), one()),
-                        (rest.shifted(partner, 2), one().scaled(&sign)),
-                    ]));
-                }
-                _ => {}
-            }
-        }
-        None
     }
 
     /// 1/c in the field of the parameters.
@@ -433,6 +382,9 @@ impl Arithmetic for Ring {
     }
 
     fn multiply(&mut self, a: &Polynomial, b: &Polynomial) -> Polynomial {
+        if !self.spend(a.terms().len() * b.terms().len()) {
+            return Polynomial::zero();
+        }
         self.normalize(a.product(b))
     }
 

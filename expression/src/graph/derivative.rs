@@ -2,7 +2,6 @@
 
 use super::node::{Graph, Node, Operation, Term, Tier};
 use crate::arithmetic::{AlgebraError, Arithmetic, function_derivative};
-use crate::rational::Rational;
 
 impl Graph {
     /// ∂(term)/∂(input), shared with everything already in the graph.
@@ -29,10 +28,6 @@ impl Graph {
         if let Some(known) = self.derivatives.get(&(node, input)) {
             return Ok(known.clone());
         }
-        let unit = |node| Term {
-            scale: Rational::one(),
-            node,
-        };
         let result = match self.operation(node).clone() {
             Operation::One
             | Operation::Pi
@@ -53,56 +48,52 @@ impl Graph {
             Operation::Product(a, b) => {
                 let da = self.node_derivative(a, input)?;
                 let db = self.node_derivative(b, input)?;
-                let left = self.multiply(&da, &unit(b));
-                let right = self.multiply(&unit(a), &db);
+                let left = self.multiply(&da, &Term::of(b));
+                let right = self.multiply(&Term::of(a), &db);
                 self.add(&left, &right)
             }
-            Operation::Reciprocal(a) => {
+            Operation::Reciprocal(a)
+            | Operation::Function(_, a)
+            | Operation::Analytic(_, _, a)
+            | Operation::Power(a, _) => {
                 let inner = self.node_derivative(a, input)?;
                 if self.is_zero(&inner) {
                     inner
                 } else {
-                    let square = self.multiply(&unit(node), &unit(node));
-                    let product = self.multiply(&square, &inner);
-                    self.negate(&product)
-                }
-            }
-            Operation::Function(function, a) => {
-                let inner = self.node_derivative(a, input)?;
-                if self.is_zero(&inner) {
-                    inner
-                } else {
-                    let outer = function_derivative(self, function, &unit(a), &unit(node))?;
-                    self.multiply(&outer, &inner)
-                }
-            }
-            Operation::Analytic(function, order, a) => {
-                let inner = self.node_derivative(a, input)?;
-                if self.is_zero(&inner) {
-                    inner
-                } else {
-                    let outer = self.apply_analytic(function, order + 1, &unit(a));
-                    self.multiply(&outer, &inner)
-                }
-            }
-            Operation::Power(a, exponent) => {
-                let inner = self.node_derivative(a, input)?;
-                if self.is_zero(&inner) {
-                    inner
-                } else {
-                    // a^(b−1), not a^b/a: finite at a = 0 for b ≥ 1.
-                    let one = self.one();
-                    let lower = self.subtract(&unit(exponent), &one);
-                    let power = match self.as_rational(&lower).and_then(|r| r.to_i64()) {
-                        Some(integer) => self.integer_power(&unit(a), integer)?,
-                        None => self.power(&unit(a), &lower)?,
-                    };
-                    let outer = self.multiply(&unit(exponent), &power);
+                    let outer = self.outer_derivative(node)?;
                     self.multiply(&outer, &inner)
                 }
             }
         };
         self.derivatives.insert((node, input), result.clone());
         Ok(result)
+    }
+
+    /// f′(a) of a node f(a): a reciprocal, a function or a power.
+    pub(super) fn outer_derivative(&mut self, node: Node) -> Result<Term, AlgebraError> {
+        Ok(match *self.operation(node) {
+            Operation::Function(function, a) => {
+                function_derivative(self, function, &Term::of(a), &Term::of(node))?
+            }
+            Operation::Analytic(function, order, a) => {
+                self.apply_analytic(function, order + 1, &Term::of(a))
+            }
+            Operation::Power(a, exponent) => {
+                // a^(b−1), not a^b/a: finite at a = 0 for b ≥ 1.
+                let (a, exponent) = (Term::of(a), Term::of(exponent));
+                let one = self.one();
+                let lower = self.subtract(&exponent, &one);
+                let power = match self.as_rational(&lower).and_then(|r| r.to_i64()) {
+                    Some(integer) => self.integer_power(&a, integer)?,
+                    None => self.power(&a, &lower)?,
+                };
+                self.multiply(&exponent, &power)
+            }
+            // −1/a² of a reciprocal.
+            _ => {
+                let square = self.multiply(&Term::of(node), &Term::of(node));
+                self.negate(&square)
+            }
+        })
     }
 }

@@ -2,6 +2,8 @@
 
 mod derivative;
 mod factor;
+mod gradient;
+mod import;
 mod lift;
 mod node;
 

@@ -76,6 +76,16 @@ pub struct Term {
     pub node: Node,
 }
 
+impl Term {
+    /// The node itself.
+    pub fn of(node: Node) -> Self {
+        Self {
+            scale: Rational::one(),
+            node,
+        }
+    }
+}
+
 /// Straight-line code under construction: every operation is interned, so equal subexpressions are
 /// one node; rational factors are pulled out of products and sums, so that proportional
 /// subexpressions are one node too.
@@ -123,6 +133,23 @@ impl Graph {
     /// The operation of a node.
     pub fn operation(&self, node: Node) -> &Operation {
         &self.operations[node.index()]
+    }
+
+    /// The nodes that a node's operation reads.
+    pub fn operands(&self, node: Node) -> Vec<Node> {
+        match self.operation(node) {
+            Operation::One
+            | Operation::Pi
+            | Operation::Parameter(_)
+            | Operation::StepSize(_)
+            | Operation::Input(_) => Vec::new(),
+            Operation::Sum(terms) => terms.iter().map(|t| t.1).collect(),
+            Operation::Scale(_, a)
+            | Operation::Reciprocal(a)
+            | Operation::Function(_, a)
+            | Operation::Analytic(_, _, a) => vec![*a],
+            Operation::Product(a, b) | Operation::Power(a, b) => vec![*a, *b],
+        }
     }
 
     /// The node of an operation that was asked for before.

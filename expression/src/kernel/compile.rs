@@ -134,7 +134,7 @@ fn count_uses(graph: &Graph, outputs: &[Term]) -> Vec<u32> {
     }
     for index in (0..graph.len()).rev() {
         if uses[index] > 0 {
-            for operand in operands(graph, Node(index as u32)) {
+            for operand in graph.operands(Node(index as u32)) {
                 uses[operand.index()] += 1;
             }
         }
@@ -148,7 +148,7 @@ fn imported_coefficients(graph: &Graph, outputs: &[Term], live: &[bool]) -> Vec<
     let mut imported: Vec<Node> = (0..graph.len() as u32)
         .map(Node)
         .filter(|n| live[n.index()] && graph.tier(*n) == Tier::Step)
-        .flat_map(|n| operands(graph, n))
+        .flat_map(|n| graph.operands(n))
         .chain(
             outputs
                 .iter()
@@ -160,22 +160,6 @@ fn imported_coefficients(graph: &Graph, outputs: &[Term], live: &[bool]) -> Vec<
     imported.sort_unstable();
     imported.dedup();
     imported
-}
-
-fn operands(graph: &Graph, node: Node) -> Vec<Node> {
-    match graph.operation(node) {
-        Operation::One
-        | Operation::Pi
-        | Operation::Parameter(_)
-        | Operation::StepSize(_)
-        | Operation::Input(_) => Vec::new(),
-        Operation::Sum(terms) => terms.iter().map(|t| t.1).collect(),
-        Operation::Scale(_, a)
-        | Operation::Reciprocal(a)
-        | Operation::Function(_, a)
-        | Operation::Analytic(_, _, a) => vec![*a],
-        Operation::Product(a, b) | Operation::Power(a, b) => vec![*a, *b],
-    }
 }
 
 /// The multiplications by constants that a sum takes: one for each size of factor but 1.
@@ -256,7 +240,7 @@ impl<'a> Emitter<'a> {
         let mut wanted = vec![node];
         let mut pending = vec![node];
         while let Some(next) = pending.pop() {
-            for operand in operands(self.graph, next) {
+            for operand in self.graph.operands(next) {
                 let absent = !self.places.contains_key(&operand);
                 if absent && operand != Graph::ONE && !wanted.contains(&operand) {
                     wanted.push(operand);
@@ -355,7 +339,7 @@ impl<'a> Emitter<'a> {
         };
         self.places.insert(node, slot);
         if let Some(cosine) = self.beside(node, Function::Sin, Function::Cos) {
-            let a = self.place(operands(self.graph, node)[0]);
+            let a = self.place(self.graph.operands(node)[0]);
             let function = Function::Cos;
             let slot = self.push(|out| Instruction::Apply { function, out, a });
             self.places.insert(cosine, slot);

@@ -31,6 +31,16 @@ impl Execution {
         }
     }
 
+    /// What does the work on this machine, for reports.
+    pub fn describe(self) -> &'static str {
+        match self {
+            _ if !MachineCode::is_available() => "interpreter",
+            Self::Interpreted => "interpreter",
+            Self::Compiled => "machine code",
+            Self::Adaptive => "interpreter, then machine code",
+        }
+    }
+
     /// Sets what [`Kernel::workspace`](super::Kernel::workspace) takes from now on.
     pub fn set_default_of_process(self) {
         DEFAULT.store(self as u8, Ordering::Relaxed);
@@ -132,6 +142,9 @@ pub struct MachineCodeSize {
 impl fmt::Display for MachineCodeSize {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { lanes, bytes, .. } = self;
-        write!(f, "{bytes} bytes for {lanes} lanes")
+        match lanes {
+            1 => write!(f, "{bytes} bytes for one lane"),
+            _ => write!(f, "{bytes} bytes for {lanes} lanes"),
+        }
     }
 }

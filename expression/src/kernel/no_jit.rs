@@ -7,6 +7,10 @@ use super::code::Code;
 pub(super) enum MachineCode {}
 
 impl MachineCode {
+    pub(super) fn is_available() -> bool {
+        false
+    }
+
     pub(super) fn compile(_code: &Code, _lanes: usize) -> Option<Self> {
         None
     }

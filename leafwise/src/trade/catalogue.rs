@@ -1,6 +1,7 @@
 //! The methods that are compared on a scene.
 
 use leafwise_core::Accuracy;
+use leafwise_core::dynamics::Generating;
 use leafwise_core::part::{ParameterSetting, PartKind};
 use leafwise_scene::compose::Stepping;
 use leafwise_scene::document::{MethodParts, MethodTable, PartUse};
@@ -283,13 +284,18 @@ fn accuracy(candidate: &Candidate) -> Option<Accuracy> {
     }
 }
 
-/// The monomials of dS's last term, 0 where dS is not known.
+/// The monomials of dS's last term, or the nodes of its code; 0 where dS is not known.
 fn monomials(candidate: &Candidate) -> usize {
     let written = candidate.run.method.written();
     let generating = written.and_then(|method| method.bisection().generating_function());
-    generating
-        .and_then(|generating| generating.gradients.last())
-        .map_or(0, |last| last.iter().map(|p| p.terms().len()).sum())
+    match generating {
+        Some(Generating::Polynomials(function)) => function
+            .gradients
+            .last()
+            .map_or(0, |last| last.iter().map(|p| p.terms().len()).sum()),
+        Some(Generating::Code(code)) => code.graph.len(),
+        None => 0,
+    }
 }
 
 /// Operations of one evaluation on a lattice.

@@ -1,8 +1,8 @@
 //! α(x, p(h)) = x − ½ Π p(h), coefficient by coefficient.
 
-use leafwise_core::realization::{SourceRecursion, SourceSeries};
+use leafwise_core::realization::{SourceRecursion, SourceSeriesIn};
 use leafwise_core::{BuildError, SystemFormulas};
-use leafwise_expression::{Arithmetic, Polynomial, Rational, Ring};
+use leafwise_expression::{DifferentialAlgebra, Rational};
 
 /// αₖ = −½ Π pₖ.
 #[derive(Clone, Debug)]
@@ -17,9 +17,9 @@ impl ConstantSeries {
     }
 }
 
-impl SourceSeries for ConstantSeries {
-    fn start(&self, ring: &mut Ring) -> Result<Box<dyn SourceRecursion>, BuildError> {
-        let x = (0..self.system.dimension()).map(|i| ring.variable(i));
+impl<A: DifferentialAlgebra> SourceSeriesIn<A> for ConstantSeries {
+    fn start(&self, algebra: &mut A) -> Result<Box<dyn SourceRecursion<A>>, BuildError> {
+        let x = (0..self.system.dimension()).map(|i| algebra.coordinate(i));
         Ok(Box::new(Recursion {
             x: x.collect(),
             system: self.system.clone(),
@@ -27,15 +27,15 @@ impl SourceSeries for ConstantSeries {
     }
 }
 
-struct Recursion {
+struct Recursion<E> {
     system: SystemFormulas,
-    x: Vec<Polynomial>,
+    x: Vec<E>,
 }
 
-impl SourceRecursion for Recursion {
-    fn push(&mut self, ring: &mut Ring, p: Vec<Polynomial>) -> Result<Vec<Polynomial>, BuildError> {
-        let rows = self.system.apply_tensor(ring, &self.x, &p)?;
+impl<A: DifferentialAlgebra> SourceRecursion<A> for Recursion<A::Element> {
+    fn push(&mut self, algebra: &mut A, p: Vec<A::Element>) -> Result<Vec<A::Element>, BuildError> {
+        let rows = self.system.apply_tensor(algebra, &self.x, &p)?;
         let factor = Rational::new(-1, 2);
-        Ok(rows.iter().map(|row| ring.scale(&factor, row)).collect())
+        Ok(rows.iter().map(|row| algebra.scale(&factor, row)).collect())
     }
 }

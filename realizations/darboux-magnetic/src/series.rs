@@ -1,9 +1,9 @@
 //! α along p(h), coefficient by coefficient.
 
 use leafwise_core::BuildError;
-use leafwise_core::realization::{SourceRecursion, SourceSeries};
+use leafwise_core::realization::{SourceRecursion, SourceSeriesIn};
 use leafwise_expression::series::{Tape, TapeIndex, TaylorState};
-use leafwise_expression::{Arithmetic, Expression, Polynomial, Rational, Ring};
+use leafwise_expression::{Arithmetic, DifferentialAlgebra, Expression, Rational};
 
 use crate::chart::MagneticChart;
 
@@ -22,8 +22,8 @@ impl MagneticSeries {
     }
 }
 
-impl SourceSeries for MagneticSeries {
-    fn start(&self, ring: &mut Ring) -> Result<Box<dyn SourceRecursion>, BuildError> {
+impl<A: DifferentialAlgebra> SourceSeriesIn<A> for MagneticSeries {
+    fn start(&self, algebra: &mut A) -> Result<Box<dyn SourceRecursion<A>>, BuildError> {
         let d = self.dimension;
         let mut tape = Tape::new();
         let mut potentials = Vec::with_capacity(self.chart.pairs.len());
@@ -35,19 +35,19 @@ impl SourceSeries for MagneticSeries {
             })?);
         }
         let mut state = TaylorState::new(&tape);
-        state.extend(&tape, ring, |ring, at| {
+        state.extend(&tape, algebra, |algebra, at| {
             if at < d {
-                ring.variable(at)
+                algebra.coordinate(at)
             } else {
-                ring.zero()
+                algebra.zero()
             }
         })?;
         let mut slopes = Vec::with_capacity(potentials.len());
         for a in &self.chart.pairs {
             let mut row = Vec::with_capacity(potentials.len());
             for (b, potential) in self.chart.pairs.iter().zip(&potentials) {
-                let slope = ring.derivative(state.coefficient(*potential, 0), a.position)?;
-                row.push(ring.scale(&(&a.sign * &b.sign), &slope));
+                let slope = algebra.partial(state.coefficient(*potential, 0), a.position)?;
+                row.push(algebra.scale(&(&a.sign * &b.sign), &slope));
             }
             slopes.push(row);
         }
@@ -63,48 +63,48 @@ impl SourceSeries for MagneticSeries {
     }
 }
 
-struct Recursion {
+struct Recursion<E> {
     dimension: usize,
     chart: MagneticChart,
     tape: Tape,
     /// A_i(x − δ) on the tape.
     potentials: Vec<TapeIndex>,
-    state: TaylorState<Polynomial>,
+    state: TaylorState<E>,
     /// s_i s_j ∂_i A_j.
-    slopes: Vec<Vec<Polynomial>>,
+    slopes: Vec<Vec<E>>,
     order: usize,
 }
 
-impl SourceRecursion for Recursion {
-    fn push(&mut self, ring: &mut Ring, p: Vec<Polynomial>) -> Result<Vec<Polynomial>, BuildError> {
+impl<A: DifferentialAlgebra> SourceRecursion<A> for Recursion<A::Element> {
+    fn push(&mut self, algebra: &mut A, p: Vec<A::Element>) -> Result<Vec<A::Element>, BuildError> {
         let d = self.dimension;
         let half = Rational::new(1, 2);
         let pairs = &self.chart.pairs;
-        let mut deltas = vec![Polynomial::zero(); d];
+        let mut deltas = vec![algebra.zero(); d];
         for pair in pairs {
-            deltas[pair.position] = ring.scale(&(&half * &pair.sign), &p[pair.momentum]);
+            deltas[pair.position] = algebra.scale(&(&half * &pair.sign), &p[pair.momentum]);
         }
-        self.state.extend(&self.tape, ring, |ring, at| {
+        self.state.extend(&self.tape, algebra, |algebra, at| {
             if at < d {
-                ring.zero()
+                algebra.zero()
             } else {
                 deltas[at - d].clone()
             }
         })?;
         self.order += 1;
-        let mut source = vec![Polynomial::zero(); d];
+        let mut source = vec![algebra.zero(); d];
         for (i, pair) in pairs.iter().enumerate() {
-            source[pair.position] = ring.negate(&deltas[pair.position]);
+            source[pair.position] = algebra.negate(&deltas[pair.position]);
             let moved = self.state.coefficient(self.potentials[i], self.order);
             let mut terms = vec![
                 (&half * &pair.sign, p[pair.position].clone()),
                 (Rational::one(), moved.clone()),
             ];
             for (slope, other) in self.slopes[i].iter().zip(pairs) {
-                let product = ring.multiply(slope, &deltas[other.position]);
+                let product = algebra.multiply(slope, &deltas[other.position]);
                 terms.push((Rational::one(), product));
             }
-            source[pair.momentum] = ring.combine(&terms);
+            source[pair.momentum] = algebra.combine(&terms);
         }
         Ok(source)
     }

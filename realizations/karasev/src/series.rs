@@ -1,8 +1,8 @@
-//! The untruncated series of Karasev's α along p(h), in the exact ring.
+//! The untruncated series of Karasev's α along p(h).
 
-use leafwise_core::realization::{SourceRecursion, SourceSeries};
+use leafwise_core::realization::{SourceRecursion, SourceSeriesIn};
 use leafwise_core::{BuildError, SystemFormulas};
-use leafwise_expression::{Polynomial, Ring};
+use leafwise_expression::DifferentialAlgebra;
 
 use crate::curve::KarasevCurve;
 
@@ -19,10 +19,10 @@ impl KarasevSeries {
     }
 }
 
-impl SourceSeries for KarasevSeries {
-    fn start(&self, ring: &mut Ring) -> Result<Box<dyn SourceRecursion>, BuildError> {
-        let x: Vec<Polynomial> = (0..self.system.dimension())
-            .map(|i| ring.variable(i))
+impl<A: DifferentialAlgebra> SourceSeriesIn<A> for KarasevSeries {
+    fn start(&self, algebra: &mut A) -> Result<Box<dyn SourceRecursion<A>>, BuildError> {
+        let x: Vec<A::Element> = (0..self.system.dimension())
+            .map(|i| algebra.coordinate(i))
             .collect();
         Ok(Box::new(Recursion {
             curve: KarasevCurve::new(&self.system, &x)?,
@@ -30,13 +30,13 @@ impl SourceSeries for KarasevSeries {
     }
 }
 
-struct Recursion {
-    curve: KarasevCurve<Polynomial>,
+struct Recursion<E> {
+    curve: KarasevCurve<E>,
 }
 
-impl SourceRecursion for Recursion {
-    fn push(&mut self, ring: &mut Ring, p: Vec<Polynomial>) -> Result<Vec<Polynomial>, BuildError> {
-        self.curve.push(ring, &p)?;
-        Ok(self.curve.source(ring, self.curve.order()))
+impl<A: DifferentialAlgebra> SourceRecursion<A> for Recursion<A::Element> {
+    fn push(&mut self, algebra: &mut A, p: Vec<A::Element>) -> Result<Vec<A::Element>, BuildError> {
+        self.curve.push(algebra, &p)?;
+        Ok(self.curve.source(algebra, self.curve.order()))
     }
 }

@@ -1,9 +1,9 @@
 //! The Cayley chart R = (1 − ½\[q\]×)⁻¹(1 + ½\[q\]×), q = εp: rational, for every q.
 
 use leafwise_core::BuildError;
-use leafwise_core::realization::{SourceRecursion, SourceSeries};
+use leafwise_core::realization::{SourceRecursion, SourceSeriesIn};
 use leafwise_expression::{
-    AlgebraError, Arithmetic, Function, Graph, Polynomial, Rational, Ring, Term,
+    AlgebraError, Arithmetic, DifferentialAlgebra, Function, Graph, Rational, Term,
 };
 
 use crate::tensor::RotationTensor;
@@ -45,32 +45,35 @@ impl CayleySeries {
     }
 }
 
-impl SourceSeries for CayleySeries {
-    fn start(&self, ring: &mut Ring) -> Result<Box<dyn SourceRecursion>, BuildError> {
+impl<A: DifferentialAlgebra> SourceSeriesIn<A> for CayleySeries {
+    fn start(&self, algebra: &mut A) -> Result<Box<dyn SourceRecursion<A>>, BuildError> {
+        let mut factor = algebra.formed(3, |ring| {
+            Ok::<_, BuildError>(vec![self.tensor.factor(ring)?])
+        })?;
         Ok(Box::new(Recursion {
-            factor: self.tensor.factor(ring)?,
-            x: (0..3).map(|i| ring.variable(i)).collect(),
+            factor: factor.swap_remove(0),
+            x: (0..3).map(|i| algebra.coordinate(i)).collect(),
             q: Vec::new(),
             along: Vec::new(),
         }))
     }
 }
 
-struct Recursion {
+struct Recursion<E> {
     /// λ.
-    factor: Polynomial,
-    x: Vec<Polynomial>,
+    factor: E,
+    x: Vec<E>,
     /// q_1, q_2, …
-    q: Vec<Vec<Polynomial>>,
+    q: Vec<Vec<E>>,
     /// q_1·x, q_2·x, …
-    along: Vec<Polynomial>,
+    along: Vec<E>,
 }
 
-impl SourceRecursion for Recursion {
-    fn push(&mut self, ring: &mut Ring, p: Vec<Polynomial>) -> Result<Vec<Polynomial>, BuildError> {
-        let q = times(ring, &self.factor, &p);
-        self.along.push(dot(ring, &q, &self.x));
-        let moment = cross(ring, &self.x, &q);
+impl<A: DifferentialAlgebra> SourceRecursion<A> for Recursion<A::Element> {
+    fn push(&mut self, algebra: &mut A, p: Vec<A::Element>) -> Result<Vec<A::Element>, BuildError> {
+        let q = times(algebra, &self.factor, &p);
+        self.along.push(dot(algebra, &q, &self.x));
+        let moment = cross(algebra, &self.x, &q);
         self.q.push(q);
         let orders = self.q.len();
         let mut alpha = Vec::with_capacity(3);
@@ -78,10 +81,10 @@ impl SourceRecursion for Recursion {
             let mut terms = vec![(Rational::new(-1, 2), moment[i].clone())];
             // q_a (q_b·x) with a + b = k; both lists start at order 1.
             for a in 0..orders.saturating_sub(1) {
-                let product = ring.multiply(&self.q[a][i], &self.along[orders - 2 - a]);
+                let product = algebra.multiply(&self.q[a][i], &self.along[orders - 2 - a]);
                 terms.push((Rational::new(1, 4), product));
             }
-            alpha.push(ring.combine(&terms));
+            alpha.push(algebra.combine(&terms));
         }
         Ok(alpha)
     }

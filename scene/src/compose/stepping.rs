@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use leafwise_core::lattice::{LatticeGeometry, LatticeMethod, LatticeObservables};
 use leafwise_core::{Method, StepMap, Structure};
+use leafwise_expression::Execution;
 
 /// How a scene's steps are taken.
 #[derive(Clone)]
@@ -113,7 +114,8 @@ impl Stepping {
             (Self::Lattice(_), _) => "sweeps over a lattice".to_owned(),
             _ => "a step map of its own".to_owned(),
         };
-        format!("expressions, compiled to straight-line code; {path}; interpreter")
+        let execution = Execution::default_of_process().describe();
+        format!("expressions, compiled to straight-line code; {path}; {execution}")
     }
 
     /// What one iteration of the solver costs: labels and counts.

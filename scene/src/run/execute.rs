@@ -81,7 +81,7 @@ pub fn run(
     let page = render_report(&data)?;
     let path = directory.path.join(REPORT);
     fs::write(&path, page).map_err(RunError::io(&path))?;
-    beginning.write_ended(&report)?;
+    beginning.write_ended(&report, composed.method.map())?;
     Ok(report)
 }
 

@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use leafwise_core::Origin;
 use leafwise_core::diagnostics::Verdict;
+use leafwise_core::{Origin, StepMap};
 use leafwise_expression::OperationCount;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -183,7 +183,7 @@ impl Beginning {
     }
 
     /// Writes the manifest of a run of one trajectory that has ended.
-    pub fn write_ended(&self, report: &RunReport) -> Result<(), RunError> {
+    pub fn write_ended(&self, report: &RunReport, map: &dyn StepMap) -> Result<(), RunError> {
         let drift: Map<String, Value> = report
             .invariants
             .iter()
@@ -209,6 +209,7 @@ impl Beginning {
                 "failures": report.statistics.failures,
             },
             "drift": drift,
+            "machine_code": machine_code(map),
         });
         if let RunOutcome::Failed(failure) = &report.outcome {
             ending["failure"] = json!({
@@ -272,6 +273,20 @@ pub(crate) fn plugins(run: &ComposedRun) -> Vec<PluginRecord> {
 fn write(directory: &Path, fields: Map<String, Value>) -> Result<(), RunError> {
     let text = format!("{:#}\n", Value::Object(fields));
     replace(&directory.join(FILE), text.as_bytes())
+}
+
+/// The kernels of the steps that were compiled to machine code, for each number of lanes.
+fn machine_code(map: &dyn StepMap) -> Vec<Value> {
+    let mut compiled = Vec::new();
+    for (name, kernel) in map.kernels() {
+        for size in kernel.machine_code() {
+            compiled.push(json!({
+                "kernel": name, "operations": kernel.step_operations().total(),
+                "lanes": size.lanes, "bytes": size.bytes,
+            }));
+        }
+    }
+    compiled
 }
 
 fn operations(count: OperationCount) -> Value {

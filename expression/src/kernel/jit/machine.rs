@@ -63,6 +63,11 @@ pub(in crate::kernel) struct MachineCode {
 }
 
 impl MachineCode {
+    /// Whether this machine has a compiler.
+    pub(in crate::kernel) fn is_available() -> bool {
+        host().is_some()
+    }
+
     /// Compiles `code` for `lanes` lanes; `None` where the platform cannot or forbids it.
     pub(in crate::kernel) fn compile(code: &Code, lanes: usize) -> Option<Self> {
         Self::compile_by(Backend::best(lanes), code, lanes)

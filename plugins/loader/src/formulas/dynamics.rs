@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::dynamics::GeneratingFunction;
+use leafwise_core::dynamics::{Generating, GeneratingFunction};
 use leafwise_core::part::PartInfo;
 use leafwise_core::registry::DynamicsPart;
 use leafwise_core::{
@@ -150,11 +150,11 @@ impl DynamicApproximation for FormulaDynamics {
             gradients.push(ring.gradient(&s)?);
             coefficients.push(s);
         }
-        let generating = GeneratingFunction {
+        let generating = Generating::Polynomials(GeneratingFunction {
             ring,
             coefficients,
             gradients,
-        };
+        });
         let parameters = system.parameters().len();
         let describe = self.describe();
         let graph = GraphOfDifferential::new(generating, realization, parameters, &describe)?;

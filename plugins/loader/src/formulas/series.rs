@@ -1,9 +1,9 @@
 //! The exact series of α along p(h), from its formulas.
 
 use leafwise_core::BuildError;
-use leafwise_core::realization::{SourceRecursion, SourceSeries};
+use leafwise_core::realization::{SourceRecursion, SourceSeriesIn};
 use leafwise_expression::series::{Tape, TapeIndex, TaylorState};
-use leafwise_expression::{AlgebraError, Arithmetic, Expression, Polynomial, Rational, Ring};
+use leafwise_expression::{AlgebraError, DifferentialAlgebra, Expression, Rational};
 
 /// [hᵏ] α_1(x, Σ_{k≥1} pₖ hᵏ).
 #[derive(Clone, Debug)]
@@ -77,8 +77,8 @@ fn at_one(formula: &Expression, epsilon: usize) -> Expression {
     }
 }
 
-impl SourceSeries for FormulaSeries {
-    fn start(&self, ring: &mut Ring) -> Result<Box<dyn SourceRecursion>, BuildError> {
+impl<A: DifferentialAlgebra> SourceSeriesIn<A> for FormulaSeries {
+    fn start(&self, algebra: &mut A) -> Result<Box<dyn SourceRecursion<A>>, BuildError> {
         let mut tape = Tape::new();
         let alpha = self
             .alpha
@@ -87,39 +87,41 @@ impl SourceSeries for FormulaSeries {
             .collect::<Result<Vec<_>, AlgebraError>>()?;
         let mut recursion = Recursion {
             state: TaylorState::new(&tape),
-            x: (0..self.alpha.len()).map(|i| ring.variable(i)).collect(),
+            x: (0..self.alpha.len())
+                .map(|i| algebra.coordinate(i))
+                .collect(),
             tape,
             alpha,
             order: 0,
         };
         let d = self.alpha.len();
         let (tape, x) = (&recursion.tape, &recursion.x);
-        recursion.state.extend(tape, ring, |ring, index| {
+        recursion.state.extend(tape, algebra, |algebra, index| {
             if index < d {
                 x[index].clone()
             } else {
-                ring.zero()
+                algebra.zero()
             }
         })?;
         Ok(Box::new(recursion))
     }
 }
 
-struct Recursion {
+struct Recursion<E> {
     tape: Tape,
-    state: TaylorState<Polynomial>,
-    x: Vec<Polynomial>,
+    state: TaylorState<E>,
+    x: Vec<E>,
     alpha: Vec<TapeIndex>,
     /// The last known order.
     order: usize,
 }
 
-impl SourceRecursion for Recursion {
-    fn push(&mut self, ring: &mut Ring, p: Vec<Polynomial>) -> Result<Vec<Polynomial>, BuildError> {
+impl<A: DifferentialAlgebra> SourceRecursion<A> for Recursion<A::Element> {
+    fn push(&mut self, algebra: &mut A, p: Vec<A::Element>) -> Result<Vec<A::Element>, BuildError> {
         let d = self.x.len();
-        self.state.extend(&self.tape, ring, |ring, index| {
+        self.state.extend(&self.tape, algebra, |algebra, index| {
             if index < d {
-                ring.zero()
+                algebra.zero()
             } else {
                 p[index - d].clone()
             }

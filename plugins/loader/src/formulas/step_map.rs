@@ -6,7 +6,7 @@ use leafwise_core::part::PartInfo;
 use leafwise_core::registry::StepperPart;
 use leafwise_core::solver::ExplicitMap;
 use leafwise_core::{BuildError, MapProperties, PartParameters, PoissonSystem, StepMap, Stepper};
-use leafwise_expression::{AlgebraError, Expression, Graph, StepSize, Term};
+use leafwise_expression::{AlgebraError, Expression, Graph, Kernel, StepSize, Term};
 
 use super::keys::{names, numbered, only, parse, refused, scope, values};
 use crate::declaration::{Dimensions, PartDeclaration};
@@ -118,6 +118,10 @@ impl StepMap for FormulaStepMap {
 
     fn describe(&self) -> String {
         self.name.to_owned()
+    }
+
+    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+        vec![("step", self.map.kernel())]
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {

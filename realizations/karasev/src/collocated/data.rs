@@ -7,6 +7,8 @@ use leafwise_core::{
     RealizationWorker, SourceSeries, StepMap,
 };
 
+use leafwise_expression::Kernel;
+
 use super::curve::Curve;
 use super::field::Field;
 use super::fused::{FusedStep, OneForm};
@@ -32,6 +34,10 @@ pub(super) const FEWEST_POINTS: usize = 2;
 const MOST_POINTS: usize = 24;
 
 impl CollocatedKarasev {
+    pub(super) fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+        self.field.kernels()
+    }
+
     /// The realization at `points` nodes, or at as many as the step needs.
     ///
     /// # Errors

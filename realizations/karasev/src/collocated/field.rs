@@ -42,6 +42,17 @@ impl Field {
         })
     }
 
+    /// What is evaluated, for reports; nothing of a system given by numbers.
+    pub(super) fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+        match &self.source {
+            Source::Kernels { value, slopes, .. } => vec![
+                ("tensor times momentum", value.as_ref()),
+                ("its derivatives", slopes.as_ref()),
+            ],
+            Source::Numbers(_) => Vec::new(),
+        }
+    }
+
     pub(super) fn worker(&self, parameters: &[f64]) -> FieldWorker {
         let d = self.dimension;
         let evaluator = match &self.source {

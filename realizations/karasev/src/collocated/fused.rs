@@ -12,6 +12,7 @@ use leafwise_core::{
     BuildError, CodeOneForm, LagrangianBisection, MapProperties, OneFormWorker, PoissonSystem,
     RealizationData, RealizationWorker, StepError, StepMap, Stepper,
 };
+use leafwise_expression::Kernel;
 use nalgebra::DMatrix;
 
 use super::curve::Curve;
@@ -94,6 +95,14 @@ impl StepMap for FusedStep {
 
     fn describe(&self) -> String {
         self.describe.clone()
+    }
+
+    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+        let mut kernels = self.data.kernels();
+        if let OneForm::Code(form) = &self.form {
+            kernels.extend(form.kernels());
+        }
+        kernels
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {

@@ -1,0 +1,81 @@
+//! Code of one graph written into another.
+
+use super::node::{Graph, Node, Operation, Term};
+use crate::arithmetic::{AlgebraError, Arithmetic};
+use crate::rational::Rational;
+
+impl Graph {
+    /// `terms` of `other` with `inputs[i]` for its input i, written here.
+    ///
+    /// # Errors
+    /// [`AlgebraError`] where an operation has no value on the new inputs, such as 1/0.
+    pub fn import(
+        &mut self,
+        other: &Self,
+        terms: &[Term],
+        inputs: &[Term],
+    ) -> Result<Vec<Term>, AlgebraError> {
+        let mut is_read = vec![false; other.len()];
+        for term in terms {
+            is_read[term.node.index()] = true;
+        }
+        for index in (0..other.len()).rev() {
+            if !is_read[index] {
+                continue;
+            }
+            for operand in other.operands(Node(index as u32)) {
+                is_read[operand.index()] = true;
+            }
+        }
+        // Operands come before their uses.
+        let mut known: Vec<Option<Term>> = vec![None; other.len()];
+        for index in (0..other.len()).filter(|&index| is_read[index]) {
+            let code = self.import_node(other.operation(Node(index as u32)), &known, inputs)?;
+            known[index] = Some(code);
+        }
+        let of = |node: Node| known[node.index()].as_ref();
+        let scaled = |term: &Term| {
+            let code = of(term.node).expect("what is read was written");
+            self.scale(&term.scale, code)
+        };
+        Ok(terms.iter().map(scaled).collect())
+    }
+
+    fn import_node(
+        &mut self,
+        operation: &Operation,
+        known: &[Option<Term>],
+        inputs: &[Term],
+    ) -> Result<Term, AlgebraError> {
+        let of = |node: Node| {
+            let code = known[node.index()].as_ref();
+            code.expect("operands are written before their uses")
+                .clone()
+        };
+        match operation {
+            Operation::One => Ok(self.one()),
+            Operation::Pi => Ok(self.pi()),
+            Operation::Parameter(index) => Ok(self.parameter(*index as usize)),
+            Operation::StepSize(which) => Ok(self.step_size(*which)),
+            Operation::Input(index) => Ok(inputs[*index as usize].clone()),
+            Operation::Sum(terms) => {
+                let terms: Vec<(Rational, Term)> = terms
+                    .iter()
+                    .map(|(scale, node)| (scale.clone(), of(*node)))
+                    .collect();
+                Ok(self.combine(&terms))
+            }
+            Operation::Scale(scale, a) => Ok(self.scale(scale, &of(*a))),
+            Operation::Product(a, b) => Ok(self.multiply(&of(*a), &of(*b))),
+            Operation::Reciprocal(a) => {
+                let one = self.one();
+                self.divide(&one, &of(*a))
+            }
+            Operation::Function(function, a) => self.apply(*function, &of(*a)),
+            Operation::Analytic(function, order, a) => {
+                Ok(self.apply_analytic(*function, *order, &of(*a)))
+            }
+            Operation::Power(a, b) => self.power(&of(*a), &of(*b)),
+        }
+    }
+}
