@@ -97,6 +97,8 @@ pub enum Command {
 pub enum PluginCommand {
     /// List the libraries of the search path, without loading any
     List(PluginListArguments),
+    /// Try a library, load it, and measure its parts against what they declare
+    Check(PluginCheckArguments),
     /// Try a library and report to the process that waits
     #[command(hide = true)]
     Probe {
@@ -108,6 +110,17 @@ pub enum PluginCommand {
 /// Arguments of `plugin list`.
 #[derive(Args, Clone, Debug)]
 pub struct PluginListArguments {
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `plugin check`.
+#[derive(Args, Clone, Debug)]
+pub struct PluginCheckArguments {
+    /// The library: a path, or a name in the search path
+    #[arg(value_name = "PATH")]
+    pub path: PathBuf,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub json: bool,
@@ -127,6 +140,7 @@ impl Command {
             Self::Compare(arguments) => arguments.json,
             Self::Tune(arguments) => arguments.json,
             Self::Plugin(PluginCommand::List(arguments)) => arguments.json,
+            Self::Plugin(PluginCommand::Check(arguments)) => arguments.json,
             Self::Plugin(PluginCommand::Probe { .. }) | Self::New(_) => false,
         }
     }

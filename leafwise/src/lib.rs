@@ -7,10 +7,12 @@
 //! - [`plugins`]: parts of third parties from shared libraries.
 //! - [`scene`]: scene files, composed, run and reported.
 //! - [`library`]: the problem library as a scene's source of systems.
+//! - [`conformance`]: is one part, built-in or of a plugin, what it declares?
 //! - [`verify`]: what every part really does, measured against what it declares.
 //! - [`trade`]: cost against accuracy, measured on a scene.
 //! - [`prelude`]: what most programs need.
 
+pub mod conformance;
 pub mod library;
 pub mod prelude;
 pub mod trade;

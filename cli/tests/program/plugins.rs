@@ -7,11 +7,11 @@ mod build;
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
-use build::Workshop;
+use build::{Workshop, rust_example};
 
-use crate::support::{Place, Said};
+use crate::support::{Place, Said, wait_for};
 
 /// The program with folders of its own for its cache, and no plugins of this machine.
 fn command(here: &Place, arguments: &[&str]) -> Command {
@@ -236,4 +236,160 @@ fn a_scene_may_say_which_file_it_means() {
     assert_eq!(said.code, Some(4));
     let found = said.json()["error"]["refusal"]["hash"]["found"].clone();
     assert_eq!(with(found.as_str().expect("the file's hash")).code, Some(0));
+}
+
+/// A system in C, a realization in Rust, the program's own dynamics: they run, and do what they declare.
+#[test]
+fn parts_of_two_libraries_run_and_pass_verify() {
+    let (here, workshop) = (Place::new(), Workshop::new());
+    let system = workshop.compile("../../../examples/c/gyrostat");
+    let realization = rust_example();
+    let text = scene(
+        &[&system, &realization],
+        "library = \"example-c/gyrostat\"\nparameters = { rotor = 0.25 }",
+        "realization = { name = \"example/so3-rodrigues\", path = \"numbers\" }\n\
+         dynamics = { name = \"hamilton-jacobi\", order = 2 }",
+        "[0.3, 1.0, -0.7]",
+    );
+    here.write(
+        "scene.toml",
+        &text.replace("time-step = 0.05", "time-step = 0.1"),
+    );
+    let said = leafwise(&here, &["run", "scene.toml", "--json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let spin = said.json()["drift"]["spin"].as_f64().expect("the Casimir");
+    assert!(spin <= 200.0 * f64::EPSILON, "{spin:e}");
+    let manifest = here.read("runs/scene/manifest.json");
+    let manifest: serde_json::Value = serde_json::from_str(&manifest).expect("JSON");
+    let plugins = manifest["plugins"].as_array().expect("the libraries");
+    assert_eq!(plugins.len(), 2);
+    for plugin in plugins {
+        assert_eq!(plugin["sha256"].as_str().map(str::len), Some(64));
+        assert_eq!(plugin["abi"], "1.0");
+    }
+    assert_eq!(manifest["system"]["path"], "numbers");
+    let said = leafwise(&here, &["check", "scene.toml", "--json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert_eq!(said.json()["jacobi"]["verdict"], "numerically zero");
+    let said = leafwise(&here, &["verify", "scene.toml", "--json"]);
+    let json = said.json();
+    let rows = json["rows"].as_array().expect("rows");
+    let broken: Vec<_> = rows.iter().filter(|row| row["met"] != true).collect();
+    assert_eq!(said.code, Some(0), "{broken:#?}");
+    let own = rows.iter().filter(|row| {
+        let map = row["map"].as_str().unwrap_or_default();
+        map.contains("example/so3-rodrigues") && map.contains("Hamilton")
+    });
+    let own: Vec<_> = own.collect();
+    assert!(!own.is_empty(), "{rows:#?}");
+    for row in own {
+        assert_eq!(row["declared"]["structure"], "exact");
+        assert_eq!(row["measured"]["judgements"]["structure"], "met", "{row:#}");
+        assert_eq!(row["measured"]["judgements"]["order"], "met", "{row:#}");
+    }
+}
+
+/// What was begun with one file of a plugin is not continued with another.
+#[test]
+fn a_run_is_not_continued_with_another_file_of_a_plugin() {
+    let (here, workshop) = (Place::new(), Workshop::new());
+    let library = workshop.compile("formulas");
+    let system = "library = \"formulas/pendulum\"";
+    let method = "realization = \"auto\"\ndynamics = { name = \"hamilton-jacobi\", order = 2 }";
+    let text = scene(&[&library], system, method, "[1, 0]");
+    let text = text.replace("steps = 200", "steps = 2000000\nrecord = { every = 100 }");
+    here.write("scene.toml", &text);
+    let mut child = command(&here, &["run", "scene.toml"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the program starts");
+    let checkpoint = here.path("runs/scene/checkpoint.bin");
+    wait_for(|| checkpoint.exists(), "the first checkpoint");
+    child.kill().expect("killed");
+    child.wait().expect("an end");
+    let first = fs::read(&library).expect("the library");
+    let other = workshop.compile_with("formulas", &["-O1"]);
+    assert_ne!(fs::read(other).expect("the library"), first);
+    let said = leafwise(&here, &["run", "scene.toml"]);
+    assert_eq!(said.code, Some(2), "{}", said.err);
+    said.says(&[
+        "holds a run begun with another",
+        "libformulas.so",
+        "--force",
+    ]);
+    fs::remove_file(&library).expect("our own file");
+    fs::write(&library, first).expect("a writable folder");
+    let said = leafwise(&here, &["run", "scene.toml"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    said.says(&["resumed at step"]);
+}
+
+/// What is wrong with a part's mathematics is told, with the instrument that found it.
+#[test]
+fn a_check_finds_what_a_part_declares_and_is_not() {
+    let (here, workshop) = (Place::new(), Workshop::new());
+    for (name, quantity) in [
+        ("still", "order"),
+        ("not_poisson", "Jacobi's identity"),
+        ("not_exact", "alpha is Poisson"),
+    ] {
+        let library = workshop.compile(name);
+        let path = library.to_str().expect("UTF-8");
+        let said = leafwise(&here, &["plugin", "check", path, "--json"]);
+        assert_eq!(said.code, Some(5), "{}{}", said.out, said.err);
+        let json = said.json();
+        assert_eq!(json["outcome"], "not met");
+        let findings = json["parts"][0]["findings"].as_array().expect("findings");
+        let broken = findings.iter().find(|f| f["judgement"] == "not-met");
+        assert_eq!(
+            broken.expect("one is broken")["quantity"],
+            quantity,
+            "{json:#}"
+        );
+        let said = leafwise(&here, &["plugin", "check", path]);
+        assert_eq!(said.code, Some(5));
+        assert!(said.out.contains("FAILS  "), "{}", said.out);
+    }
+    let library = workshop.compile("wrong_maths");
+    let path = library.to_str().expect("UTF-8");
+    let said = leafwise(&here, &["plugin", "check", path, "--json"]);
+    assert_eq!(said.code, Some(4), "{}", said.err);
+    let said = leafwise(&here, &["plugin", "check", path, "--no-plugins"]);
+    assert_eq!(said.code, Some(4), "{}", said.err);
+}
+
+#[test]
+fn the_examples_pass_their_check() {
+    let (here, workshop) = (Place::new(), Workshop::new());
+    let c = workshop.compile("../../../examples/c/gyrostat");
+    let rust = rust_example();
+    let check = |library: &Path| {
+        let path = library.to_str().expect("UTF-8");
+        let said = leafwise(&here, &["plugin", "check", path]);
+        assert_eq!(said.code, Some(0), "{}{}", said.out, said.err);
+        said.out
+    };
+    let has = |text: &str, pieces: &[&str]| {
+        for piece in pieces {
+            assert!(text.contains(piece), "`{piece}` is missing from:\n{text}");
+        }
+    };
+    let pieces = [
+        "example-c 1.0.0",
+        "Jacobi's identity",
+        "Casimir spin",
+        "Hessian of H",
+    ];
+    has(&check(&c), &pieces);
+    let pieces = [
+        "example/so3-rodrigues, a realization",
+        "alpha is Poisson",
+        "{alpha, beta} = 0",
+        "rigid-body (numbers)",
+        "rigid-body (expressions)",
+        "the same bits on 16 lanes",
+        "Casimir population",
+    ];
+    has(&check(&rust), &pieces);
 }

@@ -2,9 +2,8 @@
 
 use std::io::Read;
 use std::process::{Child, Stdio};
-use std::time::{Duration, Instant};
 
-use crate::support::{BODY, Place, gallery};
+use crate::support::{BODY, Place, gallery, wait_for};
 
 #[test]
 fn a_run_prints_the_fixed_names_and_a_table() {
@@ -144,17 +143,6 @@ fn explain_counts_the_operations_of_every_kernel() {
         .find_map(|word| word.parse().ok())
         .expect("a number of operations");
     assert!(count <= 200, "{line}");
-}
-
-fn wait_for(mut is_so: impl FnMut() -> bool, what: &str) {
-    let start = Instant::now();
-    while !is_so() {
-        assert!(
-            start.elapsed() < Duration::from_secs(60),
-            "{what} did not happen"
-        );
-        std::thread::sleep(Duration::from_millis(5));
-    }
 }
 
 /// A run of a few seconds, started and going.

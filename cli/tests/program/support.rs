@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
@@ -96,6 +97,18 @@ impl Place {
         entries
             .filter_map(Result::ok)
             .all(|entry| entry.file_name() == "scene.toml")
+    }
+}
+
+/// Waits until something has happened.
+pub fn wait_for(mut is_so: impl FnMut() -> bool, what: &str) {
+    let start = Instant::now();
+    while !is_so() {
+        assert!(
+            start.elapsed() < Duration::from_secs(60),
+            "{what} did not happen"
+        );
+        std::thread::sleep(Duration::from_millis(5));
     }
 }
 

@@ -23,7 +23,8 @@ pub struct Differences {
 /// DF(x) of a map with `outputs` components, by central differences over δ, δ/2 and δ/4 extrapolated to
 /// order 6 in δ, each coordinate in steps of its own size.
 ///
-/// The error is the last extrapolation's change, and the round-off of F over the smallest step.
+/// The error is the difference of the two slopes of order 4, which holds what the map's own noise, such as
+/// that of a solve, puts into them, and the round-off of F over the smallest step.
 ///
 /// # Errors
 /// The map's [`StepError`].
@@ -64,9 +65,8 @@ pub fn jacobian_by_differences(
         for (i, [whole, half, quarter]) in slopes.into_iter().enumerate() {
             let coarse = half + (half - whole) / 3.0;
             let fine = quarter + (quarter - half) / 3.0;
-            let change = (fine - coarse) / 15.0;
-            jacobian[(i, k)] = fine + change;
-            error[(i, k)] = change.abs() + noise[i];
+            jacobian[(i, k)] = fine + (fine - coarse) / 15.0;
+            error[(i, k)] = (fine - coarse).abs() + noise[i];
         }
     }
     Ok(Differences { jacobian, error })
@@ -99,6 +99,22 @@ mod tests {
                     assert!(estimate <= 1e-10 * largest, "{x:?}: {estimate:e}");
                 }
             }
+        }
+    }
+
+    /// A solve that stops at 1e-12 puts that into the values, and a thousand times as much into slopes.
+    #[test]
+    fn the_noise_of_a_map_is_in_the_estimate() {
+        for k in 0..50 {
+            let x = 1.0 + 0.01 * f64::from(k);
+            let found = jacobian_by_differences(&[x], 1, |at, out| {
+                out[0] = at[0] + 1e-12 * libm::sin(1e9 * at[0]);
+                Ok(())
+            })
+            .expect("a map");
+            let error = (found.jacobian[0] - 1.0).abs();
+            let estimate = found.error[0];
+            assert!(error <= 4.0 * estimate, "{x}: {error:e} > 4 * {estimate:e}");
         }
     }
 }

@@ -71,8 +71,14 @@ impl Convergence {
             .filter(|e| e.1 < LARGEST_ERROR)
             .collect();
         let round_off = floor.round_off;
+        // Where no step is small enough, that errors do not fall is all there is to see.
+        let seen = if asymptotic.is_empty() {
+            &errors
+        } else {
+            &asymptotic
+        };
         Ok(Self {
-            order: MeasuredOrder::of(&asymptotic, round_off, gap),
+            order: MeasuredOrder::of(seen, round_off, gap),
             errors,
             round_off,
         })

@@ -68,7 +68,7 @@ impl Defects {
     /// Whether every defect is round-off, or what differences leave; `None` where none could be
     /// measured.
     pub fn is_round_off(&self) -> Option<bool> {
-        let is_none = |m: &Measured| m.defect <= PLATEAU[1].max(m.floor);
+        let is_none = |m: &Measured| m.defect <= PLATEAU[1] || !m.is_told();
         (!self.points.is_empty()).then(|| self.points.iter().all(|(_, m)| is_none(m)))
     }
 }

@@ -2,7 +2,7 @@
 
 /// The size of round-off, as the errors themselves show it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Floor {
+pub(crate) struct Floor {
     /// Its size as far as it is seen.
     pub round_off: f64,
     /// The most that may be round-off.

@@ -23,6 +23,7 @@ mod problem;
 mod survey;
 
 pub use candidates::Candidate;
+pub(crate) use floor::Floor;
 pub use judgement::Judgement;
 pub use measure::{Measured, measure};
 pub use order::MeasuredOrder;

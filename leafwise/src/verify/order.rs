@@ -19,7 +19,7 @@ pub struct MeasuredOrder {
 
 impl MeasuredOrder {
     /// The order of errors (t, error) whose next term is smaller by t^`gap`.
-    pub(super) fn of(points: &[(f64, f64)], round_off: f64, gap: f64) -> Self {
+    pub(crate) fn of(points: &[(f64, f64)], round_off: f64, gap: f64) -> Self {
         let fitted = fit_order(points, round_off, gap);
         Self {
             exponent: fitted.map(|order| order.exponent),
@@ -40,7 +40,7 @@ impl MeasuredOrder {
 
     /// Whether it is at least `declared`. Orders are whole numbers: the fit has to tell the declared
     /// one from the one below; a lower bound has to be nearer to it.
-    pub(super) fn judge(self, declared: usize) -> Judgement {
+    pub(crate) fn judge(self, declared: usize) -> Judgement {
         let declared = declared as f64;
         if let (Some(exponent), Some(tolerance)) = (self.exponent, self.tolerance) {
             if exponent + tolerance < declared {

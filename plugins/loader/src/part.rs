@@ -68,6 +68,10 @@ macro_rules! either {
                 $($name: $argument,)*
                 parameters: &PartParameters,
             ) -> Result<$result, BuildError> {
+                // What the functions of a part refuse, its formulas do not serve either.
+                if let (Some(_), Some(numbers)) = (&self.formulas, &self.numbers) {
+                    numbers.build($($name,)* parameters)?;
+                }
                 self.chosen(parameters)?.build($($name,)* parameters)
             }
 

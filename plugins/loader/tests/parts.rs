@@ -3,20 +3,20 @@
 #![cfg(unix)]
 
 mod support;
+#[path = "support/twins.rs"]
+mod twins;
 
 use std::sync::Arc;
 
-use leafwise_core::system::{Casimir, NumbersWorker, Parameter};
+use leafwise_core::system::{Casimir, Parameter};
 use leafwise_core::{
-    Accuracy, BuildError, Convention, Ends, Integrator, MapProperties, Method, Part,
-    PartParameters, PoissonSystem, RealizationData, RealizationWorker, Registry, SolverStatistics,
-    StepError, StepMap, Stepper, Structure,
+    BuildError, Convention, Integrator, Method, Part, PartParameters, PoissonSystem,
+    RealizationData, Registry, StepError, StepMap, Structure,
 };
-use leafwise_example_plugin::Rodrigues;
 use leafwise_expression::syntax::{Formula, Scope};
-use leafwise_plugin_sdk::ChartRealization;
 use support::build::{Workshop, rust_example};
 use support::{built_in, load};
+use twins::{HeunTwin, RodriguesTwin, gyrostat_twin};
 
 /// The rigid body by formulas, with moments of inertia as parameters.
 fn rigid_body() -> PoissonSystem {
@@ -102,69 +102,6 @@ fn distance(a: &[[u64; 3]], b: &[[u64; 3]]) -> f64 {
     (0..3).fold(0.0, |largest, i| (a[i] - b[i]).abs().max(largest))
 }
 
-/// The realization of the example plugin, compiled into this test: numbers alone.
-#[derive(Debug)]
-struct CompiledIn;
-
-impl RealizationData for CompiledIn {
-    fn dimension(&self) -> usize {
-        3
-    }
-    fn space_dimension(&self) -> usize {
-        6
-    }
-    fn accuracy(&self) -> Accuracy {
-        Accuracy::Exact
-    }
-    fn describe(&self) -> String {
-        "rodrigues".to_owned()
-    }
-    fn section(&self, x: &[f64], z: &mut [f64]) {
-        z[..3].copy_from_slice(x);
-        z[3..].fill(0.0);
-    }
-    fn worker(&self, _: &[f64], epsilon: f64) -> Option<Box<dyn RealizationWorker>> {
-        Some(Box::new(CompiledInWorker {
-            epsilon,
-            z: [0.0; 6],
-        }))
-    }
-}
-
-struct CompiledInWorker {
-    epsilon: f64,
-    z: [f64; 6],
-}
-
-impl RealizationWorker for CompiledInWorker {
-    fn ends(&mut self, z: &[f64], ends: &mut Ends) -> Result<(), StepError> {
-        self.z.copy_from_slice(z);
-        let (x, p) = z.split_at(3);
-        let (even, odd) = (&mut ends.offset, &mut ends.increment);
-        Rodrigues
-            .parts(self.epsilon, x, p, even, odd)
-            .expect("defined everywhere");
-        ends.base.copy_from_slice(x);
-        for (even, odd) in even.iter_mut().zip(odd) {
-            *even -= *odd;
-            *odd *= 2.0;
-        }
-        Ok(())
-    }
-
-    fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError> {
-        let (x, p) = self.z.split_at(3);
-        let parts = Rodrigues.jacobian(self.epsilon, x, p, target, increment);
-        parts.expect("defined everywhere");
-        for (even, odd) in target.iter_mut().zip(increment) {
-            *even -= *odd;
-            *odd *= 2.0;
-        }
-        (0..3).for_each(|i| target[i * 7] += 1.0);
-        Ok(())
-    }
-}
-
 #[test]
 fn a_realization_of_numbers_steps_to_the_same_bits_loaded_or_compiled_in() {
     let mut registry = built_in();
@@ -175,7 +112,7 @@ fn a_realization_of_numbers_steps_to_the_same_bits_loaded_or_compiled_in() {
     let loaded = loaded.expect("it fits");
     assert!(loaded.code().is_none());
     let dynamics = ("hamilton-jacobi", Some(2));
-    let here = method(&registry, &system, Arc::new(CompiledIn), dynamics).expect("a method");
+    let here = method(&registry, &system, Arc::new(RodriguesTwin), dynamics).expect("a method");
     let there = method(&registry, &system, loaded, dynamics).expect("a method");
     assert_eq!(there.path(), "workers");
     assert_eq!(there.properties(), here.properties());
@@ -233,87 +170,6 @@ fn a_realization_of_formulas_is_a_built_in_one() {
     );
 }
 
-/// The gyrostat of the C example in Rust, operation by operation.
-struct Gyrostat;
-
-impl NumbersWorker for Gyrostat {
-    fn tensor(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        let points = out.chunks_exact_mut(3).zip(y.chunks_exact(3));
-        for (at, (out, y)) in points.enumerate() {
-            let v = leafwise_core::system::numbers::vector(v, 3, at);
-            for a in 0..3 {
-                let (b, c) = ((a + 1) % 3, (a + 2) % 3);
-                out[a] = y[b] * v[c] - y[c] * v[b];
-            }
-        }
-        Ok(())
-    }
-
-    fn hamiltonian(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        for (out, y) in out.iter_mut().zip(y.chunks_exact(3)) {
-            let energy = (0..3).fold(0.0, |sum, a| sum + 0.5 * inverse_inertia(a) * y[a] * y[a]);
-            *out = energy - 0.3 * y[2];
-        }
-        Ok(())
-    }
-
-    fn gradient(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        for (out, y) in out.chunks_exact_mut(3).zip(y.chunks_exact(3)) {
-            for a in 0..3 {
-                out[a] = inverse_inertia(a) * y[a] - if a == 2 { 0.3 } else { 0.0 };
-            }
-        }
-        Ok(())
-    }
-
-    fn casimirs(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        for (out, y) in out.iter_mut().zip(y.chunks_exact(3)) {
-            *out = y[0] * y[0] + y[1] * y[1] + y[2] * y[2];
-        }
-        Ok(())
-    }
-
-    fn tensor_tangent(
-        &mut self,
-        _: &[f64],
-        v: &[f64],
-        w: &[f64],
-        out: &mut [f64],
-    ) -> Result<(), StepError> {
-        self.tensor(w, v, out)
-    }
-
-    fn hessian(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        let points = out.chunks_exact_mut(3).zip(y.chunks_exact(3));
-        for (at, (out, _)) in points.enumerate() {
-            let v = leafwise_core::system::numbers::vector(v, 3, at);
-            (0..3).for_each(|a| out[a] = inverse_inertia(a) * v[a]);
-        }
-        Ok(())
-    }
-}
-
-fn inverse_inertia(axis: usize) -> f64 {
-    1.0 / [1.0, 0.75, 1.25][axis]
-}
-
-#[derive(Debug)]
-struct GyrostatNumbers;
-
-impl leafwise_core::SystemNumbers for GyrostatNumbers {
-    fn derivatives(&self) -> leafwise_core::system::Derivatives {
-        leafwise_core::system::Derivatives {
-            tensor: true,
-            hamiltonian: true,
-            casimirs: false,
-        }
-    }
-
-    fn worker(&self, _: &[f64]) -> Box<dyn NumbersWorker> {
-        Box::new(Gyrostat)
-    }
-}
-
 fn c_example(workshop: &Workshop) -> std::path::PathBuf {
     workshop.compile("../../../examples/c/gyrostat")
 }
@@ -329,14 +185,7 @@ fn a_system_of_numbers_steps_to_the_same_bits_loaded_or_compiled_in() {
     assert_eq!(loaded.casimir_names(), ["spin"]);
     assert_eq!(loaded.parameter_values(), [1.0, 0.75, 1.25, 0.3]);
     assert_eq!(loaded.path(), "numbers");
-    let here: PoissonSystem = leafwise_core::system::OpaqueSystem {
-        name: "gyrostat".to_owned(),
-        variables: loaded.variables().to_vec(),
-        parameters: loaded.parameters().to_vec(),
-        casimirs: vec!["spin".to_owned()],
-        numbers: Arc::new(GyrostatNumbers),
-    }
-    .into();
+    let here = gyrostat_twin(&loaded);
     let run = |system: &PoissonSystem| {
         let defaults = PartParameters::new();
         let realization = realization(&registry, "karasev-collocated", system, defaults);
@@ -383,10 +232,12 @@ fn parts_of_two_libraries_make_one_method() {
     // The realization refuses other tensors, with its own words.
     let part = registry.system("example/epidemic").expect("the epidemic");
     let epidemic = part.build(&PartParameters::new()).expect("its defaults");
-    let numbers = PartParameters::new().with("path", "numbers");
-    let refused = realization(&registry, "example/so3-rodrigues", &epidemic, numbers);
-    let text = refused.expect_err("another tensor").to_string();
-    assert!(text.contains("the tensor is not that of so(3)*"), "{text}");
+    for path in ["numbers", "expressions"] {
+        let path = PartParameters::new().with("path", path);
+        let refused = realization(&registry, "example/so3-rodrigues", &epidemic, path);
+        let text = refused.expect_err("another tensor").to_string();
+        assert!(text.contains("the tensor is not that of so(3)*"), "{text}");
+    }
 }
 
 #[test]
@@ -507,78 +358,6 @@ fn pendulum_on_three() -> PoissonSystem {
     .expect("a system")
 }
 
-/// Heun's rule as the C fixture has it, operation by operation.
-struct Heun {
-    worker: Box<dyn NumbersWorker>,
-    t: f64,
-    weight: f64,
-}
-
-impl Heun {
-    fn field(&mut self, y: &[f64]) -> [f64; 3] {
-        let (mut gradient, mut out) = ([0.0; 3], [0.0; 3]);
-        self.worker.gradient(y, &mut gradient).expect("formulas");
-        self.worker
-            .tensor(y, &gradient, &mut out)
-            .expect("formulas");
-        out.map(|v| -v)
-    }
-}
-
-impl Stepper for Heun {
-    fn increment(
-        &mut self,
-        x: &[f64],
-        _: &[f64],
-        increment: &mut [f64],
-        outcome: &mut [Result<(), StepError>],
-    ) {
-        let (t, w) = (self.t, self.weight);
-        let first = self.field(x);
-        let stage: Vec<f64> = x.iter().zip(&first).map(|(x, f)| x + t * f).collect();
-        let second = self.field(&stage);
-        for j in 0..3 {
-            increment[j] = t * ((1.0 - w) * first[j] + w * second[j]);
-        }
-        outcome[0] = Ok(());
-    }
-    fn restart(&mut self) {}
-    fn statistics(&self) -> SolverStatistics {
-        SolverStatistics::default()
-    }
-    fn memory(&self) -> Vec<f64> {
-        Vec::new()
-    }
-    fn restore(&mut self, _: &[f64]) -> Result<(), usize> {
-        Ok(())
-    }
-}
-
-struct HeunMap(PoissonSystem);
-
-impl StepMap for HeunMap {
-    fn dimension(&self) -> usize {
-        3
-    }
-    fn properties(&self) -> MapProperties {
-        MapProperties {
-            order: 2,
-            structure: Structure::None,
-            self_adjoint: Some(false),
-        }
-    }
-    fn describe(&self) -> String {
-        "heun".to_owned()
-    }
-    fn stepper(&self, _: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
-        Box::new(Heun {
-            worker: self.0.numbers().expect("formulas").worker(parameters),
-            t: epsilon * h,
-            weight: 0.25,
-        })
-    }
-}
-
 #[test]
 fn a_step_map_of_numbers_steps_to_the_same_bits_on_any_number_of_lanes() {
     let workshop = Workshop::new();
@@ -587,7 +366,7 @@ fn a_step_map_of_numbers_steps_to_the_same_bits_on_any_number_of_lanes() {
     let system = rigid_body();
     let part = registry.stepper("steps/heun").expect("Heun's rule");
     let loaded = part.build(&system, &PartParameters::new().with("weight", 0.25));
-    let (loaded, here) = (loaded.expect("it fits"), HeunMap(system.clone()));
+    let (loaded, here) = (loaded.expect("it fits"), HeunTwin(system.clone()));
     assert_eq!(loaded.properties(), here.properties());
     assert_eq!(
         orbit(&system, loaded.as_ref(), 300),

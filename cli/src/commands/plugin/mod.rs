@@ -1,5 +1,6 @@
 //! `leafwise plugin`: plugins found, and plugins tried.
 
+mod check;
 mod list;
 
 use std::path::Path;
@@ -20,6 +21,7 @@ pub fn execute(
     console: &mut Console<'_>,
 ) -> Result<u8, Failure> {
     match command {
+        PluginCommand::Check(arguments) => check::execute(arguments, plugins, console),
         PluginCommand::List(arguments) => list::execute(arguments, plugins, console),
         PluginCommand::Probe { path } => Ok(probe(path)),
     }

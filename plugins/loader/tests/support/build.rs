@@ -83,20 +83,26 @@ impl Workshop {
 
 /// The library of the example plugin in Rust, built in this test's profile.
 pub fn rust_example() -> PathBuf {
+    let package = ["-p", "leafwise-example-plugin", "--lib"];
+    cargo_library(&package, "leafwise_example_plugin")
+}
+
+/// A library among the examples of the kit for Rust, which are plugins for these tests.
+pub fn rust_fixture(name: &str) -> PathBuf {
+    cargo_library(&["-p", "leafwise-plugin-sdk", "--example", name], name)
+}
+
+/// The shared library that Cargo makes of a target.
+fn cargo_library(target: &[&str], name: &str) -> PathBuf {
     let profile = if cfg!(debug_assertions) {
         "test"
     } else {
         "release"
     };
     let output = Command::new(env!("CARGO"))
-        .args([
-            "build",
-            "-p",
-            "leafwise-example-plugin",
-            "--lib",
-            "--profile",
-            profile,
-        ])
+        .arg("build")
+        .args(target)
+        .args(["--profile", profile])
         .arg("--message-format=json-render-diagnostics")
         .current_dir(plugins())
         .output()
@@ -106,7 +112,7 @@ pub fn rust_example() -> PathBuf {
     String::from_utf8_lossy(&output.stdout)
         .lines()
         .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())
-        .filter(|message| message["target"]["name"] == "leafwise_example_plugin")
+        .filter(|message| message["target"]["name"] == name)
         .filter_map(|message| message["filenames"].as_array().cloned())
         .flatten()
         .filter_map(|file| file.as_str().map(PathBuf::from))

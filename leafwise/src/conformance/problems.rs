@@ -1,0 +1,136 @@
+//! What parts are tried on.
+
+use leafwise_core::registry::SystemPart;
+use leafwise_core::{
+    BuildError, Integrator, PartKind, PartParameters, PoissonSystem, Registry, StepError,
+};
+use leafwise_scene::{NoLibrary, SceneDocument};
+
+use crate::verify::Problem;
+
+/// Systems of the library: linear, log-canonical, nonlinear, with a magnetic field, of dimension 6.
+const LIBRARY: [&str; 5] = [
+    "rigid-body",
+    "lotka-volterra-periodic",
+    "gradient",
+    "magnetic",
+    "heavy-top",
+];
+
+/// Canonical systems: a pendulum, and Hénon and Heiles'.
+const CANONICAL: [(&str, &str); 2] = [
+    (
+        "pendulum",
+        "[system]\nvariables = [\"q\", \"p\"]\nbracket = { \"q,p\" = \"-1\" }\n\
+         hamiltonian = \"p^2/2 - cos(q)\"\n[method]\ntime-step = 0.1\n\
+         [run]\ninitial = [1.0, 0.5]\nsteps = 1\n",
+    ),
+    (
+        "Henon-Heiles",
+        "[system]\nvariables = [\"q1\", \"q2\", \"p1\", \"p2\"]\n\
+         bracket = { \"q1,p1\" = \"-1\", \"q2,p2\" = \"-1\" }\n\
+         hamiltonian = \"(p1^2 + p2^2 + q1^2 + q2^2)/2 + q1^2*q2 - q2^3/3\"\n\
+         [method]\ntime-step = 0.1\n[run]\ninitial = [0.3, 0.1, -0.2, 0.25]\nsteps = 1\n",
+    ),
+];
+
+/// The problems of the library, and those of plugins.
+pub(super) fn all(registry: &Registry) -> Vec<Problem> {
+    let canonical = CANONICAL.into_iter().map(|(name, text)| {
+        let document = SceneDocument::parse(name, text, &NoLibrary).expect("a scene of this file");
+        Problem::of_scene(&document).expect("a system of this file")
+    });
+    let library = LIBRARY
+        .into_iter()
+        .map(|id| Problem::of_library(id).expect("a system of the library"));
+    library
+        .chain(canonical)
+        .chain(of_plugins(registry))
+        .collect()
+}
+
+/// The systems that plugins added to the registry.
+pub(super) fn of_plugins(registry: &Registry) -> Vec<Problem> {
+    let systems = registry.parts().into_iter();
+    systems
+        .filter(|info| info.kind == PartKind::System)
+        .filter_map(|info| registry.system(info.name).ok())
+        .filter_map(|part| of_part(registry, part.as_ref(), &PartParameters::new()).ok()?)
+        .collect()
+}
+
+/// The system of a part at a state of its domain, `None` where no state tried is one.
+///
+/// # Errors
+/// [`BuildError`] of the part.
+pub(super) fn of_part(
+    registry: &Registry,
+    part: &dyn SystemPart,
+    parameters: &PartParameters,
+) -> Result<Option<Problem>, BuildError> {
+    let system = part.build(parameters)?;
+    let found = states(system.dimension()).into_iter().find_map(|initial| {
+        let time_step = time_step(registry, &system, &initial).ok()?;
+        Some((initial, time_step))
+    });
+    Ok(found.map(|(initial, time_step)| Problem {
+        name: part.info().name.to_owned(),
+        system,
+        initial,
+        time_step,
+    }))
+}
+
+/// States that most domains contain: positive and all different, then of both signs, then small.
+fn states(d: usize) -> Vec<Vec<f64>> {
+    let state = |size: f64, step: f64, sign: f64| -> Vec<f64> {
+        let at = |i: usize| size + step * (i % 8) as f64 + (i / 8) as f64 / 64.0;
+        let signed = |i: usize| {
+            if i.is_multiple_of(2) {
+                at(i)
+            } else {
+                sign * at(i)
+            }
+        };
+        (0..d).map(signed).collect()
+    };
+    vec![
+        state(0.75, 0.25, 1.0),
+        state(1.125, -0.0625, 1.0),
+        state(0.75, 0.25, -1.0),
+        state(0.0625, 0.015625, 1.0),
+    ]
+}
+
+/// How far a state moves in a problem's step, relative to itself.
+const MOVE: f64 = 0.05;
+
+/// A power of two in which a state moves by about a twentieth of itself; an eighth where it rests.
+fn time_step(
+    registry: &Registry,
+    system: &PoissonSystem,
+    initial: &[f64],
+) -> Result<f64, StepError> {
+    const TINY: f64 = 1e-6;
+    const MOST: f64 = 0.125;
+    let map = registry
+        .stepper("rk4")
+        .and_then(|part| part.build(system, &PartParameters::new()));
+    let Ok(map) = map else {
+        return Ok(MOST);
+    };
+    let values = system.parameter_values();
+    let mut integrator = Integrator::new(map.as_ref(), &values, 1.0, TINY, initial);
+    integrator.step()?;
+    let length = |v: &mut dyn Iterator<Item = f64>| v.map(|v| v * v).sum::<f64>();
+    let moved = integrator.state().iter().zip(initial).map(|(a, b)| a - b);
+    let moved = length(&mut { moved });
+    let size = length(&mut initial.iter().copied());
+    let speed = libm::sqrt(moved / size) / TINY;
+    let exponent = libm::floor(libm::log2(MOVE / speed));
+    Ok(if exponent.is_finite() {
+        libm::exp2(exponent).min(MOST)
+    } else {
+        MOST
+    })
+}

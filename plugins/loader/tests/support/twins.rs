@@ -1,0 +1,245 @@
+//! Parts of the plugins in these tests, compiled in: the same operations in the same order.
+
+use std::sync::Arc;
+
+use leafwise_core::system::numbers::vector;
+use leafwise_core::system::{Derivatives, NumbersWorker, OpaqueSystem, SystemNumbers};
+use leafwise_core::{
+    Accuracy, Ends, MapProperties, PoissonSystem, RealizationData, RealizationWorker,
+    SolverStatistics, StepError, StepMap, Stepper, Structure,
+};
+use leafwise_example_plugin::Rodrigues;
+use leafwise_plugin_sdk::ChartRealization;
+
+/// The realization of the example plugin in Rust: numbers alone.
+#[derive(Debug)]
+pub struct RodriguesTwin;
+
+impl RealizationData for RodriguesTwin {
+    fn dimension(&self) -> usize {
+        3
+    }
+    fn space_dimension(&self) -> usize {
+        6
+    }
+    fn accuracy(&self) -> Accuracy {
+        Accuracy::Exact
+    }
+    fn describe(&self) -> String {
+        "rodrigues".to_owned()
+    }
+    fn section(&self, x: &[f64], z: &mut [f64]) {
+        z[..3].copy_from_slice(x);
+        z[3..].fill(0.0);
+    }
+    fn worker(&self, _: &[f64], epsilon: f64) -> Option<Box<dyn RealizationWorker>> {
+        Some(Box::new(RodriguesWorker {
+            epsilon,
+            z: [0.0; 6],
+        }))
+    }
+}
+
+struct RodriguesWorker {
+    epsilon: f64,
+    z: [f64; 6],
+}
+
+impl RealizationWorker for RodriguesWorker {
+    fn ends(&mut self, z: &[f64], ends: &mut Ends) -> Result<(), StepError> {
+        self.z.copy_from_slice(z);
+        let (x, p) = z.split_at(3);
+        let (even, odd) = (&mut ends.offset, &mut ends.increment);
+        Rodrigues
+            .parts(self.epsilon, x, p, even, odd)
+            .expect("defined everywhere");
+        ends.base.copy_from_slice(x);
+        for (even, odd) in even.iter_mut().zip(odd) {
+            *even -= *odd;
+            *odd *= 2.0;
+        }
+        Ok(())
+    }
+
+    fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError> {
+        let (x, p) = self.z.split_at(3);
+        let parts = Rodrigues.jacobian(self.epsilon, x, p, target, increment);
+        parts.expect("defined everywhere");
+        for (even, odd) in target.iter_mut().zip(increment) {
+            *even -= *odd;
+            *odd *= 2.0;
+        }
+        (0..3).for_each(|i| target[i * 7] += 1.0);
+        Ok(())
+    }
+}
+
+/// The gyrostat of the C example.
+struct Gyrostat;
+
+impl NumbersWorker for Gyrostat {
+    fn tensor(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        let points = out.chunks_exact_mut(3).zip(y.chunks_exact(3));
+        for (at, (out, y)) in points.enumerate() {
+            let v = vector(v, 3, at);
+            for a in 0..3 {
+                let (b, c) = ((a + 1) % 3, (a + 2) % 3);
+                out[a] = y[b] * v[c] - y[c] * v[b];
+            }
+        }
+        Ok(())
+    }
+
+    fn hamiltonian(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        for (out, y) in out.iter_mut().zip(y.chunks_exact(3)) {
+            let energy = (0..3).fold(0.0, |sum, a| sum + 0.5 * inverse_inertia(a) * y[a] * y[a]);
+            *out = energy - 0.3 * y[2];
+        }
+        Ok(())
+    }
+
+    fn gradient(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        for (out, y) in out.chunks_exact_mut(3).zip(y.chunks_exact(3)) {
+            for a in 0..3 {
+                out[a] = inverse_inertia(a) * y[a] - if a == 2 { 0.3 } else { 0.0 };
+            }
+        }
+        Ok(())
+    }
+
+    fn casimirs(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        for (out, y) in out.iter_mut().zip(y.chunks_exact(3)) {
+            *out = y[0] * y[0] + y[1] * y[1] + y[2] * y[2];
+        }
+        Ok(())
+    }
+
+    fn tensor_tangent(
+        &mut self,
+        _: &[f64],
+        v: &[f64],
+        w: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), StepError> {
+        self.tensor(w, v, out)
+    }
+
+    fn hessian(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        let points = out.chunks_exact_mut(3).zip(y.chunks_exact(3));
+        for (at, (out, _)) in points.enumerate() {
+            let v = vector(v, 3, at);
+            (0..3).for_each(|a| out[a] = inverse_inertia(a) * v[a]);
+        }
+        Ok(())
+    }
+}
+
+fn inverse_inertia(axis: usize) -> f64 {
+    1.0 / [1.0, 0.75, 1.25][axis]
+}
+
+#[derive(Debug)]
+struct GyrostatNumbers;
+
+impl SystemNumbers for GyrostatNumbers {
+    fn derivatives(&self) -> Derivatives {
+        Derivatives {
+            tensor: true,
+            hamiltonian: true,
+            casimirs: false,
+        }
+    }
+
+    fn worker(&self, _: &[f64]) -> Box<dyn NumbersWorker> {
+        Box::new(Gyrostat)
+    }
+}
+
+/// The gyrostat with the names of `loaded`, at its default parameters.
+pub fn gyrostat_twin(loaded: &PoissonSystem) -> PoissonSystem {
+    OpaqueSystem {
+        name: "gyrostat".to_owned(),
+        variables: loaded.variables().to_vec(),
+        parameters: loaded.parameters().to_vec(),
+        casimirs: vec!["spin".to_owned()],
+        numbers: Arc::new(GyrostatNumbers),
+    }
+    .into()
+}
+
+/// Heun's rule of the C fixture `steps` on a system of dimension 3, all lanes with one set of
+/// parameters.
+pub struct HeunTwin(pub PoissonSystem);
+
+struct Heun {
+    worker: Box<dyn NumbersWorker>,
+    t: f64,
+    weight: f64,
+}
+
+impl Heun {
+    fn field(&mut self, y: &[f64; 3]) -> [f64; 3] {
+        let (mut gradient, mut out) = ([0.0; 3], [0.0; 3]);
+        self.worker.gradient(y, &mut gradient).expect("formulas");
+        self.worker
+            .tensor(y, &gradient, &mut out)
+            .expect("formulas");
+        out.map(|v| -v)
+    }
+}
+
+impl Stepper for Heun {
+    fn increment(
+        &mut self,
+        x: &[f64],
+        _: &[f64],
+        increment: &mut [f64],
+        outcome: &mut [Result<(), StepError>],
+    ) {
+        let (t, w, lanes) = (self.t, self.weight, outcome.len());
+        for (lane, outcome) in outcome.iter_mut().enumerate() {
+            let start = [0, 1, 2].map(|j| x[j * lanes + lane]);
+            let first = self.field(&start);
+            let stage = [0, 1, 2].map(|j| start[j] + t * first[j]);
+            let second = self.field(&stage);
+            for j in 0..3 {
+                increment[j * lanes + lane] = t * ((1.0 - w) * first[j] + w * second[j]);
+            }
+            *outcome = Ok(());
+        }
+    }
+    fn restart(&mut self) {}
+    fn statistics(&self) -> SolverStatistics {
+        SolverStatistics::default()
+    }
+    fn memory(&self) -> Vec<f64> {
+        Vec::new()
+    }
+    fn restore(&mut self, _: &[f64]) -> Result<(), usize> {
+        Ok(())
+    }
+}
+
+impl StepMap for HeunTwin {
+    fn dimension(&self) -> usize {
+        3
+    }
+    fn properties(&self) -> MapProperties {
+        MapProperties {
+            order: 2,
+            structure: Structure::None,
+            self_adjoint: Some(false),
+        }
+    }
+    fn describe(&self) -> String {
+        "heun".to_owned()
+    }
+    fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
+        let own: Vec<f64> = parameters.iter().step_by(lanes).copied().collect();
+        Box::new(Heun {
+            worker: self.0.numbers().expect("formulas").worker(&own),
+            t: epsilon * h,
+            weight: 0.25,
+        })
+    }
+}
