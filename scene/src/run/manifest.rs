@@ -209,6 +209,7 @@ impl Beginning {
                 "failures": report.statistics.failures,
             },
             "drift": drift,
+            "warnings": report.advice,
         });
         if let RunOutcome::Failed(failure) = &report.outcome {
             ending["failure"] = json!({
