@@ -224,14 +224,16 @@ fn the_manifest_says_what_was_compiled() {
     for execution in [Execution::Interpreted, Execution::Adaptive] {
         execution.set_default_of_process();
         let document = SceneDocument::parse("top.toml", text, &ProblemLibrary).expect("a scene");
-        let composed = compose(&document, &Registry::with_builtin()).expect("a method");
+        let registry = Registry::with_builtin();
+        let composed = compose(&document, &registry).expect("a method");
         let options = RunOptions {
             directory: root.path().join(format!("{execution:?}")),
             force: false,
             allow_non_poisson: false,
             command: "leafwise run top.toml".to_owned(),
+            checkpoint_every: RunOptions::CHECKPOINT_EVERY,
         };
-        run(&document, &composed, &options, &mut Quiet).expect("a run");
+        run(&document, &composed, &registry, &options, &mut Quiet).expect("a run");
         let manifest = options.directory.join("manifest.json");
         let manifest = std::fs::read_to_string(manifest).expect("a manifest");
         let manifest: serde_json::Value = serde_json::from_str(&manifest).expect("JSON");

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use leafwise::expression::Execution;
+use leafwise::scene::run::RunOptions;
 
 /// Exit codes, for the help text.
 const CODES: &str = "Exit codes: 0 done, 1 the run failed, 2 usage, 3 invalid scene, 4 a plugin \
@@ -177,6 +178,10 @@ pub struct RunArguments {
     /// Integrate a tensor that violates the Jacobi identity
     #[arg(long)]
     pub allow_non_poisson: bool,
+    /// How often a checkpoint is written: what a kill costs at most
+    #[arg(long, value_name = "SECONDS", value_parser = positive, default_value_t =
+          RunOptions::CHECKPOINT_EVERY.as_secs_f64())]
+    pub checkpoint_every: f64,
     /// Print nothing but errors
     #[arg(long, short)]
     pub quiet: bool,

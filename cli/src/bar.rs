@@ -1,11 +1,13 @@
 //! The progress bar.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use leafwise::scene::run::{Progress, Status};
+
+use crate::interrupt::is_raised;
 
 /// Shows a run on the terminal and stops it when asked to.
 pub struct Bar {
@@ -99,6 +101,6 @@ impl Progress for Bar {
     }
 
     fn is_interrupted(&self) -> bool {
-        self.interrupt.load(Ordering::Relaxed)
+        is_raised(&self.interrupt)
     }
 }

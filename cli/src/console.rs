@@ -1,14 +1,16 @@
 //! Where text goes: results to standard output, prose to standard error.
 
-use std::io::Write;
+use std::io::{self, ErrorKind, Write};
 
 use serde_json::Value;
 
-/// The two streams of a program. Text that cannot be written is dropped: a reader that has gone
-/// away is not an error of the run.
+/// The two streams of a program. A reader that has gone away is not an error; a result that could
+/// not be written for another reason is [`lost`](Self::lost).
 pub struct Console<'a> {
     out: &'a mut dyn Write,
     err: &'a mut dyn Write,
+    /// Why a line of the result was not written.
+    pub lost: Option<io::Error>,
     /// Whether prose may be colored.
     pub color: bool,
     /// Whether prose goes to a terminal, where a progress bar makes sense.
@@ -26,6 +28,7 @@ impl<'a> Console<'a> {
         Self {
             out,
             err,
+            lost: None,
             color,
             is_terminal,
         }
@@ -33,7 +36,11 @@ impl<'a> Console<'a> {
 
     /// A line of the result.
     pub fn result(&mut self, text: &str) {
-        let _ = writeln!(self.out, "{text}").and_then(|()| self.out.flush());
+        let written = writeln!(self.out, "{text}").and_then(|()| self.out.flush());
+        match written {
+            Err(error) if error.kind() != ErrorKind::BrokenPipe => self.lost = Some(error),
+            _ => {}
+        }
     }
 
     /// The one JSON object of a command.
@@ -52,6 +59,15 @@ impl<'a> Console<'a> {
             format!("\u{1b}[1m{text}\u{1b}[0m")
         } else {
             text.to_owned()
+        }
+    }
+
+    /// `warning:` in the color of warnings.
+    pub fn warning_word(&self) -> &'static str {
+        if self.color {
+            "\u{1b}[1;33mwarning:\u{1b}[0m"
+        } else {
+            "warning:"
         }
     }
 

@@ -160,7 +160,12 @@ impl Failure {
             }
         }
         if json {
-            console.json(&json!({ "outcome": "refused", "error": self.as_json() }));
+            let outcome = if self.code() == exit::RUN_FAILED {
+                "failed"
+            } else {
+                "refused"
+            };
+            console.json(&json!({ "outcome": outcome, "error": self.as_json() }));
         }
         self.code()
     }

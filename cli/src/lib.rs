@@ -3,6 +3,7 @@
 //! - [`arguments`]: the command line.
 //! - [`console`]: where text goes.
 //! - [`failure`]: errors and their exit codes.
+//! - [`interrupt`]: what Ctrl-C does.
 //! - [`scene`]: reading a scene with its overrides.
 //! - [`commands`]: one module for each command.
 //! - [`plugins`]: the plugins that a command line and a scene ask for.
@@ -14,6 +15,7 @@ pub mod bar;
 pub mod commands;
 pub mod console;
 pub mod failure;
+pub mod interrupt;
 pub mod plugins;
 pub mod scene;
 pub mod table;
@@ -86,5 +88,15 @@ pub fn run(
         Command::New(arguments) => commands::new::execute(&arguments, console),
         Command::Plugin(command) => commands::plugin::execute(&command, plugins, console),
     };
-    outcome.unwrap_or_else(|failure: Failure| failure.print(console, json))
+    let code = outcome.unwrap_or_else(|failure: Failure| failure.print(console, json));
+    match console.lost.take() {
+        Some(error) if code == exit::DONE => {
+            let word = console.error_word();
+            console.prose(&format!(
+                "{word} cannot write the result to standard output: {error}"
+            ));
+            exit::RUN_FAILED
+        }
+        _ => code,
+    }
 }

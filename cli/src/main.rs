@@ -1,21 +1,25 @@
 //! The `leafwise` program.
 
-use std::io::{self, IsTerminal};
+use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use leafwise_cli::console::Console;
 use leafwise_cli::failure::exit;
+use leafwise_cli::interrupt;
 
 fn main() -> ExitCode {
-    let interrupt = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&interrupt);
-    // The first interruption asks for a checkpoint, the second ends the program.
+    let raised = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&raised);
+    // The first interruption asks for a checkpoint, the second ends the program; so does the first
+    // where nothing has begun.
     let handler = ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::Relaxed) {
+        if flag.swap(true, Ordering::Relaxed) || !interrupt::is_watched() {
             std::process::exit(exit::INTERRUPTED.into());
         }
+        // A terminal that has gone away is no reason to die before the checkpoint.
+        let _ = writeln!(io::stderr(), "\nstopping; once more to end at once");
     });
     let is_terminal = io::stderr().is_terminal();
     let color = is_terminal && std::env::var_os("NO_COLOR").is_none();
@@ -29,6 +33,6 @@ fn main() -> ExitCode {
     ExitCode::from(leafwise_cli::run(
         std::env::args_os(),
         &mut console,
-        &interrupt,
+        &raised,
     ))
 }

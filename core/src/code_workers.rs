@@ -192,14 +192,8 @@ impl RealizationWorker for CodeRealizationWorker {
             ends.offset[i] = output(d + i);
             ends.increment[i] = output(2 * d + i);
         }
-        if self.code.has_guard {
-            let size = |from: usize| (from..from + d).fold(0.0_f64, |m, i| m.max(output(i).abs()));
-            let (first, last) = (size(3 * d), size(4 * d));
-            if last >= first && last > 0.0 {
-                return Err(StepError::LeftChart {
-                    ratio: last / first,
-                });
-            }
+        if let Some(ratio) = self.chart_ratio().filter(|ratio| *ratio >= 1.0) {
+            return Err(StepError::LeftChart { ratio });
         }
         if (0..3 * d).any(|index| !output(index).is_finite()) {
             return Err(StepError::NonFinite {
@@ -218,6 +212,18 @@ impl RealizationWorker for CodeRealizationWorker {
             *value = kernel.output(&self.tangents, index)[0];
         }
         Ok(())
+    }
+
+    fn chart_ratio(&self) -> Option<f64> {
+        let d = self.code.dimension;
+        let output = |index: usize| self.code.ends.output(&self.ends, index)[0];
+        let size = |from: usize| (from..from + d).fold(0.0_f64, |m, i| m.max(output(i).abs()));
+        self.code
+            .has_guard
+            .then(|| match (size(3 * d), size(4 * d)) {
+                (_, 0.0) => 0.0,
+                (first, last) => last / first,
+            })
     }
 
     fn operations(&self) -> Option<u64> {

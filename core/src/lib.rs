@@ -53,7 +53,7 @@ pub use error::{BuildError, StepError};
 pub use generating::GraphOfDifferential;
 pub use integrator::Integrator;
 pub use lattice::LatticeMethod;
-pub use method::Method;
+pub use method::{Method, MethodWorkers};
 pub use one_form::{CodeOneForm, GraphOfOneForm, OneFormWorker};
 pub use origin::Origin;
 pub use part::{PartInfo, PartKind, PartParameters};

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use leafwise_expression::{Graph, Kernel, StepSize, Term};
 
-use crate::code_workers::{CodeBisection, CodeRealization};
-use crate::dynamics::{Correction, DynamicApproximation, LagrangianBisection};
+use crate::code_workers::{CodeBisection, CodeRealization, realization_worker};
+use crate::dynamics::{BisectionWorker, Correction, DynamicApproximation, LagrangianBisection};
 use crate::error::BuildError;
-use crate::realization::{Accuracy, RealizationData};
+use crate::realization::{Accuracy, RealizationData, RealizationWorker};
 use crate::solver::{
     LaneByLane, MapProperties, NewtonKernel, NewtonStepper, StepMap, Stepper, Structure, Workers,
 };
@@ -21,6 +21,14 @@ pub struct Method {
     dynamics: Arc<dyn DynamicApproximation>,
     bisection: Arc<dyn LagrangianBisection>,
     path: Path,
+}
+
+/// A method's two parts as numbers, for fixed parameters, ε and h.
+pub struct MethodWorkers {
+    /// α̂ and β̂.
+    pub maps: Box<dyn RealizationWorker>,
+    /// y ↦ L(y).
+    pub points: Box<dyn BisectionWorker>,
 }
 
 /// How a step is computed.
@@ -163,6 +171,42 @@ impl Method {
             Path::Code(newton) => Some(newton),
             _ => None,
         }
+    }
+
+    /// Evaluators of α̂, β̂ and of y ↦ L(y), whatever the path of the steps is.
+    ///
+    /// # Errors
+    /// [`BuildError`] where one cannot be compiled or is not offered alone.
+    pub fn workers(
+        &self,
+        parameters: &[f64],
+        epsilon: f64,
+        h: f64,
+    ) -> Result<MethodWorkers, BuildError> {
+        let (d, space) = (
+            self.realization.dimension(),
+            self.realization.space_dimension(),
+        );
+        let points = match (
+            self.bisection.worker(parameters, epsilon, h),
+            self.bisection.code(),
+        ) {
+            (Some(worker), _) => worker,
+            (None, Some(code)) => CodeBisection::compile(code, d, space, parameters.len())?
+                .worker(parameters, epsilon, h),
+            (None, None) => {
+                return Err(BuildError::Incompatible {
+                    dynamics: self.dynamics.describe(),
+                    realization: self.realization.describe(),
+                    reason: "the bisection offers neither code nor numbers".to_owned(),
+                });
+            }
+        };
+        let maps = match self.realization.worker(parameters, epsilon) {
+            Some(worker) => worker,
+            None => realization_worker(self.realization.as_ref(), parameters, epsilon)?,
+        };
+        Ok(MethodWorkers { maps, points })
     }
 
     /// How a step is computed, for reports: `one kernel`, `fused` or `workers`.

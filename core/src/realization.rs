@@ -197,6 +197,12 @@ pub trait RealizationWorker: Send {
     fn restore(&mut self, memory: &[f64]) {
         let _ = memory;
     }
+    /// How far the point of the last call reaches into the chart: the ratio that
+    /// [`StepError::LeftChart`] tells from 1 on, the last term of a truncated series over its first.
+    /// `None` where the maps hold everywhere or do not say.
+    fn chart_ratio(&self) -> Option<f64> {
+        None
+    }
     /// Operations so far, as [`SolverStatistics::operations`] counts them; `None` for a part that
     /// does not count.
     ///

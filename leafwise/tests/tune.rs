@@ -206,11 +206,17 @@ fn what_cannot_be_held_says_what_keeps_it() {
     // Beyond the reference: nothing is run.
     let tuning = tune(&only(hamilton_jacobi, None), asked(1e-16));
     assert!(tuning.poisson.is_none() && tuning.nearest.is_none() && tuning.runs == 0);
+    assert_eq!(tuning.limit, Some(Limit::Reference));
+    // So little that no run comes to its end: what was spent is told all the same.
+    let tuning = tune(&only(hamilton_jacobi, Some(100)), asked(1e-8));
+    assert!(tuning.poisson.is_none() && tuning.nearest.is_none());
+    assert_eq!(tuning.limit, Some(Limit::Budget));
     // Too dear.
     let tuning = tune(&only(hamilton_jacobi, Some(20_000)), asked(1e-8));
     let nearest = tuning.nearest.expect("something was run");
     assert_eq!(nearest.limit, Limit::Budget);
     assert_eq!(nearest.missed, "final state");
+    assert!(tuning.spent > 0 && tuning.runs > 0);
     assert!(nearest.ratio > 1.0 && nearest.error > 1e-8, "{nearest:?}");
     // Round-off: no step makes the energy exact.
     let tuning = tune(
@@ -228,6 +234,7 @@ fn what_cannot_be_held_says_what_keeps_it() {
     // A Poisson map is asked for, and a baseline alone is allowed.
     let tuning = tune(&only("dop853", None), asked(1e-6));
     assert!(tuning.poisson.is_none() && tuning.any.is_some() && tuning.nearest.is_none());
+    assert_eq!(tuning.limit, Some(Limit::Structure));
 }
 
 #[test]

@@ -1,10 +1,12 @@
 //! `leafwise check`: is the tensor Poisson, are the Casimirs Casimirs?
 
 use leafwise::core::diagnostics::{IdentityCheck, Verdict};
+use leafwise::scene::advice::{advise, states_ahead};
 use leafwise::scene::compose::{SceneChecks, compose};
 use leafwise::scene::json::{json_number, json_numbers};
 use serde_json::{Map, Value, json};
 
+use super::run::print_advice;
 use crate::arguments::{CheckArguments, PluginArguments};
 use crate::console::Console;
 use crate::failure::{Failure, exit};
@@ -35,6 +37,11 @@ pub fn execute(
             describe(&casimir.check, "coordinate", names),
         ]);
     }
+    let advice = if checks.pass() {
+        advise(&composed, &parts.registry, &states_ahead(&composed))
+    } else {
+        Vec::new()
+    };
     if arguments.json {
         let casimirs: Map<String, Value> = checks
             .casimirs
@@ -45,12 +52,14 @@ pub fn execute(
             "outcome": if checks.pass() { "passed" } else { "violated" },
             "jacobi": as_json(&checks.jacobi, names),
             "casimirs": casimirs,
+            "warnings": advice,
         }));
     } else {
         for line in words(&rows) {
             console.result(&line);
         }
     }
+    print_advice(&advice, console);
     if checks.pass() {
         return Ok(exit::DONE);
     }

@@ -44,6 +44,7 @@ pub fn execute(
         return execute_member(arguments, &scene, &parts, console, interrupt);
     }
     let options = RunOptions {
+        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
         directory: arguments
             .out
             .clone()
@@ -117,6 +118,7 @@ fn execute_member(
     let file = Path::new(&scene.name);
     let directory = arguments.out.clone();
     let options = RunOptions {
+        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
         directory: directory.unwrap_or_else(|| Path::new("runs").join(file.with_extension(""))),
         force: arguments.force,
         allow_non_poisson: arguments.allow_non_poisson,
@@ -126,7 +128,15 @@ fn execute_member(
         json: arguments.json,
         quiet: arguments.quiet,
     };
-    integrate(scene, &composed, &options, told, console, interrupt)
+    integrate(
+        scene,
+        &composed,
+        &parts.registry,
+        &options,
+        told,
+        console,
+        interrupt,
+    )
 }
 
 fn word(report: &EnsembleReport) -> &'static str {

@@ -3,14 +3,15 @@
 use std::ffi::OsStr;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use leafwise::scene::SceneDocument;
+use leafwise::core::Registry;
 use leafwise::scene::compose::{ComposedRun, compose};
 use leafwise::scene::json::{json_number, json_numbers};
 use leafwise::scene::run::{
     Failure as StepFailure, RunOptions, RunOutcome, RunReport, default_directory, run,
 };
+use leafwise::scene::{Advice, SceneDocument};
 use serde_json::{Map, Value, json};
 
 use super::explain::explain;
@@ -52,12 +53,23 @@ pub fn execute(
         force: arguments.force,
         allow_non_poisson: arguments.allow_non_poisson,
         command: command(&arguments.scene, arguments.allow_non_poisson),
+        // Longer than any number of seconds that a duration holds is never.
+        checkpoint_every: Duration::try_from_secs_f64(arguments.checkpoint_every)
+            .unwrap_or(Duration::MAX),
     };
     let told = Told {
         json: arguments.json,
         quiet: arguments.quiet,
     };
-    integrate(&document, &composed, &options, told, console, interrupt)
+    integrate(
+        &document,
+        &composed,
+        &parts.registry,
+        &options,
+        told,
+        console,
+        interrupt,
+    )
 }
 
 /// What is told of a run.
@@ -76,6 +88,7 @@ pub(super) struct Told {
 pub(super) fn integrate(
     document: &SceneDocument,
     composed: &ComposedRun,
+    registry: &Registry,
     options: &RunOptions,
     told: Told,
     console: &mut Console<'_>,
@@ -83,13 +96,14 @@ pub(super) fn integrate(
 ) -> Result<u8, Failure> {
     let is_shown = console.is_terminal && !told.quiet;
     let mut bar = Bar::new(composed.plan.steps, is_shown, interrupt);
-    let report = run(document, composed, options, &mut bar);
+    let report = run(document, composed, registry, options, &mut bar);
     bar.finish();
     let report = report?;
     if !told.quiet {
         for line in summary(composed, &report, console) {
             console.prose(&line);
         }
+        print_advice(&report.advice, console);
     }
     if let RunOutcome::Failed(failure) = &report.outcome {
         for line in failure_lines(composed, failure, &report, console) {
@@ -104,6 +118,16 @@ pub(super) fn integrate(
         RunOutcome::Interrupted => exit::INTERRUPTED,
         RunOutcome::Failed(_) => exit::RUN_FAILED,
     })
+}
+
+/// What to change in the scene, a warning each.
+pub(super) fn print_advice(advice: &[Advice], console: &mut Console<'_>) {
+    for one in advice {
+        let word = console.warning_word();
+        console.prose("");
+        console.prose(&format!("{word} {}", one.message));
+        console.prose(&format!("  = change: {}", one.change));
+    }
 }
 
 /// The command that repeats the run of the scene as stored, overrides already in it.
@@ -252,6 +276,7 @@ fn report_json(report: &RunReport) -> Value {
             "operations_per_step": report.statistics.operations_per_step(),
             "failures": report.statistics.failures,
         },
+        "warnings": report.advice,
         "run_directory": report.directory.display().to_string(),
     });
     if let RunOutcome::Failed(failure) = &report.outcome {

@@ -3,7 +3,9 @@
 mod comparisons;
 mod ensembles;
 mod failing_runs;
+mod guide;
 mod invalid_scenes;
+mod kills;
 mod other_commands;
 mod parts;
 mod plugins;

@@ -1,9 +1,6 @@
-//! Runs from the command line: objects, directories, interruption and resumption.
+//! Runs from the command line: objects, directories, overrides.
 
-use std::io::Read;
-use std::process::{Child, Stdio};
-
-use crate::support::{BODY, Place, gallery, wait_for};
+use crate::support::{BODY, Place, gallery};
 
 #[test]
 fn a_run_prints_the_fixed_names_and_a_table() {
@@ -143,84 +140,6 @@ fn explain_counts_the_operations_of_every_kernel() {
         .find_map(|word| word.parse().ok())
         .expect("a number of operations");
     assert!(count <= 200, "{line}");
-}
-
-/// A run of a few seconds, started and going.
-fn long_run(here: &Place) -> Child {
-    let child = here
-        .command(&["run", "scene.toml"])
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the program starts");
-    let samples = here.path("runs/scene/samples.csv");
-    let is_going = || std::fs::metadata(&samples).is_ok_and(|file| file.len() > 20_000);
-    wait_for(is_going, "the first sample");
-    child
-}
-
-/// A scene that takes long enough to be interrupted, and short enough to be finished twice.
-fn long_scene() -> String {
-    BODY.replace("steps   = 40", "steps   = 200000")
-        .replace("every = 3", "every = 7")
-}
-
-#[test]
-fn a_killed_run_resumes_to_bit_identical_samples() {
-    let (whole, pieces) = (Place::with(&long_scene()), Place::with(&long_scene()));
-    assert_eq!(whole.leafwise(&["run", "scene.toml"]).code, Some(0));
-    let mut child = long_run(&pieces);
-    child.kill().expect("killed");
-    assert_eq!(child.wait().expect("an end").code(), None);
-    let said = pieces.leafwise(&["run", "scene.toml"]);
-    assert_eq!(said.code, Some(0), "{}", said.err);
-    said.says(&["resumed at step"]);
-    for file in ["samples.csv", "windows.csv"] {
-        let name = format!("runs/scene/{file}");
-        assert!(whole.read(&name) == pieces.read(&name), "{file} differs");
-    }
-}
-
-#[cfg(unix)]
-#[test]
-fn an_interrupted_run_writes_a_checkpoint_exits_130_and_goes_on() {
-    let (whole, pieces) = (Place::with(&long_scene()), Place::with(&long_scene()));
-    assert_eq!(whole.leafwise(&["run", "scene.toml"]).code, Some(0));
-    let mut child = long_run(&pieces);
-    let interrupted = std::process::Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status()
-        .expect("kill runs");
-    assert!(interrupted.success());
-    let status = child.wait().expect("an end");
-    let mut text = String::new();
-    child
-        .stderr
-        .take()
-        .expect("a pipe")
-        .read_to_string(&mut text)
-        .expect("UTF-8");
-    assert_eq!(status.code(), Some(130), "{text}");
-    assert!(
-        text.contains("the same command goes on from there"),
-        "{text}"
-    );
-    assert!(
-        pieces
-            .read("runs/scene/manifest.json")
-            .contains("\"outcome\": \"interrupted\"")
-    );
-    let changed = pieces.leafwise(&["run", "scene.toml", "--set", "method.time-step=0.2"]);
-    assert_eq!(changed.code, Some(2));
-    changed.says(&["- time-step   = 0.1", "+ time-step   = 0.2"]);
-    let said = pieces.leafwise(&["run", "scene.toml", "--json"]);
-    assert_eq!(said.code, Some(0), "{}", said.err);
-    assert!(whole.read("runs/scene/samples.csv") == pieces.read("runs/scene/samples.csv"));
-    let manifest = |place: &Place| -> serde_json::Value {
-        serde_json::from_str(&place.read("runs/scene/manifest.json")).expect("JSON")
-    };
-    let (a, b) = (manifest(&whole), manifest(&pieces));
-    assert_eq!((&a["drift"], &a["solver"]), (&b["drift"], &b["solver"]));
 }
 
 #[test]

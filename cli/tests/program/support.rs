@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
@@ -139,6 +139,26 @@ impl Said {
             );
         }
     }
+}
+
+/// A run of a few seconds, started and going.
+pub fn long_run(here: &Place) -> Child {
+    let child = here
+        .command(&["run", "scene.toml"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let samples = here.path("runs/scene/samples.csv");
+    let is_going = || fs::metadata(&samples).is_ok_and(|file| file.len() > 20_000);
+    wait_for(is_going, "the first sample");
+    child
+}
+
+/// A scene that takes long enough to be interrupted, and short enough to be finished twice.
+pub fn long_scene() -> String {
+    BODY.replace("steps   = 40", "steps   = 200000")
+        .replace("every = 3", "every = 7")
 }
 
 /// The gallery of ready scenes.

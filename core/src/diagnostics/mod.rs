@@ -8,6 +8,7 @@
 //! - [`section`]: α̂∘σ = β̂∘σ = id.
 //! - [`self_adjointness`]: Φ_{−h}∘Φ_h = id.
 //! - [`tensor_defect`]: DΦ Π DΦᵀ − Π∘Φ with the exact tangent map.
+//! - [`step_equation`]: the solutions of β̂(L(y)) = x, and how far into the chart they reach.
 //! - [`slope`]: fitted orders, points under the round-off plateau dropped.
 
 pub mod differences;
@@ -19,6 +20,7 @@ pub mod realization_error;
 pub mod section;
 pub mod self_adjointness;
 pub mod slope;
+pub mod step_equation;
 pub mod tensor_defect;
 
 pub use drift::{InvariantDrift, measure_drift};
@@ -28,4 +30,5 @@ pub use realization_error::RealizationInstrument;
 pub use section::section_defect;
 pub use self_adjointness::self_adjointness_defect;
 pub use slope::{Slope, fit_slope};
+pub use step_equation::{StepEquation, StepSolution};
 pub use tensor_defect::TensorDefect;

@@ -12,7 +12,7 @@ use super::plateau::SMALL;
 use super::reference::Reference;
 use super::tolerances::Limits;
 use super::track::{End, Track, Tried};
-use super::trial::{Trial, TrialFailure, distance, run_trial, tensor_defect};
+use super::trial::{Trial, TrialFailure, distance, run_counted, tensor_defect};
 
 /// A search under way.
 pub(super) struct Search<'a> {
@@ -24,7 +24,7 @@ pub(super) struct Search<'a> {
     pub budget: u64,
     /// Runs made.
     pub runs: u64,
-    /// What they cost.
+    /// What they cost, those included that were stopped or failed.
     pub spent: u64,
 }
 
@@ -84,12 +84,9 @@ impl Search<'_> {
         let outcome = candidate
             .run_at(self.bench, setting)
             .map_err(|reason| TrialFailure::DoesNotFit { reason })
-            .and_then(|run| run_trial(&run, 1.0, time_step, setting.steps, cap));
+            .and_then(|run| run_counted(&run, 1.0, time_step, setting.steps, cap, &mut self.spent));
         match outcome {
-            Ok(trial) => {
-                self.spent += trial.cost();
-                self.take(at, setting, trial);
-            }
+            Ok(trial) => self.take(at, setting, trial),
             Err(TrialFailure::DoesNotFit { reason }) => {
                 self.tracks[at].ended = Some(End::Failed(reason));
             }

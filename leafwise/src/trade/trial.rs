@@ -87,6 +87,18 @@ pub fn run_trial(
     steps: u64,
     budget: u64,
 ) -> Result<Trial, TrialFailure> {
+    run_counted(run, epsilon, h, steps, budget, &mut 0)
+}
+
+/// [`run_trial`], with its cost added to `spent` whether it comes to its end or not.
+pub(super) fn run_counted(
+    run: &ComposedRun,
+    epsilon: f64,
+    h: f64,
+    steps: u64,
+    budget: u64,
+    spent: &mut u64,
+) -> Result<Trial, TrialFailure> {
     let unfit = |error: BuildError| TrialFailure::DoesNotFit {
         reason: error.to_string(),
     };
@@ -96,15 +108,16 @@ pub fn run_trial(
     let (mut initial, mut now) = (vec![0.0; count], vec![0.0; count]);
     observer.evaluate(integrator.state(), &mut initial);
     let mut drift = vec![0.0_f64; count];
+    let before = *spent;
     for step in 0..steps {
-        integrator
-            .step()
-            .map_err(|error| TrialFailure::Step { step, error })?;
-        let spent = cost(&integrator.statistics());
+        let stepped = integrator.step();
+        let own = cost(&integrator.statistics());
+        *spent = before + own;
+        stepped.map_err(|error| TrialFailure::Step { step, error })?;
         let taken = step + 1;
-        let foreseen = spent as f64 * (steps as f64 / taken as f64);
+        let foreseen = own as f64 * (steps as f64 / taken as f64);
         let is_hopeless = taken >= steps / FORESEEN && foreseen > 2.0 * budget as f64;
-        if spent > budget || is_hopeless {
+        if own > budget || is_hopeless {
             return Err(TrialFailure::OverBudget {
                 budget: budget as f64,
                 step: taken,

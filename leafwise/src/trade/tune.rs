@@ -96,6 +96,8 @@ pub enum Limit {
     Budget,
     /// Steps that are small enough fail.
     Failure,
+    /// None of the methods is a Poisson map.
+    Structure,
 }
 
 /// What was found.
@@ -116,8 +118,10 @@ pub struct Tuning {
     pub methods: usize,
     /// Runs made.
     pub runs: u64,
-    /// What they cost together, in operations.
+    /// What they cost together, in operations, those included that were stopped or failed.
     pub spent: u64,
+    /// Why there is no Poisson map that holds what is asked, where there is none.
+    pub limit: Option<Limit>,
 }
 
 /// A method that holds what is asked and is not the cheapest.
@@ -255,8 +259,18 @@ impl<'a> Tuner<'a> {
         }
         let [poisson, any] = [true, false].map(|poisson| self.recommend(&search, poisson));
         let nearest = match poisson {
-            Some(_) => None,
-            None => self.nearest(&search, can_judge),
+            None if can_judge => self.nearest(&search),
+            _ => None,
+        };
+        let limit = match (&poisson, &nearest) {
+            (Some(_), _) => None,
+            (None, _) if !can_judge => Some(Limit::Reference),
+            (None, None) if !search.tracks.iter().any(Track::is_geometric) => {
+                Some(Limit::Structure)
+            }
+            // No run came to its end.
+            (None, None) => Some(Limit::Budget),
+            (None, Some(reached)) => Some(reached.limit),
         };
         Ok(Tuning {
             asked: *asked,
@@ -267,6 +281,7 @@ impl<'a> Tuner<'a> {
             methods: self.candidates.len(),
             runs: search.runs,
             spent: search.spent,
+            limit,
         })
     }
 
@@ -323,7 +338,7 @@ impl<'a> Tuner<'a> {
     }
 
     /// The run of a Poisson map that misses by the least.
-    fn nearest(&self, search: &Search<'_>, can_judge: bool) -> Option<Reached> {
+    fn nearest(&self, search: &Search<'_>) -> Option<Reached> {
         let runs = search
             .tracks
             .iter()
@@ -331,9 +346,6 @@ impl<'a> Tuner<'a> {
             .flat_map(|track| track.tried.iter().map(move |tried| (track, tried)));
         let least = runs.min_by(|a, b| a.1.excess.ratio.total_cmp(&b.1.excess.ratio));
         let names = self.bench.invariants();
-        if !can_judge {
-            return None;
-        }
         let (track, tried) = least?;
         Some(Reached {
             name: track.candidate.name.clone(),

@@ -33,6 +33,7 @@ pub use instantiate::{Instantiated, instantiate};
 pub use lie_algebra::{LIE_ALGEBRAS, LieAlgebra, StructureEntry};
 pub use observables::Observable;
 pub use parts::PartChoice;
+pub(crate) use parts::exact_realization;
 pub use run::{ComposedRun, RunPlan, compose};
 pub use shape::{TensorShape, tensor_shape};
 pub use stepping::{LatticeStepping, Stepping};

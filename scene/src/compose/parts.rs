@@ -198,8 +198,10 @@ fn pair(
         order,
     );
     let is_open = request.named().is_none() && !request.has_parameters();
-    if let Some((realization, choice)) =
-        is_open.then(|| exact(document, system, registry)).flatten()
+    let is_long = document.system.dimension() > DENSE_LIMIT;
+    if let Some((realization, choice)) = is_open
+        .then(|| exact_realization(system, registry, is_long))
+        .flatten()
     {
         choices.push(choice);
         choices.push(dynamics_choice);
@@ -261,12 +263,11 @@ const EXACT: [(&str, &str); 5] = [
 ];
 
 /// The cheapest exact realization that fits the tensor; on a long lattice, one that can be swept.
-fn exact(
-    document: &SceneDocument,
+pub(crate) fn exact_realization(
     system: &PoissonSystem,
     registry: &Registry,
+    is_long: bool,
 ) -> Option<(Arc<dyn RealizationData>, PartChoice)> {
-    let is_long = document.system.dimension() > DENSE_LIMIT;
     EXACT.iter().find_map(|(name, reason)| {
         let part = registry.realization(name).ok()?;
         let realization = part.build(system, &PartParameters::new()).ok()?;

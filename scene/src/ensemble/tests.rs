@@ -64,6 +64,7 @@ fn workforce(threads: usize, lanes: usize) -> Workforce {
 
 fn options(directory: &Path) -> RunOptions {
     RunOptions {
+        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
         directory: directory.to_owned(),
         force: false,
         allow_non_poisson: false,

@@ -15,6 +15,8 @@ pub struct ReportData {
     pub scene_text: String,
     /// How the run ended.
     pub outcome: Outcome,
+    /// What to change in the scene: what was measured, and the line to write instead.
+    pub advice: Vec<(String, String)>,
     /// Label and text for each line about the method: realization, dynamics, orders, step.
     pub method: Vec<(String, String)>,
     /// Label and value for each line of the summary.

@@ -17,6 +17,7 @@ use super::orbit::orbit_figure;
 pub fn render_report(data: &ReportData) -> Result<String, ReportError> {
     let mut page = head(&data.title, &data.scene_name, &data.version);
     page.push_str(&banner(&data.outcome));
+    page.push_str(&advice(&data.advice));
     if !data.facts.is_empty() {
         page.push_str(&format!("<h2>Summary</h2>\n{}", two_columns(&data.facts)));
     }
@@ -56,6 +57,19 @@ pub(super) fn head(title: &str, scene_name: &str, version: &str) -> String {
         escape(version)
     ));
     page
+}
+
+/// What to change in the scene.
+fn advice(advice: &[(String, String)]) -> String {
+    let section = |(message, change): &(String, String)| {
+        format!(
+            "<section class=\"banner advice\"><strong>Warning</strong> <span>{}</span>\
+             <p>Write under <code>[method]</code>: <code>{}</code></p></section>\n",
+            escape(message),
+            escape(change)
+        )
+    };
+    advice.iter().map(section).collect()
 }
 
 pub(super) fn banner(outcome: &Outcome) -> String {

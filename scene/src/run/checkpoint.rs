@@ -1,7 +1,7 @@
 //! Everything later steps depend on, in one file that is replaced atomically.
 
 use std::fs::{self, File};
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::Path;
 
 use leafwise_core::SolverStatistics;
@@ -15,7 +15,7 @@ use super::snapshots::Snapshots;
 pub(crate) const FILE: &str = "checkpoint.bin";
 
 /// The file begins with this: name and format version.
-const MAGIC: &[u8; 8] = b"leafwis2";
+const MAGIC: &[u8; 8] = b"leafwis3";
 
 /// A count that is not known.
 const UNKNOWN: u64 = u64::MAX;
@@ -33,6 +33,8 @@ pub(super) struct Checkpoint {
     pub sample_bytes: u64,
     /// Samples recorded.
     pub samples: u64,
+    /// The step after which the last sample was recorded.
+    pub last_sample: Option<u64>,
     /// Invariants over windows.
     pub windows: Windows,
     /// Fields of a long lattice.
@@ -42,10 +44,18 @@ pub(super) struct Checkpoint {
 /// Replaces `path` in one operation: readers see the old content or the new.
 pub(crate) fn replace(path: &Path, content: &[u8]) -> Result<(), RunError> {
     let temporary = path.with_extension("new");
-    let mut file = File::create(&temporary).map_err(RunError::io(&temporary))?;
-    file.write_all(content).map_err(RunError::io(&temporary))?;
-    file.sync_data().map_err(RunError::io(&temporary))?;
-    fs::rename(&temporary, path).map_err(RunError::io(path))
+    let written = write_whole(&temporary, content).and_then(|()| fs::rename(&temporary, path));
+    written.map_err(|source| {
+        // What a full disk has no room for does not stay there either.
+        let _ = fs::remove_file(&temporary);
+        RunError::io(path)(source)
+    })
+}
+
+fn write_whole(path: &Path, content: &[u8]) -> io::Result<()> {
+    let mut file = File::create(path)?;
+    file.write_all(content)?;
+    file.sync_data()
 }
 
 impl Checkpoint {
@@ -84,6 +94,7 @@ impl Checkpoint {
         out.number(self.wall_seconds);
         out.whole(self.sample_bytes);
         out.whole(self.samples);
+        out.whole(self.last_sample.unwrap_or(UNKNOWN));
         out.list(&self.windows.initial);
         out.whole(self.windows.width);
         out.whole(self.windows.filled);
@@ -118,6 +129,7 @@ impl Checkpoint {
             failures: from.whole()?,
         };
         let (wall_seconds, sample_bytes, samples) = (from.number()?, from.whole()?, from.whole()?);
+        let last_sample = Some(from.whole()?).filter(|step| *step != UNKNOWN);
         let windows = Windows {
             initial: from.list()?,
             width: from.whole()?,
@@ -144,6 +156,7 @@ impl Checkpoint {
             wall_seconds,
             sample_bytes,
             samples,
+            last_sample,
             windows,
             snapshots,
         })
@@ -242,6 +255,7 @@ mod tests {
             wall_seconds: 0.25,
             sample_bytes: 1 << 40,
             samples: 77,
+            last_sample: Some(4998),
             windows,
             snapshots: Snapshots {
                 every: 2,

@@ -4,6 +4,7 @@ use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use super::checkpoint;
+use super::difference::{changed_keys, listed};
 use super::error::RunError;
 use super::manifest::{self, Kind, Manifest, PROGRAM_VERSION, PluginRecord};
 use super::samples;
@@ -23,9 +24,6 @@ pub(crate) const STATISTICS: &str = "statistics.csv";
 pub(crate) const FAILURES: &str = "failures.csv";
 /// Held by the program that writes.
 const LOCK: &str = ".lock";
-
-/// The most lines of a difference that a message shows.
-const MOST_LINES: usize = 12;
 
 /// `runs/` and the scene file's name without its extension.
 pub fn default_directory(document: &SceneDocument) -> PathBuf {
@@ -113,7 +111,8 @@ impl RunDirectory {
     }
 }
 
-/// Refuses a directory whose run has ended or is of another scene.
+/// Refuses a directory whose run has ended or is of another scene; other comments and other
+/// spaces are the same scene.
 fn refuse_other(path: &Path, stored: &Manifest, run: &Asked<'_>) -> Result<(), RunError> {
     let Asked {
         kind,
@@ -141,10 +140,16 @@ fn refuse_other(path: &Path, stored: &Manifest, run: &Asked<'_>) -> Result<(), R
     }
     let file = path.join(SCENE);
     let before = fs::read_to_string(&file).map_err(RunError::resuming(&file))?;
-    if before != scene {
+    let Some(changes) = changed_keys(&before, scene) else {
+        return Err(RunError::Damaged {
+            file,
+            reason: "it is not a whole scene".to_owned(),
+        });
+    };
+    if !changes.is_empty() {
         return Err(RunError::SceneChanged {
             directory,
-            difference: difference(&before, scene),
+            difference: listed(changes),
         });
     }
     let is_used = |before: &&PluginRecord| plugins.iter().any(|now| now.sha256 == before.sha256);
@@ -182,49 +187,4 @@ fn remove_run(path: &Path) -> Result<(), RunError> {
         }
     }
     Ok(())
-}
-
-/// The lines between the common beginning and the common end of two texts.
-fn difference(before: &str, after: &str) -> String {
-    let (before, after): (Vec<&str>, Vec<&str>) =
-        (before.lines().collect(), after.lines().collect());
-    let start = before
-        .iter()
-        .zip(&after)
-        .take_while(|(a, b)| a == b)
-        .count();
-    let shorter = before.len().min(after.len()) - start;
-    let end = before
-        .iter()
-        .rev()
-        .zip(after.iter().rev())
-        .take(shorter)
-        .take_while(|(a, b)| a == b)
-        .count();
-    let changed = |lines: &[&str], sign: char| -> Vec<String> {
-        lines[start..lines.len() - end]
-            .iter()
-            .map(|line| format!("  {sign} {line}"))
-            .collect()
-    };
-    let mut lines = changed(&before, '-');
-    lines.extend(changed(&after, '+'));
-    let more = lines.len().saturating_sub(MOST_LINES);
-    lines.truncate(MOST_LINES);
-    if more > 0 {
-        lines.push(format!("  … and {more} more lines"));
-    }
-    lines.join("\n")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::difference;
-
-    #[test]
-    fn a_difference_shows_the_lines_that_changed() {
-        assert_eq!(difference("a\nb\nc\n", "a\nB\nc\n"), "  - b\n  + B");
-        assert_eq!(difference("a\nc\n", "a\nb\nc\n"), "  + b");
-        assert_eq!(difference("a\na\n", "a\n"), "  - a");
-    }
 }

@@ -14,9 +14,6 @@ use super::samples::{Samples, WIDEST_STATE};
 use super::snapshots::Snapshots;
 use crate::compose::{ComposedRun, Observable};
 
-/// How often a checkpoint is written.
-const CHECKPOINT_EVERY: Duration = Duration::from_secs(2);
-
 /// How often waiting samples are handed to the operating system.
 const FLUSH_EVERY: Duration = Duration::from_millis(200);
 
@@ -27,6 +24,7 @@ const COORDINATES_A_LOOK: usize = 4096;
 pub(super) struct Session<'a> {
     run: &'a ComposedRun,
     directory: &'a RunDirectory,
+    checkpoint_every: Duration,
     integrator: Integrator,
     invariants: Functions,
     formulas: Functions,
@@ -53,6 +51,7 @@ impl<'a> Session<'a> {
         run: &'a ComposedRun,
         directory: &'a RunDirectory,
         resumed: Option<&Checkpoint>,
+        checkpoint_every: Duration,
     ) -> Result<Self, RunError> {
         let plan = &run.plan;
         let mut invariants = Functions::invariants(run)?;
@@ -81,6 +80,7 @@ impl<'a> Session<'a> {
             let mut session = Self {
                 run,
                 directory,
+                checkpoint_every,
                 integrator,
                 invariants,
                 formulas,
@@ -112,6 +112,7 @@ impl<'a> Session<'a> {
         Ok(Self {
             run,
             directory,
+            checkpoint_every,
             integrator,
             invariants,
             formulas,
@@ -120,14 +121,17 @@ impl<'a> Session<'a> {
             windows: checkpoint.windows.clone(),
             samples,
             snapshots: checkpoint.snapshots.clone(),
-            last_sample: Some(checkpoint.integrator.steps).filter(|k| k.is_multiple_of(plan.every)),
+            last_sample: checkpoint.last_sample,
             before: checkpoint.statistics,
             wall: Duration::try_from_secs_f64(checkpoint.wall_seconds).unwrap_or_default(),
         })
     }
 
-    /// Steps to the end of the plan, to a failure, or until interrupted; the checkpoint then holds
-    /// the last state.
+    /// Steps to the end of the plan, to a failure, or until interrupted.
+    ///
+    /// Done or interrupted, the checkpoint holds the last state. Failed, it stays behind: should
+    /// the program be killed before it has said how the run ended, the next session comes to the
+    /// same failure with the same counts.
     pub fn drive(&mut self, progress: &mut dyn Progress) -> Result<RunOutcome, RunError> {
         let total = self.run.plan.steps;
         let stride = (COORDINATES_A_LOOK / self.run.dimension().max(1)).max(1);
@@ -152,7 +156,7 @@ impl<'a> Session<'a> {
             if progress.is_interrupted() {
                 break RunOutcome::Interrupted;
             }
-            if saved.elapsed() >= CHECKPOINT_EVERY {
+            if saved.elapsed() >= self.checkpoint_every {
                 self.checkpoint()?;
                 (flushed, saved) = (Instant::now(), Instant::now());
             } else if flushed.elapsed() >= FLUSH_EVERY {
@@ -164,8 +168,11 @@ impl<'a> Session<'a> {
         // that was not.
         if outcome != RunOutcome::Interrupted {
             self.record()?;
+            self.samples.end()?;
         }
-        self.checkpoint()?;
+        if !matches!(outcome, RunOutcome::Failed(_)) {
+            self.checkpoint()?;
+        }
         Ok(outcome)
     }
 
@@ -248,6 +255,7 @@ impl<'a> Session<'a> {
             wall_seconds: self.wall.as_secs_f64(),
             sample_bytes,
             samples,
+            last_sample: self.last_sample,
             windows: self.windows.clone(),
             snapshots: self.snapshots.clone(),
         };

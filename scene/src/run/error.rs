@@ -1,7 +1,7 @@
 //! Why a run could not be started or kept on disk.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use leafwise_core::BuildError;
 use thiserror::Error;
@@ -38,7 +38,7 @@ pub enum RunError {
     SceneChanged {
         /// The run directory.
         directory: PathBuf,
-        /// The lines that differ, `-` for the stored scene and `+` for the given one.
+        /// The keys that differ, each with the stored value and the given one.
         difference: String,
     },
     /// The directory holds an unfinished run of another version of the program.
@@ -112,6 +112,20 @@ pub enum RunError {
         /// The system's error.
         source: io::Error,
     },
+    /// Writing failed in the midst of a run; what was recorded up to the last checkpoint is on disk.
+    #[error(
+        "cannot write {}: {source}; the run is kept in {} as of its last checkpoint: once there is \
+         room, the same command goes on from there",
+        file.display(), directory.display()
+    )]
+    Kept {
+        /// The file.
+        file: PathBuf,
+        /// The system's error.
+        source: io::Error,
+        /// The run directory.
+        directory: PathBuf,
+    },
     /// An observable without code.
     #[error(transparent)]
     Build(#[from] BuildError),
@@ -138,6 +152,18 @@ impl RunError {
     pub(crate) fn io(file: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
         let file = file.into();
         move |source| Self::Io { file, source }
+    }
+
+    /// An error of the file system, after a checkpoint was written to `directory`.
+    pub(super) fn with_a_checkpoint(self, directory: &Path) -> Self {
+        match self {
+            Self::Io { file, source } => Self::Kept {
+                file,
+                source,
+                directory: directory.to_owned(),
+            },
+            other => other,
+        }
     }
 
     /// Whether the command line asks for something that the directory's content forbids.

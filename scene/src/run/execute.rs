@@ -1,7 +1,10 @@
 //! From a composed scene to a complete run directory.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use leafwise_core::Registry;
 
 use super::checkpoint::{Checkpoint, replace};
 use super::directory::{Asked, FINAL_STATE, REPORT, RunDirectory, SCENE, WINDOWS};
@@ -11,7 +14,8 @@ use super::manifest::{Beginning, Kind, plugins};
 use super::outcome::{InvariantDrift, RunOutcome, RunReport};
 use super::progress::Progress;
 use super::samples::WIDEST_STATE;
-use super::summary::report_data;
+use super::summary::{self, report_data};
+use crate::advice::advise;
 use crate::compose::{ComposedRun, SceneChecks};
 use crate::document::SceneDocument;
 use crate::report::render_report;
@@ -27,9 +31,16 @@ pub struct RunOptions {
     pub allow_non_poisson: bool,
     /// The command that repeats this run, for the report.
     pub command: String,
+    /// How often a checkpoint is written: what a kill costs at most.
+    pub checkpoint_every: Duration,
 }
 
-/// Checks the scene, then steps it into its directory; an unfinished run of the same scene is
+impl RunOptions {
+    /// The usual [`checkpoint_every`](Self::checkpoint_every).
+    pub const CHECKPOINT_EVERY: Duration = Duration::from_secs(2);
+}
+
+/// Checks the scene with the parts that it may name, then steps it into its directory; an unfinished run of the same scene is
 /// resumed, to the same bits as without interruption.
 ///
 /// Nothing is written before the scene has passed its checks. A numerical failure is an outcome,
@@ -41,6 +52,7 @@ pub struct RunOptions {
 pub fn run(
     document: &SceneDocument,
     composed: &ComposedRun,
+    registry: &Registry,
     options: &RunOptions,
     progress: &mut dyn Progress,
 ) -> Result<RunReport, RunError> {
@@ -63,26 +75,52 @@ pub fn run(
         .map(|checkpoint| checkpoint.integrator.steps);
     let command = &options.command;
     let beginning = Beginning::new(kind, document, composed, &checks, command, started);
-    let mut session = Session::new(composed, &directory, resumed.as_ref())?;
+    let mut session = Session::new(
+        composed,
+        &directory,
+        resumed.as_ref(),
+        options.checkpoint_every,
+    )?;
     replace(&directory.path.join(SCENE), document.text.as_bytes())?;
     beginning.write_running(&directory.path)?;
-    let outcome = session.drive(progress)?;
-    let report = describe(composed, &session, outcome, resumed_at, &directory);
-    write_windows(composed, &session, &directory)?;
+    let mut finish = |progress: &mut dyn Progress| -> Result<RunReport, RunError> {
+        let outcome = session.drive(progress)?;
+        let mut report = describe(composed, &session, outcome, resumed_at, &directory);
+        // Who interrupts a run wants it to end.
+        if report.outcome != RunOutcome::Interrupted {
+            let states = summary::states(composed, &report);
+            let states = states.map_err(RunError::io(&directory.path))?;
+            report.advice = advise(composed, registry, &states);
+        }
+        write_end(document, composed, &session, &report, &options.command)?;
+        beginning.write_ended(&report, composed.method.map())?;
+        Ok(report)
+    };
+    finish(progress).map_err(|error| error.with_a_checkpoint(&directory.path))
+}
+
+/// Everything of a run directory that is written when the run has ended, but the manifest.
+fn write_end(
+    document: &SceneDocument,
+    composed: &ComposedRun,
+    session: &Session<'_>,
+    report: &RunReport,
+    command: &str,
+) -> Result<(), RunError> {
+    let directory = &report.directory;
+    write_windows(composed, session, directory)?;
     if report.final_state.len() > WIDEST_STATE {
         let bytes: Vec<u8> = report
             .final_state
             .iter()
             .flat_map(|x| x.to_le_bytes())
             .collect();
-        replace(&directory.path.join(FINAL_STATE), &bytes)?;
+        replace(&directory.join(FINAL_STATE), &bytes)?;
     }
-    let data = report_data(document, composed, &session, &report, &options.command)?;
+    let data = report_data(document, composed, session, report, command)?;
     let page = render_report(&data)?;
-    let path = directory.path.join(REPORT);
-    fs::write(&path, page).map_err(RunError::io(&path))?;
-    beginning.write_ended(&report, composed.method.map())?;
-    Ok(report)
+    let path = directory.join(REPORT);
+    fs::write(&path, page).map_err(RunError::io(&path))
 }
 
 fn describe(
@@ -115,6 +153,7 @@ fn describe(
         statistics: session.statistics(),
         samples: session.samples(),
         resumed_at,
+        advice: Vec::new(),
         directory: directory.path.clone(),
     }
 }
@@ -123,7 +162,7 @@ fn describe(
 fn write_windows(
     composed: &ComposedRun,
     session: &Session<'_>,
-    directory: &RunDirectory,
+    directory: &Path,
 ) -> Result<(), RunError> {
     let windows = session.windows();
     let time_step = composed.plan.epsilon * composed.plan.h;
@@ -142,5 +181,5 @@ fn write_windows(
         }
         text.push('\n');
     }
-    replace(&directory.path.join(WINDOWS), text.as_bytes())
+    replace(&directory.join(WINDOWS), text.as_bytes())
 }

@@ -210,6 +210,7 @@ impl Beginning {
             },
             "drift": drift,
             "machine_code": machine_code(map),
+            "warnings": report.advice,
         });
         if let RunOutcome::Failed(failure) = &report.outcome {
             ending["failure"] = json!({

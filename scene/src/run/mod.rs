@@ -8,11 +8,13 @@
 //! - `checkpoint`: everything later steps depend on, written atomically;
 //! - `manifest`: what was run, with what, and how it ended;
 //! - `directory`: start afresh, resume, or refuse;
+//! - `difference`: what changed between two scenes;
 //! - `summary`: `report.html` from what the directory holds;
 //! - `progress`: what a program shows meanwhile;
 //! - `outcome`, `error`: how a run ends.
 
 mod checkpoint;
+mod difference;
 mod directory;
 mod drive;
 mod error;

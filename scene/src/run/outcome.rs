@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use leafwise_core::{SolverStatistics, StepError};
 
+use crate::advice::Advice;
+
 /// A step that could not be taken, or a state outside the formulas' domain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failure {
@@ -110,6 +112,8 @@ pub struct RunReport {
     pub samples: u64,
     /// The step an earlier session had come to.
     pub resumed_at: Option<u64>,
+    /// What to change in the scene.
+    pub advice: Vec<Advice>,
     /// The run directory.
     pub directory: PathBuf,
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 use std::fs::{File, OpenOptions};
-use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use super::error::RunError;
@@ -44,10 +44,15 @@ impl Samples {
         Ok(samples)
     }
 
-    /// The file of an earlier session, cut back to what its checkpoint vouches for.
+    /// The file of an earlier session, to be continued after the `bytes` that its checkpoint vouches
+    /// for.
+    ///
+    /// Whole rows behind them stay: the same steps write the same bytes over them, so that a sample
+    /// once on disk is there at every moment, however often the run is killed.
     pub fn resume(directory: &Path, bytes: u64, count: u64) -> Result<Self, RunError> {
         let path = directory.join(FILE);
         let mut file = OpenOptions::new()
+            .read(true)
             .write(true)
             .open(&path)
             .map_err(RunError::resuming(&path))?;
@@ -58,9 +63,15 @@ impl Samples {
                 reason: format!("it has {length} bytes where the checkpoint counts {bytes}"),
             });
         }
-        file.set_len(bytes).map_err(RunError::io(&path))?;
-        file.seek(SeekFrom::Start(bytes))
-            .map_err(RunError::io(&path))?;
+        let whole_rows = |file: &mut File| -> io::Result<()> {
+            let mut rest = Vec::new();
+            file.seek(SeekFrom::Start(bytes))?;
+            file.read_to_end(&mut rest)?;
+            let end = rest.iter().rposition(|byte| *byte == b'\n');
+            file.set_len(bytes + end.map_or(0, |at| at as u64 + 1))?;
+            file.seek(SeekFrom::Start(bytes)).map(|_| ())
+        };
+        whole_rows(&mut file).map_err(RunError::io(&path))?;
         Ok(Self {
             path,
             file,
@@ -102,17 +113,28 @@ impl Samples {
         self.file.sync_data().map_err(RunError::io(&self.path))
     }
 
+    /// Ends the file after the last row pushed.
+    pub fn end(&mut self) -> Result<(), RunError> {
+        self.flush()?;
+        self.file
+            .set_len(self.bytes)
+            .and_then(|()| self.file.sync_data())
+            .map_err(RunError::io(&self.path))
+    }
+
     /// Bytes handed over, and rows pushed.
     pub fn position(&self) -> (u64, u64) {
         (self.bytes, self.count)
     }
 }
 
-/// Rows of `samples.csv` as numbers, every `stride`-th and the last.
-pub(super) fn read(directory: &Path, stride: usize) -> io::Result<Vec<Vec<f64>>> {
+/// The first `count` rows of `samples.csv` as numbers, every `stride`-th and the last.
+pub(super) fn read(directory: &Path, count: u64, stride: usize) -> io::Result<Vec<Vec<f64>>> {
+    let count = usize::try_from(count).unwrap_or(usize::MAX);
     let mut lines = BufReader::new(File::open(directory.join(FILE))?)
         .lines()
-        .skip(1);
+        .skip(1)
+        .take(count);
     let parse = |line: &str| -> Vec<f64> {
         line.split(',')
             .map(|cell| cell.parse().unwrap_or(f64::NAN))

@@ -1,5 +1,7 @@
 //! What `report.html` shows, from what the directory holds.
 
+use std::io;
+
 use super::drive::Session;
 use super::error::RunError;
 use super::invariants::Functions;
@@ -7,6 +9,7 @@ use super::manifest::PROGRAM_VERSION;
 use super::outcome::{RunOutcome, RunReport};
 use super::samples::{self, WIDEST_STATE};
 use super::snapshots::spacing;
+use crate::advice::MOST_STATES;
 use crate::compose::{ComposedRun, tensor_shape};
 use crate::document::SceneDocument;
 use crate::report::{Ellipsoid, InvariantSeries, Outcome, ReportData, TimeSeries, Trajectory};
@@ -28,7 +31,8 @@ pub(super) fn report_data(
     let stride = usize::try_from(report.samples.div_ceil(MOST_ROWS))
         .unwrap_or(1)
         .max(1);
-    let rows = samples::read(&report.directory, stride).map_err(RunError::io(&report.directory))?;
+    let rows = samples::read(&report.directory, report.samples, stride)
+        .map_err(RunError::io(&report.directory))?;
     let times: Vec<f64> = rows.iter().map(|row| row[0]).collect();
     let d = run.dimension();
     let width = if d <= WIDEST_STATE { d } else { 0 };
@@ -73,6 +77,11 @@ pub(super) fn report_data(
         scene_text: document.text.clone(),
         outcome: outcome(run, report),
         method: method_lines(run),
+        advice: report
+            .advice
+            .iter()
+            .map(|advice| (advice.message.clone(), advice.change.clone()))
+            .collect(),
         facts: facts(run, report),
         invariants,
         logarithmic_time: report.steps > LONG_RUN,
@@ -83,6 +92,21 @@ pub(super) fn report_data(
         trajectory: trajectory(run, session, times, &rows, width),
         solver: (!solver.times.is_empty()).then_some(solver),
     })
+}
+
+/// States of the run to judge its method at: the first, the last, and recorded ones between.
+pub(super) fn states(run: &ComposedRun, report: &RunReport) -> io::Result<Vec<Vec<f64>>> {
+    let d = run.dimension();
+    let mut states = vec![run.plan.initial.clone(), report.final_state.clone()];
+    if d <= WIDEST_STATE {
+        let stride = report.samples.div_ceil(MOST_STATES as u64 - 2).max(1);
+        let stride = usize::try_from(stride).unwrap_or(usize::MAX);
+        let rows = samples::read(&report.directory, report.samples, stride)?;
+        states.extend(rows.iter().skip(1).map(|row| row[1..=d].to_vec()));
+    }
+    states.dedup();
+    states.truncate(MOST_STATES);
+    Ok(states)
 }
 
 /// A path's last part.

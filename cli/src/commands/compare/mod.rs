@@ -7,7 +7,7 @@ mod table;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use leafwise::core::Registry;
 use leafwise::scene::document::MethodTable;
@@ -20,6 +20,7 @@ use crate::arguments::{CompareArguments, PluginArguments};
 use crate::bar::Steps;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
+use crate::interrupt::is_raised;
 use crate::plugins::Parts;
 
 /// Measures; returns the exit code.
@@ -42,7 +43,7 @@ pub fn execute(
     let mut bar = Steps::new("reference solution", console.is_terminal);
     let comparison = compare(&bench, &options, &mut |method, at, count| {
         bar.show(method, at, count);
-        !interrupt.load(Ordering::Relaxed)
+        !is_raised(interrupt)
     });
     bar.finish();
     let comparison = comparison?;
@@ -56,7 +57,7 @@ pub fn execute(
         let page = directory.join(PAGE);
         console.prose(&format!("the page is {}", page.display()));
     }
-    Ok(if interrupt.load(Ordering::Relaxed) {
+    Ok(if is_raised(interrupt) {
         exit::INTERRUPTED
     } else {
         exit::DONE

@@ -29,6 +29,8 @@ pub(super) fn object(found: &Found<'_>) -> Value {
         "recommended": recommended.map(recommendation),
         "cheapest_of_all": tuning.any.as_ref().map(recommendation),
         "runners_up": runners_up,
+        "limit": tuning.limit.map(limit),
+        "advice": tuning.limit.map(advice),
         "nearest": tuning.nearest.as_ref().map(|reached| nearest(found, reached)),
         "methods": tuning.methods,
         "runs": tuning.runs,
@@ -77,12 +79,18 @@ fn nearest(found: &Found<'_>, reached: &Reached) -> Value {
         "drift": drift,
         "missed": reached.missed,
         "ratio": json_number(reached.ratio),
-        "limit": match reached.limit {
-            Limit::Reference => "reference",
-            Limit::RoundOff => "round-off",
-            Limit::Budget => "budget",
-            Limit::Failure => "failure",
-        },
+        "limit": limit(reached.limit),
         "advice": advice(reached.limit),
     })
+}
+
+/// What keeps a method from what is asked, in a word.
+fn limit(limit: Limit) -> &'static str {
+    match limit {
+        Limit::Reference => "reference",
+        Limit::RoundOff => "round-off",
+        Limit::Budget => "budget",
+        Limit::Failure => "failure",
+        Limit::Structure => "structure",
+    }
 }

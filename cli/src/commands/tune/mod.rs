@@ -4,7 +4,7 @@ mod json;
 mod text;
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use leafwise::core::Registry;
 use leafwise::scene::SceneDocument;
@@ -18,6 +18,7 @@ use crate::arguments::{PluginArguments, TuneArguments};
 use crate::bar::Steps;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
+use crate::interrupt::is_raised;
 use crate::plugins::Parts;
 
 /// What there is to print.
@@ -77,7 +78,7 @@ pub fn execute(
     let tuner = Tuner::new(&bench, &options)?;
     let tuning = tuner.tune(&asked, &mut |method, runs| {
         bar.tick(method, runs);
-        !interrupt.load(Ordering::Relaxed)
+        !is_raised(interrupt)
     });
     bar.finish();
     let tuning = match tuning {

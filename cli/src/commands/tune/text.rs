@@ -19,12 +19,16 @@ pub(super) fn print(found: &Found<'_>, console: &mut Console<'_>) {
         reference.methods.join(" and "),
         reference.error
     ));
-    console.result(&format!(
-        "tried {} methods in {} runs of {:.1e} operations together",
-        tuning.methods,
-        grouped(tuning.runs),
-        tuning.spent as f64
-    ));
+    console.result(&if tuning.runs == 0 {
+        format!("{} methods fit, none was run", tuning.methods)
+    } else {
+        format!(
+            "tried {} methods in {} runs of {:.1e} operations together",
+            tuning.methods,
+            grouped(tuning.runs),
+            tuning.spent as f64
+        )
+    });
     console.result("");
     match found.recommended() {
         Some(recommended) => print_found(found, recommended, console),
@@ -151,15 +155,23 @@ fn print_missed(found: &Found<'_>, console: &mut Console<'_>) {
     } else {
         "no Poisson map holds it"
     });
-    match &tuning.nearest {
-        Some(reached) => {
+    match (&tuning.nearest, tuning.limit) {
+        (Some(reached), _) => {
             let lines = nearest(found, reached);
             lines.iter().for_each(|line| console.result(line));
         }
-        None => console.result(&format!(
+        (None, Some(Limit::Reference)) => console.result(&format!(
             "  the reference itself is known to {:.1e} only: {}",
             found.tuner.reference().error,
             advice(Limit::Reference)
+        )),
+        (None, Some(Limit::Structure)) => {
+            console.result(&format!("  {}", advice(Limit::Structure)));
+        }
+        (None, limit) => console.result(&format!(
+            "  no run came to its end within {:.1e} operations: {}",
+            found.tuner.budget() as f64,
+            advice(limit.unwrap_or(Limit::Budget))
         )),
     }
     if let Some(any) = tuning.any.as_ref().filter(|_| !found.any) {
@@ -204,6 +216,7 @@ pub(super) fn advice(limit: Limit) -> &'static str {
              --time, or ask for less"
         }
         Limit::Budget => "it would take more operations than a run may; raise --budget",
+        Limit::Structure => "none of the methods is a Poisson map; --any takes others",
         Limit::Failure => "its steps fail; choose another method with --only",
     }
 }

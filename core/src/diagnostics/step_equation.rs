@@ -1,0 +1,168 @@
+//! The equation of a step, β̂(L(y)) = x, at one state: its solutions and their place in the chart.
+
+use crate::dynamics::{BisectionWorker, Correction};
+use crate::error::{BuildError, StepError};
+use crate::method::{Method, MethodWorkers};
+use crate::realization::{Ends, RealizationWorker};
+use crate::solver::DenseFactors;
+
+/// Newton iterations from one start.
+const ITERATIONS: usize = 40;
+
+/// Corrections below this part of the solution end the iteration.
+const CONVERGED: f64 = 1e-12;
+
+/// Solutions nearer than this part of the state's size are one.
+const SAME: f64 = 1e-6;
+
+/// β̂(L(y)) = x for one method and one step size, by Newton's method from any start.
+pub struct StepEquation {
+    maps: Box<dyn RealizationWorker>,
+    points: Box<dyn BisectionWorker>,
+    correction: Correction,
+    dimension: usize,
+    space: usize,
+}
+
+/// One solution y.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepSolution {
+    /// y.
+    pub y: Vec<f64>,
+    /// z = L(y), a point of S.
+    pub point: Vec<f64>,
+    /// (α̂ − β̂)(z): where the step goes.
+    pub increment: Vec<f64>,
+    /// How far z reaches into the chart, 1 at its edge; `None` where there is no edge.
+    pub chart_ratio: Option<f64>,
+}
+
+impl StepEquation {
+    /// The equation of a method's steps.
+    ///
+    /// # Errors
+    /// [`BuildError`] where the method's maps cannot be evaluated by themselves.
+    pub fn new(
+        method: &Method,
+        parameters: &[f64],
+        epsilon: f64,
+        h: f64,
+    ) -> Result<Self, BuildError> {
+        let MethodWorkers { maps, points } = method.workers(parameters, epsilon, h)?;
+        Ok(Self {
+            maps,
+            points,
+            correction: method.dynamics().correction(),
+            dimension: method.realization().dimension(),
+            space: method.realization().space_dimension(),
+        })
+    }
+
+    /// The solution of β̂(L(y)) = x that Newton's method finds from `start`; y = x for a method that
+    /// solves no equation.
+    ///
+    /// # Errors
+    /// [`StepError`]: an iterate left the chart, or the iteration does not converge.
+    pub fn solve(&mut self, x: &[f64], start: &[f64]) -> Result<StepSolution, StepError> {
+        let (d, space) = (self.dimension, self.space);
+        let mut y = match self.correction {
+            Correction::Bisection => start.to_vec(),
+            Correction::None => x.to_vec(),
+        };
+        let mut point = vec![0.0; space];
+        let mut ends = Ends::new(d);
+        let mut tangent = vec![0.0; space * d];
+        let (mut target, mut increment) = (vec![0.0; d * space], vec![0.0; d * space]);
+        let mut matrix = vec![0.0; d * d];
+        let mut factors = DenseFactors::new(d);
+        let mut correction = f64::INFINITY;
+        for _ in 0..ITERATIONS {
+            self.points.point(&y, &mut point)?;
+            let is_solved =
+                self.correction == Correction::None || correction <= CONVERGED * size(&y);
+            ends.increment.fill(f64::NAN);
+            match self.maps.ends(&point, &mut ends) {
+                // As in a step, only the solution has to lie inside the chart, where the maps have
+                // values outside it too.
+                Err(StepError::LeftChart { .. })
+                    if !is_solved && ends.increment.iter().all(|i| i.is_finite()) => {}
+                other => other?,
+            }
+            if is_solved {
+                return Ok(StepSolution {
+                    y,
+                    point,
+                    increment: ends.increment,
+                    chart_ratio: self.maps.chart_ratio(),
+                });
+            }
+            self.points.tangent(&mut tangent)?;
+            self.maps.tangents(&mut target, &mut increment)?;
+            for i in 0..d {
+                for j in 0..d {
+                    matrix[i * d + j] = (0..space)
+                        .map(|k| target[i * space + k] * tangent[k * d + j])
+                        .sum();
+                }
+            }
+            let mut change: Vec<f64> = (0..d)
+                .map(|i| (x[i] - ends.base[i]) - ends.offset[i])
+                .collect();
+            if !factors.factor(&matrix) {
+                return Err(StepError::NonFinite {
+                    what: "a Newton correction",
+                });
+            }
+            factors.solve(&mut change);
+            correction = size(&change);
+            y.iter_mut()
+                .zip(&change)
+                .for_each(|(y, change)| *y += change);
+        }
+        Err(StepError::NoConvergence {
+            evaluations: ITERATIONS,
+            correction,
+        })
+    }
+
+    /// The solutions inside the chart that Newton's method finds from `starts` states around x, up
+    /// to the state's own size away, beside the one that it finds from x: the farther from unique,
+    /// the more it depends on the start where a step goes.
+    ///
+    /// # Errors
+    /// [`StepError`] where there is no solution from x itself.
+    pub fn others(&mut self, x: &[f64], starts: usize) -> Result<Vec<StepSolution>, StepError> {
+        let first = self.solve(x, x)?;
+        let reach = size(x);
+        let mut phase = 0.5_f64;
+        // The golden ratio's multiples: spread evenly, the same at every call.
+        let mut next = move || {
+            phase = (phase + 0.618_033_988_749_894_9) % 1.0;
+            2.0 * phase - 1.0
+        };
+        let mut others: Vec<StepSolution> = Vec::new();
+        for _ in 0..starts {
+            let start: Vec<f64> = x.iter().map(|x| x + reach * next()).collect();
+            let Ok(found) = self.solve(x, &start) else {
+                continue;
+            };
+            let is_known = |known: &StepSolution| distance(&known.y, &found.y) <= SAME * reach;
+            if !is_known(&first) && !others.iter().any(is_known) {
+                others.push(found);
+            }
+        }
+        Ok(others)
+    }
+}
+
+/// max |v_i|.
+fn size(v: &[f64]) -> f64 {
+    v.iter().fold(0.0, |largest, v| v.abs().max(largest))
+}
+
+/// max |a_i − b_i|.
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter()
+        .zip(b)
+        .fold(0.0, |largest, (a, b)| (a - b).abs().max(largest))
+}

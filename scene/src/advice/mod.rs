@@ -1,0 +1,117 @@
+//! Where a scene asks for more than it uses or for less than it needs, measured at states of the
+//! run; each with the one line to change.
+//!
+//! - `probe`: the method at those states;
+//! - `truncation`: a truncation order above what a step can feel;
+//! - `dynamics`: terms of the generating function below the realization's own error;
+//! - `chart`: a step that nearly leaves the chart;
+//! - `solutions`: a step whose equation has several solutions inside it;
+//! - `defect`: a truncated realization that hardly keeps the tensor;
+//! - `exact`: an exact realization that costs no more.
+
+mod chart;
+mod defect;
+mod dynamics;
+mod exact;
+mod probe;
+mod solutions;
+mod truncation;
+
+use leafwise_core::Registry;
+use serde::Serialize;
+
+use crate::compose::ComposedRun;
+use probe::Probe;
+
+/// One thing to change.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Advice {
+    /// What kind it is, for programs.
+    pub kind: AdviceKind,
+    /// What was measured.
+    pub message: String,
+    /// The line of `[method]` to write instead.
+    pub change: String,
+}
+
+/// The kinds of advice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AdviceKind {
+    /// A truncation order above what a step can feel.
+    TruncationOrder,
+    /// Terms of the generating function below the realization's own error.
+    DynamicsOrder,
+    /// A chart that is nearly used up.
+    Chart,
+    /// Several solutions inside the chart.
+    SeveralSolutions,
+    /// A truncated realization that hardly keeps the tensor.
+    RealizationDefect,
+    /// An exact realization that costs no more and was not taken.
+    ExactRealization,
+}
+
+/// The most states that are looked at.
+pub const MOST_STATES: usize = 8;
+
+/// The most steps between two states that are looked at before a run.
+const MOST_STRIDE: u64 = 64;
+
+/// States of more coordinates than this are not looked at: the alternatives are built and solved
+/// densely.
+const LARGEST: usize = 64;
+
+/// The initial state and some that the run's first steps lead to: where a method is judged before it
+/// has run.
+pub fn states_ahead(run: &ComposedRun) -> Vec<Vec<f64>> {
+    let mut states = vec![run.plan.initial.clone()];
+    if run.dimension() > LARGEST {
+        return states;
+    }
+    let mut integrator = run.integrator();
+    let stride = (run.plan.steps / MOST_STATES as u64).clamp(1, MOST_STRIDE);
+    while states.len() < MOST_STATES {
+        if (0..stride).any(|_| integrator.step().is_err()) {
+            break;
+        }
+        states.push(integrator.state().to_vec());
+    }
+    states
+}
+
+/// What to change in a scene, judged at `states` of its run; nothing for a stepper or a long
+/// lattice, and nothing that cannot be measured.
+pub fn advise(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>]) -> Vec<Advice> {
+    if run.dimension() > LARGEST {
+        return Vec::new();
+    }
+    let Some(mut probe) = Probe::new(run, registry, states) else {
+        return Vec::new();
+    };
+    let mut advice: Vec<Advice> = [
+        solutions::advice,
+        chart::advice,
+        exact::advice,
+        truncation::advice,
+        dynamics::advice,
+    ]
+    .iter()
+    .filter_map(|advice| advice(&mut probe))
+    .collect();
+    // Beside a better realization or a smaller step it would say the same again.
+    if advice.is_empty() {
+        advice.extend(defect::advice(&mut probe));
+    }
+    advice
+}
+
+/// A number with two digits.
+fn number(value: f64) -> String {
+    if (1e-2..1e4).contains(&value.abs()) {
+        let digits = usize::from(value.abs() < 10.0) + usize::from(value.abs() < 1.0);
+        format!("{value:.digits$}")
+    } else {
+        format!("{value:.1e}")
+    }
+}

@@ -1,0 +1,34 @@
+//! A step whose equation has several solutions inside the chart.
+
+use super::chart::half_the_step;
+use super::probe::{Probe, distance, size};
+use super::{Advice, AdviceKind, number};
+
+/// Starts of Newton's method at each state.
+const STARTS: usize = 16;
+
+pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
+    let (mut several, mut nearest) = (0, f64::INFINITY);
+    for place in &probe.places {
+        let Ok(others) = probe.equation.others(&place.x, STARTS) else {
+            continue;
+        };
+        several += usize::from(!others.is_empty());
+        for other in others {
+            let apart = distance(&other.y, &place.solution.y) / size(&place.x);
+            nearest = nearest.min(apart);
+        }
+    }
+    (several > 0).then(|| Advice {
+        kind: AdviceKind::SeveralSolutions,
+        message: format!(
+            "the equation of a step has several solutions inside {}'s chart, at {several} of {} \
+             states; the nearest other one is {} of the state's size away. Which one a step takes \
+             depends on where its solver starts",
+            probe.realization.name,
+            probe.places.len(),
+            number(nearest)
+        ),
+        change: half_the_step(probe),
+    })
+}

@@ -1,0 +1,68 @@
+//! A truncation order above what a step can feel.
+
+use leafwise_core::{Ends, RealizationData, realization_worker};
+
+use super::probe::{Probe, distance, size};
+use super::{Advice, AdviceKind};
+
+/// Half a unit in the last place of 1.
+const ROUND_OFF: f64 = f64::EPSILON / 2.0;
+
+/// What the compensated state feels of its own size: a remainder below this part of an ulp was not
+/// visible in Casimirs after 10⁶ steps.
+const FELT: f64 = ROUND_OFF / 32.0;
+
+pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
+    let n = probe.truncation_order()?;
+    let whole = ends(probe, probe.method.realization())?;
+    let mut enough = n;
+    while enough > 1 {
+        let Ok(shorter) = probe.truncated(enough - 1) else {
+            break;
+        };
+        let Some(shorter) = ends(probe, shorter.as_ref()) else {
+            break;
+        };
+        if !is_same(probe, &whole, &shorter) {
+            break;
+        }
+        enough -= 1;
+    }
+    (enough < n).then(|| {
+        let name = probe.realization.name;
+        Advice {
+            kind: AdviceKind::TruncationOrder,
+            message: format!(
+                "{name} of order {n}: at the run's states its terms after order {enough} are below \
+                 the round-off of a step"
+            ),
+            change: format!("realization = {{ name = \"{name}\", order = {enough} }}"),
+        }
+    })
+}
+
+/// β̂ − base and α̂ − β̂ at the run's points.
+fn ends(probe: &Probe<'_>, realization: &dyn RealizationData) -> Option<Vec<Ends>> {
+    let mut worker =
+        realization_worker(realization, &probe.parameters, probe.run.plan.epsilon).ok()?;
+    let ends = probe.places.iter().map(|place| {
+        let mut ends = Ends::new(place.x.len());
+        worker.ends(&place.solution.point, &mut ends).ok()?;
+        Some(ends)
+    });
+    ends.collect()
+}
+
+/// Whether two truncations give the same steps: what they differ by is the round-off of forming the
+/// increment, or not felt by the state.
+fn is_same(probe: &Probe<'_>, whole: &[Ends], shorter: &[Ends]) -> bool {
+    probe
+        .places
+        .iter()
+        .zip(whole.iter().zip(shorter))
+        .all(|(place, (whole, shorter))| {
+            let allowed = ROUND_OFF * size(&whole.increment) + FELT * size(&place.x);
+            distance(&whole.increment, &shorter.increment) <= allowed
+                && distance(&whole.offset, &shorter.offset) <= allowed
+        })
+}

@@ -1,0 +1,177 @@
+//! A scene that asks for more than it uses, or for less than it needs, is told so, with the line to
+//! write instead; that line mends it. Scenes that deserve no warning get none.
+
+use leafwise::ProblemLibrary;
+use leafwise::prelude::*;
+use leafwise::scene::advice::{Advice, AdviceKind, advise, states_ahead};
+
+/// A system of the library from a state, with a method.
+fn scene(library: &str, initial: &str, method: &str) -> String {
+    format!(
+        "[system]\nlibrary = \"{library}\"\n[method]\n{method}\n[run]\ninitial = {initial}\n\
+         steps = 1000\n"
+    )
+}
+
+fn body(method: &str) -> String {
+    scene("rigid-body", "[1, 3, 3]", method)
+}
+
+fn composed(text: &str) -> ComposedRun {
+    let document = SceneDocument::parse("scene", text, &ProblemLibrary).expect("a scene");
+    compose(&document, &Registry::with_builtin()).expect("a run")
+}
+
+fn advice(text: &str) -> Vec<Advice> {
+    let run = composed(text);
+    advise(&run, &Registry::with_builtin(), &states_ahead(&run))
+}
+
+fn of_kind(text: &str, kind: AdviceKind) -> Option<Advice> {
+    advice(text).into_iter().find(|advice| advice.kind == kind)
+}
+
+/// The scene with the line of `[method]` that a warning says.
+fn changed(text: &str, advice: &Advice) -> String {
+    let (key, value) = advice.change.split_once(" = ").expect("a line");
+    let overrides = [(format!("method.{key}"), value.to_owned())];
+    let changed = SceneDocument::parse_with("scene", text, &overrides, &ProblemLibrary);
+    changed.expect("a scene").text
+}
+
+/// x after some steps.
+fn end(text: &str, steps: usize) -> Vec<f64> {
+    let run = composed(text);
+    let mut integrator = run.integrator();
+    (0..steps).for_each(|_| integrator.step().expect("a step"));
+    integrator.state().to_vec()
+}
+
+#[test]
+fn a_truncation_order_that_no_step_feels_is_told() {
+    let text = body(
+        "realization = { name = \"karasev-truncated\", order = 14 }\n\
+         dynamics = { name = \"hamilton-jacobi\", order = 2 }\ntime-step = 0.01",
+    );
+    let found = of_kind(&text, AdviceKind::TruncationOrder).expect("a warning");
+    let shorter = changed(&text, &found);
+    assert_eq!(of_kind(&shorter, AdviceKind::TruncationOrder), None);
+    // The same orbit: each of 100 steps differs by less than an ulp of the state, which is smaller
+    // than 4.5, and over this short time errors do not grow.
+    let (a, b) = (end(&text, 100), end(&shorter, 100));
+    let bound = 100.0 * f64::EPSILON * 4.5;
+    assert!(
+        a.iter().zip(&b).all(|(a, b)| (a - b).abs() <= bound),
+        "{a:?} {b:?}"
+    );
+}
+
+fn order_in(change: &str) -> usize {
+    let (_, order) = change.split_once("order = ").expect("an order");
+    let digits: String = order.chars().take_while(char::is_ascii_digit).collect();
+    digits.parse().expect("a number")
+}
+
+#[test]
+fn terms_of_the_generating_function_below_the_realization_are_told() {
+    let text = scene(
+        "gradient",
+        "[0.8, 0.5, -0.4]",
+        "realization = { name = \"karasev-truncated\", order = 2 }\n\
+         dynamics = { name = \"hamilton-jacobi\", order = 8 }\ntime-step = 0.1",
+    );
+    let found = of_kind(&text, AdviceKind::DynamicsOrder).expect("a warning");
+    let shorter = changed(&text, &found);
+    assert!(order_in(&found.change) < 8);
+    assert_eq!(of_kind(&shorter, AdviceKind::DynamicsOrder), None);
+    // Against the exact realization's step both have the same error.
+    let exact = end(&text.replace("truncated\", order = 2", "collocated\""), 1);
+    let error = |text: &str| {
+        let state = end(text, 1);
+        let apart = state.iter().zip(&exact).map(|(a, b)| (a - b).abs());
+        apart.fold(0.0, f64::max)
+    };
+    let (long, short) = (error(&text), error(&shorter));
+    assert!((short / long - 1.0).abs() < 0.5, "{short:e} {long:e}");
+    // Over an order that suits it, no term is wasted.
+    let suited = text.replace("order = 2", "order = 8");
+    assert_eq!(of_kind(&suited, AdviceKind::DynamicsOrder), None);
+}
+
+#[test]
+fn an_exact_realization_that_costs_no_more_is_told() {
+    let text = body(
+        "realization = { name = \"karasev-truncated\", order = 6 }\n\
+         dynamics = { name = \"hamilton-jacobi\", order = 4 }\ntime-step = 0.1",
+    );
+    let found = of_kind(&text, AdviceKind::ExactRealization).expect("a warning");
+    assert_eq!(found.change, "realization = \"auto\"");
+    assert!(
+        found.message.contains("so3-exponential"),
+        "{}",
+        found.message
+    );
+    assert_eq!(advice(&changed(&text, &found)), []);
+    // No closed form, and collocation is dearer: nothing to say.
+    let text = scene(
+        "gradient",
+        "[0.8, 0.5, -0.4]",
+        "realization = { name = \"karasev-truncated\", order = 4 }\n\
+         dynamics = { name = \"hamilton-jacobi\", order = 4 }\ntime-step = 0.1",
+    );
+    assert_eq!(of_kind(&text, AdviceKind::ExactRealization), None);
+}
+
+#[test]
+fn steps_near_the_edge_of_a_truncated_chart_are_told() {
+    let text = |order: usize, time_step: &str| {
+        body(&format!(
+            "realization = {{ name = \"karasev-truncated\", order = {order} }}\n\
+             dynamics = {{ name = \"hamilton-jacobi\", order = 2 }}\ntime-step = {time_step}"
+        ))
+    };
+    let found = of_kind(&text(8, "2.2"), AdviceKind::SeveralSolutions).expect("a warning");
+    assert_eq!(found.change, "time-step = 1.1");
+    assert_eq!(of_kind(&text(8, "0.1"), AdviceKind::SeveralSolutions), None);
+    // A run that goes through, with an energy that is wrong by a tenth.
+    let found = of_kind(&text(4, "2.0"), AdviceKind::Chart).expect("a warning");
+    assert_eq!(found.change, "time-step = 1.0");
+    // Order 3 is order 2 on a linear tensor, and no nearer to the edge.
+    for order in [2, 3] {
+        assert_eq!(of_kind(&text(order, "0.8"), AdviceKind::Chart), None);
+    }
+    // Inside the chart, where the series is far from its limit.
+    let found = of_kind(&text(4, "1.4"), AdviceKind::RealizationDefect).expect("a warning");
+    assert_eq!(found.change, "time-step = 0.7");
+}
+
+#[test]
+fn a_chart_that_is_nearly_used_up_is_told() {
+    let text = |time_step: f64| {
+        let method = format!(
+            "realization = \"so3-exponential\"\n\
+             dynamics = {{ name = \"hamilton-jacobi\", order = 2 }}\ntime-step = {time_step:?}"
+        );
+        scene("rigid-body", "[4, 0, 0]", &method)
+    };
+    // An equilibrium: y = x and p = h ∇H = (4h, 0, 0), where the chart's radius is |εp| = 2π.
+    let found = of_kind(&text(1.3), AdviceKind::Chart).expect("a warning");
+    assert_eq!(found.change, "time-step = 0.65");
+    let used = 4.0 * 1.3 / (2.0 * std::f64::consts::PI);
+    assert!(
+        found.message.contains(&format!("{used:.2} of the way")),
+        "{}",
+        found.message
+    );
+    assert_eq!(of_kind(&text(0.2), AdviceKind::Chart), None);
+}
+
+#[test]
+fn the_scenes_of_the_gallery_deserve_no_warning() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
+    for entry in std::fs::read_dir(folder).expect("the gallery") {
+        let path = entry.expect("an entry").path();
+        let text = std::fs::read_to_string(&path).expect("a scene");
+        assert_eq!(advice(&text), [], "{}", path.display());
+    }
+}
