@@ -10,11 +10,15 @@
 //! - [`conformance`]: is one part, built-in or of a plugin, what it declares?
 //! - [`verify`]: what every part really does, measured against what it declares.
 //! - [`trade`]: cost against accuracy, measured on a scene.
+//! - [`reproduce`](mod@reproduce): the paper's figures and numbers, measured.
+//! - [`stress`]: the extremes, each with its expected outcome.
 //! - [`prelude`]: what most programs need.
 
 pub mod conformance;
 pub mod library;
 pub mod prelude;
+pub mod reproduce;
+pub mod stress;
 pub mod trade;
 pub mod verify;
 

@@ -13,6 +13,15 @@ use crate::solver::extrapolation::{DEPTH, Extrapolation};
 /// thousand times the size of a chart fifty.
 const MOST_EVALUATIONS: u32 = 100;
 
+/// A Jacobian is taken anew where a component has fallen below this part of what it was when the
+/// Jacobian was taken. What the others put into a component may be in proportion to it, as in a
+/// Lotka–Volterra system; an old Jacobian then judges the component by what it was, and puts the
+/// others' round-off into it in proportion to that.
+const HALVED: f64 = 0.5;
+
+/// A component that moves by less than this part of its scale is noise, not smaller.
+const NOISE: f64 = 1e-6;
+
 /// One number of each lane.
 type Row<const W: usize> = [f64; W];
 
@@ -144,15 +153,18 @@ impl<const W: usize> Block<W> {
         let correction = &mut self.correction[..d];
         self.extrapolation.predict(correction);
         let mut distance = [0.0_f64; W];
+        let mut outgrown = [false; W];
         for i in 0..d {
             for w in 0..W {
                 self.y[i][w] = self.x[i][w] + correction[i][w];
-                let away = (self.y[i][w] - self.anchor[i][w]).abs();
-                distance[w] = larger(distance[w], relative(away, self.scale[i][w]));
+                let (y, anchor, scale) = (self.y[i][w], self.anchor[i][w], self.scale[i][w]);
+                let away = (y - anchor).abs();
+                distance[w] = larger(distance[w], relative(away, scale));
+                outgrown[w] |= y.abs() < HALVED * anchor.abs() && away > NOISE * scale;
             }
         }
         for (w, lane) in self.lanes.iter_mut().enumerate() {
-            let distance = lane.anchored.then_some(distance[w]);
+            let distance = (lane.anchored && !outgrown[w]).then_some(distance[w]);
             lane.next = lane.convergence.start(distance, self.most_chords);
             lane.jacobians = 0;
             self.outcome[w] = Ok(());
