@@ -7,9 +7,9 @@ use crate::display::Names;
 use crate::piece::{Piece, Tensor};
 
 /// A term of the Hamiltonian with its field.
-struct Atom {
-    hamiltonian: Polynomial,
-    field: Vec<(usize, Polynomial)>,
+pub(crate) struct Atom {
+    pub(crate) hamiltonian: Polynomial,
+    pub(crate) field: Vec<(usize, Polynomial)>,
 }
 
 /// H = Σ H_i (up to Casimirs) with an exact flow of each H_i.
@@ -35,7 +35,7 @@ pub fn find_pieces(system: &SystemFormulas, ring: &mut Ring) -> Result<Vec<Piece
 }
 
 /// A summand as a whole where it has an exact flow, its monomials otherwise; none that is a Casimir.
-fn atoms(
+pub(crate) fn atoms(
     system: &SystemFormulas,
     ring: &mut Ring,
     tensor: &Tensor,
@@ -109,7 +109,7 @@ fn place(
 }
 
 /// The summands of a formula, through signs and common denominators.
-fn summands(formula: &Expression) -> Vec<Expression> {
+pub(crate) fn summands(formula: &Expression) -> Vec<Expression> {
     match formula {
         Expression::Sum(terms) => terms.iter().flat_map(summands).collect(),
         Expression::Negate(inner) => {
