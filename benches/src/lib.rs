@@ -62,3 +62,75 @@ pub fn composed(text: &str) -> ComposedRun {
     let document = SceneDocument::parse("bench.toml", text, &ProblemLibrary).expect("a scene");
     compose(&document, &Registry::with_builtin()).expect("a method")
 }
+
+/// A method whose step is compared with formulas written out as Rust.
+pub struct StepCase {
+    /// The name of the type that holds the formulas.
+    pub formulas: &'static str,
+    /// System and start.
+    pub problem: (&'static str, &'static str),
+    /// An exact realization.
+    pub realization: &'static str,
+    /// The order of Hamilton–Jacobi.
+    pub order: usize,
+    /// εh.
+    pub time_step: f64,
+}
+
+/// The methods that are compared so.
+pub const STEP_CASES: [StepCase; 9] = [
+    rigid_body("RigidBody2", 2),
+    rigid_body("RigidBody4", 4),
+    rigid_body("RigidBody8", 8),
+    lotka_volterra("LotkaVolterra2", 2),
+    lotka_volterra("LotkaVolterra4", 4),
+    lotka_volterra("LotkaVolterra8", 8),
+    heavy_top("HeavyTop2", 2),
+    heavy_top("HeavyTop4", 4),
+    heavy_top("HeavyTop8", 8),
+];
+
+const fn rigid_body(formulas: &'static str, order: usize) -> StepCase {
+    StepCase {
+        formulas,
+        problem: RIGID_BODY,
+        realization: "so3-exponential",
+        order,
+        time_step: 0.1,
+    }
+}
+
+const fn lotka_volterra(formulas: &'static str, order: usize) -> StepCase {
+    StepCase {
+        formulas,
+        problem: PERIODIC_LOTKA_VOLTERRA,
+        realization: "log-canonical",
+        order,
+        time_step: 0.05,
+    }
+}
+
+const fn heavy_top(formulas: &'static str, order: usize) -> StepCase {
+    StepCase {
+        formulas,
+        problem: HEAVY_TOP,
+        realization: "lie-poisson",
+        order,
+        time_step: 0.05,
+    }
+}
+
+impl StepCase {
+    /// The scene, composed.
+    pub fn composed(&self) -> ComposedRun {
+        let realization = format!("{{ name = \"{}\" }}", self.realization);
+        let (library, initial) = self.problem;
+        composed(&scene_with(
+            library,
+            initial,
+            &realization,
+            self.order,
+            self.time_step,
+        ))
+    }
+}

@@ -8,6 +8,7 @@ use thiserror::Error;
 
 use crate::dynamics::DynamicApproximation;
 use crate::error::BuildError;
+use crate::lattice::{LatticeMap, LatticeSource};
 use crate::origin::Origin;
 use crate::part::{PartInfo, PartKind, PartParameters};
 use crate::realization::RealizationData;
@@ -94,6 +95,22 @@ pub trait StepperPart: Send + Sync {
     fn path(&self, parameters: &PartParameters) -> Option<&'static str> {
         let _ = parameters;
         None
+    }
+    /// The step map of a long lattice, as sweeps over its sites.
+    ///
+    /// # Errors
+    /// [`BuildError::DoesNotFit`] where the part has no such form, for this lattice or for any;
+    /// otherwise as [`build`](Self::build).
+    fn build_on_lattice(
+        &self,
+        source: &dyn LatticeSource,
+        parameters: &PartParameters,
+    ) -> Result<Arc<dyn LatticeMap>, BuildError> {
+        let _ = (source, parameters);
+        Err(BuildError::DoesNotFit {
+            part: self.info().name,
+            reason: "it has no form that sweeps over the sites of a long lattice".to_owned(),
+        })
     }
 }
 

@@ -59,6 +59,16 @@ impl LatticeGeometry {
         unreachable!("a coordinate lies in one of the families")
     }
 
+    /// How far `site` is from `here`, the shorter way round on a ring.
+    pub fn shift(&self, here: usize, site: usize) -> isize {
+        let difference = site as isize - here as isize;
+        if !self.periodic {
+            return difference;
+        }
+        let length = self.length() as isize;
+        (difference + length / 2).rem_euclid(length) - length / 2
+    }
+
     /// The name of a coordinate, `x[3]`.
     pub fn name(&self, coordinate: usize) -> String {
         let (family, site) = self.locate(coordinate);

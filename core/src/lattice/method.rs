@@ -2,18 +2,20 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::{Arithmetic, Graph, Kernel, StepSize, Term};
+use leafwise_expression::{Kernel, StepSize};
 
 use super::geometry::LatticeGeometry;
+use super::locality::local_reach;
+use super::map::LatticeMap;
 use super::observables::SiteDensity;
-use super::program::{LatticeProgram, Proxy, shift};
+use super::program::{LatticeProgram, Proxy};
 use super::stages::{Field, StageBuilder};
 use super::stepper::LatticeTrajectory;
 use crate::dynamics::DynamicApproximation;
 use crate::error::BuildError;
 use crate::realization::RealizationData;
 use crate::solver::{LaneByLane, MapProperties, StepMap, Stepper};
-use crate::system::{PoissonSystem, SystemFormulas};
+use crate::system::PoissonSystem;
 
 /// A lattice system that can be written out at any length.
 pub trait LatticeSource {
@@ -40,7 +42,7 @@ pub type Realize<'a> = dyn Fn(&PoissonSystem) -> Result<Arc<dyn RealizationData>
 
 /// The fields a solver reads and writes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Fields {
+pub(super) struct MethodFields {
     pub(super) y: Field,
     pub(super) offset: Field,
     pub(super) increment: Field,
@@ -53,7 +55,7 @@ pub struct LatticeMethod {
     proxy: PoissonSystem,
     proxy_geometry: LatticeGeometry,
     program: Arc<LatticeProgram>,
-    fields: Fields,
+    fields: MethodFields,
     realization: Arc<dyn RealizationData>,
     dynamics: Arc<dyn DynamicApproximation>,
 }
@@ -96,7 +98,7 @@ impl LatticeMethod {
         let p = builder.store(z[system.dimension()..].to_vec());
         builder.finish_stage();
         let ends = stages.stages(&mut builder, &epsilon, &y, &p)?;
-        let fields = Fields {
+        let fields = MethodFields {
             y: y_field,
             offset: builder.output(ends.offset),
             increment: builder.output(ends.increment),
@@ -122,21 +124,6 @@ impl LatticeMethod {
         })
     }
 
-    /// The lattice.
-    pub fn geometry(&self) -> &LatticeGeometry {
-        &self.geometry
-    }
-
-    /// The system written out on the proxy lattice: what checks and instruments look at.
-    pub fn proxy(&self) -> &PoissonSystem {
-        &self.proxy
-    }
-
-    /// The proxy lattice.
-    pub fn proxy_geometry(&self) -> &LatticeGeometry {
-        &self.proxy_geometry
-    }
-
     /// The geometric approximation, built on the proxy.
     pub fn realization(&self) -> &dyn RealizationData {
         self.realization.as_ref()
@@ -146,10 +133,31 @@ impl LatticeMethod {
     pub fn dynamics(&self) -> &dyn DynamicApproximation {
         self.dynamics.as_ref()
     }
+}
 
-    /// The compiled sweeps.
-    pub fn program(&self) -> &LatticeProgram {
-        &self.program
+impl LatticeMap for LatticeMethod {
+    fn geometry(&self) -> &LatticeGeometry {
+        &self.geometry
+    }
+
+    fn proxy(&self) -> &PoissonSystem {
+        &self.proxy
+    }
+
+    fn proxy_geometry(&self) -> &LatticeGeometry {
+        &self.proxy_geometry
+    }
+
+    fn operations(&self) -> usize {
+        self.program.operations()
+    }
+
+    fn work(&self) -> u64 {
+        self.program.work()
+    }
+
+    fn fields(&self) -> usize {
+        self.program.fields()
     }
 }
 
@@ -185,9 +193,6 @@ impl StepMap for LatticeMethod {
     }
 }
 
-/// The longest reach of a formula that the search below looks for.
-const LONGEST_REACH: usize = 16;
-
 /// A proxy lattice on which every site class of a method of order `order` can be told apart, and
 /// the number of boundary sites with code of their own; the true lattice itself when that is
 /// short.
@@ -196,23 +201,8 @@ fn proxy_geometry(
     order: usize,
 ) -> Result<(LatticeGeometry, usize), BuildError> {
     let geometry = source.geometry();
-    let mut trial = 9;
-    let reach = loop {
-        if geometry.length() <= trial {
-            return Ok((geometry.clone(), 0));
-        }
-        let proxy = geometry.resized(trial);
-        let system = source.write_out(&proxy)?;
-        let formulas = system.formulas("a long lattice")?;
-        check_homogeneous(formulas, &proxy)?;
-        let reach = reach(formulas, &proxy)?;
-        if 2 * reach + 1 < trial {
-            break reach;
-        }
-        if reach > LONGEST_REACH {
-            return Err(BuildError::NotLocal { reach });
-        }
-        trial = 2 * trial + 1;
+    let Some(reach) = local_reach(source)? else {
+        return Ok((geometry.clone(), 0));
     };
     // S_l takes l − 1 times the reach of the tensor and of dH to either side, and dS_l once more.
     let shorter = geometry
@@ -227,79 +217,4 @@ fn proxy_geometry(
         return Ok((geometry.clone(), 0));
     }
     Ok((geometry.resized(length), width))
-}
-
-/// Refuses a tensor whose entries change from one interior site to the next: one with a fixed site
-/// such as `x[0],x[5]`, of which a template would make many.
-fn check_homogeneous(
-    system: &SystemFormulas,
-    geometry: &LatticeGeometry,
-) -> Result<(), BuildError> {
-    let offsets = geometry.offsets();
-    let length = geometry.length();
-    let is_interior = |site: usize| geometry.periodic || (2..length - 3).contains(&site);
-    let moved = |coordinate: usize| {
-        let (family, site) = geometry.locate(coordinate);
-        let next = (site + 1) % length;
-        (next < geometry.families[family].1).then(|| offsets[family] + next)
-    };
-    let mut graph = Graph::new();
-    for (&(a, b), entry) in system.tensor() {
-        if !is_interior(geometry.locate(a).1) || !is_interior(geometry.locate(b).1) {
-            continue;
-        }
-        let not_homogeneous = || BuildError::NotHomogeneous {
-            first: geometry.name(a),
-            second: geometry.name(b),
-        };
-        let (Some(c), Some(d)) = (moved(a), moved(b)) else {
-            continue;
-        };
-        let here = entry.evaluate_in(&mut graph, &mut |graph, at| {
-            Ok(graph.input(moved(at).unwrap_or(at)))
-        })?;
-        let there = system
-            .tensor()
-            .get(&(c.min(d), c.max(d)))
-            .ok_or_else(not_homogeneous)?;
-        let there = there.evaluate_in(&mut graph, &mut |graph, at| Ok(graph.input(at)))?;
-        let there = if c < d { there } else { graph.negate(&there) };
-        let difference = graph.subtract(&here, &there);
-        if !graph.is_zero(&difference) {
-            return Err(not_homogeneous());
-        }
-    }
-    Ok(())
-}
-
-/// How far dH and the tensor's rows at the centre of a written-out lattice look.
-fn reach(system: &SystemFormulas, geometry: &LatticeGeometry) -> Result<usize, BuildError> {
-    let d = system.dimension();
-    let centre = geometry.length() / 2;
-    let offsets = geometry.offsets();
-    let mut graph = Graph::new();
-    let x: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
-    let v: Vec<Term> = (d..2 * d).map(|i| graph.input(i)).collect();
-    let energy = system
-        .hamiltonian()
-        .evaluate_in(&mut graph, &mut |_, at| Ok(x[at].clone()))?;
-    let rows = system.apply_tensor(&mut graph, &x, &v)?;
-    let mut reach = [0, 0];
-    for (family, (_, length)) in geometry.families.iter().enumerate() {
-        if centre >= *length {
-            continue;
-        }
-        let coordinate = offsets[family] + centre;
-        let slope = graph.derivative(&energy, coordinate)?;
-        for (which, term) in [slope, rows[coordinate].clone()].into_iter().enumerate() {
-            if graph.is_zero(&term) {
-                continue;
-            }
-            for input in Kernel::compile_used(&graph, &[term], 0).1 {
-                let (_, site) = geometry.locate(input % d);
-                reach[which] = reach[which].max(shift(geometry, centre, site).unsigned_abs());
-            }
-        }
-    }
-    Ok((reach[0] + reach[1]).max(1))
 }

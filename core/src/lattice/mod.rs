@@ -7,20 +7,32 @@
 //! in a neighbourhood: time and memory are O(N).
 //!
 //! - [`geometry`]: families, boundary, classes of sites.
+//! - [`cells`]: lattices whose code repeats every few sites.
+//! - [`locality`]: how far formulas look.
 //! - [`stages`]: how a realization writes its maps as stages.
-//! - [`program`]: stages compiled to stencils, and their sweeps.
+//! - `stencil`: the code of one class of sites in one stage, and its sweep over them.
+//! - [`program`]: stages compiled to stencils.
+//! - [`map`](mod@map): step maps of long lattices.
 //! - [`method`](mod@method): realization and dynamics combined over a lattice.
 //! - `stepper`: the linear iteration for β̂(L(y)) = x.
 //! - [`observables`]: sums over sites.
 
+pub mod cells;
 pub mod geometry;
+pub mod locality;
+pub mod map;
 pub mod method;
 pub mod observables;
 pub mod program;
 pub mod stages;
+mod stencil;
 mod stepper;
 
+pub use cells::Cells;
 pub use geometry::LatticeGeometry;
+pub use locality::local_reach;
+pub use map::LatticeMap;
 pub use method::{LatticeMethod, LatticeSource};
 pub use observables::LatticeObservables;
-pub use stages::{RealizationStages, StageBuilder, StageEnds};
+pub use program::{Fields, LatticeProgram, Prepared, Proxy};
+pub use stages::{Field, RealizationStages, StageBuilder, StageEnds};

@@ -8,21 +8,25 @@ use crate::error::BuildError;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Field(pub(super) usize);
 
+/// What a stage writes into a field: one term a proxy coordinate, `None` where it stays.
+pub(super) type Written = (Field, Vec<Option<Term>>);
+
 /// Code over the proxy lattice, cut into stages.
 ///
 /// Values that a later stage reads at neighbouring sites are stored as fields; what comes back is
-/// code that reads the field.
+/// code that reads the field. Code of a stage reads what stood in the fields when the stage began.
 pub struct StageBuilder {
     /// The code of all stages.
     pub graph: Graph,
     pub(super) dimension: usize,
     pub(super) fields: usize,
-    pub(super) stages: Vec<Vec<(Field, Vec<Term>)>>,
-    pub(super) current: Vec<(Field, Vec<Term>)>,
+    pub(super) stages: Vec<Vec<Written>>,
+    pub(super) current: Vec<Written>,
 }
 
 impl StageBuilder {
-    pub(super) fn new(dimension: usize) -> Self {
+    /// No stage yet, over a proxy of `dimension` coordinates.
+    pub fn new(dimension: usize) -> Self {
         Self {
             graph: Graph::new(),
             dimension,
@@ -32,8 +36,8 @@ impl StageBuilder {
         }
     }
 
-    /// A fresh field that nothing writes yet, as code: the state itself.
-    pub(super) fn unwritten(&mut self) -> (Field, Vec<Term>) {
+    /// A fresh field that no stage writes yet, such as the state, and the code that reads it.
+    pub fn unwritten(&mut self) -> (Field, Vec<Term>) {
         let field = Field(self.fields);
         self.fields += 1;
         let start = field.0 * self.dimension;
@@ -47,14 +51,20 @@ impl StageBuilder {
     /// code that reads it in later ones.
     pub fn store(&mut self, values: Vec<Term>) -> Vec<Term> {
         let (field, code) = self.unwritten();
-        self.current.push((field, values));
+        self.update(field, values.into_iter().map(Some).collect());
         code
+    }
+
+    /// Replaces the values of a field at the end of the current stage, where there are any: the
+    /// same code reads the new ones in later stages.
+    pub fn update(&mut self, field: Field, values: Vec<Option<Term>>) {
+        self.current.push((field, values));
     }
 
     /// Stores values that are an output of the whole program.
     pub(super) fn output(&mut self, values: Vec<Term>) -> Field {
         let (field, _) = self.unwritten();
-        self.current.push((field, values));
+        self.update(field, values.into_iter().map(Some).collect());
         field
     }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::method::Fields;
+use super::method::MethodFields;
 use super::program::{LatticeProgram, LatticeWorker};
 use crate::error::StepError;
 use crate::solver::iteration::{CorrectionSize, LinearIteration, Verdict};
@@ -21,7 +21,7 @@ const EXTRAPOLATION: usize = 7;
 /// observed rate, or when the corrections stagnate at round-off.
 pub(super) struct LatticeTrajectory {
     program: Arc<LatticeProgram>,
-    fields: Fields,
+    fields: MethodFields,
     worker: LatticeWorker,
     extrapolation: Extrapolation,
     displacement: Vec<f64>,
@@ -31,7 +31,7 @@ pub(super) struct LatticeTrajectory {
 impl LatticeTrajectory {
     pub(super) fn new(
         program: &Arc<LatticeProgram>,
-        fields: Fields,
+        fields: MethodFields,
         parameters: &[f64],
         epsilon: f64,
         h: f64,

@@ -12,13 +12,34 @@ pub(crate) fn dimension<const D: usize>(rows: usize) -> usize {
     if D == ANY { rows } else { D }
 }
 
+/// Rows of W numbers: inline where their number is known when this is compiled.
+pub(crate) trait Rows<const W: usize>:
+    AsRef<[[f64; W]]> + AsMut<[[f64; W]]> + Clone + Send + 'static
+{
+    /// So many rows of zeros; a type with a number of its own has that.
+    fn zeros(rows: usize) -> Self;
+}
+
+impl<const W: usize, const N: usize> Rows<W> for [[f64; W]; N] {
+    fn zeros(rows: usize) -> Self {
+        debug_assert_eq!(rows, N, "the type's number of rows");
+        [[0.0; W]; N]
+    }
+}
+
+impl<const W: usize> Rows<W> for Vec<[f64; W]> {
+    fn zeros(rows: usize) -> Self {
+        vec![[0.0; W]; rows]
+    }
+}
+
 /// P A = L U of W matrices by partial pivoting; the reciprocals of the pivots stand on the diagonal.
 ///
 /// Near the identity every pivot is the largest of its column where it stands: all lanes are then
 /// eliminated at once, without a search. A lane where one is not is eliminated alone.
 #[derive(Clone, Debug)]
-pub(crate) struct Factors<const W: usize> {
-    entries: Vec<[f64; W]>,
+pub(crate) struct Factors<const W: usize, M = Vec<[f64; W]>> {
+    entries: M,
     /// The row that was exchanged with row k before column k was eliminated.
     exchanges: Vec<[usize; W]>,
     exchanged: [bool; W],
@@ -26,11 +47,11 @@ pub(crate) struct Factors<const W: usize> {
     single: Vec<f64>,
 }
 
-impl<const W: usize> Factors<W> {
+impl<const W: usize, M: Rows<W>> Factors<W, M> {
     /// Room for d × d matrices.
     pub(crate) fn new(d: usize) -> Self {
         Self {
-            entries: vec![[0.0; W]; d * d],
+            entries: M::zeros(d * d),
             exchanges: vec![[0; W]; d],
             exchanged: [false; W],
             kept: vec![[0.0; W]; if W > 1 { d * d } else { 0 }],
@@ -47,7 +68,7 @@ impl<const W: usize> Factors<W> {
         wanted: &[bool; W],
     ) -> [bool; W] {
         let d = dimension::<D>(self.exchanges.len());
-        let (entries, matrix) = (&mut self.entries[..d * d], &matrix[..d * d]);
+        let (entries, matrix) = (&mut self.entries.as_mut()[..d * d], &matrix[..d * d]);
         let all = wanted.iter().all(|wanted| *wanted);
         if !all {
             self.kept.copy_from_slice(entries);
@@ -106,7 +127,7 @@ impl<const W: usize> Factors<W> {
                 }
             }
         }
-        for (entry, value) in self.entries.iter_mut().zip(a) {
+        for (entry, value) in self.entries.as_mut().iter_mut().zip(a) {
             entry[lane] = *value;
         }
         true
@@ -116,7 +137,7 @@ impl<const W: usize> Factors<W> {
     #[inline(always)]
     pub(crate) fn solve<const D: usize>(&self, right: &mut [[f64; W]]) {
         let d = dimension::<D>(self.exchanges.len());
-        let (right, entries) = (&mut right[..d], &self.entries[..d * d]);
+        let (right, entries) = (&mut right[..d], &self.entries.as_ref()[..d * d]);
         for lane in 0..W {
             if self.exchanged[lane] {
                 self.exchange(right, lane);
@@ -191,7 +212,7 @@ mod tests {
         let unit = |at: usize| f64::from(u8::from(at.is_multiple_of(d + 1)));
         let matrix: Vec<[f64; 2]> = a.iter().enumerate().map(|(at, v)| [unit(at), *v]).collect();
         let mut right: Vec<[f64; 2]> = r.iter().map(|v| [*v, *v]).collect();
-        let mut factors = Factors::new(d);
+        let mut factors = Factors::<2>::new(d);
         let singular = factors.factor::<D>(&matrix, &[true; 2]);
         assert!(!singular[0]);
         factors.solve::<D>(&mut right);

@@ -11,6 +11,8 @@ use crate::error::{BuildError, StepError};
 #[derive(Clone, Debug)]
 pub struct ExplicitMap {
     shared: Arc<Shared>,
+    /// What a step counts as.
+    evaluations: u64,
 }
 
 #[derive(Debug)]
@@ -35,6 +37,15 @@ impl ExplicitMap {
                 parameters,
                 tangent: OnceLock::new(),
             }),
+            evaluations: 1,
+        }
+    }
+
+    /// The same map, a product of `evaluations` factors, whose steps count as so many evaluations.
+    pub fn counting(self, evaluations: u64) -> Self {
+        Self {
+            evaluations,
+            ..self
         }
     }
 
@@ -76,6 +87,7 @@ impl ExplicitMap {
             last: vec![f64::NAN; self.dimension() * lanes],
             lanes,
             work: self.operations().work(),
+            evaluations: self.evaluations,
             statistics: SolverStatistics::default(),
         })
     }
@@ -111,6 +123,8 @@ struct ExplicitStepper {
     lanes: usize,
     /// Operations of one step.
     work: u64,
+    /// What a step counts as.
+    evaluations: u64,
     statistics: SolverStatistics,
 }
 
@@ -142,7 +156,7 @@ impl Stepper for ExplicitStepper {
                     what: "the increment",
                 })
             };
-            self.statistics.count(1, outcome.is_ok());
+            self.statistics.count(self.evaluations, outcome.is_ok());
         }
     }
 
@@ -170,7 +184,7 @@ impl Stepper for ExplicitStepper {
 
     fn statistics(&self) -> SolverStatistics {
         SolverStatistics {
-            operations: Some(self.statistics.evaluations * self.work),
+            operations: Some(self.statistics.steps * self.work),
             ..self.statistics
         }
     }

@@ -1,5 +1,7 @@
 //! Where to start a solve: polynomial extrapolation of earlier solutions.
 
+use super::elimination::{ANY, dimension};
+
 /// Coordinates that are differenced together: their temporaries stay in the fastest cache.
 const CHUNK: usize = 256;
 
@@ -41,13 +43,20 @@ impl<const W: usize> Extrapolation<W> {
     }
 
     /// Writes the predicted displacements of the next step, 0 without history.
-    #[inline(always)]
     pub fn predict(&self, displacement: &mut [[f64; W]]) {
+        self.predict_in::<ANY>(displacement);
+    }
+
+    /// The same in the constant dimension D, or in [`ANY`].
+    #[inline(always)]
+    pub(crate) fn predict_in<const D: usize>(&self, displacement: &mut [[f64; W]]) {
+        let d = dimension::<D>(self.dimension);
+        let displacement = &mut displacement[..d];
         displacement.fill([0.0; W]);
         let highest = self.order.iter().fold(0, |m, order| m.max(*order));
         for (j, level) in self
             .differences
-            .chunks_exact(self.dimension.max(1))
+            .chunks_exact(d.max(1))
             .take(highest)
             .enumerate()
         {
@@ -61,8 +70,17 @@ impl<const W: usize> Extrapolation<W> {
     }
 
     /// Records the displacements of a step in the lanes that took it; uses `displacement` up.
-    #[inline(always)]
     pub fn record(&mut self, displacement: &mut [[f64; W]], took: &[bool; W]) {
+        self.record_in::<ANY>(displacement, took);
+    }
+
+    /// The same in the constant dimension D, or in [`ANY`].
+    #[inline(always)]
+    pub(crate) fn record_in<const D: usize>(
+        &mut self,
+        displacement: &mut [[f64; W]],
+        took: &[bool; W],
+    ) {
         let last = self.levels - 1;
         let highest = |order: usize| (order + 1).min(last);
         let top = self
@@ -70,7 +88,7 @@ impl<const W: usize> Extrapolation<W> {
             .iter()
             .fold(0, |top, order| top.max(highest(*order)));
         let mut errors = [[0.0_f64; W]; 3];
-        let d = displacement.len();
+        let d = dimension::<D>(self.dimension);
         for start in (0..d).step_by(CHUNK) {
             let carried = &mut displacement[start..d.min(start + CHUNK)];
             for j in 0..=top {

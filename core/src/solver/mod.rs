@@ -54,6 +54,19 @@ pub trait StepMap: Send + Sync {
     /// A worker that steps `lanes` trajectories at once with these parameters (a structure of
     /// arrays over the lanes) and step sizes.
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper>;
+    /// A worker of Φ_{γ_s h} ∘ … ∘ Φ_{γ_1 h}, where that takes less than one factor after the other;
+    /// a step then counts s evaluations.
+    fn product_stepper(
+        &self,
+        coefficients: &[f64],
+        lanes: usize,
+        parameters: &[f64],
+        epsilon: f64,
+        h: f64,
+    ) -> Option<Box<dyn Stepper>> {
+        let _ = (coefficients, lanes, parameters, epsilon, h);
+        None
+    }
 }
 
 /// One thread's worker of a [`StepMap`].

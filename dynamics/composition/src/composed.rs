@@ -67,12 +67,19 @@ impl StepMap for Composed {
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
+        let coefficients = self.scheme.coefficients();
+        let product = self
+            .base
+            .product_stepper(&coefficients, lanes, parameters, epsilon, h);
+        if let Some(product) = product {
+            return product;
+        }
         let size = self.dimension() * lanes;
         let stage = |gamma: f64| -> Box<dyn Stepper> {
             self.base.stepper(lanes, parameters, epsilon, gamma * h)
         };
         Box::new(ComposedStepper {
-            stages: self.scheme.coefficients().into_iter().map(stage).collect(),
+            stages: coefficients.into_iter().map(stage).collect(),
             state: Compensated::new(size),
             sum: Compensated::new(size),
             increment: vec![0.0; size],

@@ -8,6 +8,7 @@ use leafwise_expression::{
 use crate::entire::{EXPONENTIAL_MINUS_1, PHI_1, STUMPFF_1, STUMPFF_2};
 use crate::flow::Motion;
 use crate::piece::Piece;
+use crate::schedule::Flow;
 
 /// x(t) − x for the flow of a piece from the state `x` over the time `time`, coordinate by
 /// coordinate; each of the size of the motion, formed without cancellation.
@@ -104,27 +105,28 @@ pub fn flow_increment(
     Ok(increment)
 }
 
-/// Strang's product φ¹_{t/2} ∘ … ∘ φʳ_t ∘ … ∘ φ¹_{t/2}: its increment Φ_t(x) − x, the sum of the flows'.
+/// The product of flows of `pieces`, each over its part of the time: its increment Φ(x) − x, the sum of
+/// the flows'.
 ///
 /// # Errors
 /// Those of [`flow_increment`].
-pub fn strang_increment(
+///
+/// # Panics
+/// Where a part is not finite.
+pub fn product_increment(
     graph: &mut Graph,
     ring: &Ring,
     pieces: &[Piece],
+    flows: &[Flow],
     time: &Term,
     x: &[Term],
 ) -> Result<Vec<Term>, AlgebraError> {
-    let half = graph.scale(&Rational::new(1, 2), time);
     let mut state = x.to_vec();
     let mut sums: Vec<Vec<(Rational, Term)>> = vec![Vec::new(); x.len()];
-    let Some((middle, outer)) = pieces.split_last() else {
-        return Ok(vec![graph.zero(); x.len()]);
-    };
-    let halves = outer.iter().map(|piece| (piece, &half));
-    let sweep = halves.clone().chain(std::iter::once((middle, time)));
-    for (piece, time) in sweep.chain(halves.rev()) {
-        let increment = flow_increment(graph, ring, piece, time, &state)?;
+    for flow in flows {
+        let part = Rational::from_f64(flow.part).expect("a part of the time is finite");
+        let time = graph.scale(&part, time);
+        let increment = flow_increment(graph, ring, &pieces[flow.piece], &time, &state)?;
         for ((value, sum), change) in state.iter_mut().zip(&mut sums).zip(increment) {
             *value = graph.add(value, &change);
             sum.push((Rational::one(), change));

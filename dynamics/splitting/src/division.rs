@@ -67,19 +67,25 @@ fn leading<C: CoefficientRing>(f: &Terms<C>) -> Option<(&Monomial, &C)> {
     largest.map(|(m, c)| (m, c))
 }
 
-/// ω with ω² = f for a monomial f whose coefficient is a rational square times even powers of
-/// parameters; `None` for any other.
+/// ω with ω² = f and rational coefficients, `None` where there is none; of ±ω the one whose leading
+/// coefficient is positive.
 pub(crate) fn square_root(f: &Polynomial) -> Option<Polynomial> {
-    root(f, &|c| root(c, &|r| rational_root(r)))
+    let divide_numbers = |a: &Rational, b: &Rational| Some(a * &b.recip());
+    root(
+        f,
+        &|c: &Coefficient| root(c, &rational_root, &divide_numbers),
+        &|a: &Coefficient, b: &Coefficient| divide(a, b, &divide_numbers),
+    )
 }
 
+/// The root's leading term is that of f; each next one is the leading term of what its square leaves,
+/// over twice the first.
 fn root<C: CoefficientRing>(
     f: &Terms<C>,
     root_of_coefficient: &dyn Fn(&C) -> Option<C>,
+    divide_coefficients: &dyn Fn(&C, &C) -> Option<C>,
 ) -> Option<Terms<C>> {
-    let [(monomial, coefficient)] = f.terms() else {
-        return None;
-    };
+    let (monomial, coefficient) = leading(f)?;
     let mut half = Monomial::one();
     for &(symbol, exponent) in monomial.factors() {
         if exponent % 2 != 0 {
@@ -87,7 +93,22 @@ fn root<C: CoefficientRing>(
         }
         half = half.multiply(&Monomial::power(symbol, exponent / 2));
     }
-    Some(Terms::term(half, root_of_coefficient(coefficient)?))
+    let first = root_of_coefficient(coefficient)?;
+    let twice = first.scaled(&Rational::from_integer(2));
+    let mut found = Terms::term(half.clone(), first);
+    for _ in 0..f.terms().len() {
+        let square = found.product(&found);
+        let rest = Terms::combine(&[(Rational::one(), f.clone()), (-Rational::one(), square)]);
+        let Some((monomial, coefficient)) = leading(&rest) else {
+            return Some(found);
+        };
+        let next = Terms::term(
+            monomial.multiply(&half.inverse()),
+            divide_coefficients(coefficient, &twice)?,
+        );
+        found = Terms::combine(&[(Rational::one(), found), (Rational::one(), next)]);
+    }
+    None
 }
 
 fn rational_root(r: &Rational) -> Option<Rational> {
@@ -121,8 +142,25 @@ mod tests {
             None
         );
         let y = ring.variable(1);
-        let sum = ring.add(&x, &y);
-        assert_eq!(square_root(&ring.multiply(&sum, &sum)), None);
+        assert_eq!(square_root(&ring.add(&x, &y)), None);
+    }
+
+    #[test]
+    fn squares_of_sums_have_roots() {
+        let mut ring = Ring::new(2);
+        let [x, y] = [0, 1].map(|i| ring.variable(i));
+        let parameters = [0, 1].map(|i| ring.parameter(i));
+        let one = ring.one();
+        let [a, b] = parameters.map(|p| ring.divide(&one, &p).expect("a parameter"));
+        // (1/a − 1/b) x + y.
+        let difference = ring.subtract(&a, &b);
+        let product = ring.multiply(&difference, &x);
+        let sum = ring.add(&product, &y);
+        let square = ring.multiply(&sum, &sum);
+        let root = square_root(&square).expect("a square");
+        assert!(root == sum || root == ring.negate(&sum));
+        assert_eq!(square_root(&ring.add(&square, &one)), None);
+        assert_eq!(square_root(&ring.negate(&square)), None);
     }
 
     #[test]

@@ -11,13 +11,17 @@
 //! one formula. Where the divisions can be carried out exactly, [`Motion`](crate::flow::Motion) has
 //! forms that round better.
 
-use leafwise_expression::AnalyticFunction;
+use leafwise_expression::{AnalyticFunction, elementary};
 
 /// eᶻ − 1 without cancellation.
 pub const EXPONENTIAL_MINUS_1: AnalyticFunction =
     AnalyticFunction::new("splitting-expm1", |order, z| match order {
         0 => libm::expm1(z),
         _ => libm::exp(z),
+    })
+    .with_lanes(|order, values| match order {
+        0 => elementary::exp_m1_lanes(values),
+        _ => elementary::exp_lanes(values),
     });
 
 /// φ₁ with φ_k′ = φ_k − k φ_{k+1}.

@@ -11,7 +11,9 @@
 //! - [`pieces`]: the pieces of a system's Hamiltonian.
 //! - [`entire`]: the entire functions that close the Lie series.
 //! - [`code`]: flows as straight-line code.
+//! - [`schedule`]: which flows a step takes.
 //! - [`splitting`]: Strang's product as a step map.
+//! - [`lattice`]: the same on long lattices, by sweeps.
 //! - `division`, `display`: exact quotients in the ring, terms as text.
 //! - `register`: the part `splitting`.
 
@@ -20,10 +22,13 @@ mod display;
 mod division;
 pub mod entire;
 pub mod flow;
+pub mod lattice;
 pub mod piece;
 pub mod pieces;
 mod register;
+pub mod schedule;
 pub mod splitting;
 
+pub use lattice::LatticeSplitting;
 pub use piece::Piece;
 pub use splitting::Splitting;

@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
+use leafwise_core::lattice::{LatticeMap, LatticeSource};
 use leafwise_core::part::{PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::solver::StepMap;
 use leafwise_core::{BuildError, PoissonSystem};
 
+use crate::lattice::LatticeSplitting;
 use crate::splitting::Splitting;
 
 pub(crate) static INFO: PartInfo = PartInfo {
@@ -35,6 +37,15 @@ impl StepperPart for Part {
     ) -> Result<Arc<dyn StepMap>, BuildError> {
         parameters.refuse_unknown(&INFO)?;
         Ok(Arc::new(Splitting::new(system)?))
+    }
+
+    fn build_on_lattice(
+        &self,
+        source: &dyn LatticeSource,
+        parameters: &PartParameters,
+    ) -> Result<Arc<dyn LatticeMap>, BuildError> {
+        parameters.refuse_unknown(&INFO)?;
+        Ok(Arc::new(LatticeSplitting::new(source)?))
     }
 }
 

@@ -1,16 +1,17 @@
 //! Strang's product as a step map.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use leafwise_core::solver::{ExplicitMap, MapProperties, StepMap, Stepper, Structure};
 use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::{Arithmetic, Graph, Kernel, OperationCount, Ring, StepSize, Term};
 
-use crate::code::strang_increment;
+use crate::code::product_increment;
 use crate::display::Names;
 use crate::piece::Piece;
 use crate::pieces::find_pieces;
 use crate::register::INFO;
+use crate::schedule::strang;
 
 /// φ¹_{t/2} ∘ … ∘ φʳ_t ∘ … ∘ φ¹_{t/2}, t = εh, over exact flows of the pieces of H: explicit, of order
 /// 2, self-adjoint, a Poisson map that keeps every Casimir (G. Strang, SIAM Journal on Numerical
@@ -26,7 +27,12 @@ struct Shared {
     ring: Ring,
     pieces: Vec<Piece>,
     step: ExplicitMap,
+    /// Compositions that were asked for, with their coefficients.
+    products: Mutex<Vec<(Vec<f64>, ExplicitMap)>>,
 }
+
+/// The largest product, in operations, that becomes one kernel.
+const LARGEST_PRODUCT: usize = 20_000;
 
 impl Splitting {
     /// Splits the system's Hamiltonian and compiles the step.
@@ -40,7 +46,7 @@ impl Splitting {
         let mut pieces = find_pieces(system, &mut ring)?;
         costliest_last(system, &ring, &mut pieces)?;
         let mut graph = Graph::new();
-        let increment = increment_code(&mut graph, system, &ring, &pieces)?;
+        let increment = increment_code(&mut graph, system, &ring, &pieces, &[1.0])?;
         let parameters = system.parameters().len();
         let step = ExplicitMap::compile(graph, increment, parameters);
         Ok(Self {
@@ -49,6 +55,7 @@ impl Splitting {
                 ring,
                 pieces,
                 step,
+                products: Mutex::default(),
             }),
         })
     }
@@ -77,6 +84,31 @@ impl Splitting {
     pub fn operations(&self) -> OperationCount {
         self.shared.step.operations()
     }
+
+    /// Strang's products for each of the `factors`, one after the other, as one kernel; `None` where
+    /// it would be too large.
+    fn product(&self, factors: &[f64]) -> Option<ExplicitMap> {
+        let Shared {
+            system,
+            ring,
+            pieces,
+            step,
+            products,
+        } = self.shared.as_ref();
+        if step.operations().total() * factors.len() > LARGEST_PRODUCT {
+            return None;
+        }
+        let mut products = products.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, product)) = products.iter().find(|(known, _)| known == factors) {
+            return Some(product.clone());
+        }
+        let mut graph = Graph::new();
+        let increment = increment_code(&mut graph, system, ring, pieces, factors).ok()?;
+        let product = ExplicitMap::compile(graph, increment, system.parameters().len())
+            .counting(factors.len() as u64);
+        products.push((factors.to_vec(), product.clone()));
+        Some(product)
+    }
 }
 
 /// Moves the piece with the costliest flow to the end: the middle of a step, taken once.
@@ -89,7 +121,13 @@ fn costliest_last(
     let mut costliest = (0, 0);
     for (at, piece) in pieces.iter().enumerate() {
         let mut graph = Graph::new();
-        let flow = increment_code(&mut graph, system, ring, std::slice::from_ref(piece))?;
+        let flow = increment_code(
+            &mut graph,
+            system,
+            ring,
+            std::slice::from_ref(piece),
+            &[1.0],
+        )?;
         let flow = Kernel::compile(&graph, &flow, parameters, d);
         let cost = flow.step_operations().work();
         if cost >= costliest.0 {
@@ -108,6 +146,7 @@ fn increment_code(
     system: &SystemFormulas,
     ring: &Ring,
     pieces: &[Piece],
+    factors: &[f64],
 ) -> Result<Vec<Term>, BuildError> {
     let x: Vec<Term> = (0..system.dimension()).map(|i| graph.input(i)).collect();
     let (epsilon, h) = (
@@ -115,7 +154,9 @@ fn increment_code(
         graph.step_size(StepSize::H),
     );
     let time = graph.multiply(&epsilon, &h);
-    Ok(strang_increment(graph, ring, pieces, &time, &x)?)
+    let order: Vec<usize> = (0..pieces.len()).collect();
+    let flows = strang(&order, factors);
+    Ok(product_increment(graph, ring, pieces, &flows, &time, &x)?)
 }
 
 impl StepMap for Splitting {
@@ -142,5 +183,19 @@ impl StepMap for Splitting {
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
         self.shared.step.stepper(lanes, parameters, epsilon, h)
+    }
+
+    /// The product as one kernel. The state between flows is plain doubles; the flows' increments add
+    /// up apart from it, so that the step's increment rounds in proportion to itself.
+    fn product_stepper(
+        &self,
+        coefficients: &[f64],
+        lanes: usize,
+        parameters: &[f64],
+        epsilon: f64,
+        h: f64,
+    ) -> Option<Box<dyn Stepper>> {
+        let product = self.product(coefficients)?;
+        Some(product.stepper(lanes, parameters, epsilon, h))
     }
 }

@@ -23,6 +23,10 @@ pub struct Kernel {
     pub(super) coefficients: usize,
     pub(super) coefficient_code: Code,
     pub(super) step_code: Code,
+    /// The slot of the step kernel's first output in a row of all outputs.
+    pub(super) first_output: usize,
+    /// Outputs that are computed in another slot than that of their row, with that slot.
+    pub(super) strays: Vec<(u32, u32)>,
     pub(super) compiled: Arc<Compiled>,
 }
 
@@ -61,12 +65,20 @@ impl Kernel {
         }
         step.code.outputs = outputs.iter().map(|term| step.scaled(term)).collect();
         let step_code = step.finish();
+        let first_output = inputs + imported.len() + step_code.constants.len();
+        let rows = (first_output as u32..).zip(&step_code.outputs);
+        let strays = rows
+            .filter(|(row, slot)| row != *slot)
+            .map(|(row, slot)| (row, *slot))
+            .collect();
         Self {
             parameters,
             inputs,
             coefficients: imported.len(),
             coefficient_code,
             step_code,
+            first_output,
+            strays,
             compiled: Arc::default(),
         }
     }
@@ -108,6 +120,16 @@ impl Kernel {
     /// The number of inputs that change with the state.
     pub fn inputs(&self) -> usize {
         self.inputs
+    }
+
+    /// The step kernel's program: slots 0 .. inputs, then the coefficients.
+    pub fn step_code(&self) -> &Code {
+        &self.step_code
+    }
+
+    /// The coefficient kernel's program: the parameters, then ε and h.
+    pub fn coefficient_code(&self) -> &Code {
+        &self.coefficient_code
     }
 
     /// Operations of one evaluation of the step kernel.

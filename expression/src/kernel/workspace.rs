@@ -122,14 +122,45 @@ impl Kernel {
             self.outputs() * lanes,
             "one value an output and lane"
         );
-        for (&slot, out) in self
-            .step_code
-            .outputs
-            .iter()
-            .zip(outputs.chunks_exact_mut(lanes))
-        {
-            out.copy_from_slice(&workspace.slots[slot as usize * lanes..][..lanes]);
+        let (places, slots) = (&self.step_code.outputs, &workspace.slots);
+        match lanes {
+            // The common numbers of lanes: no call to copy a few numbers.
+            1 => gather::<1>(places, slots, outputs),
+            8 => gather::<8>(places, slots, outputs),
+            _ => {
+                for (&slot, out) in places.iter().zip(outputs.chunks_exact_mut(lanes)) {
+                    out.copy_from_slice(&slots[slot as usize * lanes..][..lanes]);
+                }
+            }
         }
+    }
+
+    /// Runs the step kernel on rows of W numbers, one an input; [`output_rows`](Self::output_rows)
+    /// holds what it returns, without a copy.
+    ///
+    /// # Panics
+    /// When the workspace does not have W lanes, or there are fewer rows than inputs.
+    #[inline]
+    pub fn evaluate_rows<const W: usize>(&self, workspace: &mut Workspace, inputs: &[[f64; W]]) {
+        assert_eq!(workspace.lanes, W, "as many lanes as numbers a row");
+        let rows = workspace.slots.as_chunks_mut::<W>().0;
+        rows[..self.inputs].copy_from_slice(&inputs[..self.inputs]);
+        self.evaluate_in_place(workspace);
+        let rows = workspace.slots.as_chunks_mut::<W>().0;
+        for &(row, slot) in &self.strays {
+            rows[row as usize] = rows[slot as usize];
+        }
+    }
+
+    /// The outputs of the last [`evaluate_rows`](Self::evaluate_rows), a row of W numbers each.
+    ///
+    /// # Panics
+    /// When the workspace does not have W lanes.
+    #[inline]
+    pub fn output_rows<'a, const W: usize>(&self, workspace: &'a Workspace) -> &'a [[f64; W]] {
+        assert_eq!(workspace.lanes, W, "as many lanes as numbers a row");
+        let rows = workspace.slots.as_chunks::<W>().0;
+        &rows[self.first_output..][..self.step_code.outputs.len()]
     }
 
     /// Runs the step kernel on the inputs that stand in the workspace.
@@ -163,6 +194,15 @@ impl Kernel {
     pub fn output<'a>(&self, workspace: &'a Workspace, index: usize) -> &'a [f64] {
         let lanes = workspace.lanes;
         &workspace.slots[self.step_code.outputs[index] as usize * lanes..][..lanes]
+    }
+}
+
+/// Copies the slots at `places`, W numbers each.
+#[inline(always)]
+fn gather<const W: usize>(places: &[u32], slots: &[f64], outputs: &mut [f64]) {
+    let (slots, outputs) = (slots.as_chunks::<W>().0, outputs.as_chunks_mut::<W>().0);
+    for (&place, output) in places.iter().zip(outputs) {
+        *output = slots[place as usize];
     }
 }
 

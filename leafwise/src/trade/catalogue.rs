@@ -279,7 +279,7 @@ fn same(a: &PartUse, b: &PartUse) -> bool {
 
 fn accuracy(candidate: &Candidate) -> Option<Accuracy> {
     match &candidate.run.method {
-        Stepping::Lattice(lattice) => Some(lattice.method.realization().accuracy()),
+        Stepping::Lattice(lattice) => Some(lattice.base.method()?.realization().accuracy()),
         stepping => Some(stepping.written()?.realization().accuracy()),
     }
 }
@@ -301,7 +301,7 @@ fn monomials(candidate: &Candidate) -> usize {
 /// Operations of one evaluation on a lattice.
 fn lattice_work(candidate: &Candidate) -> Option<u64> {
     match &candidate.run.method {
-        Stepping::Lattice(lattice) => Some(lattice.method.program().work()),
+        Stepping::Lattice(lattice) => Some(lattice.base.map().work()),
         _ => None,
     }
 }

@@ -18,7 +18,7 @@ pub(super) struct SceneLattice<'a> {
     geometry: LatticeGeometry,
 }
 
-/// The largest dimension of a lattice that is written out for a stepper.
+/// The largest dimension of a lattice that is written out for a stepper without sweeps.
 pub(super) const STEPPER_LIMIT: usize = 1024;
 
 /// A lattice that every formula of a scene is tried on before anything is built.
@@ -32,13 +32,7 @@ impl<'a> SceneLattice<'a> {
     /// A scene that has single variables beside such families.
     pub fn of(document: &'a SceneDocument) -> Result<Option<Self>, Refusal> {
         let system = &document.system;
-        // A stepper has no templates: its lattice is written out, up to a length.
-        let limit = if document.method.stepper.is_some() {
-            STEPPER_LIMIT
-        } else {
-            DENSE_LIMIT
-        };
-        if system.families.is_empty() || system.dimension() <= limit {
+        if system.families.is_empty() || system.dimension() <= DENSE_LIMIT {
             return Ok(None);
         }
         if let Some(single) = system.variables.first() {
@@ -63,6 +57,11 @@ impl<'a> SceneLattice<'a> {
             periodic: boundary != Some(Boundary::Open),
         };
         Ok(Some(Self { document, geometry }))
+    }
+
+    /// The number of coordinates.
+    pub fn dimension(&self) -> usize {
+        self.geometry.dimension()
     }
 
     /// The system on a short lattice with what the run records, errors underlined in the scene.

@@ -36,7 +36,7 @@ pub use parts::PartChoice;
 pub(crate) use parts::exact_realization;
 pub use run::{ComposedRun, RunPlan, compose};
 pub use shape::{TensorShape, tensor_shape};
-pub use stepping::{LatticeStepping, Stepping};
+pub use stepping::{LatticeBase, LatticeStepping, Stepping};
 pub use system::{ComposedSystem, DENSE_LIMIT, compose_system};
 
 use crate::diagnostic::SceneDiagnostic;

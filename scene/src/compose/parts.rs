@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use leafwise_core::lattice::LatticeMap;
 use leafwise_core::part::{ParameterDefault, ParameterSetting, PartInfo, PartKind};
 use leafwise_core::registry::CompositionPart;
 use leafwise_core::{
@@ -11,7 +12,8 @@ use leafwise_core::{
 use serde::Serialize;
 
 use super::Refusal;
-use super::system::DENSE_LIMIT;
+use super::lattice::{STEPPER_LIMIT, SceneLattice};
+use super::system::{ComposedSystem, DENSE_LIMIT, written_out};
 use crate::document::{
     Located, Number, ParameterValue, PartSpec, Place, SceneDocument, Source, nearest,
 };
@@ -55,6 +57,10 @@ pub(super) enum Base {
     Pair(Arc<dyn RealizationData>, Arc<dyn DynamicApproximation>),
     /// A stepper in their place.
     Stepper(Arc<dyn StepMap>),
+    /// A stepper that sweeps over a long lattice.
+    Sweeps(Arc<dyn LatticeMap>),
+    /// A stepper without sweeps and the long lattice that it needs written out.
+    WrittenOut(Arc<dyn StepMap>, Box<ComposedSystem>),
 }
 
 impl Parts {
@@ -62,7 +68,7 @@ impl Parts {
     pub fn dynamics(&self) -> Option<Arc<dyn DynamicApproximation>> {
         match &self.base {
             Base::Pair(_, dynamics) => Some(Arc::clone(dynamics)),
-            Base::Stepper(_) => None,
+            Base::Stepper(_) | Base::Sweeps(_) | Base::WrittenOut(..) => None,
         }
     }
 
@@ -74,7 +80,7 @@ impl Parts {
     }
 }
 
-/// Builds the parts that `[method]` names.
+/// Builds the parts that `[method]` names, for a system or for the long lattice that it stands for.
 ///
 /// A part that is absent or called `auto` is chosen: Hamilton–Jacobi of order 4 (2 for a system of
 /// numbers), and the cheapest
@@ -83,11 +89,15 @@ impl Parts {
 pub(super) fn parts(
     document: &SceneDocument,
     system: &PoissonSystem,
+    lattice: Option<&SceneLattice<'_>>,
     registry: &Registry,
 ) -> Result<Parts, Refusal> {
     let mut choices = Vec::new();
     let base = match &document.method.stepper {
-        Some(spec) => stepper(document, spec, system, registry, &mut choices)?,
+        Some(spec) => {
+            let request = Request::new(document, Some(spec), "", 0);
+            stepper(&request, system, lattice, registry, &mut choices)?
+        }
         None => pair(document, system, registry, &mut choices)?,
     };
     let composition = match &document.method.composition {
@@ -144,24 +154,43 @@ pub(super) fn system_choice(document: &SceneDocument, registry: &Registry) -> Op
     })
 }
 
-/// The stepper that stands in place of realization and dynamics.
+/// The stepper that stands in place of realization and dynamics; over a long lattice by sweeps, or
+/// written out where it has none and the lattice is not too long for that.
 fn stepper(
-    document: &SceneDocument,
-    spec: &PartSpec,
+    request: &Request<'_>,
     system: &PoissonSystem,
+    lattice: Option<&SceneLattice<'_>>,
     registry: &Registry,
     choices: &mut Vec<PartChoice>,
 ) -> Result<Base, Refusal> {
-    let request = Request::new(document, Some(spec), "", 0);
     let part = registry
         .stepper(request.name())
         .map_err(|_| request.unknown(PartKind::Stepper, registry))?;
     let given = request.parameters(part.info())?;
-    let map = part
-        .build(system, &given)
-        .map_err(|error| request.refused(&error))?;
+    let refused = |error| request.refused(&error);
+    let base = match lattice {
+        None => Base::Stepper(part.build(system, &given).map_err(refused)?),
+        Some(lattice) => match part.build_on_lattice(lattice, &given) {
+            Ok(map) => Base::Sweeps(map),
+            Err(BuildError::DoesNotFit { .. }) if lattice.dimension() <= STEPPER_LIMIT => {
+                let composed = written_out(request.document)?;
+                let map = part.build(&composed.system, &given).map_err(refused)?;
+                Base::WrittenOut(map, Box::new(composed))
+            }
+            Err(error) => {
+                let mut refusal = request.refused(&error);
+                if matches!(error, BuildError::DoesNotFit { .. }) {
+                    refusal.help = Some(format!(
+                        "a lattice of at most {STEPPER_LIMIT} coordinates is written out for any \
+                         stepper; for longer ones name one that sweeps, or a realization and dynamics"
+                    ));
+                }
+                return Err(refusal);
+            }
+        },
+    };
     choices.push(request.choice(part.info(), &given, part.path(&given), registry));
-    Ok(Base::Stepper(map))
+    Ok(base)
 }
 
 fn pair(

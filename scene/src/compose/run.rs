@@ -9,10 +9,10 @@ use leafwise_core::{
 };
 
 use super::Refusal;
-use super::lattice::{STEPPER_LIMIT, SceneLattice, shortened};
+use super::lattice::{SceneLattice, shortened};
 use super::observables::Observable;
 use super::parts::{Base, PartChoice, Parts, parts, system_choice, what_fits};
-use super::stepping::{LatticeStepping, MapStepping, Stepping};
+use super::stepping::{LatticeBase, LatticeStepping, MapStepping, Stepping};
 use super::system::compose_system;
 use crate::document::{PartSpec, SceneDocument};
 
@@ -58,13 +58,20 @@ pub struct ComposedRun {
 /// The first thing wrong, underlined in the scene.
 pub fn compose(document: &SceneDocument, registry: &Registry) -> Result<ComposedRun, Refusal> {
     let mut composed = compose_system(document)?;
-    let parts = parts(document, &composed.system, registry)?;
+    let lattice = SceneLattice::of(document)?;
+    let mut parts = parts(document, &composed.system, lattice.as_ref(), registry)?;
     let choices = parts.choices.clone();
     let dynamics = parts.dynamics();
-    let method = match SceneLattice::of(document)? {
-        None => compose_written(&composed.system, parts),
-        Some(lattice) => compose_lattice(&lattice, &composed.system, parts, registry)
-            .map(|stepping| Stepping::Lattice(Box::new(stepping))),
+    if let Base::WrittenOut(map, whole) = parts.base {
+        composed = *whole;
+        parts.base = Base::Stepper(map);
+    }
+    let method = match (lattice, &parts.base) {
+        (Some(lattice), Base::Pair(..) | Base::Sweeps(_)) => {
+            compose_lattice(&lattice, &composed.system, parts, registry)
+                .map(|stepping| Stepping::Lattice(Box::new(stepping)))
+        }
+        _ => compose_written(&composed.system, parts),
     };
     let method = method.map_err(|error| {
         let mut refusal = method_refusal(document, &error);
@@ -74,9 +81,9 @@ pub fn compose(document: &SceneDocument, registry: &Registry) -> Result<Composed
         refusal
     })?;
     if let Stepping::Lattice(lattice) = &method {
-        composed.system = lattice.method.proxy().clone();
-        let geometry = lattice.method.geometry();
-        let short = lattice.method.proxy_geometry();
+        let map = lattice.base.map();
+        composed.system = map.proxy().clone();
+        let (geometry, short) = (map.geometry(), map.proxy_geometry());
         composed.near = shortened(&composed.initial, geometry, short);
     }
     let step = &document.method.step;
@@ -114,7 +121,8 @@ fn compose_written(system: &PoissonSystem, parts: Parts) -> Result<Stepping, Bui
             }
             (Arc::new(method.clone()), Some(Box::new(method)))
         }
-        Base::Stepper(map) => (map, None),
+        Base::Stepper(map) | Base::WrittenOut(map, _) => (map, None),
+        Base::Sweeps(map) => (map, None),
     };
     let map = match parts.composition {
         None => base,
@@ -123,7 +131,8 @@ fn compose_written(system: &PoissonSystem, parts: Parts) -> Result<Stepping, Bui
     Ok(Stepping::Map(MapStepping { map, method }))
 }
 
-/// The method over a long lattice: the chosen parts again, on the proxy their order asks for.
+/// The map of a long lattice: a stepper's sweeps, or the chosen parts again, on the proxy their order
+/// asks for.
 fn compose_lattice(
     lattice: &SceneLattice<'_>,
     trial: &PoissonSystem,
@@ -131,28 +140,25 @@ fn compose_lattice(
     registry: &Registry,
 ) -> Result<LatticeStepping, BuildError> {
     let chosen = parts.realization().cloned();
-    let (Base::Pair(_, dynamics), Some(chosen)) = (parts.base, chosen) else {
-        return Err(BuildError::Lattice {
-            message: format!(
-                "a stepper is not offered on a lattice of more than {STEPPER_LIMIT} coordinates; \
-                 name a realization and dynamics"
-            ),
-        });
+    let base = match (parts.base, chosen) {
+        (Base::Sweeps(map), _) => LatticeBase::Sweeps(map),
+        (Base::Pair(_, dynamics), Some(chosen)) => {
+            let parameters = chosen.parameters.iter();
+            let given = parameters.fold(PartParameters::new(), |given, (name, value)| {
+                given.with(*name, value.clone())
+            });
+            let realize =
+                |system: &PoissonSystem| registry.realization(chosen.name)?.build(system, &given);
+            let method = LatticeMethod::compose(lattice, &realize, dynamics)?;
+            LatticeBase::Method(Box::new(method))
+        }
+        (Base::Pair(..) | Base::Stepper(_) | Base::WrittenOut(..), _) => {
+            unreachable!("a long lattice is stepped by sweeps")
+        }
     };
-    let given = chosen
-        .parameters
-        .iter()
-        .fold(PartParameters::new(), |given, (name, value)| {
-            given.with(*name, value.clone())
-        });
-    let method = LatticeMethod::compose(
-        lattice,
-        &|system| registry.realization(chosen.name)?.build(system, &given),
-        dynamics,
-    )?;
     let composition = match parts.composition {
         None => None,
-        Some((part, given)) => Some(part.build(Arc::new(method.clone()), &given)?),
+        Some((part, given)) => Some(part.build(base.shared(), &given)?),
     };
     let values = trial.parameter_values();
     let invariants = trial.casimir_names().len() + 1;
@@ -160,7 +166,7 @@ fn compose_lattice(
         invariants: LatticeObservables::new(lattice, &values, 0..invariants)?,
         formulas: LatticeObservables::new(lattice, &values, invariants..usize::MAX)?,
         composition,
-        method,
+        base,
     })
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::lattice::{LatticeGeometry, LatticeMethod, LatticeObservables};
+use leafwise_core::lattice::{LatticeGeometry, LatticeMap, LatticeMethod, LatticeObservables};
 use leafwise_core::{Method, StepMap, Structure};
 use leafwise_expression::Execution;
 
@@ -26,11 +26,46 @@ pub struct MapStepping {
     pub method: Option<Box<Method>>,
 }
 
-/// A lattice's method and its observers.
+/// What sweeps over a lattice.
+#[derive(Clone)]
+pub enum LatticeBase {
+    /// Realization and dynamics.
+    Method(Box<LatticeMethod>),
+    /// A stepper in their place.
+    Sweeps(Arc<dyn LatticeMap>),
+}
+
+impl LatticeBase {
+    /// The map.
+    pub fn map(&self) -> &dyn LatticeMap {
+        match self {
+            Self::Method(method) => method.as_ref(),
+            Self::Sweeps(map) => map.as_ref(),
+        }
+    }
+
+    /// Realization and dynamics, unless a stepper stands in their place.
+    pub fn method(&self) -> Option<&LatticeMethod> {
+        match self {
+            Self::Method(method) => Some(method),
+            Self::Sweeps(_) => None,
+        }
+    }
+
+    /// The map, to be composed.
+    pub(super) fn shared(&self) -> Arc<dyn StepMap> {
+        match self {
+            Self::Method(method) => Arc::new(method.as_ref().clone()),
+            Self::Sweeps(map) => Arc::clone(map) as Arc<dyn StepMap>,
+        }
+    }
+}
+
+/// A lattice's map and its observers.
 #[derive(Clone)]
 pub struct LatticeStepping {
-    /// The method.
-    pub method: LatticeMethod,
+    /// What is stepped, or composed.
+    pub base: LatticeBase,
     /// A composition of it, which is then stepped.
     pub composition: Option<Arc<dyn StepMap>>,
     /// Energy and Casimirs.
@@ -47,7 +82,7 @@ impl Stepping {
             Self::Map(stepping) => stepping.map.as_ref(),
             Self::Lattice(lattice) => match &lattice.composition {
                 Some(composition) => composition.as_ref(),
-                None => &lattice.method,
+                None => lattice.base.map(),
             },
         }
     }
@@ -73,10 +108,13 @@ impl Stepping {
                 ("Realization", method.realization().describe()),
                 ("Dynamics", method.dynamics().describe()),
             ],
-            (Self::Lattice(lattice), _) => vec![
-                ("Realization", lattice.method.realization().describe()),
-                ("Dynamics", lattice.method.dynamics().describe()),
-            ],
+            (Self::Lattice(lattice), _) => match &lattice.base {
+                LatticeBase::Method(method) => vec![
+                    ("Realization", method.realization().describe()),
+                    ("Dynamics", method.dynamics().describe()),
+                ],
+                LatticeBase::Sweeps(map) => vec![("Stepper", map.describe())],
+            },
             _ => vec![("Stepper", self.map().describe())],
         };
         let is_composed = match self {
@@ -103,7 +141,7 @@ impl Stepping {
     pub fn lattice(&self) -> Option<&LatticeGeometry> {
         match self {
             Self::Written(_) | Self::Map(_) => None,
-            Self::Lattice(lattice) => Some(lattice.method.geometry()),
+            Self::Lattice(lattice) => Some(lattice.base.map().geometry()),
         }
     }
 
@@ -136,21 +174,22 @@ impl Stepping {
         let Self::Lattice(lattice) = self else {
             return Vec::new();
         };
-        let program = lattice.method.program();
-        let sites = lattice.method.geometry().length();
+        let map = lattice.base.map();
+        let sites = map.geometry().length();
+        let each = match lattice.base {
+            LatticeBase::Method(_) => "One iteration",
+            LatticeBase::Sweeps(_) => "One evaluation",
+        };
         vec![
             (
-                "One iteration",
+                each,
                 format!(
                     "{} operations, {:.1} a site",
-                    program.operations(),
-                    program.operations() as f64 / sites as f64
+                    map.operations(),
+                    map.operations() as f64 / sites as f64
                 ),
             ),
-            (
-                "Fields",
-                format!("{} numbers a coordinate", program.fields()),
-            ),
+            ("Fields", format!("{} numbers a coordinate", map.fields())),
         ]
     }
 }

@@ -54,18 +54,14 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
             near,
         });
     }
-    let (system, observables) = written_out(document)?;
-    let initial = initial_state(document)?;
-    Ok(ComposedSystem {
-        system,
-        near: initial.clone(),
-        initial,
-        observables,
-    })
+    written_out(document)
 }
 
 /// The system with its families written out at their true lengths.
-fn written_out(document: &SceneDocument) -> Result<(PoissonSystem, Vec<Observable>), Refusal> {
+///
+/// # Errors
+/// As [`compose_system`].
+pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Refusal> {
     let families = &document.system.families;
     let lengths: Vec<usize> = families.iter().map(|(_, length)| length.value).collect();
     let mut instantiated = instantiate(document, &lengths)?;
@@ -78,5 +74,11 @@ fn written_out(document: &SceneDocument) -> Result<(PoissonSystem, Vec<Observabl
             None,
         )
     })?;
-    Ok((system, observables))
+    let initial = initial_state(document)?;
+    Ok(ComposedSystem {
+        system,
+        near: initial.clone(),
+        initial,
+        observables,
+    })
 }

@@ -6,7 +6,7 @@ use super::convergence::{Convergence, Next};
 use super::kernel::NewtonKernel;
 use crate::error::StepError;
 use crate::solver::SolverStatistics;
-use crate::solver::elimination::{ANY, Factors, dimension};
+use crate::solver::elimination::{ANY, Factors, Rows, dimension};
 use crate::solver::extrapolation::{DEPTH, Extrapolation};
 
 /// Evaluations of one step. A smooth orbit takes 1 to 4, a cold start at a large step a dozen, one at a
@@ -27,27 +27,27 @@ type Row<const W: usize> = [f64; W];
 
 /// W trajectories, each with its own history and its own stop; what one computes does not depend on
 /// the others. Vectors are rows of W numbers, one row a coordinate.
-pub(super) struct Block<const W: usize> {
+///
+/// D is the dimension, or [`ANY`]; vectors (`V`, d rows) and matrices (`M`, d² rows) stand in the block
+/// itself where it is known, so that they stay in registers.
+pub(super) struct Block<const W: usize, const D: usize, V, M> {
     kernel: NewtonKernel,
     dimension: usize,
     most_chords: u32,
     full: Workspace,
     residual: Workspace,
-    /// What each kernel returned last.
-    full_values: Vec<Row<W>>,
-    residual_values: Vec<Row<W>>,
-    pub(super) x: Vec<Row<W>>,
-    pub(super) low: Vec<Row<W>>,
-    pub(super) increment: Vec<Row<W>>,
-    pub(super) y: Vec<Row<W>>,
-    correction: Vec<Row<W>>,
+    x: V,
+    low: V,
+    increment: V,
+    y: V,
+    correction: V,
     /// Where the Jacobians were taken; the factors of D(β̂∘L), |D(β̂∘L) − 1| and D((α̂ − β̂)∘L) there.
-    anchor: Vec<Row<W>>,
-    factors: Factors<W>,
-    slope: Vec<Row<W>>,
-    change: Vec<Row<W>>,
+    anchor: V,
+    factors: Factors<W, M>,
+    slope: M,
+    change: M,
     /// What a correction of each component is judged against.
-    scale: Vec<Row<W>>,
+    scale: V,
     /// The last term of a truncated series over its first, at the anchor.
     guard: Row<W>,
     extrapolation: Extrapolation<W>,
@@ -67,35 +67,31 @@ struct Lane {
     jacobians: u32,
 }
 
-impl<const W: usize> Block<W> {
+impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
     /// `parameters` is a structure of arrays over the W lanes.
-    pub(super) fn new(kernel: &NewtonKernel, parameters: &[f64], epsilon: f64, h: f64) -> Self {
+    fn new(kernel: &NewtonKernel, parameters: &[f64], epsilon: f64, h: f64) -> Self {
         let d = kernel.dimension;
         let prepared = |kernel: &leafwise_expression::Kernel| {
             let mut workspace = kernel.workspace(W);
             kernel.prepare(&mut workspace, parameters, &[epsilon; W], &[h; W]);
             workspace
         };
-        let rows = |count: usize| vec![[0.0; W]; count];
         Self {
             dimension: d,
-            most_chords: u32::try_from(kernel.work() / kernel.chord_work().max(1))
-                .unwrap_or(u32::MAX),
+            most_chords: kernel.most_chords(),
             full: prepared(&kernel.full),
             residual: prepared(&kernel.residual),
-            full_values: rows(kernel.full.outputs()),
-            residual_values: rows(kernel.residual.outputs()),
             kernel: kernel.clone(),
-            x: rows(d),
-            low: rows(d),
-            increment: rows(d),
-            y: rows(d),
-            correction: rows(d),
-            anchor: rows(d),
+            x: V::zeros(d),
+            low: V::zeros(d),
+            increment: V::zeros(d),
+            y: V::zeros(d),
+            correction: V::zeros(d),
+            anchor: V::zeros(d),
             factors: Factors::new(d),
-            slope: rows(d * d),
-            change: rows(d * d),
-            scale: rows(d),
+            slope: M::zeros(d * d),
+            change: M::zeros(d * d),
+            scale: V::zeros(d),
             guard: [0.0; W],
             extrapolation: Extrapolation::new(d, DEPTH),
             lanes: [Lane {
@@ -109,55 +105,47 @@ impl<const W: usize> Block<W> {
     }
 
     /// The increments of the step from x + low.
-    pub(super) fn step(&mut self) {
-        match self.dimension {
-            2 => self.step_in::<2>(),
-            3 => self.step_in::<3>(),
-            4 => self.step_in::<4>(),
-            6 => self.step_in::<6>(),
-            _ => self.step_in::<ANY>(),
-        }
-    }
-
-    fn step_in<const D: usize>(&mut self) {
-        self.start::<D>();
+    fn step(&mut self) {
+        self.start();
         loop {
             let newton = self.lanes.map(|lane| lane.next == Next::Newton);
             let chord = self.lanes.map(|lane| lane.next == Next::Chord);
             let (any_newton, any_chord) = (newton.contains(&true), chord.contains(&true));
             if any_newton {
-                self.evaluate_full::<D>(&newton);
+                self.evaluate_full(&newton);
             } else if !any_chord {
                 break;
             }
             if any_chord {
-                let values = self.residual_values.as_flattened_mut();
+                let d = dimension::<D>(self.dimension);
                 let kernel = &self.kernel.residual;
-                kernel.evaluate(&mut self.residual, self.y.as_flattened(), values);
-                let guard = &self.residual_values[3 * self.dimension..];
+                kernel.evaluate_rows(&mut self.residual, self.y.as_ref());
+                let guard = &kernel.output_rows::<W>(&self.residual)[3 * d..];
                 if !guard.is_empty() {
-                    let (first, last) = guard.split_at(self.dimension);
+                    let (first, last) = guard.split_at(d);
                     select(&chord, &mut self.guard, &guard_ratio(first, last));
                 }
             }
-            self.correct::<D>(&newton, &chord);
-            self.judge::<D>(&newton, &chord);
+            self.correct(&newton, &chord);
+            self.judge(&newton, &chord);
         }
-        self.finish::<D>();
+        self.finish();
     }
 
     /// The predicted solutions, and the kernel that each lane evaluates there.
     #[inline(always)]
-    fn start<const D: usize>(&mut self) {
+    fn start(&mut self) {
         let d = dimension::<D>(self.dimension);
-        let correction = &mut self.correction[..d];
-        self.extrapolation.predict(correction);
+        let correction = &mut self.correction.as_mut()[..d];
+        self.extrapolation.predict_in::<D>(correction);
+        let (x, y) = (&self.x.as_ref()[..d], &mut self.y.as_mut()[..d]);
+        let (anchor, scale) = (&self.anchor.as_ref()[..d], &self.scale.as_ref()[..d]);
         let mut distance = [0.0_f64; W];
         let mut outgrown = [false; W];
         for i in 0..d {
             for w in 0..W {
-                self.y[i][w] = self.x[i][w] + correction[i][w];
-                let (y, anchor, scale) = (self.y[i][w], self.anchor[i][w], self.scale[i][w]);
+                y[i][w] = x[i][w] + correction[i][w];
+                let (y, anchor, scale) = (y[i][w], anchor[i][w], scale[i][w]);
                 let away = (y - anchor).abs();
                 distance[w] = larger(distance[w], relative(away, scale));
                 outgrown[w] |= y.abs() < HALVED * anchor.abs() && away > NOISE * scale;
@@ -173,21 +161,20 @@ impl<const W: usize> Block<W> {
 
     /// Evaluates the full kernel at y and keeps the Jacobians in the lanes of `newton`.
     #[inline(always)]
-    fn evaluate_full<const D: usize>(&mut self, newton: &[bool; W]) {
+    fn evaluate_full(&mut self, newton: &[bool; W]) {
         let d = dimension::<D>(self.dimension);
-        let values = self.full_values.as_flattened_mut();
-        self.kernel
-            .full
-            .evaluate(&mut self.full, self.y.as_flattened(), values);
-        let (target, rest) = self.full_values[3 * d..].split_at(d * d);
+        let kernel = &self.kernel.full;
+        kernel.evaluate_rows(&mut self.full, self.y.as_ref());
+        let (target, rest) = kernel.output_rows::<W>(&self.full)[3 * d..].split_at(d * d);
         let (change, guard) = rest.split_at(d * d);
-        for (kept, y) in self.anchor[..d].iter_mut().zip(&self.y) {
+        for (kept, y) in self.anchor.as_mut()[..d].iter_mut().zip(self.y.as_ref()) {
             select(newton, kept, y);
         }
-        for (kept, change) in self.change[..d * d].iter_mut().zip(change) {
+        for (kept, change) in self.change.as_mut()[..d * d].iter_mut().zip(change) {
             select(newton, kept, change);
         }
-        for (at, (kept, target)) in self.slope[..d * d].iter_mut().zip(target).enumerate() {
+        let slope = &mut self.slope.as_mut()[..d * d];
+        for (at, (kept, target)) in slope.iter_mut().zip(target).enumerate() {
             let unit = f64::from(u8::from(at.is_multiple_of(d + 1)));
             select(newton, kept, &target.map(|entry| (entry - unit).abs()));
         }
@@ -207,12 +194,20 @@ impl<const W: usize> Block<W> {
     /// Corrections from what the kernels returned, by the full one in the lanes of `newton`, and what
     /// they are judged against.
     #[inline(always)]
-    fn correct<const D: usize>(&mut self, newton: &[bool; W], chord: &[bool; W]) {
+    fn correct(&mut self, newton: &[bool; W], chord: &[bool; W]) {
         let d = dimension::<D>(self.dimension);
-        let (full, residual) = (&self.full_values[..3 * d], &self.residual_values[..3 * d]);
-        let (x, y, low) = (&self.x[..d], &self.y[..d], &self.low[..d]);
-        let (correction, increment) = (&mut self.correction[..d], &mut self.increment[..d]);
-        let (slope, scale) = (&self.slope[..d * d], &mut self.scale[..d]);
+        let full = &self.kernel.full.output_rows::<W>(&self.full)[..3 * d];
+        let residual = &self.kernel.residual.output_rows::<W>(&self.residual)[..3 * d];
+        let (x, y, low) = (
+            &self.x.as_ref()[..d],
+            &self.y.as_ref()[..d],
+            &self.low.as_ref()[..d],
+        );
+        let (correction, increment) = (
+            &mut self.correction.as_mut()[..d],
+            &mut self.increment.as_mut()[..d],
+        );
+        let (slope, scale) = (&self.slope.as_ref()[..d * d], &mut self.scale.as_mut()[..d]);
         let active: [bool; W] = std::array::from_fn(|w| newton[w] || chord[w]);
         let mut state = [0.0_f64; W];
         for i in 0..d {
@@ -254,13 +249,14 @@ impl<const W: usize> Block<W> {
 
     /// Decides lane by lane, applies the corrections, and completes the increments that are done.
     #[inline(always)]
-    fn judge<const D: usize>(&mut self, newton: &[bool; W], chord: &[bool; W]) {
+    fn judge(&mut self, newton: &[bool; W], chord: &[bool; W]) {
         let d = dimension::<D>(self.dimension);
-        let correction = &self.correction[..d];
+        let correction = &self.correction.as_ref()[..d];
+        let scale = &self.scale.as_ref()[..d];
         let mut size = [0.0_f64; W];
         for i in 0..d {
             for w in 0..W {
-                size[w] = larger(size[w], relative(correction[i][w].abs(), self.scale[i][w]));
+                size[w] = larger(size[w], relative(correction[i][w].abs(), scale[i][w]));
             }
         }
         let (mut done, mut applied) = ([false; W], [false; W]);
@@ -274,15 +270,19 @@ impl<const W: usize> Block<W> {
                 self.outcome[w] = decision.map(drop);
             }
         }
-        let correction = &self.correction[..d];
+        let correction = &self.correction.as_ref()[..d];
+        let y = &mut self.y.as_mut()[..d];
         for i in 0..d {
             for w in 0..W {
-                self.y[i][w] += if applied[w] { correction[i][w] } else { 0.0 };
+                y[i][w] += if applied[w] { correction[i][w] } else { 0.0 };
             }
         }
         if done.contains(&true) {
             // The last correction enters to first order.
-            let (change, increment) = (&self.change[..d * d], &mut self.increment[..d]);
+            let (change, increment) = (
+                &self.change.as_ref()[..d * d],
+                &mut self.increment.as_mut()[..d],
+            );
             for i in 0..d {
                 let mut first_order = [0.0; W];
                 for j in 0..d {
@@ -300,7 +300,7 @@ impl<const W: usize> Block<W> {
     /// What a lane does after a correction.
     #[inline(always)]
     fn judge_lane(&mut self, w: usize, size: f64, is_newton: bool) -> Result<Next, StepError> {
-        let (correction, scale) = (&self.correction, &self.scale);
+        let (correction, scale) = (self.correction.as_ref(), self.scale.as_ref());
         let lane = &mut self.lanes[w];
         let norm = || {
             let largest = |rows: &[Row<W>]| rows.iter().fold(0.0_f64, |m, row| m.max(row[w].abs()));
@@ -338,15 +338,16 @@ impl<const W: usize> Block<W> {
 
     /// Records the steps that were taken; a lane that failed forgets its history.
     #[inline(always)]
-    fn finish<const D: usize>(&mut self) {
+    fn finish(&mut self) {
         let d = dimension::<D>(self.dimension);
-        let (x, y) = (&self.x[..d], &self.y[..d]);
-        let correction = &mut self.correction[..d];
+        let (x, y) = (&self.x.as_ref()[..d], &self.y.as_ref()[..d]);
+        let correction = &mut self.correction.as_mut()[..d];
+        let increment = &self.increment.as_ref()[..d];
         let mut finite = [true; W];
         for i in 0..d {
             for w in 0..W {
                 correction[i][w] = y[i][w] - x[i][w];
-                finite[w] &= self.increment[i][w].is_finite();
+                finite[w] &= increment[i][w].is_finite();
             }
         }
         let mut took = [true; W];
@@ -358,17 +359,62 @@ impl<const W: usize> Block<W> {
             }
             if self.outcome[w].is_err() {
                 took[w] = false;
-                self.increment.iter_mut().for_each(|row| row[w] = 0.0);
+                let increment = self.increment.as_mut().iter_mut();
+                increment.for_each(|row| row[w] = 0.0);
                 self.extrapolation.clear(w);
                 self.lanes[w].anchored = false;
             }
         }
-        self.extrapolation.record(correction, &took);
+        self.extrapolation.record_in::<D>(correction, &took);
     }
+}
 
+/// What a stepper asks of its blocks, whatever their dimension.
+pub(super) trait Trajectories: Send {
+    /// Steps from x + low, `from` telling which columns of these structures of arrays are the
+    /// block's.
+    fn advance(&mut self, from: Columns, x: &[f64], low: &[f64], increment: &mut [f64]);
     /// Hands over the outcomes of a step and counts it; returns how many evaluations were with
     /// Jacobians.
-    pub(super) fn report(
+    fn report(
+        &mut self,
+        outcome: &mut [Result<(), StepError>],
+        statistics: &mut SolverStatistics,
+    ) -> u64;
+    /// The solution of a lane's last step.
+    fn solution(&self, lane: usize) -> Vec<f64>;
+    /// Both Jacobians at the solution of a lane's last step, row-major.
+    fn jacobians(&mut self, lane: usize) -> (Vec<f64>, Vec<f64>);
+    /// Forgets earlier steps.
+    fn restart(&mut self);
+    /// What the next step of a lane depends on. The Jacobians are evaluated again where they were
+    /// taken.
+    fn memory(&self, lane: usize, into: &mut Vec<f64>);
+    /// How many numbers [`memory`](Self::memory) writes.
+    fn memory_len(&self) -> usize;
+    /// Restores a lane's [`memory`](Self::memory).
+    fn restore(&mut self, lane: usize, memory: &[f64]);
+}
+
+impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Trajectories for Block<W, D, V, M> {
+    fn advance(&mut self, from: Columns, x: &[f64], low: &[f64], increment: &mut [f64]) {
+        let d = dimension::<D>(self.dimension);
+        let (own_x, own_low) = (&mut self.x.as_mut()[..d], &mut self.low.as_mut()[..d]);
+        for i in 0..d {
+            own_x[i].copy_from_slice(&x[from.row::<W>(i)]);
+            own_low[i].copy_from_slice(&low[from.row::<W>(i)]);
+        }
+        self.step();
+        for (i, own) in self.increment.as_ref()[..d].iter().enumerate() {
+            increment[from.row::<W>(i)].copy_from_slice(own);
+        }
+    }
+
+    fn solution(&self, lane: usize) -> Vec<f64> {
+        self.y.as_ref().iter().map(|row| row[lane]).collect()
+    }
+
+    fn report(
         &mut self,
         outcome: &mut [Result<(), StepError>],
         statistics: &mut SolverStatistics,
@@ -383,22 +429,19 @@ impl<const W: usize> Block<W> {
         jacobians
     }
 
-    /// Both Jacobians at the solution of a lane's last step, row-major.
-    pub(super) fn jacobians(&mut self, lane: usize) -> (Vec<f64>, Vec<f64>) {
+    fn jacobians(&mut self, lane: usize) -> (Vec<f64>, Vec<f64>) {
         let d = self.dimension;
-        let values = self.full_values.as_flattened_mut();
-        self.kernel
-            .full
-            .evaluate(&mut self.full, self.y.as_flattened(), values);
+        let kernel = &self.kernel.full;
+        kernel.evaluate_rows(&mut self.full, self.y.as_ref());
+        let values = kernel.output_rows::<W>(&self.full);
         let matrix = |from: usize| {
-            let rows = self.full_values[from..from + d * d].iter();
+            let rows = values[from..from + d * d].iter();
             rows.map(|row| row[lane]).collect()
         };
         (matrix(3 * d), matrix(3 * d + d * d))
     }
 
-    /// Forgets earlier steps.
-    pub(super) fn restart(&mut self) {
+    fn restart(&mut self) {
         for (w, lane) in self.lanes.iter_mut().enumerate() {
             lane.convergence = Convergence::new();
             lane.anchored = false;
@@ -406,9 +449,7 @@ impl<const W: usize> Block<W> {
         }
     }
 
-    /// What the next step of a lane depends on. The Jacobians are evaluated again where they were
-    /// taken.
-    pub(super) fn memory(&self, lane: usize, into: &mut Vec<f64>) {
+    fn memory(&self, lane: usize, into: &mut Vec<f64>) {
         let Lane {
             convergence,
             anchored,
@@ -419,7 +460,7 @@ impl<const W: usize> Block<W> {
             convergence.first,
             if *anchored { 1.0 } else { 0.0 },
         ]);
-        for rows in [&self.anchor, &self.scale] {
+        for rows in [self.anchor.as_ref(), self.scale.as_ref()] {
             into.extend(
                 rows.iter()
                     .map(|row| if *anchored { row[lane] } else { 0.0 }),
@@ -428,13 +469,11 @@ impl<const W: usize> Block<W> {
         self.extrapolation.memory(lane, into);
     }
 
-    /// How many numbers [`memory`](Self::memory) writes.
-    pub(super) fn memory_len(&self) -> usize {
+    fn memory_len(&self) -> usize {
         3 + 2 * self.dimension + self.extrapolation.memory_len()
     }
 
-    /// Restores a lane's [`memory`](Self::memory).
-    pub(super) fn restore(&mut self, lane: usize, memory: &[f64]) {
+    fn restore(&mut self, lane: usize, memory: &[f64]) {
         let d = self.dimension;
         let (own, memory) = memory.split_at(3);
         let (anchor, memory) = memory.split_at(d);
@@ -443,13 +482,13 @@ impl<const W: usize> Block<W> {
         *convergence = Convergence::new();
         (convergence.constant, convergence.first) = (own[0], own[1]);
         for i in 0..d {
-            self.y[i][lane] = anchor[i];
-            self.scale[i][lane] = scale[i];
+            self.y.as_mut()[i][lane] = anchor[i];
+            self.scale.as_mut()[i][lane] = scale[i];
         }
         self.extrapolation.restore(lane, history);
         if own[2] != 0.0 {
             let only = std::array::from_fn(|w| w == lane);
-            self.evaluate_full::<ANY>(&only);
+            self.evaluate_full(&only);
         } else {
             self.lanes[lane].anchored = false;
         }
@@ -487,4 +526,45 @@ fn guard_ratio<const W: usize>(first: &[Row<W>], last: &[Row<W>]) -> Row<W> {
         (_, 0.0) => 0.0,
         (first, last) => last / first,
     })
+}
+
+/// Where a block's lanes stand in structures of arrays over all lanes.
+#[derive(Clone, Copy)]
+pub(super) struct Columns {
+    /// The first.
+    pub(super) lane: usize,
+    /// Of so many.
+    pub(super) lanes: usize,
+}
+
+impl Columns {
+    /// A row's numbers for W lanes.
+    #[inline(always)]
+    fn row<const W: usize>(self, i: usize) -> std::ops::Range<usize> {
+        let start = i * self.lanes + self.lane;
+        start..start + W
+    }
+}
+
+/// W trajectories; `parameters` is a structure of arrays over them.
+pub(super) fn trajectories<const W: usize>(
+    kernel: &NewtonKernel,
+    parameters: &[f64],
+    epsilon: f64,
+    h: f64,
+) -> Box<dyn Trajectories> {
+    macro_rules! block {
+        ($dimension:expr, $vector:ty, $matrix:ty) => {
+            Box::new(Block::<W, $dimension, $vector, $matrix>::new(
+                kernel, parameters, epsilon, h,
+            ))
+        };
+    }
+    match kernel.dimension {
+        2 => block!(2, [Row<W>; 2], [Row<W>; 4]),
+        3 => block!(3, [Row<W>; 3], [Row<W>; 9]),
+        4 => block!(4, [Row<W>; 4], [Row<W>; 16]),
+        6 => block!(6, [Row<W>; 6], [Row<W>; 36]),
+        _ => block!(ANY, Vec<Row<W>>, Vec<Row<W>>),
+    }
 }

@@ -92,6 +92,15 @@ impl NewtonKernel {
         self.operations().work() + elimination_operations(d) + substitution_operations(d)
     }
 
+    /// How many iterations with a Jacobian that is there cost one that takes a new one: the kernels,
+    /// the linear algebra, and what judging a correction takes around either, 5d² + 25d + 20
+    /// operations.
+    pub fn most_chords(&self) -> u32 {
+        let d = self.dimension as u64;
+        let judging = 5 * d * d + 25 * d + 20;
+        u32::try_from((self.work() + judging) / (self.chord_work() + judging)).unwrap_or(u32::MAX)
+    }
+
     /// Weighted operations of an iteration with a Jacobian that is there.
     pub fn chord_work(&self) -> u64 {
         self.residual_operations().work() + substitution_operations(self.dimension)

@@ -1,6 +1,6 @@
 //! Any number of trajectories.
 
-use super::block::Block;
+use super::block::{Columns, Trajectories, trajectories};
 use super::kernel::NewtonKernel;
 use crate::error::StepError;
 use crate::solver::{SolverStatistics, Stepper, tangent_of_map};
@@ -17,8 +17,8 @@ const WIDE: usize = 8;
 /// order, without another evaluation. A lane stops on its own test, so its result does not depend on
 /// its neighbours.
 pub struct NewtonStepper {
-    wide: Vec<Block<WIDE>>,
-    single: Vec<Block<1>>,
+    wide: Vec<Box<dyn Trajectories>>,
+    single: Vec<Box<dyn Trajectories>>,
     lanes: usize,
     kernel: NewtonKernel,
     statistics: SolverStatistics,
@@ -37,11 +37,11 @@ impl NewtonStepper {
     ) -> Self {
         let wide = (0..lanes / WIDE).map(|block| {
             let own = columns(parameters, lanes, block * WIDE, WIDE);
-            Block::new(kernel, &own, epsilon, h)
+            trajectories::<WIDE>(kernel, &own, epsilon, h)
         });
         let single = (lanes / WIDE * WIDE..lanes).map(|lane| {
             let own = columns(parameters, lanes, lane, 1);
-            Block::new(kernel, &own, epsilon, h)
+            trajectories::<1>(kernel, &own, epsilon, h)
         });
         Self {
             wide: wide.collect(),
@@ -55,9 +55,8 @@ impl NewtonStepper {
 
     /// How many numbers a lane's memory takes.
     fn memory_of_each(&self) -> usize {
-        let wide = self.wide.first().map(Block::memory_len);
-        let single = self.single.first().map(Block::memory_len);
-        wide.or(single).unwrap_or(0)
+        let mut blocks = self.wide.iter().chain(&self.single);
+        blocks.next().map_or(0, |block| block.memory_len())
     }
 }
 
@@ -67,40 +66,6 @@ fn columns(values: &[f64], lanes: usize, from: usize, count: usize) -> Vec<f64> 
     rows.flat_map(|row| &row[from..from + count])
         .copied()
         .collect()
-}
-
-/// A structure of arrays over all lanes, from one lane on.
-#[derive(Clone, Copy)]
-struct Columns {
-    lane: usize,
-    lanes: usize,
-}
-
-impl Columns {
-    /// A row's numbers for W lanes.
-    fn row<const W: usize>(self, i: usize) -> std::ops::Range<usize> {
-        let start = i * self.lanes + self.lane;
-        start..start + W
-    }
-}
-
-/// Steps the lanes of a block.
-fn advance<const W: usize>(
-    block: &mut Block<W>,
-    from: Columns,
-    x: &[f64],
-    low: &[f64],
-    increment: &mut [f64],
-) {
-    let rows = block.x.iter_mut().zip(&mut block.low);
-    for (i, (own_x, own_low)) in rows.enumerate() {
-        own_x.copy_from_slice(&x[from.row::<W>(i)]);
-        own_low.copy_from_slice(&low[from.row::<W>(i)]);
-    }
-    block.step();
-    for (i, own) in block.increment.iter().enumerate() {
-        increment[from.row::<W>(i)].copy_from_slice(own);
-    }
 }
 
 impl Stepper for NewtonStepper {
@@ -122,12 +87,12 @@ impl Stepper for NewtonStepper {
             lanes: *lanes,
         };
         for block in &mut self.wide {
-            advance(block, from, x, low, increment);
+            block.advance(from, x, low, increment);
             *jacobians += block.report(&mut outcome[from.lane..][..WIDE], statistics);
             from.lane += WIDE;
         }
         for block in &mut self.single {
-            advance(block, from, x, low, increment);
+            block.advance(from, x, low, increment);
             *jacobians += block.report(&mut outcome[from.lane..][..1], statistics);
             from.lane += 1;
         }
@@ -135,11 +100,10 @@ impl Stepper for NewtonStepper {
 
     fn solution(&self, lane: usize) -> Option<Vec<f64>> {
         let (block, place) = (lane / WIDE, lane % WIDE);
-        if let Some(block) = self.wide.get(block) {
-            return Some(block.y.iter().map(|row| row[place]).collect());
+        match self.wide.get(block) {
+            Some(block) => Some(block.solution(place)),
+            None => Some(self.single.get(lane - self.wide.len() * WIDE)?.solution(0)),
         }
-        let block = self.single.get(lane - self.wide.len() * WIDE)?;
-        Some(block.y.iter().map(|row| row[0]).collect())
     }
 
     fn tangent(&mut self, lane: usize) -> Option<Vec<f64>> {
@@ -153,8 +117,8 @@ impl Stepper for NewtonStepper {
     }
 
     fn restart(&mut self) {
-        self.wide.iter_mut().for_each(Block::restart);
-        self.single.iter_mut().for_each(Block::restart);
+        let blocks = self.wide.iter_mut().chain(&mut self.single);
+        blocks.for_each(|block| block.restart());
     }
 
     fn statistics(&self) -> SolverStatistics {

@@ -1,0 +1,257 @@
+//! Time to error: every contestant at the coarsest setting that reaches it.
+
+use std::marker::PhantomData;
+use std::time::Instant;
+
+use leafwise::composition::Scheme;
+
+use crate::contestants::{Contestant, HandGauss, HandSplitting, Kind, OdeSolvers, Ours, Solution};
+use crate::document::{Table, time};
+use crate::measure::{Quartiles, Run, interleaved};
+use crate::problems::Problem;
+
+/// Rounds of the interleaved measurement.
+const ROUNDS: usize = 31;
+
+/// The compositions that are tried.
+const SCHEMES: [&str; 8] = [
+    "triple-jump",
+    "suzuki-4",
+    "yoshida-6",
+    "kahan-li-6",
+    "kahan-li-8",
+    "suzuki-umeno-8",
+    "kahan-li-10",
+    "sofroniou-spaletta-10",
+];
+
+/// A contestant at the setting that reaches an error.
+pub struct Entry<'a> {
+    contestant: &'a dyn Contestant,
+    setting: usize,
+    error: f64,
+    solution: Solution,
+}
+
+fn others<P: Problem + 'static>() -> Vec<Box<dyn Contestant>> {
+    let mut others: Vec<Box<dyn Contestant>> = vec![
+        Box::new(OdeSolvers::<P>(PhantomData)),
+        Box::new(HandGauss::<P, 3>::order_6()),
+        Box::new(HandGauss::<P, 2>::order_4()),
+        Box::new(HandGauss::<P, 1>::midpoint()),
+    ];
+    for name in SCHEMES {
+        let scheme = Scheme::find(name).expect("a scheme");
+        others.push(Box::new(HandSplitting::<P> {
+            scheme: name,
+            coefficients: scheme.coefficients(),
+            problem: PhantomData,
+        }));
+    }
+    others
+}
+
+fn ours<P: Problem + 'static>(orders: &[usize]) -> Vec<Box<dyn Contestant>> {
+    let mut ours: Vec<Box<dyn Contestant>> = Vec::new();
+    let most = 100.0 * P::TIME;
+    for realization in P::REALIZATIONS {
+        for m in orders {
+            let method = format!(
+                "realization = {{ name = \"{realization}\" }}\n\
+                 dynamics = {{ name = \"hamilton-jacobi\", order = {m} }}"
+            );
+            let name = format!("{realization} + HJ {m}");
+            ours.push(Box::new(Ours::<P>::new(
+                name,
+                Kind::HamiltonJacobi,
+                &method,
+                most,
+            )));
+        }
+    }
+    for stepper in P::STEPPERS {
+        for scheme in SCHEMES {
+            let method = format!("stepper = \"{stepper}\"\ncomposition = \"{scheme}\"");
+            let name = format!("{stepper}, {scheme}");
+            ours.push(Box::new(Ours::<P>::new(name, Kind::StepMap, &method, most)));
+        }
+    }
+    ours
+}
+
+/// The largest difference; NaN where there is one.
+pub fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let differences = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    differences.fold(0.0, |m, d| if d > m || d.is_nan() { d } else { m })
+}
+
+/// The coarsest setting from which on the error stays below `target` for three settings.
+pub fn reach<'a>(
+    contestant: &'a dyn Contestant,
+    reference: &[f64],
+    target: f64,
+) -> Option<Entry<'a>> {
+    let mut found: Vec<(usize, f64, Solution)> = Vec::new();
+    for setting in contestant.settings() {
+        let solution = contestant.solve(setting);
+        let error = solution
+            .as_ref()
+            .map_or(f64::INFINITY, |s| distance(&s.state, reference));
+        match solution {
+            Some(solution) if error <= target => found.push((setting, error, solution)),
+            _ => found.clear(),
+        }
+        if found.len() == 3 {
+            let (setting, error, solution) = found.swap_remove(0);
+            return Some(Entry {
+                contestant,
+                setting,
+                error,
+                solution,
+            });
+        }
+    }
+    None
+}
+
+/// x(T) by two methods of different families, and how far they are apart.
+fn reference<P: Problem + 'static>() -> (Vec<f64>, f64) {
+    let dop853 = OdeSolvers::<P>(PhantomData).solve(112).expect("DOP853");
+    let steps = (40.0 * P::TIME) as usize;
+    let gauss = HandGauss::<P, 3>::order_6().solve(steps).expect("Gauss 6");
+    let apart = distance(&dop853.state, &gauss.state);
+    (gauss.state, apart)
+}
+
+/// The tables of a problem.
+pub fn tables<P: Problem + 'static>(targets: &[(f64, &[usize])]) -> String {
+    let (reference, apart) = reference::<P>();
+    let mut text = format!(
+        "{} from {:?}, T = {}; the reference is known to {apart:.0e}.\n\n",
+        P::TITLE,
+        P::INITIAL,
+        P::TIME
+    );
+    for (target, orders) in targets {
+        let (others, ours) = (others::<P>(), ours::<P>(orders));
+        let all = others.iter().chain(&ours);
+        let entries: Vec<Entry<'_>> = all
+            .filter_map(|contestant| reach(contestant.as_ref(), &reference, *target))
+            .collect();
+        text.push_str(&format!("Error {target:.0e}:\n\n"));
+        let (entries, slow) = without_slow(entries);
+        if !slow.is_empty() {
+            text.push_str(&format!(
+                "More than {SLOW} times as slow as the fastest: {}.\n\n",
+                slow.join(", ")
+            ));
+        }
+        let baselines = [others[0].name(), others[1].name()];
+        let race = race(&entries, &baselines);
+        text.push_str(&format!("{race}\n"));
+    }
+    text
+}
+
+/// Entries that take more than this many times what the fastest takes are not measured further.
+const SLOW: f64 = 20.0;
+
+/// The entries to be measured, and the names of those that are too slow.
+fn without_slow(entries: Vec<Entry<'_>>) -> (Vec<Entry<'_>>, Vec<String>) {
+    let once = |entry: &Entry<'_>| {
+        let started = Instant::now();
+        std::hint::black_box(entry.contestant.solve(entry.setting));
+        started.elapsed().as_secs_f64()
+    };
+    let seconds: Vec<f64> = entries.iter().map(|e| once(e).min(once(e))).collect();
+    let fastest = seconds.iter().fold(f64::INFINITY, |m, s| m.min(*s));
+    let (fast, slow): (Vec<_>, Vec<_>) = entries
+        .into_iter()
+        .zip(seconds)
+        .partition(|(_, seconds)| *seconds <= SLOW * fastest);
+    (
+        fast.into_iter().map(|(entry, _)| entry).collect(),
+        slow.iter().map(|(e, _)| e.contestant.name()).collect(),
+    )
+}
+
+/// Times all entries in turn, the fastest first in the table, with ratios to the `baselines`.
+///
+/// # Panics
+/// Where a baseline is not among the entries.
+pub fn race(entries: &[Entry<'_>], baselines: &[String]) -> String {
+    let mut runs: Vec<Run<'_>> = entries
+        .iter()
+        .map(|entry| -> Run<'_> {
+            Box::new(|| {
+                std::hint::black_box(entry.contestant.solve(entry.setting));
+            })
+        })
+        .collect();
+    let times = interleaved(&mut runs, ROUNDS);
+    let seconds = |at: usize| times.seconds(at).median;
+    let mut order: Vec<usize> = (0..entries.len()).collect();
+    order.sort_by(|a, b| seconds(*a).total_cmp(&seconds(*b)));
+    let find = |name: &String| entries.iter().position(|e| e.contestant.name() == *name);
+    let baselines: Vec<(usize, String)> = baselines
+        .iter()
+        .map(|name| (find(name).expect("the baseline reaches the error"), name))
+        .map(|(at, name)| (at, format!("over {name}")))
+        .collect();
+    let headings = ["method", "time"].into_iter();
+    let headings = headings.chain(baselines.iter().map(|(_, heading)| heading.as_str()));
+    let headings: Vec<&str> = headings
+        .chain([
+            "error",
+            "steps or tolerance",
+            "evaluations",
+            "operations",
+            "Casimir",
+            "tensor defect",
+        ])
+        .collect();
+    let mut table = Table::new(&headings);
+    for at in order {
+        let Entry {
+            contestant,
+            setting,
+            error,
+            solution,
+        } = &entries[at];
+        let (drift, defect) = match contestant.structure(*setting) {
+            None => (String::new(), String::new()),
+            Some((drift, defect)) => (
+                format!("{drift:.0e}"),
+                defect.map_or_else(|| "—".to_owned(), |d| format!("{d:.0e}")),
+            ),
+        };
+        let name = match contestant.kind() {
+            Kind::Other => contestant.name(),
+            _ => format!("**{}**", contestant.name()),
+        };
+        let mut cells = vec![name, time(seconds(at))];
+        cells.extend(
+            baselines
+                .iter()
+                .map(|(baseline, _)| ratio(times.ratio(at, *baseline))),
+        );
+        cells.extend([
+            format!("{error:.1e}"),
+            contestant.tell(*setting),
+            solution.evaluations.to_string(),
+            solution
+                .operations
+                .map_or_else(String::new, |n| n.to_string()),
+            drift,
+            defect,
+        ]);
+        table.row(&cells);
+    }
+    table.finish()
+}
+
+/// A median with its quartiles.
+pub fn ratio(quartiles: Quartiles) -> String {
+    let Quartiles { low, median, high } = quartiles;
+    format!("{median:.2} ({low:.2}–{high:.2})")
+}

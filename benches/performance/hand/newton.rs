@@ -1,0 +1,314 @@
+//! Realization and Hamilton–Jacobi for one dimension and one trajectory: the step solver's method,
+//! with nothing left to be decided at run time but what the orbit decides.
+//!
+//! It takes the same evaluations and rounds alike, so that orbits have the same bits as the
+//! library's.
+
+/// The largest relative remainder that ends a solve.
+const LARGEST_REMAINDER: f64 = f64::EPSILON / 64.0;
+/// How much larger than the observed convergence constant the true one may be.
+const SAFETY: f64 = 4.0;
+/// Below this a correction is too much round-off to observe the constant by.
+const OBSERVABLE: f64 = 16.0 * f64::EPSILON;
+/// Levels of differences of the extrapolated start.
+const LEVELS: usize = 12;
+
+/// base, β̂ − base and α̂ − β̂ at y, and what tells whether y has left the chart.
+pub struct Residual<const D: usize> {
+    pub base: [f64; D],
+    pub offset: [f64; D],
+    pub increment: [f64; D],
+    /// The first and the last term of a series.
+    pub guard: [[f64; D]; 2],
+}
+
+/// The same with D(β̂∘L) and D((α̂ − β̂)∘L).
+pub struct Full<const D: usize> {
+    pub residual: Residual<D>,
+    pub target: [[f64; D]; D],
+    pub change: [[f64; D]; D],
+}
+
+/// The formulas of a method.
+pub trait Formulas<const D: usize> {
+    /// How many evaluations without Jacobians cost one with.
+    const MOST_CHORDS: u32;
+    fn residual(&self, y: &[f64; D]) -> Residual<D>;
+    fn full(&self, y: &[f64; D]) -> Full<D>;
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Next {
+    Done,
+    Newton,
+    Chord,
+}
+
+/// One trajectory.
+pub struct Trajectory<F, const D: usize> {
+    formulas: F,
+    pub x: [f64; D],
+    low: [f64; D],
+    anchor: [f64; D],
+    /// The factors of D(β̂∘L), reciprocals on the diagonal.
+    factors: [[f64; D]; D],
+    slope: [[f64; D]; D],
+    change: [[f64; D]; D],
+    scale: [f64; D],
+    anchored: bool,
+    differences: [[f64; D]; LEVELS],
+    filled: usize,
+    order: usize,
+    constant: f64,
+    first: f64,
+    pub evaluations: u64,
+}
+
+impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
+    pub fn new(formulas: F, x: [f64; D]) -> Self {
+        Self {
+            formulas,
+            x,
+            low: [0.0; D],
+            anchor: [0.0; D],
+            factors: [[0.0; D]; D],
+            slope: [[0.0; D]; D],
+            change: [[0.0; D]; D],
+            scale: [0.0; D],
+            anchored: false,
+            differences: [[0.0; D]; LEVELS],
+            filled: 0,
+            order: 0,
+            constant: f64::INFINITY,
+            first: f64::INFINITY,
+            evaluations: 0,
+        }
+    }
+
+    /// One step; `false` where the solve fails.
+    #[inline(always)]
+    pub fn step(&mut self) -> bool {
+        let x = self.x;
+        let mut y = x;
+        let mut predicted = [0.0; D];
+        for level in &self.differences[..self.order] {
+            for i in 0..D {
+                predicted[i] += level[i];
+            }
+        }
+        let mut distance = 0.0;
+        for i in 0..D {
+            y[i] = x[i] + predicted[i];
+            let away = (y[i] - self.anchor[i]).abs();
+            distance = larger(distance, relative(away, self.scale[i]));
+        }
+        let by_old = self.anchored && self.chords(distance, self.first, F::MOST_CHORDS);
+        let mut next = if by_old { Next::Chord } else { Next::Newton };
+        let (mut last, mut spread, mut stuck) = (f64::INFINITY, f64::INFINITY, 0);
+        for evaluation in 0..100 {
+            let is_newton = next == Next::Newton;
+            let Residual {
+                base,
+                offset,
+                mut increment,
+                guard,
+            } = if is_newton {
+                self.evaluate_full(&y)
+            } else {
+                self.formulas.residual(&y)
+            };
+            self.evaluations += 1;
+            let mut correction = [0.0; D];
+            let mut state = 0.0_f64;
+            for i in 0..D {
+                correction[i] = x[i] - base[i] - offset[i] + self.low[i];
+                state = state.max(x[i].abs() + increment[i].abs());
+            }
+            self.solve(&mut correction);
+            let mut size = 0.0;
+            for i in 0..D {
+                let mut reach = 0.0;
+                for j in 0..D {
+                    reach += self.slope[i][j] * (y[j].abs() + correction[j].abs());
+                }
+                self.scale[i] = x[i].abs() + increment[i].abs() + reach.min(state);
+            }
+            for i in 0..D {
+                size = larger(size, relative(correction[i].abs(), self.scale[i]));
+            }
+            if !size.is_finite() || !self.anchored {
+                return false;
+            }
+            if evaluation == 0 {
+                self.first = size;
+            }
+            if is_newton {
+                distance = 0.0;
+            }
+            if spread.is_finite() && spread > 0.0 && size > OBSERVABLE {
+                let observed = size / spread;
+                self.constant = if self.constant.is_finite() {
+                    observed.max(0.9 * self.constant)
+                } else {
+                    observed
+                };
+            }
+            let is_stuck = size >= 0.5 * last;
+            stuck = if is_stuck { stuck + 1 } else { 0 };
+            last = size;
+            spread = (2.0 * distance + size) * size;
+            let remainder = self.constant * spread;
+            for i in 0..D {
+                y[i] += correction[i];
+            }
+            if size <= f64::EPSILON
+                || SAFETY * remainder <= LARGEST_REMAINDER
+                || is_stuck && size <= 64.0 * f64::EPSILON
+                || stuck >= 2
+            {
+                let [first, last] =
+                    guard.map(|term| term.iter().fold(0.0_f64, |m, v| m.max(v.abs())));
+                if last != 0.0 && last >= first {
+                    return false;
+                }
+                for i in 0..D {
+                    let mut first_order = 0.0;
+                    for j in 0..D {
+                        first_order += self.change[i][j] * correction[j];
+                    }
+                    increment[i] += first_order;
+                }
+                self.record(&y);
+                self.advance(&increment);
+                return true;
+            }
+            distance += size;
+            let chord = !is_stuck && self.chords(distance, remainder, F::MOST_CHORDS + 1);
+            next = if chord { Next::Chord } else { Next::Newton };
+        }
+        false
+    }
+
+    #[inline(always)]
+    fn evaluate_full(&mut self, y: &[f64; D]) -> Residual<D> {
+        let Full {
+            residual,
+            target,
+            change,
+        } = self.formulas.full(y);
+        self.anchor = *y;
+        self.change = change;
+        self.factors = target;
+        for i in 0..D {
+            for j in 0..D {
+                let unit = f64::from(u8::from(i == j));
+                self.slope[i][j] = (target[i][j] - unit).abs();
+            }
+        }
+        self.anchored = true;
+        for k in 0..D {
+            let pivot = self.factors[k][k];
+            let reciprocal = 1.0 / pivot;
+            self.factors[k][k] = reciprocal;
+            for row in k + 1..D {
+                // Elimination without exchanges serves where partial pivoting makes none.
+                self.anchored &= self.factors[row][k].abs() <= pivot.abs();
+                let factor = self.factors[row][k] * reciprocal;
+                self.factors[row][k] = factor;
+                for column in k + 1..D {
+                    self.factors[row][column] -= factor * self.factors[k][column];
+                }
+            }
+        }
+        residual
+    }
+
+    #[inline(always)]
+    fn solve(&self, right: &mut [f64; D]) {
+        for row in 1..D {
+            for column in 0..row {
+                right[row] -= self.factors[row][column] * right[column];
+            }
+        }
+        for row in (0..D).rev() {
+            for column in row + 1..D {
+                right[row] -= self.factors[row][column] * right[column];
+            }
+            right[row] *= self.factors[row][row];
+        }
+    }
+
+    /// Whether `most` corrections by a Jacobian taken at `distance` reduce `error` to nothing.
+    #[inline(always)]
+    fn chords(&self, distance: f64, error: f64, most: u32) -> bool {
+        let rate = 2.0 * self.constant * distance;
+        let mut error = SAFETY * error;
+        for _ in 0..most {
+            error *= rate;
+            if error <= LARGEST_REMAINDER {
+                return true;
+            }
+        }
+        false
+    }
+
+    #[inline(always)]
+    fn record(&mut self, y: &[f64; D]) {
+        let mut carried = [0.0; D];
+        for i in 0..D {
+            carried[i] = y[i] - self.x[i];
+        }
+        let highest = (self.order + 1).min(LEVELS - 1);
+        let mut errors = [0.0_f64; 3];
+        for j in 0..=highest {
+            let mut size = 0.0_f64;
+            for i in 0..D {
+                let before = self.differences[j][i];
+                self.differences[j][i] = carried[i];
+                size = size.max(carried[i].abs());
+                carried[i] -= before;
+            }
+            let neighbour = (j + 1).wrapping_sub(self.order);
+            if neighbour < 3 {
+                errors[neighbour] = errors[neighbour].max(size);
+            }
+        }
+        let order = self.order;
+        self.filled = (self.filled + 1).min(highest + 1);
+        let [lower, own, higher] = errors;
+        self.order = if order == 0 || order + 1 < self.filled && higher < own {
+            highest
+        } else if order > 1 && lower < own {
+            order - 1
+        } else {
+            order
+        };
+    }
+
+    #[inline(always)]
+    fn advance(&mut self, increment: &[f64; D]) {
+        for i in 0..D {
+            let change = increment[i] + self.low[i];
+            let sum = self.x[i] + change;
+            let back = sum - self.x[i];
+            self.low[i] = (self.x[i] - (sum - back)) + (change - back);
+            self.x[i] = sum;
+        }
+    }
+}
+
+/// max that keeps NaN.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b || a.is_nan() { a } else { b }
+}
+
+/// size/(scale + size), 0 for 0.
+#[inline(always)]
+fn relative(size: f64, scale: f64) -> f64 {
+    if size == 0.0 {
+        0.0
+    } else {
+        size / (scale + size)
+    }
+}

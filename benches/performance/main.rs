@@ -1,0 +1,66 @@
+//! Everything that `docs/performance.md` reports, each ratio from one run.
+//!
+//! `cargo bench -p leafwise-benches --bench performance` measures all and writes the tables into the
+//! page; `-- accuracy` and the other names of [`SECTIONS`] one of them.
+
+#![allow(clippy::print_stdout)]
+
+mod accuracy;
+mod building;
+mod contestants;
+mod document;
+mod hand;
+mod lattices;
+mod measure;
+mod problems;
+mod source;
+//mod steps;
+
+use std::path::Path;
+
+use leafwise::expression::Execution;
+
+use crate::problems::{LotkaVolterra, RigidBody};
+
+/// A part of the page: its name, and what measures it.
+type Section = (&'static str, fn() -> String);
+
+const SECTIONS: [Section; 5] = [
+    //("steps", steps::table),
+    ("rigid-body", || {
+        accuracy::tables::<RigidBody>(&[(1e-4, &[4, 6, 8, 10]), (1e-8, &[6, 8, 10, 12])])
+    }),
+    ("lotka-volterra", || {
+        accuracy::tables::<LotkaVolterra>(&[(1e-4, &[4, 6, 8]), (1e-8, &[4, 6, 8, 10])])
+    }),
+    ("lattice", lattices::accuracy),
+    ("lattice-sizes", lattices::sizes),
+    ("building", building::table),
+];
+
+fn main() {
+    Execution::Compiled.set_default_of_process();
+    let asked: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|argument| !argument.starts_with("--"))
+        .collect();
+    if let [name, sites] = asked.as_slice()
+        && name == lattices::SIZE_ARGUMENT
+    {
+        let numbers = lattices::measure_size(sites.parse().expect("a number of sites"));
+        println!("{}", numbers.map(|number| number.to_string()).join(" "));
+        return;
+    }
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    if asked == ["formulas"] {
+        return source::write_all(&here.join("performance/formulas"));
+    }
+    let page = here.join("../docs/performance.md");
+    for (name, measure) in SECTIONS {
+        if asked.is_empty() || asked.iter().any(|a| a == name) {
+            let text = measure();
+            println!("{text}");
+            document::write_section(&page, name, &text);
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Kernels as Rust source: what somebody with a computer algebra system would paste into a program.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use leafwise::core::solver::NewtonKernel;
+use leafwise::expression::kernel::{Code, Instruction};
+use leafwise::expression::{Function, Kernel};
+use leafwise::so3::functions::COTANGENT;
+use leafwise_benches::STEP_CASES;
+
+/// Writes the formulas of every case into a folder: what `-- formulas` does, after a change of what
+/// kernels hold.
+///
+/// # Panics
+/// Where the folder is not there.
+pub fn write_all(folder: &Path) {
+    for case in &STEP_CASES {
+        let run = case.composed();
+        let method = run.method.written().expect("a written method");
+        let newton = method.newton().expect("one kernel");
+        let text = formulas(case.formulas, newton);
+        let path = folder.join(format!("{}.rs", case.formulas));
+        std::fs::write(&path, &text).expect("the folder of the formulas");
+    }
+}
+
+/// The formulas of a method as an implementation of `Formulas`, for a type of the given name.
+///
+/// # Panics
+/// Where the method calls a function that has no name here.
+fn formulas(name: &str, newton: &NewtonKernel) -> String {
+    let (full, residual) = (newton.kernel(), newton.residual_kernel());
+    let d = full.inputs();
+    let most_chords = newton.most_chords();
+    let mut text = format!(
+        "// Written by `cargo bench -p leafwise-benches --bench performance -- formulas`.\n\
+         pub struct {name} {{ full: [f64; {}], residual: [f64; {}] }}\n\
+         impl {name} {{\npub fn new(parameters: &[f64; {}], epsilon: f64, h: f64) -> Self {{\n",
+        full.coefficients(),
+        residual.coefficients(),
+        full.parameters(),
+    );
+    for (what, kernel) in [("full", full), ("residual", residual)] {
+        let code = kernel.coefficient_code();
+        let parameters = kernel.parameters();
+        let inputs: Vec<String> = (0..parameters)
+            .map(|i| format!("parameters[{i}]"))
+            .chain(["epsilon".to_owned(), "h".to_owned()])
+            .collect();
+        let _ = writeln!(text, "let {what} = {{\n{}[", body(code, &inputs));
+        for slot in &code.outputs {
+            let _ = write!(text, "s{slot}, ");
+        }
+        text.push_str("]\n};\n");
+    }
+    let _ = write!(
+        text,
+        "Self {{ full, residual }}\n}}\n}}\nimpl Formulas<{d}> for {name} {{\n\
+         const MOST_CHORDS: u32 = {most_chords};\n#[inline(always)]\n\
+         fn residual(&self, y: &[f64; {d}]) -> Residual<{d}> {{\nlet c = &self.residual;\n{}{}\n}}\n\
+         #[inline(always)]\nfn full(&self, y: &[f64; {d}]) -> Full<{d}> {{\nlet c = &self.full;\n\
+         {}Full {{ residual: {}, target: {}, change: {} }}\n}}\n}}\n",
+        step_body(residual),
+        residual_of(residual, d, 3 * d),
+        step_body(full),
+        residual_of(full, d, 3 * d + 2 * d * d),
+        matrix(full, 3 * d, d),
+        matrix(full, 3 * d + d * d, d),
+    );
+    text
+}
+
+fn step_body(kernel: &Kernel) -> String {
+    let inputs: Vec<String> = (0..kernel.inputs())
+        .map(|i| format!("y[{i}]"))
+        .chain((0..kernel.coefficients()).map(|i| format!("c[{i}]")))
+        .collect();
+    body(kernel.step_code(), &inputs)
+}
+
+fn outputs(kernel: &Kernel, from: usize, count: usize) -> String {
+    let slots = &kernel.step_code().outputs[from..from + count];
+    let names: Vec<String> = slots.iter().map(|slot| format!("s{slot}")).collect();
+    format!("[{}]", names.join(", "))
+}
+
+/// The guard stands behind everything else, where there is one.
+fn residual_of(kernel: &Kernel, d: usize, guard: usize) -> String {
+    let guard = if kernel.outputs() > guard {
+        let [first, last] = [guard, guard + d].map(|from| outputs(kernel, from, d));
+        format!("[{first}, {last}]")
+    } else {
+        format!("[[0.0; {d}]; 2]")
+    };
+    format!(
+        "Residual {{ base: {}, offset: {}, increment: {}, guard: {guard} }}",
+        outputs(kernel, 0, d),
+        outputs(kernel, d, d),
+        outputs(kernel, 2 * d, d)
+    )
+}
+
+fn matrix(kernel: &Kernel, from: usize, d: usize) -> String {
+    let rows: Vec<String> = (0..d)
+        .map(|row| outputs(kernel, from + row * d, d))
+        .collect();
+    format!("[{}]", rows.join(", "))
+}
+
+/// One `let` an instruction; a slot that is used again is shadowed. Several on a line.
+fn body(code: &Code, inputs: &[String]) -> String {
+    let mut lets: Vec<String> = inputs
+        .iter()
+        .enumerate()
+        .map(|(slot, input)| format!("let s{slot} = {input};"))
+        .collect();
+    lets.extend(
+        code.constants
+            .iter()
+            .map(|(slot, value)| format!("let s{slot} = {value:?}_f64;")),
+    );
+    lets.extend(code.instructions.iter().map(statement));
+    let lines: Vec<String> = lets.chunks(6).map(|line| line.join(" ")).collect();
+    lines.join("\n") + "\n"
+}
+
+fn statement(instruction: &Instruction) -> String {
+    match *instruction {
+        Instruction::Add { out, a, b } => format!("let s{out} = s{a} + s{b};"),
+        Instruction::Subtract { out, a, b } => format!("let s{out} = s{a} - s{b};"),
+        Instruction::Multiply { out, a, b } => format!("let s{out} = s{a} * s{b};"),
+        Instruction::Divide { out, a, b } => format!("let s{out} = s{a} / s{b};"),
+        Instruction::Negate { out, a } => format!("let s{out} = -s{a};"),
+        Instruction::Power { out, a, b } => format!("let s{out} = libm::pow(s{a}, s{b});"),
+        Instruction::Apply { function, out, a } => {
+            let name = match function {
+                Function::Exp => "exp",
+                Function::Ln => "log",
+                Function::Sqrt => "sqrt",
+                Function::Sin => "sin",
+                Function::Cos => "cos",
+                Function::Sinh => "sinh",
+                Function::Cosh => "cosh",
+                other => panic!("{other} has no name here"),
+            };
+            format!("let s{out} = libm::{name}(s{a});")
+        }
+        Instruction::ApplyAnalytic {
+            function,
+            order,
+            out,
+            a,
+        } => {
+            assert_eq!(
+                function, COTANGENT,
+                "the one function that is not elementary"
+            );
+            format!("let s{out} = COTANGENT.derivative({order}, s{a});")
+        }
+    }
+}

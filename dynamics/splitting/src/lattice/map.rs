@@ -1,0 +1,259 @@
+//! Strang's product over pieces that repeat along a lattice.
+
+use std::sync::Arc;
+
+use leafwise_core::lattice::{
+    Cells, Field, LatticeGeometry, LatticeMap, LatticeProgram, LatticeSource, Proxy, StageBuilder,
+    local_reach,
+};
+use leafwise_core::solver::{MapProperties, StepMap, Stepper, Structure};
+use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_expression::{Arithmetic, Ring, StepSize};
+
+use super::sweeps::Sweeps;
+use super::units::find_repeating_pieces;
+use crate::code::flow_increment;
+use crate::piece::Piece;
+use crate::register::INFO;
+use crate::schedule::{Flow, strang};
+
+/// The most sites of a cell that are tried.
+const LONGEST_PERIOD: usize = 4;
+
+/// A splitting looks this many times further than its tensor and dH at most.
+const FARTHEST: usize = 4;
+
+/// [`Splitting`](crate::Splitting) of a lattice of any length: explicit, exactly Poisson, O(N) time
+/// and memory a step. Each piece repeats every few sites (even and odd ones, say) and its flow is one
+/// sweep, in place, over the sites that it moves.
+#[derive(Clone, Debug)]
+pub struct LatticeSplitting {
+    pub(super) shared: Arc<Shared>,
+}
+
+#[derive(Debug)]
+pub(super) struct Shared {
+    pub(super) cells: Cells,
+    proxy: PoissonSystem,
+    proxy_cells: Cells,
+    pub(super) program: LatticeProgram,
+    pub(super) state: Field,
+    /// Φ(x) − x as it adds up.
+    pub(super) sum: Field,
+    /// The pieces' stages in the order of the first half of a step, the costliest last.
+    pub(super) order: Vec<usize>,
+}
+
+impl LatticeSplitting {
+    /// Splits the Hamiltonian of a lattice, on a proxy lattice just long enough for its templates.
+    ///
+    /// # Errors
+    /// [`BuildError::DoesNotFit`] where the Hamiltonian does not split into pieces that repeat every
+    /// four sites or fewer, or a ring's length is no multiple of their period;
+    /// [`BuildError::NotLocal`] and [`BuildError::NotHomogeneous`] as for any long lattice;
+    /// [`BuildError::Algebra`] where a formula is outside the algebra.
+    pub fn new(source: &dyn LatticeSource) -> Result<Self, BuildError> {
+        let geometry = source.geometry();
+        let reach = local_reach(source)?;
+        let mut misfit = None;
+        for period in 1..=LONGEST_PERIOD {
+            let Some(cells) = Cells::new(geometry.clone(), period) else {
+                misfit = misfit.or(Some(period));
+                continue;
+            };
+            if let Some(splitting) = Self::with_cells(source, cells, reach)? {
+                return Ok(splitting);
+            }
+        }
+        let reason = match misfit {
+            Some(period) => format!(
+                "its Hamiltonian does not split into pieces that repeat on a ring of {} sites; \
+                 try a multiple of {period}, or boundary = \"open\"",
+                geometry.length()
+            ),
+            None => format!(
+                "its Hamiltonian does not split into pieces that repeat every {LONGEST_PERIOD} \
+                 sites or fewer"
+            ),
+        };
+        Err(BuildError::DoesNotFit {
+            part: INFO.name,
+            reason,
+        })
+    }
+
+    /// The splitting into pieces with the period of `cells`, if there is one.
+    fn with_cells(
+        source: &dyn LatticeSource,
+        cells: Cells,
+        reach: Option<usize>,
+    ) -> Result<Option<Self>, BuildError> {
+        let mut factor = 1;
+        loop {
+            let width = reach.map(|sites| factor * sites.div_ceil(cells.period()));
+            match Self::on_proxy(source, &cells, width) {
+                Err(BuildError::NotLocal { .. }) if factor < FARTHEST => factor *= 2,
+                result => return result,
+            }
+        }
+    }
+
+    /// The splitting by code that looks at most `width` cells far.
+    fn on_proxy(
+        source: &dyn LatticeSource,
+        cells: &Cells,
+        width: Option<usize>,
+    ) -> Result<Option<Self>, BuildError> {
+        let short = width.and_then(|width| Some((cells.resized(2 * width + 3)?, width)));
+        let (proxy_cells, width) = short.unwrap_or_else(|| (cells.clone(), 0));
+        let proxy = source.write_out(proxy_cells.sites())?;
+        let system = proxy.formulas(INFO.name)?;
+        let mut ring = Ring::new(system.dimension());
+        let Some(pieces) = find_repeating_pieces(source, &proxy_cells, system, &mut ring)? else {
+            return Ok(None);
+        };
+        let (builder, [state, sum]) = write_flows(&proxy_cells, &ring, &pieces)?;
+        let program = LatticeProgram::compile(
+            cells.rows(),
+            Proxy {
+                geometry: proxy_cells.rows(),
+                width,
+            },
+            &builder,
+            system.parameters().len(),
+        )?;
+        let mut order: Vec<usize> = (0..program.stages()).collect();
+        order.sort_by_key(|stage| program.stage_work(*stage));
+        Ok(Some(Self {
+            shared: Arc::new(Shared {
+                cells: cells.clone(),
+                proxy,
+                proxy_cells,
+                program,
+                state,
+                sum,
+                order,
+            }),
+        }))
+    }
+
+    /// How many pieces there are.
+    pub fn pieces(&self) -> usize {
+        self.shared.order.len()
+    }
+
+    /// After how many sites the pieces repeat.
+    pub fn period(&self) -> usize {
+        self.shared.cells.period()
+    }
+}
+
+/// One stage for each piece: x ← x + δ and Σδ ← Σδ + δ, where the piece moves x.
+fn write_flows(
+    cells: &Cells,
+    ring: &Ring,
+    pieces: &[Piece],
+) -> Result<(StageBuilder, [Field; 2]), BuildError> {
+    let dimension = cells.rows().dimension();
+    let mut builder = StageBuilder::new(dimension);
+    let (state, values) = builder.unwritten();
+    let (sum, sums) = builder.unwritten();
+    let places: Vec<usize> = (0..dimension).map(|i| cells.place(i)).collect();
+    let x: Vec<_> = places.iter().map(|place| values[*place].clone()).collect();
+    let graph = &mut builder.graph;
+    let (epsilon, h) = (
+        graph.step_size(StepSize::Epsilon),
+        graph.step_size(StepSize::H),
+    );
+    let time = graph.multiply(&epsilon, &h);
+    for piece in pieces {
+        let graph = &mut builder.graph;
+        let increment = flow_increment(graph, ring, piece, &time, &x)?;
+        let mut moved = vec![None; dimension];
+        let mut added = vec![None; dimension];
+        for (place, change) in places.iter().zip(increment) {
+            if !graph.is_zero(&change) {
+                moved[*place] = Some(graph.add(&values[*place], &change));
+                added[*place] = Some(graph.add(&sums[*place], &change));
+            }
+        }
+        builder.update(state, moved);
+        builder.update(sum, added);
+        builder.finish_stage();
+    }
+    Ok((builder, [state, sum]))
+}
+
+impl StepMap for LatticeSplitting {
+    fn dimension(&self) -> usize {
+        self.shared.cells.sites().dimension()
+    }
+
+    fn properties(&self) -> MapProperties {
+        MapProperties {
+            order: 2,
+            structure: Structure::Exact,
+            self_adjoint: Some(true),
+        }
+    }
+
+    fn describe(&self) -> String {
+        let every = match self.period() {
+            1 => "site".to_owned(),
+            period => format!("{period} sites"),
+        };
+        let pieces = self.pieces();
+        format!(
+            "{} into {pieces} pieces that repeat every {every}",
+            INFO.name
+        )
+    }
+
+    fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
+        let shared = Arc::clone(&self.shared);
+        Box::new(Sweeps::new(shared, &[1.0], lanes, parameters, epsilon, h))
+    }
+
+    fn product_stepper(
+        &self,
+        coefficients: &[f64],
+        lanes: usize,
+        parameters: &[f64],
+        epsilon: f64,
+        h: f64,
+    ) -> Option<Box<dyn Stepper>> {
+        let shared = Arc::clone(&self.shared);
+        let sweeps = Sweeps::new(shared, coefficients, lanes, parameters, epsilon, h);
+        Some(Box::new(sweeps))
+    }
+}
+
+impl LatticeMap for LatticeSplitting {
+    fn geometry(&self) -> &LatticeGeometry {
+        self.shared.cells.sites()
+    }
+
+    fn proxy(&self) -> &PoissonSystem {
+        &self.shared.proxy
+    }
+
+    fn proxy_geometry(&self) -> &LatticeGeometry {
+        self.shared.proxy_cells.sites()
+    }
+
+    fn operations(&self) -> usize {
+        let flows = strang(&self.shared.order, &[1.0]);
+        let operations = |flow: &Flow| self.shared.program.stage_operations(flow.piece);
+        flows.iter().map(operations).sum()
+    }
+
+    fn work(&self) -> u64 {
+        let flows = strang(&self.shared.order, &[1.0]);
+        let work = |flow: &Flow| self.shared.program.stage_work(flow.piece);
+        flows.iter().map(work).sum()
+    }
+
+    fn fields(&self) -> usize {
+        self.shared.program.fields()
+    }
+}

@@ -1,0 +1,152 @@
+//! Steps of a lattice's splitting: one sweep after the other.
+
+use std::sync::Arc;
+
+use leafwise_core::StepError;
+use leafwise_core::lattice::{Fields, Prepared};
+use leafwise_core::solver::{SolverStatistics, Stepper};
+
+use super::map::Shared;
+use crate::schedule::{Flow, strang};
+
+/// Strang's products over γ₁h, …, γ_s h, flows of one piece that meet being one.
+///
+/// The state between flows is plain doubles; the flows' increments are added up apart from it, so
+/// that the step's increment rounds in proportion to itself.
+pub(super) struct Sweeps {
+    shared: Arc<Shared>,
+    schedule: Vec<Sweep>,
+    trajectories: Vec<Trajectory>,
+    factors: u64,
+    /// Operations of one step.
+    work: u64,
+    statistics: SolverStatistics,
+}
+
+/// The flow of a piece.
+struct Sweep {
+    stage: usize,
+    /// Which of the prepared kernels.
+    prepared: usize,
+}
+
+struct Trajectory {
+    /// Kernels for each stage and time that occur.
+    prepared: Vec<Prepared>,
+    fields: Fields,
+}
+
+impl Sweeps {
+    pub(super) fn new(
+        shared: Arc<Shared>,
+        factors: &[f64],
+        lanes: usize,
+        parameters: &[f64],
+        epsilon: f64,
+        h: f64,
+    ) -> Self {
+        let flows = strang(&shared.order, factors);
+        let mut distinct: Vec<Flow> = Vec::new();
+        let schedule: Vec<Sweep> = flows
+            .iter()
+            .map(|flow| {
+                let known = distinct.iter().position(|other| other == flow);
+                let prepared = known.unwrap_or(distinct.len());
+                if known.is_none() {
+                    distinct.push(*flow);
+                }
+                Sweep {
+                    stage: flow.piece,
+                    prepared,
+                }
+            })
+            .collect();
+        let program = &shared.program;
+        let trajectories = (0..lanes).map(|lane| {
+            let own = parameters.iter().skip(lane).step_by(lanes).copied();
+            let own: Vec<f64> = own.collect();
+            let prepare = |flow: &Flow| program.prepare(flow.piece, &own, epsilon, flow.part * h);
+            Trajectory {
+                prepared: distinct.iter().map(prepare).collect(),
+                fields: program.empty_fields(),
+            }
+        });
+        Self {
+            trajectories: trajectories.collect(),
+            work: flows
+                .iter()
+                .map(|flow| program.stage_work(flow.piece))
+                .sum(),
+            factors: factors.len() as u64,
+            schedule,
+            shared,
+            statistics: SolverStatistics::default(),
+        }
+    }
+}
+
+impl Stepper for Sweeps {
+    fn increment(
+        &mut self,
+        x: &[f64],
+        _low: &[f64],
+        increment: &mut [f64],
+        outcome: &mut [Result<(), StepError>],
+    ) {
+        let lanes = self.trajectories.len();
+        let Shared {
+            cells,
+            program,
+            state,
+            sum,
+            ..
+        } = self.shared.as_ref();
+        for (lane, trajectory) in self.trajectories.iter_mut().enumerate() {
+            let Trajectory { prepared, fields } = trajectory;
+            cells.gather(x, lane, lanes, fields.get_mut(*state));
+            fields.get_mut(*sum).fill(0.0);
+            for sweep in &self.schedule {
+                program.run_stage(sweep.stage, &mut prepared[sweep.prepared], fields);
+            }
+            // What a flow leaves behind is finite where it began at a finite state and its own
+            // increments are.
+            let finite = |field| {
+                fields
+                    .get(field)
+                    .iter()
+                    .fold(true, |all, x| all & x.is_finite())
+            };
+            outcome[lane] = if finite(*state) && finite(*sum) {
+                cells.scatter(fields.get(*sum), increment, lane, lanes);
+                Ok(())
+            } else {
+                self.statistics.failures += 1;
+                let own = increment.iter_mut().skip(lane).step_by(lanes);
+                own.for_each(|value| *value = 0.0);
+                Err(StepError::NonFinite {
+                    what: "the increment",
+                })
+            };
+            self.statistics.steps += 1;
+            self.statistics.evaluations += self.factors;
+            self.statistics.most_evaluations = self.factors;
+        }
+    }
+
+    fn restart(&mut self) {}
+
+    fn statistics(&self) -> SolverStatistics {
+        SolverStatistics {
+            operations: Some(self.statistics.steps * self.work),
+            ..self.statistics
+        }
+    }
+
+    fn memory(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    fn restore(&mut self, memory: &[f64]) -> Result<(), usize> {
+        if memory.is_empty() { Ok(()) } else { Err(0) }
+    }
+}
