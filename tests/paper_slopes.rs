@@ -12,7 +12,9 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
+use leafwise::core::Registry;
 use leafwise::core::diagnostics::RealizationInstrument;
+use leafwise::reproduce::{ErrorCurve, RealizationPoint};
 use leafwise_tests::numbers::UNIT_ROUNDOFF;
 use leafwise_tests::orders::{MeasuredOrder, measure};
 use leafwise_tests::{library, realization};
@@ -21,35 +23,21 @@ use leafwise_tests::{library, realization};
 /// derivatives, each a few hundred operations deep at n = 10.
 const OPERATIONS: f64 = 1e3;
 
-/// Points (ε, error) on a grid of six ε an octave from `largest` downwards, and the round-off of
-/// the brackets they are differences of.
-struct Series {
-    points: Vec<(f64, f64)>,
-    roundoff: f64,
-}
-
-fn errors(id: &str, n: i64, point: (&[f64], &[f64]), largest: f64, octaves: i32) -> Series {
-    let system = library(id).system;
-    let part = realization(&system, n);
-    let mut instrument = RealizationInstrument::new(&system, &part, &system.parameter_values())
-        .expect("a realization with code");
-    let mut roundoff = 0.0_f64;
-    let points = (0..=6 * octaves)
+/// Errors on a grid of six ε an octave from `largest` downwards.
+fn errors(point: &RealizationPoint, largest: f64, octaves: i32) -> ErrorCurve {
+    let epsilons: Vec<f64> = (0..=6 * octaves)
         .map(|k| largest * libm::exp2(-f64::from(k) / 6.0))
-        .map(|epsilon| {
-            let error = instrument
-                .measure(epsilon, point.0, point.1)
-                .expect("inside the chart");
-            roundoff = roundoff.max(error.scale * UNIT_ROUNDOFF * OPERATIONS);
-            (epsilon, error.source)
-        })
         .collect();
-    Series { points, roundoff }
+    let curve = point
+        .errors(&Registry::with_builtin(), &epsilons)
+        .expect("a realization");
+    assert_eq!(curve.points.len(), epsilons.len(), "all inside the chart");
+    curve
 }
 
 /// `gap` is the order by which the next term of the error is smaller.
-fn slope(name: &str, n: i64, series: &Series, gap: f64) -> MeasuredOrder {
-    let measured = measure(&series.points, series.roundoff, gap).expect("points above round-off");
+fn slope(name: &str, n: i64, series: &ErrorCurve, gap: f64) -> MeasuredOrder {
+    let measured = measure(&series.points, series.round_off, gap).expect("points above round-off");
     println!("{name} n = {n}: slope {measured}");
     assert!(
         measured.slope.points >= 5,
@@ -59,14 +47,11 @@ fn slope(name: &str, n: i64, series: &Series, gap: f64) -> MeasuredOrder {
     measured
 }
 
-const X: [f64; 3] = [2.0, 3.0, 3.0];
-const P: [f64; 3] = [1.0, 2.0, 3.0];
-
 #[test]
 fn on_so3_the_slope_of_even_n_is_n_plus_2() {
     // The series' radius is 2π/‖p‖ = 1.68; in the window the next term is below a few per cent.
     for (n, largest, octaves) in [(2, 0.08, 3), (4, 0.16, 2), (10, 0.4, 1)] {
-        let series = errors("rigid-body", n, (&X, &P), largest, octaves);
+        let series = errors(&RealizationPoint::on_so3(n), largest, octaves);
         let measured = slope("so(3)*", n, &series, 2.0);
         assert!(
             measured.is(n as f64 + 2.0, 1.0),
@@ -80,13 +65,13 @@ fn on_so3_the_slope_of_even_n_is_n_plus_2() {
 fn on_lotka_volterra_the_slope_is_n_plus_1() {
     // The exponents ½ Σ_j a_ij x_j p_j of the closed form reach 15: ε·15 is the small quantity.
     for (n, largest, octaves) in [(2, 0.002, 3), (4, 0.004, 2), (8, 0.01, 1)] {
-        let series = errors(
-            "lotka-volterra",
-            n,
-            (&[1.0, 3.0, 3.0], &P),
-            largest,
-            octaves,
-        );
+        let point = RealizationPoint {
+            system: "lotka-volterra",
+            order: n,
+            x: vec![1.0, 3.0, 3.0],
+            p: vec![1.0, 2.0, 3.0],
+        };
+        let series = errors(&point, largest, octaves);
         let measured = slope("Lotka-Volterra", n, &series, 1.0);
         assert!(
             measured.is(n as f64 + 1.0, 1.0),
@@ -96,12 +81,9 @@ fn on_lotka_volterra_the_slope_is_n_plus_1() {
     }
 }
 
-const MAGNETIC_X: [f64; 6] = [2.0, 3.0, 3.0, 1.0, 2.0, 3.0];
-const MAGNETIC_P: [f64; 6] = [1.0, 2.0, 3.0, 2.0, 3.0, 3.0];
-
 #[test]
 fn on_the_magnetic_bracket_the_slope_of_n_2_is_3() {
-    let series = errors("magnetic", 2, (&MAGNETIC_X, &MAGNETIC_P), 0.02, 3);
+    let series = errors(&RealizationPoint::on_magnetic(2), 0.02, 3);
     let measured = slope("magnetic", 2, &series, 1.0);
     assert!(measured.is(3.0, 1.0), "{measured}: {:?}", series.points);
 }
@@ -113,9 +95,10 @@ fn on_the_magnetic_bracket_n_3_is_exact() {
     let part = realization(&system, 3);
     let mut instrument =
         RealizationInstrument::new(&system, &part, &[]).expect("a realization with code");
+    let at = RealizationPoint::on_magnetic(3);
     for epsilon in [0.01, 0.1, 1.0, 3.0] {
         let error = instrument
-            .measure(epsilon, &MAGNETIC_X, &MAGNETIC_P)
+            .measure(epsilon, &at.x, &at.p)
             .expect("in the chart");
         let bound = OPERATIONS * UNIT_ROUNDOFF * error.scale.max(1.0);
         println!(

@@ -85,6 +85,10 @@ pub enum Command {
     Compare(CompareArguments),
     /// Find the cheapest method and step that hold given tolerances
     Tune(TuneArguments),
+    /// Measure the figures and numbers of the paper's section 5 beside what it prints
+    Reproduce(ReproduceArguments),
+    /// Run the extremes, each against its expected outcome
+    Stress(StressArguments),
     /// Write a commented scene file to start from
     New(NewArguments),
     /// List plugins, or check one
@@ -126,6 +130,8 @@ impl Command {
             Self::Verify(arguments) => arguments.json,
             Self::Compare(arguments) => arguments.json,
             Self::Tune(arguments) => arguments.json,
+            Self::Reproduce(arguments) => arguments.json,
+            Self::Stress(arguments) => arguments.json,
             Self::Plugin(PluginCommand::List(arguments)) => arguments.json,
             Self::Plugin(PluginCommand::Probe { .. }) | Self::New(_) => false,
         }
@@ -321,6 +327,37 @@ pub struct TuneArguments {
     /// Put the method into the scene file; comments and layout stay
     #[arg(long, conflicts_with = "overrides")]
     pub write: bool,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `reproduce`.
+#[derive(Args, Clone, Debug)]
+pub struct ReproduceArguments {
+    /// The figures, by number (1 to 9) or name [default: all]
+    #[arg(value_name = "FIGURE")]
+    pub figures: Vec<String>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// Write every figure as SVG and CSV, the object and a page into a directory
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// Arguments of `stress`.
+#[derive(Args, Clone, Debug)]
+pub struct StressArguments {
+    /// The cases, by name as family/name or by family [default: all]
+    #[arg(value_name = "CASE")]
+    pub cases: Vec<String>,
+    /// Give the long orbits 10^8 steps, not 10^6: takes minutes
+    #[arg(long)]
+    pub long: bool,
+    /// Print the cases with what they expect, and run none
+    #[arg(long)]
+    pub list: bool,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub json: bool,

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use leafwise::core::BuildError;
 use leafwise::plugins::PluginError;
+use leafwise::reproduce::ReproduceError;
 use leafwise::scene::compose::Refusal;
 use leafwise::scene::{ReportError, RunError, SceneDiagnostic};
 use leafwise::trade::TradeError;
@@ -70,6 +71,9 @@ pub enum Failure {
     /// Methods that could not be compared.
     #[error(transparent)]
     Trade(TradeError),
+    /// A figure of the paper that could not be measured.
+    #[error(transparent)]
+    Reproduce(Box<ReproduceError>),
     /// A figure that could not be drawn.
     #[error(transparent)]
     Report(#[from] ReportError),
@@ -103,6 +107,12 @@ impl From<TradeError> for Failure {
     }
 }
 
+impl From<ReproduceError> for Failure {
+    fn from(error: ReproduceError) -> Self {
+        Self::Reproduce(Box::new(error))
+    }
+}
+
 impl Failure {
     /// A usage error with what to do instead.
     pub fn usage(message: impl Into<String>, help: impl Into<String>) -> Self {
@@ -130,6 +140,10 @@ impl Failure {
             Self::Run(error) if error.is_usage() => exit::USAGE,
             Self::Trade(TradeError::NoReference { .. }) | Self::Report(_) => exit::RUN_FAILED,
             Self::Trade(_) => exit::USAGE,
+            Self::Reproduce(error) => match error.as_ref() {
+                ReproduceError::UnknownFigure { .. } => exit::USAGE,
+                _ => exit::RUN_FAILED,
+            },
             Self::Run(_) => exit::RUN_FAILED,
         }
     }

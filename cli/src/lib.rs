@@ -83,6 +83,10 @@ pub fn run(
         Command::Tune(arguments) => {
             commands::tune::execute(&arguments, plugins, console, interrupt)
         }
+        Command::Reproduce(arguments) => {
+            commands::reproduce::execute(&arguments, console, interrupt)
+        }
+        Command::Stress(arguments) => commands::stress::execute(&arguments, console, interrupt),
         Command::New(arguments) => commands::new::execute(&arguments, console),
         Command::Plugin(command) => commands::plugin::execute(&command, plugins, console),
     };

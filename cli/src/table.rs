@@ -85,9 +85,52 @@ pub fn duration(seconds: f64) -> String {
     }
 }
 
+/// The width of running text, its label apart.
+const WIDTH: usize = 88;
+
+/// Texts beside their labels, in lines that a terminal holds.
+pub fn labelled(texts: &[(&str, &str)]) -> Vec<String> {
+    let longest = texts.iter().map(|(label, _)| label.chars().count()).max();
+    let column = longest.unwrap_or(0) + 2;
+    let mut lines = Vec::new();
+    for (label, text) in texts {
+        for (at, line) in wrapped(text, WIDTH).into_iter().enumerate() {
+            let label = if at == 0 { label } else { "" };
+            lines.push(format!("{label:column$}{line}"));
+        }
+    }
+    lines
+}
+
+/// Words in lines of at most `width` characters.
+fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = vec![String::new()];
+    for word in text.split_whitespace() {
+        let last = lines.last_mut().expect("a line was put there");
+        let length = last.chars().count() + 1 + word.chars().count();
+        if last.is_empty() {
+            last.push_str(word);
+        } else if length <= width {
+            last.push(' ');
+            last.push_str(word);
+        } else {
+            lines.push(word.to_owned());
+        }
+    }
+    lines
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn long_text_is_broken_between_words() {
+        assert_eq!(wrapped("one two three", 7), ["one two", "three"]);
+        assert_eq!(wrapped("unbreakable", 3), ["unbreakable"]);
+        let lines = labelled(&[("a", "text"), ("label", "more")]);
+        assert_eq!(lines, ["a      text", "label  more"]);
+    }
 
     #[test]
     fn columns_line_up() {

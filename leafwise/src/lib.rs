@@ -9,10 +9,14 @@
 //! - [`library`]: the problem library as a scene's source of systems.
 //! - [`verify`]: what every part really does, measured against what it declares.
 //! - [`trade`]: cost against accuracy, measured on a scene.
+//! - [`reproduce`](mod@reproduce): the paper's figures and numbers, measured.
+//! - [`stress`]: the extremes, each with its expected outcome.
 //! - [`prelude`]: what most programs need.
 
 pub mod library;
 pub mod prelude;
+pub mod reproduce;
+pub mod stress;
 pub mod trade;
 pub mod verify;
 

@@ -9,6 +9,8 @@ pub mod explain;
 pub mod list;
 pub mod new;
 pub mod plugin;
+pub mod reproduce;
 pub mod run;
+pub mod stress;
 pub mod tune;
 pub mod verify;

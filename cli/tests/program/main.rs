@@ -1,5 +1,6 @@
 //! The program run as a process: exit codes, messages, files, signals.
 
+mod claims;
 mod comparisons;
 mod ensembles;
 mod failing_runs;

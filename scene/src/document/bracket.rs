@@ -18,7 +18,7 @@ pub enum BracketSpec {
     Magnetic(Vec<Located<String>>),
 }
 
-const KINDS: [&str; 3] = ["lie-algebra", "log-canonical", "magnetic"];
+pub(super) const KINDS: [&str; 3] = ["lie-algebra", "log-canonical", "magnetic"];
 
 /// Reads the value of `bracket`.
 pub(super) fn read_bracket(item: &Item<'_>, problems: &mut Problems) -> Option<BracketSpec> {

@@ -161,7 +161,14 @@ fn optional<T>(
     }
 }
 
-const DISTRIBUTIONS: [&str; 6] = ["ball", "box", "normal", "sphere", "leaf", "file"];
+/// Ways to draw a parameter.
+pub(super) const WAYS: [&str; 4] = ["uniform", "normal", "values", "range"];
+
+/// Beside a distribution.
+pub(super) const CENTER: [&str; 1] = ["center"];
+
+/// Ways to draw initial states.
+pub(super) const DISTRIBUTIONS: [&str; 6] = ["ball", "box", "normal", "sphere", "leaf", "file"];
 
 fn read_initial(
     item: &Item<'_>,
@@ -169,7 +176,7 @@ fn read_initial(
     problems: &mut Problems,
 ) -> Option<InitialDraw> {
     let table = item.table("initial", "a table such as { ball = 0.1 }", problems)?;
-    table.only(&[&DISTRIBUTIONS[..], &["center"]].concat(), problems);
+    table.only(&[&DISTRIBUTIONS[..], &CENTER].concat(), problems);
     let chosen = one_of(&table, &DISTRIBUTIONS, "initial = { ball = 0.1 }", problems)?;
     let dimension = system.map(SystemSection::dimension);
     let center = optional(&table, "center", problems, |item, problems| {
@@ -334,7 +341,6 @@ fn read_parameters(
 }
 
 fn read_parameter(item: &Item<'_>, problems: &mut Problems) -> Option<Located<ParameterDraw>> {
-    const WAYS: [&str; 4] = ["uniform", "normal", "values", "range"];
     let title = item.key.value.clone();
     let table = item.table(&title, "a table such as { uniform = [0.9, 1.1] }", problems)?;
     table.only(&WAYS, problems);

@@ -5,6 +5,7 @@
 //! - `numbers`: systems that have no formulas;
 //! - `method_table`: a method as a value, written into a scene's text;
 //! - `overrides`: `--set path=value`, applied by rewriting the text;
+//! - `keys`: every key that a scene may have;
 //! - `library`: where `library = "…"` is looked up;
 //! - `error`, `suggest`: what is wrong, and the nearest valid name;
 //! - `reader`: typed access to parsed TOML.
@@ -12,6 +13,7 @@
 mod bracket;
 mod ensemble;
 mod error;
+mod keys;
 mod library;
 mod located;
 mod method;
@@ -30,6 +32,7 @@ mod tests;
 pub use bracket::BracketSpec;
 pub use ensemble::{Distribution, EnsembleSection, FinalStates, InitialDraw, ParameterDraw};
 pub use error::{SceneErrors, SceneProblem, SceneProblemCause};
+pub use keys::scene_keys;
 pub use library::{NoLibrary, SceneLibrary};
 pub use located::{Located, Number, Place, Source};
 pub use method::{MethodSection, ParameterValue, PartSpec, StepSpec};

@@ -36,13 +36,16 @@ pub struct RunSection {
     pub out: Option<Located<String>>,
 }
 
+pub(super) const KEYS: [&str; 4] = ["initial", "steps", "record", "out"];
+pub(super) const RECORD_KEYS: [&str; 2] = ["every", "observables"];
+
 /// Reads `[run]`; `system` fixes the dimension and the default observables.
 pub(super) fn read_run(
     table: &Table<'_>,
     system: Option<&SystemSection>,
     problems: &mut Problems,
 ) -> Option<RunSection> {
-    table.only(&["initial", "steps", "record", "out"], problems);
+    table.only(&KEYS, problems);
     let initial = table
         .require("initial", "initial = [1, 3, 3]", problems)
         .and_then(|item| read_initial(item, system, problems));
@@ -101,7 +104,7 @@ fn read_record(
         });
     };
     let record = item.table("record", "a table", problems)?;
-    record.only(&["every", "observables"], problems);
+    record.only(&RECORD_KEYS, problems);
     let every = match record.get("every") {
         Some(every) => every.whole(1, problems).map(|every| every.value),
         None => Some(1),

@@ -37,6 +37,8 @@ pub struct SceneDocument {
     pub plugins: Vec<PluginSpec>,
 }
 
+pub(super) const KEYS: [&str; 5] = ["system", "method", "run", "ensemble", "plugins"];
+
 impl SceneDocument {
     /// Reads a scene; `name` is the file's name, for messages.
     ///
@@ -194,10 +196,7 @@ fn read(
         }
     };
     let root = Table::new("the scene", document.get_ref(), end_of(text), text);
-    root.only(
-        &["system", "method", "run", "ensemble", "plugins"],
-        problems,
-    );
+    root.only(&KEYS, problems);
     let mut section = |key: &str, example: &str| {
         root.require(key, example, problems)
             .and_then(|item| item.table(&format!("[{key}]"), "a table", problems))

@@ -4,6 +4,7 @@
 //! - `page`, `html`, `figure`: the page and its pieces;
 //! - `comparison`, `work_precision`: methods compared, as a page of its own;
 //! - `ensemble`: many members, as a page of its own;
+//! - `reproduction`, `panel`: what a paper prints beside what was measured, as a page of its own;
 //! - `drift`, `history`, `orbit`, `space`, `lattice`: the figures;
 //! - `axis`, `decimate`, `canvas`: axes, long series reduced to pixels, drawing.
 
@@ -21,6 +22,8 @@ mod html;
 mod lattice;
 mod orbit;
 mod page;
+mod panel;
+mod reproduction;
 mod space;
 #[cfg(test)]
 mod tests;
@@ -31,4 +34,6 @@ pub use data::{Ellipsoid, InvariantSeries, Outcome, ReportData, TimeSeries, Traj
 pub use ensemble::{Band, EnsembleData, render_ensemble};
 pub use error::ReportError;
 pub use page::render_report;
+pub use panel::{Panel, PanelAxis, PanelSeries, Stroke};
+pub use reproduction::{Compared, ReproducedFigure, ReproductionData, render_reproduction};
 pub use work_precision::{Curve, CurvePoint, Plot};

@@ -1,0 +1,131 @@
+//! `leafwise reproduce`: the figures and numbers of the paper's section 5, beside what it prints.
+
+mod files;
+mod json;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use leafwise::core::Registry;
+use leafwise::reproduce::{FIGURES, PaperFigure, ReproduceError, Reproduced, find, reproduce};
+
+use crate::arguments::ReproduceArguments;
+use crate::bar::Steps;
+use crate::console::Console;
+use crate::failure::{Failure, exit};
+use crate::table::{duration, labelled};
+
+/// Measures; returns the exit code.
+///
+/// # Errors
+/// [`Failure`] for a figure that the paper does not have, or a file that cannot be written.
+pub fn execute(
+    arguments: &ReproduceArguments,
+    console: &mut Console<'_>,
+    interrupt: &Arc<AtomicBool>,
+) -> Result<u8, Failure> {
+    let chosen = chosen(&arguments.figures)?;
+    let registry = Registry::with_builtin();
+    let started = Instant::now();
+    let mut figures = Vec::new();
+    for (at, figure) in chosen.iter().enumerate() {
+        if interrupt.load(Ordering::Relaxed) {
+            return Ok(exit::INTERRUPTED);
+        }
+        let mut bar = Steps::new("", console.is_terminal);
+        bar.show(figure.title, at, chosen.len());
+        let reproduced = reproduce(figure, &registry);
+        bar.finish();
+        let reproduced = reproduced?;
+        if !arguments.json {
+            print(&reproduced, console);
+        }
+        figures.push(reproduced);
+    }
+    let seconds = started.elapsed().as_secs_f64();
+    let command = command(arguments);
+    if let Some(directory) = &arguments.out {
+        files::write(directory, &figures, &command, seconds)?;
+    }
+    if arguments.json {
+        console.json(&json::object(&figures, seconds));
+    } else {
+        conclude(arguments, &figures, seconds, console);
+    }
+    Ok(if figures.iter().all(Reproduced::holds) {
+        exit::DONE
+    } else {
+        exit::CHECK_FAILED
+    })
+}
+
+fn chosen(names: &[String]) -> Result<Vec<&'static PaperFigure>, Failure> {
+    if names.is_empty() {
+        return Ok(FIGURES.iter().collect());
+    }
+    let found = names.iter().map(|name| {
+        find(name).ok_or_else(|| ReproduceError::UnknownFigure { name: name.clone() }.into())
+    });
+    found.collect()
+}
+
+fn command(arguments: &ReproduceArguments) -> String {
+    let mut words = vec!["leafwise reproduce".to_owned()];
+    words.extend(arguments.figures.iter().cloned());
+    words.push("--out figures".to_owned());
+    words.join(" ")
+}
+
+/// A figure as a few lines.
+fn print(figure: &Reproduced, console: &mut Console<'_>) {
+    let paper = figure.paper;
+    console.result(&format!(
+        "Figure {}, section {}: {}",
+        paper.number, paper.section, paper.title
+    ));
+    for finding in &figure.findings {
+        console.result(&format!(
+            "  {}: {}",
+            finding.claim.quantity,
+            finding.verdict()
+        ));
+        for line in labelled(&[
+            ("paper", finding.claim.printed),
+            ("here", finding.measured.as_str()),
+            ("theory", finding.explanation.as_str()),
+        ]) {
+            console.result(&format!("    {line}"));
+        }
+    }
+    console.result("");
+}
+
+fn conclude(
+    arguments: &ReproduceArguments,
+    figures: &[Reproduced],
+    seconds: f64,
+    console: &mut Console<'_>,
+) {
+    let findings = || figures.iter().flat_map(|figure| &figure.findings);
+    let printed = findings()
+        .filter(|finding| finding.agrees.is_some())
+        .count();
+    let agree = findings()
+        .filter(|finding| finding.agrees == Some(true))
+        .count();
+    let hold = findings().filter(|finding| finding.holds).count();
+    console.result(&format!(
+        "{agree} of {printed} printed statements agree, {hold} of {} measurements are what theory \
+         says; measured in {}",
+        findings().count(),
+        duration(seconds)
+    ));
+    match &arguments.out {
+        Some(directory) => {
+            let page = directory.join(files::PAGE);
+            console.prose(&format!("the page is {}", page.display()));
+        }
+        None => console.prose("--out DIR writes the figures, their numbers and a page"),
+    }
+}

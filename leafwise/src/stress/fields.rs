@@ -1,0 +1,296 @@
+//! NaN and the infinities in every numeric field of a scene.
+
+use leafwise_core::Registry;
+use leafwise_core::part::{ParameterDefault, PartInfo, PartKind};
+use leafwise_scene::document::scene_keys;
+use leafwise_scene::{SceneDocument, compose};
+use toml::{Table, Value};
+
+use super::case::{Case, Outcome, StressError, StressOptions, Tally};
+use crate::library::ProblemLibrary;
+
+pub(super) const CASES: [Case; 2] = [
+    Case {
+        family: "scene-fields",
+        name: "numbers",
+        asked: "nan, inf, -inf and 1e999 in place of each number of scenes that between them hold \
+                every key the reader knows",
+        expected: "each is refused, at its place; a key that no such scene holds fails this case",
+        run: numbers,
+    },
+    Case {
+        family: "scene-fields",
+        name: "part-parameters",
+        asked: "nan, inf, -inf and 1e999 in each numeric parameter of each registered part",
+        expected: "each is refused",
+        run: parameters,
+    },
+];
+
+/// Scenes that between them hold every key of [`scene_keys`].
+const SCENES: [&str; 7] = [
+    r#"
+    plugins = []
+    [system]
+    variables   = ["x1", "x2", "x3"]
+    parameters  = { I1 = 1.0, I2 = 0.75, I3 = 1.25 }
+    bracket     = { "x1,x2" = "-x3", "x2,x3" = "-x1", "x3,x1" = "-x2" }
+    convention  = "{H,x}"
+    hamiltonian = "x1^2/(2*I1) + x2^2/(2*I2) + x3^2/(2*I3)"
+    casimirs    = { spin = "x1^2 + x2^2 + x3^2" }
+    [method]
+    realization = { name = "karasev-truncated", order = 6 }
+    dynamics    = { name = "hamilton-jacobi", order = 2 }
+    composition = "suzuki-umeno-8"
+    epsilon     = 0.1
+    h           = 2
+    [run]
+    initial = [1, 3.0, 3]
+    steps   = 10
+    record  = { every = 1, observables = ["energy"] }
+    out     = "runs/case"
+    "#,
+    r#"
+    [system]
+    library    = "rigid-body"
+    parameters = { I1 = 2.0 }
+    [method]
+    stepper   = { name = "dormand-prince45", tolerance = 1e-6 }
+    time-step = 0.1
+    [run]
+    initial = [1, 3, 3]
+    steps   = 10
+    "#,
+    r#"
+    [system]
+    families    = { x = 64 }
+    bracket     = { "x[i],x[i+1]" = "x[i]*x[i+1]" }
+    boundary    = "periodic"
+    hamiltonian = "sum(i, x[i])"
+    [method]
+    realization = "auto"
+    dynamics    = "auto"
+    time-step   = 0.05
+    [run]
+    initial = { "x[i]" = "1 + 0.1*sin(2*pi*i/N)" }
+    steps   = 10
+    "#,
+    r#"
+    [system]
+    variables   = ["x", "y"]
+    bracket     = { log-canonical = [[0, 2.0], [-2, 0]] }
+    hamiltonian = "x + y"
+    [method]
+    realization = "auto"
+    dynamics    = "auto"
+    time-step   = 0.05
+    [run]
+    initial = [1, 2]
+    steps   = 10
+    "#,
+    r#"
+    [system]
+    variables   = ["x1", "x2", "x3"]
+    bracket     = { lie-algebra = "so3" }
+    hamiltonian = "x1^2 + x2^2/2"
+    [method]
+    realization = "auto"
+    dynamics    = "auto"
+    time-step   = 0.05
+    [run]
+    initial = [1, 2, 3]
+    steps   = 10
+    "#,
+    r#"
+    [system]
+    variables   = ["x", "y", "z", "px", "py", "pz"]
+    bracket     = { magnetic = ["0", "0", "1"] }
+    hamiltonian = "(px^2 + py^2 + pz^2)/2"
+    [method]
+    realization = "auto"
+    dynamics    = "auto"
+    time-step   = 0.05
+    [run]
+    initial = [0, 0, 0, 1, 0, 1]
+    steps   = 10
+    "#,
+    r#"
+    [system]
+    library = "rigid-body"
+    [method]
+    stepper   = "splitting"
+    time-step = 0.05
+    [run]
+    initial = [1, 3, 3]
+    steps   = 10
+    [ensemble]
+    members      = 12
+    seed         = 1
+    initial      = { ball = 0.1, center = [1, 3.0, 3] }
+    record       = { every = 2, observables = ["energy"], quantiles = [0.05, 0.5], drift-every = 1 }
+    final-states = "csv"
+    out          = "runs/case"
+    [ensemble.parameters]
+    I1 = { uniform = [0.9, 1.1] }
+    I2 = { normal = [0.75, 0.005] }
+    I3 = { values = [1.2, 1.25, 1.3] }
+    "#,
+];
+
+/// Other ways to draw, in the last scene.
+const DRAWS: [(&str, &str); 6] = [
+    ("ball = 0.1,", "box = [0.1, 0.2, 0.3],"),
+    ("ball = 0.1,", "normal = 0.1,"),
+    ("ball = 0.1,", "sphere = 0.1,"),
+    ("ball = 0.1,", "leaf = 0.1,"),
+    (
+        "{ ball = 0.1, center = [1, 3.0, 3] }",
+        "{ file = \"states.csv\" }",
+    ),
+    ("values = [1.2, 1.25, 1.3]", "range = [1.2, 1.3, 3]"),
+];
+
+fn scenes() -> impl Iterator<Item = String> {
+    let last = SCENES[SCENES.len() - 1];
+    let written = SCENES.map(str::to_owned).into_iter();
+    written.chain(DRAWS.map(|(from, to)| last.replacen(from, to, 1)))
+}
+
+/// Whether `path` is `key`, where `*` stands for one name.
+fn is_key(key: &str, path: &str) -> bool {
+    let pairs = || key.split('.').zip(path.split('.'));
+    key.split('.').count() == path.split('.').count()
+        && pairs().all(|(key, name)| key == "*" || key == name)
+}
+
+const BAD: [&str; 4] = ["nan", "inf", "-inf", "1e999"];
+
+/// A number that no scene holds, to be replaced in its text.
+const MARK: f64 = 271_828_182.5;
+
+fn numbers(_: &StressOptions) -> Result<Outcome, StressError> {
+    let mut tally = Tally::default();
+    let mut fields = 0;
+    let mut seen = Vec::new();
+    for text in scenes() {
+        let document = SceneDocument::parse("case", &text, &ProblemLibrary)?;
+        compose(&document, &Registry::with_builtin()).map_err(StressError::Refused)?;
+        let scene = Value::Table(text.parse::<Table>().unwrap_or_default());
+        let mut paths = Vec::new();
+        walk(&scene, &mut Vec::new(), &mut seen, &mut paths);
+        fields += paths.len();
+        for path in &paths {
+            let mut changed = scene.clone();
+            replace(&mut changed, path, MARK);
+            let marked = toml::to_string(&changed).unwrap_or_default();
+            for bad in BAD {
+                let text = marked.replace(&format!("{MARK:?}"), bad);
+                let name = path.join(".");
+                tally.take(text != marked && is_refused(&text), || {
+                    format!("{name} = {bad} is taken")
+                });
+            }
+        }
+    }
+    for key in scene_keys() {
+        tally.take(seen.iter().any(|path| is_key(&key, path)), || {
+            format!("no scene holds `{key}`")
+        });
+    }
+    Ok(tally.outcome(|_| {
+        format!(
+            "{fields} fields refused, {} keys covered",
+            scene_keys().len()
+        )
+    }))
+}
+
+/// Whether reading or composing refuses it, in words.
+fn is_refused(text: &str) -> bool {
+    match SceneDocument::parse("case", text, &ProblemLibrary) {
+        Err(errors) => !errors.to_string().is_empty(),
+        Ok(document) => compose(&document, &Registry::with_builtin()).is_err(),
+    }
+}
+
+/// The paths of all keys, dotted and without indices of lists, and those of all numbers.
+fn walk(
+    value: &Value,
+    path: &mut Vec<String>,
+    keys: &mut Vec<String>,
+    numbers: &mut Vec<Vec<String>>,
+) {
+    match value {
+        Value::Integer(_) | Value::Float(_) => numbers.push(path.clone()),
+        Value::Table(table) => {
+            for (key, value) in table {
+                path.push(key.clone());
+                keys.push(path.join("."));
+                walk(value, path, keys, numbers);
+                path.pop();
+            }
+        }
+        Value::Array(list) => {
+            for (at, value) in list.iter().enumerate() {
+                path.push(at.to_string());
+                walk(value, path, keys, numbers);
+                path.pop();
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Puts a number where the path leads.
+fn replace(value: &mut Value, path: &[String], number: f64) {
+    let Some((first, rest)) = path.split_first() else {
+        *value = Value::Float(number);
+        return;
+    };
+    let inner = match value {
+        Value::Table(table) => table.get_mut(first),
+        Value::Array(list) => first.parse::<usize>().ok().and_then(|at| list.get_mut(at)),
+        _ => None,
+    };
+    if let Some(inner) = inner {
+        replace(inner, rest, number);
+    }
+}
+
+fn parameters(_: &StressOptions) -> Result<Outcome, StressError> {
+    let mut tally = Tally::default();
+    for part in Registry::with_builtin().parts() {
+        let numeric = part.parameters.iter().filter(|parameter| {
+            matches!(
+                parameter.default,
+                ParameterDefault::Integer(_) | ParameterDefault::Real(_)
+            )
+        });
+        for parameter in numeric {
+            for bad in BAD {
+                let scene = scene_with(part, parameter.name, bad);
+                let name = format!("{} {} = {bad}", part.name, parameter.name);
+                tally.take(is_refused(&scene), || format!("{name} is taken"));
+            }
+        }
+    }
+    Ok(tally.outcome(|count| format!("{count} settings refused")))
+}
+
+/// A scene whose method gives a parameter of a part.
+fn scene_with(part: &PartInfo, parameter: &str, value: &str) -> String {
+    let name = part.name;
+    let given = format!("{{ name = \"{name}\", {parameter} = {value} }}");
+    let method = match part.kind {
+        PartKind::Realization => format!("realization = {given}\ndynamics = \"auto\""),
+        PartKind::Dynamics => format!("realization = \"auto\"\ndynamics = {given}"),
+        PartKind::Composition => {
+            format!("realization = \"auto\"\ndynamics = \"auto\"\ncomposition = {given}")
+        }
+        _ => format!("stepper = {given}"),
+    };
+    format!(
+        "[system]\nlibrary = \"rigid-body\"\n[method]\n{method}\ntime-step = 0.1\n\
+         [run]\ninitial = [1, 3, 3]\nsteps = 1\n"
+    )
+}
