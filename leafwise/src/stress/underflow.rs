@@ -1,12 +1,12 @@
 //! Orbits that run into the smallest numbers.
 
-use leafwise_core::{Integrator, PartParameters, StepMap};
+use leafwise_core::{Integrator, StepMap};
 
-use super::case::{Case, Outcome, StressError, StressOptions, Tally};
-use super::setup::{UNIT_ROUNDOFF, method, pair};
+use super::case::{Case, Outcome, StressError, StressOptions};
+use super::setup::{UNIT_ROUNDOFF, method};
 use crate::verify::Problem;
 
-pub(super) const CASES: [Case; 3] = [
+pub(super) const CASES: [Case; 2] = [
     Case {
         family: "underflow",
         name: "relative-accuracy",
@@ -16,13 +16,6 @@ pub(super) const CASES: [Case; 3] = [
                    error of each, within 1e-9 of itself: 800 steps of a truncation error \
                    (0.14)^9/9! = 6e-14",
         run: relative_accuracy,
-    },
-    Case {
-        family: "underflow",
-        name: "every-path",
-        asked: "the same over the closed form, collocation of six nodes, and collective dynamics",
-        expected: "no component is ever negative; the Casimir within 1e-9 of itself",
-        run: every_path,
     },
     Case {
         family: "underflow",
@@ -62,34 +55,6 @@ fn relative_accuracy(_: &StressOptions) -> Result<Outcome, StressError> {
             "Casimir within {worst:.1e} over {steps} steps, smallest component {smallest:.0e}"
         ),
     })
-}
-
-fn every_path(_: &StressOptions) -> Result<Outcome, StressError> {
-    let problem = Problem::of_library("lotka-volterra")?;
-    let none = PartParameters::new;
-    let mut tally = Tally::default();
-    let mut largest = 0.0_f64;
-    for (realization, dynamics) in [
-        (("log-canonical", none()), ("hamilton-jacobi", none())),
-        (
-            ("karasev-collocated", none().with("points", 6_i64)),
-            ("hamilton-jacobi", none()),
-        ),
-        (("log-canonical", none()), ("collective", none())),
-    ] {
-        let name = format!("{} + {}", realization.0, dynamics.0);
-        let method = pair(&problem.system, realization, dynamics)?;
-        match die_out(&method) {
-            Ok((worst, smallest, _)) => {
-                largest = largest.max(worst);
-                tally.take(smallest >= 0.0 && worst <= 1e-9, || {
-                    format!("{name}: Casimir within {worst:.1e}, smallest component {smallest:.0e}")
-                });
-            }
-            Err(error) => tally.take(false, || format!("{name}: {error}")),
-        }
-    }
-    Ok(tally.outcome(|count| format!("{count} methods, Casimir within {largest:.1e}")))
 }
 
 fn heteroclinic(_: &StressOptions) -> Result<Outcome, StressError> {
