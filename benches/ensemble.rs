@@ -58,6 +58,7 @@ fn run(method: &str, time_step: f64, threads: usize) -> (f64, Vec<f64>) {
             force: true,
             allow_non_poisson: false,
             command: String::new(),
+            checkpoint_every: RunOptions::CHECKPOINT_EVERY,
         };
         let report = run_ensemble(&document, &ensemble, &options, workforce, &mut Quiet);
         best = best.min(report.expect("an ensemble").wall_seconds);
