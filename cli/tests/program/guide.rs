@@ -67,8 +67,10 @@ fn every_scene_of_the_guide_runs() {
         let text = block.lines.join("\n");
         let scene = if text.contains("[system]") {
             text
-        } else {
+        } else if text.contains("[method]") {
             body_with(&text)
+        } else {
+            format!("{BODY}{text}\n")
         };
         let here = Place::with(&scene);
         let said = here.leafwise(&["check", "scene.toml"]);
