@@ -30,7 +30,7 @@ fn scene(method: &str, time_step: f64) -> String {
     format!(
         "[system]\nlibrary = \"rigid-body\"\n[method]\n{method}\ntime-step = {time_step:?}\n\
          [run]\ninitial = [1, 3, 3]\nsteps = {steps}\n\
-         [ensemble]\nmembers = {MEMBERS}\nseed = 1\ninitial = {{ ball = 0.5 }}\n\
+         [ensemble]\nmembers = {MEMBERS}\nseed = 1\ninitial = {{ ball = 0.1 }}\n\
          record = {{ drift-every = {steps} }}\nfinal-states = \"binary\"\n"
     )
 }
@@ -153,7 +153,7 @@ fn main() {
         .min(2);
     let (truth, error) = reference();
     println!(
-        "{MEMBERS} rigid bodies from a ball of radius 0.5 about (1, 3, 3) to t = {TIME} on {threads} \
+        "{MEMBERS} rigid bodies from a ball of radius 0.1 about (1, 3, 3) to t = {TIME} on {threads} \
          threads;\nerrors: the largest of {MEASURED} members, against a reference good to {error:.1e}"
     );
     let rate = |seconds: f64| MEMBERS as f64 / seconds;

@@ -1,6 +1,7 @@
 //! The functions that machine code calls: those of the interpreter, with the platform's C convention.
 
 use crate::analytic::AnalyticFunction;
+use crate::elementary::sin_cos_lanes;
 use crate::expression::Function;
 
 macro_rules! entries {
@@ -51,6 +52,24 @@ entries! {
     Asinh => asinh, asinh_lanes;
     Acosh => acosh, acosh_lanes;
     Atanh => atanh, atanh_lanes;
+}
+
+/// Replaces each x by sin x and writes cos x.
+unsafe extern "C" fn both_lanes(values: *mut f64, cosines: *mut f64, count: usize) {
+    // SAFETY: the code passes two pieces of its own memory, of `count` numbers each.
+    let (values, cosines) = unsafe {
+        (
+            std::slice::from_raw_parts_mut(values, count),
+            std::slice::from_raw_parts_mut(cosines, count),
+        )
+    };
+    sin_cos_lanes(values, cosines);
+}
+
+/// The address of (values, cosines, count), which replaces each x by sin x and writes cos x.
+pub(super) fn sine_and_cosine_lanes() -> usize {
+    let entry: unsafe extern "C" fn(*mut f64, *mut f64, usize) = both_lanes;
+    entry as usize
 }
 
 extern "C" fn raise(a: f64, b: f64) -> f64 {

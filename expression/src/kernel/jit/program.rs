@@ -1,5 +1,8 @@
 //! A program in single assignment, in an order that keeps few results alive.
 
+use rustc_hash::FxHashMap;
+
+use crate::expression::Function;
 use crate::kernel::code::{Code, Instruction};
 
 /// Where a number comes from.
@@ -20,6 +23,8 @@ pub(super) struct Operation {
     pub(super) operands: [Source; 2],
     /// The slot that the caller reads the result from.
     pub(super) output: Option<u32>,
+    /// Whether it is the sine of the argument of the cosine just before it, or the reverse.
+    pub(super) is_second: bool,
 }
 
 /// Operations that read earlier results and slots.
@@ -63,6 +68,7 @@ impl Program {
                 pending.extend(operands.into_iter().flatten().map(|result| (result, false)));
             }
         }
+        let seconds = join_sines(&operations, &mut order);
         let mut names = vec![0; operations.len()];
         for (name, &at) in order.iter().enumerate() {
             names[at] = name as u32;
@@ -76,6 +82,7 @@ impl Program {
             .map(|&at| {
                 let mut operation = operations[at].clone();
                 operation.operands = operation.operands.map(renamed);
+                operation.is_second = seconds[at];
                 operation
             })
             .collect();
@@ -95,6 +102,7 @@ fn single_assignment(code: &Code) -> Vec<Operation> {
             instruction,
             operands: instruction.operands().map(|slot| current[slot as usize]),
             output: None,
+            is_second: false,
         });
         current[instruction.output() as usize] = Source::Result(at as u32);
     }
@@ -104,6 +112,39 @@ fn single_assignment(code: &Code) -> Vec<Operation> {
         }
     }
     operations
+}
+
+/// Brings the sine and the cosine of one argument together, which cost little more than one of them;
+/// returns which operations are the second of two.
+fn join_sines(operations: &[Operation], order: &mut Vec<usize>) -> Vec<bool> {
+    let mut firsts: FxHashMap<Source, (usize, Function)> = FxHashMap::default();
+    let mut followers = vec![None; operations.len()];
+    let mut are_second = vec![false; operations.len()];
+    for &at in order.iter() {
+        let Instruction::Apply { function, .. } = operations[at].instruction else {
+            continue;
+        };
+        if !matches!(function, Function::Sin | Function::Cos) {
+            continue;
+        }
+        let argument = operations[at].operands[0];
+        match firsts.get(&argument) {
+            Some((first, other)) if *other != function && followers[*first].is_none() => {
+                followers[*first] = Some(at);
+                are_second[at] = true;
+            }
+            Some(_) => {}
+            None => {
+                firsts.insert(argument, (at, function));
+            }
+        }
+    }
+    let kept = order.iter().filter(|at| !are_second[**at]);
+    *order = kept
+        .flat_map(|&at| [Some(at), followers[at]])
+        .flatten()
+        .collect();
+    are_second
 }
 
 /// How many results are alive at once while an operation's tree of operands is computed, as if

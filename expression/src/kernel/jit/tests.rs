@@ -100,6 +100,13 @@ fn number() -> impl Strategy<Value = f64> {
     ]
 }
 
+/// The place of one of the two among all functions.
+fn sine_or_cosine() -> impl Strategy<Value = usize> {
+    let places = Function::ALL.iter().enumerate();
+    let wanted = places.filter(|(_, f)| matches!(f, Function::Sin | Function::Cos));
+    proptest::sample::select(wanted.map(|(at, _)| at).collect::<Vec<usize>>())
+}
+
 /// The outputs' bits; the payload of a NaN is not part of a result.
 fn outputs(code: &Code, slots: &[f64], lanes: usize) -> Vec<u64> {
     let of_slot = |slot: &u32| slots[*slot as usize * lanes..][..lanes].to_vec();
@@ -138,6 +145,18 @@ proptest! {
     #[test]
     fn every_backend_computes_the_bits_of_the_interpreter(
         choices in prop::collection::vec((0_u8..36, any::<usize>(), any::<usize>(), any::<usize>()), 1..200),
+        chosen in prop::collection::vec(any::<usize>(), 1..12),
+        numbers in prop::collection::vec(number(), FIXED as usize * 16),
+    ) {
+        check(&code(&choices, &chosen), &numbers)?;
+    }
+
+    /// Sines and cosines of few arguments, which are computed two at once.
+    #[test]
+    fn sines_and_cosines_of_one_argument_keep_their_bits(
+        choices in prop::collection::vec(
+            (prop_oneof![0_u8..24, 33_u8..36], 0_usize..4, sine_or_cosine(), any::<usize>()), 1..60
+        ),
         chosen in prop::collection::vec(any::<usize>(), 1..12),
         numbers in prop::collection::vec(number(), FIXED as usize * 16),
     ) {

@@ -248,19 +248,41 @@ impl Emitter<'_> {
             self.find(operand)
                 .expect("a plan loads the operands of calls")
         });
-        let entry = if self.width == Width::One {
-            self.pass_registers(operation, a, b)
-        } else {
-            self.pass_memory(operation, a, b)
-        };
-        self.assembler.constant(Gpr::RAX, entry as u64);
-        self.assembler.call_rax();
-        if self.width != Width::One {
-            let values = self.header(FIRST_OPERAND);
+        let is_alone = self.width == Width::One;
+        if is_alone || !operation.is_second {
+            let entry = if is_alone {
+                self.pass_registers(operation, a, b)
+            } else {
+                self.pass_memory(at, operation, a, b)
+            };
+            self.assembler.constant(Gpr::RAX, entry as u64);
+            self.assembler.call_rax();
+        }
+        if !is_alone {
+            // Of a sine and a cosine the cosine comes in place of the second operand.
+            let is_cosine = matches!(
+                operation.instruction,
+                Instruction::Apply {
+                    function: Function::Cos,
+                    ..
+                }
+            );
+            let is_of_two = operation.is_second || self.is_first(at);
+            let values = if is_cosine && is_of_two {
+                self.header(SECOND_OPERAND)
+            } else {
+                self.header(FIRST_OPERAND)
+            };
             self.assembler.load(self.width, 0, values);
         }
         self.registers.fill(None);
         self.registers[0] = Some(Source::Result(at));
+    }
+
+    /// Whether the next operation is the second of a sine and a cosine.
+    fn is_first(&self, at: u32) -> bool {
+        let next = self.program.operations.get(at as usize + 1);
+        next.is_some_and(|next| next.is_second)
     }
 
     /// Passes the operands in the first registers, the result comes in the first one.
@@ -291,7 +313,8 @@ impl Emitter<'_> {
     }
 
     /// Passes the operands in memory, the results come in place of the first one.
-    fn pass_memory(&mut self, operation: &Operation, a: u8, b: u8) -> usize {
+    fn pass_memory(&mut self, at: u32, operation: &Operation, a: u8, b: u8) -> usize {
+        let is_first = self.is_first(at);
         let [first, second] = [FIRST_OPERAND, SECOND_OPERAND].map(|place| self.header(place));
         let count = self.width.lanes() as u64;
         let assembler = &mut self.assembler;
@@ -312,6 +335,12 @@ impl Emitter<'_> {
                 assembler.address(Gpr::RDX, first);
                 assembler.constant(Gpr::RCX, count);
                 functions::analytic_lanes()
+            }
+            Instruction::Apply { .. } if is_first => {
+                assembler.address(Gpr::RDI, first);
+                assembler.address(Gpr::RSI, second);
+                assembler.constant(Gpr::RDX, count);
+                functions::sine_and_cosine_lanes()
             }
             Instruction::Apply { function, .. } => {
                 assembler.address(Gpr::RDI, first);
