@@ -119,6 +119,12 @@ impl Stepper for ExplicitStepper {
     ) {
         self.last.copy_from_slice(x);
         self.shared.step.evaluate(&mut self.workspace, x, increment);
+        let values = x.iter().chain(&*increment);
+        if values.fold(true, |all, value| all & value.is_finite()) {
+            outcome.fill(Ok(()));
+            self.statistics.count_all(self.lanes as u64, 1);
+            return;
+        }
         let d = self.shared.increment.len();
         for (lane, outcome) in outcome.iter_mut().enumerate() {
             let places = || (0..d).map(|i| i * self.lanes + lane);

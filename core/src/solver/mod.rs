@@ -135,6 +135,13 @@ impl SolverStatistics {
         self.failures += u64::from(!succeeded);
     }
 
+    /// Counts a step of each of so many lanes, of equal numbers of evaluations, that succeeded.
+    pub fn count_all(&mut self, lanes: u64, evaluations: u64) {
+        self.steps += lanes;
+        self.evaluations += lanes * evaluations;
+        self.most_evaluations = self.most_evaluations.max(evaluations);
+    }
+
     /// The mean number of operations a step, `None` when a part does not count its own.
     pub fn operations_per_step(&self) -> Option<f64> {
         let operations = self.operations? as f64;
