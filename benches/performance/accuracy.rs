@@ -139,14 +139,14 @@ pub fn tables<P: Problem + 'static>(targets: &[(f64, &[usize])]) -> String {
             .filter_map(|contestant| reach(contestant.as_ref(), &reference, *target))
             .collect();
         text.push_str(&format!("Error {target:.0e}:\n\n"));
-        let (entries, slow) = without_slow(entries);
+        let baselines = [others[0].name(), others[1].name()];
+        let (entries, slow) = without_slow(entries, &baselines);
         if !slow.is_empty() {
             text.push_str(&format!(
                 "More than {SLOW} times as slow as the fastest: {}.\n\n",
                 slow.join(", ")
             ));
         }
-        let baselines = [others[0].name(), others[1].name()];
         let race = race(&entries, &baselines);
         text.push_str(&format!("{race}\n"));
     }
@@ -156,8 +156,11 @@ pub fn tables<P: Problem + 'static>(targets: &[(f64, &[usize])]) -> String {
 /// Entries that take more than this many times what the fastest takes are not measured further.
 const SLOW: f64 = 20.0;
 
-/// The entries to be measured, and the names of those that are too slow.
-fn without_slow(entries: Vec<Entry<'_>>) -> (Vec<Entry<'_>>, Vec<String>) {
+/// The entries to be measured, the baselines in any case, and the names of those that are too slow.
+fn without_slow<'a>(
+    entries: Vec<Entry<'a>>,
+    baselines: &[String],
+) -> (Vec<Entry<'a>>, Vec<String>) {
     let once = |entry: &Entry<'_>| {
         let started = Instant::now();
         std::hint::black_box(entry.contestant.solve(entry.setting));
@@ -165,20 +168,21 @@ fn without_slow(entries: Vec<Entry<'_>>) -> (Vec<Entry<'_>>, Vec<String>) {
     };
     let seconds: Vec<f64> = entries.iter().map(|e| once(e).min(once(e))).collect();
     let fastest = seconds.iter().fold(f64::INFINITY, |m, s| m.min(*s));
-    let (fast, slow): (Vec<_>, Vec<_>) = entries
-        .into_iter()
-        .zip(seconds)
-        .partition(|(_, seconds)| *seconds <= SLOW * fastest);
+    let (fast, slow): (Vec<_>, Vec<_>) =
+        entries
+            .into_iter()
+            .zip(seconds)
+            .partition(|(entry, seconds)| {
+                *seconds <= SLOW * fastest || baselines.contains(&entry.contestant.name())
+            });
     (
         fast.into_iter().map(|(entry, _)| entry).collect(),
         slow.iter().map(|(e, _)| e.contestant.name()).collect(),
     )
 }
 
-/// Times all entries in turn, the fastest first in the table, with ratios to the `baselines`.
-///
-/// # Panics
-/// Where a baseline is not among the entries.
+/// Times all entries in turn, the fastest first in the table, with ratios to those `baselines` that
+/// reach the error.
 pub fn race(entries: &[Entry<'_>], baselines: &[String]) -> String {
     let mut runs: Vec<Run<'_>> = entries
         .iter()
@@ -195,7 +199,7 @@ pub fn race(entries: &[Entry<'_>], baselines: &[String]) -> String {
     let find = |name: &String| entries.iter().position(|e| e.contestant.name() == *name);
     let baselines: Vec<(usize, String)> = baselines
         .iter()
-        .map(|name| (find(name).expect("the baseline reaches the error"), name))
+        .filter_map(|name| Some((find(name)?, name)))
         .map(|(at, name)| (at, format!("over {name}")))
         .collect();
     let headings = ["method", "time"].into_iter();

@@ -14,7 +14,7 @@ mod lattices;
 mod measure;
 mod problems;
 mod source;
-//mod steps;
+mod steps;
 
 use std::path::Path;
 
@@ -25,8 +25,8 @@ use crate::problems::{LotkaVolterra, RigidBody};
 /// A part of the page: its name, and what measures it.
 type Section = (&'static str, fn() -> String);
 
-const SECTIONS: [Section; 5] = [
-    //("steps", steps::table),
+const SECTIONS: [Section; 6] = [
+    ("steps", steps::table),
     ("rigid-body", || {
         accuracy::tables::<RigidBody>(&[(1e-4, &[4, 6, 8, 10]), (1e-8, &[6, 8, 10, 12])])
     }),

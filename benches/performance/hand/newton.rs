@@ -37,13 +37,6 @@ pub trait Formulas<const D: usize> {
     fn full(&self, y: &[f64; D]) -> Full<D>;
 }
 
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Next {
-    Done,
-    Newton,
-    Chord,
-}
-
 /// One trajectory.
 pub struct Trajectory<F, const D: usize> {
     formulas: F,
@@ -103,10 +96,9 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
             distance = larger(distance, relative(away, self.scale[i]));
         }
         let by_old = self.anchored && self.chords(distance, self.first, F::MOST_CHORDS);
-        let mut next = if by_old { Next::Chord } else { Next::Newton };
+        let mut is_newton = !by_old;
         let (mut last, mut spread, mut stuck) = (f64::INFINITY, f64::INFINITY, 0);
         for evaluation in 0..100 {
-            let is_newton = next == Next::Newton;
             let Residual {
                 base,
                 offset,
@@ -184,7 +176,7 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
             }
             distance += size;
             let chord = !is_stuck && self.chords(distance, remainder, F::MOST_CHORDS + 1);
-            next = if chord { Next::Chord } else { Next::Newton };
+            is_newton = !chord;
         }
         false
     }
