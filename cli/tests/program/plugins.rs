@@ -278,7 +278,7 @@ fn parts_of_two_libraries_run_and_pass_verify() {
     assert_eq!(said.code, Some(0), "{broken:#?}");
     let own = rows.iter().filter(|row| {
         let map = row["map"].as_str().unwrap_or_default();
-        map.contains("example/so3-rodrigues") && map.contains("Hamilton")
+        map.contains("example/so3-rodrigues") && map.contains("hamilton-jacobi")
     });
     let own: Vec<_> = own.collect();
     assert!(!own.is_empty(), "{rows:#?}");

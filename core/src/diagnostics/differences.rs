@@ -23,7 +23,7 @@ pub struct Differences {
 /// DF(x) of a map with `outputs` components, by central differences over δ, δ/2 and δ/4 extrapolated to
 /// order 6 in δ, each coordinate in steps of its own size.
 ///
-/// The error is the difference of the two slopes of order 4, which holds what the map's own noise, such as
+/// The error is the difference of the two slopes of order 4, which holds in the mean what the map's own noise, such as
 /// that of a solve, puts into them, and the round-off of F over the smallest step.
 ///
 /// # Errors
@@ -94,17 +94,20 @@ mod tests {
                     let error = (found.jacobian[(i, k)] - exact[i][k]).abs();
                     let estimate = found.error[(i, k)];
                     assert!(error <= estimate, "{x:?}: {error:e} > {estimate:e}");
-                    // δ⁴ times fifth derivatives, and u/δ.
+                    // δ⁴/480 times the fifth derivative, 822 times the first of exp(1.5/t) at t = 1; and
+                    // u/δ.
                     let largest = exact[i][0].abs().max(exact[i][1].abs());
-                    assert!(estimate <= 1e-10 * largest, "{x:?}: {estimate:e}");
+                    assert!(estimate <= 1e-9 * largest, "{x:?}: {estimate:e}");
                 }
             }
         }
     }
 
-    /// A solve that stops at 1e-12 puts that into the values, and a thousand times as much into slopes.
+    /// A solve that stops at 1e-12 puts that into the values, and a thousand times as much into slopes. At
+    /// a point two slopes may agree by chance, in the mean over many they do not.
     #[test]
     fn the_noise_of_a_map_is_in_the_estimate() {
+        let (mut errors, mut estimates) = (0.0, 0.0);
         for k in 0..50 {
             let x = 1.0 + 0.01 * f64::from(k);
             let found = jacobian_by_differences(&[x], 1, |at, out| {
@@ -112,9 +115,9 @@ mod tests {
                 Ok(())
             })
             .expect("a map");
-            let error = (found.jacobian[0] - 1.0).abs();
-            let estimate = found.error[0];
-            assert!(error <= 4.0 * estimate, "{x}: {error:e} > 4 * {estimate:e}");
+            errors += (found.jacobian[0] - 1.0).abs();
+            estimates += found.error[0];
         }
+        assert!(errors <= 2.0 * estimates, "{errors:e} > 2 * {estimates:e}");
     }
 }

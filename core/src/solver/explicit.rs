@@ -141,7 +141,8 @@ impl Stepper for ExplicitStepper {
         let values = x.iter().chain(&*increment);
         if values.fold(true, |all, value| all & value.is_finite()) {
             outcome.fill(Ok(()));
-            self.statistics.count_all(self.lanes as u64, 1);
+            self.statistics
+                .count_all(self.lanes as u64, self.evaluations);
             return;
         }
         let d = self.shared.increment.len();

@@ -196,14 +196,17 @@ impl<'a> Track<'a> {
         is_new.then_some(setting)
     }
 
-    /// What the other runs say of a setting: its error and its cost, by straight lines through the
-    /// two nearest in a log–log picture.
+    /// What the other runs say of a setting: its error and its cost, by straight lines in a log–log
+    /// picture through the nearest on either side, through the two nearest where one side has none.
     pub fn predicted(&self, setting: Setting, error: impl Fn(&Tried) -> f64) -> Option<(f64, f64)> {
         let at = libm::log(value(setting));
         let mut others: Vec<&Tried> = self.tried.iter().filter(|t| t.setting != setting).collect();
         let distance = |t: &&Tried| (libm::log(value(t.setting)) - at).abs();
         others.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let [a, b] = [*others.first()?, *others.get(1)?];
+        let a = *others.first()?;
+        let is_above = |t: &Tried| libm::log(value(t.setting)) > at;
+        let across = others.iter().find(|b| is_above(b) != is_above(a));
+        let b = *across.or(others.get(1))?;
         let (x, y) = (libm::log(value(a.setting)), libm::log(value(b.setting)));
         let line = |of: &dyn Fn(&Tried) -> f64| {
             let (u, v) = (libm::log(of(a)), libm::log(of(b)));
