@@ -85,10 +85,11 @@ fn tuned_at_1e_4_and_1e_8(document: &SceneDocument) {
             );
             if let Some(predicted) = found.predicted {
                 let operations = found.measured.operations.expect("counted") as f64;
-                // The error by its order of magnitude, the cost closely.
+                // The cost closely; the error by its order of magnitude, and from above alone: at
+                // single steps terms of opposite sign cancel, which no neighbour can tell.
                 let near = |a: f64, b: f64, factor: f64| a < factor * b && b < factor * a;
                 assert!(
-                    near(predicted.error, measured, 10.0),
+                    measured < 10.0 * predicted.error,
                     "{}: {predicted:?}",
                     found.name
                 );
