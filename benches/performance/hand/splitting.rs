@@ -37,12 +37,8 @@ pub fn integrate<F: Flows>(coefficients: &[f64], x: &mut F::State, h: f64, steps
     }
 }
 
-/// The rotation of the plane (a, b) by `angle`.
+/// The rotation of the plane (a, b) by `angle`, with the functions of the platform.
 #[inline(always)]
-#[expect(
-    clippy::disallowed_methods,
-    reason = "a baseline takes the functions of the platform"
-)]
 pub fn rotate(a: &mut f64, b: &mut f64, angle: f64) {
     let (sine, cosine) = angle.sin_cos();
     (*a, *b) = (cosine * *a - sine * *b, sine * *a + cosine * *b);
