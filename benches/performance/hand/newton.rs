@@ -10,6 +10,10 @@ const LARGEST_REMAINDER: f64 = f64::EPSILON / 64.0;
 const SAFETY: f64 = 4.0;
 /// Below this a correction is too much round-off to observe the constant by.
 const OBSERVABLE: f64 = 16.0 * f64::EPSILON;
+/// An old Jacobian does not serve a component that is smaller than this part of what it was,
+const HALVED: f64 = 0.5;
+/// unless it moved by less than this part of its scale.
+const NOISE: f64 = 1e-6;
 /// Levels of differences of the extrapolated start.
 const LEVELS: usize = 12;
 
@@ -90,12 +94,16 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
             }
         }
         let mut distance = 0.0;
+        let mut outgrown = false;
         for i in 0..D {
             y[i] = x[i] + predicted[i];
-            let away = (y[i] - self.anchor[i]).abs();
-            distance = larger(distance, relative(away, self.scale[i]));
+            let (anchor, scale) = (self.anchor[i], self.scale[i]);
+            let away = (y[i] - anchor).abs();
+            distance = larger(distance, relative(away, scale));
+            outgrown |= y[i].abs() < HALVED * anchor.abs() && away > NOISE * scale;
         }
-        let by_old = self.anchored && self.chords(distance, self.first, F::MOST_CHORDS);
+        let by_old =
+            self.anchored && !outgrown && self.chords(distance, self.first, F::MOST_CHORDS);
         let mut is_newton = !by_old;
         let (mut last, mut spread, mut stuck) = (f64::INFINITY, f64::INFINITY, 0);
         for evaluation in 0..100 {
