@@ -8,12 +8,13 @@ use std::sync::atomic::AtomicBool;
 use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::compose;
 use leafwise::scene::ensemble::{
-    ComposedEnsemble, EnsembleReport, MemberError, Workforce, compose_ensemble,
+    ComposedEnsemble, EnsembleReport, MemberError, Workforce, advise_ensemble, compose_ensemble,
     default_ensemble_directory, ensemble_json, member_scene, run_ensemble,
 };
 use leafwise::scene::run::{RunOptions, RunOutcome};
+use serde_json::json;
 
-use super::run::{Told, drift, integrate, method_line, repeating};
+use super::run::{Told, drift, integrate, method_line, print_advice, repeating};
 use crate::arguments::{EnsembleArguments, PluginArguments};
 use crate::bar::Bar;
 use crate::console::Console;
@@ -68,14 +69,20 @@ pub fn execute(
     let report = run_ensemble(&document, &ensemble, &options, workforce, &mut bar);
     bar.finish();
     let report = report?;
+    let advice = match report.outcome {
+        RunOutcome::Done => advise_ensemble(&ensemble, &parts.registry),
+        _ => Vec::new(),
+    };
     if !arguments.quiet {
         for line in summary(&ensemble, &report, workforce.threads, console) {
             console.prose(&line);
         }
+        print_advice(&advice, console);
     }
     if arguments.json {
         let mut object = ensemble_json(&ensemble, &report);
         object["outcome"] = word(&report).into();
+        object["warnings"] = json!(advice);
         object["run_directory"] = report.directory.display().to_string().into();
         console.json(&object);
     }

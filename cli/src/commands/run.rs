@@ -126,7 +126,9 @@ pub(super) fn print_advice(advice: &[Advice], console: &mut Console<'_>) {
         let word = console.warning_word();
         console.prose("");
         console.prose(&format!("{word} {}", one.message));
-        console.prose(&format!("  = change: {}", one.change));
+        for line in one.change.lines() {
+            console.prose(&format!("  = change: {line}"));
+        }
     }
 }
 

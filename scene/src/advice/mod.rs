@@ -7,7 +7,10 @@
 //! - `chart`: a step that nearly leaves the chart;
 //! - `solutions`: a step whose equation has several solutions inside it;
 //! - `defect`: a truncated realization that hardly keeps the tensor;
-//! - `exact`: an exact realization that costs no more.
+//! - `exact`: an exact realization that costs no more;
+//! - `stepper`: a stepper that is no Poisson map where splitting is one for no more, stages that no step
+//!   feels;
+//! - `trial`: what a step map does over the first steps.
 
 mod chart;
 mod defect;
@@ -15,9 +18,11 @@ mod dynamics;
 mod exact;
 mod probe;
 mod solutions;
+mod stepper;
+mod trial;
 mod truncation;
 
-use leafwise_core::Registry;
+use leafwise_core::{Integrator, Registry};
 use serde::Serialize;
 
 use crate::compose::ComposedRun;
@@ -30,7 +35,7 @@ pub struct Advice {
     pub kind: AdviceKind,
     /// What was measured.
     pub message: String,
-    /// The line of `[method]` to write instead.
+    /// The line of `[method]` to write instead, or two.
     pub change: String,
 }
 
@@ -50,6 +55,10 @@ pub enum AdviceKind {
     RealizationDefect,
     /// An exact realization that costs no more and was not taken.
     ExactRealization,
+    /// A stepper that is no Poisson map, where splitting is one and costs no more.
+    NoPoissonMap,
+    /// Stages that no step feels.
+    Stages,
 }
 
 /// The most states that are looked at.
@@ -65,13 +74,20 @@ const LARGEST: usize = 64;
 /// The initial state and some that the run's first steps lead to: where a method is judged before it
 /// has run.
 pub fn states_ahead(run: &ComposedRun) -> Vec<Vec<f64>> {
-    let mut states = vec![run.plan.initial.clone()];
+    states_from(run, &run.plan.initial, MOST_STATES)
+}
+
+/// `x` and some states that the run's method leads to from there, `count` at most.
+pub(crate) fn states_from(run: &ComposedRun, x: &[f64], count: usize) -> Vec<Vec<f64>> {
+    let mut states = vec![x.to_vec()];
     if run.dimension() > LARGEST {
         return states;
     }
-    let mut integrator = run.integrator();
-    let stride = (run.plan.steps / MOST_STATES as u64).clamp(1, MOST_STRIDE);
-    while states.len() < MOST_STATES {
+    let parameters = run.system.parameter_values();
+    let (epsilon, h) = (run.plan.epsilon, run.plan.h);
+    let mut integrator = Integrator::new(run.method.map(), &parameters, epsilon, h, x);
+    let stride = (run.plan.steps / count as u64).clamp(1, MOST_STRIDE);
+    while states.len() < count {
         if (0..stride).any(|_| integrator.step().is_err()) {
             break;
         }
@@ -80,11 +96,13 @@ pub fn states_ahead(run: &ComposedRun) -> Vec<Vec<f64>> {
     states
 }
 
-/// What to change in a scene, judged at `states` of its run; nothing for a stepper or a long
-/// lattice, and nothing that cannot be measured.
+/// What to change in a scene, judged at `states` of its run; nothing for a long lattice, and nothing that cannot be measured.
 pub fn advise(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>]) -> Vec<Advice> {
     if run.dimension() > LARGEST {
         return Vec::new();
+    }
+    if run.method.written().is_none() {
+        return stepper::advice(run, registry, states);
     }
     let Some(mut probe) = Probe::new(run, registry, states) else {
         return Vec::new();

@@ -113,7 +113,7 @@ impl<'a> Probe<'a> {
     }
 }
 
-fn given(choice: &PartChoice) -> PartParameters {
+pub(super) fn given(choice: &PartChoice) -> PartParameters {
     choice
         .parameters
         .iter()

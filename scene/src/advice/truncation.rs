@@ -6,11 +6,11 @@ use super::probe::{Probe, distance, size};
 use super::{Advice, AdviceKind};
 
 /// Half a unit in the last place of 1.
-const ROUND_OFF: f64 = f64::EPSILON / 2.0;
+pub(super) const ROUND_OFF: f64 = f64::EPSILON / 2.0;
 
 /// What the compensated state feels of its own size: a remainder below this part of an ulp was not
 /// visible in Casimirs after 10⁶ steps.
-const FELT: f64 = ROUND_OFF / 32.0;
+pub(super) const FELT: f64 = ROUND_OFF / 32.0;
 
 pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
     let n = probe.truncation_order()?;

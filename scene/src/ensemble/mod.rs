@@ -9,6 +9,7 @@
 //! - `checkpoint`, `store`, `tables`, `page`: what the run directory holds;
 //! - `execute`: [`run_ensemble`], all of it.
 
+mod advice;
 mod block;
 mod checkpoint;
 mod drive;
@@ -27,6 +28,7 @@ mod tables;
 #[cfg(test)]
 mod tests;
 
+pub use advice::advise_ensemble;
 pub use drive::Workforce;
 pub use execute::{EnsembleReport, default_ensemble_directory, run_ensemble};
 pub use member::{MemberError, member_scene};

@@ -1,0 +1,171 @@
+//! Steppers that stand in place of realization and dynamics: one that is no Poisson map where splitting
+//! would be one for no more, and stages that a step cannot feel.
+
+use std::sync::Arc;
+
+use leafwise_core::diagnostics::TensorDefect;
+use leafwise_core::part::{ParameterSetting, PartKind};
+use leafwise_core::{PartParameters, Registry, StepMap, Structure};
+
+use super::probe::{distance, given, size};
+use super::trial::Trial;
+use super::truncation::{FELT, ROUND_OFF};
+use super::{Advice, AdviceKind, number};
+use crate::compose::{ComposedRun, PartChoice};
+
+/// Compositions of splitting that are tried, the cheapest first.
+const COMPOSITIONS: [&str; 4] = [
+    "suzuki-4",
+    "kahan-li-6",
+    "suzuki-umeno-8",
+    "sofroniou-spaletta-10",
+];
+
+/// Of the solution that errors are measured against, and how far its errors may add up.
+const TOLERANCE: f64 = 1e-13;
+const FAR: f64 = 100.0;
+
+/// A tensor defect of this part is round-off: products of up to a dozen factors, some dozens of them.
+const DEFECT_ROUND_OFF: f64 = 256.0 * f64::EPSILON;
+
+/// One stage less may or may not be told from round-off: worth a word are two.
+const LEAST_SAVING: i64 = 2;
+
+/// What to change about a run's stepper; nothing where there is none.
+pub(super) fn advice(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>]) -> Vec<Advice> {
+    let part = |kind| run.plan.parts.iter().find(|part| part.kind == kind);
+    let Some(stepper) = part(PartKind::Stepper) else {
+        return Vec::new();
+    };
+    let is_composed = part(PartKind::Composition).is_some();
+    let stages = (!is_composed).then(|| stages(run, registry, stepper, states));
+    let structure = structure(run, registry, stepper, states);
+    structure.into_iter().chain(stages.flatten()).collect()
+}
+
+/// A step that is no Poisson map, where splitting or a composition of it is one.
+fn structure(
+    run: &ComposedRun,
+    registry: &Registry,
+    stepper: &PartChoice,
+    states: &[Vec<f64>],
+) -> Option<Advice> {
+    let map = run.method.map();
+    if map.properties().structure == Structure::Exact {
+        return None;
+    }
+    let defect = defect(run, states);
+    // A constant tensor is kept by methods that keep no other.
+    if defect.is_some_and(|defect| defect <= DEFECT_ROUND_OFF) {
+        return None;
+    }
+    let x = states.first()?;
+    let now = Trial::of(run, map, x)?;
+    let part = registry.stepper("splitting").ok()?;
+    let splitting = part.build(&run.system, &PartParameters::new()).ok()?;
+    let composed = COMPOSITIONS.iter().filter_map(|name| {
+        let composition = registry.composition(name).ok()?;
+        let map = composition.build(Arc::clone(&splitting), &PartParameters::new());
+        Some((Some(*name), map.ok()?))
+    });
+    let mut maps = std::iter::once((None, Arc::clone(&splitting))).chain(composed);
+    let near = PartParameters::new().with("tolerance", TOLERANCE);
+    let near = registry.stepper("dop853").ok()?.build(&run.system, &near);
+    let exact = Trial::of(run, near.ok()?.as_ref(), x)?.state;
+    let error = |trial: &Trial| distance(&trial.state, &exact);
+    let (composition, then) = maps.find_map(|(name, map)| {
+        let then = Trial::of(run, map.as_ref(), x)?;
+        let is_as_good = error(&then) <= error(&now).max(FAR * TOLERANCE * size(&exact));
+        (then.is_as_cheap(&now) && is_as_good).then_some((name, then))
+    })?;
+    let name = match composition {
+        None => "splitting".to_owned(),
+        Some(composition) => format!("{composition} of splitting"),
+    };
+    let kept = match defect {
+        Some(defect) => format!("keeps the tensor up to {} of its size only", number(defect)),
+        None => "does not keep the tensor".to_owned(),
+    };
+    let line = composition.map_or_else(String::new, |name| format!("\ncomposition = \"{name}\""));
+    Some(Advice {
+        kind: AdviceKind::NoPoissonMap,
+        message: format!(
+            "{} is no Poisson map, a step of it {kept}; {name} is one, and takes {:.0} operations a \
+             step where this takes {:.0}",
+            stepper.name, then.operations, now.operations
+        ),
+        change: format!("stepper = \"splitting\"{line}"),
+    })
+}
+
+/// The largest tensor defect of a step, relative; `None` where there is no tangent.
+fn defect(run: &ComposedRun, states: &[Vec<f64>]) -> Option<f64> {
+    let values = run.system.parameter_values();
+    let (epsilon, h) = (run.plan.epsilon, run.plan.h);
+    let map = run.method.map();
+    let mut instrument = TensorDefect::new(&run.system, map, &values, epsilon, h).ok()?;
+    let mut largest = 0.0_f64;
+    for x in states {
+        largest = largest.max(instrument.measure(x).ok()?.relative()?);
+    }
+    Some(largest)
+}
+
+/// Stages of a Gauss method that no step feels.
+fn stages(
+    run: &ComposedRun,
+    registry: &Registry,
+    stepper: &PartChoice,
+    states: &[Vec<f64>],
+) -> Option<Advice> {
+    let stages = stepper
+        .parameters
+        .iter()
+        .find_map(|(name, value)| match value {
+            ParameterSetting::Integer(stages) if *name == "stages" => Some(*stages),
+            _ => None,
+        })?;
+    let part = registry.stepper(stepper.name).ok()?;
+    let whole = increments(run, run.method.map(), states)?;
+    let mut enough = stages;
+    while enough > 1 {
+        let fewer = given(stepper).with("stages", enough - 1);
+        let Ok(map) = part.build(&run.system, &fewer) else {
+            break;
+        };
+        let Some(fewer) = increments(run, map.as_ref(), states) else {
+            break;
+        };
+        let mut pairs = states.iter().zip(whole.iter().zip(&fewer));
+        let is_same = pairs.all(|(x, (whole, fewer))| {
+            distance(whole, fewer) <= ROUND_OFF * size(whole) + FELT * size(x)
+        });
+        if !is_same {
+            break;
+        }
+        enough -= 1;
+    }
+    let name = stepper.name;
+    (enough + LEAST_SAVING <= stages).then(|| Advice {
+        kind: AdviceKind::Stages,
+        message: format!(
+            "{name} of {stages} stages: at the run's states {enough} give the same step to round-off"
+        ),
+        change: format!("stepper = {{ name = \"{name}\", stages = {enough} }}"),
+    })
+}
+
+/// x_{k+1} − x_k from each state.
+fn increments(run: &ComposedRun, map: &dyn StepMap, states: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
+    let values = run.system.parameter_values();
+    let (epsilon, h) = (run.plan.epsilon, run.plan.h);
+    let each = states.iter().map(|x| {
+        let mut stepper = map.stepper(1, &values, epsilon, h);
+        let (low, mut increment) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+        let mut outcome = [Ok(())];
+        stepper.increment(x, &low, &mut increment, &mut outcome);
+        let [outcome] = outcome;
+        outcome.ok().map(|()| increment)
+    });
+    each.collect()
+}
