@@ -75,7 +75,7 @@ impl Population {
             }
             Some(InitialDraw::File(file)) => {
                 let path = directory.join(file);
-                let states = states(document, ensemble, &path, d)?;
+                let states = states(document, ensemble, &path, &run.names())?;
                 rows = Some((states.len() / d) as u64);
                 fingerprint = hash(&states);
                 Start::Rows(states)
@@ -263,22 +263,23 @@ fn leaves(
     ))
 }
 
-/// The rows of a file, one number for each coordinate.
+/// The rows of a file, one number for each coordinate, in the order of `names`.
 fn states(
     document: &SceneDocument,
     ensemble: &EnsembleSection,
     path: &PathBuf,
-    d: usize,
+    names: &[String],
 ) -> Result<Vec<f64>, Refusal> {
     let refuse = |message: String| {
         let place = ensemble.initial.as_ref().map(Located::place);
         let place = place.as_ref().unwrap_or(&ensemble.place);
-        let help = "one row of coordinates for each member: CSV, or a JSON list of lists";
+        let help = "one row of coordinates for each member: CSV, with the coordinates' names in the first \
+                    line or without, or a JSON list of lists";
         Box::new(document.diagnostic(place, message, "this file", Some(help.to_owned())))
     };
     let text = fs::read_to_string(path)
         .map_err(|error| refuse(format!("cannot read {}: {error}", path.display())))?;
-    read_states(&text, d).map_err(|reason| refuse(format!("{}: {reason}", path.display())))
+    read_states(&text, names).map_err(|reason| refuse(format!("{}: {reason}", path.display())))
 }
 
 /// The number of members, checked against the rows of a file and the points of a grid.
