@@ -185,7 +185,7 @@ pub struct RunArguments {
     #[arg(long)]
     pub allow_non_poisson: bool,
     /// How often a checkpoint is written: what a kill costs at most
-    #[arg(long, value_name = "SECONDS", value_parser = positive, default_value_t =
+    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true, default_value_t =
           RunOptions::CHECKPOINT_EVERY.as_secs_f64())]
     pub checkpoint_every: f64,
     /// Print nothing but errors
@@ -200,7 +200,7 @@ pub struct EnsembleArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
     /// Run this member alone, as an ordinary run into a directory of its own
-    #[arg(long, value_name = "NUMBER", conflicts_with_all = ["threads", "lanes"])]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, conflicts_with_all = ["threads", "lanes"])]
     pub member: Option<u64>,
     /// Threads [default: all of the machine's]; the results do not depend on it
     #[arg(long, value_name = "COUNT")]
@@ -275,20 +275,30 @@ pub struct CompareArguments {
     )]
     pub only: Vec<String>,
     /// Methods of these orders alone, Hamilton-Jacobi at each of them
-    #[arg(long, value_name = "M,…", value_delimiter = ',')]
+    #[arg(
+        long,
+        value_name = "M,…",
+        value_delimiter = ',',
+        conflicts_with = "only"
+    )]
     pub orders: Vec<usize>,
     /// The numbers of steps to the end time, as 100,200,400 or 100..6400 [default: from a sixteenth
     /// of the scene's number on, by factors of the square root of 2, until round-off or the budget]
-    #[arg(long, value_name = "LIST")]
+    #[arg(long, value_name = "LIST", allow_negative_numbers = true)]
     pub steps: Option<String>,
     /// The end time [default: the scene's]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub time: Option<f64>,
     /// The operations that one run may take [default: 1e7, or four runs of the scene's own method]
-    #[arg(long, value_name = "OPERATIONS", value_parser = positive)]
+    #[arg(long, value_name = "OPERATIONS", value_parser = positive, allow_hyphen_values = true)]
     pub budget: Option<f64>,
     /// How often each run is timed; 0 for not at all
-    #[arg(long, value_name = "TIMES", default_value_t = 3)]
+    #[arg(
+        long,
+        value_name = "TIMES",
+        default_value_t = 3,
+        allow_negative_numbers = true
+    )]
     pub repeat: usize,
     /// Show every point, not only those on a front
     #[arg(long)]
@@ -299,7 +309,7 @@ pub struct CompareArguments {
     /// Write every point as a line of numbers
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
-    /// Write a page with figures, the table and the object into a directory
+    /// Write a page with figures, these as SVG too, the table and the object into a directory
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }
@@ -311,13 +321,13 @@ pub struct TuneArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
     /// The largest error of the final state: its Euclidean distance from the true one
-    #[arg(long, value_name = "ERROR", value_parser = positive)]
+    #[arg(long, value_name = "ERROR", value_parser = positive, allow_hyphen_values = true)]
     pub error: Option<f64>,
     /// The largest deviation of the energy over every step
-    #[arg(long, value_name = "DRIFT", value_parser = positive)]
+    #[arg(long, value_name = "DRIFT", value_parser = positive, allow_hyphen_values = true)]
     pub energy: Option<f64>,
     /// The largest deviation of every Casimir over every step
-    #[arg(long, value_name = "DRIFT", value_parser = positive)]
+    #[arg(long, value_name = "DRIFT", value_parser = positive, allow_hyphen_values = true)]
     pub casimir: Option<f64>,
     /// Take all three relative to the state's and the invariants' sizes
     #[arg(long)]
@@ -341,7 +351,7 @@ pub struct TuneArguments {
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub time: Option<f64>,
     /// The operations that one run may take [default: 5e8, or ten runs of the scene's own method]
-    #[arg(long, value_name = "OPERATIONS", value_parser = positive)]
+    #[arg(long, value_name = "OPERATIONS", value_parser = positive, allow_hyphen_values = true)]
     pub budget: Option<f64>,
     /// Put the method into the scene file; comments and layout stay
     #[arg(long, conflicts_with = "overrides")]

@@ -8,6 +8,7 @@
 //! - [`commands`]: one module for each command.
 //! - [`plugins`]: the plugins that a command line and a scene ask for.
 //! - [`bar`]: the progress bar.
+//! - [`files`]: files that a command writes.
 //! - [`table`]: aligned columns.
 
 pub mod arguments;
@@ -15,6 +16,7 @@ pub mod bar;
 pub mod commands;
 pub mod console;
 pub mod failure;
+pub mod files;
 pub mod interrupt;
 pub mod plugins;
 pub mod scene;

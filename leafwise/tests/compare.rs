@@ -209,12 +209,55 @@ fn a_lattice_of_64_sites_is_compared_by_sweeps_and_written_out() {
     }
 }
 
+/// Over an end state that is not known no method is better than another.
+#[test]
+fn nothing_stands_on_a_front_against_a_reference_that_is_not_known() {
+    let file = format!("{}/../scenes/magnetic.toml", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(file).expect("a scene");
+    let document = SceneDocument::parse("magnetic.toml", &text, &ProblemLibrary).expect("a scene");
+    let options = CompareOptions {
+        steps: Some(Grid::parse("10000,20000").expect("a list")),
+        budget: Some(1_000_000_000),
+        ..only(&["kahan-li-8/splitting", "auto+hamilton-jacobi:4"])
+    };
+    let comparison = comparison(&document, &options);
+    let horizon = comparison.horizon.as_ref().expect("a warning");
+    assert!(horizon.known.is_some_and(|known| known.time < 1000.0));
+    for point in &comparison.points {
+        let measured = point.outcome.as_ref().expect("a run");
+        assert!(measured.at_floor, "{:e}", measured.error);
+        assert!(!measured.front.all && !measured.front.poisson);
+    }
+    let page = comparison_page(&comparison, &document, "leafwise compare").expect("drawn");
+    assert!(page.contains(&horizon.to_string()), "the page says so too");
+}
+
+#[test]
+fn methods_that_were_asked_for_and_do_not_fit_are_an_error_where_none_is_left() {
+    let document = scene("rigid-body", "[1, 3, 3]", 0.2, 50);
+    let registry = Registry::with_builtin();
+    let bench = Bench::new(&document, &registry, &ProblemLibrary, None).expect("a bench");
+    let error = |options: &CompareOptions| match compare(&bench, options, &mut |_, _, _| true) {
+        Err(error @ TradeError::NoMethods { .. }) => error.to_string(),
+        other => panic!("{other:?}"),
+    };
+    let none_fits = error(&only(&["log-canonical+hamilton-jacobi:2"]));
+    assert!(none_fits.contains("does not fit"), "{none_fits}");
+    let of_order_three = error(&CompareOptions {
+        orders: Some(vec![3]),
+        ..CompareOptions::default()
+    });
+    assert!(of_order_three.contains("of order 3"), "{of_order_three}");
+}
+
 #[test]
 fn a_comparison_over_no_time_is_refused() {
     let document = scene("rigid-body", "[1, 3, 3]", 0.2, 0);
     let registry = Registry::with_builtin();
     let bench = Bench::new(&document, &registry, &ProblemLibrary, None);
     assert!(matches!(bench.err(), Some(TradeError::NoTime { .. })));
+    let bench = Bench::new(&document, &registry, &ProblemLibrary, Some(1e300));
+    assert!(matches!(bench.err(), Some(TradeError::TooLong { .. })));
     let bench = Bench::new(&document, &registry, &ProblemLibrary, Some(-3.0)).expect("backward");
     assert_eq!((bench.time(), bench.steps()), (-3.0, 15));
 }

@@ -8,8 +8,8 @@ use leafwise::core::Registry;
 use leafwise::prelude::compose;
 use leafwise::scene::SceneDocument;
 use leafwise::trade::{
-    Bench, CompareOptions, Comparison, Limit, Measured, Recommendation, Tolerances, TuneOptions,
-    Tuner, Tuning, compare, distance, parse_method,
+    Bench, CompareOptions, Comparison, Limit, Measured, Recommendation, Reference, Tolerances,
+    TradeError, TuneOptions, Tuner, Tuning, compare, distance, parse_method,
 };
 
 fn asked(error: f64) -> Tolerances {
@@ -60,8 +60,12 @@ fn rerun(found: &Recommendation, registry: &Registry) -> Vec<f64> {
 }
 
 fn tuned_at_1e_4_and_1e_8(document: &SceneDocument) {
+    tuned_over(document, None);
+}
+
+fn tuned_over(document: &SceneDocument, time: Option<f64>) {
     let registry = Registry::with_builtin();
-    let bench = Bench::new(document, &registry, &ProblemLibrary, None).expect("a bench");
+    let bench = Bench::new(document, &registry, &ProblemLibrary, time).expect("a bench");
     let comparison = compare(&bench, &CompareOptions::default(), &mut |_, _, _| true);
     let comparison = comparison.expect("a comparison");
     let tuner = Tuner::new(&bench, &TuneOptions::default()).expect("methods");
@@ -151,6 +155,41 @@ fn a_lattice_of_64_sites_is_tuned() {
     tuned_at_1e_4_and_1e_8(&lattice(64, 200));
 }
 
+/// A scene of the gallery, with some of its values replaced.
+fn of_the_gallery(name: &str, overrides: &[(&str, &str)]) -> SceneDocument {
+    let file = format!("{}/../scenes/{name}", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(file).expect("a scene");
+    let owned = |(key, value): &(&str, &str)| ((*key).to_owned(), (*value).to_owned());
+    let overrides: Vec<_> = overrides.iter().map(owned).collect();
+    SceneDocument::parse_with(name, &text, &overrides, &ProblemLibrary).expect("a scene")
+}
+
+#[test]
+#[ignore = "a minute: the gallery's rigid body to its end, t = 200"]
+fn the_rigid_body_is_tuned_to_the_end_of_its_scene() {
+    tuned_over(&of_the_gallery("rigid_body.toml", &[]), None);
+}
+
+#[test]
+#[ignore = "minutes: the gallery's orbit to its end, t = 900"]
+fn the_periodic_lotka_volterra_system_is_tuned_to_the_end_of_its_scene() {
+    tuned_over(&of_the_gallery("lotka_volterra_periodic.toml", &[]), None);
+}
+
+/// The orbit is chaotic: beyond t = 600 the round-off of one step grows above 1e-8 until the end.
+#[test]
+#[ignore = "minutes: the gallery's particle to t = 500"]
+fn the_magnetic_particle_is_tuned_as_far_as_its_state_can_be_known() {
+    tuned_over(&of_the_gallery("magnetic.toml", &[]), Some(500.0));
+}
+
+#[test]
+#[ignore = "minutes: the gallery's lattice with 64 sites to its end, t = 100"]
+fn a_lattice_of_64_sites_is_tuned_to_the_end_of_its_scene() {
+    let sites = [("system.families.x", "64")];
+    tuned_over(&of_the_gallery("volterra_lattice.toml", &sites), None);
+}
+
 #[test]
 fn invariants_are_held_at_every_step_and_cost_what_they_cost() {
     let document = scene("rigid-body", "[1, 3, 3]", 0.2, 100);
@@ -204,10 +243,13 @@ fn what_cannot_be_held_says_what_keeps_it() {
         Tuner::new(&bench, &options).expect("a method")
     };
     let hamilton_jacobi = "so3-exponential+hamilton-jacobi:4";
-    // Beyond the reference: nothing is run.
+    // Beyond the reference: nothing is run, and no shorter time helps against round-off.
     let tuning = tune(&only(hamilton_jacobi, None), asked(1e-16));
     assert!(tuning.poisson.is_none() && tuning.nearest.is_none() && tuning.runs == 0);
     assert_eq!(tuning.limit, Some(Limit::Reference));
+    let horizon = tuning.horizon.expect("why");
+    assert!(horizon.known.is_none() && horizon.wanted < horizon.round_off);
+    assert!(horizon.to_string().contains("ask for less"), "{horizon}");
     // So little that no run comes to its end: what was spent is told all the same.
     let tuning = tune(&only(hamilton_jacobi, Some(100)), asked(1e-8));
     assert!(tuning.poisson.is_none() && tuning.nearest.is_none());
@@ -236,6 +278,82 @@ fn what_cannot_be_held_says_what_keeps_it() {
     let tuning = tune(&only("dop853", None), asked(1e-6));
     assert!(tuning.poisson.is_none() && tuning.any.is_some() && tuning.nearest.is_none());
     assert_eq!(tuning.limit, Some(Limit::Structure));
+}
+
+/// q̇ = −q and ṗ = p, or the reverse: of a change (q, −p)·δ at (1, 1) the length grows by
+/// √((e^{2T} + e^{−2T})/2).
+#[test]
+fn the_growth_of_a_small_change_is_the_flows() {
+    let text = "[system]\nvariables = [\"q\", \"p\"]\nbracket = { \"q,p\" = \"1\" }\n\
+                hamiltonian = \"q*p\"\n[method]\nrealization = \"auto\"\n\
+                dynamics = { name = \"hamilton-jacobi\", order = 4 }\ntime-step = 0.1\n[run]\n\
+                initial = [1, 1]\nsteps = 100\n";
+    let document = SceneDocument::parse("saddle.toml", text, &ProblemLibrary).expect("a scene");
+    let registry = Registry::with_builtin();
+    let bench = Bench::new(&document, &registry, &ProblemLibrary, None).expect("a bench");
+    let reference = Reference::compute(&bench).expect("a reference");
+    let growth = reference.horizon(&bench, 1e-9).growth.expect("followed");
+    let expected = libm::sqrt((libm::exp(20.0) + libm::exp(-20.0)) / 2.0);
+    // A change of 1e-8 of the state is rounded to 2e-8 of itself at each of 100 steps and when it is
+    // made small again.
+    assert!(
+        (growth / expected - 1.0).abs() < 1e-5,
+        "{growth:e} {expected:e}"
+    );
+}
+
+/// The gallery's particle is chaotic: at its end, t = 1000, no double holds its state to eight digits.
+#[test]
+fn a_motion_that_cannot_be_followed_is_told_with_its_growth_and_the_time_to_take() {
+    let document = of_the_gallery("magnetic.toml", &[]);
+    let registry = Registry::with_builtin();
+    let bench = Bench::new(&document, &registry, &ProblemLibrary, None).expect("a bench");
+    let options = TuneOptions {
+        only: vec![parse_method("kahan-li-8/splitting", &registry).expect("a method")],
+        ..TuneOptions::default()
+    };
+    let tuner = Tuner::new(&bench, &options).expect("a method");
+    assert!(tuner.reference().error > 1e-8);
+    let tuning = tune(&tuner, asked(1e-8));
+    assert_eq!((tuning.limit, tuning.runs), (Some(Limit::Reference), 0));
+    assert!(tuning.poisson.is_none() && tuning.any.is_none());
+    let horizon = tuning.horizon.expect("why");
+    // What rounding does at the beginning is larger than what is asked at the end.
+    let growth = horizon.growth.expect("followed");
+    let size = 1.3;
+    assert!(growth * f64::EPSILON * size > 1e-8, "{growth:e}");
+    // To the time that is offered it can be done.
+    let known = horizon.known.expect("a shorter time");
+    assert!(known.time < 1000.0 && 10.0 * known.error <= 1e-8);
+    let shorter = bench.over(known.time).expect("a bench");
+    let tuner = Tuner::new(&shorter, &options).expect("a method");
+    let found = tune(&tuner, asked(1e-8)).poisson.expect("a Poisson map");
+    assert!(found.measured.error + tuner.reference().error <= 1e-8);
+    let message = horizon.to_string();
+    assert!(
+        message.contains(&format!("--time {}", known.time)),
+        "{message}"
+    );
+}
+
+#[test]
+fn casimirs_are_not_asked_of_a_scene_without_any() {
+    let initial = "[1.0, 0.5, -0.5, 0.3, 0.2, 0.4]";
+    let document = scene("magnetic", initial, 0.1, 10);
+    let registry = Registry::with_builtin();
+    let bench = Bench::new(&document, &registry, &ProblemLibrary, None).expect("a bench");
+    let held = Tolerances {
+        casimirs: Some(1e-12),
+        ..asked(1e-4)
+    };
+    assert!(matches!(held.check(&bench), Err(TradeError::NoCasimirs)));
+    let options = TuneOptions {
+        only: vec![parse_method("splitting", &registry).expect("a method")],
+        ..TuneOptions::default()
+    };
+    let tuner = Tuner::new(&bench, &options).expect("a method");
+    let refused = tuner.tune(&held, &mut |_, _| true);
+    assert!(matches!(refused, Err(TradeError::NoCasimirs)));
 }
 
 #[test]

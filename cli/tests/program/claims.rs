@@ -36,6 +36,26 @@ fn a_figure_the_paper_does_not_have_is_refused() {
     assert_eq!(said.code, Some(2));
     said.says(&["no figure `10`", "1 to 9", "magnetic-realization"]);
     assert_eq!(said.json()["outcome"], "refused");
+    for name in ["0", "", "rigid", "9.5", "nan"] {
+        let said = here.leafwise(&["reproduce", "9", name]);
+        assert_eq!((said.code, said.out.as_str()), (Some(2), ""), "{name}");
+        said.says(&[&format!("no figure `{name}`")]);
+    }
+    // Nothing is measured for a directory that cannot be made.
+    here.write("figures", "a file");
+    let said = here.leafwise(&["reproduce", "9", "--out", "figures"]);
+    assert_eq!((said.code, said.out.as_str()), (Some(1), ""));
+    said.says(&["cannot write figures"]);
+    assert_eq!(here.read("figures"), "a file");
+}
+
+#[test]
+fn a_figure_that_is_named_twice_is_measured_once() {
+    let here = Place::new();
+    let names = ["reproduce", "9", "magnetic-realization", "9", "--json"];
+    let said = here.leafwise(&names);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert_eq!(said.json()["figures"].as_array().map(Vec::len), Some(1));
 }
 
 #[test]
@@ -63,7 +83,14 @@ fn extremes_are_listed_and_unknown_ones_refused() {
     let said = here.leafwise(&["stress", "--list"]);
     assert_eq!(said.code, Some(0));
     assert!(said.out.contains("scene-fields/numbers"), "{}", said.out);
-    let said = here.leafwise(&["stress", "nothing"]);
-    assert_eq!(said.code, Some(2));
-    said.says(&["no case is called `nothing`", "scene-fields"]);
+    for name in ["nothing", "", "trivial/", "trivial/nothing", "nan"] {
+        // Before any case is run.
+        let said = here.leafwise(&["stress", "trivial", name]);
+        assert_eq!((said.code, said.out.as_str()), (Some(2), ""), "{name}");
+        said.says(&[&format!("no case is called `{name}`"), "scene-fields"]);
+    }
+    let listed = here
+        .leafwise(&["stress", "trivial", "--list", "--json"])
+        .json();
+    assert_eq!(listed["cases"].as_array().map(Vec::len), Some(2));
 }

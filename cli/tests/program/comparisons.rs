@@ -82,6 +82,32 @@ fn the_object_and_the_files_hold_every_point() {
         serde_json::from_str(&here.read("results/compare.json")).expect("an object");
     assert_eq!(stored["points"], object["points"]);
     assert!(here.read("results/compare.html").contains("</html>"));
+    for name in [
+        "error-against-counted-operations",
+        "error-against-time",
+        "error-against-evaluations",
+        "energy",
+        "casimirs",
+        "tensor-defect",
+        "orders",
+    ] {
+        let figure = here.read(&format!("results/{name}.svg"));
+        assert!(
+            figure.starts_with("<svg") && figure.ends_with("</svg>\n"),
+            "{name}"
+        );
+        // Each number of a curve is explained in the file itself, and the reference's error is drawn.
+        assert!(
+            figure.contains("sofroniou") || figure.contains("splitting"),
+            "{name}"
+        );
+        assert!(!figure.contains("NaN"), "{name}");
+    }
+    let errors = here.read("results/error-against-counted-operations.svg");
+    assert!(
+        errors.contains("so3-exponential + hamilton-jacobi 6"),
+        "{errors}"
+    );
 }
 
 #[test]
@@ -104,10 +130,164 @@ fn a_comparison_that_cannot_be_made_says_why() {
         &["cannot be used with"],
     );
     refused(&["--set", "method.dynamics.order=3"], 3, &["order"]);
+    refused(&["--time", "1e300"], 2, &["too many to try"]);
+    refused(&["--time", "nan"], 2, &["compared over a time"]);
+    refused(&["--budget", "-1"], 2, &["positive number"]);
+    refused(&["--repeat", "-1"], 2, &["--repeat"]);
+    refused(&["--steps", "-3"], 2, &["`-3` is not a list of steps"]);
+    refused(&["--orders", "3"], 2, &["none that fits", "order 3"]);
+    refused(
+        &["--only", "log-canonical+hamilton-jacobi:2"],
+        2,
+        &["does not fit"],
+    );
+    refused(
+        &["--only", "rk4", "--orders", "4"],
+        2,
+        &["cannot be used with"],
+    );
+    // What cannot be written is told before anything is measured.
+    refused(&["--out", "scene.toml"], 1, &["cannot write scene.toml"]);
+    refused(
+        &["--csv", "none/points.csv"],
+        1,
+        &["cannot write none/points.csv"],
+    );
+    refused(&["--csv", "."], 1, &["cannot write ."]);
     let bracket =
         "system.bracket={ \"x1,x2\" = \"-x3\", \"x2,x3\" = \"-x1*x2\", \"x3,x1\" = \"-x2\" }";
     refused(&["--set", bracket, "--only", "rk4"], 3, &["not Poisson"]);
     assert!(here.is_untouched());
+}
+
+#[test]
+fn a_method_that_was_asked_for_and_does_not_fit_is_named() {
+    let here = Place::with(BODY);
+    let only = "splitting,log-canonical+hamilton-jacobi:2";
+    let said = here.leafwise(&["compare", "scene.toml", "--only", only, "--repeat", "0"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    said.says(&[
+        "log-canonical + hamilton-jacobi 2 is left out",
+        "does not fit",
+    ]);
+    // An empty table says why it is.
+    let coarse = ["--only", "splitting", "--steps", "1", "--repeat", "0"];
+    let said = here.leafwise(&[&["compare", "scene.toml"][..], &coarse].concat());
+    assert!(
+        said.out.contains("no run's error is below a tenth"),
+        "{}",
+        said.out
+    );
+}
+
+#[test]
+fn tune_refuses_what_it_cannot_do_before_it_searches() {
+    let here = Place::with(BODY);
+    let refused = |arguments: &[&str], code: i32, pieces: &[&str]| {
+        let said = here.leafwise(&[&["tune", "scene.toml"][..], arguments].concat());
+        assert_eq!(said.code, Some(code), "{}{}", said.out, said.err);
+        assert_eq!(said.out, "");
+        said.says(pieces);
+    };
+    for value in ["0", "-1", "-1e-8", "nan", "inf", "small"] {
+        for option in ["--error", "--energy", "--casimir", "--budget"] {
+            refused(&[option, value], 2, &["positive number", option]);
+        }
+    }
+    refused(
+        &["--error", "1e-4", "--time", "0"],
+        2,
+        &["compared over a time"],
+    );
+    refused(
+        &["--error", "1e-4", "--time", "inf"],
+        2,
+        &["compared over a time"],
+    );
+    refused(
+        &["--error", "1e-4", "--only", "rk5"],
+        2,
+        &["no stepper is called `rk5`"],
+    );
+    let misfit = "log-canonical+hamilton-jacobi:2";
+    refused(
+        &["--error", "1e-4", "--only", misfit],
+        2,
+        &["no method is left", "does not fit"],
+    );
+    let casimirs = "casimirs    = { spin = \"x1^2 + x2^2 + x3^2\" }\n";
+    let without = BODY.replace(casimirs, "").replace(", \"spin\"", "");
+    here.write("scene.toml", &without);
+    let casimir = ["--error", "1e-4", "--casimir", "1e-12"];
+    refused(&casimir, 2, &["names no Casimir", "leave out --casimir"]);
+    // A read-only scene is not replaced, whoever runs the program.
+    let file = here.path("scene.toml");
+    let mut permissions = std::fs::metadata(&file).expect("a file").permissions();
+    permissions.set_readonly(true);
+    std::fs::set_permissions(&file, permissions).expect("its owner");
+    refused(
+        &["--error", "1e-4", "--write"],
+        1,
+        &["cannot write scene.toml", "read-only"],
+    );
+    assert!(here.is_untouched());
+}
+
+#[test]
+fn tune_says_how_long_a_motion_can_be_followed_where_it_cannot() {
+    let scene = include_str!("../../../scenes/magnetic.toml");
+    let here = Place::with(scene);
+    let tune = [
+        "tune",
+        "scene.toml",
+        "--error",
+        "1e-8",
+        "--only",
+        "splitting",
+    ];
+    let said = here.leafwise(&tune);
+    assert_eq!(said.code, Some(5), "{}{}", said.out, said.err);
+    for piece in [
+        "no Poisson map holds it",
+        "grows by a factor of",
+        "until t = 1000",
+        "take --time",
+    ] {
+        assert!(said.out.contains(piece), "{piece}: {}", said.out);
+    }
+    let object = here.leafwise(&[&tune[..], &["--json"]].concat()).json();
+    assert_eq!(object["limit"], "reference");
+    assert!(
+        object["horizon"]["growth"]
+            .as_f64()
+            .is_some_and(|growth| growth > 1e8)
+    );
+    let known = object["horizon"]["known"]["time"]
+        .as_f64()
+        .expect("a shorter time");
+    assert!(
+        said.out.contains(&format!("--time {known}")),
+        "{}",
+        said.out
+    );
+    let compare = [
+        "compare",
+        "scene.toml",
+        "--only",
+        "splitting",
+        "--steps",
+        "10000",
+        "--repeat",
+        "0",
+    ];
+    let said = here.leafwise(&compare);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    said.says(&[
+        "warning",
+        "is known to",
+        "grows by a factor of",
+        "take --time",
+    ]);
 }
 
 #[test]

@@ -13,6 +13,9 @@ use super::error::TradeError;
 /// Parameters that are always named.
 const ORDERS: [&str; 3] = ["order", "stages", "tolerance"];
 
+/// Beyond, numbers of steps are no whole doubles any more on the finest of the grids.
+const MOST_STEPS: f64 = (1_u64 << 40) as f64;
+
 /// A scene on which methods are compared.
 pub struct Bench<'a> {
     document: &'a SceneDocument,
@@ -28,7 +31,7 @@ impl<'a> Bench<'a> {
     ///
     /// # Errors
     /// [`TradeError::Refused`] with the scene's first error, [`TradeError::NoTime`] for a run that
-    /// ends where it begins.
+    /// ends where it begins, [`TradeError::TooLong`] for one of more than 2⁴⁰ steps.
     pub fn new(
         document: &'a SceneDocument,
         registry: &'a Registry,
@@ -41,7 +44,11 @@ impl<'a> Bench<'a> {
         if !time.is_finite() || time == 0.0 {
             return Err(TradeError::NoTime { time });
         }
-        let steps = libm::round((time / step).abs()).max(1.0) as u64;
+        let steps = libm::round((time / step).abs()).max(1.0);
+        if steps > MOST_STEPS {
+            return Err(TradeError::TooLong { time, steps });
+        }
+        let steps = steps as u64;
         Ok(Self {
             document,
             registry,
@@ -50,6 +57,14 @@ impl<'a> Bench<'a> {
             time,
             steps,
         })
+    }
+
+    /// The same over another time.
+    ///
+    /// # Errors
+    /// Those of [`Bench::new`].
+    pub fn over(&self, time: f64) -> Result<Self, TradeError> {
+        Self::new(self.document, self.registry, self.library, Some(time))
     }
 
     /// The scene.

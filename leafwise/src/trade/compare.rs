@@ -8,6 +8,7 @@ use super::catalogue::{Entry, Extent, catalogue};
 use super::error::TradeError;
 use super::front::pareto_front;
 use super::grid::Grid;
+use super::horizon::Horizon;
 use super::measured::{Front, Measured};
 use super::plateau::{Plateau, SMALL};
 use super::reference::Reference;
@@ -73,6 +74,8 @@ pub struct Comparison {
     pub invariants: Vec<String>,
     /// What errors are measured against.
     pub reference: Reference,
+    /// How long the motion can be known to eight digits, where its end is not.
+    pub horizon: Option<Horizon>,
     /// What one run was allowed to cost.
     pub budget: u64,
     /// The methods.
@@ -87,14 +90,18 @@ pub struct Comparison {
 /// methods before each one; it ends the comparison by returning `false`.
 ///
 /// # Errors
-/// [`TradeError::NoReference`]; failures of single configurations are points with their reason.
+/// [`TradeError::NoReference`]; [`TradeError::NoMethods`] where none of the methods asked for fits;
+/// failures of single configurations are points with their reason.
 pub fn compare(
     bench: &Bench<'_>,
     options: &CompareOptions,
     progress: &mut dyn FnMut(&str, usize, usize) -> bool,
 ) -> Result<Comparison, TradeError> {
+    let (entries, mut refused) = (entries(bench, options)?, Vec::new());
     let reference = Reference::compute(bench)?;
-    let (entries, mut refused) = (entries(bench, options), Vec::new());
+    let wanted = SMALL * reference.norm();
+    let is_unknown = reference.floor() > wanted && wanted > 0.0;
+    let horizon = is_unknown.then(|| reference.horizon(bench, wanted));
     let budget = options.budget.unwrap_or_else(|| own_budget(bench));
     let own = bench.own_method();
     let (mut methods, mut points) = (Vec::new(), Vec::new());
@@ -139,11 +146,12 @@ pub fn compare(
             method: candidate.method,
         });
     }
-    mark_fronts(&mut points, reference.floor());
+    mark_fronts(&mut points, &reference);
     Ok(Comparison {
         time: bench.time(),
         invariants: bench.invariants(),
         reference,
+        horizon,
         budget,
         methods,
         points,
@@ -151,13 +159,14 @@ pub fn compare(
     })
 }
 
-fn entries(bench: &Bench<'_>, options: &CompareOptions) -> Vec<Entry> {
+fn entries(bench: &Bench<'_>, options: &CompareOptions) -> Result<Vec<Entry>, TradeError> {
     let build = |method: &MethodTable| Entry {
         method: method.clone(),
         candidate: Candidate::build(bench, method),
     };
     if !options.only.is_empty() {
-        return options.only.iter().map(build).collect();
+        let entries: Vec<Entry> = options.only.iter().map(build).collect();
+        return some_fit(entries);
     }
     let mut entries = catalogue(bench, Extent::Standard, options.orders.as_deref());
     for entry in options.with.iter().map(build) {
@@ -169,7 +178,38 @@ fn entries(bench: &Bench<'_>, options: &CompareOptions) -> Vec<Entry> {
             entries.push(entry);
         }
     }
-    entries
+    if let Some(orders) = &options.orders {
+        let is_wanted = |entry: &Entry| {
+            let built = entry.candidate.as_ref();
+            built.is_ok_and(|built| orders.contains(&built.properties.order))
+        };
+        if options.with.is_empty() && !entries.iter().any(is_wanted) {
+            let orders: Vec<String> = orders.iter().map(usize::to_string).collect();
+            let reason = format!(
+                "none that fits the scene is of order {}",
+                orders.join(" or ")
+            );
+            return Err(TradeError::NoMethods {
+                reasons: vec![reason],
+            });
+        }
+    }
+    Ok(entries)
+}
+
+/// Refuses entries none of which fits.
+pub(super) fn some_fit(entries: Vec<Entry>) -> Result<Vec<Entry>, TradeError> {
+    let reasons: Vec<String> = entries
+        .iter()
+        .filter_map(|entry| {
+            let reason = entry.candidate.as_ref().err()?;
+            Some(format!("{}: {reason}", entry.method))
+        })
+        .collect();
+    if reasons.len() == entries.len() {
+        return Err(TradeError::NoMethods { reasons });
+    }
+    Ok(entries)
 }
 
 /// Four runs of the scene's own method, or the least budget.
@@ -233,13 +273,18 @@ impl Sweep<'_> {
 /// The largest relative error of a point on a front: beyond, the end state says nothing.
 const LARGEST_ERROR: f64 = 0.1;
 
-fn mark_fronts(points: &mut [Point], floor: f64) {
+fn mark_fronts(points: &mut [Point], reference: &Reference) {
+    let floor = reference.floor();
+    let largest = match reference.norm() {
+        0.0 => f64::INFINITY,
+        norm => LARGEST_ERROR * norm,
+    };
     let front = |of: &dyn Fn(&Measured) -> Option<f64>| {
         let pairs: Vec<_> = points
             .iter()
             .map(|point| {
                 let measured = point.outcome.as_ref().ok()?;
-                let is_useful = measured.relative_error < LARGEST_ERROR;
+                let is_useful = measured.relative_error < LARGEST_ERROR && floor <= largest;
                 is_useful.then_some((of(measured)?, measured.error))
             })
             .collect();

@@ -19,6 +19,28 @@ pub enum TradeError {
         /// The end time.
         time: f64,
     },
+    /// A run of more steps than can be tried.
+    #[error(
+        "t = {time:e} is {steps:.1e} of the scene's steps, too many to try methods on; shorten the \
+         time or take a larger step"
+    )]
+    TooLong {
+        /// The end time.
+        time: f64,
+        /// Over the scene's step.
+        steps: f64,
+    },
+    /// None of the methods asked for fits the scene.
+    #[error("no method is left to compare: {}", reasons.join("; "))]
+    NoMethods {
+        /// Why not.
+        reasons: Vec<String>,
+    },
+    /// A tolerance of Casimirs on a scene that has none.
+    #[error(
+        "the scene names no Casimir to hold; leave out --casimir, or write `casimirs` under [system]"
+    )]
+    NoCasimirs,
     /// A method that cannot be read.
     #[error("`{text}` is not a method: {reason}")]
     Method {

@@ -8,7 +8,8 @@
 //! - [`compare`]: every method over a grid of settings, with the fronts that no other point beats;
 //! - [`Tuner`]: the cheapest method and step that hold what is asked;
 //! - [`Reference`]: the end state by two methods of high accuracy, with an estimate of its error;
-//! - [`comparison_page`]: a comparison as a page with figures;
+//! - [`Horizon`]: where the end cannot be known, how long the motion can, and why no longer;
+//! - [`comparison_page`], [`comparison_figures`]: a comparison as a page, its figures as files;
 //! - `candidate`, `catalogue`, `parse`, `grid`, `trial`, `measured`, `plateau`, `front`: the pieces;
 //! - `tolerances`, `track`, `search`: those of the tuner.
 //!
@@ -20,6 +21,7 @@ mod compare;
 mod error;
 mod front;
 mod grid;
+mod horizon;
 mod measured;
 mod page;
 mod parse;
@@ -37,8 +39,9 @@ pub use compare::{CompareOptions, ComparedMethod, Comparison, LEAST_BUDGET, Poin
 pub use error::TradeError;
 pub use front::pareto_front;
 pub use grid::Grid;
+pub use horizon::{Horizon, Known};
 pub use measured::{Front, Measured};
-pub use page::comparison_page;
+pub use page::{comparison_figures, comparison_page};
 pub use parse::parse_method;
 pub use reference::Reference;
 pub use tolerances::Tolerances;

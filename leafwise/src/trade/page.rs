@@ -64,6 +64,20 @@ pub fn comparison_page(
     })
 }
 
+/// The pictures of a comparison as SVG files of their own: names without `.svg`, and contents.
+///
+/// # Errors
+/// [`ReportError`] if the drawing library refuses a figure.
+pub fn comparison_figures(comparison: &Comparison) -> Result<Vec<(String, String)>, ReportError> {
+    let curves = curves(comparison);
+    let plots = plots(comparison).into_iter();
+    let figures = plots.map(|plot| {
+        let name = plot.title.to_lowercase().replace(' ', "-");
+        Ok((name, plot.svg(&curves)?))
+    });
+    figures.collect()
+}
+
 fn file_name(path: &str) -> String {
     path.rsplit(['/', '\\']).next().unwrap_or(path).to_owned()
 }
@@ -107,7 +121,11 @@ fn facts(comparison: &Comparison) -> Vec<(String, String)> {
             "the Euclidean distance from the reference at the end time".to_owned(),
         ),
     ];
-    rows.map(|(label, text)| (label.to_owned(), text)).to_vec()
+    let mut rows = rows.map(|(label, text)| (label.to_owned(), text)).to_vec();
+    if let Some(horizon) = &comparison.horizon {
+        rows.insert(3, ("Not known better".to_owned(), horizon.to_string()));
+    }
+    rows
 }
 
 /// Methods with a point on a front, and the scene's own, are numbered.
@@ -208,7 +226,7 @@ fn plots(comparison: &Comparison) -> Vec<Plot> {
             ..plot(
                 comparison,
                 [
-                    "Error of the final state against counted operations",
+                    "Error against counted operations",
                     "operations of the whole run",
                     final_error,
                     "Each line is a method, each point a run: finer steps to the right. Cheap and \
@@ -226,7 +244,7 @@ fn plots(comparison: &Comparison) -> Vec<Plot> {
             ..plot(
                 comparison,
                 [
-                    "The same against time",
+                    "Error against time",
                     "seconds, the median of repeated runs",
                     final_error,
                     "Wall time without observers; it is noisy, and includes what operations do \
@@ -242,7 +260,7 @@ fn plots(comparison: &Comparison) -> Vec<Plot> {
             ..plot(
                 comparison,
                 [
-                    "The same against evaluations",
+                    "Error against evaluations",
                     "evaluations of the whole run",
                     final_error,
                     "An evaluation means a step kernel for one method, all stages for another: \

@@ -5,6 +5,7 @@ use leafwise_scene::document::{MethodTable, PartUse};
 use super::candidate::{Bench, Candidate, Setting};
 use super::error::TradeError;
 use super::grid::Grid;
+use super::horizon::Horizon;
 use super::trial::{Trial, TrialFailure, distance, norm, run_trial};
 
 /// The state that errors are measured against, and how well it is known.
@@ -17,6 +18,8 @@ pub struct Reference {
     pub error: f64,
     /// The methods that agree, the better one first, with their settings.
     pub methods: Vec<String>,
+    /// The better one.
+    best: (MethodTable, Setting),
 }
 
 /// Errors below this many times the reference's own cannot be told from it.
@@ -29,7 +32,7 @@ const BUDGET: u64 = 1_000_000_000;
 const MOST_REFINEMENTS: u32 = 9;
 
 /// A change below this many units of round-off of the state is not refined any further.
-const ROUND_OFF: f64 = 4.0;
+pub(super) const ROUND_OFF: f64 = 4.0;
 
 impl Reference {
     /// Computes the reference: two methods of different families, each refined until it no longer
@@ -60,12 +63,23 @@ impl Reference {
             state: best.state.clone(),
             error: best.change.max(other.unwrap_or(0.0)),
             methods: found.iter().map(|refined| refined.name.clone()).collect(),
+            best: (best.method.clone(), best.setting),
         })
     }
 
     /// The smallest error that can be told from the reference's own.
     pub fn floor(&self) -> f64 {
         FLOOR * self.error
+    }
+
+    /// How long the motion can be known to `wanted`, where its end is not: costs several references.
+    pub fn horizon(&self, bench: &Bench<'_>, wanted: f64) -> Horizon {
+        Horizon::measure(bench, self, wanted)
+    }
+
+    /// The better method and its setting.
+    pub(super) fn best(&self) -> &(MethodTable, Setting) {
+        &self.best
     }
 
     /// ‖x*‖.
@@ -79,6 +93,8 @@ struct Refined {
     state: Vec<f64>,
     change: f64,
     name: String,
+    method: MethodTable,
+    setting: Setting,
 }
 
 /// The largest system of stage equations that a Gauss method of eight stages is tried on.
@@ -132,6 +148,8 @@ fn refine(bench: &Bench<'_>, method: &MethodTable) -> Result<Refined, String> {
                     state: trial.state.clone(),
                     change,
                     name: described(&candidate, setting),
+                    method: method.clone(),
+                    setting,
                 });
             }
             let size = norm(&trial.state);

@@ -1,5 +1,7 @@
 //! What is asked of a run.
 
+use super::candidate::Bench;
+use super::error::TradeError;
 use super::reference::Reference;
 use super::trial::{Trial, distance};
 
@@ -44,6 +46,17 @@ impl Tolerances {
     /// Whether anything is asked.
     pub fn is_empty(&self) -> bool {
         self.error.or(self.energy).or(self.casimirs).is_none()
+    }
+
+    /// Refuses what a scene has nothing for.
+    ///
+    /// # Errors
+    /// [`TradeError::NoCasimirs`].
+    pub fn check(&self, bench: &Bench<'_>) -> Result<(), TradeError> {
+        if self.casimirs.is_some() && bench.invariants().len() < 2 {
+            return Err(TradeError::NoCasimirs);
+        }
+        Ok(())
     }
 
     /// In the units of the scene; `initial` are the invariants' first values.

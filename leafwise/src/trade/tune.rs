@@ -6,7 +6,9 @@ use leafwise_scene::{SceneDocument, compose};
 
 use super::candidate::{Bench, Candidate, Setting};
 use super::catalogue::{Entry, Extent, catalogue};
+use super::compare::some_fit;
 use super::error::TradeError;
+use super::horizon::Horizon;
 use super::measured::Measured;
 use super::reference::Reference;
 use super::search::Search;
@@ -122,6 +124,8 @@ pub struct Tuning {
     pub spent: u64,
     /// Why there is no Poisson map that holds what is asked, where there is none.
     pub limit: Option<Limit>,
+    /// How long the motion can be known as well as is asked, where the reference is the limit.
+    pub horizon: Option<Horizon>,
 }
 
 /// A method that holds what is asked and is not the cheapest.
@@ -146,9 +150,8 @@ impl<'a> Tuner<'a> {
     /// Builds every method that fits the scene and computes the reference.
     ///
     /// # Errors
-    /// [`TradeError::NoReference`].
+    /// [`TradeError::NoReference`], [`TradeError::NoMethods`].
     pub fn new(bench: &'a Bench<'a>, options: &TuneOptions) -> Result<Self, TradeError> {
-        let reference = Reference::compute(bench)?;
         let build = |method: &MethodTable| Entry {
             method: method.clone(),
             candidate: Candidate::build(bench, method),
@@ -158,6 +161,8 @@ impl<'a> Tuner<'a> {
             entries = catalogue(bench, Extent::Full, None);
             entries.extend(options.with.iter().map(build));
         }
+        let entries = some_fit(entries)?;
+        let reference = Reference::compute(bench)?;
         let (mut candidates, mut refused) = (Vec::new(), Vec::new());
         for entry in entries {
             match entry.candidate {
@@ -229,13 +234,16 @@ impl<'a> Tuner<'a> {
     /// runs before each one; it ends the search by returning `false`.
     ///
     /// # Errors
-    /// [`TradeError::Interrupted`]; [`TradeError::Build`] for an invariant without code.
+    /// [`TradeError::Interrupted`]; [`TradeError::NoCasimirs`]; [`TradeError::Build`] for an
+    /// invariant without code.
     pub fn tune(
         &self,
         asked: &Tolerances,
         progress: &mut dyn FnMut(&str, u64) -> bool,
     ) -> Result<Tuning, TradeError> {
-        let limits = asked.limits(&self.reference, &self.initial_invariants()?);
+        asked.check(self.bench)?;
+        let initial = self.initial_invariants()?;
+        let limits = asked.limits(&self.reference, &initial);
         let mut search = Search {
             bench: self.bench,
             reference: &self.reference,
@@ -282,6 +290,7 @@ impl<'a> Tuner<'a> {
             runs: search.runs,
             spent: search.spent,
             limit,
+            horizon: (!can_judge).then(|| self.reference.horizon(self.bench, limits.error)),
         })
     }
 

@@ -1,7 +1,7 @@
 //! Cost against accuracy of many methods, log–log.
 
 use super::axis::{Axis, Frame};
-use super::canvas::{AXIS, Anchor, Canvas, Ink, LEAF, SERIES, SURFACE, TEXT};
+use super::canvas::{AXIS, Anchor, Canvas, Ink, LEAF, PAPER, SERIES, SURFACE, TEXT};
 use super::error::ReportError;
 use super::figure::Figure;
 
@@ -54,22 +54,74 @@ const ZERO: f64 = 1e-17;
 /// The radius of the disc that holds a curve's number.
 const BADGE: f64 = 8.0;
 
+/// The size of a wide picture, and of one that stands beside another.
+const WIDE: (f64, f64) = (960.0, 560.0);
+const NARROW: (f64, f64) = (480.0, 340.0);
+
 /// Draws a plot of `curves`.
 pub(super) fn work_precision_figure(plot: &Plot, curves: &[Curve]) -> Result<Figure, ReportError> {
-    let (width, height) = if plot.is_wide {
-        (960.0, 560.0)
-    } else {
-        (480.0, 340.0)
-    };
+    let (width, height) = if plot.is_wide { WIDE } else { NARROW };
+    let mut canvas = Canvas::new(width, height);
+    let notes = draw(&mut canvas, (width, height), plot, curves);
+    Ok(Figure {
+        title: plot.title.clone(),
+        svg: canvas.finish(&plot.title)?,
+        legend: Vec::new(),
+        caption: plot.caption.clone(),
+        notes,
+    })
+}
+
+/// The height of a line below a picture that stands alone.
+const LINE: f64 = 18.0;
+
+impl Plot {
+    /// The picture as an SVG file of its own, on white, with its title and the numbered curves below.
+    ///
+    /// # Errors
+    /// [`ReportError`] if the drawing library refuses it.
+    pub fn svg(&self, curves: &[Curve]) -> Result<String, ReportError> {
+        let (width, height) = WIDE;
+        let mut named: Vec<(usize, &Curve)> = curves
+            .iter()
+            .filter_map(|curve| Some((curve.number?, curve)))
+            .collect();
+        named.sort_by_key(|(number, _)| *number);
+        let rows = named.len().div_ceil(2);
+        let whole = height + LINE * (rows as f64 + 2.0);
+        let mut canvas = Canvas::new(width, whole);
+        canvas.cell((0.0, 0.0), (width, whole), PAPER);
+        draw(&mut canvas, WIDE, self, curves);
+        let at = (0.02 * width, height + 0.5 * LINE);
+        canvas.label_in(&self.title, at, Anchor::Start, TEXT, 14.0);
+        for (place, (number, curve)) in named.into_iter().enumerate() {
+            let x = width * (0.02 + 0.5 * (place / rows) as f64) + BADGE;
+            let y = height + LINE * ((place % rows) as f64 + 1.7);
+            let ink = SERIES[curve.family % SERIES.len()];
+            canvas.ring((x, y), BADGE, ink, 1.3);
+            canvas.label_in(&number.to_string(), (x, y), Anchor::Middle, TEXT, 10.5);
+            let at = (x + 2.0 * BADGE, y);
+            canvas.label_in(&curve.name, at, Anchor::Start, TEXT, 12.0);
+        }
+        canvas.finish(&self.title)
+    }
+}
+
+/// Draws axes, curves and fronts; returns what is to be said of them.
+fn draw(
+    canvas: &mut Canvas,
+    (width, height): (f64, f64),
+    plot: &Plot,
+    curves: &[Curve],
+) -> Vec<String> {
     let shown = || plot.points.iter().flatten().filter(|p| is_shown(p));
     let zero = zero_level(shown());
     let level = |error: f64| if error > 0.0 { error } else { zero };
     let x = Axis::logarithmic(shown().map(|p| p.cost));
     let y = Axis::logarithmic(shown().map(|p| level(p.error)));
     let frame = Frame::new(width, height, x, y);
-    let mut canvas = Canvas::new(width, height);
-    draw_floor(&mut canvas, &frame, plot.floor);
-    frame.draw(&mut canvas, &plot.cost, &plot.error);
+    draw_floor(canvas, &frame, plot.floor);
+    frame.draw(canvas, &plot.cost, &plot.error);
     let place = |p: &CurvePoint| frame.point(p.cost, level(p.error));
     let lines: Vec<Vec<(f64, f64)>> = plot
         .points
@@ -101,25 +153,18 @@ pub(super) fn work_precision_figure(plot: &Plot, curves: &[Curve]) -> Result<Fig
         }
     }
     draw_front(
-        &mut canvas,
+        canvas,
         shown().filter(|p| p.on_inner_front).map(place),
         false,
     );
-    draw_front(&mut canvas, shown().filter(|p| p.on_front).map(place), true);
-    draw_badges(&mut canvas, &frame, badges);
+    draw_front(canvas, shown().filter(|p| p.on_front).map(place), true);
+    draw_badges(canvas, &frame, badges);
     let zeros = shown().filter(|p| p.error == 0.0).count();
-    let notes = match zeros {
+    match zeros {
         0 => Vec::new(),
         1 => vec![format!("One exact zero is drawn at {zero:.0e}.")],
         _ => vec![format!("{zeros} exact zeros are drawn at {zero:.0e}.")],
-    };
-    Ok(Figure {
-        title: plot.title.clone(),
-        svg: canvas.finish(&plot.title)?,
-        legend: Vec::new(),
-        caption: plot.caption.clone(),
-        notes,
-    })
+    }
 }
 
 fn is_shown(point: &CurvePoint) -> bool {

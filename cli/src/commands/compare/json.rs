@@ -3,7 +3,7 @@
 use leafwise::core::Structure;
 use leafwise::scene::SceneDocument;
 use leafwise::scene::json::{json_number, json_numbers};
-use leafwise::trade::{Comparison, Measured, Point, Reference};
+use leafwise::trade::{Comparison, Horizon, Measured, Point, Reference};
 use serde_json::{Value, json};
 
 /// Everything that was measured.
@@ -35,6 +35,7 @@ pub(in crate::commands) fn object(document: &SceneDocument, comparison: &Compari
         "scene": document.name,
         "time": json_number(comparison.time),
         "reference": reference(&comparison.reference),
+        "horizon": comparison.horizon.as_ref().map(horizon),
         "budget": comparison.budget,
         "methods": methods,
         "points": points,
@@ -49,6 +50,18 @@ pub(in crate::commands) fn reference(reference: &Reference) -> Value {
         "error": json_number(reference.error),
         "floor": json_number(reference.floor()),
         "methods": reference.methods,
+    })
+}
+
+/// How long the motion can be known, and why no longer.
+pub(in crate::commands) fn horizon(horizon: &Horizon) -> Value {
+    json!({
+        "wanted": json_number(horizon.wanted),
+        "growth": horizon.growth.map(json_number),
+        "known": horizon.known.map(|known| json!({
+            "time": json_number(known.time), "error": json_number(known.error),
+        })),
+        "message": horizon.to_string(),
     })
 }
 

@@ -4,8 +4,6 @@ mod csv;
 pub(super) mod json;
 mod table;
 
-use std::fs;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -13,13 +11,15 @@ use leafwise::core::Registry;
 use leafwise::scene::document::MethodTable;
 use leafwise::scene::{SceneChecks, SceneDocument};
 use leafwise::trade::{
-    Bench, CompareOptions, Comparison, Grid, compare, comparison_page, parse_method,
+    Bench, CompareOptions, Comparison, Grid, compare, comparison_figures, comparison_page,
+    parse_method,
 };
 
 use crate::arguments::{CompareArguments, PluginArguments};
 use crate::bar::Steps;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
+use crate::files::{check_writable, make_directory, write};
 use crate::interrupt::is_raised;
 use crate::plugins::Parts;
 
@@ -40,6 +40,12 @@ pub fn execute(
     let library = parts.library();
     let bench = Bench::new(&document, &parts.registry, &library, arguments.time)?;
     check(&document, &bench)?;
+    if let Some(directory) = &arguments.out {
+        make_directory(directory)?;
+    }
+    if let Some(file) = &arguments.csv {
+        check_writable(file)?;
+    }
     let mut bar = Steps::new("reference solution", console.is_terminal);
     let comparison = compare(&bench, &options, &mut |method, at, count| {
         bar.show(method, at, count);
@@ -53,6 +59,7 @@ pub fn execute(
     } else {
         table::print(&comparison, arguments.all, console);
     }
+    warn(&comparison, &options, console);
     if let Some(directory) = &arguments.out {
         let page = directory.join(PAGE);
         console.prose(&format!("the page is {}", page.display()));
@@ -95,6 +102,31 @@ pub(super) fn check(document: &SceneDocument, bench: &Bench<'_>) -> Result<(), F
     }
 }
 
+/// Says what else keeps the table from what was asked: an end state that is not known, methods
+/// that were named and do not fit.
+fn warn(comparison: &Comparison, options: &CompareOptions, console: &mut Console<'_>) {
+    if let Some(horizon) = &comparison.horizon {
+        let word = console.warning_word();
+        console.prose(&format!(
+            "{word} the end state is known to {:.1e} of {:.1e} only: {horizon}",
+            comparison.reference.error,
+            comparison.reference.norm()
+        ));
+    }
+    let named: Vec<String> = options
+        .with
+        .iter()
+        .chain(&options.only)
+        .map(MethodTable::to_string)
+        .collect();
+    for (name, reason) in &comparison.refused {
+        if named.contains(name) {
+            let word = console.warning_word();
+            console.prose(&format!("{word} {name} is left out: {reason}"));
+        }
+    }
+}
+
 fn write_files(
     arguments: &CompareArguments,
     document: &SceneDocument,
@@ -106,9 +138,11 @@ fn write_files(
     let Some(directory) = &arguments.out else {
         return Ok(());
     };
-    fs::create_dir_all(directory).map_err(failed(directory))?;
     let page = comparison_page(comparison, document, &command(arguments))?;
     write(&directory.join(PAGE), &page)?;
+    for (name, figure) in comparison_figures(comparison)? {
+        write(&directory.join(format!("{name}.svg")), &figure)?;
+    }
     write(&directory.join(TABLE), &csv::text(comparison))?;
     let object = format!("{:#}\n", json::object(document, comparison));
     write(&directory.join(OBJECT), &object)
@@ -135,18 +169,4 @@ fn command(arguments: &CompareArguments) -> String {
         arguments.budget.map(|budget| format!("{budget:e}")),
     );
     command
-}
-
-/// Writes a file.
-pub(super) fn write(file: &Path, text: &str) -> Result<(), Failure> {
-    fs::write(file, text).map_err(failed(file))
-}
-
-fn failed(file: &Path) -> impl FnOnce(std::io::Error) -> Failure {
-    let file: PathBuf = file.to_owned();
-    move |source| Failure::File {
-        action: "write",
-        file,
-        source,
-    }
 }

@@ -48,6 +48,11 @@ pub(super) fn print(comparison: &Comparison, all: bool, console: &mut Console<'_
         let reason = reason.map_or_else(String::new, |reason| format!("  {reason}"));
         console.result(&format!("  {line}{reason}"));
     }
+    if shown.is_empty() {
+        console.result(
+            "  no run's error is below a tenth of the state: finer --steps, a shorter --time",
+        );
+    }
     console.result("");
     console.result(
         "front: * no method is cheaper and more accurate; P no Poisson map is, in counted operations",

@@ -1,7 +1,6 @@
 //! Figures as files: a picture and its numbers for each panel, a page, an object.
 
 use std::fmt::Write as _;
-use std::fs;
 use std::path::Path;
 
 use leafwise::reproduce::{Reproduced, reproduction_page};
@@ -9,32 +8,20 @@ use leafwise::scene::report::{Panel, Stroke};
 
 use super::json;
 use crate::failure::Failure;
+use crate::files;
 
 /// The page.
 pub(super) const PAGE: &str = "reproduce.html";
 const OBJECT: &str = "reproduce.json";
 
-/// Writes everything into a directory.
+/// Writes everything into a directory, which is there.
 pub(super) fn write(
     directory: &Path,
     figures: &[Reproduced],
     command: &str,
     seconds: f64,
 ) -> Result<(), Failure> {
-    let failed = |source| Failure::File {
-        action: "write",
-        file: directory.to_owned(),
-        source,
-    };
-    fs::create_dir_all(directory).map_err(failed)?;
-    let put = |name: &str, text: &str| {
-        let file = directory.join(name);
-        fs::write(&file, text).map_err(|source| Failure::File {
-            action: "write",
-            file,
-            source,
-        })
-    };
+    let put = |name: &str, text: &str| files::write(&directory.join(name), text);
     for figure in figures {
         for (at, panel) in figure.panels.iter().enumerate() {
             let name = format!("figure-{}-{}", figure.paper.number, at + 1);

@@ -14,6 +14,7 @@ use crate::arguments::ReproduceArguments;
 use crate::bar::Steps;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
+use crate::files::make_directory;
 use crate::table::{duration, labelled};
 
 /// Measures; returns the exit code.
@@ -26,6 +27,9 @@ pub fn execute(
     interrupt: &Arc<AtomicBool>,
 ) -> Result<u8, Failure> {
     let chosen = chosen(&arguments.figures)?;
+    if let Some(directory) = &arguments.out {
+        make_directory(directory)?;
+    }
     let registry = Registry::with_builtin();
     let started = Instant::now();
     let mut figures = Vec::new();
@@ -64,10 +68,16 @@ fn chosen(names: &[String]) -> Result<Vec<&'static PaperFigure>, Failure> {
     if names.is_empty() {
         return Ok(FIGURES.iter().collect());
     }
-    let found = names.iter().map(|name| {
-        find(name).ok_or_else(|| ReproduceError::UnknownFigure { name: name.clone() }.into())
-    });
-    found.collect()
+    let mut chosen: Vec<&PaperFigure> = Vec::new();
+    for name in names {
+        let unknown = || ReproduceError::UnknownFigure { name: name.clone() };
+        let figure = find(name).ok_or_else(unknown)?;
+        // A figure that is named twice is measured once.
+        if chosen.iter().all(|known| known.number != figure.number) {
+            chosen.push(figure);
+        }
+    }
+    Ok(chosen)
 }
 
 fn command(arguments: &ReproduceArguments) -> String {

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::Found;
 use super::text::advice;
-use crate::commands::compare::json::{measured_json, reference};
+use crate::commands::compare::json::{horizon, measured_json, reference};
 
 /// Everything that was found.
 pub(super) fn object(found: &Found<'_>) -> Value {
@@ -31,6 +31,7 @@ pub(super) fn object(found: &Found<'_>) -> Value {
         "runners_up": runners_up,
         "limit": tuning.limit.map(limit),
         "advice": tuning.limit.map(advice),
+        "horizon": tuning.horizon.as_ref().map(horizon),
         "nearest": tuning.nearest.as_ref().map(|reached| nearest(found, reached)),
         "methods": tuning.methods,
         "runs": tuning.runs,

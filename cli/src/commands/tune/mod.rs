@@ -13,11 +13,12 @@ use leafwise::trade::{
     Bench, Recommendation, Tolerances, TradeError, TuneOptions, Tuner, Tuning, parse_method,
 };
 
-use super::compare::{check, write};
+use super::compare::check;
 use crate::arguments::{PluginArguments, TuneArguments};
 use crate::bar::Steps;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
+use crate::files::{check_writable, replace};
 use crate::interrupt::is_raised;
 use crate::plugins::Parts;
 
@@ -74,6 +75,10 @@ pub fn execute(
     let library = parts.library();
     let bench = Bench::new(&document, &parts.registry, &library, arguments.time)?;
     check(&document, &bench)?;
+    asked.check(&bench)?;
+    if arguments.write {
+        check_writable(&arguments.scene.scene)?;
+    }
     let mut bar = Steps::unmeasured("methods and reference solution", console.is_terminal);
     let tuner = Tuner::new(&bench, &options)?;
     let tuning = tuner.tune(&asked, &mut |method, runs| {
@@ -99,7 +104,7 @@ pub fn execute(
     if arguments.write
         && let Some(recommended) = found.recommended()
     {
-        write(&arguments.scene.scene, &rewritten(&found, recommended)?)?;
+        replace(&arguments.scene.scene, &rewritten(&found, recommended)?)?;
         found.written = true;
     }
     if arguments.json {

@@ -161,9 +161,12 @@ fn print_missed(found: &Found<'_>, console: &mut Console<'_>) {
             lines.iter().for_each(|line| console.result(line));
         }
         (None, Some(Limit::Reference)) => console.result(&format!(
-            "  the reference itself is known to {:.1e} only: {}",
+            "  the end state itself is known to {:.1e} only: {}",
             found.tuner.reference().error,
-            advice(Limit::Reference)
+            match &tuning.horizon {
+                Some(horizon) => horizon.to_string(),
+                None => advice(Limit::Reference).to_owned(),
+            }
         )),
         (None, Some(Limit::Structure)) => {
             console.result(&format!("  {}", advice(Limit::Structure)));
