@@ -9,6 +9,7 @@
 //! - `parts`: realization and dynamic approximation by name;
 //! - `lattice`, `stepping`: families too long to be written out;
 //! - `run`: [`compose`], all of it as a [`ComposedRun`];
+//! - `path`: whether a run's numbers come from formulas or from calls;
 //! - `checks`: the Jacobi identity and the Casimirs;
 //! - `shape`: constant, linear, log-canonical, polynomial, general.
 
@@ -20,6 +21,7 @@ mod lie_algebra;
 mod names;
 mod observables;
 mod parts;
+mod path;
 mod run;
 mod shape;
 mod stepping;

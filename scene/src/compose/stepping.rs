@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use leafwise_core::lattice::{LatticeGeometry, LatticeMap, LatticeMethod, LatticeObservables};
 use leafwise_core::{Method, StepMap, Structure};
-use leafwise_expression::Execution;
 
 /// How a scene's steps are taken.
 #[derive(Clone)]
@@ -145,15 +144,13 @@ impl Stepping {
         }
     }
 
-    /// How a step is computed, for the manifest.
+    /// How the parts meet in a step.
     pub fn path(&self) -> String {
-        let path = match (self, self.written()) {
+        match (self, self.written()) {
             (_, Some(method)) => method.path(),
             (Self::Lattice(_), _) => "sweeps over a lattice".to_owned(),
             _ => "a step map of its own".to_owned(),
-        };
-        let execution = Execution::default_of_process().describe();
-        format!("expressions, compiled to straight-line code; {path}; {execution}")
+        }
     }
 
     /// What one iteration of the solver costs: labels and counts.

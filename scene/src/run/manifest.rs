@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use leafwise_core::diagnostics::Verdict;
-use leafwise_core::{Origin, StepMap};
+use leafwise_core::{Origin, PartKind, StepMap};
 use leafwise_expression::OperationCount;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -113,7 +113,7 @@ impl Beginning {
         command: &str,
         started: Option<String>,
     ) -> Self {
-        let parts: Vec<Value> = run.plan.parts.iter().map(part).collect();
+        let parts: Vec<Value> = run.plan.parts.iter().map(|c| part(c, run)).collect();
         let casimirs: Map<String, Value> = checks
             .casimirs
             .iter()
@@ -149,10 +149,10 @@ impl Beginning {
             "dimension": run.dimension(),
             "tensor": shape.to_string(),
             "checks": { "jacobi": verdict_word(checks.jacobi.verdict), "casimirs": casimirs },
-            "system": run.plan.system.as_ref().map(part),
+            "system": run.plan.system.as_ref().map(|c| part(c, run)),
             "parts": parts,
             "plugins": plugins(run),
-            "path": run.method.path(),
+            "path": run.path(),
             "declared_order": run.method.declared_order(),
             "epsilon": run.plan.epsilon,
             "h": run.plan.h,
@@ -224,7 +224,7 @@ impl Beginning {
 }
 
 /// A part as chosen.
-fn part(choice: &PartChoice) -> Value {
+fn part(choice: &PartChoice, run: &ComposedRun) -> Value {
     let parameters: Map<String, Value> = choice
         .parameters
         .iter()
@@ -235,8 +235,8 @@ fn part(choice: &PartChoice) -> Value {
         "origin": choice.origin,
         "chosen": if choice.is_automatic { "automatically" } else { "by the scene" },
     });
-    if let Some(path) = choice.path {
-        part["path"] = json!(path);
+    if choice.kind != PartKind::Composition {
+        part["path"] = json!(run.path_of(choice));
     }
     part
 }
