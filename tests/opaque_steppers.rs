@@ -82,7 +82,7 @@ fn projection_needs_the_gradients_of_the_casimirs() {
     assert_eq!(
         refused,
         "projection needs the gradients of the Casimirs, and test/values offers only numbers; what \
-         serves it: karasev-collocated with hamilton-jacobi of order 2, and the steppers rk4, dop853, \
-         dormand-prince45, implicit-midpoint, gauss, energy-preserving, projection"
+         serves it: karasev-collocated with hamilton-jacobi of order 2 or with collective, and the \
+         steppers rk4, dop853, dormand-prince45, implicit-midpoint, gauss, energy-preserving, projection"
     );
 }

@@ -6,8 +6,8 @@ use super::Parameter;
 use crate::error::{BuildError, StepError};
 
 /// What serves a system of numbers, for refusals of what does not.
-pub const SERVES_NUMBERS: &str = "karasev-collocated with hamilton-jacobi of order 2, and the \
-                                  steppers rk4, dop853, dormand-prince45, \
+pub const SERVES_NUMBERS: &str = "karasev-collocated with hamilton-jacobi of order 2 or with \
+                                  collective, and the steppers rk4, dop853, dormand-prince45, \
                                   implicit-midpoint, gauss, energy-preserving, projection";
 
 /// A Poisson system known by its values: (M ≅ ℝᵈ, π, H) as functions to call.

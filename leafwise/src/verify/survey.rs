@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::time::Instant;
 
-use leafwise_core::{Registry, Structure};
+use leafwise_core::{BuildError, Registry, Structure};
 use serde::Serialize;
 
 use super::candidates::Candidate;
@@ -68,6 +68,51 @@ pub struct Refused {
     pub combination: String,
     /// What is missing.
     pub reason: String,
+    /// Who refuses: a part, or the whole combination.
+    #[serde(skip)]
+    who: String,
+    /// The reason without a name, the same for all that lack the same.
+    #[serde(skip)]
+    cause: String,
+}
+
+impl Refused {
+    fn new(problem: &str, combination: String, error: &BuildError) -> Self {
+        let (who, cause) = match error {
+            BuildError::NotOffered {
+                part,
+                system,
+                missing,
+                instead,
+            } => (
+                (*part).to_owned(),
+                format!(
+                    "{missing} are needed, and {system} offers only numbers; what serves it: {instead}"
+                ),
+            ),
+            BuildError::DoesNotFit { part, reason } => ((*part).to_owned(), reason.clone()),
+            BuildError::Incompatible { reason, .. } => (combination.clone(), reason.clone()),
+            other => (combination.clone(), other.to_string()),
+        };
+        Self {
+            problem: problem.to_owned(),
+            reason: error.to_string(),
+            combination,
+            who,
+            cause,
+        }
+    }
+}
+
+/// All that does not fit a problem for one reason.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refusal<'a> {
+    /// The problem.
+    pub problem: &'a str,
+    /// The reason.
+    pub cause: &'a str,
+    /// Parts that fit in no combination, and combinations of parts that do not fit each other.
+    pub who: Vec<&'a str>,
 }
 
 /// All rows, and the combinations that do not fit.
@@ -83,6 +128,26 @@ impl Survey {
     /// Whether every declaration is met.
     pub fn is_met(&self) -> bool {
         self.rows.iter().all(Row::is_met)
+    }
+
+    /// What does not fit, a problem and a reason at a time.
+    pub fn refusals(&self) -> Vec<Refusal<'_>> {
+        let mut refusals: Vec<Refusal<'_>> = Vec::new();
+        for refused in &self.refused {
+            let same = |known: &&mut Refusal<'_>| {
+                (known.problem, known.cause) == (&refused.problem, &refused.cause)
+            };
+            match refusals.iter_mut().find(same) {
+                Some(known) if known.who.contains(&refused.who.as_str()) => {}
+                Some(known) => known.who.push(&refused.who),
+                None => refusals.push(Refusal {
+                    problem: &refused.problem,
+                    cause: &refused.cause,
+                    who: vec![&refused.who],
+                }),
+            }
+        }
+        refusals
     }
 }
 
@@ -189,11 +254,8 @@ fn outcome(
     let map = match candidate.build(registry, &problem.system) {
         Ok(map) => map,
         Err(error) => {
-            return Outcome::Refused(Refused {
-                problem: problem.name.clone(),
-                combination: candidate.to_string(),
-                reason: error.to_string(),
-            });
+            let refused = Refused::new(&problem.name, candidate.to_string(), &error);
+            return Outcome::Refused(refused);
         }
     };
     let properties = map.properties();
@@ -222,7 +284,57 @@ fn structure(structure: Structure) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::in_order;
+    use leafwise_core::BuildError;
+
+    use super::{Refused, Survey, in_order};
+
+    #[test]
+    fn what_lacks_the_same_is_told_together() {
+        let lacks = |part: &'static str| BuildError::NotOffered {
+            part,
+            system: "acme/top".to_owned(),
+            missing: "formulas of the system",
+            instead: "rk4",
+        };
+        let tensor = |part: &'static str| BuildError::DoesNotFit {
+            part,
+            reason: "the tensor is not constant".to_owned(),
+        };
+        let pair = BuildError::Incompatible {
+            dynamics: "hamilton-jacobi m = 4".to_owned(),
+            realization: "acme/chart".to_owned(),
+            reason: "it offers no code".to_owned(),
+        };
+        let refused = |problem: &str, combination: &str, error: &BuildError| {
+            Refused::new(problem, combination.to_owned(), error)
+        };
+        let survey = Survey {
+            rows: Vec::new(),
+            refused: vec![
+                refused("top", "constant + collective", &lacks("constant")),
+                refused("top", "constant + hamilton-jacobi", &lacks("constant")),
+                refused("top", "acme/chart + hamilton-jacobi", &pair),
+                refused("top", "splitting", &lacks("splitting")),
+                refused("other", "constant + collective", &tensor("constant")),
+            ],
+        };
+        let told: Vec<_> = survey
+            .refusals()
+            .into_iter()
+            .map(|refusal| (refusal.problem, refusal.who.join(", "), refusal.cause))
+            .collect();
+        let lacking = "formulas of the system are needed, and acme/top offers only numbers; what \
+                       serves it: rk4";
+        let expected = [
+            ("top", "constant, splitting", lacking),
+            ("top", "acme/chart + hamilton-jacobi", "it offers no code"),
+            ("other", "constant", "the tensor is not constant"),
+        ];
+        assert_eq!(told, expected.map(|(a, b, c)| (a, b.to_owned(), c)));
+        // Nothing is left out of the list itself.
+        assert_eq!(survey.refused[1].combination, "constant + hamilton-jacobi");
+        assert_eq!(survey.refused[1].reason, lacks("constant").to_string());
+    }
 
     #[test]
     fn results_come_in_order_from_any_number_of_threads() {

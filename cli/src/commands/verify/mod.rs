@@ -96,16 +96,14 @@ fn problems(arguments: &VerifyArguments, parts: &mut Parts) -> Result<Vec<Proble
         .collect()
 }
 
-/// What stands after the rows: combinations that do not fit, and the verdict.
+/// What stands after the rows: what does not fit, a reason a line, and the verdict.
 fn conclude(survey: &Survey, seconds: f64, console: &mut Console<'_>) {
-    if !survey.refused.is_empty() {
+    let refusals = survey.refusals();
+    for of_problem in refusals.chunk_by(|a, b| a.problem == b.problem) {
         console.result("");
-        console.result("combinations that do not fit");
-        for refused in &survey.refused {
-            console.result(&format!(
-                "  {} on {}: {}",
-                refused.combination, refused.problem, refused.reason
-            ));
+        console.result(&format!("what does not fit {}", of_problem[0].problem));
+        for refusal in of_problem {
+            console.result(&format!("  {}: {}", refusal.who.join(", "), refusal.cause));
         }
     }
     console.result("");

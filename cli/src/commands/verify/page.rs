@@ -31,16 +31,20 @@ pub(super) fn page(survey: &Survey) -> String {
         let rows: Vec<&Row> = rows.iter().collect();
         problem(&mut page, &rows);
     }
-    if !survey.refused.is_empty() {
-        page.push_str("<h2>Combinations that do not fit</h2><ul>");
-        for refused in &survey.refused {
-            // Writing to a String cannot fail.
+    let refusals = survey.refusals();
+    for of_problem in refusals.chunk_by(|a, b| a.problem == b.problem) {
+        // Writing to a String cannot fail.
+        let _ = write!(
+            page,
+            "<h2>What does not fit {}</h2><ul>",
+            escaped(of_problem[0].problem)
+        );
+        for refusal in of_problem {
             let _ = write!(
                 page,
-                "<li><b>{}</b> on {}: {}</li>",
-                escaped(&refused.combination),
-                escaped(&refused.problem),
-                escaped(&refused.reason)
+                "<li><b>{}</b>: {}</li>",
+                escaped(&refusal.who.join(", ")),
+                escaped(refusal.cause)
             );
         }
         page.push_str("</ul>");
