@@ -1,9 +1,12 @@
-//! What a step costs through a plugin, against the same part compiled in: the same operations, to the
-//! same bits. Each pair is timed in turns, in one run; the ratio is that of the shortest turns.
+//! What a step costs through a plugin, against the same part compiled in: the same steps from the same
+//! states, to the same bits. Each pair is timed in turns, in one run; times are the medians of the
+//! turns, and so is the ratio of each turn's two.
 //!
 //! A part that hands over formulas becomes the same kernels as a built-in one. A part that hands over
 //! functions is called through the C interface, for each evaluation of a single trajectory or for a
 //! batch of lanes.
+//!
+//! `cargo bench -p leafwise-benches --bench plugins -- rk4` runs the pairs with that in their names.
 
 #![allow(clippy::print_stdout)]
 
@@ -34,18 +37,21 @@ const STEP: f64 = 0.1;
 const START: [f64; 3] = [0.3, 1.0, -0.7];
 
 /// How often each of a pair is timed, and for how long.
-const TURNS: usize = 25;
-const SECONDS: f64 = 0.01;
+const TURNS: usize = 41;
+const NANOSECONDS: f64 = 5e6;
 
-/// Trajectories that go on and on.
+/// Steps before the first turn, and the most of a turn: Heun's rule leaves every region in time.
+const WARM_UP: usize = 200;
+const MOST_STEPS: usize = 4000;
+
+/// Trajectories that start anew in every turn.
 struct Going {
     stepper: Box<dyn Stepper>,
+    start: Vec<f64>,
     state: Vec<f64>,
     low: Vec<f64>,
     increment: Vec<f64>,
     outcome: Vec<Result<(), leafwise::core::StepError>>,
-    steps: usize,
-    best: f64,
 }
 
 impl Going {
@@ -54,27 +60,25 @@ impl Going {
             let own = |value: &f64| std::iter::repeat_n(*value, lanes);
             values.iter().flat_map(own).collect()
         };
-        let mut state = spread(&START);
-        for (at, x) in state.iter_mut().enumerate() {
+        let mut start = spread(&START);
+        for (at, x) in start.iter_mut().enumerate() {
             *x *= 1.0 + (at % lanes) as f64 / 65536.0;
         }
-        let mut going = Self {
+        Self {
             stepper: map.stepper(lanes, &spread(parameters), 1.0, STEP),
-            low: vec![0.0; state.len()],
-            increment: vec![0.0; state.len()],
+            state: start.clone(),
+            low: vec![0.0; start.len()],
+            increment: vec![0.0; start.len()],
             outcome: vec![Ok(()); lanes],
-            state,
-            steps: 16,
-            best: f64::INFINITY,
-        };
-        let started = Instant::now();
-        going.go(64);
-        let one = started.elapsed().as_secs_f64() / 64.0;
-        going.steps = ((SECONDS / one) as usize).max(4);
-        going
+            start,
+        }
     }
 
-    fn go(&mut self, steps: usize) {
+    /// Nanoseconds for one step of one lane, over `steps` steps from the start.
+    fn turn(&mut self, steps: usize) -> f64 {
+        self.stepper.restart();
+        self.state.copy_from_slice(&self.start);
+        let started = Instant::now();
         for _ in 0..steps {
             self.stepper.increment(
                 black_box(&self.state),
@@ -86,33 +90,53 @@ impl Going {
                 *x += change;
             }
         }
+        let taken = started.elapsed().as_secs_f64() * 1e9;
         assert!(self.outcome.iter().all(Result::is_ok), "{:?}", self.outcome);
+        taken / (steps * self.outcome.len()) as f64
     }
+}
 
-    /// One more turn.
-    fn turn(&mut self) {
-        let started = Instant::now();
-        self.go(self.steps);
-        let one = started.elapsed().as_secs_f64() * 1e9 / (self.steps * self.outcome.len()) as f64;
-        self.best = self.best.min(one);
-    }
+fn bits(state: &[f64]) -> Vec<u64> {
+    state.iter().map(|x| x.to_bits()).collect()
+}
+
+/// The middle of these numbers.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
 }
 
 /// Times the same map compiled in and loaded, at every number of lanes.
 fn pair(name: &str, parameters: &[f64], compiled_in: &dyn StepMap, loaded: &dyn StepMap) {
+    let mut wanted = std::env::args()
+        .skip(1)
+        .filter(|word| !word.starts_with('-'))
+        .peekable();
+    if wanted.peek().is_some() && !wanted.any(|word| name.contains(&word)) {
+        return;
+    }
     println!("{name}");
     for lanes in LANES {
-        let mut both = [compiled_in, loaded].map(|map| Going::new(map, parameters, lanes));
-        for _ in 0..TURNS {
-            both.iter_mut().for_each(Going::turn);
+        let mut here = Going::new(compiled_in, parameters, lanes);
+        let mut there = Going::new(loaded, parameters, lanes);
+        let one = here.turn(WARM_UP).min(there.turn(WARM_UP)) * lanes as f64;
+        let steps = ((NANOSECONDS / one) as usize).clamp(4, MOST_STEPS);
+        let mut times = [Vec::new(), Vec::new(), Vec::new()];
+        for turn in 0..TURNS {
+            let [first, second] = if turn % 2 == 0 {
+                [&mut here, &mut there].map(|going| going.turn(steps))
+            } else {
+                let [there, here] = [&mut there, &mut here].map(|going| going.turn(steps));
+                [here, there]
+            };
+            times[0].push(first);
+            times[1].push(second);
+            times[2].push(second / first);
         }
-        let [here, there] = &both;
-        assert_eq!(here.state.len(), there.state.len());
+        assert_eq!(bits(&here.state), bits(&there.state), "the same bits");
+        let [first, second, ratio] = times.map(median);
         println!(
-            "  {lanes:4} lanes: compiled in {:8.1} ns a step, loaded {:8.1} ns, ratio {:.3}",
-            here.best,
-            there.best,
-            there.best / here.best
+            "  {lanes:4} lanes: compiled in {first:8.1} ns a step, loaded {second:8.1} ns, ratio {ratio:.3}",
         );
     }
 }

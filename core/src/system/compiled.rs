@@ -105,15 +105,23 @@ impl SystemNumbers for CompiledNumbers {
         Box::new(CompiledWorker {
             kernels: self.kernels.clone(),
             workspaces,
+            wide: Default::default(),
+            parameters: parameters.to_vec(),
             dimension: self.dimension,
             operations: 0,
         })
     }
 }
 
+/// Points of a batch that are evaluated together.
+const LANES: usize = 16;
+
 struct CompiledWorker {
     kernels: [Arc<Kernel>; KERNELS],
     workspaces: [Workspace; KERNELS],
+    /// Those of as many lanes, made when a batch is that long.
+    wide: [Option<Workspace>; KERNELS],
+    parameters: Vec<f64>,
     dimension: usize,
     operations: u64,
 }
@@ -121,13 +129,29 @@ struct CompiledWorker {
 impl CompiledWorker {
     /// One kernel at every point of a batch.
     fn evaluate(&mut self, which: usize, inputs: &[&[f64]], out: &mut [f64]) {
-        let (kernel, workspace) = (&self.kernels[which], &mut self.workspaces[which]);
-        let (d, results) = (self.dimension, kernel.outputs());
+        let results = self.kernels[which].outputs();
         if results == 0 {
             return;
         }
-        for (at, out) in out.chunks_exact_mut(results).enumerate() {
-            let values = inputs.iter().flat_map(|values| vector(values, d, at));
+        let mut first = 0;
+        for out in out.chunks_mut(LANES * results) {
+            if out.len() == LANES * results {
+                self.together(which, inputs, first, out);
+            } else {
+                self.alone(which, inputs, first, out);
+            }
+            first += LANES;
+        }
+    }
+
+    /// Points from `first` on, one by one.
+    fn alone(&mut self, which: usize, inputs: &[&[f64]], first: usize, out: &mut [f64]) {
+        let (kernel, workspace) = (&self.kernels[which], &mut self.workspaces[which]);
+        let d = self.dimension;
+        for (at, out) in out.chunks_exact_mut(kernel.outputs()).enumerate() {
+            let values = inputs
+                .iter()
+                .flat_map(|values| vector(values, d, first + at));
             for (i, value) in values.enumerate() {
                 workspace.input_mut(i)[0] = *value;
             }
@@ -135,6 +159,34 @@ impl CompiledWorker {
             self.operations += kernel.step_operations().work();
             for (i, out) in out.iter_mut().enumerate() {
                 *out = kernel.output(workspace, i)[0];
+            }
+        }
+    }
+
+    /// [`LANES`] points from `first` on, side by side.
+    fn together(&mut self, which: usize, inputs: &[&[f64]], first: usize, out: &mut [f64]) {
+        let (kernel, d) = (&self.kernels[which], self.dimension);
+        let workspace = self.wide[which].get_or_insert_with(|| {
+            let mut workspace = kernel.workspace(LANES);
+            let own = |value: &f64| std::iter::repeat_n(*value, LANES);
+            let parameters: Vec<f64> = self.parameters.iter().flat_map(own).collect();
+            let one = [1.0; LANES];
+            kernel.prepare(&mut workspace, &parameters, &one, &one);
+            workspace
+        });
+        for (which, values) in inputs.iter().enumerate() {
+            for at in 0..LANES {
+                for (j, value) in vector(values, d, first + at).iter().enumerate() {
+                    workspace.input_mut(which * d + j)[at] = *value;
+                }
+            }
+        }
+        kernel.evaluate_in_place(workspace);
+        self.operations += LANES as u64 * kernel.step_operations().work();
+        let results = kernel.outputs();
+        for i in 0..results {
+            for (at, value) in kernel.output(workspace, i).iter().enumerate() {
+                out[at * results + i] = *value;
             }
         }
     }

@@ -4,7 +4,7 @@
  *
  * so that Pi(x) v = x cross v; Casimir |x|^2.
  *
- *   cc -std=c11 -O2 -ffp-contract=off -fPIC -I plugins/abi/include -c plugins/examples/c/gyrostat.c
+ *   cc -std=c11 -O3 -ffp-contract=off -fPIC -I plugins/abi/include -c plugins/examples/c/gyrostat.c
  *   cc -shared -o libgyrostat.so gyrostat.o
  *   leafwise plugin check ./libgyrostat.so
  */

@@ -69,6 +69,7 @@ impl<T: ChartRealization> Realization for T {
         Ok(())
     }
 
+    #[inline]
     fn ends(&mut self, epsilon: f64, z: &[f64], out: &mut [f64]) -> Result<(), Fail> {
         let (x, p) = z.split_at(z.len() / 2);
         let (base, rest) = out.split_at_mut(x.len());
@@ -82,6 +83,7 @@ impl<T: ChartRealization> Realization for T {
         Ok(())
     }
 
+    #[inline]
     fn ends_jacobian(&mut self, epsilon: f64, z: &[f64], out: &mut [f64]) -> Result<(), Fail> {
         let (x, p) = z.split_at(z.len() / 2);
         let (target, increment) = out.split_at_mut(out.len() / 2);

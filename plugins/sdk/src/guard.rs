@@ -23,26 +23,39 @@ impl From<Fail> for Failure {
 ///
 /// # Safety
 /// `err` is NULL or what the ABI says of it.
+#[inline]
 pub(crate) unsafe fn guard(
     err: *mut LwError,
     call: impl FnOnce() -> Result<(), Failure>,
 ) -> LwStatus {
     match catch_unwind(AssertUnwindSafe(call)) {
         Ok(Ok(())) => LW_OK,
-        Ok(Err(Failure { point, fail })) => {
-            // SAFETY: the caller's promise on `err`.
-            unsafe { report(err, point, fail.ratio(), &fail.to_string()) };
-            fail.status()
-        }
-        Err(payload) => {
-            let text = format!("panic: {}", message(payload.as_ref()));
-            // Dropping what was thrown may panic again.
-            std::mem::forget(payload);
-            // SAFETY: the caller's promise on `err`.
-            unsafe { report(err, -1, 0.0, &text) };
-            LW_FATAL
-        }
+        // SAFETY: the caller's promise on `err`.
+        Ok(Err(failure)) => unsafe { failed(err, &failure) },
+        // SAFETY: as above.
+        Err(payload) => unsafe { panicked(err, payload) },
     }
+}
+
+/// # Safety
+/// `err` is NULL or what the ABI says of it.
+#[cold]
+unsafe fn failed(err: *mut LwError, Failure { point, fail }: &Failure) -> LwStatus {
+    // SAFETY: passed on to the caller.
+    unsafe { report(err, *point, fail.ratio(), &fail.to_string()) };
+    fail.status()
+}
+
+/// # Safety
+/// `err` is NULL or what the ABI says of it.
+#[cold]
+unsafe fn panicked(err: *mut LwError, payload: Box<dyn Any + Send>) -> LwStatus {
+    let text = format!("panic: {}", message(payload.as_ref()));
+    // Dropping what was thrown may panic again.
+    std::mem::forget(payload);
+    // SAFETY: passed on to the caller.
+    unsafe { report(err, -1, 0.0, &text) };
+    LW_FATAL
 }
 
 fn message(payload: &(dyn Any + Send)) -> &str {

@@ -92,6 +92,7 @@ unsafe extern "C" fn shim<T, M: Map<T>>(
 ///
 /// # Safety
 /// `input` describes readable memory.
+#[inline]
 unsafe fn read<'a>(input: &LwInput, i: usize, room: &'a mut Vec<f64>) -> &'a [f64] {
     if input.data.is_null() {
         return &[];
@@ -112,6 +113,7 @@ unsafe fn read<'a>(input: &LwInput, i: usize, room: &'a mut Vec<f64>) -> &'a [f6
 ///
 /// # Safety
 /// `output` describes writable memory that nothing else uses during the call.
+#[inline]
 unsafe fn write(
     output: &LwOutput,
     i: usize,

@@ -21,6 +21,7 @@ impl<'a> Input<'a> {
     };
 
     /// Vectors of `dim` coordinates one behind the other.
+    #[inline]
     pub(crate) fn points(data: &'a [f64], dim: usize) -> Self {
         Self {
             data,
@@ -56,18 +57,20 @@ impl<'a> Input<'a> {
     }
 
     /// The struct of the interface, where `count` vectors are there.
+    #[inline]
     pub(super) fn raw(&self, count: usize) -> LwInput {
-        let last = last_place(count, self.dim, self.point_stride, self.coordinate_stride);
-        assert!(
-            last.is_none_or(|last| last < self.data.len()),
-            "a whole batch"
-        );
+        if self.dim == 0 {
+            return LwInput {
+                data: std::ptr::null(),
+                dim: 0,
+                point_stride: 0,
+                coordinate_stride: 0,
+            };
+        }
+        let end = end(count, self.dim, self.point_stride, self.coordinate_stride);
+        assert!(end <= self.data.len(), "a whole batch");
         LwInput {
-            data: if self.dim == 0 {
-                std::ptr::null()
-            } else {
-                self.data.as_ptr()
-            },
+            data: self.data.as_ptr(),
             dim: self.dim,
             point_stride: self.point_stride,
             coordinate_stride: self.coordinate_stride,
@@ -86,6 +89,7 @@ pub(crate) struct Output<'a> {
 
 impl<'a> Output<'a> {
     /// Vectors of `dim` coordinates one behind the other.
+    #[inline]
     pub(crate) fn points(data: &'a mut [f64], dim: usize) -> Self {
         Self {
             data,
@@ -111,12 +115,10 @@ impl<'a> Output<'a> {
     }
 
     /// The struct of the interface, where there is room for `count` vectors.
+    #[inline]
     pub(super) fn raw(&mut self, count: usize) -> LwOutput {
-        let last = last_place(count, self.dim, self.point_stride, self.coordinate_stride);
-        assert!(
-            last.is_none_or(|last| last < self.data.len()),
-            "room for a batch"
-        );
+        let end = end(count, self.dim, self.point_stride, self.coordinate_stride);
+        assert!(end <= self.data.len(), "room for a batch");
         LwOutput {
             data: self.data.as_mut_ptr(),
             dim: self.dim,
@@ -125,26 +127,39 @@ impl<'a> Output<'a> {
         }
     }
 
+    /// Whether every number of the batch is finite.
+    #[inline]
+    pub(super) fn is_finite(&self, count: usize) -> bool {
+        // Without a branch, so that several are looked at at once: one more in the exponent of a number
+        // that is not finite is the sign's bit.
+        const UNIT: u64 = 1 << 52;
+        let above = |value: &f64| (value.to_bits() & EXPONENT) + UNIT;
+        let all = self.data.iter().fold(0, |any, value| any | above(value));
+        let is_dense = self.data.len() == count * self.dim;
+        all >> 63 == 0 || (!is_dense && self.first_not_finite(count).is_none())
+    }
+
     /// The first point and coordinate that is not finite, by the bits of the exponent.
     pub(super) fn first_not_finite(&self, count: usize) -> Option<(usize, usize)> {
-        const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
-        let is_finite = |value: &f64| value.to_bits() & EXPONENT != EXPONENT;
-        let is_dense = self.data.len() == count * self.dim;
-        if is_dense && self.data.iter().all(is_finite) {
-            return None;
-        }
         (0..count)
             .flat_map(|point| (0..self.dim).map(move |coordinate| (point, coordinate)))
             .find(|(point, coordinate)| {
                 let at = point * self.point_stride + coordinate * self.coordinate_stride;
-                !is_finite(&self.data[at])
+                self.data[at].to_bits() & EXPONENT == EXPONENT
             })
     }
 }
 
-/// The largest index that a batch touches.
-fn last_place(count: usize, dim: usize, point: usize, coordinate: usize) -> Option<usize> {
-    Some(count.checked_sub(1)? * point + dim.checked_sub(1)? * coordinate)
+/// The exponent's bits; all of them are set in a number that is not finite.
+const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
+
+/// One more than the largest index that a batch touches; 0 for none.
+#[inline]
+fn end(count: usize, dim: usize, point: usize, coordinate: usize) -> usize {
+    if count == 0 || dim == 0 {
+        return 0;
+    }
+    (count - 1) * point + (dim - 1) * coordinate + 1
 }
 
 #[cfg(test)]
@@ -155,16 +170,18 @@ mod tests {
     fn what_is_not_finite_is_found_by_point_and_coordinate() {
         for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -f64::NAN] {
             let mut values = [1.0, f64::MAX, 5e-324, -0.0, wrong, wrong];
-            assert_eq!(
-                Output::points(&mut values, 2).first_not_finite(3),
-                Some((2, 0))
-            );
-            assert_eq!(Output::points(&mut values, 2).first_not_finite(2), None);
+            let found = |output: Output<'_>, count: usize| {
+                let first = output.first_not_finite(count);
+                assert_eq!(output.is_finite(count), first.is_none());
+                first
+            };
+            assert_eq!(found(Output::points(&mut values, 2), 3), Some((2, 0)));
+            assert_eq!(found(Output::points(&mut values, 2), 2), None);
             let lanes = Output::strided(&mut values, 3, 1, 2);
-            assert_eq!(lanes.first_not_finite(2), Some((0, 2)));
+            assert_eq!(found(lanes, 2), Some((0, 2)));
             // Gaps are not looked at.
             let gaps = Output::strided(&mut values, 2, 2, 1);
-            assert_eq!(gaps.first_not_finite(2), None);
+            assert_eq!(found(gaps, 2), None);
         }
     }
 

@@ -30,6 +30,7 @@ impl Callee {
     }
 
     /// Evaluates a function, called `name` in messages.
+    #[inline]
     pub(super) fn evaluate(
         &mut self,
         name: &str,

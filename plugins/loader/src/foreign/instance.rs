@@ -115,36 +115,16 @@ impl Instance {
     }
 
     /// Evaluates a function; every result is finite.
+    #[inline]
     pub(crate) fn evaluate(
         &mut self,
         function: LwMapFn,
         call: &Call<'_>,
         mut output: Output<'_>,
     ) -> Result<(), CallFailure> {
-        self.evaluate_unchecked(function, call, &mut output)?;
-        match output.first_not_finite(call.count) {
-            None => Ok(()),
-            Some((point, coordinate)) => Err(CallFailure::NotFinite { point, coordinate }),
-        }
-    }
-
-    /// Evaluates a function, whatever the results.
-    fn evaluate_unchecked(
-        &mut self,
-        function: LwMapFn,
-        call: &Call<'_>,
-        output: &mut Output<'_>,
-    ) -> Result<(), CallFailure> {
-        let Some(function) = function else {
-            return Err(CallFailure::Unsupported {
-                message: "the part has no such function".to_owned(),
-            });
+        let (Some(function), false) = (function, self.is_broken) else {
+            return Err(self.not_called());
         };
-        if self.is_broken {
-            return Err(CallFailure::Broken {
-                message: "an earlier call broke this instance".to_owned(),
-            });
-        }
         let raw = LwMapCall {
             struct_size: size_of::<LwMapCall>() as u32,
             reserved: 0,
@@ -160,8 +140,29 @@ impl Instance {
         // SAFETY: the instance was made by this part and is not broken; every vector of the batch
         // lies in a live slice, the output in one that nothing else refers to.
         let status = unsafe { function(self.pointer, &raw, &mut error) };
+        if status == LW_OK && output.is_finite(call.count) {
+            return Ok(());
+        }
         self.is_broken = status == LW_FATAL;
-        failure(status, &error, &self.message)
+        failure(status, &error, &self.message)?;
+        match output.first_not_finite(call.count) {
+            None => Ok(()),
+            Some((point, coordinate)) => Err(CallFailure::NotFinite { point, coordinate }),
+        }
+    }
+
+    /// Why a function is not called.
+    #[cold]
+    fn not_called(&self) -> CallFailure {
+        if self.is_broken {
+            CallFailure::Broken {
+                message: "an earlier call broke this instance".to_owned(),
+            }
+        } else {
+            CallFailure::Unsupported {
+                message: "the part has no such function".to_owned(),
+            }
+        }
     }
 }
 
@@ -181,6 +182,7 @@ impl Drop for Instance {
 }
 
 /// Where a call says why it failed.
+#[inline]
 fn error_into(message: &mut [c_char; MESSAGE]) -> LwError {
     message[0] = 0;
     LwError {
@@ -191,6 +193,7 @@ fn error_into(message: &mut [c_char; MESSAGE]) -> LwError {
     }
 }
 
+#[cold]
 fn failure(
     status: LwStatus,
     error: &LwError,

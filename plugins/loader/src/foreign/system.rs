@@ -195,10 +195,15 @@ impl Worker {
             length if length == d => Input::shared(values),
             _ => Input::points(values, d),
         });
+        let count = if out.len() == results {
+            1
+        } else {
+            out.len() / results
+        };
         let call = Call {
             v,
             w,
-            ..Call::at(out.len() / results, 1.0, 0.0, y)
+            ..Call::at(count, 1.0, 0.0, y)
         };
         let output = Output::points(out, results);
         self.callee.evaluate(name, function, &call, output)

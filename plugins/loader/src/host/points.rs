@@ -1,4 +1,4 @@
-//! The points of a call by a plugin, one by one.
+//! The points of a call by a plugin, gathered in batches.
 
 use std::ffi::c_char;
 use std::mem::offset_of;
@@ -37,7 +37,7 @@ impl Shape {
     }
 }
 
-/// The vectors of one point.
+/// The vectors of a batch, one behind the other.
 #[derive(Debug, Default)]
 pub(super) struct Buffers {
     point: Vec<f64>,
@@ -46,14 +46,41 @@ pub(super) struct Buffers {
     output: Vec<f64>,
 }
 
-/// Evaluates `function(point, v, w, output)` at every point of a call.
+impl Buffers {
+    /// Evaluates `function` on the points from `from` on that are gathered here.
+    fn evaluate(
+        &mut self,
+        shape: Shape,
+        from: usize,
+        to: usize,
+        function: &mut impl FnMut(&[f64], &[f64], &[f64], &mut [f64]) -> Result<(), StepError>,
+    ) -> Result<(), StepError> {
+        let own = |values: &[f64], dim: usize| {
+            // Shorter than a batch: one vector that serves all points.
+            if values.len() < to * dim {
+                0..dim
+            } else {
+                from * dim..to * dim
+            }
+        };
+        function(
+            &self.point[from * shape.point..to * shape.point],
+            &self.v[own(&self.v, shape.v)],
+            &self.w[own(&self.w, shape.w)],
+            &mut self.output[from * shape.output..to * shape.output],
+        )
+    }
+}
+
+/// Evaluates `function(point, v, w, output)` at all points of a call, at most `most` of them at once:
+/// vectors stand one behind the other, but for v and w that serve all points.
 ///
 /// # Safety
 /// `call` is a call as the interface describes it; `err` is NULL or leads to an error.
-pub(super) unsafe fn each(
+pub(super) unsafe fn batches(
     call: *const LwMapCall,
     err: *mut LwError,
-    shape: Shape,
+    (shape, most): (Shape, usize),
     buffers: &mut Buffers,
     mut function: impl FnMut(&[f64], &[f64], &[f64], &mut [f64]) -> Result<(), StepError>,
 ) -> LwStatus {
@@ -67,46 +94,68 @@ pub(super) unsafe fn each(
         // SAFETY: passed on to the caller.
         return unsafe { fail(err, LW_ERROR, -1, 0.0, problem.unwrap_or_default()) };
     };
-    buffers.output.resize(shape.output, 0.0);
-    for at in 0..call.count {
+    let mut first = 0;
+    while first < call.count {
+        let count = (call.count - first).min(most);
+        let serves_all = |input: &LwInput| {
+            if input.point_stride == 0 { 1 } else { count }
+        };
         // SAFETY: the dimensions are those of the call.
         unsafe {
-            read(&call.point, shape.point, at, &mut buffers.point);
-            read(&call.v, shape.v, at, &mut buffers.v);
-            read(&call.w, shape.w, at, &mut buffers.w);
+            let (v, w) = (serves_all(&call.v), serves_all(&call.w));
+            read(&call.point, shape.point, first, count, &mut buffers.point);
+            read(&call.v, shape.v, first, v, &mut buffers.v);
+            read(&call.w, shape.w, first, w, &mut buffers.w);
         }
-        let result = function(&buffers.point, &buffers.v, &buffers.w, &mut buffers.output);
-        if let Err(error) = result {
+        buffers.output.resize(count * shape.output, 0.0);
+        if let Err(error) = buffers.evaluate(shape, 0, count, &mut function) {
+            // A batch that fails is taken again point by point, to tell which one does.
+            let found = (0..count).find_map(|at| {
+                let alone = buffers.evaluate(shape, at, at + 1, &mut function);
+                alone.err().map(|error| (Some(first + at), error))
+            });
+            let (point, error) = found.unwrap_or((None, error));
+            let point = point.and_then(|point| i64::try_from(point).ok());
             let (status, ratio) = match error {
                 StepError::LeftChart { ratio } => (LW_DISCARD, ratio),
                 StepError::NoConvergence { .. } => (LW_DISCARD, 0.0),
                 StepError::NoTangent => (LW_UNSUPPORTED, 0.0),
                 _ => (LW_ERROR, 0.0),
             };
-            let point = i64::try_from(at).unwrap_or(-1);
             // SAFETY: passed on to the caller.
-            return unsafe { fail(err, status, point, ratio, &error.to_string()) };
+            return unsafe { fail(err, status, point.unwrap_or(-1), ratio, &error.to_string()) };
         }
-        // SAFETY: the output has room for this point.
-        unsafe { write(&call.output, at, &buffers.output) };
+        // SAFETY: the output has room for these points.
+        unsafe { write(&call.output, shape.output, first, &buffers.output) };
+        first += count;
     }
     LW_OK
 }
 
-unsafe fn read(input: &LwInput, dim: usize, at: usize, into: &mut Vec<f64>) {
+/// Gathers the vectors of `count` points from `first` on.
+///
+/// # Safety
+/// `input` has as many vectors of dimension `dim`.
+unsafe fn read(input: &LwInput, dim: usize, first: usize, count: usize, into: &mut Vec<f64>) {
     into.clear();
-    for j in 0..dim {
-        let place = at * input.point_stride + j * input.coordinate_stride;
+    for at in first..first + count {
+        let places = (0..dim).map(|j| at * input.point_stride + j * input.coordinate_stride);
         // SAFETY: a coordinate of a point of the call.
-        into.push(unsafe { input.data.add(place).read() });
+        into.extend(places.map(|place| unsafe { input.data.add(place).read() }));
     }
 }
 
-unsafe fn write(output: &LwOutput, at: usize, values: &[f64]) {
-    for (j, value) in values.iter().enumerate() {
-        let place = at * output.point_stride + j * output.coordinate_stride;
-        // SAFETY: a coordinate of a point of the call.
-        unsafe { output.data.add(place).write(*value) };
+/// Hands over the vectors of the points from `first` on.
+///
+/// # Safety
+/// `output` has room for them.
+unsafe fn write(output: &LwOutput, dim: usize, first: usize, values: &[f64]) {
+    for (at, own) in values.chunks_exact(dim.max(1)).enumerate() {
+        for (j, value) in own.iter().enumerate() {
+            let place = (first + at) * output.point_stride + j * output.coordinate_stride;
+            // SAFETY: a coordinate of a point of the call.
+            unsafe { output.data.add(place).write(*value) };
+        }
     }
 }
 
@@ -190,41 +239,45 @@ mod tests {
             point: -1,
             ..LwError::empty()
         };
-        let mut evaluate = |function: &dyn Fn(f64) -> Result<(), StepError>| {
-            // SAFETY: the call's vectors live here, and so does the error.
-            unsafe {
-                each(
-                    &call,
-                    &mut error,
-                    shape,
-                    &mut Buffers::default(),
-                    |y, v, _, out| {
-                        out[0] = y[0] * v[0] + y[1] * v[1];
-                        function(y[0])
-                    },
-                )
-            }
-        };
-        assert_eq!(evaluate(&|_| Ok(())), LW_OK);
-        assert_eq!(
-            evaluate(&|x| if x > 1.0 {
-                Err(StepError::LeftChart { ratio: 4.0 })
-            } else {
-                Ok(())
-            }),
-            LW_DISCARD
-        );
-        assert_eq!((error.point, error.ratio), (1, 4.0));
+        for most in 1..4 {
+            let mut evaluate = |function: &dyn Fn(f64) -> Result<(), StepError>| {
+                // SAFETY: the call's vectors live here, and so does the error.
+                unsafe {
+                    batches(
+                        &call,
+                        &mut error,
+                        (shape, most),
+                        &mut Buffers::default(),
+                        |y, v, _, out| {
+                            assert_eq!((y.len(), v.len()), (2 * out.len(), 2));
+                            assert!(out.len() <= most);
+                            for (out, y) in out.iter_mut().zip(y.chunks_exact(2)) {
+                                *out = y[0] * v[0] + y[1] * v[1];
+                                function(y[0])?;
+                            }
+                            Ok(())
+                        },
+                    )
+                }
+            };
+            assert_eq!(evaluate(&|_| Ok(())), LW_OK);
+            let left = |x: f64| match x > 1.0 {
+                true => Err(StepError::LeftChart { ratio: 4.0 }),
+                false => Ok(()),
+            };
+            assert_eq!(evaluate(&left), LW_DISCARD);
+            assert_eq!((error.point, error.ratio), (1, 4.0));
+        }
         assert_eq!(results, [6.0, -1.0, 12.0, -1.0, 18.0, -1.0]);
         assert_eq!(text.map(|c| c as u8), *b"the ste\0");
         call.output.dim = 2;
         // SAFETY: as above; the call is refused before anything is written.
         let status = unsafe {
             let error = std::ptr::null_mut();
-            each(
+            batches(
                 &call,
                 error,
-                shape,
+                (shape, 1),
                 &mut Buffers::default(),
                 |_, _, _, _| Ok(()),
             )

@@ -14,7 +14,7 @@ use leafwise_plugin_abi::{
     LwHostRealization, LwMapCall, LwRealization, LwStatus,
 };
 
-use super::points::{Buffers, Shape, each, fail};
+use super::points::{Buffers, Shape, batches, fail};
 
 /// What is compiled of a realization once, for all instances that it is lent to.
 #[derive(Clone, Debug)]
@@ -249,7 +249,7 @@ unsafe fn evaluate(
     }
     // SAFETY: nobody else is between the two changes of `is_called`.
     let state = unsafe { &mut *shared.state.get() };
-    // SAFETY: passed on to the caller; a NULL call is refused by `each`.
+    // SAFETY: passed on to the caller; a NULL call is refused by `batches`.
     let epsilon = unsafe { call.as_ref() }.map_or(1.0, |call| call.epsilon);
     let known = state
         .workers
@@ -269,7 +269,8 @@ unsafe fn evaluate(
     let shape = shape(realization.dimension(), realization.space_dimension());
     // SAFETY: passed on to the caller.
     let status = unsafe {
-        each(call, err, shape, &mut state.buffers, |point, v, _, out| {
+        let buffers = &mut state.buffers;
+        batches(call, err, (shape, 1), buffers, |point, v, _, out| {
             function(&mut evaluator, [point, v], out)
         })
     };

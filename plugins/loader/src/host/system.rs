@@ -8,7 +8,10 @@ use leafwise_core::system::{Derivatives, NumbersWorker};
 use leafwise_core::{BuildError, PoissonSystem, StepError};
 use leafwise_plugin_abi::{LW_ERROR, LwError, LwHostSystem, LwMapCall, LwStatus, LwSystem};
 
-use super::points::{Buffers, Shape, each, fail};
+use super::points::{Buffers, Shape, batches, fail};
+
+/// Points that are handed over to a worker at once, at most.
+const BATCH: usize = 64;
 
 /// The system of one instance, lent from `create` to `destroy`.
 pub(crate) struct HostSystem {
@@ -157,7 +160,8 @@ unsafe fn evaluate(
     let worker = state.worker.as_mut();
     // SAFETY: passed on to the caller.
     let status = unsafe {
-        each(call, err, shape, &mut state.buffers, |y, v, w, out| {
+        let buffers = &mut state.buffers;
+        batches(call, err, (shape, BATCH), buffers, |y, v, w, out| {
             function(worker, [y, v, w], out)
         })
     };

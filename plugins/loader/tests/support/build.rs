@@ -42,7 +42,7 @@ impl Workshop {
 
     /// Compiles `tests/fixtures/NAME.c` (or a path from there), as plugins are.
     pub fn compile(&self, name: &str) -> PathBuf {
-        self.compile_with(name, &["-O2", "-ffp-contract=off"])
+        self.compile_with(name, &["-O3", "-ffp-contract=off"])
     }
 
     /// Compiles with other options.
