@@ -52,6 +52,11 @@ impl Parts {
         loaded.map_err(|error| Failure::plugin(error, None))
     }
 
+    /// Whether plugins are forbidden.
+    pub fn are_off(&self) -> bool {
+        self.loader.is_off()
+    }
+
     /// The folders in which plugins are looked for by name.
     pub fn search(&self) -> &SearchPath {
         self.loader.search()

@@ -171,6 +171,105 @@ fn plugins_can_be_forbidden() {
     assert_eq!(with("").code, Some(0));
 }
 
+/// Every bad argument has its own words and one of the documented codes.
+#[test]
+fn bad_arguments_of_the_plugin_commands_are_told_apart() {
+    let (here, workshop) = (Place::new(), Workshop::new());
+    let library = workshop.compile("still");
+    let good = library.to_str().expect("UTF-8");
+    here.write("notes.txt", "just some text");
+    here.write("text.so", "just some text");
+    here.write("empty.so", "");
+    fs::create_dir(here.path("folder")).expect("a writable folder");
+    for (arguments, code, text) in [
+        (
+            &["check"][..],
+            2,
+            "the following required arguments were not provided:\n  <PATH>",
+        ),
+        (
+            &["check", ""],
+            2,
+            "a value is required for '<PATH>' but none was supplied",
+        ),
+        (&["check", good, good], 2, "unexpected argument"),
+        (
+            &["check", "--bogus", good],
+            2,
+            "unexpected argument '--bogus' found",
+        ),
+        (&["list", good], 2, "unexpected argument"),
+        (
+            &["list", "--bogus"],
+            2,
+            "unexpected argument '--bogus' found",
+        ),
+        (&["chekc", good], 2, "unrecognized subcommand 'chekc'"),
+        (
+            &["check", "./missing.so"],
+            4,
+            "missing.so: there is no such file",
+        ),
+        (
+            &["check", "missing"],
+            4,
+            "plugin missing: no folder of the search path holds it: ",
+        ),
+        (&["check", "folder"], 4, "something of that name lies here"),
+        (
+            &["check", "notes.txt"],
+            4,
+            "something of that name lies here",
+        ),
+        (
+            &["check", "./folder"],
+            4,
+            "folder: it is not a regular file",
+        ),
+        (
+            &["check", "/dev/null"],
+            4,
+            "/dev/null: it is not a regular file",
+        ),
+        (
+            &["check", "./text.so"],
+            4,
+            "not a shared library (first bytes [6a, 75, ",
+        ),
+        (
+            &["check", "./empty.so"],
+            4,
+            "not a shared library (the file is empty)",
+        ),
+        (
+            &["check", good, "--no-plugins"],
+            4,
+            "plugins are switched off",
+        ),
+    ] {
+        let arguments: Vec<&str> = [&["plugin"], arguments].concat();
+        let said = leafwise(&here, &arguments);
+        assert_eq!(said.code, Some(code), "{arguments:?}: {}", said.err);
+        said.says(&[text]);
+        assert_eq!(said.out, "", "{arguments:?}");
+    }
+    // With --json the reason is a value too.
+    for (path, reason) in [("./missing.so", "no-such-file"), ("./folder", "not-a-file")] {
+        let said = leafwise(&here, &["plugin", "check", path, "--json"]);
+        assert_eq!(said.json()["error"]["refusal"], reason);
+    }
+    // Listing loads nothing and so refuses nothing, but says that nothing is looked for.
+    let said = leafwise(&here, &["plugin", "list", "--no-plugins"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(
+        said.out.contains("plugins are switched off"),
+        "{}",
+        said.out
+    );
+    let said = leafwise(&here, &["plugin", "list", "--no-plugins", "--json"]);
+    assert_eq!(said.json()["switched_off"], true);
+}
+
 #[test]
 fn names_are_looked_for_in_the_search_path_and_read_without_being_run() {
     let (here, workshop) = (Place::new(), Workshop::new());
@@ -268,10 +367,13 @@ fn parts_of_two_libraries_run_and_pass_verify() {
         assert_eq!(plugin["abi"], "1.0");
     }
     assert_eq!(manifest["system"]["path"], "numbers");
+    assert_eq!(manifest["parts"][0]["path"], "numbers");
+    assert_eq!(manifest["path"], "numbers, by calls; workers");
     let said = leafwise(&here, &["check", "scene.toml", "--json"]);
     assert_eq!(said.code, Some(0), "{}", said.err);
     assert_eq!(said.json()["jacobi"]["verdict"], "numerically zero");
-    let said = leafwise(&here, &["verify", "scene.toml", "--json"]);
+    let verify = ["verify", "scene.toml", "--json", "--html", "page.html"];
+    let said = leafwise(&here, &verify);
     let json = said.json();
     let rows = json["rows"].as_array().expect("rows");
     let broken: Vec<_> = rows.iter().filter(|row| row["met"] != true).collect();
@@ -287,6 +389,107 @@ fn parts_of_two_libraries_run_and_pass_verify() {
         assert_eq!(row["measured"]["judgements"]["structure"], "met", "{row:#}");
         assert_eq!(row["measured"]["judgements"]["order"], "met", "{row:#}");
     }
+    // What does not fit is told in full here, and a reason at a time to a reader.
+    let refused = json["refused"].as_array().expect("combinations");
+    let lacking = |entry: &&serde_json::Value| {
+        let reason = entry["reason"].as_str().unwrap_or_default();
+        reason.contains("needs formulas of the system")
+    };
+    assert!(refused.iter().filter(lacking).count() > 10, "{refused:#?}");
+    let page = here.read("page.html");
+    let reason = "formulas of the system are needed, and example-c/gyrostat offers only numbers";
+    assert_eq!(page.matches(reason).count(), 1);
+    assert!(page.contains("<b>constant, darboux-magnetic, "), "{page}");
+}
+
+/// Which parts computed by formulas and which by calls is read off the manifest.
+#[test]
+fn a_manifest_tells_the_path_that_was_taken() {
+    let (here, workshop) = (Place::new(), Workshop::new());
+    let gyrostat = workshop.compile("../../../examples/c/gyrostat");
+    let steps = workshop.compile("steps");
+    let rust = rust_example();
+    let rodrigues = |path: &str| {
+        format!(
+            "realization = {{ name = \"example/so3-rodrigues\", path = \"{path}\" }}\n\
+             dynamics = {{ name = \"hamilton-jacobi\", order = 2 }}"
+        )
+    };
+    let collocated = "realization = \"karasev-collocated\"\n\
+                      dynamics = { name = \"hamilton-jacobi\", order = 2 }";
+    let composed = format!("{collocated}\ncomposition = \"suzuki-4\"");
+    let (body, own) = ("rigid-body", "example-c/gyrostat");
+    let compiled = "expressions, compiled to straight-line code";
+    for (system, method, path, parts) in [
+        (
+            body,
+            rodrigues("expressions"),
+            format!("{compiled}; one kernel; "),
+            &["expressions"; 2][..],
+        ),
+        (
+            body,
+            rodrigues("numbers"),
+            format!(
+                "numbers, by calls: realization; {compiled}: system, dynamic approximation; workers; "
+            ),
+            &["numbers", "expressions"],
+        ),
+        (
+            own,
+            rodrigues("expressions"),
+            format!(
+                "numbers, by calls: system, dynamic approximation; {compiled}: realization; workers; "
+            ),
+            &["expressions", "numbers"],
+        ),
+        (
+            own,
+            collocated.to_owned(),
+            "numbers, by calls; fused".to_owned(),
+            &["numbers"; 2],
+        ),
+        (
+            own,
+            composed,
+            "numbers, by calls; fused".to_owned(),
+            &["numbers"; 2],
+        ),
+        (
+            own,
+            "stepper = \"rk4\"".to_owned(),
+            "numbers, by calls; a step map of its own".to_owned(),
+            &["numbers"],
+        ),
+        (
+            body,
+            "stepper = \"steps/heun\"".to_owned(),
+            format!("numbers, by calls: stepper; {compiled}: system; a step map of its own; "),
+            &["numbers"],
+        ),
+    ] {
+        let libraries = [&gyrostat, &steps, &rust].map(|library| library.as_path());
+        let system = format!("library = \"{system}\"");
+        here.write(
+            "scene.toml",
+            &scene(&libraries, &system, &method, "[0.3, 1, -0.7]"),
+        );
+        let said = leafwise(&here, &["run", "scene.toml", "--force"]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        let manifest = here.read("runs/scene/manifest.json");
+        let manifest: serde_json::Value = serde_json::from_str(&manifest).expect("JSON");
+        let said = manifest["path"].as_str().expect("a path");
+        assert!(said.starts_with(&path), "{said}\nand not\n{path}");
+        assert!(said == path || path.ends_with("; "), "{said}");
+        for (part, path) in manifest["parts"]
+            .as_array()
+            .expect("parts")
+            .iter()
+            .zip(parts)
+        {
+            assert_eq!(part["path"], *path, "{part:#}");
+        }
+    }
 }
 
 /// What was begun with one file of a plugin is not continued with another.
@@ -297,15 +500,16 @@ fn a_run_is_not_continued_with_another_file_of_a_plugin() {
     let system = "library = \"formulas/pendulum\"";
     let method = "realization = \"auto\"\ndynamics = { name = \"hamilton-jacobi\", order = 2 }";
     let text = scene(&[&library], system, method, "[1, 0]");
-    let text = text.replace("steps = 200", "steps = 2000000\nrecord = { every = 100 }");
+    let text = text.replace("steps = 200", "steps = 20000000\nrecord = { every = 1000 }");
     here.write("scene.toml", &text);
     let mut child = command(&here, &["run", "scene.toml"])
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
         .expect("the program starts");
-    let checkpoint = here.path("runs/scene/checkpoint.bin");
-    wait_for(|| checkpoint.exists(), "the first checkpoint");
+    // Written behind the first checkpoint.
+    let manifest = here.path("runs/scene/manifest.json");
+    wait_for(|| manifest.exists(), "the manifest");
     child.kill().expect("killed");
     child.wait().expect("an end");
     let first = fs::read(&library).expect("the library");
@@ -392,4 +596,72 @@ fn the_examples_pass_their_check() {
         "Casimir population",
     ];
     has(&check(&rust), &pieces);
+}
+
+/// The fenced blocks of `docs/plugins.md` as one script: commands as they stand, scenes written to the
+/// file that their first line names.
+fn page_as_script(root: &Path) -> String {
+    let page = fs::read_to_string(root.join("docs/plugins.md")).expect("the page");
+    let mut script = String::from("set -e\ntop=$PWD\n");
+    let mut open: Option<&str> = None;
+    for line in page.lines() {
+        match (open, line.strip_prefix("```")) {
+            (None, Some("sh")) => open = Some("sh"),
+            (None, Some(kind)) => open = Some(kind),
+            (Some("toml"), Some(_)) => {
+                script.push_str("EOF\n");
+                open = None;
+            }
+            (Some(_), Some(_)) => open = None,
+            (Some("toml"), None) => match line.strip_prefix("# ") {
+                Some(file) => script.push_str(&format!("cat > \"$top/{file}\" <<'EOF'\n")),
+                None => script.push_str(&format!("{line}\n")),
+            },
+            (Some("sh"), None) => script.push_str(&format!("{line}\n")),
+            _ => {}
+        }
+    }
+    script
+}
+
+/// From nothing to a loaded part, by the page's own words.
+#[test]
+fn every_command_of_the_page_works_as_written() {
+    let here = Place::new();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let root = root.canonicalize().expect("the checkout");
+    std::os::unix::fs::symlink(&root, here.path("leafwise")).expect("a link");
+    fs::create_dir(here.path("bin")).expect("a folder");
+    let program = env!("CARGO_BIN_EXE_leafwise");
+    std::os::unix::fs::symlink(program, here.path("bin/leafwise")).expect("a link");
+    let path = std::env::var("PATH").unwrap_or_default();
+    let output = Command::new("sh")
+        .args(["-c", &page_as_script(&root)])
+        .current_dir(here.path("."))
+        .env("PATH", format!("{}:{path}", here.path("bin").display()))
+        .env("XDG_CACHE_HOME", here.path("cache"))
+        .env("XDG_DATA_HOME", here.path("data"))
+        .env_remove("LEAFWISE_PLUGIN_PATH")
+        .env_remove("LEAFWISE_NO_PLUGINS")
+        .env_remove("CARGO_TARGET_DIR")
+        .output();
+    let said = Said::from(output.expect("a shell"));
+    assert_eq!(said.code, Some(0), "{}{}", said.out, said.err);
+    let count = |text: &str| said.out.matches(text).count() + said.err.matches(text).count();
+    assert_eq!(
+        count("nothing that is declared is broken"),
+        3,
+        "{}",
+        said.out
+    );
+    assert_eq!(count("done: 1 000 steps"), 2, "{}", said.out);
+    assert!(count("my/oscillator") >= 2, "{}", said.out);
+    for manifest in [
+        "my-plugin/runs/my/manifest.json",
+        "runs/gyrostat/manifest.json",
+    ] {
+        let manifest: serde_json::Value = serde_json::from_str(&here.read(manifest)).expect("JSON");
+        assert_eq!(manifest["path"], "numbers, by calls; fused");
+        assert_eq!(manifest["plugins"][0]["abi"], "1.0");
+    }
 }

@@ -80,7 +80,7 @@ impl Place<'_> {
         variables: &[String],
     ) -> Finding {
         let floor = check.floor.map_or_else(String::new, |floor| {
-            format!(" (by differences, which tell {floor:.1e})")
+            format!(" (by differences, which tell it down to {floor:.1e})")
         });
         let (found, judgement) = match check.verdict {
             Verdict::Proved => ("proved".to_owned(), Judgement::Met),

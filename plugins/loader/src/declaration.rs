@@ -115,6 +115,11 @@ impl std::fmt::Display for Dimensions {
 pub struct Flags(pub(crate) u32);
 
 impl Flags {
+    /// The promises with these `LW_FLAG_…` bits.
+    pub fn new(bits: u32) -> Self {
+        Self(bits)
+    }
+
     fn has(self, flag: u32) -> bool {
         self.0 & flag != 0
     }

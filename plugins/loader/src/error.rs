@@ -37,13 +37,16 @@ pub enum Refusal {
     NoSuchFile,
     /// A name without a folder that no folder of the search path holds.
     #[error(
-        "no folder of the search path holds it: {}; give a path with a `/`, or set \
+        "no folder of the search path holds it: {}; {}give a path with a `/`, or set \
          LEAFWISE_PLUGIN_PATH",
-        list(.searched)
+        list(.searched),
+        if *.is_here { "something of that name lies here, where nothing is searched for: " } else { "" }
     )]
     NotFound {
         /// The folders, in the order searched.
         searched: Vec<PathBuf>,
+        /// Whether the path, taken from the scene's folder, leads to something.
+        is_here: bool,
     },
     /// The file cannot be read.
     #[error("the file cannot be read: {message}")]

@@ -73,7 +73,8 @@ impl SearchPath {
             }
         }
         let searched = self.folders.clone();
-        Err(Refusal::NotFound { searched }.of(asked))
+        let is_here = path.exists();
+        Err(Refusal::NotFound { searched, is_here }.of(asked))
     }
 
     /// Every shared library in the folders, each file once, sorted within a folder.
@@ -178,7 +179,15 @@ mod tests {
         let asked = Path::new("Cargo.toml");
         let error = path.find(asked, Path::new("."));
         let error = error.expect_err("not searched");
-        assert!(matches!(error.refusal, Refusal::NotFound { .. }));
+        let searched = Vec::new();
+        let is_here = true;
+        assert_eq!(error.refusal, Refusal::NotFound { searched, is_here });
+        assert!(
+            error.to_string().contains(
+                "something of that name lies here, where nothing is searched for: give a path with a `/`"
+            ),
+            "{error}"
+        );
         assert!(error.to_string().contains("there is none"), "{error}");
     }
 

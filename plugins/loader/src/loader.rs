@@ -111,6 +111,11 @@ impl Loader {
         &self.search
     }
 
+    /// Whether it loads nothing.
+    pub fn is_off(&self) -> bool {
+        self.is_off
+    }
+
     /// Loads a plugin and registers its parts, all or none; `base` is the folder that a relative path
     /// starts from.
     ///

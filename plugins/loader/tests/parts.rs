@@ -8,99 +8,15 @@ mod twins;
 
 use std::sync::Arc;
 
-use leafwise_core::system::{Casimir, Parameter};
 use leafwise_core::{
-    BuildError, Convention, Integrator, Method, Part, PartParameters, PoissonSystem,
-    RealizationData, Registry, StepError, StepMap, Structure,
+    Convention, Integrator, Method, Part, PartParameters, PoissonSystem, RealizationData, Registry,
+    StepError, StepMap, Structure,
 };
 use leafwise_expression::syntax::{Formula, Scope};
 use support::build::{Workshop, rust_example};
+use support::orbits::{START, distance, end, method, orbit, realization, rigid_body};
 use support::{built_in, load};
 use twins::{HeunTwin, RodriguesTwin, gyrostat_twin};
-
-/// The rigid body by formulas, with moments of inertia as parameters.
-fn rigid_body() -> PoissonSystem {
-    let names = ["x1", "x2", "x3"];
-    let parameters = [("I1", 1.0), ("I2", 0.75), ("I3", 1.25)];
-    let scope = Scope::new()
-        .with_variables(&names)
-        .with_parameters(&parameters.map(|(name, _)| name));
-    let formula = |text: &str| {
-        let formula = Formula::parse(text).expect("a formula");
-        formula
-            .resolve(&scope, None)
-            .expect("known names")
-            .expect("no boundary")
-    };
-    PoissonSystem::new(
-        names.map(str::to_owned).to_vec(),
-        parameters
-            .map(|(name, value)| Parameter {
-                name: name.to_owned(),
-                value,
-            })
-            .to_vec(),
-        [
-            ((0, 1), formula("-x3")),
-            ((0, 2), formula("x2")),
-            ((1, 2), formula("-x1")),
-        ],
-        formula("x1^2/(2*I1) + x2^2/(2*I2) + x3^2/(2*I3)"),
-        vec![Casimir {
-            name: "spin".to_owned(),
-            expression: formula("x1^2 + x2^2 + x3^2"),
-        }],
-        Convention::HamiltonianFirst,
-    )
-    .expect("a system")
-}
-
-fn realization(
-    registry: &Registry,
-    name: &str,
-    system: &PoissonSystem,
-    parameters: PartParameters,
-) -> Result<Arc<dyn RealizationData>, BuildError> {
-    registry.realization(name)?.build(system, &parameters)
-}
-
-fn method(
-    registry: &Registry,
-    system: &PoissonSystem,
-    realization: Arc<dyn RealizationData>,
-    (dynamics, order): (&str, Option<i64>),
-) -> Result<Method, BuildError> {
-    let parameters = match order {
-        Some(order) => PartParameters::new().with("order", order),
-        None => PartParameters::new(),
-    };
-    let dynamics = registry.dynamics(dynamics)?.build(&parameters)?;
-    Method::compose(system, realization, dynamics)
-}
-
-const START: [f64; 3] = [0.3, 1.0, -0.7];
-
-/// The states after `steps` steps of 0.1.
-fn orbit(system: &PoissonSystem, map: &dyn StepMap, steps: usize) -> Vec<[u64; 3]> {
-    let mut integrator = Integrator::new(map, &system.parameter_values(), 1.0, 0.1, &START);
-    (0..steps)
-        .map(|_| {
-            integrator.step().expect("a step");
-            [0, 1, 2].map(|i| integrator.state()[i].to_bits())
-        })
-        .collect()
-}
-
-/// The end of a trajectory as numbers.
-fn end(orbit: &[[u64; 3]]) -> [f64; 3] {
-    orbit[orbit.len() - 1].map(f64::from_bits)
-}
-
-/// The largest difference of two ends.
-fn distance(a: &[[u64; 3]], b: &[[u64; 3]]) -> f64 {
-    let (a, b) = (end(a), end(b));
-    (0..3).fold(0.0, |largest, i| (a[i] - b[i]).abs().max(largest))
-}
 
 #[test]
 fn a_realization_of_numbers_steps_to_the_same_bits_loaded_or_compiled_in() {

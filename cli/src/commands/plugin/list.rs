@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use leafwise::plugins::Refusal;
 use leafwise::plugins::side_file::{self, SideFile};
 use serde_json::{Value, json};
 
@@ -21,6 +22,14 @@ pub fn execute(
     console: &mut Console<'_>,
 ) -> Result<u8, Failure> {
     let parts = Parts::new(plugins)?;
+    if parts.are_off() {
+        if arguments.json {
+            console.json(&json!({ "switched_off": true, "folders": [], "plugins": [] }));
+        } else {
+            console.result(&format!("{}: none is looked for", Refusal::SwitchedOff));
+        }
+        return Ok(exit::DONE);
+    }
     let folders = parts.search().folders();
     let found: Vec<(PathBuf, Result<Option<SideFile>, String>)> = parts
         .search()
@@ -33,7 +42,7 @@ pub fn execute(
         .collect();
     if arguments.json {
         let list: Vec<Value> = found.iter().map(|(path, side)| entry(path, side)).collect();
-        console.json(&json!({ "folders": folders, "plugins": list }));
+        console.json(&json!({ "switched_off": false, "folders": folders, "plugins": list }));
         return Ok(exit::DONE);
     }
     if found.is_empty() {

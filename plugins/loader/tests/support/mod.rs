@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
 pub mod build;
+pub mod orbits;
 
 use std::path::Path;
 use std::time::Duration;

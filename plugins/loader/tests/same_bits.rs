@@ -1,0 +1,278 @@
+//! One part compiled in and loaded: the same bits along the same path, for the kinds that `parts` does
+//! not try so.
+
+#![cfg(unix)]
+
+mod support;
+#[path = "support/twins.rs"]
+mod twins;
+
+use std::sync::Arc;
+
+use leafwise_core::part::ParameterSetting;
+use leafwise_core::part_description::{ParameterDescription, PartDescription};
+use leafwise_core::system::NumbersWorker;
+use leafwise_core::{
+    BisectionWorker, BuildError, DynamicApproximation, Integrator, LagrangianBisection, Method,
+    OneFormWorker, Origin, PartKind, PartParameters, PoissonSystem, RealizationData, Registry,
+    StepError, StepMap,
+};
+use leafwise_plugin_abi::{
+    LW_FLAG_NOT_SELF_ADJOINT, LW_FLAG_SELF_ADJOINT, LW_STRUCTURE_EXACT, LW_STRUCTURE_NONE,
+};
+use leafwise_plugin_loader::PartDeclaration;
+use leafwise_plugin_loader::declaration::{Dimensions, Flags};
+use support::build::Workshop;
+use support::orbits::{method, orbit, realization, rigid_body};
+use support::{built_in, load};
+use twins::gyrostat_twin;
+
+/// y ↦ (y, h ∇H(y)) of the C fixture `bisections`, as an embedding or as a one-form.
+#[derive(Clone, Copy, Debug)]
+struct Shear {
+    is_one_form: bool,
+}
+
+#[derive(Debug)]
+struct ShearBisection {
+    system: PoissonSystem,
+    is_one_form: bool,
+}
+
+struct ShearWorker {
+    numbers: Box<dyn NumbersWorker>,
+    h: f64,
+    y: Vec<f64>,
+}
+
+impl DynamicApproximation for Shear {
+    fn order(&self) -> usize {
+        2
+    }
+    fn self_adjoint(&self) -> Option<bool> {
+        Some(true)
+    }
+    fn describe(&self) -> String {
+        "shear".to_owned()
+    }
+    fn bisection(
+        &self,
+        system: &PoissonSystem,
+        _: &Arc<dyn RealizationData>,
+    ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
+        Ok(Arc::new(ShearBisection {
+            system: system.clone(),
+            is_one_form: self.is_one_form,
+        }))
+    }
+}
+
+impl ShearBisection {
+    fn shear(&self, parameters: &[f64], h: f64) -> ShearWorker {
+        ShearWorker {
+            numbers: self.system.numbers().expect("formulas").worker(parameters),
+            h,
+            y: vec![0.0; self.system.dimension()],
+        }
+    }
+}
+
+impl LagrangianBisection for ShearBisection {
+    fn worker(&self, parameters: &[f64], _: f64, h: f64) -> Option<Box<dyn BisectionWorker>> {
+        Some(Box::new(self.shear(parameters, h)))
+    }
+    fn one_form(&self, parameters: &[f64], _: f64, h: f64) -> Option<Box<dyn OneFormWorker>> {
+        let form: Box<dyn OneFormWorker> = Box::new(self.shear(parameters, h));
+        self.is_one_form.then_some(form)
+    }
+}
+
+impl ShearWorker {
+    fn form(&mut self, y: &[f64], p: &mut [f64]) -> Result<(), StepError> {
+        self.y.copy_from_slice(y);
+        self.numbers.gradient(y, p)?;
+        p.iter_mut().for_each(|p| *p *= self.h);
+        Ok(())
+    }
+
+    /// h D²H in the rows of a matrix from `first` on.
+    fn hessian(&mut self, first: usize, matrix: &mut [f64]) -> Result<(), StepError> {
+        let d = self.y.len();
+        let mut column = vec![0.0; d];
+        for k in 0..d {
+            let unit: Vec<f64> = (0..d).map(|j| f64::from(u8::from(j == k))).collect();
+            self.numbers.hessian(&self.y, &unit, &mut column)?;
+            for (j, value) in column.iter().enumerate() {
+                matrix[(first + j) * d + k] = self.h * value;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl BisectionWorker for ShearWorker {
+    fn point(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
+        let (x, p) = z.split_at_mut(y.len());
+        x.copy_from_slice(y);
+        self.form(y, p)
+    }
+    fn tangent(&mut self, tangent: &mut [f64]) -> Result<(), StepError> {
+        let d = self.y.len();
+        tangent.fill(0.0);
+        (0..d).for_each(|i| tangent[i * d + i] = 1.0);
+        self.hessian(d, tangent)
+    }
+}
+
+impl OneFormWorker for ShearWorker {
+    fn value(&mut self, y: &[f64], p: &mut [f64]) -> Result<(), StepError> {
+        self.form(y, p)
+    }
+    fn jacobian(&mut self, jacobian: &mut [f64]) -> Result<(), StepError> {
+        self.hessian(0, jacobian)
+    }
+}
+
+#[test]
+fn dynamics_of_numbers_step_to_the_same_bits_loaded_or_compiled_in() {
+    let workshop = Workshop::new();
+    let mut registry = built_in();
+    load(&workshop.compile("bisections"), None, &mut registry).expect("six parts");
+    let system = rigid_body();
+    for (name, is_one_form, on, path) in [
+        ("bisections/embedding", false, "so3-cayley", "workers"),
+        ("bisections/one-form", true, "so3-cayley", "workers"),
+        ("bisections/one-form", true, "karasev-collocated", "fused"),
+    ] {
+        let on = || realization(&registry, on, &system, PartParameters::new()).expect("it fits");
+        let here = Method::compose(&system, on(), Arc::new(Shear { is_one_form }));
+        let here = here.expect("a method");
+        let there = method(&registry, &system, on(), (name, None)).expect("a method");
+        assert_eq!([here.path(), there.path()], [path, path]);
+        let orbits = [&here, &there].map(|method| orbit(&system, method, 300));
+        assert_eq!(orbits[0], orbits[1], "{name}");
+    }
+}
+
+#[test]
+fn a_system_of_numbers_serves_steppers_to_the_same_bits_loaded_or_compiled_in() {
+    use leafwise_reference as _;
+    let workshop = Workshop::new();
+    let mut registry = Registry::with_builtin();
+    let library = workshop.compile("../../../examples/c/gyrostat");
+    load(&library, None, &mut registry).expect("the example");
+    let part = registry.system("example-c/gyrostat").expect("the gyrostat");
+    let loaded = part.build(&PartParameters::new()).expect("its defaults");
+    let here = gyrostat_twin(&loaded);
+    for name in ["rk4", "gauss", "implicit-midpoint", "dop853"] {
+        let stepper = registry.stepper(name).expect("built in");
+        let run = |system: &PoissonSystem| {
+            let map = stepper.build(system, &PartParameters::new());
+            orbit(system, map.expect("it serves numbers").as_ref(), 300)
+        };
+        assert_eq!(run(&loaded), run(&here), "{name}");
+    }
+}
+
+/// A part by formulas, written here and not read from a library.
+fn declared(name: &str, kind: PartKind, formulas: &[(&str, &str)]) -> PartDeclaration {
+    let strength = ParameterDescription {
+        name: "strength".to_owned(),
+        summary: "the pull at the lowest point".to_owned(),
+        default: ParameterSetting::Real(1.5),
+    };
+    let (order, structure, most, flags) = match kind {
+        PartKind::Dynamics => (2, LW_STRUCTURE_NONE, Some(2), LW_FLAG_SELF_ADJOINT),
+        PartKind::Stepper => (1, LW_STRUCTURE_EXACT, None, LW_FLAG_NOT_SELF_ADJOINT),
+        _ => (0, LW_STRUCTURE_NONE, None, 0),
+    };
+    PartDeclaration {
+        description: PartDescription {
+            name: name.to_owned(),
+            kind,
+            summary: String::new(),
+            declares: String::new(),
+            domain: String::new(),
+            literature: String::new(),
+            parameters: vec![strength],
+        },
+        order,
+        structure,
+        dimensions: Dimensions {
+            least: most.unwrap_or(1),
+            most,
+        },
+        flags: Flags::new(flags),
+        formulas: formulas
+            .iter()
+            .map(|(key, text)| ((*key).to_owned(), (*text).to_owned()))
+            .collect(),
+        functions: None,
+    }
+}
+
+/// The formulas of the C fixture `formulas`, once through its tables and once from this file.
+#[test]
+fn formulas_step_to_the_same_bits_loaded_or_compiled_in() {
+    let workshop = Workshop::new();
+    let mut loaded = built_in();
+    load(&workshop.compile("formulas"), None, &mut loaded).expect("three parts");
+    let mut here = built_in();
+    let pendulum = [
+        ("variables", "q, v"),
+        ("bracket.q,v", "-1"),
+        ("hamiltonian", "v^2/2 - strength*cos(q)"),
+    ];
+    let energy = [("S.1", "x2^2/2 - strength*cos(x1)")];
+    let euler = [
+        ("increment.1", "epsilon*h*(x2 - epsilon*h*strength*sin(x1))"),
+        ("increment.2", "-epsilon*h*strength*sin(x1)"),
+    ];
+    for (name, kind, formulas) in [
+        ("formulas/pendulum", PartKind::System, &pendulum[..]),
+        ("formulas/energy", PartKind::Dynamics, &energy),
+        ("formulas/euler", PartKind::Stepper, &euler),
+    ] {
+        let part = declared(name, kind, formulas).part();
+        let origin = Origin::built_in("this test", "0");
+        here.register(part.expect("its formulas"), origin)
+            .expect("a new name");
+    }
+    for which in ["system", "dynamics", "step map"] {
+        let orbit = pendulum_orbit(&loaded, which);
+        assert_eq!(orbit, pendulum_orbit(&here, which), "{which}");
+        assert_ne!(orbit[0], orbit[499], "{which}");
+    }
+}
+
+/// Where the registry's pendulum goes: by built-in parts, by the registry's dynamics or by its step map.
+fn pendulum_orbit(registry: &Registry, which: &str) -> Vec<[u64; 2]> {
+    let strong = PartParameters::new().with("strength", 2.0);
+    let part = registry.system("formulas/pendulum").expect("the pendulum");
+    let system = part.build(&strong).expect("its formulas");
+    let pair = |dynamics: &str, parameters: &PartParameters| -> Arc<dyn StepMap> {
+        let defaults = PartParameters::new();
+        let karasev = realization(registry, "karasev-truncated", &system, defaults);
+        let dynamics = registry.dynamics(dynamics).expect("it is there");
+        let dynamics = dynamics.build(parameters).expect("its parameters");
+        let method = Method::compose(&system, karasev.expect("it fits"), dynamics);
+        let method = method.expect("a method");
+        assert_eq!(method.path(), "one kernel");
+        Arc::new(method)
+    };
+    let map = match which {
+        "system" => pair("hamilton-jacobi", &PartParameters::new().with("order", 4)),
+        "dynamics" => pair("formulas/energy", &strong),
+        _ => {
+            let part = registry.stepper("formulas/euler").expect("the rule");
+            part.build(&system, &strong).expect("dimension 2")
+        }
+    };
+    let mut integrator = Integrator::new(map.as_ref(), &[2.0], 1.0, 0.05, &[0.4, 0.3]);
+    (0..500)
+        .map(|_| {
+            integrator.step().expect("a step");
+            [0, 1].map(|i| integrator.state()[i].to_bits())
+        })
+        .collect()
+}
