@@ -5,9 +5,9 @@
 //! library's.
 
 /// The largest relative remainder that ends a solve.
-const LARGEST_REMAINDER: f64 = f64::EPSILON / 64.0;
+const LARGEST_REMAINDER: f64 = f64::EPSILON / 1024.0;
 /// How much larger than the observed convergence constant the true one may be.
-const SAFETY: f64 = 4.0;
+const SAFETY: f64 = 16.0;
 /// Below this a correction is too much round-off to observe the constant by.
 const OBSERVABLE: f64 = 16.0 * f64::EPSILON;
 /// An old Jacobian does not serve a component that is smaller than this part of what it was,
@@ -161,7 +161,7 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
             for i in 0..D {
                 y[i] += correction[i];
             }
-            if size <= f64::EPSILON
+            if size <= LARGEST_REMAINDER
                 || SAFETY * remainder <= LARGEST_REMAINDER
                 || is_stuck && size <= 64.0 * f64::EPSILON
                 || stuck >= 2

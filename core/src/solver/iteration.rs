@@ -56,7 +56,7 @@ pub enum Verdict {
 
 /// Watches the sizes of the corrections of a linearly convergent iteration.
 ///
-/// It stops when what the next correction would add is below 1/32 of a unit roundoff, judged by
+/// It stops when what the next correction would add is below 1/512 of a unit roundoff, judged by
 /// the observed rate, or when the corrections stagnate at round-off.
 #[derive(Clone, Copy, Debug)]
 pub struct LinearIteration {

@@ -3,8 +3,9 @@
 use crate::solver::LARGEST_REMAINDER;
 use crate::solver::iteration::NORMWISE_ROUND_OFF;
 
-/// How much larger than the observed convergence constant the true one may be.
-const SAFETY: f64 = 4.0;
+/// How much larger than the observed convergence constant the true one may be: the increment's own
+/// remainder is up to three times the solution's, and along the orbit the constant changes.
+const SAFETY: f64 = 16.0;
 
 /// Below this a correction is too much round-off to observe the constant by.
 const OBSERVABLE: f64 = 16.0 * f64::EPSILON;
@@ -104,7 +105,7 @@ impl Convergence {
         self.spread = (2.0 * self.distance + size) * size;
         let remainder = self.constant * self.spread;
         let stagnates = is_stuck && size <= 64.0 * f64::EPSILON;
-        if size <= f64::EPSILON
+        if size <= LARGEST_REMAINDER
             || SAFETY * remainder <= LARGEST_REMAINDER
             || stagnates
             || self.stuck >= 2 && norm() <= NORMWISE_ROUND_OFF
