@@ -38,8 +38,9 @@ const SIZES: u32 = 72;
 const PLATEAU: [f64; 2] = [8.0 * f64::EPSILON, ROUND_OFF * f64::EPSILON];
 
 impl Defects {
-    /// One step at every size; sizes that fail are left out, and nothing is measured after four
-    /// defects at round-off, or at what differences leave.
+    /// One step at every size below the smallest that fails: beyond it, if solves succeed at all,
+    /// they are next to singular or on another branch, and their round-off is not that of a step.
+    /// Nothing is measured after four defects at round-off, or at what differences leave.
     pub fn measure(problem: &Problem, map: &dyn StepMap) -> Self {
         let mut points = Vec::new();
         let mut floor = Floor::new(PLATEAU[0], PLATEAU[1]);
@@ -47,6 +48,9 @@ impl Defects {
         for k in 0..SIZES {
             let t = problem.time_step * libm::exp2(3.0 - 0.125 * f64::from(k));
             let Some(measured) = defect(problem, map, t) else {
+                points.clear();
+                floor = Floor::new(PLATEAU[0], PLATEAU[1]);
+                untold = 0;
                 continue;
             };
             points.push((t, measured));
