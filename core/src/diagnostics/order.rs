@@ -37,28 +37,14 @@ const FEWEST: usize = 6;
 /// - the terms left out move it by at most twice what one or two more of them do, as long as each
 ///   moves it by at most half of what the ones before did.
 ///
-/// A window's tolerance is also at least twice what one point more or less does to its exponent. Of the
-/// windows that hold the finest points the one with the smallest tolerance is taken; those over which
-/// the slope bends by more than one order are pre-asymptotic and are not. `None` where none is left,
-/// such as with fewer than six points above four times round-off.
+/// Of the windows that hold the finest points the one with the smallest tolerance is taken; those
+/// over which the slope bends by more than one order are pre-asymptotic and are not. `None` where
+/// none is left, such as with fewer than six points above four times round-off.
 pub fn fit_order(points: &[(f64, f64)], round_off: f64, gap: f64) -> Option<FittedOrder> {
     let kept = above_round_off(points, round_off);
-    let windows: Vec<FittedOrder> = (FEWEST..=kept.len())
+    (FEWEST..=kept.len())
         .filter_map(|count| fit(&kept[..count], round_off, gap))
-        .collect();
-    let judged = windows.iter().map(|window| {
-        let neighbours = windows
-            .iter()
-            .filter(|w| w.points.abs_diff(window.points) == 1);
-        let moved = neighbours.map(|w| (w.exponent - window.exponent).abs());
-        FittedOrder {
-            tolerance: moved
-                .map(|moved| 2.0 * moved)
-                .fold(window.tolerance, f64::max),
-            ..*window
-        }
-    });
-    judged.min_by(|a, b| a.tolerance.total_cmp(&b.tolerance))
+        .min_by(|a, b| a.tolerance.total_cmp(&b.tolerance))
 }
 
 /// The smallest slope of ln error over ln t near the finest points above round-off, whatever

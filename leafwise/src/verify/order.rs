@@ -38,15 +38,18 @@ impl MeasuredOrder {
         }
     }
 
-    /// Whether it is at least `declared`. Orders are whole numbers: the fit has to tell the declared
-    /// one from the one below; a lower bound has to be nearer to it.
+    /// Whether it is at least `declared`. Orders are whole numbers: a fit that holds the declared one
+    /// has to tell it from the one below; one that holds neither, and a lower bound, have to be
+    /// nearer to it.
     pub(crate) fn judge(self, declared: usize) -> Judgement {
         let declared = declared as f64;
         if let (Some(exponent), Some(tolerance)) = (self.exponent, self.tolerance) {
-            if exponent + tolerance < declared {
+            let (lowest, highest) = (exponent - tolerance, exponent + tolerance);
+            if highest < declared - 0.5 {
                 return Judgement::NotMet;
             }
-            if exponent - tolerance > declared - 1.0 {
+            let holds = highest >= declared;
+            if lowest > declared - if holds { 1.0 } else { 0.5 } {
                 return Judgement::Met;
             }
         }
@@ -55,5 +58,31 @@ impl MeasuredOrder {
         } else {
             Judgement::Undecided
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Judgement, MeasuredOrder};
+
+    /// A fit of an order declared as 4.
+    fn judged(exponent: f64, tolerance: f64) -> Judgement {
+        let order = MeasuredOrder {
+            exponent: Some(exponent),
+            tolerance: Some(tolerance),
+            at_least: None,
+        };
+        order.judge(4)
+    }
+
+    #[test]
+    fn the_nearest_whole_number_decides() {
+        assert_eq!(judged(4.3, 0.2), Judgement::Met);
+        assert_eq!(judged(3.7, 0.6), Judgement::Met, "3 is excluded");
+        assert_eq!(judged(3.99, 0.009), Judgement::Met, "no order is 3.99");
+        assert_eq!(judged(3.7, 0.8), Judgement::Undecided, "3 and 4 both fit");
+        assert_eq!(judged(3.5, 0.1), Judgement::Undecided, "neither is nearer");
+        assert_eq!(judged(3.01, 0.009), Judgement::NotMet);
+        assert_eq!(judged(3.2, 0.1), Judgement::NotMet);
     }
 }
