@@ -103,6 +103,7 @@ fn the_object_and_the_files_hold_every_point() {
         );
         assert!(!figure.contains("NaN"), "{name}");
     }
+    assert!(here.read("results/energy.svg").contains("width=\"960\""));
     let errors = here.read("results/error-against-counted-operations.svg");
     assert!(
         errors.contains("so3-exponential + hamilton-jacobi 6"),

@@ -199,6 +199,14 @@ impl Canvas {
         });
     }
 
+    /// The picture as a file of its own, in logical pixels; the scale stays in the view box.
+    pub fn finish_alone(self, description: &str) -> Result<String, ReportError> {
+        let (width, height) = (self.width, self.height);
+        let scaled = format!("width=\"{}\" height=\"{}\"", unit(width), unit(height));
+        let size = format!("width=\"{width}\" height=\"{height}\"");
+        Ok(self.finish(description)?.replacen(&scaled, &size, 1))
+    }
+
     /// The picture as an `<svg>` element with a description for readers who cannot see it.
     pub fn finish(self, description: &str) -> Result<String, ReportError> {
         let mut svg = String::new();

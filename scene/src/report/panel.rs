@@ -123,7 +123,11 @@ impl Panel {
                 (Stroke::Guide, ..) => {}
             }
         }
-        canvas.finish(&self.title)
+        if has_ground {
+            canvas.finish_alone(&self.title)
+        } else {
+            canvas.finish(&self.title)
+        }
     }
 
     /// Values that are not finite, and how many.
@@ -175,6 +179,9 @@ mod tests {
         let panel = panel(vec![(0.1, 1e-3), (0.0, 1.0), (0.2, f64::NAN), (0.4, 0.1)]);
         let svg = panel.svg().expect("a picture");
         assert!(svg.contains("polyline") && !svg.contains("NaN"), "{svg}");
+        // A file of its own has the size of a picture, not that of its drawing units.
+        let size = format!("width=\"{}\" height=\"{}\"", SIZE.0, SIZE.1);
+        assert!(svg.contains(&size), "{svg}");
         let figure = panel_figure(&panel).expect("a picture");
         assert_eq!(figure.notes, ["One value is not finite and is not drawn."]);
         assert!(figure.legend.is_empty());

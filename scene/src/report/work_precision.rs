@@ -88,22 +88,33 @@ impl Plot {
             .collect();
         named.sort_by_key(|(number, _)| *number);
         let rows = named.len().div_ceil(2);
-        let whole = height + LINE * (rows as f64 + 2.0);
+        let whole = height + LINE * (rows as f64 + 2.2);
         let mut canvas = Canvas::new(width, whole);
         canvas.cell((0.0, 0.0), (width, whole), PAPER);
         draw(&mut canvas, WIDE, self, curves);
-        let at = (0.02 * width, height + 0.5 * LINE);
+        let at = (0.02 * width, height + 0.8 * LINE);
         canvas.label_in(&self.title, at, Anchor::Start, TEXT, 14.0);
+        let points = || self.points.iter().flatten();
+        let fronts = match (
+            points().any(|p| p.on_front),
+            points().any(|p| p.on_inner_front),
+        ) {
+            (true, true) => "solid stairs: the front of all methods; dashed: of the Poisson maps",
+            (true, false) => "solid stairs: the front of all methods",
+            _ => "",
+        };
+        let at = (0.52 * width, height + 0.8 * LINE);
+        canvas.label_in(fronts, at, Anchor::Start, TEXT, 12.0);
         for (place, (number, curve)) in named.into_iter().enumerate() {
             let x = width * (0.02 + 0.5 * (place / rows) as f64) + BADGE;
-            let y = height + LINE * ((place % rows) as f64 + 1.7);
+            let y = height + LINE * ((place % rows) as f64 + 2.1);
             let ink = SERIES[curve.family % SERIES.len()];
             canvas.ring((x, y), BADGE, ink, 1.3);
             canvas.label_in(&number.to_string(), (x, y), Anchor::Middle, TEXT, 10.5);
             let at = (x + 2.0 * BADGE, y);
             canvas.label_in(&curve.name, at, Anchor::Start, TEXT, 12.0);
         }
-        canvas.finish(&self.title)
+        canvas.finish_alone(&self.title)
     }
 }
 

@@ -49,9 +49,12 @@ pub(super) fn print(comparison: &Comparison, all: bool, console: &mut Console<'_
         console.result(&format!("  {line}{reason}"));
     }
     if shown.is_empty() {
-        console.result(
-            "  no run's error is below a tenth of the state: finer --steps, a shorter --time",
-        );
+        console.result(match comparison.horizon {
+            Some(_) => "  the end state is not known: no run can be judged by it",
+            None => {
+                "  no run's error is below a tenth of the state: finer --steps, a shorter --time"
+            }
+        });
     }
     console.result("");
     console.result(
