@@ -94,6 +94,14 @@ pub enum BuildError {
         /// Why.
         reason: String,
     },
+    /// A part that refuses its parameters, in its own words.
+    #[error("{part} cannot be made: {reason}")]
+    NotMade {
+        /// The part's name.
+        part: &'static str,
+        /// Why.
+        reason: String,
+    },
     /// A part that needs more of a system of numbers than it offers.
     #[error("{part} needs {missing}, and {system} offers only numbers; what serves it: {instead}")]
     NotOffered {

@@ -59,6 +59,15 @@ fn a_system_by_formulas_has_all_that_a_library_system_has() {
     here.write("inline.toml", &scene(&[], inline, method, "[1, 0]"));
     let own = leafwise(&here, &["run", "inline.toml", "--json"]);
     assert_eq!(own.json()["final_state"], said.json()["final_state"]);
+    // Without its library, the name says where to look.
+    here.write("without.toml", &scene(&[], system, method, "[1, 0]"));
+    let without = leafwise(&here, &["check", "without.toml"]);
+    assert_eq!(without.code, Some(3));
+    without.says(&[
+        "unknown library system `formulas/pendulum`",
+        "a name with a `/` is that of a plugin's part",
+        "plugins = [\"./libformulas.so\"]",
+    ]);
     let wrong = leafwise(
         &here,
         &[

@@ -171,6 +171,15 @@ impl SceneProblemCause {
     /// What to try.
     pub fn help(&self) -> Option<String> {
         match self {
+            Self::UnknownName {
+                name,
+                nearest: None,
+                ..
+            } if name.contains('/') => Some(format!(
+                "a name with a `/` is that of a plugin's part; name its library at the top of the \
+                 scene: plugins = [\"./lib{}.so\"]",
+                name.split('/').next().unwrap_or_default()
+            )),
             Self::UnknownKey { nearest, valid, .. } | Self::UnknownName { nearest, valid, .. } => {
                 match nearest {
                     Some(name) => Some(format!("did you mean `{name}`?")),

@@ -46,10 +46,10 @@ impl SystemPart for ForeignSystemPart {
             dimension: 0,
             settings: &settings,
         };
+        let refused = |reason: String| BuildError::NotMade { part: name, reason };
         let trial = Instance::new(&self.part, making, Lent::default())
-            .map_err(|failure| failure.of_build(name))?;
-        let (variables, casimirs) = names(&trial, &self.table)
-            .map_err(|reason| BuildError::DoesNotFit { part: name, reason })?;
+            .map_err(|failure| refused(failure.to_string()))?;
+        let (variables, casimirs) = names(&trial, &self.table).map_err(refused)?;
         self.part.check_dimension(variables.len())?;
         let parameters = settings
             .iter()
