@@ -411,6 +411,64 @@ fn parts_of_two_libraries_run_and_pass_verify() {
     assert!(page.contains("<b>constant, darboux-magnetic, "), "{page}");
 }
 
+/// What a call costs is not counted: methods are compared by time, where that was measured.
+#[test]
+fn methods_on_a_system_of_numbers_are_compared_by_time() {
+    let (here, workshop) = (Place::new(), Workshop::new());
+    let system = workshop.compile("../../../examples/c/gyrostat");
+    let method = "realization = \"karasev-collocated\"\n\
+                  dynamics = { name = \"hamilton-jacobi\", order = 2 }";
+    let of_library = "library = \"example-c/gyrostat\"";
+    here.write(
+        "scene.toml",
+        &scene(&[&system], of_library, method, "[0.3, 1.0, -0.7]"),
+    );
+    let compare = |more: &[&str]| {
+        let only = "karasev-collocated+hamilton-jacobi:2,gauss:2,rk4";
+        let common = [
+            "compare",
+            "scene.toml",
+            "--only",
+            only,
+            "--steps",
+            "100,200",
+        ];
+        let said = leafwise(&here, &[&common, more].concat());
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        said
+    };
+    let json = compare(&["--json"]).json();
+    assert_eq!(json["fronts_by"], "time");
+    let points = json["points"].as_array().expect("points");
+    assert_eq!(points.len(), 6, "{points:#?}");
+    let is_of = |point: &serde_json::Value, front: &str| point["front"][front] == true;
+    assert!(
+        points.iter().any(|point| is_of(point, "all")),
+        "{points:#?}"
+    );
+    assert!(
+        points.iter().any(|point| is_of(point, "poisson")),
+        "{points:#?}"
+    );
+    for point in points {
+        assert_eq!(point["front"]["all"], point["front"]["wall"], "{point:#}");
+    }
+    let said = compare(&[]);
+    assert!(
+        said.out
+            .contains("the operations of this system's functions are not known"),
+        "{}",
+        said.out
+    );
+    assert!(said.out.contains("karasev-collocated"), "{}", said.out);
+    let said = compare(&["--repeat", "0"]);
+    assert!(
+        said.out.contains("--repeat 3 measures times"),
+        "{}",
+        said.out
+    );
+}
+
 /// Which parts computed by formulas and which by calls is read off the manifest.
 #[test]
 fn a_manifest_tells_the_path_that_was_taken() {

@@ -9,7 +9,7 @@ use super::error::TradeError;
 use super::front::pareto_front;
 use super::grid::Grid;
 use super::horizon::Horizon;
-use super::measured::{Front, Measured};
+use super::measured::{Cost, Front, Measured};
 use super::plateau::{Plateau, SMALL};
 use super::reference::Reference;
 use super::trial::{TrialFailure, run_trial, time_run};
@@ -78,6 +78,8 @@ pub struct Comparison {
     pub horizon: Option<Horizon>,
     /// What one run was allowed to cost.
     pub budget: u64,
+    /// What the fronts compare runs by.
+    pub cost: Cost,
     /// The methods.
     pub methods: Vec<ComparedMethod>,
     /// Every method at every setting, coarse to fine.
@@ -146,13 +148,15 @@ pub fn compare(
             method: candidate.method,
         });
     }
-    mark_fronts(&mut points, &reference);
+    let cost = cost_of(&points);
+    mark_fronts(&mut points, &reference, cost);
     Ok(Comparison {
         time: bench.time(),
         invariants: bench.invariants(),
         reference,
         horizon,
         budget,
+        cost,
         methods,
         points,
         refused,
@@ -273,7 +277,18 @@ impl Sweep<'_> {
 /// The largest relative error of a point on a front: beyond, the end state says nothing.
 const LARGEST_ERROR: f64 = 0.1;
 
-fn mark_fronts(points: &mut [Point], reference: &Reference) {
+fn cost_of(points: &[Point]) -> Cost {
+    let mut measured = points
+        .iter()
+        .filter_map(|point| point.outcome.as_ref().ok());
+    if measured.any(|measured| measured.operations.is_some()) {
+        Cost::Operations
+    } else {
+        Cost::Time
+    }
+}
+
+fn mark_fronts(points: &mut [Point], reference: &Reference, cost: Cost) {
     let floor = reference.floor();
     let largest = match reference.norm() {
         0.0 => f64::INFINITY,
@@ -290,9 +305,8 @@ fn mark_fronts(points: &mut [Point], reference: &Reference) {
             .collect();
         pareto_front(&pairs, floor)
     };
-    let operations = |m: &Measured| m.operations.map(|count| count as f64);
-    let all = front(&operations);
-    let poisson = front(&|m| operations(m).filter(|_| m.is_poisson));
+    let all = front(&|m| cost.of(m));
+    let poisson = front(&|m| cost.of(m).filter(|_| m.is_poisson));
     let wall = front(&|m| m.wall.map(|wall| wall.seconds));
     for (at, point) in points.iter_mut().enumerate() {
         if let Ok(measured) = &mut point.outcome {

@@ -1,5 +1,7 @@
 //! What a run costs and what it keeps.
 
+use std::fmt;
+
 use leafwise_core::Structure;
 use leafwise_scene::ComposedRun;
 
@@ -36,10 +38,39 @@ pub struct Measured {
     pub front: Front,
 }
 
+/// What runs of several methods are compared by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cost {
+    /// Counted operations, where any method counts its own.
+    Operations,
+    /// Wall time, where none does: the system is numbers from elsewhere. (An evaluation means a
+    /// step kernel for one method, all stages for another.)
+    Time,
+}
+
+impl Cost {
+    /// The cost of a run; `None` where it was not measured.
+    pub fn of(self, measured: &Measured) -> Option<f64> {
+        match self {
+            Self::Operations => measured.operations.map(|count| count as f64),
+            Self::Time => measured.wall.map(|wall| wall.seconds),
+        }
+    }
+}
+
+impl fmt::Display for Cost {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Operations => "in counted operations",
+            Self::Time => "in time: the operations of this system's functions are not known",
+        })
+    }
+}
+
 /// The fronts on which a point stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Front {
-    /// Error against counted operations, among all methods.
+    /// Error against [`Cost`], among all methods.
     pub all: bool,
     /// The same among Poisson maps.
     pub poisson: bool,

@@ -40,7 +40,7 @@ pub use error::TradeError;
 pub use front::pareto_front;
 pub use grid::Grid;
 pub use horizon::{Horizon, Known};
-pub use measured::{Front, Measured};
+pub use measured::{Cost, Front, Measured};
 pub use page::{comparison_figures, comparison_page};
 pub use parse::parse_method;
 pub use reference::Reference;

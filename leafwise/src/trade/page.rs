@@ -6,7 +6,7 @@ use leafwise_scene::run::PROGRAM_VERSION;
 use leafwise_scene::{ReportError, SceneDocument, render_comparison};
 
 use super::compare::{Comparison, Point};
-use super::measured::Measured;
+use super::measured::{Cost, Measured};
 
 /// The families of methods, by colour.
 const FAMILIES: [&str; 6] = [
@@ -54,12 +54,13 @@ pub fn comparison_page(
         .to_vec(),
         numbers_from: 3,
         rows: rows(comparison),
-        reading:
+        reading: format!(
             "* on the front of all methods, P on that of the Poisson maps: no other is cheaper \
-                  and more accurate, in counted operations. Energy and Casimirs: the largest \
-                  deviation over every step. ~ marks errors that cannot be told from the \
-                  reference's own. Times are medians on a machine that does other things too."
-                .to_owned(),
+             and more accurate, {}. Energy and Casimirs: the largest deviation over every step. ~ \
+             marks errors that cannot be told from the reference's own. Times are medians on a \
+             machine that does other things too.",
+            comparison.cost
+        ),
         failures: failures(comparison),
     })
 }
@@ -112,9 +113,14 @@ fn facts(comparison: &Comparison) -> Vec<(String, String)> {
         ),
         (
             "Cost",
-            "operations of the kernels and of the linear algebra around them, an elementary \
-             function counted as ten"
-                .to_owned(),
+            match comparison.cost {
+                Cost::Operations => {
+                    "operations of the kernels and of the linear algebra around them, an \
+                     elementary function counted as ten"
+                }
+                Cost::Time => "wall time: the operations of this system's functions are not known",
+            }
+            .to_owned(),
         ),
         (
             "Error",
@@ -345,7 +351,8 @@ fn rows(comparison: &Comparison) -> Vec<Vec<String>> {
         .filter_map(|point| Some((point, point.outcome.as_ref().ok()?)))
         .filter(|(_, m)| m.front.all || m.front.poisson)
         .collect();
-    shown.sort_by_key(|(_, m)| m.operations);
+    let cost = |m: &Measured| comparison.cost.of(m).unwrap_or(f64::INFINITY);
+    shown.sort_by(|(_, a), (_, b)| cost(a).total_cmp(&cost(b)));
     shown
         .into_iter()
         .map(|(point, m)| {

@@ -36,6 +36,14 @@ pub(super) fn print(comparison: &Comparison, all: bool, console: &mut Console<'_
         .filter(|p| all || on_front(p))
         .collect();
     if !all {
+        let cost = |point: &Point| {
+            let cost = point
+                .outcome
+                .as_ref()
+                .ok()
+                .and_then(|m| comparison.cost.of(m));
+            cost.unwrap_or(f64::INFINITY)
+        };
         shown.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
     }
     let mut rows = vec![HEADINGS.map(str::to_owned).to_vec()];
@@ -49,17 +57,13 @@ pub(super) fn print(comparison: &Comparison, all: bool, console: &mut Console<'_
         console.result(&format!("  {line}{reason}"));
     }
     if shown.is_empty() {
-        console.result(match comparison.horizon {
-            Some(_) => "  the end state is not known: no run can be judged by it",
-            None => {
-                "  no run's error is below a tenth of the state: finer --steps, a shorter --time"
-            }
-        });
+        console.result(nothing_to_show(comparison));
     }
     console.result("");
-    console.result(
-        "front: * no method is cheaper and more accurate; P no Poisson map is, in counted operations",
-    );
+    console.result(&format!(
+        "front: * no method is cheaper and more accurate; P no Poisson map is, {}",
+        comparison.cost
+    ));
     let failed = comparison
         .points
         .iter()
@@ -85,9 +89,20 @@ fn on_front(point: &Point) -> bool {
     front.is_ok_and(|front| front.all || front.poisson)
 }
 
-fn cost(point: &Point) -> f64 {
-    let operations = point.outcome.as_ref().ok().and_then(|m| m.operations);
-    operations.map_or(f64::INFINITY, |count| count as f64)
+/// Why no point is on a front.
+fn nothing_to_show(comparison: &Comparison) -> &'static str {
+    let measured = comparison
+        .points
+        .iter()
+        .filter_map(|p| p.outcome.as_ref().ok());
+    let costs: Vec<Option<f64>> = measured.map(|m| comparison.cost.of(m)).collect();
+    if comparison.horizon.is_some() {
+        "  the end state is not known: no run can be judged by it"
+    } else if !costs.is_empty() && costs.iter().all(Option::is_none) {
+        "  no run's cost is known: --repeat 3 measures times"
+    } else {
+        "  no run's error is below a tenth of the state: finer --steps, a shorter --time"
+    }
 }
 
 fn cells(comparison: &Comparison, point: &Point) -> Vec<String> {
