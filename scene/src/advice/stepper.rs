@@ -31,6 +31,9 @@ const DEFECT_ROUND_OFF: f64 = 256.0 * f64::EPSILON;
 /// One stage less may or may not be told from round-off: worth a word are two.
 const LEAST_SAVING: i64 = 2;
 
+/// Units of round-off in a stage's part of an increment: a field of some operations, a weight, a sum.
+const OF_A_STAGE: f64 = 4.0;
+
 /// What to change about a run's stepper; nothing where there is none.
 pub(super) fn advice(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>]) -> Vec<Advice> {
     let part = |kind| run.plan.parts.iter().find(|part| part.kind == kind);
@@ -127,6 +130,7 @@ fn stages(
         })?;
     let part = registry.stepper(stepper.name).ok()?;
     let whole = increments(run, run.method.map(), states)?;
+    let rounded = OF_A_STAGE * stages as f64 * ROUND_OFF;
     let mut enough = stages;
     while enough > 1 {
         let fewer = given(stepper).with("stages", enough - 1);
@@ -138,13 +142,16 @@ fn stages(
         };
         let mut pairs = states.iter().zip(whole.iter().zip(&fewer));
         let is_same = pairs.all(|(x, (whole, fewer))| {
-            distance(whole, fewer) <= ROUND_OFF * size(whole) + FELT * size(x)
+            distance(whole, fewer) <= rounded * size(whole) + FELT * size(x)
         });
         if !is_same {
             break;
         }
         enough -= 1;
     }
+    // What fewer stages leave has a sign and adds up, unlike round-off: one more makes it smaller by
+    // another power of the step.
+    let enough = enough + 1;
     let name = stepper.name;
     (enough + LEAST_SAVING <= stages).then(|| Advice {
         kind: AdviceKind::Stages,
