@@ -116,6 +116,23 @@ fn an_unknown_method_or_parameter_of_one_is_named_with_its_neighbour() {
         "11:16",
         &["no composition is called `suzuki`"],
     );
+    let parts = "realization = { name = \"karasev-truncated\", order = 4 }\n\
+                 dynamics    = { name = \"hamilton-jacobi\", order = 2 }";
+    refused(
+        parts,
+        "stepper = { name = \"splitting\", composition = \"suzuki-4\" }",
+        "8:33",
+        &[
+            "`splitting` has no parameter `composition`",
+            "it stands beside the stepper: composition = \"suzuki-4\"",
+        ],
+    );
+    refused(
+        parts,
+        "stepper = { name = \"splitting\", pieces = 2 }",
+        "8:33",
+        &["`splitting` has no parameter `pieces`", "it takes none"],
+    );
 }
 
 #[test]

@@ -394,6 +394,10 @@ impl<'a> Request<'a> {
             if !known.contains(&key.value.as_str()) {
                 let help = match nearest(&key.value, known.iter().copied()) {
                     Some(name) => format!("did you mean `{name}`?"),
+                    None if key.value == "composition" => {
+                        "it stands beside the stepper: composition = \"suzuki-4\"".to_owned()
+                    }
+                    None if known.is_empty() => "it takes none".to_owned(),
                     None => format!("it takes: {}", known.join(", ")),
                 };
                 return Err(Box::new(self.document.diagnostic(
