@@ -32,6 +32,10 @@ pub struct Defect {
 }
 
 impl Defect {
+    /// A [`relative`](Self::relative) defect up to this is round-off: products of up to a dozen
+    /// factors, a few dozen of them, and the solve.
+    pub const ROUND_OFF: f64 = 256.0 * f64::EPSILON;
+
     /// The defect relative to Π(Φ(x)) and to what DΦ makes of round-off in Π, the square of its
     /// largest entry; `None` where the tensor vanishes.
     pub fn relative(&self) -> Option<f64> {

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use leafwise_core::Structure;
+use leafwise_core::diagnostics::Defect;
 use leafwise_scene::ComposedRun;
 
 use super::reference::Reference;
@@ -78,10 +79,6 @@ pub struct Front {
     pub wall: bool,
 }
 
-/// A tensor defect of round-off, in units of u: products of up to a dozen factors, a few dozen of
-/// them, and the solve.
-const DEFECT_ROUND_OFF: f64 = 256.0 * f64::EPSILON;
-
 impl Measured {
     /// What a run of `run` says, `structure` being what the method declares.
     pub(super) fn of(
@@ -121,7 +118,7 @@ impl Measured {
 pub(super) fn is_poisson(structure: Structure, tensor_defect: Option<f64>) -> bool {
     match structure {
         Structure::Exact => true,
-        Structure::Order(_) => tensor_defect.is_some_and(|defect| defect <= DEFECT_ROUND_OFF),
+        Structure::Order(_) => tensor_defect.is_some_and(|defect| defect <= Defect::ROUND_OFF),
         Structure::None => false,
     }
 }

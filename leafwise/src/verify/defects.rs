@@ -1,10 +1,9 @@
 //! Tensor defects of one step over a sequence of step sizes.
 
-use leafwise_core::diagnostics::TensorDefect;
+use leafwise_core::diagnostics::{Defect, TensorDefect};
 use leafwise_core::{StepError, StepMap, Structure};
 
 use super::floor::Floor;
-use super::judgement::ROUND_OFF;
 use super::order::MeasuredOrder;
 use super::problem::Problem;
 
@@ -35,7 +34,7 @@ impl Measured {
 const SIZES: u32 = 72;
 
 /// Round-off of a relative defect, at least and at most.
-const PLATEAU: [f64; 2] = [8.0 * f64::EPSILON, ROUND_OFF * f64::EPSILON];
+const PLATEAU: [f64; 2] = [8.0 * f64::EPSILON, Defect::ROUND_OFF];
 
 impl Defects {
     /// One step at every size below the smallest that fails: beyond it, if solves succeed at all,

@@ -20,10 +20,6 @@ pub enum Judgement {
     Open,
 }
 
-/// Round-off of a defect in units of u: products of up to a dozen factors, a few dozen of them, and
-/// the solve.
-pub(super) const ROUND_OFF: f64 = 256.0;
-
 /// The order in t. No order is better than errors that are round-off at every step.
 pub(super) fn judge_order(declared: MapProperties, convergence: &Convergence) -> Judgement {
     if convergence.is_round_off() {
@@ -44,7 +40,7 @@ pub(super) fn judge_structure(declared: MapProperties, defects: &Defects) -> Jud
 
 pub(super) fn judge_symmetry(declared: MapProperties, defect: f64) -> Judgement {
     match declared.self_adjoint {
-        Some(true) if defect <= ROUND_OFF * f64::EPSILON => Judgement::Met,
+        Some(true) if defect <= Defect::ROUND_OFF => Judgement::Met,
         Some(true) => Judgement::NotMet,
         Some(false) | None => Judgement::Open,
     }

@@ -12,9 +12,9 @@ use leafwise_core::{
     Convention, Integrator, Method, Part, PartParameters, PoissonSystem, RealizationData, Registry,
     StepError, StepMap, Structure,
 };
-use leafwise_expression::syntax::{Formula, Scope};
+use leafwise_expression::syntax::Scope;
 use support::build::{Workshop, rust_example};
-use support::orbits::{START, distance, end, method, orbit, realization, rigid_body};
+use support::orbits::{START, distance, end, expression, method, orbit, realization, rigid_body};
 use support::{built_in, load};
 use twins::{HeunTwin, RodriguesTwin, gyrostat_twin};
 
@@ -257,13 +257,7 @@ fn leaving_a_domain_is_told_with_its_ratio() {
 /// {x1, x2} = 1 and a Casimir x3.
 fn pendulum_on_three() -> PoissonSystem {
     let scope = Scope::new().with_variables(&["x1", "x2", "x3"]);
-    let formula = |text: &str| {
-        let formula = Formula::parse(text).expect("a formula");
-        formula
-            .resolve(&scope, None)
-            .expect("known names")
-            .expect("no boundary")
-    };
+    let formula = |text: &str| expression(&scope, text);
     PoissonSystem::new(
         ["x1", "x2", "x3"].map(str::to_owned).to_vec(),
         Vec::new(),

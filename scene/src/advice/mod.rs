@@ -96,7 +96,8 @@ pub(crate) fn states_from(run: &ComposedRun, x: &[f64], count: usize) -> Vec<Vec
     states
 }
 
-/// What to change in a scene, judged at `states` of its run; nothing for a long lattice, and nothing that cannot be measured.
+/// What to change in a scene, judged at `states` of its run; nothing for a long lattice, and nothing
+/// that cannot be measured.
 pub fn advise(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>]) -> Vec<Advice> {
     if run.dimension() > LARGEST {
         return Vec::new();

@@ -1,9 +1,9 @@
-//! Steppers that stand in place of realization and dynamics: one that is no Poisson map where splitting
-//! would be one for no more, and stages that a step cannot feel.
+//! Steppers that stand in place of realization and dynamics: one that is no Poisson map where
+//! splitting would be one for no more, and stages that a step cannot feel.
 
 use std::sync::Arc;
 
-use leafwise_core::diagnostics::TensorDefect;
+use leafwise_core::diagnostics::{Defect, TensorDefect};
 use leafwise_core::part::{ParameterSetting, PartKind};
 use leafwise_core::{PartParameters, Registry, StepMap, Structure};
 
@@ -21,12 +21,10 @@ const COMPOSITIONS: [&str; 4] = [
     "sofroniou-spaletta-10",
 ];
 
-/// Of the solution that errors are measured against, and how far its errors may add up.
+/// The tolerance of the solution that errors are measured against.
 const TOLERANCE: f64 = 1e-13;
+/// How many times its tolerance that solution's errors may add up to.
 const FAR: f64 = 100.0;
-
-/// A tensor defect of this part is round-off: products of up to a dozen factors, some dozens of them.
-const DEFECT_ROUND_OFF: f64 = 256.0 * f64::EPSILON;
 
 /// One stage less may or may not be told from round-off: worth a word are two.
 const LEAST_SAVING: i64 = 2;
@@ -59,7 +57,7 @@ fn structure(
     }
     let defect = defect(run, states);
     // A constant tensor is kept by methods that keep no other.
-    if defect.is_some_and(|defect| defect <= DEFECT_ROUND_OFF) {
+    if defect.is_some_and(|defect| defect <= Defect::ROUND_OFF) {
         return None;
     }
     let x = states.first()?;

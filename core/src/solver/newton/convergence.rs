@@ -135,3 +135,38 @@ impl Convergence {
         false
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Convergence, LARGEST_REMAINDER, Next};
+
+    /// A lane whose Jacobian is a distance D off, with C = 1: a correction δ leaves 2Dδ.
+    fn away(distance: f64) -> Convergence {
+        let mut lane = Convergence::new();
+        (lane.constant, lane.first) = (1.0, 0.0);
+        assert_eq!(lane.start(Some(distance), 4), Next::Chord);
+        lane
+    }
+
+    /// A remainder has a sign: a correction of an ulp by a Jacobian that is far off leaves one that
+    /// adds up over many steps, and does not end the solve; by one that is near, it does.
+    #[test]
+    fn a_correction_of_an_ulp_ends_a_solve_only_where_what_it_leaves_is_negligible() {
+        let judge = |distance: f64| {
+            let size = f64::EPSILON;
+            away(distance).judge(size, || f64::INFINITY, false, 4)
+        };
+        assert_ne!(judge(0.1), Next::Done);
+        let near = LARGEST_REMAINDER / f64::EPSILON / 64.0;
+        assert_eq!(judge(near), Next::Done);
+    }
+
+    /// Corrections that stop to shrink at round-off are noise, whatever the estimate says.
+    #[test]
+    fn corrections_that_stagnate_at_round_off_end_a_solve() {
+        let mut lane = away(0.1);
+        let size = 4.0 * f64::EPSILON;
+        assert_ne!(lane.judge(size, || f64::INFINITY, false, 4), Next::Done);
+        assert_eq!(lane.judge(size, || f64::INFINITY, false, 4), Next::Done);
+    }
+}

@@ -7,7 +7,15 @@ use leafwise_core::{
     BuildError, Convention, Integrator, Method, PartParameters, PoissonSystem, RealizationData,
     Registry, StepMap,
 };
+use leafwise_expression::Expression;
 use leafwise_expression::syntax::{Formula, Scope};
+
+/// A formula's expression.
+pub fn expression(scope: &Scope, text: &str) -> Expression {
+    let formula = Formula::parse(text).expect("a formula");
+    let resolved = formula.resolve(scope, None).expect("known names");
+    resolved.expect("no boundary")
+}
 
 /// The rigid body by formulas, with moments of inertia as parameters.
 pub fn rigid_body() -> PoissonSystem {
@@ -16,13 +24,7 @@ pub fn rigid_body() -> PoissonSystem {
     let scope = Scope::new()
         .with_variables(&names)
         .with_parameters(&parameters.map(|(name, _)| name));
-    let formula = |text: &str| {
-        let formula = Formula::parse(text).expect("a formula");
-        formula
-            .resolve(&scope, None)
-            .expect("known names")
-            .expect("no boundary")
-    };
+    let formula = |text: &str| expression(&scope, text);
     PoissonSystem::new(
         names.map(str::to_owned).to_vec(),
         parameters
