@@ -98,7 +98,7 @@ fn tuned_over(document: &SceneDocument, time: Option<f64>) {
                     found.name
                 );
                 assert!(
-                    near(predicted.operations, operations, 1.5),
+                    near(predicted.cost, operations, 1.5),
                     "{}: {predicted:?}",
                     found.name
                 );
@@ -112,7 +112,7 @@ fn tuned_over(document: &SceneDocument, time: Option<f64>) {
         for runner in &tuning.runners_up {
             let best = if runner.is_poisson { poisson } else { any };
             assert!(
-                runner.operations >= cost(best) && runner.error <= error,
+                runner.cost >= cost(best) && runner.error <= error,
                 "{runner:?}"
             );
         }

@@ -31,4 +31,4 @@ pub use section::section_defect;
 pub use self_adjointness::self_adjointness_defect;
 pub use slope::{Slope, fit_slope};
 pub use step_equation::{StepEquation, StepSolution};
-pub use tensor_defect::TensorDefect;
+pub use tensor_defect::{Defect, TensorDefect};

@@ -44,9 +44,11 @@ pub struct Measured {
 pub enum Cost {
     /// Counted operations, where any method counts its own.
     Operations,
-    /// Wall time, where none does: the system is numbers from elsewhere. (An evaluation means a
-    /// step kernel for one method, all stages for another.)
+    /// Wall time, where none does: the system is numbers from elsewhere.
     Time,
+    /// Evaluations, where times would be too noisy to search by. One means a step kernel for one
+    /// method, all stages for another.
+    Evaluations,
 }
 
 impl Cost {
@@ -55,16 +57,30 @@ impl Cost {
         match self {
             Self::Operations => measured.operations.map(|count| count as f64),
             Self::Time => measured.wall.map(|wall| wall.seconds),
+            Self::Evaluations => Some(measured.evaluations as f64),
+        }
+    }
+
+    /// In a word: `operations`, `time`, `evaluations`.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Operations => "operations",
+            Self::Time => "time",
+            Self::Evaluations => "evaluations",
         }
     }
 }
 
 impl fmt::Display for Cost {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Operations => "in counted operations",
-            Self::Time => "in time: the operations of this system's functions are not known",
-        })
+        match self {
+            Self::Operations => f.write_str("in counted operations"),
+            Self::Time | Self::Evaluations => write!(
+                f,
+                "in {}: the operations of this system's functions are not known",
+                self.word()
+            ),
+        }
     }
 }
 

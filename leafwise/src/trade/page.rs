@@ -114,13 +114,11 @@ fn facts(comparison: &Comparison) -> Vec<(String, String)> {
         (
             "Cost",
             match comparison.cost {
-                Cost::Operations => {
-                    "operations of the kernels and of the linear algebra around them, an \
-                     elementary function counted as ten"
-                }
-                Cost::Time => "wall time: the operations of this system's functions are not known",
-            }
-            .to_owned(),
+                Cost::Operations => "operations of the kernels and of the linear algebra around \
+                                     them, an elementary function counted as ten"
+                    .to_owned(),
+                other => format!("compared {other}"),
+            },
         ),
         (
             "Error",
@@ -225,6 +223,7 @@ fn plots(comparison: &Comparison) -> Vec<Plot> {
     let none = |_: &Measured| (false, false);
     let floor = Some(comparison.reference.floor());
     let final_error = "error of the final state";
+    let by_time = comparison.cost == Cost::Time;
     let mut plots = vec![
         Plot {
             floor,
@@ -247,6 +246,7 @@ fn plots(comparison: &Comparison) -> Vec<Plot> {
         },
         Plot {
             floor,
+            is_wide: by_time,
             ..plot(
                 comparison,
                 [
@@ -258,7 +258,7 @@ fn plots(comparison: &Comparison) -> Vec<Plot> {
                 ],
                 wall,
                 error,
-                |m| (m.front.wall, false),
+                |m| (m.front.wall, by_time && m.front.poisson),
             )
         },
         Plot {

@@ -9,7 +9,7 @@ use super::catalogue::{Entry, Extent, catalogue};
 use super::compare::some_fit;
 use super::error::TradeError;
 use super::horizon::Horizon;
-use super::measured::Measured;
+use super::measured::{Cost, Measured};
 use super::reference::Reference;
 use super::search::Search;
 use super::tolerances::{Limits, Tolerances};
@@ -38,6 +38,7 @@ pub struct Tuner<'a> {
     candidates: Vec<Candidate>,
     refused: Vec<(String, String)>,
     budget: u64,
+    cost: Cost,
 }
 
 /// A method with its step.
@@ -51,7 +52,7 @@ pub struct Recommendation {
     pub setting: Setting,
     /// εh.
     pub time_step: f64,
-    /// What the runs beside it foretold: error and operations; `None` with fewer than two.
+    /// What the runs beside it foretold: error and cost; `None` with fewer than two.
     pub predicted: Option<Predicted>,
     /// What was measured, stepped as `leafwise run` will.
     pub measured: Measured,
@@ -64,8 +65,8 @@ pub struct Recommendation {
 pub struct Predicted {
     /// The final state's error.
     pub error: f64,
-    /// The counted operations.
-    pub operations: f64,
+    /// The [`Tuner::cost`].
+    pub cost: f64,
 }
 
 /// A run that came as near as any to what is asked.
@@ -120,7 +121,7 @@ pub struct Tuning {
     pub methods: usize,
     /// Runs made.
     pub runs: u64,
-    /// What they cost together, in operations, those included that were stopped or failed.
+    /// What they cost together, in the unit of [`Tuner::cost`], those included that were stopped or failed.
     pub spent: u64,
     /// Why there is no Poisson map that holds what is asked, where there is none.
     pub limit: Option<Limit>,
@@ -135,8 +136,8 @@ pub struct RunnerUp {
     pub name: String,
     /// Steps and tolerance.
     pub setting: Setting,
-    /// The counted operations.
-    pub operations: u64,
+    /// The [`Tuner::cost`].
+    pub cost: u64,
     /// The final state's error.
     pub error: f64,
     /// Whether it is a Poisson map.
@@ -185,14 +186,15 @@ impl<'a> Tuner<'a> {
             candidates,
             refused,
             budget,
+            cost: Cost::Evaluations,
         };
-        tuner.leave_out_uncounted();
+        tuner.choose_cost();
         Ok(tuner)
     }
 
     /// Costs are compared in one unit: where some methods count operations, those that do not are
     /// left out.
-    fn leave_out_uncounted(&mut self) {
+    fn choose_cost(&mut self) {
         let counts = |candidate: &Candidate| {
             let run = &candidate.run;
             let values = run.system.parameter_values();
@@ -205,6 +207,7 @@ impl<'a> Tuner<'a> {
         if !self.candidates.iter().any(counts) {
             return;
         }
+        self.cost = Cost::Operations;
         let (kept, left_out): (Vec<_>, Vec<_>) = std::mem::take(&mut self.candidates)
             .into_iter()
             .partition(counts);
@@ -213,6 +216,12 @@ impl<'a> Tuner<'a> {
         let names = left_out.into_iter().map(|candidate| candidate.name);
         self.refused
             .extend(names.map(|name| (name, reason.to_owned())));
+    }
+
+    /// What runs are compared by: [`Cost::Operations`], or [`Cost::Evaluations`] where no method
+    /// counts its own.
+    pub fn cost(&self) -> Cost {
+        self.cost
     }
 
     /// What errors are measured against.
@@ -340,7 +349,7 @@ impl<'a> Tuner<'a> {
             method,
             setting,
             time_step,
-            predicted: predicted.map(|(error, operations)| Predicted { error, operations }),
+            predicted: predicted.map(|(error, cost)| Predicted { error, cost }),
             measured,
             scene,
         })
@@ -396,7 +405,7 @@ fn runners_up(search: &Search<'_>, recommended: [&Option<Recommendation>; 2]) ->
             of_kind[usize::from(!tried.is_poisson)].push(RunnerUp {
                 name: track.candidate.name.clone(),
                 setting: tried.setting,
-                operations: tried.trial.cost(),
+                cost: tried.trial.cost(),
                 error: tried.error,
                 is_poisson: tried.is_poisson,
             });
@@ -404,7 +413,7 @@ fn runners_up(search: &Search<'_>, recommended: [&Option<Recommendation>; 2]) ->
     }
     let mut runners_up = Vec::new();
     for mut kind in of_kind {
-        kind.sort_by_key(|runner| runner.operations);
+        kind.sort_by_key(|runner| runner.cost);
         kind.truncate(RUNNERS_UP);
         runners_up.append(&mut kind);
     }

@@ -1,5 +1,6 @@
 //! Declarations against measurements.
 
+use leafwise_core::diagnostics::Defect;
 use leafwise_core::{MapProperties, Structure};
 use serde::Serialize;
 

@@ -3,7 +3,7 @@
 use leafwise::core::Structure;
 use leafwise::scene::SceneDocument;
 use leafwise::scene::json::{json_number, json_numbers};
-use leafwise::trade::{Comparison, Cost, Horizon, Measured, Point, Reference};
+use leafwise::trade::{Comparison, Horizon, Measured, Point, Reference};
 use serde_json::{Value, json};
 
 /// Everything that was measured.
@@ -37,10 +37,7 @@ pub(in crate::commands) fn object(document: &SceneDocument, comparison: &Compari
         "reference": reference(&comparison.reference),
         "horizon": comparison.horizon.as_ref().map(horizon),
         "budget": comparison.budget,
-        "fronts_by": match comparison.cost {
-            Cost::Operations => "operations",
-            Cost::Time => "time",
-        },
+        "fronts_by": comparison.cost.word(),
         "methods": methods,
         "points": points,
         "refused": refused,

@@ -13,7 +13,11 @@ pub(super) fn object(found: &Found<'_>) -> Value {
     let tuning = found.tuning;
     let asked = tuning.asked;
     let recommended = found.recommended();
-    let runners_up: Vec<Value> = tuning.runners_up.iter().map(runner_up).collect();
+    let runners_up: Vec<Value> = tuning
+        .runners_up
+        .iter()
+        .map(|runner| runner_up(found, runner))
+        .collect();
     json!({
         "outcome": if recommended.is_some() { "found" } else { "not found" },
         "scene": found.document.name,
@@ -26,8 +30,8 @@ pub(super) fn object(found: &Found<'_>) -> Value {
             "poisson": !found.any,
         },
         "reference": reference(found.tuner.reference()),
-        "recommended": recommended.map(recommendation),
-        "cheapest_of_all": tuning.any.as_ref().map(recommendation),
+        "recommended": recommended.map(|r| recommendation(found, r)),
+        "cheapest_of_all": tuning.any.as_ref().map(|r| recommendation(found, r)),
         "runners_up": runners_up,
         "limit": tuning.limit.map(limit),
         "advice": tuning.limit.map(advice),
@@ -35,12 +39,14 @@ pub(super) fn object(found: &Found<'_>) -> Value {
         "nearest": tuning.nearest.as_ref().map(|reached| nearest(found, reached)),
         "methods": tuning.methods,
         "runs": tuning.runs,
-        "operations_spent": tuning.spent,
+        "costs_in": found.tuner.cost().word(),
+        "spent": tuning.spent,
         "written": found.written,
     })
 }
 
-fn recommendation(recommended: &Recommendation) -> Value {
+fn recommendation(found: &Found<'_>, recommended: &Recommendation) -> Value {
+    let cost = found.tuner.cost().word();
     json!({
         "name": recommended.name,
         "method": recommended.method.text(recommended.time_step),
@@ -49,18 +55,18 @@ fn recommendation(recommended: &Recommendation) -> Value {
         "tolerance": recommended.setting.tolerance.map(json_number),
         "predicted": recommended.predicted.map(|predicted| json!({
             "error": json_number(predicted.error),
-            "operations": json_number(predicted.operations),
+            cost: json_number(predicted.cost),
         })),
         "measured": measured_json(&recommended.measured),
     })
 }
 
-fn runner_up(runner: &RunnerUp) -> Value {
+fn runner_up(found: &Found<'_>, runner: &RunnerUp) -> Value {
     json!({
         "name": runner.name,
         "steps": runner.setting.steps,
         "tolerance": runner.setting.tolerance.map(json_number),
-        "operations": runner.operations,
+        found.tuner.cost().word(): runner.cost,
         "error": json_number(runner.error),
         "poisson": runner.is_poisson,
     })

@@ -1,6 +1,6 @@
 //! What was found, at the terminal.
 
-use leafwise::trade::{Limit, Reached, Recommendation, RunnerUp, Tolerances, Tuning};
+use leafwise::trade::{Cost, Limit, Reached, Recommendation, RunnerUp, Tolerances};
 
 use super::Found;
 use crate::console::Console;
@@ -23,12 +23,21 @@ pub(super) fn print(found: &Found<'_>, console: &mut Console<'_>) {
         format!("{} methods fit, none was run", tuning.methods)
     } else {
         format!(
-            "tried {} methods in {} runs of {:.1e} operations together",
+            "tried {} methods in {} runs of {:.1e} {} together",
             tuning.methods,
             grouped(tuning.runs),
-            tuning.spent as f64
+            tuning.spent as f64,
+            found.tuner.cost().word()
         )
     });
+    if found.tuner.cost() == Cost::Evaluations {
+        let word = console.warning_word();
+        console.prose(&format!(
+            "{word} costs are compared {}; an evaluation is a step kernel for one method, all stages \
+             for another: `leafwise compare` compares times",
+            found.tuner.cost()
+        ));
+    }
     console.result("");
     match found.recommended() {
         Some(recommended) => print_found(found, recommended, console),
@@ -71,7 +80,7 @@ fn print_found(found: &Found<'_>, recommended: &Recommendation, console: &mut Co
         console.result(&beside(recommended, any));
         console.result("");
     }
-    print_runners_up(tuning, console);
+    print_runners_up(found, console);
     console.result(recommended.method.text(recommended.time_step).trim_end());
     console.result(&format!(
         "[run]\nsteps       = {}",
@@ -102,9 +111,9 @@ fn measured(found: &Found<'_>, recommended: &Recommendation) -> Vec<Vec<String>>
         rows.push(row("Casimirs", None, number(measured.casimir_drift)));
     }
     rows.push(row(
-        "operations",
-        predicted.map(|p| p.operations),
-        or_dash(measured.operations.map(|count| count as f64)),
+        found.tuner.cost().word(),
+        predicted.map(|p| p.cost),
+        or_dash(found.tuner.cost().of(measured)),
     ));
     if let Some(wall) = measured.wall {
         rows.push(row("time (noisy)", None, duration(wall.seconds)));
@@ -126,20 +135,27 @@ fn beside(recommended: &Recommendation, any: &Recommendation) -> String {
     )
 }
 
-fn print_runners_up(tuning: &Tuning, console: &mut Console<'_>) {
+fn print_runners_up(found: &Found<'_>, console: &mut Console<'_>) {
+    let tuning = found.tuning;
     let cells = |runner: &RunnerUp| {
         vec![
             if runner.is_poisson { "P" } else { "" }.to_owned(),
             runner.name.clone(),
             runner.setting.to_string(),
-            format!("{:.2e}", runner.operations as f64),
+            format!("{:.2e}", runner.cost as f64),
             format!("{:.1e}", runner.error),
         ]
     };
     if tuning.runners_up.is_empty() {
         return;
     }
-    let headings = ["", "runners-up", "setting", "operations", "error"];
+    let headings = [
+        "",
+        "runners-up",
+        "setting",
+        found.tuner.cost().word(),
+        "error",
+    ];
     let mut rows = vec![headings.map(str::to_owned).to_vec()];
     rows.extend(tuning.runners_up.iter().map(cells));
     for line in aligned_after(&rows, 3) {
@@ -172,8 +188,9 @@ fn print_missed(found: &Found<'_>, console: &mut Console<'_>) {
             console.result(&format!("  {}", advice(Limit::Structure)));
         }
         (None, limit) => console.result(&format!(
-            "  no run came to its end within {:.1e} operations: {}",
+            "  no run came to its end within {:.1e} {}: {}",
             found.tuner.budget() as f64,
+            found.tuner.cost().word(),
             advice(limit.unwrap_or(Limit::Budget))
         )),
     }

@@ -84,8 +84,8 @@ fn methods_on_a_system_of_numbers_are_compared_by_time() {
         "scene.toml",
         &scene(&[&system], of_library, method, "[0.3, 1.0, -0.7]"),
     );
+    let only = "karasev-collocated+hamilton-jacobi:2,gauss:2,rk4";
     let compare = |more: &[&str]| {
-        let only = "karasev-collocated+hamilton-jacobi:2,gauss:2,rk4";
         let common = [
             "compare",
             "scene.toml",
@@ -128,6 +128,16 @@ fn methods_on_a_system_of_numbers_are_compared_by_time() {
         "{}",
         said.out
     );
+    // A search needs a cost without noise; it says what it took.
+    let tune = ["tune", "scene.toml", "--error", "1e-3", "--only", only];
+    let said = leafwise(&here, &tune);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let text = format!("{}{}", said.out, said.err);
+    assert!(text.contains("costs are compared in evaluations"), "{text}");
+    assert!(!said.out.contains("operations"), "{}", said.out);
+    let json = leafwise(&here, &[&tune[..], &["--json"]].concat()).json();
+    assert_eq!(json["costs_in"], "evaluations");
+    assert!(json["recommended"]["predicted"]["operations"].is_null());
 }
 
 /// Which parts computed by formulas and which by calls is read off the manifest.
