@@ -37,8 +37,8 @@ const STEP: f64 = 0.1;
 const START: [f64; 3] = [0.3, 1.0, -0.7];
 
 /// How often each of a pair is timed, and for how long.
-const TURNS: usize = 41;
-const NANOSECONDS: f64 = 5e6;
+const TURNS: usize = 201;
+const NANOSECONDS: f64 = 5e5;
 
 /// Steps before the first turn, and the most of a turn: Heun's rule leaves every region in time.
 const WARM_UP: usize = 200;

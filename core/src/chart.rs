@@ -10,17 +10,20 @@ use crate::runge_kutta::{SmoothMap, SmoothMapEvaluator};
 
 /// One thread's evaluator of a symplectic chart χ(x, p) ↦ z with χ(x, 0) = σ(x), for fixed parameters
 /// and ε.
+///
+/// Both functions take a batch of points, the x one behind the other and the p too, d numbers each. What
+/// is written for a point depends on that point alone.
 pub trait ChartWorker: Send {
-    /// χ(x, p), d_S numbers.
+    /// χ(x, p), d_S numbers a point.
     ///
     /// # Errors
     /// [`StepError::LeftChart`] and the like, with `z` unspecified.
     fn point(&mut self, x: &[f64], p: &[f64], z: &mut [f64]) -> Result<(), StepError>;
-    /// Dχ at the point of the last call, row-major d_S × 2d, the columns of x first.
+    /// Dχ(x, p), row-major d_S × 2d, the columns of x first.
     ///
     /// # Errors
     /// [`StepError::NoTangent`] where it is not offered.
-    fn tangent(&mut self, tangent: &mut [f64]) -> Result<(), StepError>;
+    fn tangent(&mut self, x: &[f64], p: &[f64], tangent: &mut [f64]) -> Result<(), StepError>;
     /// Whether [`tangent`](Self::tangent) is offered.
     fn has_tangent(&self) -> bool {
         true
@@ -42,8 +45,8 @@ pub struct ChartMaps {
 
 #[derive(Clone, Debug)]
 enum Kind {
-    /// z = (x, p) itself.
-    Pairs,
+    /// z = (x, p) itself, each of so many coordinates.
+    Pairs(usize),
     Code(SmoothMap),
     Numbers(Arc<dyn RealizationData>),
 }
@@ -59,7 +62,8 @@ impl ChartMaps {
         parameters: usize,
     ) -> Result<Option<Self>, BuildError> {
         if realization.points_are_pairs() {
-            return Ok(Some(Self { kind: Kind::Pairs }));
+            let kind = Kind::Pairs(realization.dimension());
+            return Ok(Some(Self { kind }));
         }
         let d = realization.dimension();
         if let Some(chart) = realization.chart() {
@@ -81,7 +85,7 @@ impl ChartMaps {
 
     /// Whether points of S are pairs (x, p) themselves: χ is the identity.
     pub fn has_pairs(&self) -> bool {
-        matches!(self.kind, Kind::Pairs)
+        matches!(self.kind, Kind::Pairs(_))
     }
 
     /// An evaluator for fixed parameters and ε.
@@ -90,9 +94,9 @@ impl ChartMaps {
     /// When a realization that offered a chart as numbers offers none for these parameters.
     pub fn worker(&self, parameters: &[f64], epsilon: f64) -> Box<dyn ChartWorker> {
         match &self.kind {
-            Kind::Pairs => Box::new(Pairs),
+            Kind::Pairs(dimension) => Box::new(Pairs(*dimension)),
             Kind::Code(map) => Box::new(CodeChart {
-                point: vec![0.0; map.inputs()],
+                points: vec![0.0; map.inputs()],
                 map: map.evaluator(parameters, epsilon, 1.0),
             }),
             Kind::Numbers(realization) => realization
@@ -102,23 +106,30 @@ impl ChartMaps {
     }
 }
 
-struct Pairs;
+/// Writes pairs (x, p) of d numbers each, one behind the other.
+fn pairs(x: &[f64], p: &[f64], d: usize, z: &mut [f64]) {
+    let points = x.chunks_exact(d).zip(p.chunks_exact(d));
+    for (z, (x, p)) in z.chunks_exact_mut(2 * d).zip(points) {
+        let (first, second) = z.split_at_mut(d);
+        first.copy_from_slice(x);
+        second.copy_from_slice(p);
+    }
+}
+
+struct Pairs(usize);
 
 impl ChartWorker for Pairs {
     fn point(&mut self, x: &[f64], p: &[f64], z: &mut [f64]) -> Result<(), StepError> {
-        let (first, second) = z.split_at_mut(x.len());
-        first.copy_from_slice(x);
-        second.copy_from_slice(p);
+        pairs(x, p, self.0, z);
         Ok(())
     }
 
-    fn tangent(&mut self, tangent: &mut [f64]) -> Result<(), StepError> {
-        let columns = libm::sqrt(tangent.len() as f64) as usize;
+    fn tangent(&mut self, _: &[f64], _: &[f64], tangent: &mut [f64]) -> Result<(), StepError> {
+        let n = 2 * self.0;
         tangent.fill(0.0);
-        tangent
-            .iter_mut()
-            .step_by(columns + 1)
-            .for_each(|one| *one = 1.0);
+        for unit in tangent.chunks_exact_mut(n * n) {
+            unit.iter_mut().step_by(n + 1).for_each(|one| *one = 1.0);
+        }
         Ok(())
     }
 
@@ -129,19 +140,26 @@ impl ChartWorker for Pairs {
 
 struct CodeChart {
     map: SmoothMapEvaluator,
-    point: Vec<f64>,
+    /// The points (x, p) of a call.
+    points: Vec<f64>,
+}
+
+impl CodeChart {
+    fn take(&mut self, x: &[f64], p: &[f64]) {
+        self.points.resize(2 * x.len(), 0.0);
+        pairs(x, p, self.map.map().inputs() / 2, &mut self.points);
+    }
 }
 
 impl ChartWorker for CodeChart {
     fn point(&mut self, x: &[f64], p: &[f64], z: &mut [f64]) -> Result<(), StepError> {
-        let (first, second) = self.point.split_at_mut(x.len());
-        first.copy_from_slice(x);
-        second.copy_from_slice(p);
-        self.map.value(&self.point, z)
+        self.take(x, p);
+        self.map.all_values(&self.points, z)
     }
 
-    fn tangent(&mut self, tangent: &mut [f64]) -> Result<(), StepError> {
-        self.map.jacobian(&self.point, tangent)
+    fn tangent(&mut self, x: &[f64], p: &[f64], tangent: &mut [f64]) -> Result<(), StepError> {
+        self.take(x, p);
+        self.map.all_jacobians(&self.points, tangent)
     }
 
     fn operations(&self) -> Option<u64> {

@@ -4,9 +4,11 @@ use std::sync::Arc;
 
 use leafwise_expression::{Arithmetic, Graph, Kernel, StepSize, Term, Workspace};
 
-use crate::dynamics::{BisectionCode, BisectionWorker};
+use crate::dynamics::{BisectionBatch, BisectionCode, BisectionWorker};
 use crate::error::{BuildError, StepError};
-use crate::realization::{Ends, RealizationCode, RealizationData, RealizationWorker};
+use crate::realization::{
+    Ends, RealizationBatch, RealizationCode, RealizationData, RealizationWorker,
+};
 
 /// An evaluator of any realization's maps: one compiled from its code, or its own worker.
 ///
@@ -149,6 +151,7 @@ impl CodeRealization {
             ends: prepared(&self.ends, parameters, epsilon, 1.0),
             tangents: prepared(&self.tangents, parameters, epsilon, 1.0),
             z: vec![0.0; self.ends.inputs()],
+            single: Ends::new(self.dimension),
             work: [&self.ends, &self.tangents].map(|kernel| kernel.step_operations().work()),
             operations: 0,
             code: self.clone(),
@@ -173,6 +176,8 @@ struct CodeRealizationWorker {
     ends: Workspace,
     tangents: Workspace,
     z: Vec<f64>,
+    /// The ends of one of several points.
+    single: Ends,
     /// Operations of one evaluation of each kernel, and of all so far.
     work: [u64; 2],
     operations: u64,
@@ -226,8 +231,38 @@ impl RealizationWorker for CodeRealizationWorker {
             })
     }
 
+    fn batch(&mut self) -> Option<&mut dyn RealizationBatch> {
+        Some(self)
+    }
+
     fn operations(&self) -> Option<u64> {
         Some(self.operations)
+    }
+}
+
+impl RealizationBatch for CodeRealizationWorker {
+    fn all_ends(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
+        let (d, space) = (self.code.dimension, self.z.len());
+        let mut single = std::mem::replace(&mut self.single, Ends::new(0));
+        let points = z.chunks_exact(space).zip(ends.chunks_exact_mut(3 * d));
+        let outcome = points.into_iter().try_for_each(|(z, out)| {
+            self.ends(z, &mut single)?;
+            single.write(out);
+            Ok(())
+        });
+        self.single = single;
+        outcome
+    }
+
+    fn all_tangents(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
+        let (d, space) = (self.code.dimension, self.z.len());
+        let points = z.chunks_exact(space);
+        for (z, out) in points.zip(tangents.chunks_exact_mut(2 * d * space)) {
+            self.z.copy_from_slice(z);
+            let (target, increment) = out.split_at_mut(d * space);
+            self.tangents(target, increment)?;
+        }
+        Ok(())
     }
 }
 
@@ -312,7 +347,30 @@ impl BisectionWorker for CodeBisectionWorker {
         Ok(())
     }
 
+    fn batch(&mut self) -> Option<&mut dyn BisectionBatch> {
+        Some(self)
+    }
+
     fn operations(&self) -> Option<u64> {
         Some(self.operations)
+    }
+}
+
+impl BisectionBatch for CodeBisectionWorker {
+    fn all_points(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
+        let (d, space) = (self.code.kernel.inputs(), self.code.space);
+        let mut points = y.chunks_exact(d).zip(z.chunks_exact_mut(space));
+        points.try_for_each(|(y, z)| self.point(y, z))
+    }
+
+    fn all_tangents(&mut self, y: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
+        let (d, space) = (self.code.kernel.inputs(), self.code.space);
+        for (y, out) in y.chunks_exact(d).zip(tangents.chunks_exact_mut(space * d)) {
+            write_input(&mut self.workspace, y);
+            self.code.kernel.evaluate_in_place(&mut self.workspace);
+            self.operations += self.work;
+            self.tangent(out)?;
+        }
+        Ok(())
     }
 }

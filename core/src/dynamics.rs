@@ -98,6 +98,11 @@ pub trait BisectionWorker: Send {
     fn operations(&self) -> Option<u64> {
         None
     }
+    /// The same map at many points in one call, for a worker whose values at a point depend on that
+    /// point alone: trajectories with the same parameters then share it.
+    fn batch(&mut self) -> Option<&mut dyn BisectionBatch> {
+        None
+    }
     /// Forgets earlier evaluations: the next one starts cold.
     fn restart(&mut self) {}
     /// What later evaluations depend on, for a checkpoint; always of the same length.
@@ -108,6 +113,20 @@ pub trait BisectionWorker: Send {
     fn restore(&mut self, memory: &[f64]) {
         let _ = memory;
     }
+}
+
+/// y ↦ L(y) at many points of M, one behind the other; bit for bit what [`BisectionWorker`] gives.
+pub trait BisectionBatch: Send {
+    /// L at each y of d numbers: d_S numbers a point.
+    ///
+    /// # Errors
+    /// As [`BisectionWorker::point`] at one of the points, with `z` unspecified.
+    fn all_points(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError>;
+    /// DL at each y, row-major d_S × d.
+    ///
+    /// # Errors
+    /// As [`BisectionWorker::tangent`] at one of the points, with `tangents` unspecified.
+    fn all_tangents(&mut self, y: &[f64], tangents: &mut [f64]) -> Result<(), StepError>;
 }
 
 /// A bisection as straight-line code.

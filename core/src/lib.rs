@@ -47,7 +47,8 @@ pub use chart::{ChartMaps, ChartWorker};
 pub use code_workers::{RealizationMaps, realization_worker};
 pub use compensation::two_sum;
 pub use dynamics::{
-    BisectionCode, BisectionWorker, Correction, DynamicApproximation, LagrangianBisection,
+    BisectionBatch, BisectionCode, BisectionWorker, Correction, DynamicApproximation,
+    LagrangianBisection,
 };
 pub use error::{BuildError, StepError};
 pub use generating::GraphOfDifferential;
@@ -58,8 +59,8 @@ pub use one_form::{CodeOneForm, GraphOfOneForm, OneFormWorker};
 pub use origin::Origin;
 pub use part::{PartInfo, PartKind, PartParameters};
 pub use realization::{
-    Accuracy, Ends, LagrangianChart, RealizationCode, RealizationData, RealizationWorker,
-    SourceRecursion, SourceSeries, SourceSeriesIn, SourceTarget,
+    Accuracy, Ends, LagrangianChart, RealizationBatch, RealizationCode, RealizationData,
+    RealizationWorker, SourceRecursion, SourceSeries, SourceSeriesIn, SourceTarget,
 };
 pub use registry::{Part, Registry, RegistryError};
 pub use side_by_side::SideBySide;

@@ -9,7 +9,7 @@ use crate::dynamics::{BisectionWorker, Correction, DynamicApproximation, Lagrang
 use crate::error::BuildError;
 use crate::realization::{Accuracy, RealizationData, RealizationWorker};
 use crate::solver::{
-    LaneByLane, MapProperties, NewtonKernel, NewtonStepper, StepMap, Stepper, Structure, Workers,
+    Lanes, MapProperties, NewtonKernel, NewtonStepper, StepMap, Stepper, Structure, Workers,
 };
 use crate::system::PoissonSystem;
 
@@ -42,6 +42,8 @@ enum Path {
     Workers {
         code: Option<CodeRealization>,
         points: Option<CodeBisection>,
+        /// Whether several trajectories share both workers.
+        together: bool,
     },
 }
 
@@ -129,17 +131,26 @@ impl Method {
                     return Err(missing("the bisection offers neither code nor numbers"));
                 }
                 let space = realization.space_dimension();
-                let numbers = realization.worker(&probe, 1.0).is_some();
-                let code = match code.filter(|_| !numbers) {
+                let mut maps = realization.worker(&probe, 1.0);
+                let code = match code.filter(|_| maps.is_none()) {
                     None => None,
                     Some(code) => Some(CodeRealization::compile(code, d, space, parameters)?),
                 };
-                let numbers = bisection.worker(&probe, 1.0, 1.0).is_some();
-                let points = match points.filter(|_| !numbers) {
+                let mut embedding = bisection.worker(&probe, 1.0, 1.0);
+                let points = match points.filter(|_| embedding.is_none()) {
                     None => None,
                     Some(points) => Some(CodeBisection::compile(points, d, space, parameters)?),
                 };
-                Path::Workers { code, points }
+                // Code serves any number.
+                let together = maps.as_mut().is_none_or(|maps| maps.batch().is_some())
+                    && embedding
+                        .as_mut()
+                        .is_none_or(|points| points.batch().is_some());
+                Path::Workers {
+                    code,
+                    points,
+                    together,
+                }
             }
         };
         Ok(Self {
@@ -269,7 +280,7 @@ impl StepMap for Method {
                 ("residual alone", newton.residual_kernel()),
             ],
             Path::Fused(map) => map.kernels(),
-            Path::Workers { code, points } => {
+            Path::Workers { code, points, .. } => {
                 let maps = code.iter().flat_map(CodeRealization::kernels);
                 maps.chain(points.iter().map(CodeBisection::kernel))
                     .collect()
@@ -283,27 +294,38 @@ impl StepMap for Method {
                 Box::new(NewtonStepper::new(newton, lanes, parameters, epsilon, h))
             }
             Path::Fused(map) => map.stepper(lanes, parameters, epsilon, h),
-            Path::Workers { code, points } => {
+            Path::Workers {
+                code,
+                points,
+                together,
+            } => {
                 let (d, space) = (self.dimension(), self.realization.space_dimension());
                 let correction = self.dynamics.correction();
                 let offered = "a worker was offered when the method was composed";
-                Box::new(LaneByLane::new(lanes, d, parameters, |parameters| {
-                    let maps = match code {
-                        Some(code) => code.worker(parameters, epsilon),
-                        None => {
-                            let worker = self.realization.worker(parameters, epsilon);
-                            worker.expect(offered)
-                        }
-                    };
-                    let points = match points {
-                        Some(points) => points.worker(parameters, epsilon, h),
-                        None => {
-                            let worker = self.bisection.worker(parameters, epsilon, h);
-                            worker.expect(offered)
-                        }
-                    };
-                    Workers::new((maps, points), d, space, correction)
-                }))
+                let most = if *together { usize::MAX } else { 1 };
+                Box::new(Lanes::together(
+                    lanes,
+                    most,
+                    d,
+                    parameters,
+                    |parameters, count| {
+                        let maps = match code {
+                            Some(code) => code.worker(parameters, epsilon),
+                            None => {
+                                let worker = self.realization.worker(parameters, epsilon);
+                                worker.expect(offered)
+                            }
+                        };
+                        let points = match points {
+                            Some(points) => points.worker(parameters, epsilon, h),
+                            None => {
+                                let worker = self.bisection.worker(parameters, epsilon, h);
+                                worker.expect(offered)
+                            }
+                        };
+                        Workers::new((maps, points), (d, space), correction, count)
+                    },
+                ))
             }
         }
     }

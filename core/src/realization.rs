@@ -154,6 +154,14 @@ impl Ends {
             increment: room(),
         }
     }
+
+    /// Writes base, offset and increment, one behind the other.
+    pub fn write(&self, out: &mut [f64]) {
+        let d = self.base.len();
+        out[..d].copy_from_slice(&self.base);
+        out[d..2 * d].copy_from_slice(&self.offset);
+        out[2 * d..].copy_from_slice(&self.increment);
+    }
 }
 
 /// One thread's evaluator of a realization's maps, for fixed parameters and ε.
@@ -187,6 +195,11 @@ pub trait RealizationWorker: Send {
     fn has_source_hessian(&self) -> bool {
         false
     }
+    /// The same maps at many points in one call, for a worker whose values at a point depend on that
+    /// point alone: trajectories with the same parameters then share it.
+    fn batch(&mut self) -> Option<&mut dyn RealizationBatch> {
+        None
+    }
     /// Forgets earlier evaluations.
     fn restart(&mut self) {}
     /// What later evaluations depend on, for a checkpoint; always of the same length.
@@ -210,6 +223,20 @@ pub trait RealizationWorker: Send {
     fn operations(&self) -> Option<u64> {
         None
     }
+}
+
+/// α̂ and β̂ at many points of S, one behind the other; bit for bit what [`RealizationWorker`] gives.
+pub trait RealizationBatch: Send {
+    /// The ends at each z of d_S numbers: base, β̂ − base and α̂ − β̂, 3 d numbers a point.
+    ///
+    /// # Errors
+    /// As [`RealizationWorker::ends`] at one of the points, with `ends` unspecified.
+    fn all_ends(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError>;
+    /// Dβ̂ and D(α̂ − β̂) at each z, row-major d × d_S: 2 d d_S numbers a point.
+    ///
+    /// # Errors
+    /// As [`RealizationWorker::tangents`] at one of the points, with `tangents` unspecified.
+    fn all_tangents(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError>;
 }
 
 /// The exact (untruncated) series of α∘χ along p(h) = Σ_{k≥1} pₖ hᵏ at ε = 1, where χ is a

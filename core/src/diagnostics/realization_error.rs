@@ -166,7 +166,7 @@ impl Charted {
             return self.differences(x, p);
         }
         let mut chart = vec![0.0; space * 2 * d];
-        self.chart.tangent(&mut chart)?;
+        self.chart.tangent(x, p, &mut chart)?;
         let mut target = vec![0.0; d * space];
         let mut increment = vec![0.0; d * space];
         self.realization.tangents(&mut target, &mut increment)?;

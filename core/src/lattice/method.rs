@@ -14,7 +14,7 @@ use super::stepper::LatticeTrajectory;
 use crate::dynamics::DynamicApproximation;
 use crate::error::BuildError;
 use crate::realization::RealizationData;
-use crate::solver::{LaneByLane, MapProperties, StepMap, Stepper};
+use crate::solver::{Lanes, MapProperties, StepMap, Stepper};
 use crate::system::PoissonSystem;
 
 /// A lattice system that can be written out at any length.
@@ -187,7 +187,7 @@ impl StepMap for LatticeMethod {
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
         let d = self.geometry.dimension();
-        Box::new(LaneByLane::new(lanes, d, parameters, |parameters| {
+        Box::new(Lanes::apart(lanes, d, parameters, |parameters| {
             LatticeTrajectory::new(&self.program, self.fields, parameters, epsilon, h)
         }))
     }

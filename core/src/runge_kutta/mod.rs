@@ -2,9 +2,12 @@
 //!
 //! - [`tableau`]: nodes, weights and matrices, those of Gauss for any number of stages.
 //! - [`smooth_map`]: maps and their Jacobians, as kernels or as numbers.
-//! - [`stages`]: the stage equations of a partitioned method by Newton's iteration, or without Jacobians.
+//! - [`stages`]: the stage equations of a partitioned method by Newton's iteration, or without Jacobians,
+//!   of several trajectories in lockstep.
 
+pub(crate) mod batch;
 pub mod smooth_map;
+mod stage_solve;
 pub mod stages;
 pub mod tableau;
 

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use leafwise_expression::{Graph, Kernel, Term, Workspace};
 
+use super::batch::batch;
 use crate::error::{BuildError, StepError};
 
 /// A map z ↦ F(z), and z ↦ DF(z) where that is offered.
@@ -41,6 +42,20 @@ pub trait MapWorker: Send {
         let _ = (z, out);
         Err(StepError::NoTangent)
     }
+    /// F at `count` points, one behind the other; bit for bit what [`value`](Self::value) gives at each.
+    ///
+    /// # Errors
+    /// As [`value`](Self::value), at one of the points, with `out` unspecified.
+    fn values(&mut self, count: usize, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        one_by_one(count, z, out, |z, out| self.value(z, out))
+    }
+    /// DF at `count` points, one behind the other; bit for bit what [`jacobian`](Self::jacobian) gives.
+    ///
+    /// # Errors
+    /// As [`jacobian`](Self::jacobian), at one of the points, with `out` unspecified.
+    fn jacobians(&mut self, count: usize, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        one_by_one(count, z, out, |z, out| self.jacobian(z, out))
+    }
     /// Forgets earlier evaluations.
     fn restart(&mut self) {}
     /// What later evaluations depend on, for a checkpoint; always of the same length.
@@ -58,6 +73,18 @@ pub trait MapWorker: Send {
     fn operations(&self) -> Option<u64> {
         None
     }
+}
+
+/// Evaluates at `count` points, one behind the other, by themselves.
+fn one_by_one(
+    count: usize,
+    z: &[f64],
+    out: &mut [f64],
+    mut evaluate: impl FnMut(&[f64], &mut [f64]) -> Result<(), StepError>,
+) -> Result<(), StepError> {
+    let (inputs, outputs) = (z.len() / count, out.len() / count);
+    let mut pairs = z.chunks_exact(inputs).zip(out.chunks_exact_mut(outputs));
+    pairs.try_for_each(|(z, out)| evaluate(z, out))
 }
 
 impl std::fmt::Debug for SmoothMap {
@@ -259,6 +286,53 @@ impl SmoothMapEvaluator {
     /// When a slice has another length than the map's inputs or Jacobian.
     pub fn jacobian(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         self.worker.jacobian(z, out)
+    }
+
+    /// F at several points, one behind the other, in one call.
+    ///
+    /// # Errors
+    /// As [`value`](Self::value), at one of the points, with `out` unspecified.
+    ///
+    /// # Panics
+    /// When a slice is not that of a whole number of points.
+    pub fn all_values(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        if z.len() == self.map.inputs {
+            return self.worker.value(z, out);
+        }
+        self.worker.values(z.len() / self.map.inputs, z, out)
+    }
+
+    /// DF at several points, as [`all_values`](Self::all_values).
+    ///
+    /// # Errors
+    /// As [`jacobian`](Self::jacobian), at one of the points, with `out` unspecified.
+    ///
+    /// # Panics
+    /// When a slice is not that of a whole number of points.
+    pub fn all_jacobians(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        if z.len() == self.map.inputs {
+            return self.worker.jacobian(z, out);
+        }
+        self.worker.jacobians(z.len() / self.map.inputs, z, out)
+    }
+
+    /// F at several points, one behind the other, in one call; where that fails, one by one: the points
+    /// that fail are handed over, with their place in `out` unspecified.
+    ///
+    /// # Panics
+    /// When a slice is not that of a whole number of points.
+    pub fn values(&mut self, z: &[f64], out: &mut [f64], failed: impl FnMut(usize, StepError)) {
+        let shape = (self.map.inputs, self.map.outputs);
+        batch(shape, z, out, failed, |z, out| self.all_values(z, out));
+    }
+
+    /// DF at several points, as [`values`](Self::values).
+    ///
+    /// # Panics
+    /// When a slice is not that of a whole number of points.
+    pub fn jacobians(&mut self, z: &[f64], out: &mut [f64], failed: impl FnMut(usize, StepError)) {
+        let shape = (self.map.inputs, self.map.outputs * self.map.inputs);
+        batch(shape, z, out, failed, |z, out| self.all_jacobians(z, out));
     }
 
     /// Forgets earlier evaluations.

@@ -1,7 +1,10 @@
-//! Trajectories one after the other: what steppers that do not step them together share.
+//! Trajectories in lanes: each by itself, or several in lockstep.
 
 use super::{SolverStatistics, Stepper};
 use crate::error::StepError;
+
+/// The most trajectories in lockstep: what they hold stays in the fastest caches.
+const MOST_TOGETHER: usize = 64;
 
 /// The step of one trajectory, for fixed parameters and step sizes: a stepper's mathematics.
 pub trait Trajectory: Send {
@@ -41,69 +44,219 @@ pub trait Trajectory: Send {
     }
 }
 
+/// Steps of several trajectories in lockstep, for the same parameters and step sizes: each evaluation
+/// is one for all that need it.
+///
+/// Arrays hold one trajectory behind the other, d numbers each. What a step writes for a trajectory
+/// depends on that one alone, to the bit.
+pub trait Lockstep: Send {
+    /// Φ(x + low) − (x + low) of every trajectory, as [`Trajectory::step`]; `taken` says of each how it
+    /// went. The caller refuses an increment that is not finite, and restarts what failed.
+    fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [Taken]);
+    /// As [`Trajectory::solution`], of one trajectory.
+    fn solution(&self, at: usize) -> Option<&[f64]> {
+        let _ = at;
+        None
+    }
+    /// As [`Trajectory::tangent`], of one trajectory.
+    fn tangent(&mut self, at: usize) -> Option<Vec<f64>> {
+        let _ = at;
+        None
+    }
+    /// Operations of all so far, as [`Trajectory::operations`].
+    fn operations(&self) -> Option<u64>;
+    /// As [`Trajectory::restart`], of one trajectory.
+    fn restart(&mut self, at: usize) {
+        let _ = at;
+    }
+    /// As [`Trajectory::memory`], of one trajectory.
+    fn memory(&self, at: usize) -> Vec<f64> {
+        let _ = at;
+        Vec::new()
+    }
+    /// Restores [`memory`](Self::memory).
+    fn restore(&mut self, at: usize, memory: &[f64]) {
+        let _ = (at, memory);
+    }
+}
+
+/// How one trajectory's step went.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Taken {
+    /// Its evaluations.
+    pub evaluations: u64,
+    /// Why it could not be taken.
+    pub outcome: Result<(), StepError>,
+}
+
+impl Taken {
+    /// Nothing yet.
+    pub const NOTHING: Self = Self {
+        evaluations: 0,
+        outcome: Ok(()),
+    };
+
+    /// Takes in a failure, unless an earlier one is known.
+    pub fn fail(&mut self, error: StepError) {
+        if self.outcome.is_ok() {
+            self.outcome = Err(error);
+        }
+    }
+}
+
+/// A trajectory by itself.
+pub struct Alone<T>(T);
+
+impl<T: Trajectory> Lockstep for Alone<T> {
+    fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
+        let taken = &mut taken[0];
+        taken.outcome = self.0.step(x, low, increment, &mut taken.evaluations);
+    }
+
+    fn solution(&self, _: usize) -> Option<&[f64]> {
+        self.0.solution()
+    }
+
+    fn tangent(&mut self, _: usize) -> Option<Vec<f64>> {
+        self.0.tangent()
+    }
+
+    fn operations(&self) -> Option<u64> {
+        self.0.operations()
+    }
+
+    fn restart(&mut self, _: usize) {
+        self.0.restart();
+    }
+
+    fn memory(&self, _: usize) -> Vec<f64> {
+        self.0.memory()
+    }
+
+    fn restore(&mut self, _: usize, memory: &[f64]) {
+        self.0.restore(memory);
+    }
+}
+
 /// A [`Stepper`] of trajectories, one a lane.
-pub struct LaneByLane<T> {
-    trajectories: Vec<T>,
-    /// One lane's x, low and increment, where there are several.
+pub struct Lanes<T> {
+    groups: Vec<Group<T>>,
+    dimension: usize,
+    lanes: usize,
+    /// A group's x, low and increment, where there are several lanes.
     x: Vec<f64>,
     low: Vec<f64>,
     increment: Vec<f64>,
+    /// How it went; nothing between steps.
+    taken: Vec<Taken>,
     statistics: SolverStatistics,
 }
 
-impl<T: Trajectory> LaneByLane<T> {
-    /// `lanes` trajectories in `dimension` coordinates, each made for its own parameters.
-    pub fn new(
+/// Neighbouring lanes in lockstep.
+struct Group<T> {
+    trajectories: T,
+    first: usize,
+    count: usize,
+}
+
+impl<T: Trajectory> Lanes<Alone<T>> {
+    /// `lanes` trajectories in `dimension` coordinates, each by itself, made for its own parameters.
+    pub fn apart(
         lanes: usize,
         dimension: usize,
         parameters: &[f64],
         mut make: impl FnMut(&[f64]) -> T,
     ) -> Self {
-        let room = || vec![0.0; if lanes > 1 { dimension } else { 0 }];
-        let of = |lane: usize| -> Vec<f64> {
-            parameters
-                .iter()
-                .skip(lane)
-                .step_by(lanes)
-                .copied()
-                .collect()
-        };
+        let groups = (0..lanes).map(|lane| Group {
+            trajectories: Alone(make(&of_lane(parameters, lanes, lane))),
+            first: lane,
+            count: 1,
+        });
+        Self::of_groups(lanes, dimension, groups.collect())
+    }
+}
+
+impl<T: Lockstep> Lanes<T> {
+    /// `lanes` trajectories in `dimension` coordinates: neighbours with the same parameters, as many as
+    /// `make` is told and at most `most`, in lockstep.
+    pub fn together(
+        lanes: usize,
+        most: usize,
+        dimension: usize,
+        parameters: &[f64],
+        mut make: impl FnMut(&[f64], usize) -> T,
+    ) -> Self {
+        let most = most.min(MOST_TOGETHER);
+        let mut groups = Vec::new();
+        let mut first = 0;
+        while first < lanes {
+            let own = of_lane(parameters, lanes, first);
+            let count = (first + 1..lanes.min(first + most))
+                .take_while(|lane| bits(&of_lane(parameters, lanes, *lane)).eq(bits(&own)))
+                .count()
+                + 1;
+            groups.push(Group {
+                trajectories: make(&own, count),
+                first,
+                count,
+            });
+            first += count;
+        }
+        Self::of_groups(lanes, dimension, groups)
+    }
+
+    fn of_groups(lanes: usize, dimension: usize, groups: Vec<Group<T>>) -> Self {
+        let most = groups.iter().map(|group| group.count).max().unwrap_or(0);
+        let room = || vec![0.0; if lanes > 1 { most * dimension } else { 0 }];
         Self {
-            trajectories: (0..lanes).map(|lane| make(&of(lane))).collect(),
+            groups,
+            dimension,
+            lanes,
             x: room(),
             low: room(),
             increment: room(),
+            taken: vec![Taken::NOTHING; most],
             statistics: SolverStatistics::default(),
         }
     }
 }
 
-/// One step of one trajectory, counted; zero where it fails.
-fn step<T: Trajectory>(
-    trajectory: &mut T,
-    (x, low): (&[f64], &[f64]),
-    increment: &mut [f64],
-    statistics: &mut SolverStatistics,
-) -> Result<(), StepError> {
-    let mut evaluations = 0;
-    let outcome = trajectory.step(x, low, increment, &mut evaluations);
-    let outcome = outcome.and_then(|()| {
-        if increment.iter().all(|v| v.is_finite()) {
-            return Ok(());
-        }
-        Err(StepError::NonFinite {
-            what: "the increment",
-        })
-    });
-    if outcome.is_err() {
-        trajectory.restart();
-        increment.fill(0.0);
-    }
-    statistics.count(evaluations, outcome.is_ok());
-    outcome
+/// A lane's parameters.
+fn of_lane(parameters: &[f64], lanes: usize, lane: usize) -> Vec<f64> {
+    let own = parameters.iter().skip(lane).step_by(lanes);
+    own.copied().collect()
 }
 
-impl<T: Trajectory> Stepper for LaneByLane<T> {
+fn bits(values: &[f64]) -> impl Iterator<Item = u64> {
+    values.iter().map(|value| value.to_bits())
+}
+
+/// One step of a group, counted; zero where it fails.
+fn step<T: Lockstep>(
+    trajectories: &mut T,
+    (x, low): (&[f64], &[f64]),
+    increment: &mut [f64],
+    taken: &mut [Taken],
+    statistics: &mut SolverStatistics,
+) {
+    trajectories.step(x, low, increment, taken);
+    let d = increment.len() / taken.len();
+    for (at, taken) in taken.iter_mut().enumerate() {
+        let own = &mut increment[at * d..][..d];
+        if !own.iter().all(|v| v.is_finite()) {
+            taken.fail(StepError::NonFinite {
+                what: "the increment",
+            });
+        }
+        if taken.outcome.is_err() {
+            trajectories.restart(at);
+            own.fill(0.0);
+        }
+        statistics.count(taken.evaluations, taken.outcome.is_ok());
+    }
+}
+
+impl<T: Lockstep> Stepper for Lanes<T> {
     fn increment(
         &mut self,
         x: &[f64],
@@ -111,103 +264,119 @@ impl<T: Trajectory> Stepper for LaneByLane<T> {
         increment: &mut [f64],
         outcome: &mut [Result<(), StepError>],
     ) {
-        let statistics = &mut self.statistics;
-        if let [trajectory] = &mut self.trajectories[..] {
-            outcome[0] = step(trajectory, (x, low), increment, statistics);
-            return;
-        }
-        let lanes = self.trajectories.len();
-        for (lane, trajectory) in self.trajectories.iter_mut().enumerate() {
-            for (own, all) in [(&mut self.x, x), (&mut self.low, low)] {
-                let column = all.iter().skip(lane).step_by(lanes);
-                own.iter_mut()
-                    .zip(column)
-                    .for_each(|(own, value)| *own = *value);
+        let (d, lanes, statistics) = (self.dimension, self.lanes, &mut self.statistics);
+        let told = |taken: &mut Taken| std::mem::replace(taken, Taken::NOTHING).outcome;
+        for group in &mut self.groups {
+            let (first, count) = (group.first, group.count);
+            let (group, taken) = (&mut group.trajectories, &mut self.taken[..count]);
+            if lanes == 1 {
+                step(group, (x, low), increment, taken, statistics);
+                outcome[0] = told(&mut taken[0]);
+                continue;
             }
-            let start = (&self.x[..], &self.low[..]);
-            outcome[lane] = step(trajectory, start, &mut self.increment, statistics);
-            let places = increment.iter_mut().skip(lane).step_by(lanes);
-            places
-                .zip(&self.increment)
-                .for_each(|(place, value)| *place = *value);
+            for (own, all) in [(&mut self.x, x), (&mut self.low, low)] {
+                for j in 0..d {
+                    for (at, value) in all[j * lanes + first..][..count].iter().enumerate() {
+                        own[at * d + j] = *value;
+                    }
+                }
+            }
+            let start = (&self.x[..count * d], &self.low[..count * d]);
+            let own = &mut self.increment[..count * d];
+            step(group, start, own, taken, statistics);
+            for j in 0..d {
+                let row = &mut increment[j * lanes + first..][..count];
+                for (at, place) in row.iter_mut().enumerate() {
+                    *place = own[at * d + j];
+                }
+            }
+            for (outcome, taken) in outcome[first..].iter_mut().zip(taken) {
+                *outcome = told(taken);
+            }
         }
     }
 
     fn solution(&self, lane: usize) -> Option<Vec<f64>> {
-        Some(self.trajectories.get(lane)?.solution()?.to_vec())
+        let group = self.groups.iter().find(|group| group.holds(lane))?;
+        Some(group.trajectories.solution(lane - group.first)?.to_vec())
     }
 
     fn tangent(&mut self, lane: usize) -> Option<Vec<f64>> {
-        self.trajectories.get_mut(lane)?.tangent()
+        let group = self.groups.iter_mut().find(|group| group.holds(lane))?;
+        group.trajectories.tangent(lane - group.first)
     }
 
     fn restart(&mut self) {
-        self.trajectories.iter_mut().for_each(Trajectory::restart);
+        for group in &mut self.groups {
+            (0..group.count).for_each(|at| group.trajectories.restart(at));
+        }
     }
 
     fn statistics(&self) -> SolverStatistics {
+        let groups = self.groups.iter();
         SolverStatistics {
-            operations: self.trajectories.iter().map(Trajectory::operations).sum(),
+            operations: groups.map(|group| group.trajectories.operations()).sum(),
             ..self.statistics
         }
     }
 
     fn memory(&self) -> Vec<f64> {
-        self.trajectories
-            .iter()
-            .flat_map(Trajectory::memory)
-            .collect()
+        let of_group = |group: &Group<T>| -> Vec<f64> {
+            let memory = |at| group.trajectories.memory(at);
+            (0..group.count).flat_map(memory).collect()
+        };
+        self.groups.iter().flat_map(of_group).collect()
     }
 
     fn restore(&mut self, memory: &[f64]) -> Result<(), usize> {
-        let lengths = self.trajectories.iter().map(|t| t.memory().len());
-        let lengths: Vec<usize> = lengths.collect();
-        let expected = lengths.iter().sum();
+        let expected = self.memory().len();
         if memory.len() != expected {
             return Err(expected);
         }
         let mut rest = memory;
-        for (trajectory, length) in self.trajectories.iter_mut().zip(lengths) {
-            let (own, others) = rest.split_at(length);
-            trajectory.restore(own);
-            rest = others;
+        for group in &mut self.groups {
+            for at in 0..group.count {
+                let (own, others) = rest.split_at(group.trajectories.memory(at).len());
+                group.trajectories.restore(at, own);
+                rest = others;
+            }
         }
         Ok(())
     }
 }
 
-impl<T: Trajectory + ?Sized> Trajectory for Box<T> {
-    fn step(
-        &mut self,
-        x: &[f64],
-        low: &[f64],
-        increment: &mut [f64],
-        evaluations: &mut u64,
-    ) -> Result<(), StepError> {
-        (**self).step(x, low, increment, evaluations)
+impl<T> Group<T> {
+    fn holds(&self, lane: usize) -> bool {
+        (self.first..self.first + self.count).contains(&lane)
+    }
+}
+
+impl<T: Lockstep + ?Sized> Lockstep for Box<T> {
+    fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
+        (**self).step(x, low, increment, taken);
     }
 
-    fn solution(&self) -> Option<&[f64]> {
-        (**self).solution()
+    fn solution(&self, at: usize) -> Option<&[f64]> {
+        (**self).solution(at)
     }
 
-    fn tangent(&mut self) -> Option<Vec<f64>> {
-        (**self).tangent()
+    fn tangent(&mut self, at: usize) -> Option<Vec<f64>> {
+        (**self).tangent(at)
     }
 
     fn operations(&self) -> Option<u64> {
         (**self).operations()
     }
 
-    fn restart(&mut self) {
-        (**self).restart();
+    fn restart(&mut self, at: usize) {
+        (**self).restart(at);
     }
 
-    fn memory(&self) -> Vec<f64> {
-        (**self).memory()
+    fn memory(&self, at: usize) -> Vec<f64> {
+        (**self).memory(at)
     }
 
-    fn restore(&mut self, memory: &[f64]) {
-        (**self).restore(memory);
+    fn restore(&mut self, at: usize, memory: &[f64]) {
+        (**self).restore(at, memory);
     }
 }

@@ -15,7 +15,7 @@ pub use anderson::Anderson;
 pub use explicit::ExplicitMap;
 pub use extrapolation::Extrapolation;
 pub use iteration::{CorrectionSize, LinearIteration};
-pub use lanes::{LaneByLane, Trajectory};
+pub use lanes::{Alone, Lanes, Lockstep, Taken, Trajectory};
 pub use linear::{DenseFactors, elimination_operations, substitution_operations};
 pub use newton::{NewtonKernel, NewtonStepper};
 pub use properties::{MapProperties, Structure};

@@ -126,10 +126,12 @@ fn map_of(system: &OpaqueSystem, value: Value) -> SmoothMap {
         Box::new(Worker {
             numbers: numbers.worker(parameters),
             value,
-            gradient: vec![0.0; d],
+            dimension: d,
+            gradients: vec![0.0; d],
             units: DMatrix::identity(d, d).as_slice().to_vec(),
             columns: vec![0.0; d * d],
             images: vec![0.0; d * d],
+            spread: Default::default(),
         })
     })
 }
@@ -137,72 +139,121 @@ fn map_of(system: &OpaqueSystem, value: Value) -> SmoothMap {
 struct Worker {
     numbers: Box<dyn NumbersWorker>,
     value: Value,
-    gradient: Vec<f64>,
-    /// The unit vectors, and room for as many columns, twice.
+    dimension: usize,
+    /// ∇H, one behind the other.
+    gradients: Vec<f64>,
+    /// The unit vectors, and room for as many columns a point, twice.
     units: Vec<f64>,
     columns: Vec<f64>,
     images: Vec<f64>,
+    /// Of several points: y, v and the unit vectors as often as there are columns.
+    spread: [Vec<f64>; 3],
 }
 
 impl MapWorker for Worker {
     fn value(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        let d = self.gradient.len();
+        self.values(1, z, out)
+    }
+
+    fn jacobian(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.jacobians(1, z, out)
+    }
+
+    fn values(&mut self, count: usize, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        let d = self.dimension;
         match self.value {
             Value::Field => {
-                self.numbers.gradient(z, &mut self.gradient)?;
-                self.numbers.tensor(z, &self.gradient, out)?;
+                self.gradients.resize(count * d, 0.0);
+                self.numbers.gradient(z, &mut self.gradients)?;
+                self.numbers.tensor(z, &self.gradients, out)?;
                 negate(out);
             }
             Value::Tensor => {
-                self.numbers.tensor(&z[..d], &z[d..], out)?;
+                for (uw, out) in z.chunks_exact(2 * d).zip(out.chunks_exact_mut(d)) {
+                    self.numbers.tensor(&uw[..d], &uw[d..], out)?;
+                }
                 negate(out);
             }
             Value::Gradient => self.numbers.gradient(z, out)?,
             Value::Invariants => {
-                let (energy, casimirs) = out.split_at_mut(1);
-                self.numbers.hamiltonian(z, energy)?;
-                if !casimirs.is_empty() {
-                    self.numbers.casimirs(z, casimirs)?;
+                let results = out.len() / count;
+                for (y, out) in z.chunks_exact(d).zip(out.chunks_exact_mut(results)) {
+                    let (energy, casimirs) = out.split_at_mut(1);
+                    self.numbers.hamiltonian(y, energy)?;
+                    if !casimirs.is_empty() {
+                        self.numbers.casimirs(y, casimirs)?;
+                    }
                 }
             }
         }
         Ok(())
     }
 
-    fn jacobian(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        let d = self.gradient.len();
+    fn jacobians(&mut self, count: usize, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        let d = self.dimension;
         match self.value {
             // Column k of DX is −D(Π(x)∇H(x₀))e_k − Π D²H e_k, x₀ = x held fixed.
             Value::Field => {
-                self.numbers.gradient(z, &mut self.gradient)?;
-                self.numbers
-                    .tensor_tangent(z, &self.gradient, &self.units, &mut self.columns)?;
-                transposed(&self.columns, -1.0, out, d, 0);
-                self.numbers.hessian(z, &self.units, &mut self.columns)?;
-                self.numbers.tensor(z, &self.columns, &mut self.images)?;
-                for (i, row) in out.chunks_exact_mut(d).enumerate() {
-                    for (k, entry) in row.iter_mut().enumerate() {
-                        *entry -= self.images[k * d + i];
+                self.gradients.resize(count * d, 0.0);
+                self.numbers.gradient(z, &mut self.gradients)?;
+                self.columns.resize(count * d * d, 0.0);
+                self.images.resize(count * d * d, 0.0);
+                let [y, v, units] = &mut self.spread;
+                let (y, v, units) = if count == 1 {
+                    (z, &self.gradients[..], &self.units[..])
+                } else {
+                    spread(z, d, y);
+                    spread(&self.gradients, d, v);
+                    (&y[..], &v[..], repeat(&self.units, count, units))
+                };
+                let (columns, images) = (&mut self.columns[..], &mut self.images[..]);
+                self.numbers.tensor_tangent(y, v, units, columns)?;
+                for (columns, out) in columns.chunks_exact(d * d).zip(out.chunks_exact_mut(d * d)) {
+                    transposed(columns, -1.0, out, d, 0);
+                }
+                self.numbers.hessian(y, units, columns)?;
+                self.numbers.tensor(y, columns, images)?;
+                for (images, out) in images.chunks_exact(d * d).zip(out.chunks_exact_mut(d * d)) {
+                    for (i, row) in out.chunks_exact_mut(d).enumerate() {
+                        for (k, entry) in row.iter_mut().enumerate() {
+                            *entry -= images[k * d + i];
+                        }
                     }
                 }
             }
             Value::Tensor => {
-                let (u, w) = z.split_at(d);
-                self.numbers
-                    .tensor_tangent(u, w, &self.units, &mut self.columns)?;
-                transposed(&self.columns, -1.0, out, 2 * d, 0);
-                self.numbers.tensor(u, &self.units, &mut self.columns)?;
-                transposed(&self.columns, -1.0, out, 2 * d, d);
+                for (uw, out) in z.chunks_exact(2 * d).zip(out.chunks_exact_mut(2 * d * d)) {
+                    let (u, w) = uw.split_at(d);
+                    let columns = &mut self.columns[..d * d];
+                    self.numbers.tensor_tangent(u, w, &self.units, columns)?;
+                    transposed(columns, -1.0, out, 2 * d, 0);
+                    self.numbers.tensor(u, &self.units, columns)?;
+                    transposed(columns, -1.0, out, 2 * d, d);
+                }
             }
             Value::Gradient => {
-                self.numbers.hessian(z, &self.units, &mut self.columns)?;
-                transposed(&self.columns, 1.0, out, d, 0);
+                self.columns.resize(count * d * d, 0.0);
+                let [y, _, units] = &mut self.spread;
+                let (y, units) = if count == 1 {
+                    (z, &self.units[..])
+                } else {
+                    spread(z, d, y);
+                    (&y[..], repeat(&self.units, count, units))
+                };
+                self.numbers.hessian(y, units, &mut self.columns)?;
+                let columns = self.columns.chunks_exact(d * d);
+                for (columns, out) in columns.zip(out.chunks_exact_mut(d * d)) {
+                    transposed(columns, 1.0, out, d, 0);
+                }
             }
             Value::Invariants => {
-                let (energy, casimirs) = out.split_at_mut(d);
-                self.numbers.gradient(z, energy)?;
-                if !casimirs.is_empty() {
-                    self.numbers.casimir_gradients(z, casimirs)?;
+                let entries = out.len() / count;
+                for (y, out) in z.chunks_exact(d).zip(out.chunks_exact_mut(entries)) {
+                    let (energy, casimirs) = out.split_at_mut(d);
+                    self.numbers.gradient(y, energy)?;
+                    if !casimirs.is_empty() {
+                        self.numbers.casimir_gradients(y, casimirs)?;
+                    }
                 }
             }
         }
@@ -212,6 +263,22 @@ impl MapWorker for Worker {
     fn operations(&self) -> Option<u64> {
         self.numbers.operations()
     }
+}
+
+/// Each vector of `values` as often as it has coordinates.
+fn spread(values: &[f64], dimension: usize, into: &mut Vec<f64>) {
+    into.clear();
+    for vector in values.chunks_exact(dimension) {
+        (0..dimension).for_each(|_| into.extend_from_slice(vector));
+    }
+}
+
+/// `values` so many times; `kept` grows by them as is needed.
+fn repeat<'a>(values: &[f64], count: usize, kept: &'a mut Vec<f64>) -> &'a [f64] {
+    while kept.len() < count * values.len() {
+        kept.extend_from_slice(values);
+    }
+    &kept[..count * values.len()]
 }
 
 fn negate(values: &mut [f64]) {

@@ -42,7 +42,7 @@ impl LagrangianBisection for ImageOfSection {
         let field = self.field.evaluator(parameters, epsilon, h);
         let n = field.map().inputs();
         Some(Box::new(Worker {
-            stages: StageSolver::new(field, self.tableau.clone(), h),
+            stages: StageSolver::new(field, self.tableau.clone(), h, 1),
             chart: self.chart.worker(parameters, epsilon),
             near_identity: self.correction == Correction::Bisection,
             end: vec![0.0; n],
@@ -84,8 +84,9 @@ impl BisectionWorker for Worker {
         let singular = || StepError::NonFinite {
             what: "the tangent of the stage equations",
         };
-        let image = self.stages.tangent(&section).ok_or_else(singular)?;
-        self.chart.tangent(&mut self.of_chart)?;
+        let image = self.stages.tangent(0, &section).ok_or_else(singular)?;
+        let (x, p) = self.end.split_at(n / 2);
+        self.chart.tangent(x, p, &mut self.of_chart)?;
         let image = DMatrix::from_row_slice(self.of_chart.len() / n, n, &self.of_chart) * image;
         tangent.copy_from_slice(image.transpose().as_slice());
         Ok(())
@@ -105,14 +106,14 @@ impl BisectionWorker for Worker {
     }
 
     fn restart(&mut self) {
-        self.stages.clear();
+        self.stages.clear(0);
     }
 
     fn memory(&self) -> Vec<f64> {
-        self.stages.memory()
+        self.stages.memory(0)
     }
 
     fn restore(&mut self, memory: &[f64]) {
-        self.stages.restore(memory);
+        self.stages.restore(0, memory);
     }
 }

@@ -83,7 +83,7 @@ impl NumericField {
             self.source.copy_from_slice(&self.target);
             return Ok(());
         }
-        self.chart.tangent(&mut self.of_chart)?;
+        self.chart.tangent(x, p, &mut self.of_chart)?;
         self.linear += 4 * (d * d * space) as u64;
         for (at, entry) in self.source.iter_mut().enumerate() {
             let row = &self.target[at / (2 * d) * space..][..space];

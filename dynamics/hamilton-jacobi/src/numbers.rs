@@ -53,7 +53,6 @@ impl GraphOfEnergy {
         Box::new(EnergyForm {
             gradient: self.gradient.evaluator(parameters, 1.0, h),
             h,
-            y: vec![0.0; self.dimension],
         })
     }
 }
@@ -82,7 +81,6 @@ impl LagrangianBisection for GraphOfEnergy {
 struct EnergyForm {
     gradient: SmoothMapEvaluator,
     h: f64,
-    y: Vec<f64>,
 }
 
 impl EnergyForm {
@@ -93,14 +91,13 @@ impl EnergyForm {
 
 impl OneFormWorker for EnergyForm {
     fn value(&mut self, y: &[f64], p: &mut [f64]) -> Result<(), StepError> {
-        self.y.copy_from_slice(y);
-        self.gradient.value(y, p)?;
+        self.gradient.all_values(y, p)?;
         self.scale(p);
         Ok(())
     }
 
-    fn jacobian(&mut self, jacobian: &mut [f64]) -> Result<(), StepError> {
-        self.gradient.jacobian(&self.y, jacobian)?;
+    fn jacobian(&mut self, y: &[f64], jacobian: &mut [f64]) -> Result<(), StepError> {
+        self.gradient.all_jacobians(y, jacobian)?;
         self.scale(jacobian);
         Ok(())
     }

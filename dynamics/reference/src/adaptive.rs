@@ -6,7 +6,7 @@ use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartParamet
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
 use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
 
-use crate::one_step::{OneStep, ReferenceMap};
+use crate::one_step::{Make, OneStep, ReferenceMap};
 
 /// A row of coefficients: (stage, value).
 pub(crate) type Row = &'static [(usize, f64)];
@@ -285,10 +285,10 @@ pub(crate) fn adaptive_map(
             self_adjoint: Some(false),
         },
         description: format!("{} tolerance = {tolerance:e}", info.name),
-        make: Box::new(move |parameters, time_step| {
+        make: Make::Apart(Box::new(move |parameters, time_step| {
             Box::new(AdaptivePair::new(
                 pair, &field, parameters, time_step, tolerance,
             ))
-        }),
+        })),
     }))
 }

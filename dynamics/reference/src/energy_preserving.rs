@@ -14,7 +14,7 @@ use leafwise_core::solver::{
 use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
 use nalgebra::DMatrix;
 
-use crate::one_step::{OneStep, ReferenceMap, larger, reach, relative};
+use crate::one_step::{Make, OneStep, ReferenceMap, larger, reach, relative};
 
 pub(crate) static INFO: PartInfo = PartInfo {
     name: "energy-preserving",
@@ -434,9 +434,9 @@ impl StepperPart for Part {
                 self_adjoint: Some(true),
             },
             description: format!("{} order = {order}", INFO.name),
-            make: Box::new(move |parameters, time_step| {
+            make: Make::Apart(Box::new(move |parameters, time_step| {
                 Box::new(EnergyPreserving::new(&maps, stages, parameters, time_step))
-            }),
+            })),
         }))
     }
 }

@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use leafwise_core::runge_kutta::{SmoothMap, StageSolver, Tableau};
-use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
+use leafwise_core::solver::{Lockstep, Taken};
+use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepMap, Structure};
 use nalgebra::DMatrix;
 
-use crate::one_step::{OneStep, ReferenceMap};
+use crate::one_step::{Make, ReferenceMap, row_major};
 
-/// An implicit Runge–Kutta method for one trajectory.
+/// An implicit Runge–Kutta method for several trajectories.
 pub(crate) struct ImplicitRungeKutta(StageSolver);
 
 impl ImplicitRungeKutta {
@@ -17,36 +18,37 @@ impl ImplicitRungeKutta {
         tableau: Tableau,
         parameters: &[f64],
         time_step: f64,
+        count: usize,
     ) -> Self {
         let field = field.evaluator(parameters, 1.0, 1.0);
-        Self(StageSolver::new(field, tableau, time_step))
+        Self(StageSolver::new(field, tableau, time_step, count))
     }
 }
 
-impl OneStep for ImplicitRungeKutta {
-    fn increment(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError> {
-        self.0.solve(x, increment)
+impl Lockstep for ImplicitRungeKutta {
+    fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
+        self.0.solve_all(x, increment, taken);
     }
 
     fn operations(&self) -> Option<u64> {
         self.0.operations()
     }
 
-    fn tangent(&mut self) -> Option<DMatrix<f64>> {
+    fn tangent(&mut self, at: usize) -> Option<Vec<f64>> {
         let d = self.0.dimension();
-        self.0.tangent(&DMatrix::identity(d, d))
+        Some(row_major(&self.0.tangent(at, &DMatrix::identity(d, d))?))
     }
 
-    fn restart(&mut self) {
-        self.0.clear();
+    fn restart(&mut self, at: usize) {
+        self.0.clear(at);
     }
 
-    fn memory(&self) -> Vec<f64> {
-        self.0.memory()
+    fn memory(&self, at: usize) -> Vec<f64> {
+        self.0.memory(at)
     }
 
-    fn restore(&mut self, memory: &[f64]) {
-        self.0.restore(memory);
+    fn restore(&mut self, at: usize, memory: &[f64]) {
+        self.0.restore(at, memory);
     }
 }
 
@@ -73,11 +75,11 @@ pub(crate) fn gauss_map(
             self_adjoint: Some(true),
         },
         description,
-        make: Box::new(move |parameters, time_step| {
+        make: Make::Together(Box::new(move |parameters, time_step, count| {
             let tableau = tableau.clone();
             Box::new(ImplicitRungeKutta::new(
-                &field, tableau, parameters, time_step,
+                &field, tableau, parameters, time_step, count,
             ))
-        }),
+        })),
     }))
 }

@@ -1,6 +1,6 @@
-//! A method as a step map, one trajectory a lane.
+//! A method as a step map: its trajectories each by themselves, or several in lockstep.
 
-use leafwise_core::solver::{LaneByLane, Trajectory};
+use leafwise_core::solver::{Lanes, Lockstep, Trajectory};
 use leafwise_core::{MapProperties, StepError, StepMap, Stepper};
 use nalgebra::DMatrix;
 
@@ -27,15 +27,23 @@ pub(crate) trait OneStep: Send {
     }
 }
 
-type Make = dyn Fn(&[f64], f64) -> Box<dyn OneStep> + Send + Sync;
+type MakeOne = dyn Fn(&[f64], f64) -> Box<dyn OneStep> + Send + Sync;
+type MakeSeveral = dyn Fn(&[f64], f64, usize) -> Box<dyn Lockstep> + Send + Sync;
+
+/// What makes a method's evaluators, for parameters and a time step.
+pub(crate) enum Make {
+    /// That of one trajectory.
+    Apart(Box<MakeOne>),
+    /// That of so many trajectories. It steps from the doubles `x`, as [`Lane`] does.
+    Together(Box<MakeSeveral>),
+}
 
 /// A method as a [`StepMap`].
 pub(crate) struct ReferenceMap {
     pub(crate) dimension: usize,
     pub(crate) properties: MapProperties,
     pub(crate) description: String,
-    /// Makes the evaluator for parameters and a time step.
-    pub(crate) make: Box<Make>,
+    pub(crate) make: Make,
 }
 
 impl StepMap for ReferenceMap {
@@ -52,8 +60,17 @@ impl StepMap for ReferenceMap {
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
-        let make = |parameters: &[f64]| Lane((self.make)(parameters, epsilon * h));
-        Box::new(LaneByLane::new(lanes, self.dimension, parameters, make))
+        let (d, time_step) = (self.dimension, epsilon * h);
+        match &self.make {
+            Make::Apart(make) => {
+                let make = |parameters: &[f64]| Lane(make(parameters, time_step));
+                Box::new(Lanes::apart(lanes, d, parameters, make))
+            }
+            Make::Together(make) => {
+                let make = |parameters: &[f64], count| make(parameters, time_step, count);
+                Box::new(Lanes::together(lanes, usize::MAX, d, parameters, make))
+            }
+        }
     }
 }
 
@@ -75,8 +92,7 @@ impl Trajectory for Lane {
     }
 
     fn tangent(&mut self) -> Option<Vec<f64>> {
-        let tangent = self.0.tangent()?;
-        Some(tangent.transpose().as_slice().to_vec())
+        Some(row_major(&self.0.tangent()?))
     }
 
     fn operations(&self) -> Option<u64> {
@@ -94,6 +110,11 @@ impl Trajectory for Lane {
     fn restore(&mut self, memory: &[f64]) {
         self.0.restore(memory);
     }
+}
+
+/// The entries of a matrix, row by row.
+pub(crate) fn row_major(matrix: &DMatrix<f64>) -> Vec<f64> {
+    matrix.transpose().as_slice().to_vec()
 }
 
 /// |size| of a correction relative to a scale; 0 for no correction, 1 where there is no scale yet.

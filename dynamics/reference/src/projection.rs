@@ -5,13 +5,13 @@ use std::sync::Arc;
 use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMapEvaluator, Tableau};
-use leafwise_core::solver::LinearIteration;
 use leafwise_core::solver::iteration::Verdict;
+use leafwise_core::solver::{LinearIteration, Lockstep, Taken};
 use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
 
 use crate::gauss::{STAGES, stages};
 use crate::implicit::ImplicitRungeKutta;
-use crate::one_step::{OneStep, ReferenceMap, larger, reach, relative};
+use crate::one_step::{Make, OneStep, ReferenceMap, larger, reach, relative};
 use crate::rk4::Rk4;
 use crate::singular::SingularSystem;
 
@@ -38,7 +38,8 @@ const MOST_EVALUATIONS: usize = 50;
 
 /// y = x̃ + Dg(x̃)ᵀλ with g(y) = g(x), g = (H, C_1, …) and x̃ the base's next state.
 struct Projection {
-    base: Box<dyn OneStep>,
+    base: Box<dyn Lockstep>,
+    taken: [Taken; 1],
     invariants: SmoothMapEvaluator,
     /// g(x); g and Dg at a state; Dg(x̃) in units of its slopes, and these units.
     kept: Vec<f64>,
@@ -55,10 +56,11 @@ struct Projection {
 }
 
 impl Projection {
-    fn new(base: Box<dyn OneStep>, invariants: SmoothMapEvaluator) -> Self {
+    fn new(base: Box<dyn Lockstep>, invariants: SmoothMapEvaluator) -> Self {
         let (count, d) = (invariants.map().outputs(), invariants.map().inputs());
         Self {
             base,
+            taken: [Taken::NOTHING],
             invariants,
             kept: vec![0.0; count],
             values: vec![0.0; count],
@@ -121,7 +123,11 @@ impl Projection {
 impl OneStep for Projection {
     fn increment(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError> {
         let d = x.len();
-        let evaluations = self.base.increment(x, increment)?;
+        self.taken[0] = Taken::NOTHING;
+        // The base steps from the doubles x alone.
+        self.base.step(x, &[], increment, &mut self.taken);
+        self.taken[0].outcome.clone()?;
+        let evaluations = self.taken[0].evaluations as usize;
         self.invariants.value(x, &mut self.kept)?;
         self.evaluate(x, increment)?;
         self.take_normals();
@@ -150,15 +156,15 @@ impl OneStep for Projection {
     }
 
     fn restart(&mut self) {
-        self.base.restart();
+        self.base.restart(0);
     }
 
     fn memory(&self) -> Vec<f64> {
-        self.base.memory()
+        self.base.memory(0)
     }
 
     fn restore(&mut self, memory: &[f64]) {
-        self.base.restore(memory);
+        self.base.restore(0, memory);
     }
 }
 
@@ -195,16 +201,16 @@ impl StepperPart for Part {
                 None => format!("{} of {base}", INFO.name),
                 Some(_) => format!("{} of {base} s = {stages}", INFO.name),
             },
-            make: Box::new(move |parameters, time_step| {
-                let base: Box<dyn OneStep> = match tableau.clone() {
-                    None => Box::new(Rk4::new(&field, parameters, time_step)),
+            make: Make::Apart(Box::new(move |parameters, time_step| {
+                let base: Box<dyn Lockstep> = match tableau.clone() {
+                    None => Box::new(Rk4::new(&field, parameters, time_step, 1)),
                     Some(tableau) => Box::new(ImplicitRungeKutta::new(
-                        &field, tableau, parameters, time_step,
+                        &field, tableau, parameters, time_step, 1,
                     )),
                 };
                 let invariants = invariants.evaluator(parameters, 1.0, 1.0);
                 Box::new(Projection::new(base, invariants))
-            }),
+            })),
         }))
     }
 }

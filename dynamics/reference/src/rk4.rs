@@ -5,10 +5,11 @@ use std::sync::Arc;
 use leafwise_core::part::{PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
-use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
+use leafwise_core::solver::{Lockstep, Taken};
+use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepMap, Structure};
 use nalgebra::DMatrix;
 
-use crate::one_step::{OneStep, ReferenceMap};
+use crate::one_step::{Make, ReferenceMap, row_major};
 
 pub(crate) static INFO: PartInfo = PartInfo {
     name: "rk4",
@@ -24,11 +25,11 @@ pub(crate) static INFO: PartInfo = PartInfo {
 /// Beyond this dimension no tangent is offered: its matrix takes longer to compile than a run.
 const LARGEST_TANGENT: usize = 256;
 
-/// RK4 for one trajectory.
+/// RK4 for several trajectories.
 pub(crate) struct Rk4 {
     field: SmoothMapEvaluator,
     time_step: f64,
-    /// The four stages and the slopes there.
+    /// The four stages and the slopes there, one trajectory behind the other.
     stages: [Vec<f64>; 4],
     slopes: [Vec<f64>; 4],
     /// Operations of the sums.
@@ -41,8 +42,8 @@ const NODES: [f64; 4] = [0.0, 0.5, 0.5, 1.0];
 const WEIGHTS: [f64; 4] = [1.0, 2.0, 2.0, 1.0];
 
 impl Rk4 {
-    pub(crate) fn new(field: &SmoothMap, parameters: &[f64], time_step: f64) -> Self {
-        let room = || std::array::from_fn(|_| vec![0.0; field.inputs()]);
+    pub(crate) fn new(field: &SmoothMap, parameters: &[f64], time_step: f64, count: usize) -> Self {
+        let room = || std::array::from_fn(|_| vec![0.0; count * field.inputs()]);
         Self {
             field: field.evaluator(parameters, 1.0, 1.0),
             time_step,
@@ -51,42 +52,76 @@ impl Rk4 {
             linear: 0,
         }
     }
+
+    fn dimension(&self) -> usize {
+        self.field.map().inputs()
+    }
 }
 
-impl OneStep for Rk4 {
-    fn increment(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError> {
+impl Lockstep for Rk4 {
+    fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
+        let (d, all) = (self.dimension(), x.len());
         for i in 0..4 {
-            for c in 0..x.len() {
-                let before = if i == 0 { 0.0 } else { self.slopes[i - 1][c] };
-                self.stages[i][c] = x[c] + self.time_step * NODES[i] * before;
+            let size = self.time_step * NODES[i];
+            let stage = &mut self.stages[i][..all];
+            if let Some(before) = i.checked_sub(1).map(|i| &self.slopes[i][..all]) {
+                for c in 0..all {
+                    stage[c] = x[c] + size * before[c];
+                }
+            } else {
+                // x itself; a zero loses its sign.
+                for c in 0..all {
+                    stage[c] = x[c] + size * 0.0;
+                }
             }
-            self.field.value(&self.stages[i], &mut self.slopes[i])?;
+            let slopes = &mut self.slopes[i];
+            let mut fails = false;
+            self.field.values(&self.stages[i], slopes, |at, error| {
+                taken[at].fail(error);
+                fails = true;
+            });
+            if fails {
+                if taken.iter().all(|taken| taken.outcome.is_err()) {
+                    return;
+                }
+                // A trajectory that failed rests where it started.
+                for (slope, taken) in slopes.chunks_exact_mut(d).zip(&*taken) {
+                    if taken.outcome.is_err() {
+                        slope.fill(0.0);
+                    }
+                }
+            }
         }
-        // Two for each of three stages, eight and a factor for the sum.
-        self.linear += 15 * x.len() as u64;
+        let [first, second, third, fourth] = self.slopes.each_ref().map(|slope| &slope[..all]);
         for (c, increment) in increment.iter_mut().enumerate() {
-            let sum: f64 = (0..4).map(|i| WEIGHTS[i] * self.slopes[i][c]).sum();
+            let slopes = [first[c], second[c], third[c], fourth[c]];
+            let sum: f64 = (0..4).map(|i| WEIGHTS[i] * slopes[i]).sum();
             *increment = self.time_step / 6.0 * sum;
         }
-        Ok(1)
+        for taken in taken.iter_mut().filter(|taken| taken.outcome.is_ok()) {
+            taken.evaluations += 1;
+            // Two for each of three stages, eight and a factor for the sum.
+            self.linear += 15 * d as u64;
+        }
     }
 
     fn operations(&self) -> Option<u64> {
         Some(self.field.operations()? + self.linear)
     }
 
-    fn tangent(&mut self) -> Option<DMatrix<f64>> {
-        let d = self.stages[0].len();
+    fn tangent(&mut self, at: usize) -> Option<Vec<f64>> {
+        let d = self.dimension();
         let mut tangent = DMatrix::identity(d, d);
         let mut before = DMatrix::zeros(d, d);
         let mut entries = vec![0.0; d * d];
         for i in 0..4 {
-            self.field.jacobian(&self.stages[i], &mut entries).ok()?;
+            let stage = &self.stages[i][at * d..][..d];
+            self.field.jacobian(stage, &mut entries).ok()?;
             let stage = DMatrix::identity(d, d) + before * (self.time_step * NODES[i]);
             before = DMatrix::from_row_slice(d, d, &entries) * stage;
             tangent += &before * (self.time_step * WEIGHTS[i] / 6.0);
         }
-        Some(tangent)
+        Some(row_major(&tangent))
     }
 }
 
@@ -116,9 +151,9 @@ impl StepperPart for Part {
                 self_adjoint: Some(false),
             },
             description: INFO.name.to_owned(),
-            make: Box::new(move |parameters, time_step| {
-                Box::new(Rk4::new(&field, parameters, time_step))
-            }),
+            make: Make::Together(Box::new(move |parameters, time_step, count| {
+                Box::new(Rk4::new(&field, parameters, time_step, count))
+            })),
         }))
     }
 }

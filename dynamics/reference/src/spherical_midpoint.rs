@@ -15,7 +15,7 @@ use leafwise_core::{
 use leafwise_expression::{Arithmetic, Polynomial, Ring};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
-use crate::one_step::{OneStep, ReferenceMap, larger, reach, relative};
+use crate::one_step::{Make, OneStep, ReferenceMap, larger, reach, relative};
 
 pub(crate) static INFO: PartInfo = PartInfo {
     name: "spherical-midpoint",
@@ -284,9 +284,9 @@ impl StepperPart for Part {
                 self_adjoint: Some(true),
             },
             description: INFO.name.to_owned(),
-            make: Box::new(move |parameters, time_step| {
+            make: Make::Apart(Box::new(move |parameters, time_step| {
                 Box::new(SphericalMidpoint::new(&field, parameters, time_step))
-            }),
+            })),
         }))
     }
 }

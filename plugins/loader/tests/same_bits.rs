@@ -22,10 +22,10 @@ use leafwise_plugin_abi::{
 };
 use leafwise_plugin_loader::PartDeclaration;
 use leafwise_plugin_loader::declaration::{Dimensions, Flags};
-use support::build::Workshop;
-use support::orbits::{method, orbit, realization, rigid_body};
+use support::build::{Workshop, rust_example};
+use support::orbits::{method, orbit, orbits, realization, rigid_body};
 use support::{built_in, load};
-use twins::gyrostat_twin;
+use twins::{RodriguesTwin, gyrostat_twin};
 
 /// y ↦ (y, h ∇H(y)) of the C fixture `bisections`, as an embedding or as a one-form.
 #[derive(Clone, Copy, Debug)]
@@ -88,20 +88,13 @@ impl LagrangianBisection for ShearBisection {
 }
 
 impl ShearWorker {
-    fn form(&mut self, y: &[f64], p: &mut [f64]) -> Result<(), StepError> {
-        self.y.copy_from_slice(y);
-        self.numbers.gradient(y, p)?;
-        p.iter_mut().for_each(|p| *p *= self.h);
-        Ok(())
-    }
-
-    /// h D²H in the rows of a matrix from `first` on.
-    fn hessian(&mut self, first: usize, matrix: &mut [f64]) -> Result<(), StepError> {
-        let d = self.y.len();
+    /// h D²H(y) in the rows of a matrix from `first` on.
+    fn hessian(&mut self, y: &[f64], first: usize, matrix: &mut [f64]) -> Result<(), StepError> {
+        let d = y.len();
         let mut column = vec![0.0; d];
         for k in 0..d {
             let unit: Vec<f64> = (0..d).map(|j| f64::from(u8::from(j == k))).collect();
-            self.numbers.hessian(&self.y, &unit, &mut column)?;
+            self.numbers.hessian(y, &unit, &mut column)?;
             for (j, value) in column.iter().enumerate() {
                 matrix[(first + j) * d + k] = self.h * value;
             }
@@ -114,22 +107,28 @@ impl BisectionWorker for ShearWorker {
     fn point(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
         let (x, p) = z.split_at_mut(y.len());
         x.copy_from_slice(y);
-        self.form(y, p)
+        self.y.copy_from_slice(y);
+        self.value(y, p)
     }
     fn tangent(&mut self, tangent: &mut [f64]) -> Result<(), StepError> {
         let d = self.y.len();
         tangent.fill(0.0);
         (0..d).for_each(|i| tangent[i * d + i] = 1.0);
-        self.hessian(d, tangent)
+        let y = self.y.clone();
+        self.hessian(&y, d, tangent)
     }
 }
 
 impl OneFormWorker for ShearWorker {
     fn value(&mut self, y: &[f64], p: &mut [f64]) -> Result<(), StepError> {
-        self.form(y, p)
+        self.numbers.gradient(y, p)?;
+        p.iter_mut().for_each(|p| *p *= self.h);
+        Ok(())
     }
-    fn jacobian(&mut self, jacobian: &mut [f64]) -> Result<(), StepError> {
-        self.hessian(0, jacobian)
+    fn jacobian(&mut self, y: &[f64], jacobian: &mut [f64]) -> Result<(), StepError> {
+        let d = self.y.len();
+        let mut points = y.chunks_exact(d).zip(jacobian.chunks_exact_mut(d * d));
+        points.try_for_each(|(y, jacobian)| self.hessian(y, 0, jacobian))
     }
 }
 
@@ -166,12 +165,41 @@ fn a_system_of_numbers_serves_steppers_to_the_same_bits_loaded_or_compiled_in() 
     let here = gyrostat_twin(&loaded);
     for name in ["rk4", "gauss", "implicit-midpoint", "dop853"] {
         let stepper = registry.stepper(name).expect("built in");
-        let run = |system: &PoissonSystem| {
+        let on = |system: &PoissonSystem| {
             let map = stepper.build(system, &PartParameters::new());
-            orbit(system, map.expect("it serves numbers").as_ref(), 300)
+            map.expect("it serves numbers")
         };
-        assert_eq!(run(&loaded), run(&here), "{name}");
+        let (there, here_map) = (on(&loaded), on(&here));
+        let alone = orbit(&here, here_map.as_ref(), 300);
+        assert_eq!(orbit(&loaded, there.as_ref(), 300), alone, "{name}");
+        let all = orbits(&loaded, there.as_ref(), 17, 300);
+        assert_eq!(all, orbits(&here, here_map.as_ref(), 17, 300), "{name}");
+        assert_eq!(all[0], alone, "{name}");
     }
+}
+
+#[test]
+fn a_realization_of_numbers_steps_several_trajectories_to_the_same_bits() {
+    let mut registry = built_in();
+    load(&rust_example(), None, &mut registry).expect("the example");
+    let system = rigid_body();
+    let there = realization(
+        &registry,
+        "example/so3-rodrigues",
+        &system,
+        PartParameters::new().with("path", "numbers"),
+    );
+    let on = |realization| {
+        let method = method(&registry, &system, realization, ("hamilton-jacobi", None));
+        method.expect("a method")
+    };
+    let (there, here) = (on(there.expect("it fits")), on(Arc::new(RodriguesTwin)));
+    assert_eq!([there.path(), here.path()], ["workers", "workers"]);
+    let alone = orbit(&system, &here, 300);
+    assert_eq!(orbit(&system, &there, 300), alone);
+    let all = orbits(&system, &there, 17, 300);
+    assert_eq!(all, orbits(&system, &here, 17, 300));
+    assert_eq!(all[0], alone);
 }
 
 /// A part by formulas, written here and not read from a library.

@@ -130,13 +130,8 @@ impl<'a> Output<'a> {
     /// Whether every number of the batch is finite.
     #[inline]
     pub(super) fn is_finite(&self, count: usize) -> bool {
-        // Without a branch, so that several are looked at at once: one more in the exponent of a number
-        // that is not finite is the sign's bit.
-        const UNIT: u64 = 1 << 52;
-        let above = |value: &f64| (value.to_bits() & EXPONENT) + UNIT;
-        let all = self.data.iter().fold(0, |any, value| any | above(value));
         let is_dense = self.data.len() == count * self.dim;
-        all >> 63 == 0 || (!is_dense && self.first_not_finite(count).is_none())
+        are_finite(self.data) || (!is_dense && self.first_not_finite(count).is_none())
     }
 
     /// The first point and coordinate that is not finite, by the bits of the exponent.
@@ -152,6 +147,36 @@ impl<'a> Output<'a> {
 
 /// The exponent's bits; all of them are set in a number that is not finite.
 const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
+
+/// From how many numbers on it pays to ask for wide registers.
+const WIDE: usize = 32;
+
+/// Whether all numbers are finite.
+#[inline]
+fn are_finite(values: &[f64]) -> bool {
+    #[cfg(target_arch = "x86_64")]
+    if values.len() >= WIDE && is_x86_feature_detected!("avx2") {
+        // SAFETY: the processor has AVX2.
+        return unsafe { are_finite_wide(values) };
+    }
+    exponents_leave_room(values)
+}
+
+/// The same on registers of four numbers.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn are_finite_wide(values: &[f64]) -> bool {
+    exponents_leave_room(values)
+}
+
+/// Whether no exponent is the largest one: one more in it is the sign's bit. Without a branch, so that
+/// several are looked at at once.
+#[inline(always)]
+fn exponents_leave_room(values: &[f64]) -> bool {
+    const UNIT: u64 = 1 << 52;
+    let above = |value: &f64| (value.to_bits() & EXPONENT) + UNIT;
+    values.iter().fold(0, |any, value| any | above(value)) >> 63 == 0
+}
 
 /// One more than the largest index that a batch touches; 0 for none.
 #[inline]
@@ -182,6 +207,22 @@ mod tests {
             // Gaps are not looked at.
             let gaps = Output::strided(&mut values, 2, 2, 1);
             assert_eq!(found(gaps, 2), None);
+        }
+    }
+
+    #[test]
+    fn one_number_among_many_is_found() {
+        for count in [1, 31, 32, 33, 100] {
+            let mut values = vec![f64::MAX; count];
+            assert!(Output::points(&mut values, 1).is_finite(count));
+            for at in 0..count {
+                values[at] = f64::NEG_INFINITY;
+                assert!(
+                    !Output::points(&mut values, 1).is_finite(count),
+                    "{at} of {count}"
+                );
+                values[at] = -f64::MAX;
+            }
         }
     }
 

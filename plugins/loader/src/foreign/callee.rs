@@ -15,7 +15,13 @@ use super::part::ForeignPart;
 pub(super) struct Callee {
     part: Arc<ForeignPart>,
     instance: Result<Instance, CallFailure>,
+    /// What makes another instance, and whether several trajectories are served: where one breaks it the
+    /// others go on with a new one.
+    make: Option<Box<Make>>,
+    serves_several: bool,
 }
+
+type Make = dyn Fn() -> Result<Instance, CallFailure> + Send;
 
 impl Callee {
     pub(super) fn new(
@@ -26,6 +32,22 @@ impl Callee {
         Self {
             part: Arc::clone(part),
             instance: lent.and_then(|lent| Instance::new(part, making, lent)),
+            make: None,
+            serves_several: false,
+        }
+    }
+
+    /// An instance for points of several trajectories, which `make` makes anew where one of them broke
+    /// it.
+    pub(super) fn shared(
+        part: &Arc<ForeignPart>,
+        make: impl Fn() -> Result<Instance, CallFailure> + Send + 'static,
+    ) -> Self {
+        Self {
+            part: Arc::clone(part),
+            instance: make(),
+            make: Some(Box::new(make)),
+            serves_several: false,
         }
     }
 
@@ -38,12 +60,21 @@ impl Callee {
         call: &Call<'_>,
         output: Output<'_>,
     ) -> Result<(), StepError> {
-        let part = self.part.name();
-        match &mut self.instance {
-            Ok(instance) => instance
-                .evaluate(function, call, output)
-                .map_err(|failure| failure.of_step(part, name)),
-            Err(failure) => Err(failure.clone().of_step(part, "create")),
+        self.serves_several |= call.count > 1;
+        let outcome = match &mut self.instance {
+            Ok(instance) => instance.evaluate(function, call, output),
+            Err(failure) => return Err(failure.clone().of_step(self.part.name(), "create")),
+        };
+        outcome.map_err(|failure| self.failed(name, failure))
+    }
+
+    #[cold]
+    fn failed(&mut self, name: &str, failure: CallFailure) -> StepError {
+        if let (CallFailure::Broken { .. }, true, Some(make)) =
+            (&failure, self.serves_several, &self.make)
+        {
+            self.instance = make();
         }
+        failure.of_step(self.part.name(), name)
     }
 }

@@ -5,10 +5,11 @@ use std::sync::Arc;
 use leafwise_core::part::{ParameterSetting, PartInfo};
 use leafwise_core::registry::DynamicsPart;
 use leafwise_core::{
-    BisectionWorker, BuildError, ChartWorker, Correction, DynamicApproximation, GraphOfOneForm,
-    LagrangianBisection, OneFormWorker, PartParameters, PoissonSystem, RealizationData, StepError,
+    BisectionBatch, BisectionWorker, BuildError, ChartWorker, Correction, DynamicApproximation,
+    GraphOfOneForm, LagrangianBisection, OneFormWorker, PartParameters, PoissonSystem,
+    RealizationData, StepError,
 };
-use leafwise_plugin_abi::LwDynamics;
+use leafwise_plugin_abi::{LwDynamics, LwMapFn};
 
 use super::batch::{Input, Output};
 use super::callee::Callee;
@@ -106,7 +107,7 @@ impl DynamicApproximation for ForeignDynamics {
             });
         }
         // A trial, to tell now what cannot be combined.
-        let lent = bisection.lent(&values)?;
+        let lent = lent(&bisection.system, &bisection.lend, &values)?;
         Instance::new(&self.part, bisection.making(), lent).map_err(|failure| {
             BuildError::Incompatible {
                 dynamics: self.describe(),
@@ -134,13 +135,6 @@ impl ForeignBisection {
         }
     }
 
-    fn lent(&self, parameters: &[f64]) -> Result<Lent, BuildError> {
-        Ok(Lent {
-            system: Some(HostSystem::new(&self.system, parameters)?),
-            realization: Some(self.lend.lend(parameters)),
-        })
-    }
-
     fn chart(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn ChartWorker>> {
         Some(self.lend.chart()?.worker(parameters, epsilon))
     }
@@ -149,13 +143,22 @@ impl ForeignBisection {
 impl ForeignBisection {
     /// An instance for one worker.
     fn caller(&self, parameters: &[f64], epsilon: f64, h: f64) -> Caller {
-        let lent = self
-            .lent(parameters)
-            .map_err(|error| CallFailure::Unsupported {
+        let (part, parameters) = (Arc::clone(&self.dynamics.part), parameters.to_vec());
+        let (system, lend) = (self.system.clone(), self.lend.clone());
+        let settings = self.dynamics.settings.clone();
+        let make = move || {
+            let making = Making {
+                dimension: system.dimension(),
+                settings: &settings,
+            };
+            let lent = lent(&system, &lend, &parameters);
+            let lent = lent.map_err(|error| CallFailure::Unsupported {
                 message: error.to_string(),
-            });
+            })?;
+            Instance::new(&part, making, lent)
+        };
         Caller {
-            callee: Callee::new(&self.dynamics.part, self.making(), lent),
+            callee: Callee::shared(&self.dynamics.part, make),
             table: self.dynamics.table,
             epsilon,
             h,
@@ -165,7 +168,7 @@ impl ForeignBisection {
     fn form(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn OneFormWorker> {
         Box::new(OneForm {
             caller: self.caller(parameters, epsilon, h),
-            y: vec![0.0; self.system.dimension()],
+            dimension: self.system.dimension(),
         })
     }
 }
@@ -189,6 +192,8 @@ impl LagrangianBisection for ForeignBisection {
             return Some(Box::new(Embedding {
                 caller,
                 y: vec![0.0; d],
+                dimension: d,
+                space,
             }));
         }
         Some(Box::new(Flow {
@@ -204,6 +209,18 @@ impl LagrangianBisection for ForeignBisection {
     }
 }
 
+/// What an instance is lent.
+fn lent(
+    system: &PoissonSystem,
+    realization: &RealizationToLend,
+    parameters: &[f64],
+) -> Result<Lent, BuildError> {
+    Ok(Lent {
+        system: Some(HostSystem::new(system, parameters)?),
+        realization: Some(realization.lend(parameters)),
+    })
+}
+
 /// The instance of one worker, with its step sizes.
 struct Caller {
     callee: Callee,
@@ -213,38 +230,40 @@ struct Caller {
 }
 
 impl Caller {
-    fn call<'a>(&self, point: &'a [f64]) -> Call<'a> {
-        Call::at(1, self.epsilon, self.h, Input::points(point, point.len()))
+    /// Evaluates a function at points of `inputs` coordinates, with `outputs` numbers each.
+    fn evaluate(
+        &mut self,
+        (name, function): (&str, LwMapFn),
+        (points, inputs): (&[f64], usize),
+        (out, outputs): (&mut [f64], usize),
+    ) -> Result<(), StepError> {
+        let count = points.len() / inputs;
+        let input = Input::points(points, inputs);
+        let call = Call::at(count, self.epsilon, self.h, input);
+        let output = Output::points(out, outputs);
+        self.callee.evaluate(name, function, &call, output)
     }
 }
 
 /// θ̂ as the library computes it.
 struct OneForm {
     caller: Caller,
-    y: Vec<f64>,
+    dimension: usize,
 }
 
 impl OneFormWorker for OneForm {
     fn value(&mut self, y: &[f64], p: &mut [f64]) -> Result<(), StepError> {
-        self.y.copy_from_slice(y);
-        let (call, d) = (self.caller.call(y), p.len());
-        let output = Output::points(p, d);
-        let function = self.caller.table.one_form;
-        self.caller
-            .callee
-            .evaluate("one_form", function, &call, output)
+        let (d, function) = (self.dimension, self.caller.table.one_form);
+        self.caller.evaluate(("one_form", function), (y, d), (p, d))
     }
 
-    fn jacobian(&mut self, jacobian: &mut [f64]) -> Result<(), StepError> {
+    fn jacobian(&mut self, y: &[f64], jacobian: &mut [f64]) -> Result<(), StepError> {
         if !self.has_jacobian() {
             return Err(StepError::NoTangent);
         }
-        let (call, entries) = (self.caller.call(&self.y), jacobian.len());
-        let output = Output::points(jacobian, entries);
-        let function = self.caller.table.one_form_jacobian;
-        self.caller
-            .callee
-            .evaluate("one_form_jacobian", function, &call, output)
+        let (d, function) = (self.dimension, self.caller.table.one_form_jacobian);
+        let function = ("one_form_jacobian", function);
+        self.caller.evaluate(function, (y, d), (jacobian, d * d))
     }
 
     fn has_jacobian(&self) -> bool {
@@ -255,34 +274,49 @@ impl OneFormWorker for OneForm {
 /// L as the library computes it.
 struct Embedding {
     caller: Caller,
+    /// The point of the last call.
     y: Vec<f64>,
+    dimension: usize,
+    space: usize,
 }
 
 impl BisectionWorker for Embedding {
     fn point(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
         self.y.copy_from_slice(y);
-        let (call, space) = (self.caller.call(y), z.len());
-        let output = Output::points(z, space);
-        let function = self.caller.table.embedding;
-        self.caller
-            .callee
-            .evaluate("embedding", function, &call, output)
+        self.all_points(y, z)
     }
 
     fn tangent(&mut self, tangent: &mut [f64]) -> Result<(), StepError> {
-        if !self.has_tangent() {
-            return Err(StepError::NoTangent);
-        }
-        let (call, entries) = (self.caller.call(&self.y), tangent.len());
-        let output = Output::points(tangent, entries);
-        let function = self.caller.table.embedding_jacobian;
-        self.caller
-            .callee
-            .evaluate("embedding_jacobian", function, &call, output)
+        let y = std::mem::take(&mut self.y);
+        let outcome = self.all_tangents(&y, tangent);
+        self.y = y;
+        outcome
     }
 
     fn has_tangent(&self) -> bool {
         self.caller.table.embedding_jacobian.is_some()
+    }
+
+    fn batch(&mut self) -> Option<&mut dyn BisectionBatch> {
+        Some(self)
+    }
+}
+
+impl BisectionBatch for Embedding {
+    fn all_points(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
+        let (d, function) = (self.dimension, self.caller.table.embedding);
+        let function = ("embedding", function);
+        self.caller.evaluate(function, (y, d), (z, self.space))
+    }
+
+    fn all_tangents(&mut self, y: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
+        if !self.has_tangent() {
+            return Err(StepError::NoTangent);
+        }
+        let (d, space) = (self.dimension, self.space);
+        let function = ("embedding_jacobian", self.caller.table.embedding_jacobian);
+        self.caller
+            .evaluate(function, (y, d), (tangents, space * d))
     }
 }
 
@@ -305,10 +339,9 @@ impl BisectionWorker for Flow {
     fn point(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
         self.y.copy_from_slice(y);
         self.realization.section(y, &mut self.start);
-        let (call, space) = (self.caller.call(&self.start), z.len());
-        let output = Output::points(z, space);
-        let function = self.caller.table.flow;
-        self.caller.callee.evaluate("flow", function, &call, output)
+        let (function, space) = (self.caller.table.flow, z.len());
+        self.caller
+            .evaluate(("flow", function), (&self.start, space), (z, space))
     }
 
     fn tangent(&mut self, tangent: &mut [f64]) -> Result<(), StepError> {
@@ -317,13 +350,10 @@ impl BisectionWorker for Flow {
         };
         let (d, space) = (self.y.len(), self.start.len());
         chart.point(&self.y, &self.zero, &mut self.start)?;
-        chart.tangent(&mut self.of_section)?;
-        let call = self.caller.call(&self.start);
-        let output = Output::points(&mut self.of_flow, space * space);
-        let function = self.caller.table.flow_jacobian;
-        self.caller
-            .callee
-            .evaluate("flow_jacobian", function, &call, output)?;
+        chart.tangent(&self.y, &self.zero, &mut self.of_section)?;
+        let function = ("flow_jacobian", self.caller.table.flow_jacobian);
+        let out = (&mut self.of_flow[..], space * space);
+        self.caller.evaluate(function, (&self.start, space), out)?;
         for i in 0..space {
             for j in 0..d {
                 let row = &self.of_flow[i * space..][..space];

@@ -5,10 +5,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use leafwise_core::part::{ParameterSetting, PartInfo};
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{
-    Accuracy, BuildError, ChartWorker, Ends, PartParameters, PoissonSystem, RealizationData,
-    RealizationWorker, StepError,
+    Accuracy, BuildError, ChartWorker, Ends, PartParameters, PoissonSystem, RealizationBatch,
+    RealizationData, RealizationWorker, StepError,
 };
-use leafwise_plugin_abi::LwRealization;
+use leafwise_plugin_abi::{LwMapFn, LwRealization};
 
 use super::batch::{Input, Output};
 use super::callee::Callee;
@@ -106,19 +106,23 @@ impl std::fmt::Debug for ForeignRealization {
 
 impl ForeignRealization {
     fn callee(&self, parameters: &[f64]) -> Callee {
-        let making = Making {
-            dimension: self.system.dimension(),
-            settings: &self.settings,
-        };
-        let system = HostSystem::new(&self.system, parameters);
-        let lent = system.map(|system| Lent {
-            system: Some(system),
-            ..Lent::default()
-        });
-        let lent = lent.map_err(|error| CallFailure::Unsupported {
-            message: error.to_string(),
-        });
-        Callee::new(&self.part, making, lent)
+        let (part, system) = (Arc::clone(&self.part), self.system.clone());
+        let (settings, parameters) = (self.settings.clone(), parameters.to_vec());
+        Callee::shared(&self.part, move || {
+            let making = Making {
+                dimension: system.dimension(),
+                settings: &settings,
+            };
+            let lent = HostSystem::new(&system, &parameters);
+            let lent = lent.map_err(|error| CallFailure::Unsupported {
+                message: error.to_string(),
+            })?;
+            let lent = Lent {
+                system: Some(lent),
+                ..Lent::default()
+            };
+            Instance::new(&part, making, lent)
+        })
     }
 }
 
@@ -170,23 +174,24 @@ impl RealizationData for ForeignRealization {
             callee: self.callee(parameters),
             table: self.table,
             dimension: d,
+            space: self.space,
             epsilon,
             z: vec![0.0; self.space],
-            values: vec![0.0; 3 * d],
-            with_jacobian: vec![0.0; d + d * self.space],
-            jacobians: vec![0.0; 2 * d * self.space],
+            single: vec![0.0; 3 * d],
+            single_tangents: vec![0.0; 2 * d * self.space],
+            first: Vec::with_capacity(d + d * self.space),
+            second: Vec::with_capacity(d * self.space),
         }))
     }
 
     fn chart_worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn ChartWorker>> {
         self.table.chart?;
-        let d = self.dimension();
         Some(Box::new(Chart {
             callee: self.callee(parameters),
             table: self.table,
             epsilon,
-            x: vec![0.0; d],
-            p: vec![0.0; d],
+            dimension: self.dimension(),
+            space: self.space,
         }))
     }
 
@@ -203,71 +208,43 @@ struct Worker {
     callee: Callee,
     table: LwRealization,
     dimension: usize,
+    space: usize,
     epsilon: f64,
-    /// The point of the last call.
+    /// The point of the last call, its ends and tangents.
     z: Vec<f64>,
-    values: Vec<f64>,
-    with_jacobian: Vec<f64>,
-    jacobians: Vec<f64>,
+    single: Vec<f64>,
+    single_tangents: Vec<f64>,
+    /// What is put together, where the library has no functions of its own for that.
+    first: Vec<f64>,
+    second: Vec<f64>,
 }
 
 impl RealizationWorker for Worker {
     fn ends(&mut self, z: &[f64], ends: &mut Ends) -> Result<(), StepError> {
-        let (d, epsilon) = (self.dimension, self.epsilon);
+        let d = self.dimension;
         self.z.copy_from_slice(z);
-        let call = Call::at(1, epsilon, 0.0, Input::points(z, z.len()));
-        let values = &mut self.values;
-        if self.table.ends.is_some() {
-            let output = Output::points(values, 3 * d);
-            self.callee
-                .evaluate("ends", self.table.ends, &call, output)?;
+        let mut values = std::mem::take(&mut self.single);
+        let outcome = self.all_ends(z, &mut values);
+        if outcome.is_ok() {
             ends.base.copy_from_slice(&values[..d]);
             ends.offset.copy_from_slice(&values[d..2 * d]);
             ends.increment.copy_from_slice(&values[2 * d..]);
-            return Ok(());
         }
-        let (beta, rest) = values.split_at_mut(d);
-        let alpha = &mut rest[..d];
-        let (table, callee) = (&self.table, &mut self.callee);
-        callee.evaluate("beta", table.beta, &call, Output::points(beta, d))?;
-        callee.evaluate("alpha", table.alpha, &call, Output::points(alpha, d))?;
-        for i in 0..d {
-            ends.base[i] = beta[i];
-            ends.offset[i] = 0.0;
-            ends.increment[i] = alpha[i] - beta[i];
-        }
-        Ok(())
+        self.single = values;
+        outcome
     }
 
     fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError> {
-        if !self.has_tangents() {
-            return Err(StepError::NoTangent);
+        let z = std::mem::take(&mut self.z);
+        let mut values = std::mem::take(&mut self.single_tangents);
+        let outcome = self.all_tangents(&z, &mut values);
+        if outcome.is_ok() {
+            let (of_target, of_increment) = values.split_at(target.len());
+            target.copy_from_slice(of_target);
+            increment.copy_from_slice(of_increment);
         }
-        let (d, entries) = (self.dimension, target.len());
-        let call = Call::at(1, self.epsilon, 0.0, Input::points(&self.z, self.z.len()));
-        let (table, callee) = (&self.table, &mut self.callee);
-        if table.ends_jacobian.is_some() {
-            let output = Output::points(&mut self.jacobians, 2 * entries);
-            callee.evaluate("ends_jacobian", table.ends_jacobian, &call, output)?;
-            target.copy_from_slice(&self.jacobians[..entries]);
-            increment.copy_from_slice(&self.jacobians[entries..]);
-            return Ok(());
-        }
-        let output = Output::points(&mut self.with_jacobian, d + entries);
-        callee.evaluate(
-            "beta_with_jacobian",
-            table.beta_with_jacobian,
-            &call,
-            output,
-        )?;
-        target.copy_from_slice(&self.with_jacobian[d..]);
-        let output = Output::points(increment, entries);
-        callee.evaluate("alpha_jacobian", table.alpha_jacobian, &call, output)?;
-        increment
-            .iter_mut()
-            .zip(target.iter())
-            .for_each(|(i, t)| *i -= t);
-        Ok(())
+        (self.z, self.single_tangents) = (z, values);
+        outcome
     }
 
     fn has_tangents(&self) -> bool {
@@ -275,47 +252,110 @@ impl RealizationWorker for Worker {
             self.table.alpha_jacobian.is_some() && self.table.beta_with_jacobian.is_some();
         self.table.ends_jacobian.is_some() || separately
     }
+
+    fn batch(&mut self) -> Option<&mut dyn RealizationBatch> {
+        Some(self)
+    }
+}
+
+impl RealizationBatch for Worker {
+    fn all_ends(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
+        let (d, count) = (self.dimension, z.len() / self.space);
+        let call = Call::at(count, self.epsilon, 0.0, Input::points(z, self.space));
+        let (table, callee) = (&self.table, &mut self.callee);
+        if table.ends.is_some() {
+            let output = Output::points(ends, 3 * d);
+            return callee.evaluate("ends", table.ends, &call, output);
+        }
+        self.first.resize(count * d, 0.0);
+        self.second.resize(count * d, 0.0);
+        let (beta, alpha) = (&mut self.first[..], &mut self.second[..]);
+        callee.evaluate("beta", table.beta, &call, Output::points(beta, d))?;
+        callee.evaluate("alpha", table.alpha, &call, Output::points(alpha, d))?;
+        let both = beta.chunks_exact(d).zip(alpha.chunks_exact(d));
+        for (ends, (beta, alpha)) in ends.chunks_exact_mut(3 * d).zip(both) {
+            for i in 0..d {
+                ends[i] = beta[i];
+                ends[d + i] = 0.0;
+                ends[2 * d + i] = alpha[i] - beta[i];
+            }
+        }
+        Ok(())
+    }
+
+    fn all_tangents(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
+        if !self.has_tangents() {
+            return Err(StepError::NoTangent);
+        }
+        let (d, count) = (self.dimension, z.len() / self.space);
+        let entries = d * self.space;
+        let call = Call::at(count, self.epsilon, 0.0, Input::points(z, self.space));
+        let (table, callee) = (&self.table, &mut self.callee);
+        if table.ends_jacobian.is_some() {
+            let output = Output::points(tangents, 2 * entries);
+            return callee.evaluate("ends_jacobian", table.ends_jacobian, &call, output);
+        }
+        self.first.resize(count * (d + entries), 0.0);
+        self.second.resize(count * entries, 0.0);
+        let (beta, alpha) = (&mut self.first[..], &mut self.second[..]);
+        let function = table.beta_with_jacobian;
+        let output = Output::points(beta, d + entries);
+        callee.evaluate("beta_with_jacobian", function, &call, output)?;
+        let output = Output::points(alpha, entries);
+        callee.evaluate("alpha_jacobian", table.alpha_jacobian, &call, output)?;
+        let both = beta
+            .chunks_exact(d + entries)
+            .zip(alpha.chunks_exact(entries));
+        for (tangents, (beta, alpha)) in tangents.chunks_exact_mut(2 * entries).zip(both) {
+            let (target, increment) = tangents.split_at_mut(entries);
+            target.copy_from_slice(&beta[d..]);
+            for i in 0..entries {
+                increment[i] = alpha[i] - target[i];
+            }
+        }
+        Ok(())
+    }
 }
 
 struct Chart {
     callee: Callee,
     table: LwRealization,
     epsilon: f64,
-    /// The point of the last call.
-    x: Vec<f64>,
-    p: Vec<f64>,
+    dimension: usize,
+    space: usize,
 }
 
 impl Chart {
-    fn call<'a>(epsilon: f64, x: &'a [f64], p: &'a [f64]) -> Call<'a> {
-        Call {
-            v: Input::points(p, p.len()),
-            ..Call::at(1, epsilon, 0.0, Input::points(x, x.len()))
-        }
+    /// A function of (x, p) with `outputs` numbers a point.
+    fn evaluate(
+        &mut self,
+        (name, function): (&str, LwMapFn),
+        (x, p): (&[f64], &[f64]),
+        (out, outputs): (&mut [f64], usize),
+    ) -> Result<(), StepError> {
+        let d = self.dimension;
+        let call = Call {
+            v: Input::points(p, d),
+            ..Call::at(x.len() / d, self.epsilon, 0.0, Input::points(x, d))
+        };
+        let output = Output::points(out, outputs);
+        self.callee.evaluate(name, function, &call, output)
     }
 }
 
 impl ChartWorker for Chart {
     fn point(&mut self, x: &[f64], p: &[f64], z: &mut [f64]) -> Result<(), StepError> {
-        self.x.copy_from_slice(x);
-        self.p.copy_from_slice(p);
-        let space = z.len();
-        let call = Self::call(self.epsilon, x, p);
-        let output = Output::points(z, space);
-        self.callee
-            .evaluate("chart", self.table.chart, &call, output)
+        let (function, space) = (("chart", self.table.chart), self.space);
+        self.evaluate(function, (x, p), (z, space))
     }
 
-    fn tangent(&mut self, tangent: &mut [f64]) -> Result<(), StepError> {
+    fn tangent(&mut self, x: &[f64], p: &[f64], tangent: &mut [f64]) -> Result<(), StepError> {
         if !self.has_tangent() {
             return Err(StepError::NoTangent);
         }
-        let entries = tangent.len();
-        let call = Self::call(self.epsilon, &self.x, &self.p);
-        let output = Output::points(tangent, entries);
-        let function = self.table.chart_jacobian;
-        self.callee
-            .evaluate("chart_jacobian", function, &call, output)
+        let function = ("chart_jacobian", self.table.chart_jacobian);
+        let entries = self.space * 2 * self.dimension;
+        self.evaluate(function, (x, p), (tangent, entries))
     }
 
     fn has_tangent(&self) -> bool {

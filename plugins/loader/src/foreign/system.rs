@@ -156,12 +156,16 @@ impl SystemNumbers for ForeignNumbers {
                 *value = values.next().copied().unwrap_or(*value);
             }
         }
-        let making = Making {
-            dimension: 0,
-            settings: &settings,
+        let part = Arc::clone(&self.part);
+        let make = move || {
+            let making = Making {
+                dimension: 0,
+                settings: &settings,
+            };
+            Instance::new(&part, making, Lent::default())
         };
         Box::new(Worker {
-            callee: Callee::new(&self.part, making, Ok(Lent::default())),
+            callee: Callee::shared(&self.part, make),
             table: self.table,
             dimension: self.dimension,
             casimirs: self.casimirs,

@@ -358,7 +358,7 @@ maps! {
     chart_jacobian: |d, s| of_pair(d, s * 2 * d), |maps, [x, p], out| {
         maps.chart_point(x, p)?;
         match &mut maps.workers.chart {
-            Some(chart) => chart.tangent(out),
+            Some(chart) => chart.tangent(x, p, out),
             None => Err(StepError::NoTangent),
         }
     };

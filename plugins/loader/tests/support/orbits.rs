@@ -5,7 +5,7 @@ use std::sync::Arc;
 use leafwise_core::system::{Casimir, Parameter};
 use leafwise_core::{
     BuildError, Convention, Integrator, Method, PartParameters, PoissonSystem, RealizationData,
-    Registry, StepMap,
+    Registry, SideBySide, StepMap,
 };
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::{Formula, Scope};
@@ -85,6 +85,34 @@ pub fn orbit(system: &PoissonSystem, map: &dyn StepMap, steps: usize) -> Vec<[u6
             [0, 1, 2].map(|i| integrator.state()[i].to_bits())
         })
         .collect()
+}
+
+/// The states after `steps` steps of 0.1 of this many trajectories side by side, which start near each
+/// other.
+pub fn orbits(
+    system: &PoissonSystem,
+    map: &dyn StepMap,
+    lanes: usize,
+    steps: usize,
+) -> Vec<Vec<[u64; 3]>> {
+    let spread = |values: &[f64]| -> Vec<f64> {
+        let own = |value: &f64| std::iter::repeat_n(*value, lanes);
+        values.iter().flat_map(own).collect()
+    };
+    let mut start = spread(&START);
+    for (at, x) in start.iter_mut().enumerate() {
+        *x *= 1.0 + (at % lanes) as f64 / 64.0;
+    }
+    let parameters = spread(&system.parameter_values());
+    let mut going = SideBySide::new(map, lanes, &parameters, 1.0, 0.1, &start);
+    let mut orbits = vec![Vec::new(); lanes];
+    for _ in 0..steps {
+        going.step(|lane, error| panic!("lane {lane}: {error}"));
+        for (lane, orbit) in orbits.iter_mut().enumerate() {
+            orbit.push([0, 1, 2].map(|j| going.state()[j * lanes + lane].to_bits()));
+        }
+    }
+    orbits
 }
 
 /// The end of a trajectory as numbers.

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use leafwise_core::system::numbers::vector;
 use leafwise_core::system::{Derivatives, NumbersWorker, OpaqueSystem, SystemNumbers};
 use leafwise_core::{
-    Accuracy, Ends, MapProperties, PoissonSystem, RealizationData, RealizationWorker,
-    SolverStatistics, StepError, StepMap, Stepper, Structure,
+    Accuracy, Ends, MapProperties, PoissonSystem, RealizationBatch, RealizationData,
+    RealizationWorker, SolverStatistics, StepError, StepMap, Stepper, Structure,
 };
 use leafwise_example_plugin::Rodrigues;
 use leafwise_plugin_sdk::ChartRealization;
@@ -47,24 +47,21 @@ struct RodriguesWorker {
     z: [f64; 6],
 }
 
-impl RealizationWorker for RodriguesWorker {
-    fn ends(&mut self, z: &[f64], ends: &mut Ends) -> Result<(), StepError> {
-        self.z.copy_from_slice(z);
+impl RodriguesWorker {
+    fn parts(&self, z: &[f64], base: &mut [f64], even: &mut [f64], odd: &mut [f64]) {
         let (x, p) = z.split_at(3);
-        let (even, odd) = (&mut ends.offset, &mut ends.increment);
         Rodrigues
             .parts(self.epsilon, x, p, even, odd)
             .expect("defined everywhere");
-        ends.base.copy_from_slice(x);
+        base.copy_from_slice(x);
         for (even, odd) in even.iter_mut().zip(odd) {
             *even -= *odd;
             *odd *= 2.0;
         }
-        Ok(())
     }
 
-    fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError> {
-        let (x, p) = self.z.split_at(3);
+    fn jacobian(&self, z: &[f64], target: &mut [f64], increment: &mut [f64]) {
+        let (x, p) = z.split_at(3);
         let parts = Rodrigues.jacobian(self.epsilon, x, p, target, increment);
         parts.expect("defined everywhere");
         for (even, odd) in target.iter_mut().zip(increment) {
@@ -72,6 +69,41 @@ impl RealizationWorker for RodriguesWorker {
             *odd *= 2.0;
         }
         (0..3).for_each(|i| target[i * 7] += 1.0);
+    }
+}
+
+impl RealizationWorker for RodriguesWorker {
+    fn ends(&mut self, z: &[f64], ends: &mut Ends) -> Result<(), StepError> {
+        self.z.copy_from_slice(z);
+        self.parts(z, &mut ends.base, &mut ends.offset, &mut ends.increment);
+        Ok(())
+    }
+
+    fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError> {
+        self.jacobian(&self.z, target, increment);
+        Ok(())
+    }
+
+    fn batch(&mut self) -> Option<&mut dyn RealizationBatch> {
+        Some(self)
+    }
+}
+
+impl RealizationBatch for RodriguesWorker {
+    fn all_ends(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
+        for (z, ends) in z.chunks_exact(6).zip(ends.chunks_exact_mut(9)) {
+            let (base, rest) = ends.split_at_mut(3);
+            let (even, odd) = rest.split_at_mut(3);
+            self.parts(z, base, even, odd);
+        }
+        Ok(())
+    }
+
+    fn all_tangents(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
+        for (z, tangents) in z.chunks_exact(6).zip(tangents.chunks_exact_mut(36)) {
+            let (target, increment) = tangents.split_at_mut(18);
+            self.jacobian(z, target, increment);
+        }
         Ok(())
     }
 }

@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use leafwise_core::solver::iteration::Verdict;
-use leafwise_core::solver::{Extrapolation, LaneByLane, LinearIteration, Trajectory};
+use leafwise_core::solver::{Extrapolation, Lanes, LinearIteration, Trajectory};
 use leafwise_core::{
     BuildError, CodeOneForm, LagrangianBisection, MapProperties, OneFormWorker, PoissonSystem,
     RealizationData, RealizationWorker, StepError, StepMap, Stepper,
@@ -107,7 +107,7 @@ impl StepMap for FusedStep {
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
         let d = self.dimension();
-        Box::new(LaneByLane::new(lanes, d, parameters, |parameters| {
+        Box::new(Lanes::apart(lanes, d, parameters, |parameters| {
             FusedTrajectory {
                 epsilon,
                 most_points: self.data.most_points(),
@@ -248,7 +248,7 @@ impl Trajectory for FusedTrajectory {
         worker.tangents(&mut target, &mut change).ok()?;
         // D(·∘L) = ∂x + ∂p Dθ on L = graph θ.
         let mut slope = vec![0.0; d * d];
-        self.form.jacobian(&mut slope).ok()?;
+        self.form.jacobian(&self.centre, &mut slope).ok()?;
         let slope = DMatrix::from_row_slice(d, d, &slope);
         let along = |rows: &[f64]| {
             let all = DMatrix::from_row_slice(d, 2 * d, rows);

@@ -1,0 +1,304 @@
+//! The stage equations of one trajectory, between the evaluations that they ask for.
+
+use super::tableau::PartitionedTableau;
+use crate::error::StepError;
+use crate::solver::iteration::Verdict;
+use crate::solver::{
+    Anderson, CorrectionSize, DenseFactors, LinearIteration, elimination_operations,
+    substitution_operations,
+};
+
+/// Budget of one solve by Newton's iteration.
+const MOST_EVALUATIONS: usize = 50;
+
+/// Budget of one solve without Jacobians.
+const MOST_ACCELERATED: usize = 100;
+
+/// The Jacobians are evaluated anew while a correction is above this fraction of the one before.
+const SLOW: f64 = 0.01;
+
+/// What all trajectories of a solver share: the coefficients and the step τ.
+pub(super) struct Coefficients {
+    pub(super) tableau: PartitionedTableau,
+    pub(super) time_step: f64,
+}
+
+/// One trajectory's Z_i = z + τ Σ_j a_ij F(Z_j).
+pub(super) struct StageSolve {
+    /// Z_i − z, F(Z_i) and DF(Z_i), one stage after the other.
+    displacements: Vec<f64>,
+    slopes: Vec<f64>,
+    jacobians: Vec<f64>,
+    /// Those of 1 − τ a_ij DF(Z_j); a correction of the displacements and its scale.
+    factors: DenseFactors,
+    pub(super) correction: Vec<f64>,
+    scales: Vec<f64>,
+    /// z.
+    start: Vec<f64>,
+    stage: Vec<f64>,
+    iteration: LinearIteration,
+    means: Means,
+    /// Operations of the sums over stages and the solves.
+    pub(super) linear: u64,
+}
+
+/// How corrections are found.
+enum Means {
+    /// Newton's iteration: the size of the last correction, and whether the Jacobians are kept.
+    Newton { last: f64, contracts: bool },
+    /// For fields without a Jacobian; whether the stages are solved, and their slopes lag behind.
+    Acceleration { anderson: Box<Anderson>, lags: bool },
+}
+
+impl StageSolve {
+    /// For z of n coordinates and s stages; cold.
+    pub(super) fn new(n: usize, stages: usize, has_jacobian: bool) -> Self {
+        let (all, size) = (stages * n, if has_jacobian { stages * n } else { 0 });
+        Self {
+            displacements: vec![0.0; all],
+            slopes: vec![0.0; all],
+            jacobians: vec![0.0; size * n],
+            factors: DenseFactors::new(size),
+            correction: vec![0.0; all],
+            scales: vec![0.0; all],
+            start: vec![0.0; n],
+            stage: vec![0.0; n],
+            iteration: LinearIteration::new(0),
+            means: if has_jacobian {
+                Means::Newton {
+                    last: f64::INFINITY,
+                    contracts: false,
+                }
+            } else {
+                Means::Acceleration {
+                    anderson: Box::new(Anderson::new(all)),
+                    lags: false,
+                }
+            },
+            linear: 0,
+        }
+    }
+
+    /// Begins a solve.
+    pub(super) fn begin(&mut self, start: &[f64]) {
+        self.start.copy_from_slice(start);
+        let most = match &mut self.means {
+            Means::Newton { last, contracts } => {
+                (*last, *contracts) = (f64::INFINITY, false);
+                MOST_EVALUATIONS
+            }
+            Means::Acceleration { anderson, lags } => {
+                anderson.clear();
+                *lags = false;
+                MOST_ACCELERATED
+            }
+        };
+        self.iteration = LinearIteration::new(most);
+    }
+
+    /// Writes the Z_i, at which F is wanted next.
+    pub(super) fn place(&self, stages: &mut [f64]) {
+        let n = self.start.len();
+        let displacements = self.displacements.chunks_exact(n);
+        for (stage, displacement) in stages.chunks_exact_mut(n).zip(displacements) {
+            for c in 0..n {
+                stage[c] = self.start[c] + displacement[c];
+            }
+        }
+    }
+
+    /// Whether DF is wanted there too.
+    pub(super) fn wants_jacobians(&self) -> bool {
+        matches!(
+            self.means,
+            Means::Newton {
+                contracts: false,
+                ..
+            }
+        )
+    }
+
+    /// Takes in the DF(Z_i); `matrix` is room.
+    ///
+    /// # Errors
+    /// [`StepError::NonFinite`] where the stage equations are singular.
+    pub(super) fn take_jacobians(
+        &mut self,
+        coefficients: &Coefficients,
+        jacobians: &[f64],
+        matrix: &mut [f64],
+    ) -> Result<(), StepError> {
+        let size = self.slopes.len();
+        self.linear += (2 * size * size) as u64 + elimination_operations(size);
+        if self.factor(coefficients, jacobians, matrix) {
+            return Ok(());
+        }
+        Err(StepError::NonFinite {
+            what: "a correction of the stages",
+        })
+    }
+
+    /// Takes in the F(Z_i) and corrects the Z_i; tells how often the slopes were evaluated once they are
+    /// solved.
+    ///
+    /// # Errors
+    /// [`StepError::NoConvergence`], [`StepError::NonFinite`].
+    pub(super) fn take_slopes(
+        &mut self,
+        coefficients: &Coefficients,
+        slopes: &[f64],
+    ) -> Result<Option<usize>, StepError> {
+        self.slopes.copy_from_slice(slopes);
+        match self.means {
+            Means::Newton { .. } => self.newton(coefficients),
+            Means::Acceleration { .. } => self.accelerate(coefficients),
+        }
+    }
+
+    fn newton(&mut self, coefficients: &Coefficients) -> Result<Option<usize>, StepError> {
+        let (n, all) = (self.start.len(), self.slopes.len());
+        // The residuals' sums, the substitution, the slopes' corrections.
+        let sums = 2 * all * coefficients.tableau.stages() + 2 * all * n;
+        self.linear += sums as u64 + substitution_operations(all);
+        self.residual(coefficients);
+        self.factors.solve(&mut self.correction);
+        let size = self.correct(coefficients);
+        if self.iteration.judge(size)? == Verdict::Converged {
+            return Ok(Some(self.iteration.evaluations()));
+        }
+        if let Means::Newton { last, contracts } = &mut self.means {
+            *contracts = size <= SLOW * *last;
+            *last = size;
+        }
+        Ok(None)
+    }
+
+    fn accelerate(&mut self, coefficients: &Coefficients) -> Result<Option<usize>, StepError> {
+        if let Means::Acceleration { lags: true, .. } = self.means {
+            return Ok(Some(self.iteration.evaluations() + 1));
+        }
+        let n = self.start.len();
+        self.linear += (2 * self.scales.len() * coefficients.tableau.stages()) as u64;
+        self.residual(coefficients);
+        let mut size = CorrectionSize::default();
+        for (row, scale) in self.scales.iter_mut().enumerate() {
+            let displacement = self.displacements[row];
+            *scale = (self.start[row % n] + displacement).abs()
+                + displacement.abs()
+                + self.correction[row].abs();
+            size.take(self.correction[row], *scale);
+        }
+        if let Means::Acceleration { anderson, .. } = &mut self.means {
+            anderson.correct(&mut self.correction, &self.scales);
+        }
+        for (row, change) in self.correction.iter().enumerate() {
+            size.take(*change, self.scales[row]);
+            self.displacements[row] += change;
+        }
+        let is_solved = self.iteration.judge_correction(&size)? == Verdict::Converged;
+        if let Means::Acceleration { lags, .. } = &mut self.means {
+            // The slopes lag one correction behind: they are wanted once more.
+            *lags = is_solved;
+        }
+        Ok(None)
+    }
+
+    /// τ Σ_j b_j F(Z_j).
+    pub(super) fn change(&self, coefficients: &Coefficients, change: &mut [f64]) {
+        let n = self.start.len();
+        for (c, change) in change.iter_mut().enumerate() {
+            let weights = coefficients.tableau.weights().iter();
+            let terms = weights.zip(self.slopes.chunks(n));
+            let sum: f64 = terms.map(|(b, slope)| b * slope[c]).sum();
+            *change = coefficients.time_step * sum;
+        }
+    }
+
+    /// Keeps the Jacobians and factors 1 − τ a_ij DF(Z_j); `false` where that is singular.
+    pub(super) fn factor(
+        &mut self,
+        coefficients: &Coefficients,
+        jacobians: &[f64],
+        matrix: &mut [f64],
+    ) -> bool {
+        self.jacobians.copy_from_slice(jacobians);
+        let (n, size) = (self.start.len(), self.slopes.len());
+        for (row, entries) in matrix.chunks_exact_mut(size).enumerate() {
+            let (i, c) = (row / n, row % n);
+            for (column, entry) in entries.iter_mut().enumerate() {
+                let (j, k) = (column / n, column % n);
+                let unit = if row == column { 1.0 } else { 0.0 };
+                let a = coefficients.tableau.row(i, c)[j];
+                *entry = unit - coefficients.time_step * a * self.jacobians[(j * n + c) * n + k];
+            }
+        }
+        self.factors.factor(matrix)
+    }
+
+    /// A correction of the displacements for the residual in `correction`.
+    pub(super) fn solve_linear(&mut self) {
+        self.factors.solve(&mut self.correction);
+    }
+
+    /// τ Σ_j a_ij F(Z_j) − (Z_i − z) into `correction`.
+    fn residual(&mut self, coefficients: &Coefficients) {
+        let n = self.start.len();
+        for (row, residual) in self.correction.iter_mut().enumerate() {
+            let (i, c) = (row / n, row % n);
+            let terms = coefficients.tableau.row(i, c).iter();
+            let terms = terms.zip(self.slopes.chunks(n));
+            let sum: f64 = terms.map(|(a, slope)| a * slope[c]).sum();
+            *residual = coefficients.time_step * sum - self.displacements[row];
+        }
+    }
+
+    /// Adds the correction to the stages, and to the slopes to first order; returns its relative
+    /// size.
+    fn correct(&mut self, coefficients: &Coefficients) -> f64 {
+        let n = self.start.len();
+        let mut size = 0.0_f64;
+        for (displacement, change) in self.displacements.iter_mut().zip(&self.correction) {
+            *displacement += change;
+        }
+        for i in 0..coefficients.tableau.stages() {
+            for (c, stage) in self.stage.iter_mut().enumerate() {
+                *stage = self.start[c] + self.displacements[i * n + c];
+            }
+            let correction = &self.correction[i * n..][..n];
+            let jacobian = &self.jacobians[i * n * n..][..n * n];
+            for (c, row) in jacobian.chunks(n).enumerate() {
+                let (mut change, mut reach) = (0.0, 0.0);
+                for k in 0..n {
+                    change += row[k] * correction[k];
+                    reach += (row[k] * self.stage[k]).abs();
+                }
+                self.slopes[i * n + c] += change;
+                let scale = self.stage[c].abs() + (coefficients.time_step * reach).abs();
+                // A coordinate that came to 0 by this very correction has no scale yet.
+                let relative = if scale == 0.0 {
+                    1.0
+                } else {
+                    correction[c].abs() / scale
+                };
+                if correction[c] != 0.0 && (relative > size || relative.is_nan()) {
+                    size = relative;
+                }
+            }
+        }
+        size
+    }
+
+    /// Forgets earlier solves.
+    pub(super) fn clear(&mut self) {
+        self.displacements.fill(0.0);
+    }
+
+    /// What the next solve starts from.
+    pub(super) fn displacements(&self) -> &[f64] {
+        &self.displacements
+    }
+
+    pub(super) fn restore(&mut self, displacements: &[f64]) {
+        self.displacements.copy_from_slice(displacements);
+    }
+}

@@ -1,0 +1,160 @@
+//! β̂(L(y)) = x of one trajectory, between the evaluations that it asks for.
+
+use crate::error::StepError;
+use crate::solver::extrapolation::DEPTH;
+use crate::solver::iteration::{CorrectionSize, LinearIteration, Verdict};
+use crate::solver::linear::{DenseFactors, elimination_operations, substitution_operations};
+use crate::solver::{Anderson, Extrapolation};
+
+/// Budget of one step.
+const MOST_EVALUATIONS: usize = 100;
+
+/// Where corrections come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Means {
+    /// The tangents of both workers.
+    Newton,
+    /// The residual itself, where D(β̂∘L) is near the identity.
+    Residuals,
+    /// The residual with Anderson's acceleration, for parts without tangents.
+    Acceleration,
+}
+
+/// Where a solve stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Progress {
+    /// Both maps are wanted at y once more.
+    Iterates,
+    /// y is found.
+    Solved,
+}
+
+/// One trajectory's solve.
+pub(super) struct Solve {
+    pub(super) y: Vec<f64>,
+    /// Whether y is found, and the ends there are wanted.
+    pub(super) is_last: bool,
+    pub(super) extrapolation: Extrapolation,
+    displacement: Vec<f64>,
+    residual: Vec<f64>,
+    scales: Vec<f64>,
+    factors: DenseFactors,
+    iteration: LinearIteration,
+    anderson: Anderson,
+    /// Operations of the products and solves.
+    pub(super) linear: u64,
+}
+
+impl Solve {
+    pub(super) fn new(dimension: usize) -> Self {
+        let d = dimension;
+        Self {
+            y: vec![0.0; d],
+            is_last: false,
+            extrapolation: Extrapolation::new(d, DEPTH),
+            displacement: vec![0.0; d],
+            residual: vec![0.0; d],
+            scales: vec![0.0; d],
+            factors: DenseFactors::new(d),
+            iteration: LinearIteration::new(MOST_EVALUATIONS),
+            anderson: Anderson::new(d),
+            linear: 0,
+        }
+    }
+
+    /// Begins a step.
+    pub(super) fn begin(&mut self, x: &[f64]) {
+        self.extrapolation
+            .predict(self.displacement.as_chunks_mut().0);
+        for (i, y) in self.y.iter_mut().enumerate() {
+            *y = x[i] + self.displacement[i];
+        }
+        self.anderson.clear();
+        self.iteration = LinearIteration::new(MOST_EVALUATIONS);
+        self.is_last = false;
+    }
+
+    /// Takes in the ends at y, base, offset and increment, and for Newton's method D(β̂∘L), and corrects
+    /// y.
+    ///
+    /// # Errors
+    /// [`StepError::NoConvergence`], [`StepError::NonFinite`].
+    pub(super) fn take(
+        &mut self,
+        means: Means,
+        (x, low): (&[f64], &[f64]),
+        ends: &[f64],
+        target: &[f64],
+    ) -> Result<Progress, StepError> {
+        if self.is_last {
+            return Ok(Progress::Solved);
+        }
+        let d = x.len();
+        for i in 0..d {
+            self.residual[i] = x[i] - ends[i] - ends[d + i] + low[i];
+        }
+        if means == Means::Newton {
+            self.linear += elimination_operations(d) + substitution_operations(d);
+            if !self.factors.factor(target) {
+                return Err(StepError::NonFinite {
+                    what: "a Newton correction",
+                });
+            }
+            self.factors.solve(&mut self.residual);
+        }
+        let mut correction = CorrectionSize::default();
+        for i in 0..d {
+            self.scales[i] = x[i].abs() + ends[2 * d + i].abs();
+            correction.take(self.residual[i], self.scales[i]);
+        }
+        if means == Means::Acceleration {
+            self.anderson.correct(&mut self.residual, &self.scales);
+        }
+        for i in 0..d {
+            correction.take(self.residual[i], self.scales[i]);
+            self.y[i] += self.residual[i];
+        }
+        if self.iteration.judge_correction(&correction)? != Verdict::Converged {
+            return Ok(Progress::Iterates);
+        }
+        // The increment varies with y far more than the residual does: without its tangent the last
+        // correction enters by one more evaluation.
+        self.is_last = means != Means::Newton && self.residual.iter().any(|r| *r != 0.0);
+        Ok(if self.is_last {
+            Progress::Iterates
+        } else {
+            Progress::Solved
+        })
+    }
+
+    /// Writes α̂ − β̂ at the solution, by `change` = D((α̂−β̂)∘L) to first order in Newton's last correction,
+    /// and remembers y − x.
+    pub(super) fn finish(
+        &mut self,
+        means: Means,
+        x: &[f64],
+        ends: &[f64],
+        change: &[f64],
+        increment: &mut [f64],
+    ) {
+        let d = x.len();
+        for i in 0..d {
+            let first_order: f64 = if means == Means::Newton {
+                let row = &change[i * d..][..d];
+                row.iter().zip(&self.residual).map(|(k, r)| k * r).sum()
+            } else {
+                0.0
+            };
+            increment[i] = ends[2 * d + i] + first_order;
+            self.displacement[i] = self.y[i] - x[i];
+        }
+        if increment.iter().all(|v| v.is_finite()) {
+            self.extrapolation
+                .record(self.displacement.as_chunks_mut().0, &[true]);
+        }
+    }
+
+    pub(super) fn operations(&self) -> u64 {
+        self.linear + self.anderson.operations()
+    }
+}
