@@ -12,6 +12,8 @@ pub trait Problem: Flows<State = [f64; 3]> {
     const TIME: f64;
     /// Exact realizations.
     const REALIZATIONS: &'static [&'static str];
+    /// What the Hamilton–Jacobi series is made from.
+    const HAMILTONIANS: &'static [&'static str];
     /// Poisson step maps of order 2 that take compositions.
     const STEPPERS: &'static [&'static str];
     /// ẋ.
@@ -32,6 +34,7 @@ impl Problem for RigidBody {
     const INITIAL: [f64; 3] = [1.0, 3.0, 3.0];
     const TIME: f64 = 200.0;
     const REALIZATIONS: &'static [&'static str] = &["so3-exponential", "so3-cayley"];
+    const HAMILTONIANS: &'static [&'static str] = &["given", "energy-casimir"];
     const STEPPERS: &'static [&'static str] = &["splitting", "spherical-midpoint"];
 
     #[inline(always)]
@@ -77,6 +80,7 @@ impl Problem for LotkaVolterra {
     const INITIAL: [f64; 3] = [1.0, 1.9, 0.5];
     const TIME: f64 = 100.0;
     const REALIZATIONS: &'static [&'static str] = &["log-canonical"];
+    const HAMILTONIANS: &'static [&'static str] = &["given"];
     const STEPPERS: &'static [&'static str] = &["splitting"];
 
     #[inline(always)]

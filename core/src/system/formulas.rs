@@ -64,6 +64,19 @@ impl SystemFormulas {
         Ok(system)
     }
 
+    /// The same system with another Hamiltonian, a function of the same variables and parameters.
+    ///
+    /// # Errors
+    /// [`BuildError::Dimension`] where it uses an index out of range.
+    pub fn with_hamiltonian(&self, hamiltonian: Expression) -> Result<Self, BuildError> {
+        let system = Self {
+            hamiltonian,
+            ..self.clone()
+        };
+        system.check_indices()?;
+        Ok(system)
+    }
+
     fn check_indices(&self) -> Result<(), BuildError> {
         let formulas = self
             .tensor

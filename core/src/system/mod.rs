@@ -2,10 +2,12 @@
 //!
 //! - [`formulas`]: systems given by expressions, from which everything can be derived.
 //! - [`numbers`]: systems that only compute values, such as those of a loaded library.
+//! - [`energy_casimir`]: H less multiples of Casimirs, which has the motion of H.
 //! - [`compiled`]: the values of a system of formulas, by kernels.
 //! - [`observables`]: energy, Casimirs and other functions of the state.
 
 pub mod compiled;
+pub mod energy_casimir;
 mod field;
 pub mod formulas;
 pub mod numbers;

@@ -16,6 +16,19 @@ use crate::numbers::GraphOfEnergy;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HamiltonJacobi {
     order: usize,
+    hamiltonian: Hamiltonian,
+}
+
+/// Which function of the motion the series is made from. Both generate the same motion; the maps that
+/// approximate it differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Hamiltonian {
+    /// H as the system gives it.
+    #[default]
+    Given,
+    /// [`SystemFormulas::energy_casimir`](leafwise_core::SystemFormulas::energy_casimir): H less the
+    /// multiples of Casimirs that leave the smallest coefficients; refused where none does.
+    EnergyCasimir,
 }
 
 impl HamiltonJacobi {
@@ -40,7 +53,35 @@ impl HamiltonJacobi {
                 expected,
             });
         }
-        Ok(Self { order })
+        Ok(Self {
+            order,
+            hamiltonian: Hamiltonian::Given,
+        })
+    }
+
+    /// The same made from another function of the same motion.
+    pub fn of(self, hamiltonian: Hamiltonian) -> Self {
+        Self {
+            hamiltonian,
+            ..self
+        }
+    }
+
+    /// The system whose Hamiltonian is expanded, `None` where it is the given one.
+    fn less_casimirs(&self, system: &PoissonSystem) -> Result<Option<PoissonSystem>, BuildError> {
+        if self.hamiltonian == Hamiltonian::Given {
+            return Ok(None);
+        }
+        let formulas = system.formulas(crate::register::INFO.name)?;
+        let shorter = formulas.energy_casimir()?;
+        let shorter = shorter.ok_or_else(|| BuildError::DoesNotFit {
+            part: crate::register::INFO.name,
+            reason:
+                "no multiple of its Casimirs leaves a Hamiltonian with smaller coefficients: take \
+                     hamiltonian = \"given\""
+                    .to_owned(),
+        })?;
+        Ok(Some(formulas.with_hamiltonian(shorter)?.into()))
     }
 }
 
@@ -55,7 +96,11 @@ impl DynamicApproximation for HamiltonJacobi {
     }
 
     fn describe(&self) -> String {
-        format!("{} m = {}", crate::register::INFO.name, self.order)
+        let of = match self.hamiltonian {
+            Hamiltonian::Given => "",
+            Hamiltonian::EnergyCasimir => " of an energy-Casimir function",
+        };
+        format!("{} m = {}{of}", crate::register::INFO.name, self.order)
     }
 
     fn bisection(
@@ -63,6 +108,8 @@ impl DynamicApproximation for HamiltonJacobi {
         system: &PoissonSystem,
         realization: &Arc<dyn RealizationData>,
     ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
+        let less = self.less_casimirs(system)?;
+        let system = less.as_ref().unwrap_or(system);
         if let Some(opaque) = system.opaque() {
             if self.order > 2 {
                 let missing = "formulas of the system for an order above 2";

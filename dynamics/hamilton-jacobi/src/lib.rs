@@ -16,5 +16,5 @@ mod form;
 pub mod numbers;
 mod register;
 
-pub use bisection::HamiltonJacobi;
+pub use bisection::{HamiltonJacobi, Hamiltonian};
 pub use coefficients::generating_function;

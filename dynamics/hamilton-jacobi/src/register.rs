@@ -6,7 +6,7 @@ use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, P
 use leafwise_core::registry::DynamicsPart;
 use leafwise_core::{BuildError, DynamicApproximation};
 
-use crate::bisection::HamiltonJacobi;
+use crate::bisection::{HamiltonJacobi, Hamiltonian};
 
 pub(crate) static INFO: PartInfo = PartInfo {
     name: "hamilton-jacobi",
@@ -18,12 +18,24 @@ pub(crate) static INFO: PartInfo = PartInfo {
     literature: "Cabrera, Martin de Diego, Vaquero, Approximating Symplectic Realizations, \
                  section 4.2; Ferraro, de Leon, Marrero, Martin de Diego, Vaquero, On the \
                  geometry of the Hamilton-Jacobi equation and generating functions (2017)",
-    parameters: &[ParameterInfo {
-        name: "order",
-        summary: "the order m in h, even, 2 to 20: S_1, S_3, ..., S_(m-1)",
-        default: ParameterDefault::Integer(2),
-    }],
+    parameters: &[
+        ParameterInfo {
+            name: "order",
+            summary: "the order m in h, even, 2 to 20: S_1, S_3, ..., S_(m-1)",
+            default: ParameterDefault::Integer(2),
+        },
+        ParameterInfo {
+            name: HAMILTONIAN,
+            summary: "\"given\": H; \"energy-casimir\": H less the multiples of Casimirs that leave \
+                      the smallest coefficients, the same motion with a shorter series",
+            default: ParameterDefault::Text(GIVEN),
+        },
+    ],
 };
+
+const HAMILTONIAN: &str = "hamiltonian";
+const GIVEN: &str = "given";
+const ENERGY_CASIMIR: &str = "energy-casimir";
 
 /// S_19 is the last coefficient that is formed.
 const LARGEST_ORDER: i64 = 20;
@@ -48,7 +60,13 @@ impl DynamicsPart for Part {
                 expected: format!("the order m is even and lies in 2 to {LARGEST_ORDER}"),
             });
         }
-        Ok(Arc::new(HamiltonJacobi::new(order as usize)?))
+        let hamiltonian = match parameters.word(&INFO, HAMILTONIAN, &[GIVEN, ENERGY_CASIMIR])? {
+            ENERGY_CASIMIR => Hamiltonian::EnergyCasimir,
+            _ => Hamiltonian::Given,
+        };
+        Ok(Arc::new(
+            HamiltonJacobi::new(order as usize)?.of(hamiltonian),
+        ))
     }
 }
 

@@ -2,9 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use leafwise_expression::algebra::{quotient, square_root};
 use leafwise_expression::{AlgebraError, Arithmetic, Polynomial, Rational, Ring};
-
-use crate::division::{quotient, square_root};
 
 /// The longest Lie series that is tried.
 const LONGEST: usize = 8;

@@ -14,12 +14,11 @@
 //! - [`schedule`]: which flows a step takes.
 //! - [`splitting`]: Strang's product as a step map.
 //! - [`lattice`]: the same on long lattices, by sweeps.
-//! - `division`, `display`: exact quotients in the ring, terms as text.
+//! - `display`: elements of the ring as text.
 //! - `register`: the part `splitting`.
 
 pub mod code;
 mod display;
-mod division;
 pub mod entire;
 pub mod flow;
 pub mod lattice;

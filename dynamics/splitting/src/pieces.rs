@@ -1,12 +1,10 @@
 //! The pieces of a system's Hamiltonian.
 
+use leafwise_core::system::energy_casimir::{coefficient_sum, shifted};
 use leafwise_core::{BuildError, SystemFormulas};
-use leafwise_expression::algebra::Coefficient;
-use leafwise_expression::graph::lift;
-use leafwise_expression::{Arithmetic, Expression, Graph, Kernel, Polynomial, Rational, Ring};
+use leafwise_expression::{Arithmetic, Expression, Polynomial, Rational, Ring};
 
 use crate::display::Names;
-use crate::division::quotient;
 use crate::piece::{Piece, Tensor};
 
 /// A term of the Hamiltonian with its field.
@@ -50,7 +48,7 @@ pub fn find_pieces(system: &SystemFormulas, ring: &mut Ring) -> Result<Vec<Piece
             let Ok(pieces) = split(system, ring, &tensor, std::slice::from_ref(&shifted)) else {
                 continue;
             };
-            let size = size(system, ring, &shifted)?;
+            let size = coefficient_sum(system, ring, &shifted);
             let better = best.as_ref().is_none_or(|(count, least, _)| {
                 pieces.len() < *count || pieces.len() == *count && size < *least
             });
@@ -84,43 +82,6 @@ fn split(
         }
     }
     Ok(pieces)
-}
-
-/// H − λC for each λ that rids H of a monomial.
-fn shifted(ring: &mut Ring, hamiltonian: &Polynomial, casimir: &Polynomial) -> Vec<Polynomial> {
-    let mut found = Vec::new();
-    for (monomial, of_casimir) in casimir.terms() {
-        let same = hamiltonian.terms().iter().find(|(m, _)| m == monomial);
-        let Some((_, of_hamiltonian)) = same else {
-            continue;
-        };
-        let constant = |c: &Coefficient| Polynomial::constant(c.clone());
-        let Some(factor) = quotient(&constant(of_hamiltonian), &constant(of_casimir)) else {
-            continue;
-        };
-        let taken = ring.multiply(&factor, casimir);
-        found.push(ring.subtract(hamiltonian, &taken));
-    }
-    found
-}
-
-/// Σ|c| over the terms c·(monomial) of f, at the parameters' values.
-fn size(system: &SystemFormulas, ring: &Ring, f: &Polynomial) -> Result<f64, BuildError> {
-    let mut graph = Graph::new();
-    let one = graph.one();
-    let coefficients: Vec<_> = f
-        .terms()
-        .iter()
-        .map(|(_, c)| vec![(one.clone(), Polynomial::constant(c.clone()))])
-        .collect();
-    let outputs = lift(&mut graph, ring, &coefficients, &[])?;
-    let values = system.parameter_values();
-    let kernel = Kernel::compile(&graph, &outputs, values.len(), 0);
-    let mut workspace = kernel.workspace(1);
-    kernel.prepare(&mut workspace, &values, &[1.0], &[1.0]);
-    let mut coefficients = vec![0.0; kernel.outputs()];
-    kernel.evaluate(&mut workspace, &[], &mut coefficients);
-    Ok(coefficients.iter().map(|c| c.abs()).sum())
 }
 
 /// A summand as a whole where it has an exact flow, its monomials otherwise; none that is a Casimir.

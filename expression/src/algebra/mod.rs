@@ -1,11 +1,14 @@
 //! Exact algebra: a differential ring of Laurent polynomials with adjoined generators.
 
+mod division;
+mod formula;
 mod generator;
 mod monomial;
 mod polynomial;
 mod rewriting;
 mod ring;
 
+pub use division::{quotient, square_root};
 pub use generator::{Atom, Generator};
 pub use monomial::{Monomial, Symbol};
 pub use polynomial::{Coefficient, CoefficientRing, Polynomial, Terms};

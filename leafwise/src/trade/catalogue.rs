@@ -85,7 +85,9 @@ impl Catalogue<'_> {
         }));
         let cheapest = self.cheapest();
         for realization in self.realizations(cheapest.as_ref(), own.as_ref()) {
-            self.rising_orders(&realization);
+            for made in self.hamiltonians() {
+                self.rising_orders(&realization, *made);
+            }
         }
         if self.extent == Extent::Full {
             self.truncations();
@@ -94,8 +96,9 @@ impl Catalogue<'_> {
             }
         }
         if let Some(realization) = cheapest {
+            let made = self.hamiltonians()[0];
             for order in [2, 4] {
-                let base = MethodTable::pair(realization.clone(), hamilton_jacobi(order));
+                let base = MethodTable::pair(realization.clone(), made.hamilton_jacobi(order));
                 self.compositions(&base, order);
             }
         }
@@ -169,20 +172,34 @@ impl Catalogue<'_> {
         kept
     }
 
+    /// What Hamilton–Jacobi is made from: H less multiples of Casimirs where that is shorter, and H
+    /// itself where it is not or everything is wanted.
+    fn hamiltonians(&self) -> &'static [Made] {
+        let own = self.bench.own();
+        let is_lattice = matches!(own.method, Stepping::Lattice(_));
+        let formulas = own.system.expressions().filter(|_| !is_lattice);
+        let shorter = formulas.and_then(|system| system.energy_casimir().ok().flatten());
+        match (shorter, self.extent) {
+            (None, _) => &[Made::OfH],
+            (Some(_), Extent::Standard) => &[Made::OfEnergyCasimir],
+            (Some(_), Extent::Full) => &[Made::OfEnergyCasimir, Made::OfH],
+        }
+    }
+
     /// Hamilton–Jacobi of rising orders: those asked for, or until dS is too long.
-    fn rising_orders(&mut self, realization: &PartUse) {
+    fn rising_orders(&mut self, realization: &PartUse, made: Made) {
+        let of_order = |order: usize| {
+            MethodTable::pair(realization.clone(), made.hamilton_jacobi(order as i64))
+        };
         if let Some(orders) = self.orders {
             for order in orders.iter().filter(|m| m.is_multiple_of(2)) {
-                self.add(MethodTable::pair(
-                    realization.clone(),
-                    hamilton_jacobi(*order as i64),
-                ));
+                self.add(of_order(*order));
             }
             return;
         }
         let mut of_order_two = None;
         for order in ORDERS {
-            let method = MethodTable::pair(realization.clone(), hamilton_jacobi(order as i64));
+            let method = of_order(order);
             let built = Candidate::build(self.bench, &method);
             // Truncated after n, a realization gains nothing from m above 2⌊n/2⌋ + 2.
             let is_wasted = match built.as_ref().ok().and_then(accuracy) {
@@ -261,6 +278,22 @@ impl Catalogue<'_> {
         }
         for baseline in baselines {
             self.add(MethodTable::stepper(baseline));
+        }
+    }
+}
+
+/// What a Hamilton–Jacobi series is made from.
+#[derive(Clone, Copy)]
+enum Made {
+    OfH,
+    OfEnergyCasimir,
+}
+
+impl Made {
+    fn hamilton_jacobi(self, order: i64) -> PartUse {
+        match self {
+            Self::OfH => hamilton_jacobi(order),
+            Self::OfEnergyCasimir => hamilton_jacobi(order).with("hamiltonian", "energy-casimir"),
         }
     }
 }

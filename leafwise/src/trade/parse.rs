@@ -7,7 +7,7 @@ use leafwise_scene::document::{MethodTable, PartUse};
 use super::error::TradeError;
 
 /// Reads a method from the command line: `realization+dynamics`, `stepper`, or
-/// `composition/…` of one of them; `name:value` gives a part's first parameter.
+/// `composition/…` of one of them; `name:value:…` gives a part's parameters in their order.
 ///
 /// ```
 /// use leafwise::core::Registry;
@@ -16,6 +16,9 @@ use super::error::TradeError;
 /// let registry = Registry::with_builtin();
 /// let method = parse_method("suzuki-4/so3-cayley+hamilton-jacobi:4", &registry).expect("a method");
 /// assert_eq!(method.to_string(), "suzuki-4 of so3-cayley + hamilton-jacobi 4");
+///
+/// let method = parse_method("auto+hamilton-jacobi:8:energy-casimir", &registry).expect("a method");
+/// assert_eq!(method.to_string(), "auto + hamilton-jacobi 8 energy-casimir");
 /// ```
 ///
 /// # Errors
@@ -26,28 +29,22 @@ pub fn parse_method(text: &str, registry: &Registry) -> Result<MethodTable, Trad
         reason,
     };
     let part = |text: &str, kind: PartKind| -> Result<PartUse, TradeError> {
-        let (name, value) = match text.trim().split_once(':') {
-            Some((name, value)) => (name, Some(value)),
-            None => (text.trim(), None),
-        };
+        let mut words = text.trim().split(':');
+        let name = words.next().unwrap_or_default();
         let parts = registry.parts();
         let info = parts.iter().find(|p| p.kind == kind && p.name == name);
         if info.is_none() && !(kind == PartKind::Realization && name == "auto") {
             return Err(wrong(format!("no {} is called `{name}`", kind.noun())));
         }
-        let Some(value) = value else {
-            return Ok(PartUse::named(name));
-        };
-        let parameter = info.and_then(|info| info.parameters.first());
-        let parameter = parameter
-            .ok_or_else(|| wrong(format!("`{name}` takes no parameter")))?
-            .name;
-        let setting = match (value.parse::<i64>(), value.parse::<f64>()) {
-            (Ok(whole), _) => ParameterSetting::Integer(whole),
-            (_, Ok(real)) => ParameterSetting::Real(real),
-            _ => ParameterSetting::Text(value.to_owned()),
-        };
-        Ok(PartUse::named(name).with(parameter, setting))
+        let mut parameters = info.map_or(&[][..], |info| info.parameters).iter();
+        let mut part = PartUse::named(name);
+        for value in words {
+            let parameter = parameters
+                .next()
+                .ok_or_else(|| wrong(too_many(name, part.parameters.len())))?;
+            part = part.with(parameter.name, setting(value));
+        }
+        Ok(part)
     };
     let (composition, base) = match text.split_once('/') {
         Some((composition, base)) => (Some(composition), base),
@@ -64,4 +61,20 @@ pub fn parse_method(text: &str, registry: &Registry) -> Result<MethodTable, Trad
         None => method,
         Some(name) => method.composed(part(name, PartKind::Composition)?),
     })
+}
+
+fn setting(value: &str) -> ParameterSetting {
+    match (value.parse::<i64>(), value.parse::<f64>()) {
+        (Ok(whole), _) => ParameterSetting::Integer(whole),
+        (_, Ok(real)) => ParameterSetting::Real(real),
+        _ => ParameterSetting::Text(value.to_owned()),
+    }
+}
+
+fn too_many(name: &str, taken: usize) -> String {
+    match taken {
+        0 => format!("`{name}` takes no parameter"),
+        1 => format!("`{name}` takes one parameter"),
+        several => format!("`{name}` takes {several} parameters"),
+    }
 }

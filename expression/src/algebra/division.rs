@@ -3,14 +3,12 @@
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
-use leafwise_expression::Rational;
-use leafwise_expression::algebra::{
-    Coefficient, CoefficientRing, Monomial, Polynomial, Symbol, Terms,
-};
+use super::{Coefficient, CoefficientRing, Monomial, Polynomial, Symbol, Terms};
+use crate::rational::Rational;
 
 /// q with q·g = f, `None` where there is none with no new pole: in a symbol without negative powers
 /// in f and g, be it of the state or a parameter, q has none either.
-pub(crate) fn quotient(f: &Polynomial, g: &Polynomial) -> Option<Polynomial> {
+pub fn quotient(f: &Polynomial, g: &Polynomial) -> Option<Polynomial> {
     let q = divide(f, g, &|a: &Coefficient, b: &Coefficient| {
         divide(a, b, &|a: &Rational, b: &Rational| Some(a * &b.recip()))
     })?;
@@ -69,7 +67,7 @@ fn leading<C: CoefficientRing>(f: &Terms<C>) -> Option<(&Monomial, &C)> {
 
 /// ω with ω² = f and rational coefficients, `None` where there is none; of ±ω the one whose leading
 /// coefficient is positive.
-pub(crate) fn square_root(f: &Polynomial) -> Option<Polynomial> {
+pub fn square_root(f: &Polynomial) -> Option<Polynomial> {
     let divide_numbers = |a: &Rational, b: &Rational| Some(a * &b.recip());
     root(
         f,
@@ -123,7 +121,7 @@ fn rational_root(r: &Rational) -> Option<Rational> {
 
 #[cfg(test)]
 mod tests {
-    use leafwise_expression::{Arithmetic, Rational, Ring};
+    use crate::{Arithmetic, Rational, Ring};
 
     use super::{quotient, square_root};
 
