@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use leafwise::core::Registry;
 use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::compose;
 use leafwise::scene::ensemble::{
@@ -74,7 +75,13 @@ pub fn execute(
         _ => Vec::new(),
     };
     if !arguments.quiet {
-        for line in summary(&ensemble, &report, workforce.threads, console) {
+        for line in summary(
+            &ensemble,
+            &parts.registry,
+            &report,
+            workforce.threads,
+            console,
+        ) {
             console.prose(&line);
         }
         print_advice(&advice, console);
@@ -155,6 +162,7 @@ fn word(report: &EnsembleReport) -> &'static str {
 
 fn summary(
     ensemble: &ComposedEnsemble,
+    registry: &Registry,
     report: &EnsembleReport,
     threads: NonZeroUsize,
     console: &Console<'_>,
@@ -166,7 +174,7 @@ fn summary(
         console.bold(word(report)),
         grouped(all.members),
         short(end),
-        method_line(&ensemble.run)
+        method_line(&ensemble.run, registry)
     )];
     if let Some(member) = report.resumed_at {
         lines.push(format!("resumed at member {}", grouped(member)));

@@ -100,7 +100,7 @@ pub(super) fn integrate(
     bar.finish();
     let report = report?;
     if !told.quiet {
-        for line in summary(composed, &report, console) {
+        for line in summary(composed, registry, &report, console) {
             console.prose(&line);
         }
         print_advice(&report.advice, console);
@@ -148,24 +148,18 @@ pub(super) fn repeating(verb: &str, file: Option<&OsStr>, allow_non_poisson: boo
 }
 
 /// The parts of a run in one line.
-pub(super) fn method_line(composed: &ComposedRun) -> String {
-    composed
-        .plan
-        .parts
-        .iter()
-        .map(|part| {
-            let parameters = part
-                .parameters
-                .iter()
-                .map(|(name, value)| format!(" {name} {value}"));
-            parameters.fold(part.name.to_owned(), |text, parameter| text + &parameter)
-        })
-        .collect::<Vec<_>>()
-        .join(" + ")
+pub(super) fn method_line(composed: &ComposedRun, registry: &Registry) -> String {
+    let parts = composed.plan.parts.iter().map(|part| part.line(registry));
+    parts.collect::<Vec<_>>().join(" + ")
 }
 
-fn summary(composed: &ComposedRun, report: &RunReport, console: &Console<'_>) -> Vec<String> {
-    let method = method_line(composed);
+fn summary(
+    composed: &ComposedRun,
+    registry: &Registry,
+    report: &RunReport,
+    console: &Console<'_>,
+) -> Vec<String> {
+    let method = method_line(composed, registry);
     let word = match report.outcome {
         RunOutcome::Done => "done",
         RunOutcome::Interrupted => "interrupted",

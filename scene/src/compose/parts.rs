@@ -44,6 +44,29 @@ pub struct PartChoice {
     pub path: Option<&'static str>,
 }
 
+impl PartChoice {
+    /// The name with the values that tell it from its relatives: numbers, and words that are not the
+    /// part's usual ones.
+    pub fn line(&self, registry: &Registry) -> String {
+        let parts = registry.parts();
+        let info = parts
+            .iter()
+            .find(|p| p.kind == self.kind && p.name == self.name);
+        let is_usual = |name: &str, value: &ParameterSetting| {
+            let known = info.and_then(|info| info.parameters.iter().find(|p| p.name == name));
+            matches!(value, ParameterSetting::Text(_))
+                && known.is_some_and(|p| ParameterSetting::from(p.default) == *value)
+        };
+        let told = self
+            .parameters
+            .iter()
+            .filter(|(name, value)| !is_usual(name, value));
+        told.fold(self.name.to_owned(), |text, (name, value)| {
+            text + &format!(" {name} {value}")
+        })
+    }
+}
+
 /// What the scene's method is built of.
 pub(super) struct Parts {
     pub base: Base,

@@ -9,6 +9,7 @@ use leafwise_core::integrator::Checkpoint as IntegratorState;
 
 use super::error::RunError;
 use super::invariants::Windows;
+use super::samples;
 use super::snapshots::Snapshots;
 
 /// The file's name in the run directory.
@@ -62,6 +63,15 @@ impl Checkpoint {
     /// Writes the checkpoint of a directory.
     pub fn write(&self, directory: &Path) -> Result<(), RunError> {
         replace(&directory.join(FILE), &self.encode())
+    }
+
+    /// Reads the checkpoint of an unfinished run, `None` where it was killed before the first: at most
+    /// its initial state is recorded then, and it begins anew.
+    pub fn of_unfinished(directory: &Path) -> Result<Option<Self>, RunError> {
+        if !directory.join(FILE).exists() && samples::has_begun_at_most(directory) {
+            return Ok(None);
+        }
+        Self::read(directory).map(Some)
     }
 
     /// Reads the checkpoint of a directory.

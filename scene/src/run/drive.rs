@@ -94,6 +94,7 @@ impl<'a> Session<'a> {
                 wall,
             };
             session.record()?;
+            session.samples.publish()?;
             session.checkpoint()?;
             return Ok(session);
         };

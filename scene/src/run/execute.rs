@@ -68,21 +68,24 @@ pub fn run(
     };
     let directory = RunDirectory::open(&options.directory, &asked, options.force)?;
     let started = directory.unfinished.clone();
-    let resumed = started.as_ref().map(|_| Checkpoint::read(&directory.path));
-    let resumed = resumed.transpose()?;
+    let resumed = match started {
+        Some(_) => Checkpoint::of_unfinished(&directory.path)?,
+        None => None,
+    };
     let resumed_at = resumed
         .as_ref()
         .map(|checkpoint| checkpoint.integrator.steps);
     let command = &options.command;
     let beginning = Beginning::new(kind, document, composed, &checks, command, started);
+    // From here on the directory is that of this run, with nothing in it yet or all that was recorded.
+    replace(&directory.path.join(SCENE), document.text.as_bytes())?;
+    beginning.write_running(&directory.path)?;
     let mut session = Session::new(
         composed,
         &directory,
         resumed.as_ref(),
         options.checkpoint_every,
     )?;
-    replace(&directory.path.join(SCENE), document.text.as_bytes())?;
-    beginning.write_running(&directory.path)?;
     let mut finish = |progress: &mut dyn Progress| -> Result<RunReport, RunError> {
         let outcome = session.drive(progress)?;
         let mut report = describe(composed, &session, outcome, resumed_at, &directory);

@@ -1,7 +1,7 @@
 //! Recorded states, appended to `samples.csv`.
 
 use std::fmt::Write as _;
-use std::fs::{File, OpenOptions};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
@@ -27,10 +27,11 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    /// A new file with its header.
+    /// A new file with its header, which takes its name when it is
+    /// [`published`](Self::publish).
     pub fn create(directory: &Path, columns: &[String]) -> Result<Self, RunError> {
         let path = directory.join(FILE);
-        let file = File::create(&path).map_err(RunError::io(&path))?;
+        let file = File::create(unpublished(&path)).map_err(RunError::io(&path))?;
         let mut samples = Self {
             path,
             file,
@@ -42,6 +43,13 @@ impl Samples {
         samples.waiting.push_str(&header.join(","));
         samples.waiting.push('\n');
         Ok(samples)
+    }
+
+    /// Hands all rows to the disk and gives the file its name, in the place of one with the same rows
+    /// that a session left which was killed before its first checkpoint.
+    pub fn publish(&mut self) -> Result<(), RunError> {
+        self.sync()?;
+        fs::rename(unpublished(&self.path), &self.path).map_err(RunError::io(&self.path))
     }
 
     /// The file of an earlier session, to be continued after the `bytes` that its checkpoint vouches
@@ -125,6 +133,19 @@ impl Samples {
     /// Bytes handed over, and rows pushed.
     pub fn position(&self) -> (u64, u64) {
         (self.bytes, self.count)
+    }
+}
+
+fn unpublished(path: &Path) -> PathBuf {
+    path.with_extension("new")
+}
+
+/// Whether a directory holds no sample but the first: what a session leaves that was killed before its
+/// first checkpoint.
+pub(super) fn has_begun_at_most(directory: &Path) -> bool {
+    match File::open(directory.join(FILE)) {
+        Ok(file) => BufReader::new(file).lines().take(3).count() <= 2,
+        Err(_) => !directory.join(FILE).exists(),
     }
 }
 

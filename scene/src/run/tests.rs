@@ -222,6 +222,30 @@ fn an_unfinished_run_that_lost_a_file_says_which_and_starts_over_with_force() {
     }
 }
 
+/// What is on disk between the first sample and the first checkpoint.
+#[test]
+fn a_run_killed_before_its_first_checkpoint_begins_anew() {
+    let root = tempfile::tempdir().expect("a directory");
+    let [whole, killed] = ["whole", "killed"].map(|name| root.path().join(name));
+    attempt(SCENE, &whole, false, &mut Quiet).expect("a run");
+    attempt(SCENE, &killed, false, &mut StopAfter(1)).expect("a session");
+    let samples = killed.join("samples.csv");
+    let first: String = fs::read_to_string(&samples)
+        .expect("samples")
+        .split_inclusive('\n')
+        .take(2)
+        .collect();
+    fs::write(&samples, &first).expect("writable");
+    fs::remove_file(killed.join("checkpoint.bin")).expect("a checkpoint");
+    let report = attempt(SCENE, &killed, false, &mut Quiet).expect("a run");
+    assert_eq!(
+        (report.outcome, report.resumed_at),
+        (RunOutcome::Done, None)
+    );
+    let both = [&whole, &killed].map(|path| fs::read(path.join("samples.csv")).expect("samples"));
+    assert!(both[0] == both[1] && both[0].starts_with(first.as_bytes()));
+}
+
 #[test]
 fn a_directory_with_other_files_is_left_alone() {
     let root = tempfile::tempdir().expect("a directory");
