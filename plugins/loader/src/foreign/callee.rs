@@ -51,8 +51,9 @@ impl Callee {
         }
     }
 
-    /// Evaluates a function, called `name` in messages.
-    #[inline]
+    /// Evaluates a function, called `name` in messages. Inlined into its callers, as what it calls: what
+    /// they know of a call is then no memory to fill and read.
+    #[inline(always)]
     pub(super) fn evaluate(
         &mut self,
         name: &str,

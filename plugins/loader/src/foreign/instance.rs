@@ -115,7 +115,7 @@ impl Instance {
     }
 
     /// Evaluates a function; every result is finite.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn evaluate(
         &mut self,
         function: LwMapFn,

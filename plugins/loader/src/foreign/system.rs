@@ -182,6 +182,7 @@ struct Worker {
 
 impl Worker {
     /// One function of y and up to two vectors, with `results` numbers a point.
+    #[inline(always)]
     fn evaluate(
         &mut self,
         (name, function): (&str, LwMapFn),
