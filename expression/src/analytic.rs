@@ -3,6 +3,8 @@
 use std::fmt;
 use std::hash::{Hash, Hasher};
 
+use crate::elementary;
+
 /// An analytic function f of one variable that a crate evaluates itself: straight-line code calls
 /// it and its derivatives f⁽ᵏ⁾ like elementary functions.
 ///
@@ -13,6 +15,7 @@ pub struct AnalyticFunction {
     name: &'static str,
     derivative: fn(u32, f64) -> f64,
     lanes: Option<fn(u32, &mut [f64])>,
+    pair: Option<(&'static FunctionPair, Member)>,
 }
 
 impl AnalyticFunction {
@@ -23,6 +26,7 @@ impl AnalyticFunction {
             name,
             derivative,
             lanes: None,
+            pair: None,
         }
     }
 
@@ -33,6 +37,24 @@ impl AnalyticFunction {
             lanes: Some(lanes),
             ..self
         }
+    }
+
+    /// The same function as a member of a pair, to the same bits.
+    pub const fn in_pair(self, pair: &'static FunctionPair, member: Member) -> Self {
+        Self {
+            pair: Some((pair, member)),
+            ..self
+        }
+    }
+
+    /// The pair that it is a member of.
+    pub fn pair(&self) -> Option<(&'static FunctionPair, Member)> {
+        self.pair
+    }
+
+    /// What is equal to the function of this name.
+    pub(crate) fn named(name: &'static str) -> Self {
+        Self::new(name, |_, _| f64::NAN)
     }
 
     /// The name that identifies it.
@@ -52,6 +74,44 @@ impl AnalyticFunction {
             None => values
                 .iter_mut()
                 .for_each(|s| *s = self.derivative(order, *s)),
+        }
+    }
+}
+
+/// Two functions f and g of one argument that cost together little more than one of them: where
+/// straight-line code needs both, they are computed at once.
+#[derive(Debug)]
+pub struct FunctionPair {
+    /// The names of f and g.
+    pub names: [&'static str; 2],
+    /// f(x) and g(x).
+    pub values: fn(f64) -> (f64, f64),
+    /// Replaces each x by f(x) and writes g(x), to the bits of `values`.
+    pub lanes: fn(&mut [f64], &mut [f64]),
+}
+
+/// Sine and cosine.
+pub static SINE_AND_COSINE: FunctionPair = FunctionPair {
+    names: ["sin", "cos"],
+    values: elementary::sin_cos,
+    lanes: elementary::sin_cos_lanes,
+};
+
+/// Which function of a [`FunctionPair`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Member {
+    /// f.
+    First,
+    /// g.
+    Second,
+}
+
+impl Member {
+    /// The other one.
+    pub fn other(self) -> Self {
+        match self {
+            Self::First => Self::Second,
+            Self::Second => Self::First,
         }
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
+use crate::analytic::{FunctionPair, Member, SINE_AND_COSINE};
 use crate::elementary;
 use crate::rational::Rational;
 
@@ -97,6 +98,15 @@ impl Function {
             Function::Asinh => libm::asinh(x),
             Function::Acosh => libm::acosh(x),
             Function::Atanh => libm::atanh(x),
+        }
+    }
+
+    /// The pair of functions that it is a member of.
+    pub(crate) fn pair(self) -> Option<(&'static FunctionPair, Member)> {
+        match self {
+            Function::Sin => Some((&SINE_AND_COSINE, Member::First)),
+            Function::Cos => Some((&SINE_AND_COSINE, Member::Second)),
+            _ => None,
         }
     }
 

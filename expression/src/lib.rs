@@ -27,7 +27,7 @@ pub mod syntax;
 mod vector;
 
 pub use algebra::{Polynomial, Ring};
-pub use analytic::AnalyticFunction;
+pub use analytic::{AnalyticFunction, FunctionPair, Member};
 pub use arithmetic::{AlgebraError, Arithmetic};
 pub use differential::DifferentialAlgebra;
 pub use evaluate::VariableIn;

@@ -1,13 +1,14 @@
 //! Flows as straight-line code.
 
 use leafwise_expression::graph::lift;
-use leafwise_expression::{
-    AlgebraError, Arithmetic, Function, Graph, Polynomial, Rational, Ring, Term,
-};
+use leafwise_expression::{AlgebraError, Arithmetic, Graph, Polynomial, Rational, Ring, Term};
 
-use crate::entire::{EXPONENTIAL_MINUS_1, PHI_1, STUMPFF_1, STUMPFF_2};
+use crate::entire::{
+    EXPONENTIAL_MINUS_1, EXPONENTIAL_MINUS_1_MIRRORED, PHI_1, SINE, STUMPFF_1, STUMPFF_2, VERSINE,
+};
 use crate::flow::Motion;
 use crate::piece::Piece;
+use crate::rates::multiples;
 use crate::schedule::Flow;
 
 /// x(t) − x for the flow of a piece from the state `x` over the time `time`, coordinate by
@@ -23,6 +24,9 @@ pub fn flow_increment(
     x: &[Term],
 ) -> Result<Vec<Term>, AlgebraError> {
     let square = graph.multiply(time, time);
+    let rates: Vec<&Polynomial> = piece.motions().filter_map(exponential_rate).collect();
+    let multiples = multiples(&rates);
+    let mut exponentials = multiples.iter();
     let mut wanted: Vec<Vec<(Term, Polynomial)>> = Vec::new();
     for motion in piece.motions() {
         match motion {
@@ -36,9 +40,10 @@ pub fn flow_increment(
                 }
                 wanted.push(sum);
             }
-            Motion::Exponential { base, rate } => {
+            Motion::Exponential { base, .. } => {
+                let multiple = exponentials.next().expect("one for each rate");
                 wanted.push(vec![(graph.one(), base.clone())]);
-                wanted.push(vec![(time.clone(), rate.clone())]);
+                wanted.push(vec![(time.clone(), rates[multiple.of].clone())]);
             }
             Motion::Affine { velocity, rate } => {
                 wanted.push(vec![(time.clone(), velocity.clone())]);
@@ -49,10 +54,9 @@ pub fn flow_increment(
                 sine,
                 versine,
             } => {
-                let half = graph.scale(&Rational::new(1, 2), time);
                 wanted.push(vec![(graph.one(), sine.clone())]);
                 wanted.push(vec![(graph.one(), versine.clone())]);
-                wanted.push(vec![(half, frequency.clone())]);
+                wanted.push(vec![(time.clone(), frequency.clone())]);
             }
             Motion::Oscillation {
                 velocity,
@@ -67,13 +71,28 @@ pub fn flow_increment(
     }
     let mut code = lift(graph, ring, &wanted, x)?.into_iter();
     let mut next = || code.next().expect("one term for each polynomial");
+    let mut exponentials = multiples.iter();
     let mut increment = Vec::with_capacity(x.len());
     for motion in piece.motions() {
         let first = next();
         increment.push(match motion {
             Motion::Polynomial(_) => first,
             Motion::Exponential { .. } => {
-                let factor = graph.apply_analytic(EXPONENTIAL_MINUS_1, 0, &next());
+                let multiple = exponentials.next().expect("one for each rate");
+                let function = if multiple.factor > 0 {
+                    EXPONENTIAL_MINUS_1
+                } else {
+                    EXPONENTIAL_MINUS_1_MIRRORED
+                };
+                let once = graph.apply_analytic(function, 0, &next());
+                let factor = if multiple.factor.abs() == 2 {
+                    // e^{2z} − 1 = u (2 + u), u = eᶻ − 1.
+                    let two = graph.constant(&Rational::from_integer(2));
+                    let sum = graph.add(&once, &two);
+                    graph.multiply(&once, &sum)
+                } else {
+                    once
+                };
                 graph.multiply(&first, &factor)
             }
             Motion::Affine { .. } => {
@@ -81,15 +100,9 @@ pub fn flow_increment(
                 graph.multiply(&first, &factor)
             }
             Motion::Rotation { .. } => {
-                // sin θ = 2 sin(θ/2) cos(θ/2), 1 − cos θ = 2 sin²(θ/2).
-                let (second, half_angle) = (next(), next());
-                let sine = graph.apply(Function::Sin, &half_angle)?;
-                let cosine = graph.apply(Function::Cos, &half_angle)?;
-                let twice = graph.scale(&Rational::from_integer(2), &sine);
-                let (odd, even) = (
-                    graph.multiply(&twice, &cosine),
-                    graph.multiply(&twice, &sine),
-                );
+                let (second, angle) = (next(), next());
+                let odd = graph.apply_analytic(SINE, 0, &angle);
+                let even = graph.apply_analytic(VERSINE, 0, &angle);
                 let (odd, even) = (graph.multiply(&first, &odd), graph.multiply(&second, &even));
                 graph.add(&odd, &even)
             }
@@ -103,6 +116,13 @@ pub fn flow_increment(
         });
     }
     Ok(increment)
+}
+
+fn exponential_rate(motion: &Motion) -> Option<&Polynomial> {
+    match motion {
+        Motion::Exponential { rate, .. } => Some(rate),
+        _ => None,
+    }
 }
 
 /// The product of flows of `pieces`, each over its part of the time: its increment Φ(x) − x, the sum of

@@ -11,18 +11,86 @@
 //! one formula. Where the divisions can be carried out exactly, [`Motion`](crate::flow::Motion) has
 //! forms that round better.
 
-use leafwise_expression::{AnalyticFunction, elementary};
+use leafwise_expression::{AnalyticFunction, FunctionPair, Member, elementary};
+
+/// eᶻ − 1 and e⁻ᶻ − 1, which are computed at once.
+static EXPONENTIALS: FunctionPair = FunctionPair {
+    names: ["splitting-expm1", "splitting-expm1-mirrored"],
+    values: elementary::exp_m1_mirrored,
+    lanes: elementary::exp_m1_mirrored_lanes,
+};
 
 /// eᶻ − 1 without cancellation.
 pub const EXPONENTIAL_MINUS_1: AnalyticFunction =
     AnalyticFunction::new("splitting-expm1", |order, z| match order {
-        0 => libm::expm1(z),
+        0 => elementary::exp_m1_mirrored(z).0,
         _ => libm::exp(z),
     })
     .with_lanes(|order, values| match order {
         0 => elementary::exp_m1_lanes(values),
         _ => elementary::exp_lanes(values),
-    });
+    })
+    .in_pair(&EXPONENTIALS, Member::First);
+
+/// e⁻ᶻ − 1 without cancellation.
+pub const EXPONENTIAL_MINUS_1_MIRRORED: AnalyticFunction =
+    AnalyticFunction::new("splitting-expm1-mirrored", |order, z| match order {
+        0 => elementary::exp_m1_mirrored(z).1,
+        _ if order.is_multiple_of(2) => libm::exp(-z),
+        _ => -libm::exp(-z),
+    })
+    .with_lanes(|order, values| match order {
+        0 => elementary::exp_m1_of_negative_lanes(values),
+        _ => values
+            .iter_mut()
+            .for_each(|z| *z = EXPONENTIAL_MINUS_1_MIRRORED.derivative(order, *z)),
+    })
+    .in_pair(&EXPONENTIALS, Member::Second);
+
+/// sin θ and 1 − cos θ, which are computed at once.
+static TURN: FunctionPair = FunctionPair {
+    names: ["splitting-sine", "splitting-versine"],
+    values: elementary::sin_and_versine,
+    lanes: elementary::sin_and_versine_lanes,
+};
+
+/// sin θ.
+pub const SINE: AnalyticFunction =
+    AnalyticFunction::new("splitting-sine", |order, angle| match order {
+        0 => elementary::sin_and_versine(angle).0,
+        _ => sine_derivative(order, angle),
+    })
+    .with_lanes(|order, values| match order {
+        0 => elementary::sine_lanes(values),
+        _ => values
+            .iter_mut()
+            .for_each(|angle| *angle = sine_derivative(order, *angle)),
+    })
+    .in_pair(&TURN, Member::First);
+
+/// 1 − cos θ without cancellation.
+pub const VERSINE: AnalyticFunction =
+    AnalyticFunction::new("splitting-versine", |order, angle| match order {
+        0 => elementary::sin_and_versine(angle).1,
+        _ => sine_derivative(order - 1, angle),
+    })
+    .with_lanes(|order, values| match order {
+        0 => elementary::versine_lanes(values),
+        _ => values
+            .iter_mut()
+            .for_each(|angle| *angle = sine_derivative(order - 1, *angle)),
+    })
+    .in_pair(&TURN, Member::Second);
+
+/// sin⁽ᵏ⁾.
+fn sine_derivative(order: u32, angle: f64) -> f64 {
+    match order % 4 {
+        0 => libm::sin(angle),
+        1 => libm::cos(angle),
+        2 => -libm::sin(angle),
+        _ => -libm::cos(angle),
+    }
+}
 
 /// φ₁ with φ_k′ = φ_k − k φ_{k+1}.
 pub const PHI_1: AnalyticFunction =

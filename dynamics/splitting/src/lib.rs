@@ -14,7 +14,7 @@
 //! - [`schedule`]: which flows a step takes.
 //! - [`splitting`]: Strang's product as a step map.
 //! - [`lattice`]: the same on long lattices, by sweeps.
-//! - `display`: elements of the ring as text.
+//! - `rates`, `display`: rates that are multiples of one, elements of the ring as text.
 //! - `register`: the part `splitting`.
 
 pub mod code;
@@ -24,6 +24,7 @@ pub mod flow;
 pub mod lattice;
 pub mod piece;
 pub mod pieces;
+mod rates;
 mod register;
 pub mod schedule;
 pub mod splitting;

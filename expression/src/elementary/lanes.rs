@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use crate::vector::{InstructionSet, Register, RegisterWork};
+use crate::vector::{InstructionSet, One, Register, RegisterWork};
 
 /// The operations of a function of `libm` in their order, its branches written as selections: the
 /// same bits, on many arguments at once.
@@ -83,6 +83,43 @@ pub(super) trait ElementaryPair {
     fn ordinary<R: Register>(x: R) -> (R, R, R::Mask);
     /// The values at any argument.
     fn any(x: f64) -> (f64, f64);
+}
+
+/// The values at an ordinary argument.
+#[inline(always)]
+pub(super) fn value_of_pair<F: ElementaryPair>(x: f64) -> Option<(f64, f64)> {
+    let (first, second, ordinary) = F::ordinary(One(x));
+    ordinary.then_some((first.0, second.0))
+}
+
+/// The first of two functions alone.
+pub(super) struct First<F>(PhantomData<F>);
+
+impl<F: ElementaryPair> Elementary for First<F> {
+    #[inline(always)]
+    fn ordinary<R: Register>(x: R) -> (R, R::Mask) {
+        let (first, _, ordinary) = F::ordinary(x);
+        (first, ordinary)
+    }
+
+    fn any(x: f64) -> f64 {
+        F::any(x).0
+    }
+}
+
+/// The second of two functions alone.
+pub(super) struct Second<F>(PhantomData<F>);
+
+impl<F: ElementaryPair> Elementary for Second<F> {
+    #[inline(always)]
+    fn ordinary<R: Register>(x: R) -> (R, R::Mask) {
+        let (_, second, ordinary) = F::ordinary(x);
+        (second, ordinary)
+    }
+
+    fn any(x: f64) -> f64 {
+        F::any(x).1
+    }
 }
 
 /// x ↦ f(x) in the first numbers, g(x) in the second.

@@ -1,10 +1,12 @@
-//! Elementary functions on many numbers at once, to the bits of the `libm` crate.
+//! Elementary functions on many numbers at once, to the bits of the `libm` crate, and pairs of
+//! functions that are computed together.
 //!
 //! The algorithms, constants and orders of operations are those of fdlibm, which `libm` follows;
 //! its branches are selections here, so that all lanes go the same way. Arguments for which that
 //! does not serve (NaN, huge ones, results that are not normal numbers, ties of a reduction) get
 //! `libm`'s own value, lane by lane. What a lane gets depends neither on its neighbours nor on the
-//! machine.
+//! machine. [`exp_m1_mirrored`] and [`sin_and_versine`] are algorithms of our own, to the same bits in lanes and
+//! alone.
 //!
 //! fdlibm is Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved. Developed at SunPro,
 //! a Sun Microsystems, Inc. business. Permission to use, copy, modify, and distribute this software
@@ -14,29 +16,28 @@ mod arctangent;
 mod exponential;
 mod lanes;
 mod logarithm;
+mod mirrored;
 mod reduction;
 mod root;
 #[cfg(test)]
 mod tests;
 mod trigonometric;
+mod turn;
 
 use arctangent::Atan;
-use exponential::{Exp, ExpMinus1};
-use lanes::{apply, apply_pair};
+use exponential::Exp;
+use lanes::{ElementaryPair, First, Second, apply, apply_pair};
 use logarithm::Ln;
+use mirrored::Mirrored;
 use root::Roots;
 use trigonometric::{Cos, Sin, SinCos, Tan};
+use turn::Turn;
 
 use crate::vector::InstructionSet;
 
 /// Replaces each x by eˣ, as `libm::exp` gives it.
 pub fn exp_lanes(values: &mut [f64]) {
     apply::<Exp>(values);
-}
-
-/// Replaces each x by eˣ − 1, as `libm::expm1` gives it.
-pub fn exp_m1_lanes(values: &mut [f64]) {
-    apply::<ExpMinus1>(values);
 }
 
 /// Replaces each x by ln x, as `libm::log` gives it.
@@ -65,6 +66,57 @@ pub fn cos_lanes(values: &mut [f64]) {
 /// When the slices have different lengths.
 pub fn sin_cos_lanes(values: &mut [f64], cosines: &mut [f64]) {
     apply_pair::<SinCos>(values, cosines);
+}
+
+/// sin x and cos x, as `libm` gives them.
+pub fn sin_cos(x: f64) -> (f64, f64) {
+    SinCos::any(x)
+}
+
+/// eˣ − 1 and e⁻ˣ − 1, each within 2 ulps.
+pub fn exp_m1_mirrored(x: f64) -> (f64, f64) {
+    Mirrored::any(x)
+}
+
+/// Replaces each x by eˣ − 1.
+pub fn exp_m1_lanes(values: &mut [f64]) {
+    apply::<First<Mirrored>>(values);
+}
+
+/// Replaces each x by e⁻ˣ − 1.
+pub fn exp_m1_of_negative_lanes(values: &mut [f64]) {
+    apply::<Second<Mirrored>>(values);
+}
+
+/// Replaces each x by eˣ − 1 and writes e⁻ˣ − 1.
+///
+/// # Panics
+/// When the slices have different lengths.
+pub fn exp_m1_mirrored_lanes(values: &mut [f64], mirrored: &mut [f64]) {
+    apply_pair::<Mirrored>(values, mirrored);
+}
+
+/// sin x and 1 − cos x, each within 2 ulps.
+pub fn sin_and_versine(x: f64) -> (f64, f64) {
+    Turn::any(x)
+}
+
+/// Replaces each x by sin x, to the bits of [`sin_and_versine`].
+pub fn sine_lanes(values: &mut [f64]) {
+    apply::<First<Turn>>(values);
+}
+
+/// Replaces each x by 1 − cos x.
+pub fn versine_lanes(values: &mut [f64]) {
+    apply::<Second<Turn>>(values);
+}
+
+/// Replaces each x by sin x and writes 1 − cos x.
+///
+/// # Panics
+/// When the slices have different lengths.
+pub fn sin_and_versine_lanes(values: &mut [f64], versines: &mut [f64]) {
+    apply_pair::<Turn>(values, versines);
 }
 
 /// Replaces each x by tan x, as `libm::tan` gives it.

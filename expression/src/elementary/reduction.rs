@@ -28,3 +28,11 @@ pub(super) fn horner<R: Register, const N: usize>(z: R, coefficients: [u64; N]) 
     }
     sum
 }
+
+/// c₀ + z c₁ + … + z⁵ c₅ in three levels instead of five.
+#[inline(always)]
+pub(super) fn sextic<R: Register>(z: R, c: [f64; 6]) -> R {
+    let square = z * z;
+    let pair = |at: usize| R::splat(c[at]) + z * R::splat(c[at + 1]);
+    pair(0) + square * (pair(2) + square * pair(4))
+}

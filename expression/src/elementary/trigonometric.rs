@@ -7,12 +7,12 @@ use super::reduction::{SHIFTER, horner};
 use crate::vector::{Register, SIGN};
 
 /// An argument's n (in the low bits of `quadrant`) and r = high + low.
-struct Reduced<R: Register> {
-    quadrant: R,
-    high: R,
-    low: R,
+pub(super) struct Reduced<R: Register> {
+    pub(super) quadrant: R,
+    pub(super) high: R,
+    pub(super) low: R,
     /// Whether `libm` reduces it so.
-    agrees: R::Mask,
+    pub(super) agrees: R::Mask,
 }
 
 /// One subtraction of n times the first 33 bits of π/2 and one of the rest, good to 85 bits.
@@ -20,7 +20,7 @@ struct Reduced<R: Register> {
 /// `libm` goes on where r is so small that this is not enough, and near odd multiples of π/4 it
 /// chooses n by the high word of x: neither is ordinary here.
 #[inline(always)]
-fn reduce<R: Register>(x: R) -> Reduced<R> {
+pub(super) fn reduce<R: Register>(x: R) -> Reduced<R> {
     const TWO_OVER_PI: u64 = 0x3fe4_5f30_6dc9_c883;
     const HALF_PI_HIGH: u64 = 0x3ff9_21fb_5440_0000;
     const HALF_PI_LOW: u64 = 0x3dd0_b461_1a62_6331;
@@ -164,7 +164,7 @@ fn without_low_word<R: Register>(x: R) -> R {
 
 /// −a where bit 1 of `quadrant` is set.
 #[inline(always)]
-fn signed<R: Register>(a: R, quadrant: R) -> R {
+pub(super) fn signed<R: Register>(a: R, quadrant: R) -> R {
     a.xor(quadrant.up::<62>().and(R::bits(SIGN)))
 }
 
@@ -186,7 +186,7 @@ impl ElementaryPair for SinCos {
     }
 
     fn any(x: f64) -> (f64, f64) {
-        (libm::sin(x), libm::cos(x))
+        libm::sincos(x)
     }
 }
 

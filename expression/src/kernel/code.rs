@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::analytic::AnalyticFunction;
+use crate::analytic::{AnalyticFunction, FunctionPair, Member};
 use crate::expression::Function;
 
 /// One operation on slots; each slot holds one number a lane.
@@ -108,6 +108,17 @@ impl Instruction {
             Self::Negate { a, .. } | Self::Apply { a, .. } | Self::ApplyAnalytic { a, .. } => {
                 [a, a]
             }
+        }
+    }
+
+    /// The pair of functions that the operation is a member of.
+    pub(super) fn pair(&self) -> Option<(&'static FunctionPair, Member)> {
+        match *self {
+            Self::Apply { function, .. } => function.pair(),
+            Self::ApplyAnalytic {
+                function, order: 0, ..
+            } => function.pair(),
+            _ => None,
         }
     }
 

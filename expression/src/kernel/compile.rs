@@ -7,6 +7,7 @@ use rustc_hash::FxHashMap;
 use super::allocate::reuse_slots;
 use super::code::{Code, Instruction, OperationCount};
 use super::execution::Compiled;
+use crate::analytic::{AnalyticFunction, FunctionPair, Member};
 use crate::expression::Function;
 use crate::graph::{Graph, Node, Operation, StepSize, Term, Tier};
 use crate::rational::Rational;
@@ -196,6 +197,15 @@ fn multiplications(terms: &[(Rational, Node)]) -> usize {
     sizes.iter().filter(|size| !size.is_one()).count()
 }
 
+/// The pair of functions that the operation is a member of.
+fn pair_of(operation: &Operation) -> Option<(&'static FunctionPair, Member)> {
+    match operation {
+        Operation::Function(function, _) => function.pair(),
+        Operation::Analytic(function, 0, _) => function.pair(),
+        _ => None,
+    }
+}
+
 /// Emits code for what is asked for, operands first.
 struct Emitter<'a> {
     graph: &'a Graph,
@@ -317,8 +327,8 @@ impl<'a> Emitter<'a> {
         if self.places.contains_key(&node) {
             return;
         }
-        if let Some(sine) = self.beside(node, Function::Cos, Function::Sin) {
-            return self.emit(sine);
+        if let Some(first) = self.beside(node, Member::Second) {
+            return self.emit(first);
         }
         let parameters = self.parameters as u32;
         let slot = match self.graph.operation(node).clone() {
@@ -360,23 +370,33 @@ impl<'a> Emitter<'a> {
             }
         };
         self.places.insert(node, slot);
-        if let Some(cosine) = self.beside(node, Function::Sin, Function::Cos) {
-            let a = self.place(self.graph.operands(node)[0]);
-            let function = Function::Cos;
-            let slot = self.push(|out| Instruction::Apply { function, out, a });
-            self.places.insert(cosine, slot);
+        if let Some(second) = self.beside(node, Member::First) {
+            self.emit(second);
         }
     }
 
-    /// The node `other`(a), still to be emitted, where `node` is `function`(a): a sine and a cosine
-    /// of one argument follow each other, so that they can be computed together.
-    fn beside(&self, node: Node, function: Function, other: Function) -> Option<Node> {
-        let Operation::Function(own, a) = self.graph.operation(node) else {
+    /// Where `node` is this member of a pair of functions, the node of the other one, still to be
+    /// emitted: two functions of one argument follow each other, so that they can be computed
+    /// together.
+    fn beside(&self, node: Node, member: Member) -> Option<Node> {
+        let (pair, own) = pair_of(self.graph.operation(node))?;
+        let argument = self.graph.operands(node)[0];
+        if own != member {
             return None;
+        }
+        let other = match (self.graph.operation(node), member.other()) {
+            (Operation::Function(..), Member::First) => {
+                Operation::Function(Function::Sin, argument)
+            }
+            (Operation::Function(..), Member::Second) => {
+                Operation::Function(Function::Cos, argument)
+            }
+            (_, other) => {
+                let name = pair.names[other as usize];
+                Operation::Analytic(AnalyticFunction::named(name), 0, argument)
+            }
         };
-        let found = (*own == function)
-            .then(|| self.graph.find(&Operation::Function(other, *a)))
-            .flatten()?;
+        let found = self.graph.find(&other)?;
         let is_wanted = self.uses[found.index()] > 0 && !self.places.contains_key(&found);
         is_wanted.then_some(found)
     }

@@ -3,8 +3,7 @@
 use std::cell::Cell;
 
 use super::code::{Code, Instruction};
-use crate::elementary::sin_cos_lanes;
-use crate::expression::Function;
+use crate::analytic::{FunctionPair, Member};
 use crate::vector::{InstructionSet, Work};
 
 /// Runs `code` on `slots`, slot s of lane w at `[s*lanes + w]`.
@@ -63,6 +62,14 @@ fn execute<S: Slots>(code: &Code, mut slots: S) {
     let mut rest = code.instructions.as_slice();
     while let Some((instruction, after)) = rest.split_first() {
         rest = after;
+        if !S::FEW
+            && let Some((pair, [first, second], a)) = both(instruction, after)
+        {
+            slots.change(first, a, |_| ());
+            slots.change_two(first, second, pair.lanes);
+            rest = &after[1..];
+            continue;
+        }
         match *instruction {
             Instruction::Add { out, a, b } => slots.combine(out, [a, b], |a, b| a + b),
             Instruction::Subtract { out, a, b } => slots.combine(out, [a, b], |a, b| a - b),
@@ -71,12 +78,7 @@ fn execute<S: Slots>(code: &Code, mut slots: S) {
             Instruction::Negate { out, a } => slots.combine(out, [a, a], |a, _| -a),
             Instruction::Power { out, a, b } => slots.combine(out, [a, b], libm::pow),
             Instruction::Apply { function, out, a } => {
-                let cosine = cosine_too(instruction, after).filter(|_| !S::FEW);
-                if let Some(second) = cosine {
-                    slots.change(out, a, |_| ());
-                    slots.change_two(out, second, sin_cos_lanes);
-                    rest = &after[1..];
-                } else if S::FEW {
+                if S::FEW {
                     slots.combine(out, [a, a], |a, _| function.apply(a));
                 } else {
                     slots.change(out, a, |values| function.apply_lanes(values));
@@ -98,24 +100,22 @@ fn execute<S: Slots>(code: &Code, mut slots: S) {
     }
 }
 
-/// The slot of a cosine that follows the sine of the same argument: both are computed at once.
-fn cosine_too(instruction: &Instruction, after: &[Instruction]) -> Option<u32> {
-    let Instruction::Apply {
-        function: Function::Sin,
-        out,
-        a,
-    } = *instruction
-    else {
-        return None;
-    };
-    match after.first() {
-        Some(&Instruction::Apply {
-            function: Function::Cos,
-            out: second,
-            a: same,
-        }) if same == a && out != a && second != out => Some(second),
-        _ => None,
-    }
+/// A pair of functions of one argument that follow each other, their results' slots and the
+/// argument's: both are computed at once.
+fn both(
+    instruction: &Instruction,
+    after: &[Instruction],
+) -> Option<(&'static FunctionPair, [u32; 2], u32)> {
+    let (pair, member) = instruction.pair()?;
+    let (next, other) = after
+        .first()
+        .and_then(|next| Some((next, next.pair()?.1)))?;
+    let (next_pair, _) = next.pair()?;
+    let ([a, _], [same, _]) = (instruction.operands(), next.operands());
+    let (out, second) = (instruction.output(), next.output());
+    let are_two =
+        member == Member::First && other == Member::Second && pair.names == next_pair.names;
+    (are_two && same == a && out != a && second != out).then_some((pair, [out, second], a))
 }
 
 /// Slots of W lanes each.

@@ -14,8 +14,10 @@
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+mod one;
 mod register;
 
+pub(crate) use one::One;
 pub(crate) use register::{Register, SIGN};
 
 /// Loops over lanes, written once.

@@ -1,7 +1,6 @@
 //! The functions that machine code calls: those of the interpreter, with the platform's C convention.
 
-use crate::analytic::AnalyticFunction;
-use crate::elementary::sin_cos_lanes;
+use crate::analytic::{AnalyticFunction, FunctionPair};
 use crate::expression::Function;
 
 macro_rules! entries {
@@ -54,21 +53,52 @@ entries! {
     Atanh => atanh, atanh_lanes;
 }
 
-/// Replaces each x by sin x and writes cos x.
-unsafe extern "C" fn both_lanes(values: *mut f64, cosines: *mut f64, count: usize) {
-    // SAFETY: the code passes two pieces of its own memory, of `count` numbers each.
-    let (values, cosines) = unsafe {
-        (
-            std::slice::from_raw_parts_mut(values, count),
-            std::slice::from_raw_parts_mut(cosines, count),
-        )
-    };
-    sin_cos_lanes(values, cosines);
+/// f(x) and g(x) of the pair, in `first` and `second`; f(x) is returned too.
+///
+/// # Safety
+/// `first` and `second` point to a number each.
+unsafe extern "C" fn both(
+    pair: *const FunctionPair,
+    first: *mut f64,
+    second: *mut f64,
+    x: f64,
+) -> f64 {
+    // SAFETY: the code passes a static pair and its own memory.
+    unsafe {
+        let (f, g) = ((*pair).values)(x);
+        *first = f;
+        *second = g;
+        f
+    }
 }
 
-/// The address of (values, cosines, count), which replaces each x by sin x and writes cos x.
-pub(super) fn sine_and_cosine_lanes() -> usize {
-    let entry: unsafe extern "C" fn(*mut f64, *mut f64, usize) = both_lanes;
+/// The address of (pair, first, second, x) ↦ f(x), which writes f(x) and g(x) too.
+pub(super) fn pair() -> usize {
+    let entry: unsafe extern "C" fn(*const FunctionPair, *mut f64, *mut f64, f64) -> f64 = both;
+    entry as usize
+}
+
+/// Replaces each x by f(x) and writes g(x).
+unsafe extern "C" fn both_lanes(
+    pair: *const FunctionPair,
+    values: *mut f64,
+    others: *mut f64,
+    count: usize,
+) {
+    // SAFETY: the code passes a static pair and two pieces of its own memory, of `count` numbers each.
+    let (pair, values, others) = unsafe {
+        (
+            &*pair,
+            std::slice::from_raw_parts_mut(values, count),
+            std::slice::from_raw_parts_mut(others, count),
+        )
+    };
+    (pair.lanes)(values, others);
+}
+
+/// The address of (pair, values, others, count), which replaces each x by f(x) and writes g(x).
+pub(super) fn pair_lanes() -> usize {
+    let entry: unsafe extern "C" fn(*const FunctionPair, *mut f64, *mut f64, usize) = both_lanes;
     entry as usize
 }
 

@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
-use crate::expression::Function;
+use crate::analytic::Member;
 use crate::kernel::code::{Code, Instruction};
 
 /// Where a number comes from.
@@ -23,7 +23,7 @@ pub(super) struct Operation {
     pub(super) operands: [Source; 2],
     /// The slot that the caller reads the result from.
     pub(super) output: Option<u32>,
-    /// Whether it is the sine of the argument of the cosine just before it, or the reverse.
+    /// Whether the operation just before it is the other one of a pair of functions, of the same argument.
     pub(super) is_second: bool,
 }
 
@@ -68,7 +68,7 @@ impl Program {
                 pending.extend(operands.into_iter().flatten().map(|result| (result, false)));
             }
         }
-        let seconds = join_sines(&operations, &mut order);
+        let seconds = join_pairs(&operations, &mut order);
         let mut names = vec![0; operations.len()];
         for (name, &at) in order.iter().enumerate() {
             names[at] = name as u32;
@@ -114,28 +114,25 @@ fn single_assignment(code: &Code) -> Vec<Operation> {
     operations
 }
 
-/// Brings the sine and the cosine of one argument together, which cost little more than one of them;
-/// returns which operations are the second of two.
-fn join_sines(operations: &[Operation], order: &mut Vec<usize>) -> Vec<bool> {
-    let mut firsts: FxHashMap<Source, (usize, Function)> = FxHashMap::default();
+/// Brings two functions of one argument together, which cost little more than one of them; returns
+/// which operations are the second of two.
+fn join_pairs(operations: &[Operation], order: &mut Vec<usize>) -> Vec<bool> {
+    let mut firsts: FxHashMap<(Source, [&str; 2]), (usize, Member)> = FxHashMap::default();
     let mut followers = vec![None; operations.len()];
     let mut are_second = vec![false; operations.len()];
     for &at in order.iter() {
-        let Instruction::Apply { function, .. } = operations[at].instruction else {
+        let Some((pair, member)) = operations[at].instruction.pair() else {
             continue;
         };
-        if !matches!(function, Function::Sin | Function::Cos) {
-            continue;
-        }
-        let argument = operations[at].operands[0];
-        match firsts.get(&argument) {
-            Some((first, other)) if *other != function && followers[*first].is_none() => {
+        let key = (operations[at].operands[0], pair.names);
+        match firsts.get(&key) {
+            Some((first, other)) if *other != member && followers[*first].is_none() => {
                 followers[*first] = Some(at);
                 are_second[at] = true;
             }
             Some(_) => {}
             None => {
-                firsts.insert(argument, (at, function));
+                firsts.insert(key, (at, member));
             }
         }
     }

@@ -1,7 +1,7 @@
 //! A planned program as bytes: `fn(slots: *mut f64, scratch: *mut f64)` in the System V convention.
 
 use super::assembler::{Assembler, Gpr, Memory, Opcode, Operand, Width};
-use crate::analytic::AnalyticFunction;
+use crate::analytic::{AnalyticFunction, Member};
 use crate::expression::Function;
 use crate::kernel::code::Instruction;
 use crate::kernel::jit::functions;
@@ -249,8 +249,9 @@ impl Emitter<'_> {
                 .expect("a plan loads the operands of calls")
         });
         let is_alone = self.width == Width::One;
-        if is_alone || !operation.is_second {
-            let entry = if is_alone {
+        let is_of_two = operation.is_second || self.is_first(at);
+        if !operation.is_second {
+            let entry = if is_alone && !is_of_two {
                 self.pass_registers(operation, a, b)
             } else {
                 self.pass_memory(at, operation, a, b)
@@ -258,17 +259,14 @@ impl Emitter<'_> {
             self.assembler.constant(Gpr::RAX, entry as u64);
             self.assembler.call_rax();
         }
-        if !is_alone {
-            // Of a sine and a cosine the cosine comes in place of the second operand.
-            let is_cosine = matches!(
-                operation.instruction,
-                Instruction::Apply {
-                    function: Function::Cos,
-                    ..
-                }
-            );
-            let is_of_two = operation.is_second || self.is_first(at);
-            let values = if is_cosine && is_of_two {
+        // Of two functions the second comes in place of the second operand.
+        let is_other = operation
+            .instruction
+            .pair()
+            .is_some_and(|(_, member)| is_of_two && member == Member::Second);
+        let is_returned = is_alone && !is_other && !operation.is_second;
+        if !is_returned {
+            let values = if is_other {
                 self.header(SECOND_OPERAND)
             } else {
                 self.header(FIRST_OPERAND)
@@ -279,7 +277,7 @@ impl Emitter<'_> {
         self.registers[0] = Some(Source::Result(at));
     }
 
-    /// Whether the next operation is the second of a sine and a cosine.
+    /// Whether the next operation is the second of a pair of functions.
     fn is_first(&self, at: u32) -> bool {
         let next = self.program.operations.get(at as usize + 1);
         next.is_some_and(|next| next.is_second)
@@ -312,12 +310,29 @@ impl Emitter<'_> {
         }
     }
 
-    /// Passes the operands in memory, the results come in place of the first one.
+    /// Passes the operands in memory, the results come in place of the first one; the argument of two
+    /// functions of one lane in the first register, the result of the first one comes there too.
     fn pass_memory(&mut self, at: u32, operation: &Operation, a: u8, b: u8) -> usize {
-        let is_first = self.is_first(at);
+        let pair = operation.instruction.pair();
+        let pair = pair.filter(|_| self.is_first(at));
         let [first, second] = [FIRST_OPERAND, SECOND_OPERAND].map(|place| self.header(place));
         let count = self.width.lanes() as u64;
         let assembler = &mut self.assembler;
+        if let Some((pair, _)) = pair {
+            assembler.constant(Gpr::RDI, std::ptr::from_ref(pair) as u64);
+            assembler.address(Gpr::RSI, first);
+            assembler.address(Gpr::RDX, second);
+            if self.width == Width::One {
+                assembler.copy(0, a);
+                return functions::pair();
+            }
+            assembler.store(self.width, a, first);
+            assembler.constant(Gpr::RCX, count);
+            if self.width.lanes() > 2 {
+                assembler.zero_upper();
+            }
+            return functions::pair_lanes();
+        }
         assembler.store(self.width, a, first);
         let entry = match operation.instruction {
             Instruction::Power { .. } => {
@@ -335,12 +350,6 @@ impl Emitter<'_> {
                 assembler.address(Gpr::RDX, first);
                 assembler.constant(Gpr::RCX, count);
                 functions::analytic_lanes()
-            }
-            Instruction::Apply { .. } if is_first => {
-                assembler.address(Gpr::RDI, first);
-                assembler.address(Gpr::RSI, second);
-                assembler.constant(Gpr::RDX, count);
-                functions::sine_and_cosine_lanes()
             }
             Instruction::Apply { function, .. } => {
                 assembler.address(Gpr::RDI, first);
