@@ -18,7 +18,7 @@ const ROUNDS: usize = 31;
 const REFERENCE_STEPS: f64 = 400.0;
 
 /// The compositions that are tried.
-const SCHEMES: [&str; 8] = [
+const SCHEMES: [&str; 10] = [
     "triple-jump",
     "suzuki-4",
     "yoshida-6",
@@ -27,6 +27,8 @@ const SCHEMES: [&str; 8] = [
     "suzuki-umeno-8",
     "kahan-li-10",
     "sofroniou-spaletta-10",
+    "blanes-moan-4",
+    "blanes-moan-6",
 ];
 
 /// A contestant at the setting that reaches an error.
@@ -48,7 +50,7 @@ fn others<P: Problem + 'static>() -> Vec<Box<dyn Contestant>> {
         let scheme = Scheme::find(name).expect("a scheme");
         others.push(Box::new(HandSplitting::<P> {
             scheme: name,
-            coefficients: scheme.coefficients(),
+            parts: scheme.parts(),
             problem: PhantomData,
         }));
     }
@@ -82,6 +84,10 @@ fn ours<P: Problem + 'static>(orders: &[usize]) -> Vec<Box<dyn Contestant>> {
     }
     for stepper in P::STEPPERS {
         for scheme in SCHEMES {
+            let takes_factors = Scheme::find(scheme).is_some_and(|s| s.takes_factors());
+            if takes_factors && *stepper != "splitting" {
+                continue;
+            }
             let method = format!("stepper = \"{stepper}\"\ncomposition = \"{scheme}\"");
             let name = format!("{stepper}, {scheme}");
             ours.push(Box::new(Ours::<P>::new(name, Kind::StepMap, &method, most)));

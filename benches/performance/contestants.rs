@@ -178,10 +178,11 @@ impl<P: Problem, const S: usize> Contestant for HandGauss<P, S> {
     }
 }
 
-/// A composition of Strang's product written by hand.
+/// A composition of flows written by hand.
 pub struct HandSplitting<P> {
     pub scheme: &'static str,
-    pub coefficients: Vec<f64>,
+    /// α_1, …, α_2s.
+    pub parts: Vec<f64>,
     pub problem: std::marker::PhantomData<P>,
 }
 
@@ -195,17 +196,17 @@ impl<P: Problem> Contestant for HandSplitting<P> {
     }
 
     fn settings(&self) -> Vec<usize> {
-        let stages = self.coefficients.len() as f64;
+        let stages = 0.5 * self.parts.len() as f64;
         step_numbers(P::TIME, 1e4 * P::TIME / stages)
     }
 
     fn solve(&self, setting: usize) -> Option<Solution> {
         let h = P::TIME / setting as f64;
         let mut state = P::INITIAL;
-        splitting::integrate::<P>(&self.coefficients, &mut state, h, setting);
+        splitting::integrate::<P>(&self.parts, &mut state, h, setting);
         Some(Solution {
             state: state.to_vec(),
-            evaluations: (self.coefficients.len() * setting) as u64,
+            evaluations: (self.parts.len() / 2 * setting) as u64,
             operations: None,
         })
     }

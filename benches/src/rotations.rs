@@ -1,4 +1,4 @@
-//! Rigid bodies by hand: Strang's product of two rotations and its compositions, many bodies at once.
+//! Rigid bodies by hand: compositions of two rotations, many bodies at once.
 
 use leafwise::composition::Scheme;
 use leafwise::expression::elementary::sin_cos_lanes;
@@ -7,8 +7,8 @@ use leafwise::expression::elementary::sin_cos_lanes;
 pub struct Composition {
     /// Its name in a scene; `none` for Strang's product itself.
     pub name: &'static str,
-    /// The stages' parts of the step.
-    factors: Vec<f64>,
+    /// α_1, …, α_2s.
+    parts: Vec<f64>,
     /// The steps it is measured at.
     pub time_steps: &'static [f64],
 }
@@ -16,15 +16,18 @@ pub struct Composition {
 impl Composition {
     /// Strang's product and the compositions worth measuring.
     pub fn all() -> Vec<Self> {
-        let steps: [(&str, &[f64]); 4] = [
-            ("suzuki-4", &[0.4, 0.25, 0.1]),
-            ("kahan-li-6", &[1.0, 0.8, 0.5, 0.25]),
-            ("kahan-li-8", &[2.0, 1.6, 1.0, 0.5]),
-            ("suzuki-umeno-8", &[2.0, 1.6, 1.0, 0.8]),
+        let steps: [(&str, &[f64]); 7] = [
+            ("suzuki-4", &[0.1]),
+            ("yoshida-6", &[0.3125, 0.25]),
+            ("blanes-moan-6", &[0.5, 0.4, 0.08]),
+            ("kahan-li-6", &[0.5, 0.25]),
+            ("kahan-li-8", &[0.5, 0.4, 0.2]),
+            ("suzuki-umeno-8", &[0.5, 0.16]),
+            ("sofroniou-spaletta-10", &[0.625, 0.4]),
         ];
         let strang = Self {
             name: "none",
-            factors: vec![1.0],
+            parts: vec![0.5, 0.5],
             time_steps: &[0.1, 0.025],
         };
         let composed = steps.into_iter().filter_map(|(name, time_steps)| {
@@ -33,7 +36,7 @@ impl Composition {
                 .find(|scheme| scheme.info.name == name)?;
             Some(Self {
                 name,
-                factors: scheme.coefficients(),
+                parts: scheme.parts(),
                 time_steps,
             })
         });
@@ -54,15 +57,15 @@ pub fn rigid_bodies<const W: usize>(
         1.0 / inertia[1] - 1.0 / inertia[0],
         1.0 / inertia[2] - 1.0 / inertia[0],
     ];
-    let factors = &composition.factors;
-    let mut outer = 0.5 * factors[0];
+    let (pairs, _) = composition.parts.as_chunks::<2>();
+    let mut outer = pairs[0][0];
     for step in 0..steps {
-        for (at, factor) in factors.iter().enumerate() {
+        for (at, [there, back]) in pairs.iter().enumerate() {
             about_second(x, rates[0] * time_step * outer);
-            about_third(x, rates[1] * time_step * factor);
-            let is_last = step + 1 == steps && at + 1 == factors.len();
-            let next = factors[(at + 1) % factors.len()];
-            outer = 0.5 * if is_last { *factor } else { factor + next };
+            about_third(x, rates[1] * time_step * (there + back));
+            let is_last = step + 1 == steps && at + 1 == pairs.len();
+            let next = pairs[(at + 1) % pairs.len()][0];
+            outer = if is_last { *back } else { back + next };
         }
     }
     about_second(x, rates[0] * time_step * outer);

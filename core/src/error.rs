@@ -86,6 +86,17 @@ pub enum BuildError {
         /// The map.
         map: String,
     },
+    /// A composition of a map whose factors it needs.
+    #[error(
+        "{composition} takes a step apart into a map of order 1 and its adjoint, which {map} does not offer; \
+         compose splitting with it, or take a composition of self-adjoint maps, such as suzuki-4 or kahan-li-6"
+    )]
+    NoFactors {
+        /// The composition.
+        composition: &'static str,
+        /// The map.
+        map: String,
+    },
     /// A system that a part does not fit.
     #[error("{part} does not fit this system: {reason}")]
     DoesNotFit {

@@ -1,4 +1,4 @@
-//! Symmetric compositions of Strang's product of exact flows, flows that meet being one.
+//! Symmetric compositions of exact flows, flows that meet being one.
 
 /// Exact flows of pieces of a Hamiltonian.
 pub trait Flows {
@@ -10,29 +10,28 @@ pub trait Flows {
     fn flow(piece: usize, x: &mut Self::State, time: f64);
 }
 
-/// `steps` times the composition of φ⁰_{γh/2} φ¹_{γh/2} … φᵖ_{γh} … φ¹_{γh/2} φ⁰_{γh/2} over the
-/// `coefficients` γ. The outermost flows of neighbours are one flow, from one step to the next too.
+/// `steps` times the composition of φ⁰ φ¹ … φᵖ over α_1 h, φᵖ … φ¹ φ⁰ over α_2 h, and so on in turn, an even number of
+/// `parts` α. Flows of one piece that meet are one flow, from one step to the next too.
 #[inline(always)]
-pub fn integrate<F: Flows>(coefficients: &[f64], x: &mut F::State, h: f64, steps: usize) {
+pub fn integrate<F: Flows>(parts: &[f64], x: &mut F::State, h: f64, steps: usize) {
     let last = F::PIECES - 1;
-    let count = coefficients.len();
-    F::flow(0, x, 0.5 * coefficients[0] * h);
+    F::flow(0, x, parts[0] * h);
     for step in 1..=steps {
-        for at in 0..count {
-            let gamma = coefficients[at];
+        for at in (0..parts.len()).step_by(2) {
+            let [there, back] = [parts[at], parts[at + 1]];
             for piece in 1..last {
-                F::flow(piece, x, 0.5 * gamma * h);
+                F::flow(piece, x, there * h);
             }
-            F::flow(last, x, gamma * h);
+            F::flow(last, x, (there + back) * h);
             for piece in (1..last).rev() {
-                F::flow(piece, x, 0.5 * gamma * h);
+                F::flow(piece, x, back * h);
             }
-            let next = match coefficients.get(at + 1) {
+            let next = match parts.get(at + 2) {
                 Some(next) => *next,
-                None if step < steps => coefficients[0],
+                None if step < steps => parts[0],
                 None => 0.0,
             };
-            F::flow(0, x, 0.5 * (gamma + next) * h);
+            F::flow(0, x, (back + next) * h);
         }
     }
 }

@@ -21,6 +21,8 @@ pub use newton::{NewtonKernel, NewtonStepper};
 pub use properties::{MapProperties, Structure};
 pub(crate) use workers::Workers;
 
+use std::sync::Arc;
+
 use leafwise_expression::Kernel;
 
 use crate::error::StepError;
@@ -55,17 +57,22 @@ pub trait StepMap: Send + Sync {
     /// A worker that steps `lanes` trajectories at once with these parameters (a structure of
     /// arrays over the lanes) and step sizes.
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper>;
-    /// A worker of Φ_{γ_s h} ∘ … ∘ Φ_{γ_1 h}, where that takes less than one factor after the other;
-    /// a step then counts s evaluations.
+    /// χ and χ* where Φ_h = χ*_{h/2} ∘ χ_{h/2}: a map of order 1 and its adjoint, χ*_h = χ_{−h}⁻¹.
+    fn factors(&self) -> Option<[Arc<dyn StepMap>; 2]> {
+        None
+    }
+    /// A worker of … ∘ χ*_{α_4 h} ∘ χ_{α_3 h} ∘ χ*_{α_2 h} ∘ χ_{α_1 h} over the [`factors`](Self::factors), where
+    /// that takes less than one factor after the other; Φ_{γ_s h} ∘ … ∘ Φ_{γ_1 h} has
+    /// α_{2i−1} = α_{2i} = γ_i/2. Two factors count as an evaluation.
     fn product_stepper(
         &self,
-        coefficients: &[f64],
+        parts: &[f64],
         lanes: usize,
         parameters: &[f64],
         epsilon: f64,
         h: f64,
     ) -> Option<Box<dyn Stepper>> {
-        let _ = (coefficients, lanes, parameters, epsilon, h);
+        let _ = (parts, lanes, parameters, epsilon, h);
         None
     }
 }

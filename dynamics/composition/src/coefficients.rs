@@ -1,4 +1,5 @@
-//! γ_1, …, γ_{(s+1)/2} of the schemes: outermost first, the centre last; γ_{s+1−i} = γ_i.
+//! γ_1, …, γ_{(s+1)/2} of the schemes: outermost first, the centre last; γ_{s+1−i} = γ_i. Of Blanes and Moan's
+//! α_1, …, α_s; α_{2s+1−i} = α_i.
 
 /// γ_1 = 1/(2 − 2^{1/3}): H. Yoshida, Physics Letters A 150, 262–268 (1990); E. Forest, R. Ruth,
 /// Physica D 43, 105–117 (1990); M. Creutz, A. Gocksch, Physical Review Letters 63, 9–12 (1989).
@@ -98,4 +99,32 @@ pub const SOFRONIOU_SPALETTA_10: [f64; 18] = [
     0.050_665_090_759_924_494,
     0.049_674_370_639_729_876,
     0.049_317_735_759_594_535,
+];
+
+/// S. Blanes, P. C. Moan, Journal of Computational and Applied Mathematics 142, 313–330 (2002), table 2, S₆:
+/// splittings in two pieces over a_i and b_i, of which α_1 = a_1, α_2 = b_1 − α_1, α_3 = a_2 − α_2, … make compositions
+/// of the same order over any number of pieces (R. I. McLachlan, SIAM Journal on Scientific Computing 16,
+/// 151–168 (1995)). The printed 15 digits were continued by Newton's method on the order conditions to the nearest
+/// solution, 8e-17 away.
+pub const BLANES_MOAN_4: [f64; 6] = [
+    0.079_203_696_431_195_67,
+    0.130_311_410_182_166_38,
+    0.222_861_495_867_607_67,
+    -0.366_713_269_047_425_74,
+    0.324_648_188_689_706_2,
+    0.109_688_477_876_749_82,
+];
+
+/// S. Blanes, P. C. Moan (2002), S₁₀, continued likewise, 1.4e-15 away.
+pub const BLANES_MOAN_6: [f64; 10] = [
+    0.050_262_764_400_392_59,
+    0.098_553_683_500_650_51,
+    0.314_960_616_927_694_17,
+    -0.447_346_482_695_477_55,
+    0.492_426_372_489_875_5,
+    -0.425_118_767_797_690_87,
+    0.237_063_913_978_121_18,
+    0.195_602_488_600_052_1,
+    0.346_358_189_850_728_36,
+    -0.362_762_779_254_345_97,
 ];

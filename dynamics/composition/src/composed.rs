@@ -8,8 +8,8 @@ use leafwise_expression::Kernel;
 
 use crate::scheme::Scheme;
 
-/// Ψ_h = Φ_{γ_s h} ∘ … ∘ Φ_{γ_1 h} (Hairer, Lubich, Wanner, *Geometric Numerical Integration*,
-/// section V.3).
+/// Ψ_h = Φ_{γ_s h} ∘ … ∘ Φ_{γ_1 h}, or χ*_{α_{2s} h} ∘ χ_{α_{2s−1} h} ∘ … ∘ χ*_{α_2 h} ∘ χ_{α_1 h} (Hairer, Lubich, Wanner,
+/// *Geometric Numerical Integration*, sections II.4 and V.3).
 #[derive(Clone)]
 pub struct Composed {
     base: Arc<dyn StepMap>,
@@ -20,8 +20,15 @@ impl Composed {
     /// The composition of `base`.
     ///
     /// # Errors
-    /// [`BuildError::NotComposable`] when `base` does not declare itself self-adjoint.
+    /// [`BuildError::NotComposable`] when `base` does not declare itself self-adjoint,
+    /// [`BuildError::NoFactors`] when the scheme takes its factors and it offers none.
     pub fn new(base: Arc<dyn StepMap>, scheme: Scheme) -> Result<Self, BuildError> {
+        if scheme.takes_factors() && base.factors().is_none() {
+            return Err(BuildError::NoFactors {
+                composition: scheme.info.name,
+                map: base.describe(),
+            });
+        }
         if base.properties().self_adjoint != Some(true) {
             return Err(BuildError::NotComposable {
                 composition: scheme.info.name,
@@ -36,7 +43,7 @@ impl Composed {
         self.base.as_ref()
     }
 
-    /// The γ_i.
+    /// Its order and coefficients.
     pub fn scheme(&self) -> Scheme {
         self.scheme
     }
@@ -67,19 +74,24 @@ impl StepMap for Composed {
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
-        let coefficients = self.scheme.coefficients();
-        let product = self
-            .base
-            .product_stepper(&coefficients, lanes, parameters, epsilon, h);
+        let product =
+            self.base
+                .product_stepper(&self.scheme.parts(), lanes, parameters, epsilon, h);
         if let Some(product) = product {
             return product;
         }
+        let coefficients = self.scheme.coefficients();
         let size = self.dimension() * lanes;
-        let stage = |gamma: f64| -> Box<dyn Stepper> {
-            self.base.stepper(lanes, parameters, epsilon, gamma * h)
+        let factors = self.base.factors().filter(|_| self.scheme.takes_factors());
+        let stage = |(at, part): (usize, f64)| -> Box<dyn Stepper> {
+            let map = match &factors {
+                None => &self.base,
+                Some(factors) => &factors[at % 2],
+            };
+            map.stepper(lanes, parameters, epsilon, part * h)
         };
         Box::new(ComposedStepper {
-            stages: coefficients.into_iter().map(stage).collect(),
+            stages: coefficients.into_iter().enumerate().map(stage).collect(),
             state: Compensated::new(size),
             sum: Compensated::new(size),
             increment: vec![0.0; size],

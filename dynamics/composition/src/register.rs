@@ -9,9 +9,10 @@ use leafwise_core::solver::StepMap;
 
 use crate::coefficients;
 use crate::composed::Composed;
-use crate::scheme::Scheme;
+use crate::scheme::{Coefficients, Scheme};
 
 const DOMAIN: &str = "any self-adjoint step map; some stages step backwards in time";
+const DOMAIN_OF_FACTORS: &str = "a step map that comes apart into a map of order 1 and its adjoint: splitting; some of them step backwards in time";
 
 #[derive(Clone, Copy)]
 struct Part(Scheme);
@@ -38,7 +39,7 @@ impl Scheme {
     }
 
     /// Every scheme.
-    pub fn all() -> [Self; 8] {
+    pub fn all() -> [Self; 10] {
         [
             TRIPLE_JUMP.0,
             SUZUKI_4.0,
@@ -48,6 +49,8 @@ impl Scheme {
             SUZUKI_UMENO_8.0,
             KAHAN_LI_10.0,
             SOFRONIOU_SPALETTA_10.0,
+            BLANES_MOAN_4.0,
+            BLANES_MOAN_6.0,
         ]
     }
 }
@@ -63,7 +66,7 @@ static TRIPLE_JUMP: Part = Part(Scheme {
         parameters: &[],
     },
     order: 4,
-    half: &coefficients::TRIPLE_JUMP,
+    half: Coefficients::Stages(&coefficients::TRIPLE_JUMP),
 });
 leafwise_core::built_in!(Composition, TRIPLE_JUMP);
 
@@ -78,7 +81,7 @@ static SUZUKI_4: Part = Part(Scheme {
         parameters: &[],
     },
     order: 4,
-    half: &coefficients::SUZUKI_4,
+    half: Coefficients::Stages(&coefficients::SUZUKI_4),
 });
 leafwise_core::built_in!(Composition, SUZUKI_4);
 
@@ -93,7 +96,7 @@ static YOSHIDA_6: Part = Part(Scheme {
         parameters: &[],
     },
     order: 6,
-    half: &coefficients::YOSHIDA_6,
+    half: Coefficients::Stages(&coefficients::YOSHIDA_6),
 });
 leafwise_core::built_in!(Composition, YOSHIDA_6);
 
@@ -108,7 +111,7 @@ static KAHAN_LI_6: Part = Part(Scheme {
         parameters: &[],
     },
     order: 6,
-    half: &coefficients::KAHAN_LI_6,
+    half: Coefficients::Stages(&coefficients::KAHAN_LI_6),
 });
 leafwise_core::built_in!(Composition, KAHAN_LI_6);
 
@@ -123,7 +126,7 @@ static KAHAN_LI_8: Part = Part(Scheme {
         parameters: &[],
     },
     order: 8,
-    half: &coefficients::KAHAN_LI_8,
+    half: Coefficients::Stages(&coefficients::KAHAN_LI_8),
 });
 leafwise_core::built_in!(Composition, KAHAN_LI_8);
 
@@ -138,7 +141,7 @@ static SUZUKI_UMENO_8: Part = Part(Scheme {
         parameters: &[],
     },
     order: 8,
-    half: &coefficients::SUZUKI_UMENO_8,
+    half: Coefficients::Stages(&coefficients::SUZUKI_UMENO_8),
 });
 leafwise_core::built_in!(Composition, SUZUKI_UMENO_8);
 
@@ -153,7 +156,7 @@ static KAHAN_LI_10: Part = Part(Scheme {
         parameters: &[],
     },
     order: 10,
-    half: &coefficients::KAHAN_LI_10,
+    half: Coefficients::Stages(&coefficients::KAHAN_LI_10),
 });
 leafwise_core::built_in!(Composition, KAHAN_LI_10);
 
@@ -168,6 +171,36 @@ static SOFRONIOU_SPALETTA_10: Part = Part(Scheme {
         parameters: &[],
     },
     order: 10,
-    half: &coefficients::SOFRONIOU_SPALETTA_10,
+    half: Coefficients::Stages(&coefficients::SOFRONIOU_SPALETTA_10),
 });
 leafwise_core::built_in!(Composition, SOFRONIOU_SPALETTA_10);
+
+static BLANES_MOAN_4: Part = Part(Scheme {
+    info: &PartInfo {
+        name: "blanes-moan-4",
+        kind: PartKind::Composition,
+        summary: "six products of flows forwards and six backwards, tiny error constants",
+        declares: "order 4 over splitting (6 stages a step); self-adjoint; Poisson as the map is",
+        domain: DOMAIN_OF_FACTORS,
+        literature: "Blanes, Moan, Practical symplectic partitioned Runge-Kutta and Runge-Kutta-Nystrom methods, J. Comput. Appl. Math. 142 (2002), S6; as a composition: McLachlan (1995)",
+        parameters: &[],
+    },
+    order: 4,
+    half: Coefficients::Factors(&coefficients::BLANES_MOAN_4),
+});
+leafwise_core::built_in!(Composition, BLANES_MOAN_4);
+
+static BLANES_MOAN_6: Part = Part(Scheme {
+    info: &PartInfo {
+        name: "blanes-moan-6",
+        kind: PartKind::Composition,
+        summary: "ten products of flows forwards and ten backwards, smaller error constants than compositions of stages have",
+        declares: "order 6 over splitting (10 stages a step); self-adjoint; Poisson as the map is",
+        domain: DOMAIN_OF_FACTORS,
+        literature: "Blanes, Moan (2002), S10",
+        parameters: &[],
+    },
+    order: 6,
+    half: Coefficients::Factors(&coefficients::BLANES_MOAN_6),
+});
+leafwise_core::built_in!(Composition, BLANES_MOAN_6);

@@ -37,6 +37,11 @@ fn composed(base: Arc<dyn StepMap>, name: &str) -> Arc<dyn StepMap> {
         .expect("a self-adjoint base")
 }
 
+/// The schemes that take any self-adjoint map.
+fn of_stages() -> impl Iterator<Item = Scheme> {
+    Scheme::all().into_iter().filter(|s| !s.takes_factors())
+}
+
 /// The window of step sizes of a claim: errors between the pre-asymptotic range and round-off.
 struct Window {
     name: &'static str,
@@ -147,7 +152,7 @@ fn the_declared_order_is_the_larger_of_scheme_and_base() {
 fn compositions_are_self_adjoint() {
     let system = rigid_body();
     let parameters = system.parameter_values();
-    for scheme in Scheme::all() {
+    for scheme in of_stages() {
         let map = Composed::new(base(&system, 6, 2), scheme).expect("a self-adjoint base");
         let there = step(map.stepper(1, &parameters, 1.0, 0.1).as_mut(), &INITIAL);
         let back = step(
@@ -171,7 +176,7 @@ fn casimirs_stay_at_round_off() {
     let system = rigid_body();
     let casimir = &system.expressions().expect("formulas").casimirs()[0].expression;
     let (steps, h) = (400, 0.1);
-    for scheme in Scheme::all() {
+    for scheme in of_stages() {
         let map = Composed::new(base(&system, 6, 2), scheme).expect("a self-adjoint base");
         let end = run(&system, &map, &INITIAL, h * steps as f64, steps).expect("converges");
         let drift = observe(&system, &[casimir], &end)[0] / 19.0 - 1.0;
@@ -317,12 +322,30 @@ impl StepMap for Euler {
 fn a_map_that_is_not_known_to_be_self_adjoint_is_refused() {
     for scheme in Scheme::all() {
         let refusal = Composed::new(Arc::new(Euler), scheme).err();
-        let expected = BuildError::NotComposable {
-            composition: scheme.info.name,
-            map: "euler".to_owned(),
+        let (composition, map) = (scheme.info.name, "euler".to_owned());
+        let expected = if scheme.takes_factors() {
+            BuildError::NoFactors { composition, map }
+        } else {
+            BuildError::NotComposable { composition, map }
         };
         assert_eq!(refusal, Some(expected));
         assert_eq!(Scheme::find(scheme.info.name), Some(scheme));
+    }
+}
+
+#[test]
+fn a_map_without_factors_is_refused_where_they_are_needed() {
+    let system = rigid_body();
+    let registry = Registry::with_builtin();
+    for (name, orders) in [("blanes-moan-4", "order 4"), ("blanes-moan-6", "order 6")] {
+        let part = registry.composition(name).expect("a built-in composition");
+        assert!(part.info().declares.starts_with(orders));
+        let refusal = part.build(base(&system, 4, 2), &PartParameters::new());
+        let message = refusal.err().expect("no factors").to_string();
+        assert!(
+            message.contains("splitting") && message.contains(name),
+            "{message}"
+        );
     }
 }
 

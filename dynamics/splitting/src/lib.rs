@@ -13,6 +13,7 @@
 //! - [`code`]: flows as straight-line code.
 //! - [`schedule`]: which flows a step takes.
 //! - [`splitting`]: Strang's product as a step map.
+//! - `factor`: its factors χ and χ*, the flows' product in one order and its adjoint.
 //! - [`lattice`]: the same on long lattices, by sweeps.
 //! - `rates`, `display`: rates that are multiples of one, elements of the ring as text.
 //! - `register`: the part `splitting`.
@@ -20,6 +21,7 @@
 pub mod code;
 mod display;
 pub mod entire;
+mod factor;
 pub mod flow;
 pub mod lattice;
 pub mod piece;

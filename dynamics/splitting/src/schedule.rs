@@ -9,27 +9,21 @@ pub struct Flow {
     pub part: f64,
 }
 
-/// The flows of φ¹_{γt/2} ∘ … ∘ φʳ_{γt} ∘ … ∘ φ¹_{γt/2} for each γ of `factors`, one after the other; flows
-/// of one piece that meet are one.
-pub fn strang(order: &[usize], factors: &[f64]) -> Vec<Flow> {
+/// Strang's product as χ*_{t/2} ∘ χ_{t/2}.
+pub const STRANG: [f64; 2] = [0.5, 0.5];
+
+/// The flows of χ_{α_1 t}, χ*_{α_2 t}, χ_{α_3 t}, … one after the other, where χ = φʳ ∘ … ∘ φ¹ takes the pieces
+/// in their `order` and its adjoint χ* = φ¹ ∘ … ∘ φʳ backwards; flows of one piece that meet are one,
+/// parts that are 0 are none.
+pub fn passes(order: &[usize], parts: &[f64]) -> Vec<Flow> {
     let mut flows: Vec<Flow> = Vec::new();
-    let Some((middle, outer)) = order.split_last() else {
-        return flows;
-    };
-    for factor in factors {
-        let half = |piece: &usize| Flow {
-            piece: *piece,
-            part: 0.5 * factor,
-        };
-        let whole = Flow {
-            piece: *middle,
-            part: *factor,
-        };
-        let halves = outer.iter().map(half);
-        for flow in halves.clone().chain([whole]).chain(halves.rev()) {
+    for (at, part) in parts.iter().enumerate().filter(|(_, part)| **part != 0.0) {
+        let count = order.len();
+        for k in 0..count {
+            let piece = order[if at % 2 == 0 { k } else { count - 1 - k }];
             match flows.last_mut() {
-                Some(last) if last.piece == flow.piece => last.part += flow.part,
-                _ => flows.push(flow),
+                Some(last) if last.piece == piece => last.part += part,
+                _ => flows.push(Flow { piece, part: *part }),
             }
         }
     }
@@ -38,20 +32,24 @@ pub fn strang(order: &[usize], factors: &[f64]) -> Vec<Flow> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Flow, strang};
+    use super::{Flow, STRANG, passes};
 
     #[test]
-    fn half_flows_that_meet_are_one() {
+    fn flows_that_meet_are_one() {
         let flow = |piece, part| Flow { piece, part };
         assert_eq!(
-            strang(&[1, 0], &[1.0]),
+            passes(&[1, 0], &STRANG),
             [flow(1, 0.5), flow(0, 1.0), flow(1, 0.5)]
         );
-        let triple = strang(&[2, 1, 0], &[0.75, -0.5, 0.75]);
+        let triple = passes(&[2, 1, 0], &[0.375, 0.375, -0.25, -0.25, 0.375, 0.375]);
         let pieces: Vec<usize> = triple.iter().map(|flow| flow.piece).collect();
         assert_eq!(pieces, [2, 1, 0, 1, 2, 1, 0, 1, 2, 1, 0, 1, 2]);
         assert_eq!(triple[4], flow(2, 0.125));
-        assert_eq!(strang(&[3], &[0.75, -0.5, 0.75]), [flow(3, 1.0)]);
-        assert_eq!(strang(&[], &[1.0]), []);
+        assert_eq!(
+            passes(&[3], &[0.375, 0.375, -0.25, -0.25, 0.375, 0.375]),
+            [flow(3, 1.0)]
+        );
+        assert_eq!(passes(&[], &STRANG), []);
+        assert_eq!(passes(&[2, 1], &[0.0, 1.0]), [flow(1, 1.0), flow(2, 1.0)]);
     }
 }

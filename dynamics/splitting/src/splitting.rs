@@ -8,10 +8,11 @@ use leafwise_expression::{Arithmetic, Graph, Kernel, OperationCount, Ring, StepS
 
 use crate::code::product_increment;
 use crate::display::Names;
+use crate::factor::{Factor, Splits, evaluations};
 use crate::piece::Piece;
 use crate::pieces::find_pieces;
 use crate::register::INFO;
-use crate::schedule::strang;
+use crate::schedule::{STRANG, passes};
 
 /// φ¹_{t/2} ∘ … ∘ φʳ_t ∘ … ∘ φ¹_{t/2}, t = εh, over exact flows of the pieces of H: explicit, of order
 /// 2, self-adjoint, a Poisson map that keeps every Casimir (G. Strang, SIAM Journal on Numerical
@@ -27,12 +28,12 @@ struct Shared {
     ring: Ring,
     pieces: Vec<Piece>,
     step: ExplicitMap,
-    /// Compositions that were asked for, with their coefficients.
+    /// Products that were asked for, with their parts of the time.
     products: Mutex<Vec<(Vec<f64>, ExplicitMap)>>,
 }
 
 /// The largest product, in operations, that becomes one kernel.
-const LARGEST_PRODUCT: usize = 20_000;
+const LARGEST_PRODUCT: u64 = 20_000;
 
 impl Splitting {
     /// Splits the system's Hamiltonian and compiles the step.
@@ -46,7 +47,7 @@ impl Splitting {
         let mut pieces = find_pieces(system, &mut ring)?;
         costliest_last(system, &ring, &mut pieces)?;
         let mut graph = Graph::new();
-        let increment = increment_code(&mut graph, system, &ring, &pieces, &[1.0])?;
+        let increment = increment_code(&mut graph, system, &ring, &pieces, &STRANG)?;
         let parameters = system.parameters().len();
         let step = ExplicitMap::compile(graph, increment, parameters);
         Ok(Self {
@@ -85,29 +86,26 @@ impl Splitting {
         self.shared.step.operations()
     }
 
-    /// Strang's products for each of the `factors`, one after the other, as one kernel; `None` where
-    /// it would be too large.
-    fn product(&self, factors: &[f64]) -> Option<ExplicitMap> {
+    /// χ and χ* over `parts` of the time, in turn, as one kernel.
+    fn product(&self, parts: &[f64]) -> ExplicitMap {
         let Shared {
             system,
             ring,
             pieces,
-            step,
             products,
+            ..
         } = self.shared.as_ref();
-        if step.operations().total() * factors.len() > LARGEST_PRODUCT {
-            return None;
-        }
         let mut products = products.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, product)) = products.iter().find(|(known, _)| known == factors) {
-            return Some(product.clone());
+        if let Some((_, product)) = products.iter().find(|(known, _)| known == parts) {
+            return product.clone();
         }
         let mut graph = Graph::new();
-        let increment = increment_code(&mut graph, system, ring, pieces, factors).ok()?;
+        let increment = increment_code(&mut graph, system, ring, pieces, parts)
+            .expect("the flows of a step have code over any time");
         let product = ExplicitMap::compile(graph, increment, system.parameters().len())
-            .counting(factors.len() as u64);
-        products.push((factors.to_vec(), product.clone()));
-        Some(product)
+            .counting(evaluations(parts));
+        products.push((parts.to_vec(), product.clone()));
+        product
     }
 }
 
@@ -126,7 +124,7 @@ fn costliest_last(
             system,
             ring,
             std::slice::from_ref(piece),
-            &[1.0],
+            &STRANG,
         )?;
         let flow = Kernel::compile(&graph, &flow, parameters, d);
         let cost = flow.step_operations().work();
@@ -146,7 +144,7 @@ fn increment_code(
     system: &SystemFormulas,
     ring: &Ring,
     pieces: &[Piece],
-    factors: &[f64],
+    parts: &[f64],
 ) -> Result<Vec<Term>, BuildError> {
     let x: Vec<Term> = (0..system.dimension()).map(|i| graph.input(i)).collect();
     let (epsilon, h) = (
@@ -155,7 +153,7 @@ fn increment_code(
     );
     let time = graph.multiply(&epsilon, &h);
     let order: Vec<usize> = (0..pieces.len()).collect();
-    let flows = strang(&order, factors);
+    let flows = passes(&order, parts);
     Ok(product_increment(graph, ring, pieces, &flows, &time, &x)?)
 }
 
@@ -185,17 +183,35 @@ impl StepMap for Splitting {
         self.shared.step.stepper(lanes, parameters, epsilon, h)
     }
 
+    fn factors(&self) -> Option<[Arc<dyn StepMap>; 2]> {
+        Some(Factor::both(self))
+    }
+
     /// The product as one kernel. The state between flows is plain doubles; the flows' increments add
     /// up apart from it, so that the step's increment rounds in proportion to itself.
     fn product_stepper(
         &self,
-        coefficients: &[f64],
+        parts: &[f64],
         lanes: usize,
         parameters: &[f64],
         epsilon: f64,
         h: f64,
     ) -> Option<Box<dyn Stepper>> {
-        let product = self.product(coefficients)?;
-        Some(product.stepper(lanes, parameters, epsilon, h))
+        let operations = self.shared.step.operations().total() as u64 * evaluations(parts);
+        (operations <= LARGEST_PRODUCT)
+            .then(|| self.passes_stepper(parts, lanes, parameters, epsilon, h))
+    }
+}
+
+impl Splits for Splitting {
+    fn passes_stepper(
+        &self,
+        parts: &[f64],
+        lanes: usize,
+        parameters: &[f64],
+        epsilon: f64,
+        h: f64,
+    ) -> Box<dyn Stepper> {
+        self.product(parts).stepper(lanes, parameters, epsilon, h)
     }
 }

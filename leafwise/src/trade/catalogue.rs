@@ -40,7 +40,7 @@ const MOST_WORK: u64 = 16;
 const LARGEST_DENSE: usize = 96;
 
 /// The best composition of each order (Hairer, Lubich, Wanner, *Geometric Numerical Integration*,
-/// section V.3.2), and the others.
+/// section V.3.2), the others, and those of splitting alone.
 const BEST_COMPOSITIONS: [(&str, usize); 4] = [
     ("suzuki-4", 4),
     ("kahan-li-6", 6),
@@ -53,6 +53,7 @@ const OTHER_COMPOSITIONS: [(&str, usize); 4] = [
     ("kahan-li-8", 8),
     ("kahan-li-10", 10),
 ];
+const COMPOSITIONS_OF_FACTORS: [&str; 2] = ["blanes-moan-4", "blanes-moan-6"];
 
 /// What the catalogue is made for.
 pub(super) struct Catalogue<'a> {
@@ -106,6 +107,11 @@ impl Catalogue<'_> {
             let base = MethodTable::stepper(PartUse::named(stepper));
             if self.add(base.clone()) {
                 self.compositions(&base, 2);
+                if stepper == "splitting" {
+                    for name in COMPOSITIONS_OF_FACTORS {
+                        self.add(base.clone().composed(PartUse::named(name)));
+                    }
+                }
             }
         }
         self.baselines();

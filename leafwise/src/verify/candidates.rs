@@ -29,7 +29,8 @@ pub enum Candidate {
     Pair(Chosen, Chosen),
     /// A step map of its own.
     Stepper(Chosen),
-    /// A composition of Hamilton–Jacobi of order 2 over an exact realization that fits.
+    /// A composition of Hamilton–Jacobi of order 2 over an exact realization that fits, or of splitting
+    /// where it takes factors.
     Composition(Chosen),
 }
 
@@ -76,9 +77,17 @@ impl Candidate {
         match self {
             Self::Pair(realization, dynamics) => pair(registry, system, realization, dynamics),
             Self::Stepper(part) => registry.stepper(part.name)?.build(system, &part.parameters),
-            Self::Composition(part) => registry
-                .composition(part.name)?
-                .build(base(registry, system)?, &part.parameters),
+            Self::Composition(part) => {
+                let composition = registry.composition(part.name)?;
+                match composition.build(base(registry, system)?, &part.parameters) {
+                    Err(BuildError::NoFactors { .. }) => {
+                        let splitting = registry.stepper("splitting")?;
+                        let splitting = splitting.build(system, &PartParameters::new())?;
+                        composition.build(splitting, &part.parameters)
+                    }
+                    built => built,
+                }
+            }
         }
     }
 }

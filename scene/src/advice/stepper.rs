@@ -14,9 +14,11 @@ use super::{Advice, AdviceKind, number};
 use crate::compose::{ComposedRun, PartChoice};
 
 /// Compositions of splitting that are tried, the cheapest first.
-const COMPOSITIONS: [&str; 4] = [
+const COMPOSITIONS: [&str; 6] = [
     "suzuki-4",
+    "blanes-moan-4",
     "kahan-li-6",
+    "blanes-moan-6",
     "suzuki-umeno-8",
     "sofroniou-spaletta-10",
 ];

@@ -220,8 +220,10 @@ fn method_refusal(document: &SceneDocument, error: &BuildError) -> Refusal {
     let part = |spec: &Option<PartSpec>| spec.as_ref().map(|spec| spec.name.place());
     let place = match error {
         BuildError::Algebra(_) => formula,
-        BuildError::NotComposable { .. } => part(&document.method.composition)
-            .unwrap_or_else(|| document.system.hamiltonian.place()),
+        BuildError::NotComposable { .. } | BuildError::NoFactors { .. } => {
+            part(&document.method.composition)
+                .unwrap_or_else(|| document.system.hamiltonian.place())
+        }
         _ => part(&document.method.dynamics)
             .or_else(|| part(&document.method.stepper))
             .or_else(|| part(&document.method.realization))

@@ -13,9 +13,10 @@ use leafwise_expression::{Arithmetic, Ring, StepSize};
 use super::sweeps::Sweeps;
 use super::units::find_repeating_pieces;
 use crate::code::flow_increment;
+use crate::factor::{Factor, Splits};
 use crate::piece::Piece;
 use crate::register::INFO;
-use crate::schedule::{Flow, strang};
+use crate::schedule::{Flow, STRANG, passes};
 
 /// The most sites of a cell that are tried.
 const LONGEST_PERIOD: usize = 4;
@@ -210,21 +211,36 @@ impl StepMap for LatticeSplitting {
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
-        let shared = Arc::clone(&self.shared);
-        Box::new(Sweeps::new(shared, &[1.0], lanes, parameters, epsilon, h))
+        self.passes_stepper(&STRANG, lanes, parameters, epsilon, h)
+    }
+
+    fn factors(&self) -> Option<[Arc<dyn StepMap>; 2]> {
+        Some(Factor::both(self))
     }
 
     fn product_stepper(
         &self,
-        coefficients: &[f64],
+        parts: &[f64],
         lanes: usize,
         parameters: &[f64],
         epsilon: f64,
         h: f64,
     ) -> Option<Box<dyn Stepper>> {
+        Some(self.passes_stepper(parts, lanes, parameters, epsilon, h))
+    }
+}
+
+impl Splits for LatticeSplitting {
+    fn passes_stepper(
+        &self,
+        parts: &[f64],
+        lanes: usize,
+        parameters: &[f64],
+        epsilon: f64,
+        h: f64,
+    ) -> Box<dyn Stepper> {
         let shared = Arc::clone(&self.shared);
-        let sweeps = Sweeps::new(shared, coefficients, lanes, parameters, epsilon, h);
-        Some(Box::new(sweeps))
+        Box::new(Sweeps::new(shared, parts, lanes, parameters, epsilon, h))
     }
 }
 
@@ -242,13 +258,13 @@ impl LatticeMap for LatticeSplitting {
     }
 
     fn operations(&self) -> usize {
-        let flows = strang(&self.shared.order, &[1.0]);
+        let flows = passes(&self.shared.order, &STRANG);
         let operations = |flow: &Flow| self.shared.program.stage_operations(flow.piece);
         flows.iter().map(operations).sum()
     }
 
     fn work(&self) -> u64 {
-        let flows = strang(&self.shared.order, &[1.0]);
+        let flows = passes(&self.shared.order, &STRANG);
         let work = |flow: &Flow| self.shared.program.stage_work(flow.piece);
         flows.iter().map(work).sum()
     }

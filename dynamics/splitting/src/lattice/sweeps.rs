@@ -7,9 +7,10 @@ use leafwise_core::lattice::{Fields, Prepared};
 use leafwise_core::solver::{SolverStatistics, Stepper};
 
 use super::map::Shared;
-use crate::schedule::{Flow, strang};
+use crate::factor::evaluations;
+use crate::schedule::{Flow, passes};
 
-/// Strang's products over γ₁h, …, γ_s h, flows of one piece that meet being one.
+/// χ and χ* over α₁h, α₂h, … in turn, flows of one piece that meet being one.
 ///
 /// The state between flows is plain doubles; the flows' increments are added up apart from it, so
 /// that the step's increment rounds in proportion to itself.
@@ -17,7 +18,8 @@ pub(super) struct Sweeps {
     shared: Arc<Shared>,
     schedule: Vec<Sweep>,
     trajectories: Vec<Trajectory>,
-    factors: u64,
+    /// What a step counts as.
+    evaluations: u64,
     /// Operations of one step.
     work: u64,
     statistics: SolverStatistics,
@@ -39,13 +41,13 @@ struct Trajectory {
 impl Sweeps {
     pub(super) fn new(
         shared: Arc<Shared>,
-        factors: &[f64],
+        parts: &[f64],
         lanes: usize,
         parameters: &[f64],
         epsilon: f64,
         h: f64,
     ) -> Self {
-        let flows = strang(&shared.order, factors);
+        let flows = passes(&shared.order, parts);
         let mut distinct: Vec<Flow> = Vec::new();
         let schedule: Vec<Sweep> = flows
             .iter()
@@ -77,7 +79,7 @@ impl Sweeps {
                 .iter()
                 .map(|flow| program.stage_work(flow.piece))
                 .sum(),
-            factors: factors.len() as u64,
+            evaluations: evaluations(parts),
             schedule,
             shared,
             statistics: SolverStatistics::default(),
@@ -128,8 +130,8 @@ impl Stepper for Sweeps {
                 })
             };
             self.statistics.steps += 1;
-            self.statistics.evaluations += self.factors;
-            self.statistics.most_evaluations = self.factors;
+            self.statistics.evaluations += self.evaluations;
+            self.statistics.most_evaluations = self.evaluations;
         }
     }
 
