@@ -14,7 +14,7 @@ use cranelift_module::{Linkage, Module, default_libcall_names};
 use super::avx;
 use super::portable;
 use super::program::Program;
-use super::registers::Plan;
+use super::registers::{Plan, is_call};
 use crate::analytic::AnalyticFunction;
 use crate::kernel::code::{Code, Instruction};
 
@@ -70,7 +70,14 @@ impl MachineCode {
 
     /// Compiles `code` for `lanes` lanes; `None` where the platform cannot or forbids it.
     pub(in crate::kernel) fn compile(code: &Code, lanes: usize) -> Option<Self> {
-        Self::compile_by(Backend::best(lanes), code, lanes)
+        let backend = match Backend::best(lanes) {
+            #[cfg(all(target_arch = "x86_64", not(windows)))]
+            Backend::Avx(width) if code.instructions.iter().any(is_call) => {
+                Backend::Avx(width.with_calls(lanes))
+            }
+            backend => backend,
+        };
+        Self::compile_by(backend, code, lanes)
     }
 
     /// After how many evaluations the code has saved the time that it took to compile, for programs

@@ -80,8 +80,13 @@ fn backends(lanes: usize) -> Vec<Backend> {
     #[cfg(all(target_arch = "x86_64", not(windows)))]
     {
         let widths = [Width::One, Width::Two, Width::Four, Width::Eight];
-        let best = Width::best(lanes).map_or(0, Width::lanes);
-        let usable = widths.into_iter().filter(|width| width.lanes() <= best);
+        let several = [Width::Sixteen, Width::ThirtyTwo];
+        let best = Width::best(lanes);
+        let most = best.map_or(0, Width::lanes);
+        let widest = best.map_or(0, |width| width.with_calls(lanes).lanes());
+        let several = several.into_iter().filter(|width| width.lanes() <= widest);
+        let usable = widths.into_iter().filter(|width| width.lanes() <= most);
+        let usable = usable.chain(several);
         // One number at a time serves one lane alone.
         let usable = usable.filter(|width| (width.lanes() == 1) == (lanes == 1));
         backends.extend(usable.map(Backend::Avx));
@@ -116,7 +121,7 @@ fn outputs(code: &Code, slots: &[f64], lanes: usize) -> Vec<u64> {
 }
 
 fn check(code: &Code, numbers: &[f64]) -> Result<(), TestCaseError> {
-    for lanes in [1, 2, 3, 4, 5, 8, 11, 16] {
+    for lanes in [1, 2, 3, 4, 5, 8, 11, 16, 21, 37] {
         let mut start = Aligned::filled(code.slots * lanes, f64::NAN);
         let fixed = FIXED as usize * lanes;
         start[..fixed].copy_from_slice(&numbers[..fixed]);
@@ -146,7 +151,7 @@ proptest! {
     fn every_backend_computes_the_bits_of_the_interpreter(
         choices in prop::collection::vec((0_u8..36, any::<usize>(), any::<usize>(), any::<usize>()), 1..200),
         chosen in prop::collection::vec(any::<usize>(), 1..12),
-        numbers in prop::collection::vec(number(), FIXED as usize * 16),
+        numbers in prop::collection::vec(number(), FIXED as usize * 37),
     ) {
         check(&code(&choices, &chosen), &numbers)?;
     }
@@ -158,7 +163,7 @@ proptest! {
             (prop_oneof![0_u8..24, 33_u8..36], 0_usize..4, sine_or_cosine(), any::<usize>()), 1..60
         ),
         chosen in prop::collection::vec(any::<usize>(), 1..12),
-        numbers in prop::collection::vec(number(), FIXED as usize * 16),
+        numbers in prop::collection::vec(number(), FIXED as usize * 37),
     ) {
         check(&code(&choices, &chosen), &numbers)?;
     }
@@ -168,7 +173,7 @@ proptest! {
     fn results_without_a_register_keep_their_bits(
         choices in prop::collection::vec((0_u8..30, any::<usize>(), any::<usize>(), Just(1)), 300..500),
         chosen in prop::collection::vec(any::<usize>(), 60..90),
-        numbers in prop::collection::vec(number(), FIXED as usize * 16),
+        numbers in prop::collection::vec(number(), FIXED as usize * 37),
     ) {
         check(&code(&choices, &chosen), &numbers)?;
     }

@@ -27,6 +27,10 @@ pub(in crate::kernel::jit) enum Width {
     Four,
     /// Eight, in 512 bits: with these there are 32 registers.
     Eight,
+    /// Sixteen, in two registers of eight that stand for one.
+    Sixteen,
+    /// Thirty-two, in four.
+    ThirtyTwo,
 }
 
 impl Width {
@@ -37,6 +41,8 @@ impl Width {
             Self::Two => 2,
             Self::Four => 4,
             Self::Eight => 8,
+            Self::Sixteen => 16,
+            Self::ThirtyTwo => 32,
         }
     }
 
@@ -52,11 +58,32 @@ impl Width {
         available.into_iter().find(fits).map(|(width, _)| width)
     }
 
+    /// The widest for code that calls functions, which keep no registers: one register of lanes after
+    /// the other would wait for each function in turn, several at once do not.
+    pub(in crate::kernel::jit) fn with_calls(self, lanes: usize) -> Self {
+        match self {
+            Self::Eight if lanes >= 32 => Self::ThirtyTwo,
+            Self::Eight if lanes >= 16 => Self::Sixteen,
+            width => width,
+        }
+    }
+
+    /// How many of the machine's registers stand for one.
+    fn parts(self) -> u8 {
+        match self {
+            Self::Sixteen => 2,
+            Self::ThirtyTwo => 4,
+            _ => 1,
+        }
+    }
+
     /// The number of registers.
     pub(in crate::kernel::jit) fn registers(self) -> usize {
         match self {
             Self::One | Self::Two | Self::Four => 16,
             Self::Eight => 32,
+            Self::Sixteen => 16,
+            Self::ThirtyTwo => 8,
         }
     }
 }
@@ -92,6 +119,16 @@ pub(super) enum Opcode {
     ExclusiveOr = 0x57,
 }
 
+/// Bytes of eight numbers.
+const EIGHT: i32 = 64;
+
+/// Whether the operation has its second operand alone.
+fn has_one_operand(prefix: Prefix) -> bool {
+    [Opcode::SquareRoot, Opcode::Load, Opcode::Store]
+        .iter()
+        .any(|opcode| *opcode as u8 == prefix.opcode)
+}
+
 /// What stands in an instruction's prefix beside the opcode.
 #[derive(Clone, Copy)]
 struct Prefix {
@@ -116,7 +153,7 @@ impl Assembler {
         let is_single = width == Width::One && opcode != Opcode::ExclusiveOr;
         // Eight lanes have no exclusive or of numbers without an extension: that of whole numbers.
         let code = match (width, opcode) {
-            (Width::Eight, Opcode::ExclusiveOr) => 0xEF,
+            (Width::Eight | Width::Sixteen | Width::ThirtyTwo, Opcode::ExclusiveOr) => 0xEF,
             _ => opcode as u8,
         };
         let prefix = Prefix {
@@ -155,9 +192,26 @@ impl Assembler {
     }
 
     fn encode(&mut self, width: Width, prefix: Prefix, target: u8, a: u8, b: Operand) {
-        match width {
-            Width::Eight => self.evex(prefix, target, a, b),
-            _ => self.vex(width, prefix, target, a, b),
+        if !matches!(width, Width::Eight | Width::Sixteen | Width::ThirtyTwo) {
+            return self.vex(width, prefix, target, a, b);
+        }
+        let registers = width.registers() as u8;
+        for part in 0..width.parts() {
+            let shift = part * registers;
+            let b = match b {
+                Operand::Register(register) => Operand::Register(register + shift),
+                Operand::Memory(Memory { base, offset }) => Operand::Memory(Memory {
+                    base,
+                    offset: offset + i32::from(part) * EIGHT,
+                }),
+            };
+            // An operation of one operand has the register 0 for the other, whichever part it is of.
+            let a = if has_one_operand(prefix) {
+                a
+            } else {
+                a + shift
+            };
+            self.evex(prefix, target + shift, a, b);
         }
     }
 

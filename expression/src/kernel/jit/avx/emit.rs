@@ -11,17 +11,17 @@ use crate::kernel::jit::registers::{Home, Plan, Step, is_call};
 /// Bytes of a number.
 const NUMBER: i32 = size_of::<f64>() as i32;
 
-/// The scratch memory starts with −0 in eight lanes, then has two groups of eight lanes for the
-/// operands of calls, then the places of the plan.
+/// The scratch memory starts with −0 in as many lanes as there may be at a time, then has two groups of so
+/// many lanes for the operands of calls, then the places of the plan.
 const SIGNS: i32 = 0;
-const FIRST_OPERAND: i32 = 8 * NUMBER;
-const SECOND_OPERAND: i32 = 16 * NUMBER;
-const PLACES: i32 = 24 * NUMBER;
+const FIRST_OPERAND: i32 = 32 * NUMBER;
+const SECOND_OPERAND: i32 = 64 * NUMBER;
+const PLACES: i32 = 96 * NUMBER;
 
 /// Pointers stand this far inside what they point to: short displacements reach both ways.
 const INSIDE: i32 = 128;
 
-/// How many numbers of scratch memory a plan needs, the first eight of them −0.
+/// How many numbers of scratch memory a plan needs, the first ones −0.
 pub(in crate::kernel::jit) fn scratch_len(plan: &Plan, width: Width) -> usize {
     (PLACES / NUMBER) as usize + plan.places * width.lanes()
 }
