@@ -7,8 +7,8 @@ use leafwise::ProblemLibrary;
 use leafwise::core::{Registry, Structure};
 use leafwise::scene::SceneDocument;
 use leafwise::trade::{
-    Bench, CompareOptions, Comparison, Grid, Knob, Reference, TradeError, TrialFailure, compare,
-    comparison_page, distance, parse_method,
+    Bench, CompareOptions, Comparison, Cost, Grid, Knob, Reference, TradeError, TrialFailure,
+    compare, comparison_page, distance, parse_method,
 };
 use serde_json::Value;
 
@@ -174,6 +174,22 @@ fn what_fails_is_a_row_with_its_reason() {
         name.starts_with("log-canonical") && reason.contains("does not fit"),
         "{reason}"
     );
+}
+
+/// Where no run came to its end nothing says that operations are not counted.
+#[test]
+fn a_comparison_without_a_run_is_in_operations() {
+    let document = scene("rigid-body", "[1, 3, 3]", 0.2, 50);
+    let comparison = comparison(
+        &document,
+        &CompareOptions {
+            steps: Some(Grid::parse("10000").expect("a list")),
+            budget: Some(1_000),
+            ..only(&["splitting"])
+        },
+    );
+    assert!(comparison.points.iter().all(|point| point.outcome.is_err()));
+    assert_eq!(comparison.cost, Cost::Operations);
 }
 
 /// Long lattices go by sweeps for realization and dynamics, written out for steppers.

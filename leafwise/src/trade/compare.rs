@@ -277,11 +277,13 @@ impl Sweep<'_> {
 /// The largest relative error of a point on a front: beyond, the end state says nothing.
 const LARGEST_ERROR: f64 = 0.1;
 
+/// Time where there are runs and none counts its operations.
 fn cost_of(points: &[Point]) -> Cost {
-    let mut measured = points
+    let measured = points
         .iter()
         .filter_map(|point| point.outcome.as_ref().ok());
-    if measured.any(|measured| measured.operations.is_some()) {
+    let counted: Vec<bool> = measured.map(|run| run.operations.is_some()).collect();
+    if counted.is_empty() || counted.contains(&true) {
         Cost::Operations
     } else {
         Cost::Time
