@@ -259,6 +259,12 @@ fn methods_that_were_asked_for_and_do_not_fit_are_an_error_where_none_is_left() 
     };
     let none_fits = error(&only(&["log-canonical+hamilton-jacobi:2"]));
     assert!(none_fits.contains("does not fit"), "{none_fits}");
+    let no_word = error(&only(&["auto+hamilton-jacobi:8:energy"]));
+    assert!(
+        no_word.contains("hamiltonian = energy is not allowed")
+            && no_word.contains("given, energy-casimir"),
+        "{no_word}"
+    );
     let of_order_three = error(&CompareOptions {
         orders: Some(vec![3]),
         ..CompareOptions::default()

@@ -34,6 +34,14 @@ impl SceneDiagnostic {
         )
     }
 
+    /// The message and what to try, without the place.
+    pub fn line(&self) -> String {
+        match &self.help {
+            Some(help) => format!("{} ({help})", self.message),
+            None => self.message.clone(),
+        }
+    }
+
     /// The message with the piece of text underlined, as compilers print it.
     pub fn render(&self, color: bool) -> String {
         let span = self.clamped();
@@ -68,15 +76,8 @@ impl SceneDiagnostic {
 impl fmt::Display for SceneDiagnostic {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (line, column) = self.line_column();
-        write!(
-            formatter,
-            "{}:{line}:{column}: {}",
-            self.source_name, self.message
-        )?;
-        match &self.help {
-            Some(help) => write!(formatter, " ({help})"),
-            None => Ok(()),
-        }
+        let said = self.line();
+        write!(formatter, "{}:{line}:{column}: {said}", self.source_name)
     }
 }
 

@@ -155,7 +155,7 @@ impl<'a> Bench<'a> {
             .map_err(|error| error.to_string())?;
         let document = SceneDocument::parse(&self.document.name, &text, self.library)
             .map_err(|error| error.to_string())?;
-        compose(&document, self.registry).map_err(|refusal| refusal.message.clone())
+        compose(&document, self.registry).map_err(|refusal| refusal.line())
     }
 }
 
