@@ -34,6 +34,28 @@ pub enum AlgebraError {
         /// The exponent, as text.
         exponent: String,
     },
+    /// A power of a number with more binary digits than [`MOST_BITS`].
+    #[error("a number of a formula has more than {MOST_BITS} binary digits; write a smaller power")]
+    NumberTooLong,
+    /// A product of more factors than [`MOST_FACTORS`].
+    #[error(
+        "a product of a formula has more than {MOST_FACTORS} factors; write powers such as q^9"
+    )]
+    TooManyFactors,
+    /// More operations than straight-line code may have.
+    #[error("its code has more than {most} operations")]
+    CodeTooLong {
+        /// The greatest number.
+        most: usize,
+    },
+    /// A power beyond what expanded sums hold, built up by products.
+    #[error(
+        "a product's power grows past 32767 when sums are expanded; write such a power with exp and ln"
+    )]
+    ExpandedExponent,
+    /// More products of terms than a ring may form.
+    #[error("its expansion takes too many products of terms")]
+    ExpansionTooLong,
     /// A function of a curve parameter that is not constant along the curve.
     #[error("`{function}` of a non-constant polynomial is not a polynomial")]
     NotPolynomial {
@@ -41,6 +63,12 @@ pub enum AlgebraError {
         function: &'static str,
     },
 }
+
+/// The most binary digits of a power of a number: sixty times those that doubles tell apart.
+pub const MOST_BITS: u64 = 1 << 16;
+
+/// The most factors of a product: what is made of one nests as deep.
+pub const MOST_FACTORS: usize = 4096;
 
 /// A commutative algebra over ℚ with the elementary functions of a scene's formulas.
 pub trait Arithmetic {
@@ -55,6 +83,10 @@ pub trait Arithmetic {
     fn parameter(&mut self, index: usize) -> Self::Element;
     /// Whether the element is recognized as zero: exact for normal forms, structural for code.
     fn is_zero(&self, element: &Self::Element) -> bool;
+    /// The limit that was reached, so that results are void.
+    fn refusal(&self) -> Option<&AlgebraError> {
+        None
+    }
     /// The element as a rational number, if it is one.
     fn as_rational(&self, element: &Self::Element) -> Option<Rational>;
     /// Σ cᵢ eᵢ.
@@ -117,7 +149,8 @@ pub trait Arithmetic {
     ///
     /// # Errors
     /// [`AlgebraError::DivisionByZero`] for a negative power of zero,
-    /// [`AlgebraError::ExponentTooLarge`] past ±4096.
+    /// [`AlgebraError::ExponentTooLarge`] past ±4096, [`AlgebraError::NumberTooLong`] for a number's
+    /// power past [`MOST_BITS`].
     fn integer_power(
         &mut self,
         a: &Self::Element,
@@ -127,6 +160,10 @@ pub trait Arithmetic {
             return Err(AlgebraError::ExponentTooLarge {
                 exponent: exponent.to_string(),
             });
+        }
+        let number = self.as_rational(a);
+        if number.is_some_and(|r| r.bits() > 1 && r.bits() * exponent.unsigned_abs() > MOST_BITS) {
+            return Err(AlgebraError::NumberTooLong);
         }
         let mut result = None;
         let mut square = a.clone();
@@ -142,6 +179,9 @@ pub trait Arithmetic {
             if remaining > 0 {
                 square = self.multiply(&square, &square);
             }
+        }
+        if let Some(refusal) = self.refusal() {
+            return Err(refusal.clone());
         }
         let one = self.one();
         let result = result.unwrap_or_else(|| one.clone());

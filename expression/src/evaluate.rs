@@ -1,6 +1,6 @@
 //! One formula, any algebra.
 
-use crate::arithmetic::{AlgebraError, Arithmetic};
+use crate::arithmetic::{AlgebraError, Arithmetic, MOST_FACTORS};
 use crate::expression::Expression;
 use crate::rational::Rational;
 
@@ -31,11 +31,17 @@ impl Expression {
                 }
                 Ok(arithmetic.combine(&terms))
             }
+            Self::Product(factors) if factors.len() > MOST_FACTORS => {
+                Err(AlgebraError::TooManyFactors)
+            }
             Self::Product(factors) => {
                 let mut product = arithmetic.one();
                 for factor in factors {
                     let factor = factor.evaluate_in(arithmetic, variable)?;
                     product = arithmetic.multiply(&product, &factor);
+                    if let Some(refusal) = arithmetic.refusal() {
+                        return Err(refusal.clone());
+                    }
                 }
                 Ok(product)
             }

@@ -6,6 +6,7 @@
 //! - [`elementary`]: `libm`'s functions on many numbers at once, to the same bits.
 //! - [`analytic`]: functions that a crate evaluates itself, with their derivatives.
 //! - [`arithmetic`]: the operations a formula needs, over any algebra.
+//! - [`bounded`]: formulas in double arithmetic, with a bound on what rounding does to them.
 //! - [`algebra`]: the differential ring of Laurent polynomials with adjoined functions.
 //! - [`differential`]: the ring and the code as algebras over the state's coordinates.
 //! - [`series`]: Taylor coefficients of formulas along a curve, one order at a time.
@@ -15,6 +16,7 @@
 pub mod algebra;
 pub mod analytic;
 pub mod arithmetic;
+pub mod bounded;
 pub mod differential;
 pub mod elementary;
 mod evaluate;
@@ -25,6 +27,7 @@ pub mod rational;
 pub mod series;
 pub mod syntax;
 mod vector;
+mod written;
 
 pub use algebra::{Polynomial, Ring};
 pub use analytic::{AnalyticFunction, FunctionPair, Member};

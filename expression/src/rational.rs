@@ -107,6 +107,17 @@ impl Rational {
         }
     }
 
+    /// The binary digits of the longer of numerator and denominator.
+    pub fn bits(&self) -> u64 {
+        match &self.0 {
+            Small(numerator, denominator) => {
+                let longer = numerator.unsigned_abs().max(denominator.unsigned_abs());
+                u64::from(u64::BITS - longer.leading_zeros())
+            }
+            Big(ratio) => ratio.numer().bits().max(ratio.denom().bits()),
+        }
+    }
+
     /// The numerator in lowest terms; it carries the sign.
     pub fn numerator(&self) -> BigInt {
         match &self.0 {

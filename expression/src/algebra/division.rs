@@ -1,8 +1,8 @@
 //! Exact quotients and square roots of Laurent polynomials.
 
-use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
+use super::ring::LARGEST_EXPONENT;
 use super::{Coefficient, CoefficientRing, Monomial, Polynomial, Symbol, Terms};
 use crate::rational::Rational;
 
@@ -37,32 +37,24 @@ fn divide<C: CoefficientRing>(
     g: &Terms<C>,
     divide_coefficients: &dyn Fn(&C, &C) -> Option<C>,
 ) -> Option<Terms<C>> {
-    let (divisor, unit) = leading(g)?;
+    let (divisor, unit) = g.leading()?;
     let mut rest = f.clone();
     let mut terms: Vec<(Monomial, C)> = Vec::new();
     let most = 4 * f.terms().len() + 4;
-    while let Some((monomial, coefficient)) = leading(&rest) {
+    while let Some((monomial, coefficient)) = rest.leading() {
         if terms.len() == most {
             return None;
         }
         let monomial = monomial.multiply(&divisor.inverse());
+        if monomial.largest_exponent() > LARGEST_EXPONENT {
+            return None;
+        }
         let coefficient = divide_coefficients(coefficient, unit)?;
         let taken = g.times_term(&monomial, &coefficient);
         rest = Terms::combine(&[(Rational::one(), rest), (-Rational::one(), taken)]);
         terms.push((monomial, coefficient));
     }
     Some(Terms::collect(terms))
-}
-
-/// The largest term in the lexicographic order of exponents, which products respect.
-fn leading<C: CoefficientRing>(f: &Terms<C>) -> Option<(&Monomial, &C)> {
-    let compare = |a: &Monomial, b: &Monomial| {
-        let difference = a.multiply(&b.inverse());
-        let first = difference.factors().first();
-        first.map_or(Ordering::Equal, |&(_, exponent)| exponent.cmp(&0))
-    };
-    let largest = f.terms().iter().max_by(|a, b| compare(&a.0, &b.0));
-    largest.map(|(m, c)| (m, c))
 }
 
 /// ω with ω² = f and rational coefficients, `None` where there is none; of ±ω the one whose leading
@@ -83,7 +75,7 @@ fn root<C: CoefficientRing>(
     root_of_coefficient: &dyn Fn(&C) -> Option<C>,
     divide_coefficients: &dyn Fn(&C, &C) -> Option<C>,
 ) -> Option<Terms<C>> {
-    let (monomial, coefficient) = leading(f)?;
+    let (monomial, coefficient) = f.leading()?;
     let mut half = Monomial::one();
     for &(symbol, exponent) in monomial.factors() {
         if exponent % 2 != 0 {
@@ -97,7 +89,7 @@ fn root<C: CoefficientRing>(
     for _ in 0..f.terms().len() {
         let square = found.product(&found);
         let rest = Terms::combine(&[(Rational::one(), f.clone()), (-Rational::one(), square)]);
-        let Some((monomial, coefficient)) = leading(&rest) else {
+        let Some((monomial, coefficient)) = rest.leading() else {
             return Some(found);
         };
         let next = Terms::term(

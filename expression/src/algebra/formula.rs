@@ -13,7 +13,7 @@ impl Ring {
         let terms = f.terms().iter();
         sum(terms.map(|(monomial, coefficient)| {
             let factors = powers(monomial, |symbol| match self.generator(symbol) {
-                None => Expression::Variable(usize::from(symbol)),
+                None => Expression::Variable(symbol as usize),
                 Some(generator) => self.generator_formula(generator),
             });
             product(self.coefficient_formula(coefficient), factors)

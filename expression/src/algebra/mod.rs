@@ -7,6 +7,8 @@ mod monomial;
 mod polynomial;
 mod rewriting;
 mod ring;
+#[cfg(test)]
+mod tests;
 
 pub use division::{quotient, square_root};
 pub use generator::{Atom, Generator};

@@ -1,13 +1,18 @@
 //! Laurent monomials Π symbolᵏ.
 
+use std::cmp::Ordering;
+
 use smallvec::SmallVec;
 
 /// The index of a symbol: a variable or an adjoined generator of a ring.
-pub type Symbol = u16;
+pub type Symbol = u32;
 
 /// Π sᵢ^kᵢ with nonzero integer exponents, sorted by symbol. The empty product is 1.
+///
+/// Their [`Ord`] is the order in which sums list their terms. Products do not keep it: who needs the
+/// larger of two monomials times a third one takes [`compare`](Self::compare).
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Monomial(SmallVec<[(Symbol, i16); 6]>);
+pub struct Monomial(SmallVec<[(Symbol, i32); 6]>);
 
 impl Monomial {
     /// 1.
@@ -16,7 +21,7 @@ impl Monomial {
     }
 
     /// s^exponent.
-    pub fn power(symbol: Symbol, exponent: i16) -> Self {
+    pub fn power(symbol: Symbol, exponent: i32) -> Self {
         let mut factors = SmallVec::new();
         if exponent != 0 {
             factors.push((symbol, exponent));
@@ -30,33 +35,59 @@ impl Monomial {
     }
 
     /// The factors (symbol, exponent), by ascending symbol.
-    pub fn factors(&self) -> &[(Symbol, i16)] {
+    pub fn factors(&self) -> &[(Symbol, i32)] {
         &self.0
     }
 
     /// The exponent of `symbol`, 0 where it does not occur.
-    pub fn exponent(&self, symbol: Symbol) -> i16 {
+    pub fn exponent(&self, symbol: Symbol) -> i32 {
         self.0
             .binary_search_by_key(&symbol, |f| f.0)
             .map_or(0, |at| self.0[at].1)
     }
 
-    /// The product of two monomials.
+    /// The largest |kᵢ|.
+    pub fn largest_exponent(&self) -> u32 {
+        let sizes = self.0.iter().map(|f| f.1.unsigned_abs());
+        sizes.max().unwrap_or(0)
+    }
+
+    /// The lexicographic order of exponents, of either sign, from the last symbol on: m < n exactly
+    /// where mk < nk. A generator stands above what it was adjoined for.
+    pub fn compare(&self, other: &Self) -> Ordering {
+        let (mut a, mut b) = (self.0.iter().rev(), other.0.iter().rev());
+        let (mut left, mut right) = (a.next(), b.next());
+        loop {
+            match (left, right) {
+                (None, None) => return Ordering::Equal,
+                (Some(&(_, k)), None) => return k.cmp(&0),
+                (None, Some(&(_, l))) => return 0.cmp(&l),
+                (Some(&(s, k)), Some(&(t, l))) => match s.cmp(&t) {
+                    Ordering::Greater => return k.cmp(&0),
+                    Ordering::Less => return 0.cmp(&l),
+                    Ordering::Equal if k != l => return k.cmp(&l),
+                    Ordering::Equal => (left, right) = (a.next(), b.next()),
+                },
+            }
+        }
+    }
+
+    /// The product of two monomials, of exponents whose sums fit.
     pub fn multiply(&self, other: &Self) -> Self {
         let (a, b) = (&self.0, &other.0);
         let mut product = SmallVec::with_capacity(a.len() + b.len());
         let (mut i, mut j) = (0, 0);
         while i < a.len() && j < b.len() {
             match a[i].0.cmp(&b[j].0) {
-                std::cmp::Ordering::Less => {
+                Ordering::Less => {
                     product.push(a[i]);
                     i += 1;
                 }
-                std::cmp::Ordering::Greater => {
+                Ordering::Greater => {
                     product.push(b[j]);
                     j += 1;
                 }
-                std::cmp::Ordering::Equal => {
+                Ordering::Equal => {
                     let exponent = a[i].1 + b[j].1;
                     if exponent != 0 {
                         product.push((a[i].0, exponent));
@@ -77,7 +108,7 @@ impl Monomial {
     }
 
     /// The same monomial with the exponent of `symbol` changed by `change`.
-    pub fn shifted(&self, symbol: Symbol, change: i16) -> Self {
+    pub fn shifted(&self, symbol: Symbol, change: i32) -> Self {
         self.multiply(&Self::power(symbol, change))
     }
 

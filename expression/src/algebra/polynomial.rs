@@ -17,6 +17,8 @@ pub trait CoefficientRing: Clone + PartialEq + std::fmt::Debug {
     fn product(&self, other: &Self) -> Self;
     /// c·a.
     fn scaled(&self, factor: &Rational) -> Self;
+    /// The largest exponent in it, 0 of a number.
+    fn largest_exponent(&self) -> u32;
 }
 
 impl CoefficientRing for Rational {
@@ -34,6 +36,9 @@ impl CoefficientRing for Rational {
     }
     fn scaled(&self, factor: &Rational) -> Self {
         self * factor
+    }
+    fn largest_exponent(&self) -> u32 {
+        0
     }
 }
 
@@ -79,7 +84,7 @@ impl<C: CoefficientRing> Terms<C> {
         Self::term(Monomial::one(), coefficient)
     }
 
-    /// The terms (monomial, coefficient), by ascending monomial.
+    /// The terms (monomial, coefficient), in the monomials' [`Ord`].
     pub fn terms(&self) -> &[(Monomial, C)] {
         &self.terms
     }
@@ -87,6 +92,18 @@ impl<C: CoefficientRing> Terms<C> {
     /// Whether this is 0.
     pub fn is_zero(&self) -> bool {
         self.terms.is_empty()
+    }
+
+    /// The largest term by [`Monomial::compare`]: the product of two leading terms leads the product.
+    pub fn leading(&self) -> Option<&(Monomial, C)> {
+        self.terms.iter().max_by(|a, b| a.0.compare(&b.0))
+    }
+
+    /// The largest size of an exponent, of coefficients too.
+    pub fn largest_exponent(&self) -> u32 {
+        let terms = self.terms.iter();
+        let sizes = terms.map(|(m, c)| m.largest_exponent().max(c.largest_exponent()));
+        sizes.max().unwrap_or(0)
     }
 
     /// The constant this is, if no monomial but 1 occurs.
@@ -236,5 +253,8 @@ impl CoefficientRing for Coefficient {
     }
     fn scaled(&self, factor: &Rational) -> Self {
         Terms::scaled(self, factor)
+    }
+    fn largest_exponent(&self) -> u32 {
+        Terms::largest_exponent(self)
     }
 }

@@ -20,7 +20,8 @@ impl Ring {
                 match self.rewrite(monomial) {
                     None => settled.push((monomial.clone(), coefficient.clone())),
                     Some(replacement) => {
-                        rewritten.push(replacement.times_term(&Monomial::one(), coefficient));
+                        let one = Monomial::one();
+                        rewritten.push(self.times_term(&replacement, &one, coefficient));
                     }
                 }
             }
@@ -35,6 +36,9 @@ impl Ring {
                     .into_iter()
                     .chain(rewritten.iter().flat_map(|r| r.terms().to_vec())),
             );
+            if !self.admits(f.largest_exponent()) {
+                return Polynomial::zero();
+            }
         }
     }
 
@@ -47,15 +51,12 @@ impl Ring {
             };
             match generator {
                 Generator::Inverse(u) => {
-                    let (leading, _) = u.terms().last().expect("an inverse has terms");
+                    let (leading, _) = u.leading().expect("an inverse has terms");
                     if exponent > 0 && monomial.is_multiple_of(leading) {
                         let rest = monomial.multiply(&leading.inverse());
-                        let tail = u
-                            .terms()
-                            .iter()
-                            .rev()
-                            .skip(1)
-                            .map(|(m, c)| (rest.multiply(m), c.scaled(&-Rational::one())));
+                        let others = u.terms().iter().filter(|(m, _)| m != leading);
+                        let tail =
+                            others.map(|(m, c)| (rest.multiply(m), c.scaled(&-Rational::one())));
                         return Some(Polynomial::collect(
                             tail.chain(std::iter::once((rest.shifted(symbol, -1), one()))),
                         ));
@@ -65,8 +66,8 @@ impl Ring {
                         return Some(u.times_term(&rest, &one()));
                     }
                 }
-                Generator::Root(u, q) if exponent >= *q as i16 => {
-                    return Some(u.times_term(&monomial.shifted(symbol, -(*q as i16)), &one()));
+                Generator::Root(u, q) if exponent >= i32::from(*q) => {
+                    return Some(u.times_term(&monomial.shifted(symbol, -i32::from(*q)), &one()));
                 }
                 Generator::Function(function @ (Function::Cos | Function::Cosh), u)
                     if exponent >= 2 =>

@@ -25,10 +25,19 @@ pub struct Ring {
     pub(super) has_relations: bool,
     /// Products of terms that may still be formed.
     remaining: u64,
+    /// The limit that was reached.
+    refusal: Option<AlgebraError>,
 }
 
+/// Products of terms that any ring may form: about a minute's.
+const MOST_PRODUCTS: u64 = 1 << 28;
+
+/// The largest size of an exponent: sums of a few of them fit a machine word.
+pub(super) const LARGEST_EXPONENT: u32 = 32_767;
+
 impl Ring {
-    /// The ring over `variables` state variables, with no generator yet.
+    /// The ring over `variables` state variables, with no generator yet. It forms 2²⁸ products of terms
+    /// at most, then refuses.
     pub fn new(variables: usize) -> Self {
         Self {
             variables,
@@ -38,13 +47,14 @@ impl Ring {
             atom_symbols: FxHashMap::default(),
             derivatives: FxHashMap::default(),
             has_relations: false,
-            remaining: u64::MAX,
+            remaining: MOST_PRODUCTS,
+            refusal: None,
         }
     }
 
     /// The same for at most `products` products of terms. Once they are spent every further product
     /// is 0, so that a computation that grows too long soon ends: who sets a limit asks
-    /// [`is_spent`](Self::is_spent) before taking a result.
+    /// [`refusal`](Self::refusal) before taking a result.
     pub fn limited(variables: usize, products: u64) -> Self {
         Self {
             remaining: products,
@@ -52,15 +62,33 @@ impl Ring {
         }
     }
 
-    /// Whether the limit was reached, and results are void.
-    pub fn is_spent(&self) -> bool {
-        self.remaining == 0
-    }
-
     /// Whether so many products of terms may be formed; none may after a refusal.
     pub(super) fn spend(&mut self, products: usize) -> bool {
         self.remaining = self.remaining.saturating_sub(products as u64);
-        !self.is_spent()
+        if self.remaining == 0 {
+            self.refuse(AlgebraError::ExpansionTooLong);
+        }
+        self.refusal.is_none()
+    }
+
+    /// Whether exponents of this size may occur; none may after a refusal.
+    pub(super) fn admits(&mut self, exponent: u32) -> bool {
+        if exponent > LARGEST_EXPONENT {
+            self.refuse(AlgebraError::ExpandedExponent);
+        }
+        self.refusal.is_none()
+    }
+
+    fn refuse(&mut self, reason: AlgebraError) {
+        self.refusal.get_or_insert(reason);
+    }
+
+    /// `result`, unless a limit was reached on the way to it.
+    fn unless_refused<T>(&self, result: T) -> Result<T, AlgebraError> {
+        match &self.refusal {
+            None => Ok(result),
+            Some(reason) => Err(reason.clone()),
+        }
     }
 
     /// The number d of state variables.
@@ -76,14 +104,14 @@ impl Ring {
 
     /// The generator behind a symbol, `None` for a variable.
     pub fn generator(&self, symbol: Symbol) -> Option<&Generator> {
-        usize::from(symbol)
+        (symbol as usize)
             .checked_sub(self.variables)
             .map(|at| &self.generators[at])
     }
 
     /// The constant behind a symbol of a [`Coefficient`].
     pub fn atom(&self, symbol: Symbol) -> &Atom {
-        &self.atoms[usize::from(symbol)]
+        &self.atoms[symbol as usize]
     }
 
     fn adjoin(&mut self, generator: Generator) -> Symbol {
@@ -91,7 +119,7 @@ impl Ring {
             return symbol;
         }
         let symbol = Symbol::try_from(self.variables + self.generators.len())
-            .expect("fewer than 65,536 symbols");
+            .expect("fewer than 2^32 symbols");
         self.has_relations |= matches!(
             generator,
             Generator::Inverse(_)
@@ -104,7 +132,7 @@ impl Ring {
     }
 
     fn atom_symbol(&mut self, atom: Atom) -> Coefficient {
-        let next = Symbol::try_from(self.atoms.len()).expect("fewer than 65,536 constants");
+        let next = Symbol::try_from(self.atoms.len()).expect("fewer than 2^32 constants");
         let symbol = *self.atom_symbols.entry(atom.clone()).or_insert(next);
         if symbol == next {
             self.atoms.push(atom);
@@ -115,7 +143,8 @@ impl Ring {
     /// ∂f/∂x_v.
     ///
     /// # Errors
-    /// [`AlgebraError`] when a generator's derivative does not exist, such as that of 1/0.
+    /// [`AlgebraError`] when a generator's derivative does not exist, such as that of 1/0, or past a
+    /// limit of the ring.
     pub fn derivative(
         &mut self,
         f: &Polynomial,
@@ -125,24 +154,37 @@ impl Ring {
         let mut plain = Vec::new();
         for (monomial, coefficient) in f.terms() {
             for &(symbol, exponent) in monomial.factors() {
-                if self.is_spent() {
-                    return Ok(Polynomial::zero());
-                }
                 let rest = monomial.shifted(symbol, -1);
                 let factor = coefficient.scaled(&Rational::from_integer(exponent.into()));
-                if usize::from(symbol) == variable {
+                if symbol as usize == variable {
                     plain.push((rest, factor));
-                } else if usize::from(symbol) >= self.variables {
+                } else if symbol as usize >= self.variables {
                     let inner = self.generator_derivative(symbol, variable)?;
-                    if !inner.is_zero() && self.spend(inner.terms().len()) {
-                        parts.push((Rational::one(), inner.times_term(&rest, &factor)));
+                    if !inner.is_zero() {
+                        self.spend(inner.terms().len());
+                        parts.push((Rational::one(), self.times_term(&inner, &rest, &factor)));
                     }
                 }
             }
         }
         parts.push((Rational::one(), Polynomial::collect(plain)));
         let sum = Polynomial::combine(&parts);
-        Ok(self.normalize(sum))
+        let sum = self.normalize(sum);
+        self.unless_refused(sum)
+    }
+
+    /// f·(c·m), 0 after a refusal.
+    pub(super) fn times_term(
+        &mut self,
+        f: &Polynomial,
+        m: &Monomial,
+        c: &Coefficient,
+    ) -> Polynomial {
+        let exponent = f.largest_exponent() + m.largest_exponent().max(c.largest_exponent());
+        if !self.admits(exponent) {
+            return Polynomial::zero();
+        }
+        f.times_term(m, c)
     }
 
     /// ∇f.
@@ -161,7 +203,7 @@ impl Ring {
         if let Some(known) = self.derivatives.get(&(symbol, variable)) {
             return Ok(known.clone());
         }
-        let generator = self.generators[usize::from(symbol) - self.variables].clone();
+        let generator = self.generators[symbol as usize - self.variables].clone();
         let inner = self.derivative(generator.argument(), variable)?;
         let result = if inner.is_zero() {
             Polynomial::zero()
@@ -198,30 +240,28 @@ impl Ring {
     }
 
     /// 1/f: an inverse monomial, or a Laurent monomial times an adjoined inverse of a primitive
-    /// polynomial with leading coefficient 1.
+    /// polynomial, its powers ≥ 0, with leading coefficient 1.
     fn inverse(&mut self, f: &Polynomial) -> Result<Polynomial, AlgebraError> {
+        self.unless_refused(())?;
         let content = f.content();
-        let Some((_, leading)) = f.terms().last() else {
+        let Some((leading, coefficient)) = f.leading() else {
             return Err(AlgebraError::DivisionByZero);
         };
-        let unit = self.coefficient_inverse(leading)?;
+        let unit = self.coefficient_inverse(coefficient)?;
         let outer = self.inverse_monomial(&content, unit.clone())?;
         if f.terms().len() == 1 {
-            return Ok(outer);
+            return self.unless_refused(outer);
         }
-        let primitive = self.with_leading_one(f.times_term(&content.inverse(), &unit));
+        // The leading coefficient is 1 by construction; where the parameters' inverse is an opaque
+        // constant the product does not collapse by itself, so it is set.
+        let below = content.inverse();
+        let leading = leading.multiply(&below);
+        let scaled = self.times_term(f, &below, &unit);
+        let others = scaled.terms().iter().filter(|(m, _)| *m != leading);
+        let primitive = Polynomial::collect(others.cloned().chain([(leading.clone(), one())]));
         let inverse = Polynomial::symbol(self.adjoin(Generator::Inverse(primitive)));
-        Ok(self.multiply(&outer, &inverse))
-    }
-
-    /// The leading coefficient is 1 by construction; where the parameters' inverse is an opaque
-    /// constant the product does not collapse by itself, so it is set.
-    fn with_leading_one(&self, f: Polynomial) -> Polynomial {
-        let mut terms = f.terms().to_vec();
-        if let Some(last) = terms.last_mut() {
-            last.1 = Coefficient::from_rational(&Rational::one());
-        }
-        Polynomial::collect(terms)
+        let inverse = self.multiply(&outer, &inverse);
+        self.unless_refused(inverse)
     }
 
     /// unit / content, where factors that are roots, inverses, cosines or hyperbolic cosines go
@@ -239,7 +279,7 @@ impl Ring {
                     // 1/g^e = g^(q−e)/u.
                     let below = self.inverse(&u)?;
                     let above =
-                        Polynomial::term(Monomial::power(symbol, q as i16 - exponent), one());
+                        Polynomial::term(Monomial::power(symbol, i32::from(q) - exponent), one());
                     factors.push(self.multiply(&above, &below));
                 }
                 Some(Generator::Inverse(u)) => {
@@ -329,8 +369,9 @@ impl Ring {
         let (whole, rest) = (p.div_euclid(q), p.rem_euclid(q));
         let root = self.adjoin(Generator::Root(f.clone(), q as u16));
         let integer = self.integer_power(f, whole)?;
-        let fraction = Polynomial::term(Monomial::power(root, rest as i16), one());
-        Ok(self.multiply(&integer, &fraction))
+        let fraction = Polynomial::term(Monomial::power(root, rest as i32), one());
+        let power = self.multiply(&integer, &fraction);
+        self.unless_refused(power)
     }
 }
 
@@ -373,6 +414,10 @@ impl Arithmetic for Ring {
         element.is_zero()
     }
 
+    fn refusal(&self) -> Option<&AlgebraError> {
+        self.refusal.as_ref()
+    }
+
     fn as_rational(&self, element: &Polynomial) -> Option<Rational> {
         element.as_constant().and_then(|c| c.as_constant())
     }
@@ -382,15 +427,18 @@ impl Arithmetic for Ring {
     }
 
     fn multiply(&mut self, a: &Polynomial, b: &Polynomial) -> Polynomial {
-        if !self.spend(a.terms().len() * b.terms().len()) {
+        let may = self.admits(a.largest_exponent() + b.largest_exponent());
+        if !may || !self.spend(a.terms().len() * b.terms().len()) {
             return Polynomial::zero();
         }
-        self.normalize(a.product(b))
+        let product = a.product(b);
+        self.normalize(product)
     }
 
     fn divide(&mut self, a: &Polynomial, b: &Polynomial) -> Result<Polynomial, AlgebraError> {
         let inverse = self.inverse(b)?;
-        Ok(self.multiply(a, &inverse))
+        let quotient = self.multiply(a, &inverse);
+        self.unless_refused(quotient)
     }
 
     fn power(&mut self, a: &Polynomial, b: &Polynomial) -> Result<Polynomial, AlgebraError> {
@@ -414,7 +462,8 @@ impl Arithmetic for Ring {
             Some(c) => Polynomial::constant(self.atom_symbol(Atom::Power(c, fraction))),
             None => Polynomial::symbol(self.adjoin(Generator::Power(a.clone(), fraction))),
         };
-        Ok(self.multiply(&integer, &power))
+        let power = self.multiply(&integer, &power);
+        self.unless_refused(power)
     }
 
     fn apply(&mut self, function: Function, a: &Polynomial) -> Result<Polynomial, AlgebraError> {

@@ -78,8 +78,8 @@ fn horner(
 }
 
 /// The symbol that most terms contain, at least two, with the smallest power it has in them.
-fn most_shared(terms: &[FactoredTerm]) -> Option<(Symbol, i16)> {
-    let mut counts: FxHashMap<Symbol, (usize, i16)> = FxHashMap::default();
+fn most_shared(terms: &[FactoredTerm]) -> Option<(Symbol, i32)> {
+    let mut counts: FxHashMap<Symbol, (usize, i32)> = FxHashMap::default();
     for (m, _) in terms {
         for &(symbol, exponent) in m.factors() {
             let entry = counts.entry(symbol).or_insert((0, exponent));

@@ -15,18 +15,7 @@ impl Graph {
         terms: &[Term],
         inputs: &[Term],
     ) -> Result<Vec<Term>, AlgebraError> {
-        let mut is_read = vec![false; other.len()];
-        for term in terms {
-            is_read[term.node.index()] = true;
-        }
-        for index in (0..other.len()).rev() {
-            if !is_read[index] {
-                continue;
-            }
-            for operand in other.operands(Node(index as u32)) {
-                is_read[operand.index()] = true;
-            }
-        }
+        let is_read = other.read_by(terms);
         // Operands come before their uses.
         let mut known: Vec<Option<Term>> = vec![None; other.len()];
         for index in (0..other.len()).filter(|&index| is_read[index]) {
@@ -39,6 +28,23 @@ impl Graph {
             self.scale(&term.scale, code)
         };
         Ok(terms.iter().map(scaled).collect())
+    }
+
+    /// Which nodes terms are computed from, themselves included.
+    pub(crate) fn read_by(&self, terms: &[Term]) -> Vec<bool> {
+        let mut is_read = vec![false; self.len()];
+        for term in terms {
+            is_read[term.node.index()] = true;
+        }
+        for index in (0..self.len()).rev() {
+            if !is_read[index] {
+                continue;
+            }
+            for operand in self.operands(Node(index as u32)) {
+                is_read[operand.index()] = true;
+            }
+        }
+        is_read
     }
 
     fn import_node(

@@ -20,6 +20,9 @@ pub fn lift(
     outputs: &[Vec<(Term, Polynomial)>],
     variables: &[Term],
 ) -> Result<Vec<Term>, AlgebraError> {
+    if let Some(refusal) = ring.refusal() {
+        return Err(refusal.clone());
+    }
     let mut lifting = Lifting {
         ring,
         variables,
@@ -64,7 +67,7 @@ impl Lifting<'_> {
             return Ok(known.clone());
         }
         let code = match self.ring.generator(symbol) {
-            None => self.variables[usize::from(symbol)].clone(),
+            None => self.variables[symbol as usize].clone(),
             Some(generator) => {
                 let argument = self.polynomial(graph, generator.argument())?;
                 match generator {

@@ -2,6 +2,7 @@
 
 mod derivative;
 mod factor;
+mod formula;
 mod gradient;
 mod import;
 mod lift;

@@ -95,6 +95,9 @@ pub struct Graph {
     tiers: Vec<Tier>,
     known: FxHashMap<Operation, Node>,
     pub(crate) derivatives: FxHashMap<(Node, u32), Term>,
+    /// The most nodes before it refuses.
+    most: usize,
+    refusal: Option<AlgebraError>,
 }
 
 impl Default for Graph {
@@ -116,6 +119,17 @@ impl Graph {
             tiers: vec![Tier::Constant],
             known,
             derivatives: FxHashMap::default(),
+            most: usize::MAX,
+            refusal: None,
+        }
+    }
+
+    /// The same for at most `most` nodes: beyond, every node is 1 and
+    /// [`refusal`](Arithmetic::refusal) says so.
+    pub fn limited(most: usize) -> Self {
+        Self {
+            most,
+            ..Self::new()
         }
     }
 
@@ -173,8 +187,16 @@ impl Graph {
     }
 
     fn intern(&mut self, operation: Operation, tier: Tier) -> Node {
-        if let Some(&node) = self.known.get(&operation) {
+        if let Some((known, &node)) = self.known.get_key_value(&operation) {
+            debug_assert!(
+                are_one(known, &operation),
+                "two functions are called by the name of {operation:?}"
+            );
             return node;
+        }
+        if self.operations.len() >= self.most {
+            self.refusal = Some(AlgebraError::CodeTooLong { most: self.most });
+            return Self::ONE;
         }
         let node = Node(u32::try_from(self.operations.len()).expect("fewer than 2^32 nodes"));
         self.known.insert(operation.clone(), node);
@@ -199,7 +221,7 @@ impl Graph {
 
     /// A node of the coefficient tier that holds the whole term, its scale included.
     fn coefficient_node(&mut self, term: &Term) -> Node {
-        debug_assert!(self.tier(term.node) == Tier::Coefficient);
+        debug_assert!(self.tier(term.node) != Tier::Step);
         if term.scale.is_one() {
             return term.node;
         }
@@ -306,14 +328,33 @@ impl Graph {
         }
         if !scale.is_one() {
             let inverse = scale.recip();
-            for term in &mut sums {
-                term.0 = &term.0 * &inverse;
+            let ratios: Vec<Rational> = sums.iter().map(|t| &t.0 * &inverse).collect();
+            // Ratios that a double does not hold would lose what the factors themselves say.
+            if ratios.iter().all(|ratio| ratio.to_f64().is_normal()) {
+                for (term, ratio) in sums.iter_mut().zip(ratios) {
+                    term.0 = ratio;
+                }
+            } else {
+                scale = Rational::one();
             }
         }
         Term {
             scale,
             node: self.intern(Operation::Sum(sums.into_boxed_slice()), tier),
         }
+    }
+}
+
+/// Whether analytic functions of one name are one function, by their values.
+fn are_one(known: &Operation, asked: &Operation) -> bool {
+    match (known, asked) {
+        (Operation::Analytic(f, order, _), Operation::Analytic(g, _, _)) => {
+            [-1.25, 0.3, 2.0].iter().all(|at| {
+                let [a, b] = [f, g].map(|function| function.derivative(*order, *at));
+                a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()
+            })
+        }
+        _ => true,
     }
 }
 
@@ -332,6 +373,9 @@ impl Arithmetic for Graph {
     }
     fn is_zero(&self, element: &Term) -> bool {
         element.scale.is_zero()
+    }
+    fn refusal(&self) -> Option<&AlgebraError> {
+        self.refusal.as_ref()
     }
     fn as_rational(&self, element: &Term) -> Option<Rational> {
         (element.node == Self::ONE || element.scale.is_zero()).then(|| element.scale.clone())
@@ -512,5 +556,61 @@ impl Graph {
         }
         let tier = self.tier(term.node).max(Tier::Coefficient);
         self.intern(Operation::Scale(term.scale.clone(), term.node), tier)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernel::Kernel;
+    use crate::syntax::{Formula, Scope};
+
+    fn value(text: &str, x: f64) -> f64 {
+        let scope = Scope::new().with_variables(&["x"]);
+        let parsed = Formula::parse(text).expect(text);
+        let formula = parsed.resolve(&scope, None).expect(text).expect(text);
+        let mut graph = Graph::new();
+        let code = formula.evaluate_in(&mut graph, &mut |graph: &mut Graph, i| Ok(graph.input(i)));
+        let kernel = Kernel::compile(&graph, &[code.expect(text)], 0, 1);
+        let mut workspace = kernel.workspace(1);
+        kernel.prepare(&mut workspace, &[], &[1.0], &[1.0]);
+        let mut values = [0.0];
+        kernel.evaluate(&mut workspace, &[x], &mut values);
+        values[0]
+    }
+
+    /// A factor that all terms share is not taken out where that leaves a double's range.
+    #[test]
+    fn sums_with_factors_of_extreme_sizes_keep_their_values() {
+        assert_eq!(value("x + x + x + 1e-320", 2.0), 6.0);
+        assert_eq!(value("1e-320*x + 3", 1.0), 3.0);
+        assert_eq!(value("1e300*x + 1e-300", 1.0), 1e300);
+        assert_eq!(value("1 - x^(-81.4) - 1/256", 1.0), -1.0 / 256.0);
+    }
+
+    #[test]
+    fn a_graph_refuses_to_grow_past_its_limit() {
+        let mut graph = Graph::limited(4);
+        let x = graph.input(0);
+        let square = graph.multiply(&x, &x);
+        assert_eq!(graph.refusal(), None);
+        let cube = graph.multiply(&square, &x);
+        assert_eq!(graph.refusal(), None);
+        graph.multiply(&cube, &x);
+        assert_eq!(
+            graph.refusal(),
+            Some(&AlgebraError::CodeTooLong { most: 4 })
+        );
+    }
+
+    #[test]
+    #[cfg(debug_assertions)]
+    #[should_panic(expected = "two functions are called")]
+    fn two_functions_of_one_name_are_told() {
+        let mut graph = Graph::new();
+        let x = graph.input(0);
+        for function in [|_, s| s, |_, s: f64| s + 1.0] as [fn(u32, f64) -> f64; 2] {
+            graph.apply_analytic(AnalyticFunction::new("one name", function), 0, &x);
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::allocate::reuse_slots;
 use super::code::{Code, Instruction, OperationCount};
@@ -270,11 +270,11 @@ impl<'a> Emitter<'a> {
             return known;
         }
         let mut wanted = vec![node];
+        let mut seen: FxHashSet<Node> = FxHashSet::from_iter([node, Graph::ONE]);
         let mut pending = vec![node];
         while let Some(next) = pending.pop() {
             for operand in self.graph.operands(next) {
-                let absent = !self.places.contains_key(&operand);
-                if absent && operand != Graph::ONE && !wanted.contains(&operand) {
+                if !self.places.contains_key(&operand) && seen.insert(operand) {
                     wanted.push(operand);
                     pending.push(operand);
                 }

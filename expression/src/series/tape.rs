@@ -182,7 +182,8 @@ impl<E: Clone + std::fmt::Debug> TaylorState<E> {
     /// `variable(arithmetic, i)` the k-th coefficient of the variable xᵢ.
     ///
     /// # Errors
-    /// [`AlgebraError`] when a function or quotient has no value at the curve's start.
+    /// [`AlgebraError`] when a function or quotient has no value at the curve's start, or past a limit
+    /// of the arithmetic.
     pub fn extend<A: Arithmetic<Element = E>>(
         &mut self,
         tape: &Tape,
@@ -226,6 +227,9 @@ impl<E: Clone + std::fmt::Debug> TaylorState<E> {
                 },
             };
             self.coefficients[at].push(coefficient);
+            if let Some(refusal) = arithmetic.refusal() {
+                return Err(refusal.clone());
+            }
         }
         self.order += 1;
         Ok(())

@@ -12,7 +12,7 @@ use crate::rational::Rational;
 pub const POWER_LIMIT: i64 = 1000;
 
 /// The greatest number of terms to which the sums of one formula may expand, together.
-pub const TERM_LIMIT: usize = 1 << 24;
+pub const TERM_LIMIT: usize = 1 << 20;
 
 impl Formula {
     /// The expression that the formula is at one site.

@@ -237,12 +237,22 @@ fn write(
             (bytes, portable::scratch_len(&plan, lanes))
         }
     };
+    #[cfg(test)]
+    if REFUSES.get() {
+        return None;
+    }
     module.finalize_definitions().ok()?;
     Some(Written {
         address: module.get_finalized_function(id),
         bytes,
         scratch,
     })
+}
+
+#[cfg(test)]
+thread_local! {
+    /// Makes this thread's compilations fail where memory becomes executable, which a platform may forbid.
+    pub(super) static REFUSES: std::cell::Cell<bool> = const { std::cell::Cell::new(false) };
 }
 
 /// Where code starts.

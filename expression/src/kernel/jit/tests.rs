@@ -4,12 +4,16 @@ use proptest::prelude::*;
 
 #[cfg(all(target_arch = "x86_64", not(windows)))]
 use super::avx::Width;
-use super::machine::{Backend, MachineCode};
-use crate::analytic::AnalyticFunction;
+use super::machine::{Backend, MachineCode, REFUSES};
+use crate::analytic::{AnalyticFunction, FunctionPair, Member};
+use crate::arithmetic::Arithmetic;
+use crate::elementary;
 use crate::expression::Function;
+use crate::graph::Graph;
 use crate::kernel::aligned::Aligned;
 use crate::kernel::code::{Code, Instruction};
 use crate::kernel::interpreter::run;
+use crate::kernel::{Execution, Kernel};
 
 /// Slots that a program only reads.
 const FIXED: u32 = 12;
@@ -20,6 +24,42 @@ const SQUARE: AnalyticFunction = AnalyticFunction::new("square", |order, s| matc
     2 => 2.0,
     _ => 0.0,
 });
+
+static EXPONENTIALS: FunctionPair = FunctionPair {
+    names: ["test-expm1", "test-expm1-mirrored"],
+    values: elementary::exp_m1_mirrored,
+    lanes: elementary::exp_m1_mirrored_lanes,
+};
+
+static TURN: FunctionPair = FunctionPair {
+    names: ["test-sine", "test-versine"],
+    values: elementary::sin_and_versine,
+    lanes: elementary::sin_and_versine_lanes,
+};
+
+/// Both members of two pairs. Their derivatives, which are none of a pair, are any functions here.
+const PAIRED: [AnalyticFunction; 4] = [
+    AnalyticFunction::new("test-expm1", |order, z| match order {
+        0 => elementary::exp_m1_mirrored(z).0,
+        _ => libm::exp(z),
+    })
+    .in_pair(&EXPONENTIALS, Member::First),
+    AnalyticFunction::new("test-expm1-mirrored", |order, z| match order {
+        0 => elementary::exp_m1_mirrored(z).1,
+        _ => -libm::exp(-z),
+    })
+    .in_pair(&EXPONENTIALS, Member::Second),
+    AnalyticFunction::new("test-sine", |order, angle| match order {
+        0 => elementary::sin_and_versine(angle).0,
+        _ => libm::cos(angle),
+    })
+    .in_pair(&TURN, Member::First),
+    AnalyticFunction::new("test-versine", |order, angle| match order {
+        0 => elementary::sin_and_versine(angle).1,
+        _ => libm::sin(angle),
+    })
+    .in_pair(&TURN, Member::Second),
+];
 
 /// What an instruction does, and the instructions that its operands and result replace.
 type Choice = (u8, usize, usize, usize);
@@ -57,6 +97,12 @@ fn code(choices: &[Choice], outputs: &[usize]) -> Code {
             31 => Instruction::ApplyAnalytic {
                 function: SQUARE,
                 order: first as u32 % 4,
+                out,
+                a,
+            },
+            36..=39 => Instruction::ApplyAnalytic {
+                function: PAIRED[second % PAIRED.len()],
+                order: u32::from(reuse % 8 == 7),
                 out,
                 a,
             },
@@ -149,7 +195,7 @@ proptest! {
 
     #[test]
     fn every_backend_computes_the_bits_of_the_interpreter(
-        choices in prop::collection::vec((0_u8..36, any::<usize>(), any::<usize>(), any::<usize>()), 1..200),
+        choices in prop::collection::vec((0_u8..40, any::<usize>(), any::<usize>(), any::<usize>()), 1..200),
         chosen in prop::collection::vec(any::<usize>(), 1..12),
         numbers in prop::collection::vec(number(), FIXED as usize * 37),
     ) {
@@ -168,6 +214,18 @@ proptest! {
         check(&code(&choices, &chosen), &numbers)?;
     }
 
+    /// Functions that crates evaluate in pairs, of few arguments: the two are often computed at once.
+    #[test]
+    fn pairs_of_analytic_functions_keep_their_bits(
+        choices in prop::collection::vec(
+            (prop_oneof![0_u8..24, 36_u8..40], 0_usize..4, any::<usize>(), any::<usize>()), 1..60
+        ),
+        chosen in prop::collection::vec(any::<usize>(), 1..12),
+        numbers in prop::collection::vec(number(), FIXED as usize * 37),
+    ) {
+        check(&code(&choices, &chosen), &numbers)?;
+    }
+
     /// More results alive than any machine has registers, and no calls, which would empty them.
     #[test]
     fn results_without_a_register_keep_their_bits(
@@ -176,6 +234,54 @@ proptest! {
         numbers in prop::collection::vec(number(), FIXED as usize * 37),
     ) {
         check(&code(&choices, &chosen), &numbers)?;
+    }
+}
+
+/// sin x · cos x and x³ as a kernel of two outputs.
+fn small_kernel() -> Kernel {
+    let mut graph = Graph::new();
+    let x = graph.input(0);
+    let sine = graph.apply(Function::Sin, &x).expect("code");
+    let cosine = graph.apply(Function::Cos, &x).expect("code");
+    let product = graph.multiply(&sine, &cosine);
+    let cube = graph.integer_power(&x, 3).expect("code");
+    Kernel::compile(&graph, &[product, cube], 0, 1)
+}
+
+/// The outputs of so many evaluations over `lanes` lanes, and whether machine code computed the last.
+fn evaluations(kernel: &Kernel, execution: Execution, lanes: usize) -> (Vec<u64>, bool) {
+    let mut workspace = kernel.workspace_for(lanes, execution);
+    kernel.prepare(&mut workspace, &[], &vec![1.0; lanes], &vec![1.0; lanes]);
+    let mut bits = Vec::new();
+    let mut values = vec![0.0; 2 * lanes];
+    for round in 0..600 {
+        let inputs: Vec<f64> = (0..lanes)
+            .map(|w| f64::from(round) / 64.0 + w as f64)
+            .collect();
+        kernel.evaluate(&mut workspace, &inputs, &mut values);
+        bits.extend(values.iter().map(|v| v.to_bits()));
+    }
+    (bits, workspace.is_compiled())
+}
+
+/// Where memory cannot be made executable the interpreter goes on, to the same bits, and nothing says that there is machine
+/// code.
+#[test]
+fn a_compilation_that_fails_leaves_the_interpreter() {
+    for lanes in [1, 8, 11] {
+        let compiled = small_kernel();
+        let (expected, is_compiled) = evaluations(&compiled, Execution::Compiled, lanes);
+        assert!(is_compiled && !compiled.machine_code().is_empty());
+        for execution in [Execution::Compiled, Execution::Adaptive] {
+            let kernel = small_kernel();
+            REFUSES.set(true);
+            let (found, is_compiled) = evaluations(&kernel, execution, lanes);
+            REFUSES.set(false);
+            assert!(!is_compiled && kernel.machine_code().is_empty());
+            assert!(found == expected, "{execution:?}, {lanes} lanes");
+            // It is not tried again.
+            assert!(!evaluations(&kernel, execution, lanes).1);
+        }
     }
 }
 
