@@ -9,6 +9,7 @@ use crate::error::{BuildError, StepError};
 use crate::realization::{
     Ends, RealizationBatch, RealizationCode, RealizationData, RealizationWorker,
 };
+use crate::solver::judge::{inside_chart, larger};
 
 /// An evaluator of any realization's maps: one compiled from its code, or its own worker.
 ///
@@ -197,9 +198,7 @@ impl RealizationWorker for CodeRealizationWorker {
             ends.offset[i] = output(d + i);
             ends.increment[i] = output(2 * d + i);
         }
-        if let Some(ratio) = self.chart_ratio().filter(|ratio| *ratio >= 1.0) {
-            return Err(StepError::LeftChart { ratio });
-        }
+        self.chart_ratio().map_or(Ok(()), inside_chart)?;
         if (0..3 * d).any(|index| !output(index).is_finite()) {
             return Err(StepError::NonFinite {
                 what: "an end of the realization",
@@ -222,7 +221,7 @@ impl RealizationWorker for CodeRealizationWorker {
     fn chart_ratio(&self) -> Option<f64> {
         let d = self.code.dimension;
         let output = |index: usize| self.code.ends.output(&self.ends, index)[0];
-        let size = |from: usize| (from..from + d).fold(0.0_f64, |m, i| m.max(output(i).abs()));
+        let size = |from: usize| (from..from + d).fold(0.0, |m, i| larger(m, output(i).abs()));
         self.code
             .has_guard
             .then(|| match (size(3 * d), size(4 * d)) {

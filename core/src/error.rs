@@ -137,6 +137,14 @@ pub enum BuildError {
     },
 }
 
+impl StepError {
+    /// Whether it says that a solve failed, not that a function has no value: another path to the
+    /// solution may then lead there.
+    pub fn is_of_a_solve(&self) -> bool {
+        matches!(self, Self::NoConvergence { .. } | Self::NonFinite { .. })
+    }
+}
+
 /// Why a step could not be taken. The state before the step is intact.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -162,6 +170,26 @@ pub enum StepError {
         /// Size of the last term over that of the first; distance from the section over the radius.
         ratio: f64,
     },
+    /// A solution that is not the one connected with the state before the step, or none that is:
+    /// there the map is not near the flow.
+    #[error(
+        "the solution of the step's equation that begins at the state was lost after {percent:.0} % of the way; \
+         another solution is no step of the flow; reduce the time step",
+        percent = 100.0 * reached
+    )]
+    OtherBranch {
+        /// The part of the way from the state to a solution that could be followed.
+        reached: f64,
+    },
+    /// A coordinate whose sign the tensor keeps fell so far in one step that its digits are lost.
+    #[error(
+        "coordinate {coordinate}, whose sign the tensor keeps, fell below 1e-12 of itself in one step: its \
+         digits are lost in the sum; reduce the time step"
+    )]
+    LostSign {
+        /// Which, from 1.
+        coordinate: usize,
+    },
     /// A diagnostic asked for the tangent of a map that offers none.
     #[error("the map offers no exact tangent, so its tensor defect cannot be measured")]
     NoTangent,
@@ -170,6 +198,16 @@ pub enum StepError {
     Part {
         /// Its name.
         part: String,
+        /// What it says.
+        message: String,
+    },
+    /// The state lies outside the domain of a part outside the program.
+    #[error("{part} failed: {message}; reduce epsilon*h")]
+    OutsideDomain {
+        /// Its name.
+        part: String,
+        /// Distance from the section over the distance to which the domain reaches.
+        ratio: f64,
         /// What it says.
         message: String,
     },

@@ -9,7 +9,8 @@ use crate::dynamics::{BisectionWorker, Correction, DynamicApproximation, Lagrang
 use crate::error::BuildError;
 use crate::realization::{Accuracy, RealizationData, RealizationWorker};
 use crate::solver::{
-    Lanes, MapProperties, NewtonKernel, NewtonStepper, StepMap, Stepper, Structure, Workers,
+    KeptSigns, Lanes, MapProperties, NewtonKernel, NewtonStepper, StepMap, Stepper, Structure,
+    Workers, kept_signs,
 };
 use crate::system::PoissonSystem;
 
@@ -21,6 +22,8 @@ pub struct Method {
     dynamics: Arc<dyn DynamicApproximation>,
     bisection: Arc<dyn LagrangianBisection>,
     path: Path,
+    /// Coordinates whose sign every step keeps.
+    kept_signs: Vec<usize>,
 }
 
 /// A method's two parts as numbers, for fixed parameters, ε and h.
@@ -78,6 +81,7 @@ impl Method {
         if let Some(fused) = fused {
             let path = Path::Fused(Arc::from(fused?));
             return Ok(Self {
+                kept_signs: kept_by(system, properties),
                 realization,
                 dynamics,
                 bisection,
@@ -153,7 +157,9 @@ impl Method {
                 }
             }
         };
+        let properties = properties_of(realization.as_ref(), dynamics.as_ref());
         Ok(Self {
+            kept_signs: kept_by(system, properties),
             realization,
             dynamics,
             bisection,
@@ -231,6 +237,14 @@ impl Method {
     }
 }
 
+/// The coordinates whose sign a map with these properties keeps.
+fn kept_by(system: &PoissonSystem, properties: MapProperties) -> Vec<usize> {
+    match properties.structure {
+        Structure::Exact => kept_signs(system),
+        _ => Vec::new(),
+    }
+}
+
 /// What Theorems 1 and 2 promise of a realization and a dynamic approximation.
 pub(crate) fn properties_of(
     realization: &dyn RealizationData,
@@ -289,7 +303,7 @@ impl StepMap for Method {
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
-        match &self.path {
+        let stepper: Box<dyn Stepper> = match &self.path {
             Path::Code(newton) => {
                 Box::new(NewtonStepper::new(newton, lanes, parameters, epsilon, h))
             }
@@ -327,6 +341,10 @@ impl StepMap for Method {
                     },
                 ))
             }
+        };
+        if self.kept_signs.is_empty() {
+            return stepper;
         }
+        Box::new(KeptSigns::new(stepper, self.kept_signs.clone()))
     }
 }

@@ -5,6 +5,7 @@
 
 use super::differences::jacobian_by_differences;
 use super::identity::{IdentityCheck, ROUND_OFF, Verdict, sample_states};
+use super::round_off::sizes;
 use crate::error::StepError;
 use crate::system::numbers::{Derivatives, NumbersWorker, OpaqueSystem};
 
@@ -219,14 +220,6 @@ impl Bracket {
         })?;
         Ok((found.jacobian[0] / reach, found.error[0] / reach))
     }
-}
-
-/// |x_i|, and of coordinates that are 0 the largest of the others, or 1.
-fn sizes(state: &[f64]) -> Vec<f64> {
-    let largest = state.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    let other = if largest == 0.0 { 1.0 } else { largest };
-    let size = |v: &f64| if *v == 0.0 { other } else { v.abs() };
-    state.iter().map(size).collect()
 }
 
 /// Deterministic coefficients between ½ and 1 in units of 1/size, of either sign.

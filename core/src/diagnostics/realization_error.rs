@@ -5,6 +5,7 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 
 use super::differences::jacobian_by_differences;
+use super::round_off;
 use crate::chart::{ChartMaps, ChartWorker};
 use crate::code_workers::RealizationMaps;
 use crate::error::{BuildError, StepError};
@@ -33,14 +34,28 @@ pub struct RealizationError {
     pub target: f64,
     /// (Σ_{ij} {α̂_i, β̂_j}_ω²)^{1/2}.
     pub dual_pair: f64,
-    /// The size of the largest brackets, to tell round-off.
+    /// The size of the largest brackets.
     pub scale: f64,
-    /// The same of the sums Σ_k |∂f/∂x^k ∂g/∂p_k| + |∂f/∂p_k ∂g/∂x^k| that cancel in them, at least
-    /// `scale`.
-    pub terms: f64,
     /// Where tangents were taken by differences, what these may put into any of the errors; `None`
     /// where they are exact.
     pub floor: Option<f64>,
+    /// The three errors, entry by entry in units of what round-off may put into it, u b_ij: with
+    /// Σ_k |∂f_i/∂x^k ∂g_j/∂p_k| + |∂f_i/∂p_k ∂g_j/∂x^k|, each of the two derivatives known to u times its whole
+    /// row, and what the arguments put into ε Π_ij. No units of the coordinates change them.
+    pub relative: Relative,
+    /// [`floor`](Self::floor) in these units; 0 for exact tangents.
+    pub relative_floor: f64,
+}
+
+/// The errors of a [`RealizationError`] in units of their terms.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Relative {
+    /// Of ε Π(α̂) − {α̂, α̂}_ω.
+    pub source: f64,
+    /// Of ε Π(β̂) + {β̂, β̂}_ω.
+    pub target: f64,
+    /// Of {α̂, β̂}_ω.
+    pub dual_pair: f64,
 }
 
 /// Dα̂ and Dβ̂ in the chart's coordinates, d × 2d, and what they may be wrong by.
@@ -115,29 +130,77 @@ impl RealizationInstrument {
         ];
         let all = own.iter().chain(&tensors);
         let scale = all.map(largest).fold(0.0, f64::max);
-        let sizes = [source.abs(), target.abs()];
-        let [f, g] = &sizes;
-        let cancelled = [sums(f, f), sums(g, g), sums(f, g)];
-        let terms = cancelled.iter().map(largest).fold(scale, f64::max);
+        let off = [
+            &tensors[0] - &own[0],
+            &tensors[1] - &own[1],
+            bracket(&source, &target),
+        ];
+        // Antisymmetric matrices hold every pair twice.
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let parts = [half, half, 1.0];
+        let sizes: Vec<f64> = (0..d)
+            .map(|i| x[i].abs().max(alpha[i].abs()).max(beta[i].abs()))
+            .collect();
+        let momenta = p.iter().map(|p| p.abs());
+        let arguments: Vec<f64> = sizes.iter().copied().chain(momenta).collect();
+        let [f, g] = [&source, &target].map(|tangent| OfRows {
+            sizes: tangent.abs(),
+            rows: round_off::of_rows(tangent, &sizes, &arguments),
+        });
+        let of_tensor = |tensor: &mut TensorMatrix, at| {
+            Ok::<_, StepError>(tensor.sizes(at, &sizes)? * epsilon.abs())
+        };
+        let bounds = [
+            f.bracket(&f) + of_tensor(&mut self.tensor, &alpha)?,
+            g.bracket(&g) + of_tensor(&mut self.tensor, &beta)?,
+            f.bracket(&g),
+        ];
+        let relative: Vec<f64> = (0..3)
+            .map(|k| parts[k] * round_off::relative(&off[k], &bounds[k]).unwrap_or(0.0))
+            .collect();
         // {f, g} with f off by e and g by e' is off by |e||g| + |f||e'|, entry by entry.
-        let floor = errors.map(|[ef, eg]| {
-            let off = [
+        let floors = errors.map(|[ef, eg]| {
+            let (f, g) = (&f.sizes, &g.sizes);
+            [
                 sums(&ef, f) + sums(f, &ef),
                 sums(&eg, g) + sums(g, &eg),
                 sums(&ef, g) + sums(f, &eg),
-            ];
-            off.iter().map(norm).fold(0.0, f64::max)
+            ]
         });
-        // Antisymmetric matrices hold every pair twice.
-        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let floor = floors
+            .as_ref()
+            .map(|floors| floors.iter().map(norm).fold(0.0, f64::max));
+        let relative_floor = floors.map_or(0.0, |floors| {
+            let each = floors.iter().zip(&bounds);
+            let each = each.filter_map(|(floor, bounds)| round_off::relative(floor, bounds));
+            each.fold(0.0, f64::max)
+        });
         Ok(RealizationError {
-            source: half * norm(&(&tensors[0] - &own[0])),
-            target: half * norm(&(&tensors[1] - &own[1])),
-            dual_pair: norm(&bracket(&source, &target)),
+            source: half * norm(&off[0]),
+            target: half * norm(&off[1]),
+            dual_pair: norm(&off[2]),
             scale,
-            terms,
             floor,
+            relative: Relative {
+                source: relative[0],
+                target: relative[1],
+                dual_pair: relative[2],
+            },
+            relative_floor,
         })
+    }
+}
+
+/// A tangent's sizes, and round-off in units of u.
+struct OfRows {
+    sizes: DMatrix<f64>,
+    rows: DMatrix<f64>,
+}
+
+impl OfRows {
+    /// What round-off of either may put into a bracket.
+    fn bracket(&self, other: &Self) -> DMatrix<f64> {
+        sums(&self.rows, &other.sizes) + sums(&self.sizes, &other.rows)
     }
 }
 

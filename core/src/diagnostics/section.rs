@@ -1,11 +1,12 @@
 //! Is σ a section of both maps?
 
+use super::round_off::sizes;
 use crate::code_workers::realization_worker;
 use crate::error::{BuildError, StepError};
 use crate::realization::{Ends, RealizationData};
 
-/// max |α̂(σ(x)) − x| and max |β̂(σ(x)) − x| over the coordinates, relative to x: the section
-/// identity α̂∘σ = β̂∘σ = id.
+/// max |α̂(σ(x)) − x| and max |β̂(σ(x)) − x| over the coordinates, each relative to x_i: the section
+/// identity α̂∘σ = β̂∘σ = id. Coordinates that are 0 count in units of the largest.
 ///
 /// # Errors
 /// [`BuildError`] when the realization offers no maps; the maps' [`StepError`] inside.
@@ -22,12 +23,15 @@ pub fn section_defect(
     if let Err(error) = worker.ends(&z, &mut ends) {
         return Ok(Err(error));
     }
-    let size = x.iter().fold(f64::MIN_POSITIVE, |m, v| m.max(v.abs()));
+    let sizes = sizes(x);
     let defect = (0..x.len()).fold(0.0_f64, |largest, i| {
         let beta = (ends.base[i] - x[i]) + ends.offset[i];
-        largest
-            .max(beta.abs())
-            .max((beta + ends.increment[i]).abs())
+        let alpha = beta + ends.increment[i];
+        [beta, alpha].into_iter().fold(largest, |largest, off| {
+            // A NaN is no small defect.
+            let off = off.abs() / sizes[i];
+            if off <= largest { largest } else { off }
+        })
     });
-    Ok(Ok(defect / size))
+    Ok(Ok(defect))
 }

@@ -1,11 +1,14 @@
 //! Is a map its own adjoint?
 
+use super::{one_step, round_off};
 use crate::error::StepError;
-use crate::integrator::Integrator;
 use crate::solver::StepMap;
 
-/// ‖Φ_{−h}(Φ_h(x)) − x‖_∞ / ‖x‖_∞ from cold starts: round-off for a self-adjoint map, for which
+/// max_i |Φ_{−h}(Φ_h(x)) − x|_i / s_i from cold starts: round-off for a self-adjoint map, for which
 /// Φ_{−h}∘Φ_h = id.
+///
+/// u s_i is what round-off may put into a coordinate: that of x goes through DΦ_h, that of Φ_h(x) through DΦ_{−h},
+/// both by differences where a map offers no tangent. No units of the coordinates change the ratio.
 ///
 /// # Errors
 /// The map's [`StepError`].
@@ -16,11 +19,33 @@ pub fn self_adjointness_defect(
     h: f64,
     x: &[f64],
 ) -> Result<f64, StepError> {
-    let mut there = Integrator::new(map, parameters, epsilon, h, x);
-    there.step()?;
-    let mut back = Integrator::new(map, parameters, epsilon, -h, there.state());
-    back.step()?;
-    let size = x.iter().fold(f64::MIN_POSITIVE, |m, v| m.max(v.abs()));
-    let distance = |(a, b): (&f64, &f64)| (a - b).abs();
-    Ok(back.state().iter().zip(x).map(distance).fold(0.0, f64::max) / size)
+    // Φ_{±h}(from), and the sizes of what it puts into the coordinates of arguments of these.
+    let step = |h: f64, from: &[f64], arguments: &[f64]| {
+        let mut stepper = map.stepper(1, parameters, epsilon, h);
+        let mut end = vec![0.0; x.len()];
+        one_step::increment(stepper.as_mut(), from, &mut end)?;
+        let tangent = match one_step::tangent(stepper.as_mut(), x.len()) {
+            Some(tangent) => tangent,
+            None => {
+                let [tangent, _] = one_step::tangent_by_differences(stepper.as_mut(), from)?;
+                tangent
+            }
+        };
+        end.iter_mut()
+            .zip(from)
+            .for_each(|(end, from)| *end += from);
+        let sizes = round_off::sizes_along(arguments, &end, &tangent);
+        Ok::<_, StepError>((end, sizes))
+    };
+    let (there, sizes) = step(h, x, x)?;
+    let (back, sizes) = step(-h, &there, &sizes)?;
+    let returned = back.iter().zip(x).zip(&sizes);
+    let defects = returned.map(|((back, x), size)| match (back - x).abs() {
+        0.0 => 0.0,
+        off => off / size,
+    });
+    Ok(defects.fold(0.0, |largest, defect| {
+        // A NaN is no small defect.
+        if defect <= largest { largest } else { defect }
+    }))
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::differences::jacobian_by_differences;
+use super::{one_step, round_off};
 use crate::error::{BuildError, StepError};
 use crate::solver::{StepMap, Stepper};
 use crate::system::{PoissonSystem, TensorMatrix};
@@ -29,6 +29,8 @@ pub struct Defect {
     /// Where DΦ was taken by differences, the part of the norm that may be their error; `None` where
     /// it is exact.
     pub floor: Option<f64>,
+    relative: Option<f64>,
+    relative_floor: Option<f64>,
 }
 
 impl Defect {
@@ -36,21 +38,17 @@ impl Defect {
     /// factors, a few dozen of them, and the solve.
     pub const ROUND_OFF: f64 = 256.0 * f64::EPSILON;
 
-    /// The defect relative to Π(Φ(x)) and to what DΦ makes of round-off in Π, the square of its
-    /// largest entry; `None` where the tensor vanishes.
+    /// (Σ_{i<j} (defect_ij/b_ij)²)^{1/2}, b = F|Π||DΦ|ᵀ + |DΦ||Π|Fᵀ + |Π∘Φ|: each entry in units of what
+    /// round-off may put into it, u b_ij, for a row of DΦ is known to u times the whole row (F) and entries
+    /// of Π to u times what their arguments put into them. No units of the coordinates change it. `None`
+    /// where the tensor vanishes at both ends.
     pub fn relative(&self) -> Option<f64> {
-        self.in_units(self.norm)
+        self.relative
     }
 
     /// [`floor`](Self::floor) in the units of [`relative`](Self::relative); 0 for an exact tangent.
     pub fn relative_floor(&self) -> Option<f64> {
-        self.in_units(self.floor.unwrap_or(0.0))
-    }
-
-    fn in_units(&self, norm: f64) -> Option<f64> {
-        let stretch = self.tangent.iter().fold(1.0_f64, |m, v| m.max(v.abs()));
-        let scale = self.scale * stretch * stretch;
-        (scale > 0.0).then(|| norm / scale)
+        self.relative_floor
     }
 }
 
@@ -77,10 +75,10 @@ impl TensorDefect {
     /// # Errors
     /// The solver's [`StepError`]; [`StepError::NoTangent`] for a map that offers no exact tangent.
     pub fn measure(&mut self, x: &[f64]) -> Result<Defect, StepError> {
+        let stepper = self.stepper.as_mut();
         let mut increment = vec![0.0; x.len()];
-        step(self.stepper.as_mut(), x, &mut increment)?;
-        let tangent = self.stepper.tangent(0).ok_or(StepError::NoTangent)?;
-        let tangent = DMatrix::from_row_slice(x.len(), x.len(), &tangent);
+        one_step::increment(stepper, x, &mut increment)?;
+        let tangent = one_step::tangent(stepper, x.len()).ok_or(StepError::NoTangent)?;
         self.defect(x, &increment, &tangent, None)
     }
 
@@ -90,14 +88,11 @@ impl TensorDefect {
     /// # Errors
     /// The solver's [`StepError`], from `x` or from a state near it.
     pub fn measure_by_differences(&mut self, x: &[f64]) -> Result<Defect, StepError> {
-        let d = x.len();
         let stepper = self.stepper.as_mut();
-        let mut increment = vec![0.0; d];
-        step(stepper, x, &mut increment)?;
-        // Differences of increments: those of states would bring the states' round-off.
-        let change = jacobian_by_differences(x, d, |at, out| step(stepper, at, out))?;
-        let tangent = DMatrix::identity(d, d) + change.jacobian;
-        self.defect(x, &increment, &tangent, Some(&change.error))
+        let mut increment = vec![0.0; x.len()];
+        one_step::increment(stepper, x, &mut increment)?;
+        let [tangent, error] = one_step::tangent_by_differences(stepper, x)?;
+        self.defect(x, &increment, &tangent, Some(&error))
     }
 
     fn defect(
@@ -111,23 +106,29 @@ impl TensorDefect {
         let (before, after) = (self.tensor.at(x)?, self.tensor.at(&next)?);
         let defect = tangent * &before * tangent.transpose() - &after;
         let norm = |m: &DMatrix<f64>| libm::sqrt(m.iter().map(|v| v * v).sum::<f64>() / 2.0);
-        // |E Π DΦᵀ + DΦ Π Eᵀ|, the two of them transposes up to a sign.
-        let floor = error.map(|error| 2.0 * norm(&(error * (&before * tangent.transpose()).abs())));
+        // E Π DΦᵀ + DΦ Π Eᵀ, the two of them transposes up to a sign.
+        let floor = error.map(|error| {
+            let one = error * (&before * tangent.transpose()).abs();
+            &one + one.transpose()
+        });
+        let sizes = round_off::sizes_along(x, &next, tangent);
+        let rows = round_off::of_rows(tangent, &sizes, &sizes);
+        let one = rows * self.tensor.sizes(x, &sizes)? * tangent.abs().transpose();
+        let bounds = &one + one.transpose() + self.tensor.sizes(&next, &sizes)?;
+        // Antisymmetric matrices hold every pair twice.
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let in_bounds = |m: &DMatrix<f64>| round_off::relative(m, &bounds).map(|r| half * r);
         Ok(Defect {
             norm: norm(&defect),
             scale: norm(&after),
+            relative: in_bounds(&defect),
+            relative_floor: match &floor {
+                Some(floor) => in_bounds(floor),
+                None => in_bounds(&defect).map(|_| 0.0),
+            },
             tangent: tangent.transpose().as_slice().to_vec(),
             next,
-            floor,
+            floor: floor.as_ref().map(norm),
         })
     }
-}
-
-/// Φ(x) − x, cold.
-fn step(stepper: &mut dyn Stepper, x: &[f64], increment: &mut [f64]) -> Result<(), StepError> {
-    let mut outcome = [Ok(())];
-    stepper.restart();
-    stepper.increment(x, &vec![0.0; x.len()], increment, &mut outcome);
-    let [outcome] = outcome;
-    outcome
 }

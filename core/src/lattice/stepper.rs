@@ -5,7 +5,9 @@ use std::sync::Arc;
 use super::method::MethodFields;
 use super::program::{LatticeProgram, LatticeWorker};
 use crate::error::StepError;
-use crate::solver::iteration::{CorrectionSize, LinearIteration, Verdict};
+use crate::solver::judge::{
+    Allowed, CorrectionSize, LinearIteration, Verdict, is_between, largest,
+};
 use crate::solver::{Extrapolation, Trajectory};
 
 /// Budget of one step. At t‖DX‖ = 1 the iteration gains a factor of about two each time.
@@ -49,8 +51,9 @@ impl LatticeTrajectory {
     }
 }
 
-impl Trajectory for LatticeTrajectory {
-    fn step(
+impl LatticeTrajectory {
+    /// One solve from the extrapolated start.
+    fn solve(
         &mut self,
         x: &[f64],
         low: &[f64],
@@ -65,6 +68,7 @@ impl Trajectory for LatticeTrajectory {
         } = self;
         self.extrapolation.predict(displacement.as_chunks_mut().0);
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
+        let mut allowed = Allowed::new(largest(x) + largest(displacement));
         loop {
             let y = worker.field_mut(fields.y);
             for ((y, x), displacement) in y.iter_mut().zip(x).zip(&*displacement) {
@@ -77,12 +81,13 @@ impl Trajectory for LatticeTrajectory {
             let y = worker.field(fields.y);
             let mut size = CorrectionSize::default();
             let mut finite = true;
+            allowed.take(largest(change));
             for i in 0..displacement.len() {
                 // x − y is exact: they are close.
                 let correction = (x[i] - y[i]) - offset[i] + low[i];
                 displacement[i] = (y[i] - x[i]) + correction;
                 finite &= correction.is_finite() && change[i].is_finite();
-                size.take(correction, x[i].abs() + change[i].abs());
+                size.take(correction, x[i].abs() + allowed.scale(change[i]));
             }
             let verdict = iteration.judge_correction(&size)?;
             if !finite {
@@ -91,12 +96,33 @@ impl Trajectory for LatticeTrajectory {
                 });
             }
             if verdict == Verdict::Converged {
+                if !is_between(x, y, change) {
+                    return Err(StepError::OtherBranch { reached: 0.0 });
+                }
                 increment.copy_from_slice(change);
                 self.extrapolation
                     .record(displacement.as_chunks_mut().0, &[true]);
                 return Ok(());
             }
         }
+    }
+}
+
+impl Trajectory for LatticeTrajectory {
+    fn step(
+        &mut self,
+        x: &[f64],
+        low: &[f64],
+        increment: &mut [f64],
+        evaluations: &mut u64,
+    ) -> Result<(), StepError> {
+        let solved = self.solve(x, low, increment, evaluations);
+        if solved.is_ok() || self.extrapolation.is_cold(0) {
+            return solved;
+        }
+        // The extrapolated start may have led astray.
+        self.extrapolation.clear(0);
+        self.solve(x, low, increment, evaluations)
     }
 
     fn solution(&self) -> Option<&[f64]> {

@@ -2,7 +2,7 @@
 
 use super::tableau::PartitionedTableau;
 use crate::error::StepError;
-use crate::solver::iteration::Verdict;
+use crate::solver::judge::{Allowed, Verdict, Watch, largest, reach};
 use crate::solver::{
     Anderson, CorrectionSize, DenseFactors, LinearIteration, elimination_operations,
     substitution_operations,
@@ -23,6 +23,31 @@ pub(super) struct Coefficients {
     pub(super) time_step: f64,
 }
 
+impl Coefficients {
+    /// τ Σ_j a_ij F(Z_j), a coordinate of a stage.
+    fn sum(&self, slopes: &[f64], n: usize, row: usize) -> f64 {
+        let (i, c) = (row / n, row % n);
+        let terms = self.tableau.row(i, c).iter().zip(slopes.chunks(n));
+        let sum: f64 = terms.map(|(a, slope)| a * slope[c]).sum();
+        self.time_step * sum
+    }
+
+    /// 1 − τ a_ij DF(Z_j), for a part of the step.
+    fn matrix(&self, part: f64, jacobians: &[f64], n: usize, matrix: &mut [f64]) {
+        let size = self.tableau.stages() * n;
+        let time_step = part * self.time_step;
+        for (row, entries) in matrix.chunks_exact_mut(size).enumerate() {
+            let (i, c) = (row / n, row % n);
+            for (column, entry) in entries.iter_mut().enumerate() {
+                let (j, k) = (column / n, column % n);
+                let unit = if row == column { 1.0 } else { 0.0 };
+                let a = self.tableau.row(i, c)[j];
+                *entry = unit - time_step * a * jacobians[(j * n + c) * n + k];
+            }
+        }
+    }
+}
+
 /// One trajectory's Z_i = z + τ Σ_j a_ij F(Z_j).
 pub(super) struct StageSolve {
     /// Z_i − z, F(Z_i) and DF(Z_i), one stage after the other.
@@ -37,6 +62,8 @@ pub(super) struct StageSolve {
     start: Vec<f64>,
     stage: Vec<f64>,
     iteration: LinearIteration,
+    allowed: Allowed,
+    pub(super) watch: Watch,
     means: Means,
     /// Operations of the sums over stages and the solves.
     pub(super) linear: u64,
@@ -64,6 +91,8 @@ impl StageSolve {
             start: vec![0.0; n],
             stage: vec![0.0; n],
             iteration: LinearIteration::new(0),
+            allowed: Allowed::new(0.0),
+            watch: Watch::NEW,
             means: if has_jacobian {
                 Means::Newton {
                     last: f64::INFINITY,
@@ -82,6 +111,12 @@ impl StageSolve {
     /// Begins a solve.
     pub(super) fn begin(&mut self, start: &[f64]) {
         self.start.copy_from_slice(start);
+        self.watch.begin();
+        self.begin_again();
+    }
+
+    fn begin_again(&mut self) {
+        self.allowed = Allowed::new(largest(&self.start) + largest(&self.displacements));
         let most = match &mut self.means {
             Means::Newton { last, contracts } => {
                 (*last, *contracts) = (f64::INFINITY, false);
@@ -131,6 +166,7 @@ impl StageSolve {
         let size = self.slopes.len();
         self.linear += (2 * size * size) as u64 + elimination_operations(size);
         if self.factor(coefficients, jacobians, matrix) {
+            self.watch.take(!self.factors.is_near_identity());
             return Ok(());
         }
         Err(StepError::NonFinite {
@@ -160,15 +196,18 @@ impl StageSolve {
         // The residuals' sums, the substitution, the slopes' corrections.
         let sums = 2 * all * coefficients.tableau.stages() + 2 * all * n;
         self.linear += sums as u64 + substitution_operations(all);
+        self.take_change(coefficients);
         self.residual(coefficients);
         self.factors.solve(&mut self.correction);
-        let size = self.correct(coefficients);
-        if self.iteration.judge(size)? == Verdict::Converged {
-            return Ok(Some(self.iteration.evaluations()));
-        }
+        let correction = self.correct(coefficients);
+        let size = correction.component();
         if let Means::Newton { last, contracts } = &mut self.means {
+            self.watch.take(correction.wanders(*last));
             *contracts = size <= SLOW * *last;
             *last = size;
+        }
+        if self.iteration.judge_correction(&correction)? == Verdict::Converged {
+            return Ok(Some(self.iteration.evaluations()));
         }
         Ok(None)
     }
@@ -179,13 +218,13 @@ impl StageSolve {
         }
         let n = self.start.len();
         self.linear += (2 * self.scales.len() * coefficients.tableau.stages()) as u64;
+        self.take_change(coefficients);
         self.residual(coefficients);
         let mut size = CorrectionSize::default();
         for (row, scale) in self.scales.iter_mut().enumerate() {
             let displacement = self.displacements[row];
-            *scale = (self.start[row % n] + displacement).abs()
-                + displacement.abs()
-                + self.correction[row].abs();
+            let change = displacement.abs() + self.correction[row].abs();
+            *scale = self.start[row % n].abs() + self.allowed.scale(change);
             size.take(self.correction[row], *scale);
         }
         if let Means::Acceleration { anderson, .. } = &mut self.means {
@@ -201,6 +240,12 @@ impl StageSolve {
             *lags = is_solved;
         }
         Ok(None)
+    }
+
+    /// Takes in how far the slopes reach in a step.
+    fn take_change(&mut self, coefficients: &Coefficients) {
+        let reach = coefficients.time_step.abs() * largest(&self.slopes);
+        self.allowed.take(reach);
     }
 
     /// τ Σ_j b_j F(Z_j).
@@ -222,16 +267,7 @@ impl StageSolve {
         matrix: &mut [f64],
     ) -> bool {
         self.jacobians.copy_from_slice(jacobians);
-        let (n, size) = (self.start.len(), self.slopes.len());
-        for (row, entries) in matrix.chunks_exact_mut(size).enumerate() {
-            let (i, c) = (row / n, row % n);
-            for (column, entry) in entries.iter_mut().enumerate() {
-                let (j, k) = (column / n, column % n);
-                let unit = if row == column { 1.0 } else { 0.0 };
-                let a = coefficients.tableau.row(i, c)[j];
-                *entry = unit - coefficients.time_step * a * self.jacobians[(j * n + c) * n + k];
-            }
-        }
+        coefficients.matrix(1.0, jacobians, self.start.len(), matrix);
         self.factors.factor(matrix)
     }
 
@@ -244,19 +280,15 @@ impl StageSolve {
     fn residual(&mut self, coefficients: &Coefficients) {
         let n = self.start.len();
         for (row, residual) in self.correction.iter_mut().enumerate() {
-            let (i, c) = (row / n, row % n);
-            let terms = coefficients.tableau.row(i, c).iter();
-            let terms = terms.zip(self.slopes.chunks(n));
-            let sum: f64 = terms.map(|(a, slope)| a * slope[c]).sum();
-            *residual = coefficients.time_step * sum - self.displacements[row];
+            *residual = coefficients.sum(&self.slopes, n, row) - self.displacements[row];
         }
     }
 
-    /// Adds the correction to the stages, and to the slopes to first order; returns its relative
-    /// size.
-    fn correct(&mut self, coefficients: &Coefficients) -> f64 {
+    /// Adds the correction to the stages, and to the slopes to first order; returns its size against
+    /// z and what is added to it, and the effect of its round-off.
+    fn correct(&mut self, coefficients: &Coefficients) -> CorrectionSize {
         let n = self.start.len();
-        let mut size = 0.0_f64;
+        let mut size = CorrectionSize::default();
         for (displacement, change) in self.displacements.iter_mut().zip(&self.correction) {
             *displacement += change;
         }
@@ -267,30 +299,50 @@ impl StageSolve {
             let correction = &self.correction[i * n..][..n];
             let jacobian = &self.jacobians[i * n * n..][..n * n];
             for (c, row) in jacobian.chunks(n).enumerate() {
-                let (mut change, mut reach) = (0.0, 0.0);
-                for k in 0..n {
-                    change += row[k] * correction[k];
-                    reach += (row[k] * self.stage[k]).abs();
-                }
-                self.slopes[i * n + c] += change;
-                let scale = self.stage[c].abs() + (coefficients.time_step * reach).abs();
-                // A coordinate that came to 0 by this very correction has no scale yet.
-                let relative = if scale == 0.0 {
-                    1.0
-                } else {
-                    correction[c].abs() / scale
-                };
-                if correction[c] != 0.0 && (relative > size || relative.is_nan()) {
-                    size = relative;
-                }
+                let terms = row.iter().zip(correction);
+                self.slopes[i * n + c] += terms.map(|(slope, change)| slope * change).sum::<f64>();
+                let round_off = coefficients.time_step * reach(row, &self.stage);
+                let change = self.displacements[i * n + c].abs() + round_off.abs();
+                let scale = self.start[c].abs() + self.allowed.scale(change);
+                size.take(correction[c], scale);
             }
         }
         size
     }
 
+    /// Sets the displacements, and begins anew from there.
+    pub(super) fn begin_at(&mut self, displacements: &[f64]) {
+        self.displacements.copy_from_slice(displacements);
+        self.begin_again();
+    }
+
+    /// Writes τ Σ_j a_ij F(Z_j) − (Z_i − z) and 1 − τ a_ij DF(Z_j) at displacements, for slopes and
+    /// Jacobians there and a part of the step τ.
+    pub(super) fn equation(
+        &self,
+        coefficients: &Coefficients,
+        part: f64,
+        (displacements, slopes, jacobians): (&[f64], &[f64], &[f64]),
+        residual: &mut [f64],
+        matrix: &mut [f64],
+    ) {
+        let n = self.start.len();
+        for (row, residual) in residual.iter_mut().enumerate() {
+            let sum = part * coefficients.sum(slopes, n, row);
+            *residual = sum - displacements[row];
+        }
+        coefficients.matrix(part, jacobians, n, matrix);
+    }
+
     /// Forgets earlier solves.
     pub(super) fn clear(&mut self) {
         self.displacements.fill(0.0);
+        self.watch = Watch::NEW;
+    }
+
+    /// z.
+    pub(super) fn start(&self) -> &[f64] {
+        &self.start
     }
 
     /// What the next solve starts from.

@@ -6,7 +6,7 @@ use super::smooth_map::SmoothMapEvaluator;
 use super::stage_solve::{Coefficients, StageSolve};
 use super::tableau::PartitionedTableau;
 use crate::error::StepError;
-use crate::solver::Taken;
+use crate::solver::{Branch, Taken};
 
 /// Solves Z_i = z + τ Σ_j a_ij F(Z_j) and returns τ Σ_j b_j F(Z_j), for ż = F(z) and a step τ, of one
 /// trajectory or of several in lockstep: F is evaluated at once at all stages of all that iterate.
@@ -34,6 +34,9 @@ pub struct StageSolver {
     /// Room for 1 − τ a_ij DF(Z_j), and how single solves went.
     matrix: Vec<f64>,
     alone: [Taken; 1],
+    /// Room for the path to the stages that are connected with z, and its start.
+    branch: Branch,
+    nothing: Vec<f64>,
 }
 
 impl StageSolver {
@@ -65,6 +68,8 @@ impl StageSolver {
             jacobians: vec![0.0; count * size * n],
             matrix: vec![0.0; size * size],
             alone: [Taken::NOTHING],
+            branch: Branch::new(size),
+            nothing: vec![0.0; size],
             coefficients: Coefficients { tableau, time_step },
             field,
         }
@@ -101,10 +106,95 @@ impl StageSolver {
         }
         self.active.clear();
         self.active.extend(0..self.trajectories.len());
+        self.iterate(changes, taken);
+        if !self.has_tangent() {
+            return;
+        }
+        for at in 0..self.trajectories.len() {
+            let is_open = match &taken[at].outcome {
+                Ok(()) => self.trajectories[at].watch.wanders(),
+                Err(error) => error.is_of_a_solve(),
+            };
+            if is_open {
+                self.settle(at, changes, taken);
+            }
+        }
+    }
+
+    fn iterate(&mut self, changes: &mut [f64], taken: &mut [Taken]) {
         while !self.active.is_empty() {
             self.evaluate_slopes(taken);
             self.evaluate_jacobians(taken);
             self.advance(changes, taken);
+        }
+    }
+
+    /// Makes sure that the stages are those connected with z, and takes these where the solve found
+    /// others or none.
+    #[cold]
+    fn settle(&mut self, at: usize, changes: &mut [f64], taken: &mut [Taken]) {
+        let (s, n) = (self.coefficients.tableau.stages(), self.dimension());
+        let all = s * n;
+        let Self {
+            field,
+            coefficients,
+            trajectories,
+            stages,
+            slopes,
+            jacobians,
+            matrix,
+            branch,
+            nothing,
+            ..
+        } = self;
+        let own = &mut trajectories[at];
+        // What the displacements are measured against is z, in the room of the matrix.
+        let sizes = &mut matrix[..all];
+        for (row, size) in sizes.iter_mut().enumerate() {
+            *size = own.start()[row % n];
+        }
+        let path = {
+            let (stages, slopes) = (&mut stages[..all], &mut slopes[..all]);
+            let jacobians = &mut jacobians[..all * n];
+            let evaluate = |part: f64, point: &[f64], residual: &mut [f64], matrix: &mut [f64]| {
+                for (row, stage) in stages.iter_mut().enumerate() {
+                    *stage = own.start()[row % n] + point[row];
+                }
+                field.all_values(stages, slopes)?;
+                field.all_jacobians(stages, jacobians)?;
+                let at = (point, &*slopes, &*jacobians);
+                own.equation(coefficients, part, at, residual, matrix);
+                let mut values = residual.iter().chain(matrix.iter());
+                if values.all(|value| value.is_finite()) {
+                    return Ok(());
+                }
+                Err(StepError::NonFinite {
+                    what: "a correction of the stages",
+                })
+            };
+            branch.follow(nothing, sizes, &mut taken[at].evaluations, evaluate)
+        };
+        let is_solved = taken[at].outcome.is_ok();
+        match path {
+            Ok(()) if is_solved && self.branch.ends_at(self.trajectories[at].displacements()) => {}
+            Ok(()) => {
+                self.trajectories[at].begin_at(self.branch.end());
+                taken[at].outcome = Ok(());
+                self.active.clear();
+                self.active.push(at);
+                self.iterate(changes, taken);
+                let own = &mut self.trajectories[at];
+                if taken[at].outcome.is_ok() && !self.branch.ends_at(own.displacements()) {
+                    taken[at].outcome = Err(StepError::OtherBranch { reached: 1.0 });
+                }
+            }
+            Err(error) if is_solved || matches!(error, StepError::OtherBranch { .. }) => {
+                taken[at].outcome = Err(error);
+            }
+            Err(_) => {}
+        }
+        if taken[at].outcome.is_err() {
+            self.clear(at);
         }
     }
 
@@ -229,7 +319,9 @@ impl StageSolver {
     /// What a trajectory's next solve depends on: the displacements of the last one, and the field's
     /// memory.
     pub fn memory(&self, at: usize) -> Vec<f64> {
-        [self.trajectories[at].displacements(), &self.field.memory()].concat()
+        let own = &self.trajectories[at];
+        let watch = [own.watch.memory()];
+        [&watch[..], own.displacements(), &self.field.memory()].concat()
     }
 
     /// Restores [`memory`](Self::memory).
@@ -238,7 +330,8 @@ impl StageSolver {
     /// When `memory` has another length.
     pub fn restore(&mut self, at: usize, memory: &[f64]) {
         let own = &mut self.trajectories[at];
-        let (displacements, field) = memory.split_at(own.displacements().len());
+        own.watch.restore(memory[0]);
+        let (displacements, field) = memory[1..].split_at(own.displacements().len());
         own.restore(displacements);
         self.field.restore(field);
     }

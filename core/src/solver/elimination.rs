@@ -43,6 +43,8 @@ pub(crate) struct Factors<const W: usize, M = Vec<[f64; W]>> {
     /// The row that was exchanged with row k before column k was eliminated.
     exchanges: Vec<[usize; W]>,
     exchanged: [bool; W],
+    /// Of a lane with exchanges: whether it would be near the identity without them.
+    near: [bool; W],
     kept: Vec<[f64; W]>,
     single: Vec<f64>,
 }
@@ -54,6 +56,7 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
             entries: M::zeros(d * d),
             exchanges: vec![[0; W]; d],
             exchanged: [false; W],
+            near: [false; W],
             kept: vec![[0.0; W]; if W > 1 { d * d } else { 0 }],
             single: vec![0.0; d * d],
         }
@@ -92,14 +95,47 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
         singular
     }
 
+    /// Whether every pivot of a lane lies between 1/2 and 2, rows as they stand. A change of units,
+    /// S⁻¹AS with S diagonal, does not change the pivots.
+    #[inline(always)]
+    pub(crate) fn is_near_identity<const D: usize>(&self, lane: usize) -> bool {
+        let d = dimension::<D>(self.exchanges.len());
+        let entries = &self.entries.as_ref()[..d * d];
+        let mut near = true;
+        for k in 0..d {
+            near &= is_near_one(entries[k * (d + 1)][lane]);
+        }
+        if self.exchanged[lane] {
+            self.near[lane]
+        } else {
+            near
+        }
+    }
+
+    /// Whether the determinant of a lane's matrix is positive: its pivots' and exchanges' signs.
+    pub(crate) fn has_positive_determinant(&self, lane: usize) -> bool {
+        let d = self.exchanges.len();
+        let entries = self.entries.as_ref();
+        let negative = (0..d).filter(|k| entries[k * (d + 1)][lane] < 0.0);
+        let exchanges = self.exchanges.iter().enumerate();
+        let exchanged = exchanges.filter(|(k, row)| self.exchanged[lane] && row[lane] != *k);
+        (negative.count() + exchanged.count()).is_multiple_of(2)
+    }
+
     /// One lane with exchanges of rows; `false` where a pivot is zero or not finite.
     #[cold]
     fn factor_alone(&mut self, matrix: &[[f64; W]], lane: usize) -> bool {
         let d = self.exchanges.len();
         let a = &mut self.single;
-        for (value, entry) in a.iter_mut().zip(matrix) {
-            *value = entry[lane];
-        }
+        let load = |a: &mut Vec<f64>| {
+            for (value, entry) in a.iter_mut().zip(matrix) {
+                *value = entry[lane];
+            }
+        };
+        load(a);
+        eliminate::<ANY, 1>(a.as_chunks_mut().0, d);
+        self.near[lane] = (0..d).all(|k| is_near_one(a[k * (d + 1)]));
+        load(a);
         for k in 0..d {
             let largest = |best: usize, row: usize| {
                 if a[row * d + k].abs() > a[best * d + k].abs() {
@@ -172,6 +208,12 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
     }
 }
 
+/// Whether a pivot, or its reciprocal, lies between 1/2 and 2.
+#[inline(always)]
+fn is_near_one(pivot: f64) -> bool {
+    pivot > 0.5 && pivot < 2.0
+}
+
 /// Elimination without exchanges; `true` where partial pivoting would have made none either.
 #[inline(always)]
 fn eliminate<const D: usize, const W: usize>(a: &mut [[f64; W]], d: usize) -> [bool; W] {
@@ -237,6 +279,37 @@ mod tests {
         for a in [[1.0, 2.0, 2.0, 4.0], [0.0; 4], [1.0, f64::NAN, 0.0, 1.0]] {
             assert_eq!(solve::<2>(&a, &[1.0, 1.0]), None, "{a:?}");
         }
+    }
+
+    /// By the formula for 2 × 2, in units that force exchanges or do not.
+    #[test]
+    fn the_sign_of_the_determinant_and_nearness_do_not_depend_on_units() {
+        let entries = [-3.0_f64, -1.0, -0.4, 0.0, 0.4, 1.0, 3.0];
+        let mut counts = [0, 0];
+        for at in 0..7_usize.pow(4) {
+            let [a, b, c, d] = std::array::from_fn(|k| entries[at / 7_usize.pow(k as u32) % 7]);
+            let determinant: f64 = a * d - b * c;
+            if determinant.abs() < 1e-12 {
+                continue;
+            }
+            let near = |pivot: f64| pivot > 0.5 && pivot < 2.0;
+            let is_near = near(a) && near(d - b * c / a);
+            for unit in [1.0, libm::exp2(40.0), libm::exp2(-40.0)] {
+                let mut factors = Factors::<1>::new(2);
+                let matrix = [[a], [b * unit], [c / unit], [d]];
+                let [singular] = factors.factor::<ANY>(&matrix, &[true]);
+                assert!(!singular);
+                let positive = factors.has_positive_determinant(0);
+                assert_eq!(positive, determinant > 0.0, "{a} {b} {c} {d} in {unit}");
+                assert_eq!(
+                    factors.is_near_identity::<ANY>(0),
+                    is_near,
+                    "{a} {b} {c} {d}"
+                );
+                counts[usize::from(is_near)] += 1;
+            }
+        }
+        assert!(counts[0] > 100 && counts[1] > 100);
     }
 
     /// Lanes that are not wanted keep the factors they have.

@@ -36,6 +36,11 @@ impl<const W: usize> Extrapolation<W> {
         }
     }
 
+    /// Whether a lane has no history: it predicts 0.
+    pub fn is_cold(&self, lane: usize) -> bool {
+        self.order[lane] == 0
+    }
+
     /// Forgets a lane's history.
     pub fn clear(&mut self, lane: usize) {
         self.filled[lane] = 0;

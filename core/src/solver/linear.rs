@@ -39,6 +39,16 @@ impl DenseFactors {
         !singular
     }
 
+    /// Whether every pivot lies between 1/2 and 2, rows as they stand, in any units.
+    pub fn is_near_identity(&self) -> bool {
+        self.factors.is_near_identity::<ANY>(0)
+    }
+
+    /// Whether the determinant of the matrix is positive.
+    pub fn has_positive_determinant(&self) -> bool {
+        self.factors.has_positive_determinant(0)
+    }
+
     /// A⁻¹ r in place of r.
     ///
     /// # Panics

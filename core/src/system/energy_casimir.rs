@@ -9,9 +9,9 @@
 //! (1985)).
 
 use leafwise_expression::algebra::{Coefficient, quotient};
-use leafwise_expression::{AlgebraError, Arithmetic, Expression, Polynomial, Ring};
+use leafwise_expression::{AlgebraError, Arithmetic, Expression, Graph, Polynomial, Ring, Term};
 
-use super::SystemFormulas;
+use super::{Agreement, SystemFormulas};
 
 /// H − λC for each λ, a function of the parameters, that rids H of a monomial.
 pub fn shifted(ring: &mut Ring, hamiltonian: &Polynomial, casimir: &Polynomial) -> Vec<Polynomial> {
@@ -68,7 +68,24 @@ impl SystemFormulas {
                 }
             }
         }
-        Ok(is_shifted.then(|| ring.formula(&best)))
+        if !is_shifted {
+            return Ok(None);
+        }
+        let found = ring.formula(&best);
+        Ok(self.has_field_of(&found)?.then_some(found))
+    }
+
+    /// Whether a function has the field of H at points about the system's state, as well rounded.
+    fn has_field_of(&self, function: &Expression) -> Result<bool, AlgebraError> {
+        let mut graph = Graph::new();
+        let x: Vec<Term> = (0..self.dimension()).map(|i| graph.input(i)).collect();
+        let mut fields = Vec::new();
+        for formula in [function, self.hamiltonian()] {
+            let value = formula.evaluate_in(&mut graph, &mut |_, at| Ok(x[at].clone()))?;
+            let gradient = graph.gradient(&value, x.len())?;
+            fields.push(self.apply_tensor(&mut graph, &x, &gradient)?);
+        }
+        Ok(self.agreement(&graph, &fields[0], &fields[1]) == Agreement::Same)
     }
 
     /// Whether Π∇C = 0, in exact algebra.
@@ -76,6 +93,9 @@ impl SystemFormulas {
         let gradient = ring.gradient(casimir)?;
         let x: Vec<Polynomial> = (0..self.dimension()).map(|i| ring.variable(i)).collect();
         let field = self.apply_tensor(ring, &x, &gradient)?;
+        if let Some(refusal) = ring.refusal() {
+            return Err(refusal.clone());
+        }
         Ok(field.iter().all(Polynomial::is_zero))
     }
 }

@@ -128,9 +128,9 @@ fn map_of(system: &OpaqueSystem, value: Value) -> SmoothMap {
             value,
             dimension: d,
             gradients: vec![0.0; d],
-            units: DMatrix::identity(d, d).as_slice().to_vec(),
-            columns: vec![0.0; d * d],
-            images: vec![0.0; d * d],
+            units: Vec::new(),
+            columns: Vec::new(),
+            images: Vec::new(),
             spread: Default::default(),
         })
     })
@@ -142,7 +142,8 @@ struct Worker {
     dimension: usize,
     /// ∇H, one behind the other.
     gradients: Vec<f64>,
-    /// The unit vectors, and room for as many columns a point, twice.
+    /// The unit vectors, and room for as many columns a point, twice; empty until a Jacobian is asked
+    /// for, which explicit methods never do.
     units: Vec<f64>,
     columns: Vec<f64>,
     images: Vec<f64>,
@@ -191,6 +192,11 @@ impl MapWorker for Worker {
 
     fn jacobians(&mut self, count: usize, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         let d = self.dimension;
+        if self.units.is_empty() {
+            self.units = DMatrix::identity(d, d).as_slice().to_vec();
+            self.columns.resize(d * d, 0.0);
+            self.images.resize(d * d, 0.0);
+        }
         match self.value {
             // Column k of DX is −D(Π(x)∇H(x₀))e_k − Π D²H e_k, x₀ = x held fixed.
             Value::Field => {

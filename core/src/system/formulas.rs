@@ -20,6 +20,7 @@ pub struct SystemFormulas {
     hamiltonian: Expression,
     casimirs: Vec<Casimir>,
     convention: Convention,
+    near: Vec<f64>,
 }
 
 impl SystemFormulas {
@@ -52,6 +53,9 @@ impl SystemFormulas {
             };
             tensor.insert((i, j), entry);
         }
+        // Of no special value in any coordinate.
+        let near = (1..=variables.len()).map(|i| 0.5 + (i as f64 * 0.618_033_988_749_894_9) % 1.0);
+        let near = near.collect();
         let system = Self {
             variables,
             parameters,
@@ -59,6 +63,7 @@ impl SystemFormulas {
             hamiltonian,
             casimirs,
             convention,
+            near,
         };
         system.check_indices()?;
         Ok(system)
@@ -75,6 +80,30 @@ impl SystemFormulas {
         };
         system.check_indices()?;
         Ok(system)
+    }
+
+    /// The same system with the state about which it is going to move: where what is made of its
+    /// formulas is compared with them.
+    ///
+    /// # Errors
+    /// [`BuildError::Dimension`] unless there is a number for each variable.
+    pub fn with_near(&self, near: &[f64]) -> Result<Self, BuildError> {
+        if near.len() != self.dimension() {
+            return Err(BuildError::Dimension {
+                what: "the state about which the system moves".to_owned(),
+                expected: self.dimension(),
+                found: near.len(),
+            });
+        }
+        Ok(Self {
+            near: near.to_vec(),
+            ..self.clone()
+        })
+    }
+
+    /// The state about which the system moves.
+    pub fn near(&self) -> &[f64] {
+        &self.near
     }
 
     fn check_indices(&self) -> Result<(), BuildError> {

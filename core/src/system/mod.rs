@@ -1,11 +1,13 @@
 //! Poisson systems: tensor, Hamiltonian, Casimirs, parameters, sign convention.
 //!
+//! - [`agreement`]: what exact algebra made of formulas, against the formulas.
 //! - [`formulas`]: systems given by expressions, from which everything can be derived.
 //! - [`numbers`]: systems that only compute values, such as those of a loaded library.
 //! - [`energy_casimir`]: H less multiples of Casimirs, which has the motion of H.
 //! - [`compiled`]: the values of a system of formulas, by kernels.
 //! - [`observables`]: energy, Casimirs and other functions of the state.
 
+pub mod agreement;
 pub mod compiled;
 pub mod energy_casimir;
 mod field;
@@ -18,6 +20,7 @@ use std::sync::Arc;
 
 use leafwise_expression::Expression;
 
+pub use agreement::Agreement;
 pub use compiled::CompiledNumbers;
 pub use formulas::SystemFormulas;
 pub use numbers::{Derivatives, NumbersWorker, OpaqueSystem, SystemNumbers};
@@ -163,6 +166,17 @@ impl PoissonSystem {
         match &self.definition {
             Definition::Formulas(system) => Some(system),
             Definition::Numbers(_) => None,
+        }
+    }
+
+    /// The same system about a state: [`SystemFormulas::with_near`]; systems of numbers need none.
+    ///
+    /// # Errors
+    /// Those of [`SystemFormulas::with_near`].
+    pub fn with_near(&self, near: &[f64]) -> Result<Self, BuildError> {
+        match &self.definition {
+            Definition::Formulas(system) => Ok(system.with_near(near)?.into()),
+            Definition::Numbers(_) => Ok(self.clone()),
         }
     }
 

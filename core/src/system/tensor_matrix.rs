@@ -76,4 +76,31 @@ impl TensorMatrix {
             }
         }
     }
+
+    /// |Π_ij(x)| + Σ_k |∂_k Π_ij| s_k, for coordinates of these sizes: u times it is what round-off of the
+    /// arguments may put into an entry. Derivatives by differences, away from 0; where the tensor has no
+    /// value there, they count nothing.
+    ///
+    /// # Errors
+    /// The [`StepError`] of a system of numbers at `x`.
+    pub(crate) fn sizes(&mut self, x: &[f64], sizes: &[f64]) -> Result<DMatrix<f64>, StepError> {
+        /// A step of 2⁻¹⁰ of a size tells a derivative to three digits, and stays in any domain.
+        const STEP: f64 = 1.0 / 1024.0;
+        let here = self.at(x)?;
+        let mut sum = here.abs();
+        let mut point = x.to_vec();
+        for (k, size) in sizes.iter().enumerate() {
+            point[k] = x[k] + (STEP * size).copysign(x[k]);
+            if let Ok(there) = self.at(&point) {
+                let change = (there - &here).abs() / STEP;
+                sum.zip_apply(&change, |sum, change| {
+                    if change.is_finite() {
+                        *sum += change;
+                    }
+                });
+            }
+            point[k] = x[k];
+        }
+        Ok(sum)
+    }
 }

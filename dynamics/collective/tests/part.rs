@@ -124,7 +124,9 @@ fn a_step_without_a_solution_is_a_typed_error() {
         assert!(
             matches!(
                 error,
-                StepError::NoConvergence { .. } | StepError::NonFinite { .. }
+                StepError::NoConvergence { .. }
+                    | StepError::NonFinite { .. }
+                    | StepError::OtherBranch { .. }
             ),
             "{integrator}: {error}"
         );

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use leafwise_core::dynamics::Generating;
 use leafwise_core::{
     BuildError, DynamicApproximation, GraphOfDifferential, LagrangianBisection, PoissonSystem,
     RealizationData,
@@ -120,7 +119,7 @@ impl DynamicApproximation for HamiltonJacobi {
         }
         let generating = match realization.series() {
             Some(series) => shortest(system, series, self.order)?,
-            None if self.order == 2 => Generating::Polynomials(first_order(system)?),
+            None if self.order == 2 => first_order(system)?,
             None => {
                 return Err(BuildError::Incompatible {
                     dynamics: self.describe(),

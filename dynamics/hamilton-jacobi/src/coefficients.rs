@@ -1,10 +1,14 @@
 //! l·S_l = [h^{l−1}] H(α(x, Σ_{k<l} hᵏ dS_k)).
 
-use leafwise_core::dynamics::{GeneratingCode, GeneratingFunction};
+use leafwise_core::dynamics::{Generating, GeneratingCode, GeneratingFunction};
 use leafwise_core::realization::{SourceSeries, SourceSeriesIn};
-use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_core::system::Agreement;
+use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
+use leafwise_expression::graph::lift;
 use leafwise_expression::series::{Tape, TaylorState};
-use leafwise_expression::{DifferentialAlgebra, Graph, Polynomial, Rational, Ring};
+use leafwise_expression::{
+    AlgebraError, Arithmetic, DifferentialAlgebra, Graph, Polynomial, Rational, Ring, Term,
+};
 
 /// Ŝ with S_1, S_3, …, S_{m−1} at ε = 1 for an even order m (paper, section 4.2), expanded. Even
 /// coefficients vanish by Proposition 1 and are not formed.
@@ -38,7 +42,7 @@ pub fn within(
 ) -> Result<Option<GeneratingFunction>, BuildError> {
     let mut ring = Ring::limited(system.dimension(), products);
     let formed = odd_coefficients(system, series, order, &mut ring);
-    if ring.is_spent() {
+    if ring.refusal().is_some() {
         return Ok(None);
     }
     let (coefficients, gradients) = formed?;
@@ -58,7 +62,7 @@ pub fn generating_code(
     series: &dyn SourceSeries,
     order: usize,
 ) -> Result<GeneratingCode, BuildError> {
-    let mut graph = Graph::new();
+    let mut graph = Graph::limited(MOST_NODES);
     let (coefficients, gradients) = odd_coefficients(system, series, order, &mut graph)?;
     Ok(GeneratingCode {
         graph,
@@ -66,6 +70,9 @@ pub fn generating_code(
         gradients,
     })
 }
+
+/// Operations of the longest series that is taken. A step of it takes milliseconds.
+const MOST_NODES: usize = 1 << 18;
 
 /// S_l and dS_l for odd l < m.
 type Coefficients<E> = (Vec<E>, Vec<Vec<E>>);
@@ -96,18 +103,64 @@ fn odd_coefficients<A: DifferentialAlgebra, S: SourceSeriesIn<A> + ?Sized>(
 /// # Errors
 /// [`BuildError::Algebra`] where the Hamiltonian is outside the exact algebra,
 /// [`BuildError::NotOffered`] for a system of numbers.
-pub fn first_order(system: &PoissonSystem) -> Result<GeneratingFunction, BuildError> {
+pub fn first_order(system: &PoissonSystem) -> Result<Generating, BuildError> {
     let system = system.formulas(crate::register::INFO.name)?;
     let mut ring = Ring::new(system.dimension());
+    let (coefficients, gradients) = energy(system, &mut ring)?;
+    let function = GeneratingFunction {
+        ring,
+        coefficients,
+        gradients,
+    };
+    let mut graph = Graph::limited(MOST_NODES);
+    let (coefficients, gradients) = energy(system, &mut graph)?;
+    let code = GeneratingCode {
+        graph,
+        coefficients,
+        gradients,
+    };
+    Ok(if agrees(system, &function, &code)? {
+        Generating::Polynomials(function)
+    } else {
+        Generating::Code(code)
+    })
+}
+
+/// H and dH.
+fn energy<A: DifferentialAlgebra>(
+    system: &SystemFormulas,
+    algebra: &mut A,
+) -> Result<Coefficients<A::Element>, BuildError> {
     let s = system
         .hamiltonian()
-        .evaluate_in(&mut ring, &mut |ring, at| Ok(ring.variable(at)))?;
-    let gradient = ring.gradient(&s)?;
-    Ok(GeneratingFunction {
-        ring,
-        coefficients: vec![s],
-        gradients: vec![gradient],
-    })
+        .evaluate_in(algebra, &mut |algebra, at| Ok(algebra.coordinate(at)))?;
+    let gradient = algebra.differential(&s, system.dimension())?;
+    Ok((vec![s], vec![gradient]))
+}
+
+/// What h² dS_{l+2} is of dS_l at most, at steps that a series serves: about θ²/24 where a step turns by θ.
+const NEXT_ORDER: f64 = 1.0 / 16.0;
+
+/// Whether the expanded dS_l have the values of those of the code at points about the system's state, and
+/// round as well: one that cancels, such as that of a power of q − 1000, is right and of no use.
+///
+/// # Errors
+/// [`BuildError::Algebra`] where an adjoined function has no code.
+pub fn agrees(
+    system: &SystemFormulas,
+    function: &GeneratingFunction,
+    code: &GeneratingCode,
+) -> Result<bool, BuildError> {
+    let mut graph = code.graph.clone();
+    let x: Vec<Term> = (0..system.dimension()).map(|i| graph.input(i)).collect();
+    let one = graph.one();
+    let expanded = function.gradients.iter().flatten();
+    let outputs: Vec<_> = expanded.map(|f| vec![(one.clone(), f.clone())]).collect();
+    let made = lift(&mut graph, &function.ring, &outputs, &x)?;
+    let expected: Vec<Term> = code.gradients.iter().flatten().cloned().collect();
+    let d = system.dimension();
+    let share = |at: usize| (0..at / d).fold(1.0, |share, _| share * NEXT_ORDER);
+    Ok(system.agreement_of_parts(&graph, &made, &expected, share) == Agreement::Same)
 }
 
 /// Every S_l up to `last`, the even ones too: the identity S_{2j} = 0 (Proposition 1) holds for
@@ -140,13 +193,30 @@ fn for_each_coefficient<A: DifferentialAlgebra, S: SourceSeriesIn<A> + ?Sized>(
 ) -> Result<(), BuildError> {
     let system = system.formulas(crate::register::INFO.name)?;
     let d = system.dimension();
+    // What grows past a limit says at which order it does.
+    let too_long = |l: usize| {
+        move |error: AlgebraError| match error {
+            AlgebraError::ExpansionTooLong
+            | AlgebraError::CodeTooLong { .. }
+            | AlgebraError::NumberTooLong => BuildError::NotMade {
+                part: crate::register::INFO.name,
+                reason: format!(
+                    "the coefficient S_{l} of its series grows too long ({error}): take order {} or \
+                     less, and a composition such as suzuki-umeno-8 for a higher one",
+                    l.saturating_sub(1).max(1).next_multiple_of(2)
+                ),
+            },
+            other => other.into(),
+        }
+    };
     let mut tape = Tape::new();
     let energy = tape.record(system.hamiltonian())?;
     let mut state = TaylorState::new(&tape);
     let mut source = series.start(algebra)?;
     let mut alpha: Vec<A::Element> = (0..d).map(|i| algebra.coordinate(i)).collect();
     for l in 1..=last {
-        state.extend(&tape, algebra, |_, i| alpha[i].clone())?;
+        let extended = state.extend(&tape, algebra, |_, i| alpha[i].clone());
+        extended.map_err(too_long(l))?;
         let s = algebra.scale(
             &Rational::new(1, l as i64),
             state.coefficient(energy, l - 1),
@@ -155,6 +225,9 @@ fn for_each_coefficient<A: DifferentialAlgebra, S: SourceSeriesIn<A> + ?Sized>(
             Some(gradient) => gradient,
             None => vec![algebra.zero(); d],
         };
+        if let Some(refusal) = algebra.refusal() {
+            return Err(too_long(l)(refusal.clone()));
+        }
         if l < last {
             alpha = source.push(algebra, gradient)?;
         }

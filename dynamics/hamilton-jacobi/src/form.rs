@@ -2,14 +2,14 @@
 //!
 //! Expanded sums cancel, most of all over linear tensors (rigid body, m = 8: 98 operations for dŜ,
 //! 1869 as code); products of many generators multiply (point vortices, m = 4: 45 026 expanded, 445
-//! as code).
+//! as code). Where expanded sums cancel in numbers, or differ from the formulas, it is code.
 
 use leafwise_core::dynamics::{Generating, GeneratingFunction};
 use leafwise_core::realization::SourceSeries;
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::{Graph, Kernel, StepSize, Term};
 
-use crate::coefficients::{generating_code, within};
+use crate::coefficients::{agrees, generating_code, within};
 
 /// Expansions of so many products of terms, with so few monomials in dŜ, are taken as they are: the
 /// other form would save nothing that building it does not cost.
@@ -29,12 +29,17 @@ pub(crate) fn shortest(
     series: &dyn SourceSeries,
     order: usize,
 ) -> Result<Generating, BuildError> {
+    let formulas = system.formulas(crate::register::INFO.name)?;
     let first = within(system, series, order, FEW_PRODUCTS)?;
+    let code = generating_code(system, series, order)?;
     if let Some(function) = first.as_ref().filter(|f| monomials(f) <= FEW_MONOMIALS) {
-        return Ok(Generating::Polynomials(function.clone()));
+        return Ok(if agrees(formulas, function, &code)? {
+            Generating::Polynomials(function.clone())
+        } else {
+            Generating::Code(code)
+        });
     }
-    let code = Generating::Code(generating_code(system, series, order)?);
-    let to_beat = operations(&code, system)?;
+    let to_beat = operations(&Generating::Code(code.clone()), system)?;
     let expanded = match first {
         Some(function) => Some(function),
         None => {
@@ -42,10 +47,17 @@ pub(crate) fn shortest(
             within(system, series, order, products)?
         }
     };
-    match expanded.map(Generating::Polynomials) {
-        Some(expanded) if operations(&expanded, system)? <= to_beat => Ok(expanded),
-        _ => Ok(code),
-    }
+    let Some(function) = expanded else {
+        return Ok(Generating::Code(code));
+    };
+    let expanded = Generating::Polynomials(function.clone());
+    Ok(
+        if operations(&expanded, system)? <= to_beat && agrees(formulas, &function, &code)? {
+            expanded
+        } else {
+            Generating::Code(code)
+        },
+    )
 }
 
 fn monomials(function: &GeneratingFunction) -> usize {

@@ -6,7 +6,7 @@ use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, P
 use leafwise_core::quadrature::{GaussLegendre, legendre};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator, Tableau};
-use leafwise_core::solver::iteration::Verdict;
+use leafwise_core::solver::judge::{Allowed, Verdict, Watch, largest, reach};
 use leafwise_core::solver::{
     Anderson, CorrectionSize, DenseFactors, LinearIteration, elimination_operations,
     substitution_operations,
@@ -14,7 +14,8 @@ use leafwise_core::solver::{
 use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
 use nalgebra::DMatrix;
 
-use crate::one_step::{Make, OneStep, ReferenceMap, larger, reach, relative};
+use crate::connected::{Connected, StepEquation};
+use crate::one_step::{Make, OneStep, ReferenceMap};
 
 pub(crate) static INFO: PartInfo = PartInfo {
     name: "energy-preserving",
@@ -71,6 +72,10 @@ struct EnergyPreserving {
     factors: DenseFactors,
     correction: Vec<f64>,
     scales: Vec<f64>,
+    /// Whether it is not plain that K is the solution that is connected with a step of size 0; room
+    /// for the path to that.
+    watch: Watch,
+    connected: Option<Box<Connected>>,
     /// For systems without derivatives.
     anderson: Option<Anderson>,
     /// Operations of the averages, the stages and the solves.
@@ -161,6 +166,8 @@ impl EnergyPreserving {
             factors: DenseFactors::new(size),
             correction: vec![0.0; size],
             scales: vec![0.0; size],
+            watch: Watch::NEW,
+            connected: is_exact.then(|| Box::new(Connected::new(size))),
             anderson: (!is_exact).then(|| Anderson::new(size)),
             linear: 0,
             work: iteration_operations(d, stages, is_exact),
@@ -219,7 +226,7 @@ impl EnergyPreserving {
     }
 
     /// Evaluates the stages at the current K, and their derivatives where the system has them.
-    fn evaluate(&mut self) -> Result<(), StepError> {
+    fn evaluate_stages(&mut self) -> Result<(), StepError> {
         let (d, s) = (self.start.len(), self.tableau.stages());
         self.average()?;
         for i in 0..s {
@@ -260,13 +267,18 @@ impl EnergyPreserving {
         }
     }
 
-    /// Factors 1 − ∂(−ΠW)/∂K; `false` where that is singular.
-    fn factor(&mut self) -> bool {
+    /// 1 − ∂(−ΠW)/∂K.
+    fn assemble(&mut self) {
         let size = self.slopes.len();
         for (at, entry) in self.matrix.iter_mut().enumerate() {
             let unit = if at / size == at % size { 1.0 } else { 0.0 };
             *entry = unit - self.by_slopes[at];
         }
+    }
+
+    /// Factors it; `false` where it is singular.
+    fn factor(&mut self) -> bool {
+        self.assemble();
         self.factors.factor(&self.matrix)
     }
 
@@ -277,49 +289,23 @@ impl EnergyPreserving {
         }
     }
 
-    /// Newton's iteration for K.
-    fn newton(&mut self) -> Result<usize, StepError> {
-        let d = self.start.len();
-        let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
-        loop {
-            self.evaluate()?;
-            self.linear += self.work;
-            self.residual();
-            if !self.factor() {
-                return Err(StepError::NonFinite {
-                    what: "a correction of the stages",
-                });
-            }
-            self.factors.solve(&mut self.correction);
-            let mut size = 0.0;
-            for (at, slope) in self.slopes.iter_mut().enumerate() {
-                let correction = self.correction[at];
-                *slope += correction;
-                let t = self.time_step.abs();
-                let scale = self.start[at % d].abs() + t * self.reaches[at];
-                size = larger(relative(t * correction, scale), size);
-            }
-            if iteration.judge(size)? == Verdict::Converged {
-                return Ok(iteration.evaluations());
-            }
-        }
-    }
-
     /// K ← −Π(U) W with Anderson's acceleration, for systems without derivatives.
     fn accelerate(&mut self) -> Result<usize, StepError> {
         let d = self.start.len();
         let t = self.time_step.abs();
         let mut iteration = LinearIteration::new(MOST_ACCELERATED);
+        let mut allowed = Allowed::new(largest(&self.start) + t * largest(&self.slopes));
         if let Some(anderson) = &mut self.anderson {
             anderson.clear();
         }
         loop {
-            self.evaluate()?;
+            self.evaluate_stages()?;
             self.linear += self.work;
             self.residual();
             let mut size = CorrectionSize::default();
+            allowed.take(t * largest(&self.values));
             for (at, scale) in self.scales.iter_mut().enumerate() {
-                *scale = self.start[at % d].abs() + t * self.values[at].abs();
+                *scale = self.start[at % d].abs() + allowed.scale(t * self.values[at]);
                 size.take(t * self.correction[at], *scale);
             }
             if let Some(anderson) = &mut self.anderson {
@@ -331,7 +317,7 @@ impl EnergyPreserving {
             }
             if iteration.judge_correction(&size)? == Verdict::Converged {
                 // The energy is kept as far as K is −Π(U) W: once more, without acceleration.
-                self.evaluate()?;
+                self.evaluate_stages()?;
                 self.linear += self.work;
                 self.slopes.copy_from_slice(&self.values);
                 return Ok(iteration.evaluations() + 1);
@@ -340,14 +326,81 @@ impl EnergyPreserving {
     }
 }
 
+impl StepEquation for EnergyPreserving {
+    fn unknowns(&mut self) -> &mut [f64] {
+        &mut self.slopes
+    }
+
+    fn evaluate(
+        &mut self,
+        time_step: f64,
+        residual: &mut [f64],
+        matrix: &mut [f64],
+    ) -> Result<(), StepError> {
+        let whole = std::mem::replace(&mut self.time_step, time_step);
+        let evaluated = self.evaluate_stages();
+        self.residual();
+        self.assemble();
+        self.time_step = whole;
+        evaluated?;
+        residual.copy_from_slice(&self.correction);
+        matrix.copy_from_slice(&self.matrix);
+        Ok(())
+    }
+
+    fn solve(&mut self) -> Result<usize, StepError> {
+        let (d, t) = (self.start.len(), self.time_step.abs());
+        let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
+        let mut allowed = Allowed::new(largest(&self.start) + t * largest(&self.slopes));
+        let mut last = f64::INFINITY;
+        loop {
+            self.evaluate_stages()?;
+            self.linear += self.work;
+            self.residual();
+            if !self.factor() {
+                return Err(StepError::NonFinite {
+                    what: "a correction of the stages",
+                });
+            }
+            self.watch.take(!self.factors.is_near_identity());
+            self.factors.solve(&mut self.correction);
+            allowed.take(t * largest(&self.reaches));
+            let mut size = CorrectionSize::default();
+            for (at, slope) in self.slopes.iter_mut().enumerate() {
+                let correction = self.correction[at];
+                *slope += correction;
+                let scale = self.start[at % d].abs() + allowed.scale(t * self.reaches[at]);
+                size.take(t * correction, scale);
+            }
+            self.watch.take(size.wanders(last));
+            last = size.component();
+            if iteration.judge_correction(&size)? == Verdict::Converged {
+                return Ok(iteration.evaluations());
+            }
+        }
+    }
+}
+
 impl OneStep for EnergyPreserving {
     fn increment(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError> {
         self.start.copy_from_slice(x);
-        let evaluations = if self.anderson.is_none() {
-            self.newton()?
+        self.watch.begin();
+        let mut solved = if self.anderson.is_none() {
+            self.solve()
         } else {
-            self.accelerate()?
+            self.accelerate()
         };
+        let is_plain = solved.is_ok() && !self.watch.wanders();
+        if let Some(mut connected) = self.connected.take_if(|_| !is_plain) {
+            // K is measured against x/t.
+            for (at, scale) in self.scales.iter_mut().enumerate() {
+                *scale = x[at % x.len()].abs() / self.time_step.abs();
+            }
+            let sizes = std::mem::take(&mut self.scales);
+            solved = connected.settle(solved, self.time_step, &sizes, self);
+            (self.scales, self.connected) = (sizes, Some(connected));
+        }
+        let evaluations = solved?;
         for (c, increment) in increment.iter_mut().enumerate() {
             let sum: f64 = self
                 .tableau
@@ -370,7 +423,7 @@ impl OneStep for EnergyPreserving {
         if self.anderson.is_some() {
             return None;
         }
-        self.evaluate().ok()?;
+        self.evaluate_stages().ok()?;
         if !self.factor() {
             return None;
         }
@@ -389,14 +442,16 @@ impl OneStep for EnergyPreserving {
 
     fn restart(&mut self) {
         self.slopes.fill(0.0);
+        self.watch = Watch::NEW;
     }
 
     fn memory(&self) -> Vec<f64> {
-        self.slopes.clone()
+        [&[self.watch.memory()], self.slopes.as_slice()].concat()
     }
 
     fn restore(&mut self, memory: &[f64]) {
-        self.slopes.copy_from_slice(memory);
+        self.watch.restore(memory[0]);
+        self.slopes.copy_from_slice(&memory[1..]);
     }
 }
 

@@ -13,7 +13,8 @@ pub(crate) static INFO: PartInfo = PartInfo {
     name: "gauss",
     kind: PartKind::Stepper,
     summary: "collocation at s Gauss nodes",
-    declares: "order 2s; self-adjoint; a Poisson map for constant tensors only; keeps quadratic \
+    declares: "order 2s; self-adjoint; a Poisson map where the tensor is constant or depends \
+               on coordinates alone that rest; keeps quadratic \
                invariants; exact tangent",
     domain: "any system, of formulas or of numbers; steps for which the iteration converges",
     literature: "J. C. Butcher, Math. Comp. 18 (1964); Hairer, Lubich, Wanner, Geometric \

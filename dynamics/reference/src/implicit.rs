@@ -53,21 +53,29 @@ impl Lockstep for ImplicitRungeKutta {
 }
 
 /// The Gauss method with this tableau: symplectic, so a Poisson map where the tensor is constant
-/// (Hairer, Lubich, Wanner, *Geometric Numerical Integration*, theorem VI.4.3).
+/// (Hairer, Lubich, Wanner, *Geometric Numerical Integration*, theorem VI.4.3) or depends only on coordinates that
+/// rest.
+///
+/// If Π has no entry in the row of x_k, x_k is a Casimir, and every stage has the x_k of the state. Where Π
+/// depends on such coordinates alone it is constant on each of their level sets: the step is there that of a
+/// constant tensor, and DΦ Π DΦᵀ takes derivatives along the level set alone, for Π has no others.
 pub(crate) fn gauss_map(
     system: &PoissonSystem,
     tableau: Tableau,
     description: String,
 ) -> Result<Arc<dyn StepMap>, BuildError> {
     let field = system.field_map()?;
-    let constant = system
-        .expressions()
-        .is_some_and(|system| system.tensor().values().all(|e| e.variables().is_empty()));
+    let is_kept = system.expressions().is_some_and(|system| {
+        let tensor = system.tensor();
+        let moves = |k: &usize| tensor.keys().any(|(i, j)| i == k || j == k);
+        let mut entries = tensor.values();
+        entries.all(|entry| !entry.variables().iter().any(moves))
+    });
     Ok(Arc::new(ReferenceMap {
         dimension: system.dimension(),
         properties: MapProperties {
             order: 2 * tableau.stages(),
-            structure: if constant {
+            structure: if is_kept {
                 Structure::Exact
             } else {
                 Structure::None

@@ -13,7 +13,8 @@ pub(crate) static INFO: PartInfo = PartInfo {
     name: "implicit-midpoint",
     kind: PartKind::Stepper,
     summary: "x+ = x + t X((x + x+)/2)",
-    declares: "order 2; self-adjoint; a Poisson map for constant tensors only; keeps quadratic \
+    declares: "order 2; self-adjoint; a Poisson map where the tensor is constant or depends \
+               on coordinates alone that rest; keeps quadratic \
                invariants; exact tangent",
     domain: "any system, of formulas or of numbers; steps for which the iteration converges",
     literature: "Hairer, Lubich, Wanner, Geometric Numerical Integration, sections II.1 and VI.4",

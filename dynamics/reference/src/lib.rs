@@ -6,7 +6,7 @@
 //! - [`rk4`]: the classical Runge–Kutta method.
 //! - [`dop853`]: Dormand and Prince's pair of order 8(5,3), adaptive inside a step.
 //! - [`dormand_prince45`]: their pair of order 5(4), as `ode45`.
-//! - [`implicit_midpoint`], [`gauss`]: symplectic for constant tensors.
+//! - [`implicit_midpoint`], [`gauss`]: symplectic for tensors that are constant on each leaf.
 //! - [`energy_preserving`]: Cohen and Hairer's methods of order 2 and 4.
 //! - [`spherical_midpoint`]: a Poisson map on products of so(3)*.
 //! - [`projection`]: a method followed by projection onto energy and Casimirs.
@@ -16,7 +16,8 @@
 //! - `implicit`: what the implicit Runge–Kutta methods share.
 
 mod adaptive;
-pub mod dop853;
+pub mod connected;
+mod dop853;
 mod dop853_coefficients;
 pub mod dormand_prince45;
 pub mod energy_preserving;

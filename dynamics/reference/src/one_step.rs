@@ -116,24 +116,3 @@ impl Trajectory for Lane {
 pub(crate) fn row_major(matrix: &DMatrix<f64>) -> Vec<f64> {
     matrix.transpose().as_slice().to_vec()
 }
-
-/// |size| of a correction relative to a scale; 0 for no correction, 1 where there is no scale yet.
-pub(crate) fn relative(correction: f64, scale: f64) -> f64 {
-    if correction == 0.0 {
-        0.0
-    } else if scale == 0.0 {
-        1.0
-    } else {
-        correction.abs() / scale
-    }
-}
-
-/// max that keeps NaN.
-pub(crate) fn larger(a: f64, b: f64) -> f64 {
-    if a >= b { a } else { b }
-}
-
-/// Σ_k |m_k v_k|.
-pub(crate) fn reach(row: &[f64], values: &[f64]) -> f64 {
-    row.iter().zip(values).map(|(m, v)| (m * v).abs()).sum()
-}

@@ -5,13 +5,13 @@ use std::sync::Arc;
 use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMapEvaluator, Tableau};
-use leafwise_core::solver::iteration::Verdict;
+use leafwise_core::solver::judge::{Verdict, larger, reach, relative};
 use leafwise_core::solver::{LinearIteration, Lockstep, Taken};
 use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
 
 use crate::gauss::{STAGES, stages};
 use crate::implicit::ImplicitRungeKutta;
-use crate::one_step::{Make, OneStep, ReferenceMap, larger, reach, relative};
+use crate::one_step::{Make, OneStep, ReferenceMap};
 use crate::rk4::Rk4;
 use crate::singular::SingularSystem;
 

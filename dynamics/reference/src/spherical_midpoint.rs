@@ -5,9 +5,9 @@ use std::sync::Arc;
 use leafwise_core::part::{PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
-use leafwise_core::solver::iteration::Verdict;
+use leafwise_core::solver::judge::{Allowed, Verdict, Watch, largest, reach};
 use leafwise_core::solver::{
-    DenseFactors, LinearIteration, elimination_operations, substitution_operations,
+    CorrectionSize, DenseFactors, LinearIteration, elimination_operations, substitution_operations,
 };
 use leafwise_core::{
     BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure, SystemFormulas,
@@ -15,7 +15,8 @@ use leafwise_core::{
 use leafwise_expression::{Arithmetic, Polynomial, Ring};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
-use crate::one_step::{Make, OneStep, ReferenceMap, larger, reach, relative};
+use crate::connected::{Connected, StepEquation};
+use crate::one_step::{Make, OneStep, ReferenceMap};
 
 pub(crate) static INFO: PartInfo = PartInfo {
     name: "spherical-midpoint",
@@ -53,6 +54,10 @@ struct SphericalMidpoint {
     correction: Vec<f64>,
     /// Operations of the triples and the solves.
     linear: u64,
+    /// Whether it is not plain that D is the solution that begins at 0; room for the path to that.
+    watch: Watch,
+    connected: Option<Box<Connected>>,
+    sizes: Vec<f64>,
 }
 
 impl SphericalMidpoint {
@@ -73,6 +78,9 @@ impl SphericalMidpoint {
             factors: DenseFactors::new(d),
             correction: room(),
             linear: 0,
+            watch: Watch::NEW,
+            connected: Some(Box::new(Connected::new(d))),
+            sizes: room(),
         }
     }
 
@@ -91,7 +99,7 @@ impl SphericalMidpoint {
     }
 
     /// X(Γ), DX(Γ) and the derivatives of Γ at the current change.
-    fn evaluate(&mut self) -> Result<(), StepError> {
+    fn evaluate_middle(&mut self) -> Result<(), StepError> {
         for triple in 0..self.turns.len() {
             let (middle, turn, stretch) = self.middle(triple);
             self.middle[3 * triple..][..3].copy_from_slice(middle.as_slice());
@@ -110,42 +118,81 @@ impl SphericalMidpoint {
         self.time_step * sum
     }
 
-    /// Factors 1 − t DX(Γ) ∂Γ/∂D; `false` where that is singular.
-    fn factor(&mut self) -> bool {
+    /// 1 − t DX(Γ) ∂Γ/∂D.
+    fn assemble(&mut self) {
         let d = self.start.len();
         for at in 0..d * d {
             let unit = if at / d == at % d { 1.0 } else { 0.0 };
             self.matrix[at] = unit - self.through(&self.turns, at / d, at % d);
         }
+    }
+
+    /// Factors it; `false` where it is singular.
+    fn factor(&mut self) -> bool {
+        self.assemble();
         self.factors.factor(&self.matrix)
+    }
+
+    /// t X(Γ) − D.
+    fn residual(&mut self) {
+        for (c, residual) in self.correction.iter_mut().enumerate() {
+            *residual = self.time_step * self.values[c] - self.change[c];
+        }
+    }
+}
+
+impl StepEquation for SphericalMidpoint {
+    fn unknowns(&mut self) -> &mut [f64] {
+        &mut self.change
+    }
+
+    fn evaluate(
+        &mut self,
+        time_step: f64,
+        residual: &mut [f64],
+        matrix: &mut [f64],
+    ) -> Result<(), StepError> {
+        let whole = std::mem::replace(&mut self.time_step, time_step);
+        let evaluated = self.evaluate_middle();
+        self.residual();
+        self.assemble();
+        self.time_step = whole;
+        evaluated?;
+        residual.copy_from_slice(&self.correction);
+        matrix.copy_from_slice(&self.matrix);
+        Ok(())
     }
 
     fn solve(&mut self) -> Result<usize, StepError> {
         let d = self.start.len();
         let t = self.time_step;
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
+        let mut allowed = Allowed::new(largest(&self.start) + largest(&self.change));
+        let mut last = f64::INFINITY;
         loop {
-            self.evaluate()?;
+            self.evaluate_middle()?;
+            allowed.take(largest(&self.values) * t.abs());
             // Radii, the middle and its two derivatives; the matrix, block by block; the solve.
             let blocks = (TRIPLE * d / 3 + 7 * d * d) as u64;
             self.linear += blocks + elimination_operations(d) + substitution_operations(d);
-            for c in 0..d {
-                self.correction[c] = t * self.values[c] - self.change[c];
-            }
+            self.residual();
             if !self.factor() {
                 return Err(StepError::NonFinite {
                     what: "a correction of the midpoint",
                 });
             }
+            self.watch.take(!self.factors.is_near_identity());
             self.factors.solve(&mut self.correction);
-            let mut size = 0.0;
+            let mut size = CorrectionSize::default();
             for c in 0..d {
                 self.change[c] += self.correction[c];
                 let sensitivity = reach(&self.jacobian[c * d..][..d], &self.middle);
-                let scale = self.start[c].abs() + (t * sensitivity).abs();
-                size = larger(relative(self.correction[c], scale), size);
+                let scale = self.start[c].abs() + allowed.scale(t * sensitivity);
+                size.take(self.correction[c], scale);
             }
-            if iteration.judge(size)? == Verdict::Converged {
+            self.watch.take(size.wanders(last));
+            last = size.component();
+            if iteration.judge_correction(&size)? == Verdict::Converged {
                 return Ok(iteration.evaluations());
             }
         }
@@ -159,7 +206,16 @@ fn norm(v: &Vector3<f64>) -> f64 {
 impl OneStep for SphericalMidpoint {
     fn increment(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError> {
         self.start.copy_from_slice(x);
-        let evaluations = self.solve()?;
+        self.watch.begin();
+        let mut solved = self.solve();
+        let is_plain = solved.is_ok() && !self.watch.wanders();
+        if let Some(mut connected) = self.connected.take_if(|_| !is_plain) {
+            self.sizes.copy_from_slice(x);
+            let sizes = std::mem::take(&mut self.sizes);
+            solved = connected.settle(solved, self.time_step, &sizes, self);
+            (self.sizes, self.connected) = (sizes, Some(connected));
+        }
+        let evaluations = solved?;
         increment.copy_from_slice(&self.change);
         Ok(evaluations)
     }
@@ -170,7 +226,7 @@ impl OneStep for SphericalMidpoint {
 
     fn tangent(&mut self) -> Option<DMatrix<f64>> {
         let d = self.start.len();
-        self.evaluate().ok()?;
+        self.evaluate_middle().ok()?;
         if !self.factor() {
             return None;
         }
@@ -188,14 +244,16 @@ impl OneStep for SphericalMidpoint {
 
     fn restart(&mut self) {
         self.change.fill(0.0);
+        self.watch = Watch::NEW;
     }
 
     fn memory(&self) -> Vec<f64> {
-        self.change.clone()
+        [&[self.watch.memory()], self.change.as_slice()].concat()
     }
 
     fn restore(&mut self, memory: &[f64]) {
-        self.change.copy_from_slice(memory);
+        self.watch.restore(memory[0]);
+        self.change.copy_from_slice(&memory[1..]);
     }
 }
 

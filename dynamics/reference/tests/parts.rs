@@ -85,7 +85,9 @@ fn a_step_that_cannot_be_taken_is_a_typed_error() {
             assert!(
                 matches!(
                     error,
-                    StepError::NoConvergence { .. } | StepError::NonFinite { .. }
+                    StepError::NoConvergence { .. }
+                        | StepError::NonFinite { .. }
+                        | StepError::OtherBranch { .. }
                 ),
                 "{part}: {error}"
             );

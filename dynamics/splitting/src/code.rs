@@ -9,6 +9,7 @@ use crate::entire::{
 use crate::flow::Motion;
 use crate::piece::Piece;
 use crate::rates::multiples;
+use crate::rounding::LieSeries;
 use crate::schedule::Flow;
 
 /// x(t) − x for the flow of a piece from the state `x` over the time `time`, coordinate by
@@ -23,6 +24,9 @@ pub fn flow_increment(
     time: &Term,
     x: &[Term],
 ) -> Result<Vec<Term>, AlgebraError> {
+    if let Some(series) = piece.code() {
+        return polynomial_increment(graph, series, time, x);
+    }
     let square = graph.multiply(time, time);
     let rates: Vec<&Polynomial> = piece.motions().filter_map(exponential_rate).collect();
     let multiples = multiples(&rates);
@@ -114,6 +118,29 @@ pub fn flow_increment(
                 graph.add(&odd, &even)
             }
         });
+    }
+    Ok(increment)
+}
+
+/// Σ_k tᵏ/k! v_k of each coordinate, with the v_k as code.
+fn polynomial_increment(
+    graph: &mut Graph,
+    series: &LieSeries,
+    time: &Term,
+    x: &[Term],
+) -> Result<Vec<Term>, AlgebraError> {
+    let all: Vec<Term> = series.terms.iter().flatten().cloned().collect();
+    let mut code = graph.import(&series.graph, &all, x)?.into_iter();
+    let mut increment = Vec::with_capacity(x.len());
+    for terms in &series.terms {
+        let mut power = graph.one();
+        let mut sum = Vec::with_capacity(terms.len());
+        for (k, term) in (1_i64..).zip(code.by_ref().take(terms.len())) {
+            power = graph.multiply(&power, time);
+            power = graph.scale(&Rational::new(1, k), &power);
+            sum.push((Rational::one(), graph.multiply(&power, &term)));
+        }
+        increment.push(graph.combine(&sum));
     }
     Ok(increment)
 }

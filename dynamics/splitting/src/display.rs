@@ -56,7 +56,7 @@ impl Names<'_> {
 
     fn symbol(&self, symbol: Symbol) -> String {
         match self.ring.generator(symbol) {
-            None => self.system.variables()[usize::from(symbol)].clone(),
+            None => self.system.variables()[symbol as usize].clone(),
             Some(Generator::Inverse(u)) => format!("(1/({}))", self.polynomial(u)),
             Some(Generator::Root(u, q)) => format!("({})^(1/{q})", self.polynomial(u)),
             Some(Generator::Power(u, exponent)) => {

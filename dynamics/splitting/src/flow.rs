@@ -162,7 +162,7 @@ pub(crate) fn variables(ring: &Ring, f: &Polynomial) -> BTreeSet<usize> {
     let mut found = BTreeSet::new();
     for symbol in f.symbols() {
         match ring.generator(symbol) {
-            None => drop(found.insert(usize::from(symbol))),
+            None => drop(found.insert(symbol as usize)),
             Some(generator) => found.extend(variables(ring, generator.argument())),
         }
     }

@@ -9,6 +9,7 @@
 //! - [`flow`]: the motion of one coordinate under a piece, found by its Lie series in exact algebra.
 //! - [`piece`](mod@piece): a Hamiltonian with an exact flow, and what can be added to it.
 //! - [`pieces`]: the pieces of a system's Hamiltonian.
+//! - `rounding`: whether the flows round like the formulas; from code where they do not.
 //! - [`entire`]: the entire functions that close the Lie series.
 //! - [`code`]: flows as straight-line code.
 //! - [`schedule`]: which flows a step takes.
@@ -28,6 +29,7 @@ pub mod piece;
 pub mod pieces;
 mod rates;
 mod register;
+mod rounding;
 pub mod schedule;
 pub mod splitting;
 

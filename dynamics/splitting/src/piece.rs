@@ -1,9 +1,13 @@
 //! A Hamiltonian with an exact flow.
 
+use std::sync::Arc;
+
 use leafwise_core::SystemFormulas;
-use leafwise_expression::{AlgebraError, Arithmetic, Polynomial, Rational, Ring};
+use leafwise_expression::{AlgebraError, Arithmetic, Expression, Polynomial, Rational, Ring};
 
 use crate::flow::{CoordinateFlow, Motion, coordinate_flow, variables};
+use crate::pieces::Atom;
+use crate::rounding::LieSeries;
 
 /// The tensor in exact algebra, by rows.
 pub(crate) struct Tensor {
@@ -53,8 +57,12 @@ impl Tensor {
 #[derive(Clone, Debug)]
 pub struct Piece {
     hamiltonian: Polynomial,
+    /// K again, as its terms are written.
+    formulas: Vec<Expression>,
     field: Vec<Polynomial>,
     flows: Vec<CoordinateFlow>,
+    /// The Lie series computed from the formulas, where their expansions cancel.
+    code: Option<Arc<LieSeries>>,
 }
 
 impl Piece {
@@ -66,6 +74,8 @@ impl Piece {
         };
         Self {
             hamiltonian: Polynomial::zero(),
+            formulas: Vec::new(),
+            code: None,
             field: vec![Polynomial::zero(); dimension],
             flows: (0..dimension).map(still).collect(),
         }
@@ -74,6 +84,32 @@ impl Piece {
     /// K.
     pub fn hamiltonian(&self) -> &Polynomial {
         &self.hamiltonian
+    }
+
+    /// The terms of K as they are written.
+    pub(crate) fn formulas(&self) -> &[Expression] {
+        &self.formulas
+    }
+
+    /// The motions, with what they were concluded from.
+    pub(crate) fn flows(&self) -> &[CoordinateFlow] {
+        &self.flows
+    }
+
+    /// The Lie series that the flow is computed from in the place of the motions', which are polynomial.
+    pub(crate) fn code(&self) -> Option<&LieSeries> {
+        self.code.as_deref()
+    }
+
+    /// The same flow computed from its Lie series as code; `None` where a motion is not polynomial in
+    /// time.
+    pub(crate) fn computed_by(self, series: LieSeries) -> Option<Self> {
+        let is_polynomial = |motion: &Motion| matches!(motion, Motion::Polynomial(_));
+        let all = self.motions().all(is_polynomial);
+        all.then(|| Self {
+            code: Some(Arc::new(series)),
+            ..self
+        })
     }
 
     /// The motion of each coordinate.
@@ -86,9 +122,9 @@ impl Piece {
     pub(crate) fn add(
         &mut self,
         ring: &mut Ring,
-        hamiltonian: &Polynomial,
-        field: &[(usize, Polynomial)],
+        atom: &Atom,
     ) -> Result<Result<(), usize>, AlgebraError> {
+        let field = &atom.field;
         let mut before = Vec::with_capacity(field.len());
         for (i, velocity) in field {
             let sum = ring.add(&self.field[*i], velocity);
@@ -109,7 +145,8 @@ impl Piece {
         for (index, flow) in affected.into_iter().zip(flows) {
             self.flows[index] = flow;
         }
-        self.hamiltonian = ring.add(&self.hamiltonian, hamiltonian);
+        self.hamiltonian = ring.add(&self.hamiltonian, &atom.hamiltonian);
+        self.formulas.push(atom.formula.clone());
         Ok(Ok(()))
     }
 }

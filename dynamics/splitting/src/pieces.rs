@@ -10,6 +10,8 @@ use crate::piece::{Piece, Tensor};
 /// A term of the Hamiltonian with its field.
 pub(crate) struct Atom {
     pub(crate) hamiltonian: Polynomial,
+    /// The same as it is written.
+    pub(crate) formula: Expression,
     pub(crate) field: Vec<(usize, Polynomial)>,
 }
 
@@ -30,12 +32,12 @@ pub fn find_pieces(system: &SystemFormulas, ring: &mut Ring) -> Result<Vec<Piece
     let tensor = Tensor::new(system, ring)?;
     let mut summands_of_h = Vec::new();
     for summand in summands(system.hamiltonian()) {
-        summands_of_h.push(polynomial(ring, &summand)?);
+        summands_of_h.push((polynomial(ring, &summand)?, summand));
     }
     let pieces = split(system, ring, &tensor, &summands_of_h);
     let parts: Vec<_> = summands_of_h
         .iter()
-        .map(|f| (Rational::one(), f.clone()))
+        .map(|(f, _)| (Rational::one(), f.clone()))
         .collect();
     let hamiltonian = ring.combine(&parts);
     let mut best: Option<(usize, f64, Vec<Piece>)> = None;
@@ -45,7 +47,8 @@ pub fn find_pieces(system: &SystemFormulas, ring: &mut Ring) -> Result<Vec<Piece
             continue;
         }
         for shifted in shifted(ring, &hamiltonian, &casimir) {
-            let Ok(pieces) = split(system, ring, &tensor, std::slice::from_ref(&shifted)) else {
+            let whole = [(shifted.clone(), ring.formula(&shifted))];
+            let Ok(pieces) = split(system, ring, &tensor, &whole) else {
                 continue;
             };
             let size = coefficient_sum(system, ring, &shifted);
@@ -73,11 +76,11 @@ fn split(
     system: &SystemFormulas,
     ring: &mut Ring,
     tensor: &Tensor,
-    sum: &[Polynomial],
+    sum: &[(Polynomial, Expression)],
 ) -> Result<Vec<Piece>, BuildError> {
     let mut pieces: Vec<Piece> = Vec::new();
-    for f in sum {
-        for atom in atoms(system, ring, tensor, f.clone())? {
+    for (f, formula) in sum {
+        for atom in atoms(system, ring, tensor, f.clone(), formula)? {
             place(ring, &mut pieces, &atom, system.dimension())?;
         }
     }
@@ -90,14 +93,14 @@ pub(crate) fn atoms(
     ring: &mut Ring,
     tensor: &Tensor,
     summand: Polynomial,
+    formula: &Expression,
 ) -> Result<Vec<Atom>, BuildError> {
     let whole = Atom {
         field: tensor.field(ring, &summand)?,
         hamiltonian: summand,
+        formula: formula.clone(),
     };
-    let alone = |ring: &mut Ring, atom: &Atom| {
-        Piece::empty(system.dimension()).add(ring, &atom.hamiltonian, &atom.field)
-    };
+    let alone = |ring: &mut Ring, atom: &Atom| Piece::empty(system.dimension()).add(ring, atom);
     if whole.field.is_empty() {
         return Ok(Vec::new());
     }
@@ -109,6 +112,7 @@ pub(crate) fn atoms(
         let term = Polynomial::term(monomial.clone(), coefficient.clone());
         let atom = Atom {
             field: tensor.field(ring, &term)?,
+            formula: ring.formula(&term),
             hamiltonian: term,
         };
         if let Err(coordinate) = alone(ring, &atom)? {
@@ -147,12 +151,12 @@ fn place(
     dimension: usize,
 ) -> Result<(), BuildError> {
     for piece in pieces.iter_mut() {
-        if piece.add(ring, &atom.hamiltonian, &atom.field)?.is_ok() {
+        if piece.add(ring, atom)?.is_ok() {
             return Ok(());
         }
     }
     let mut piece = Piece::empty(dimension);
-    let added = piece.add(ring, &atom.hamiltonian, &atom.field)?;
+    let added = piece.add(ring, atom)?;
     debug_assert!(added.is_ok(), "an atom has an exact flow");
     pieces.push(piece);
     Ok(())

@@ -12,6 +12,7 @@ use crate::factor::{Factor, Splits, evaluations};
 use crate::piece::Piece;
 use crate::pieces::find_pieces;
 use crate::register::INFO;
+use crate::rounding::settled;
 use crate::schedule::{STRANG, passes};
 
 /// φ¹_{t/2} ∘ … ∘ φʳ_t ∘ … ∘ φ¹_{t/2}, t = εh, over exact flows of the pieces of H: explicit, of order
@@ -39,12 +40,13 @@ impl Splitting {
     /// Splits the system's Hamiltonian and compiles the step.
     ///
     /// # Errors
-    /// [`BuildError::DoesNotFit`] with the term of H that has no exact flow,
+    /// [`BuildError::DoesNotFit`] with the term of H that has no exact flow, or where flows cancel,
     /// [`BuildError::Algebra`] where a formula is outside the algebra.
     pub fn new(system: &PoissonSystem) -> Result<Self, BuildError> {
         let system = system.formulas(INFO.name)?;
         let mut ring = Ring::new(system.dimension());
-        let mut pieces = find_pieces(system, &mut ring)?;
+        let pieces = find_pieces(system, &mut ring)?;
+        let mut pieces = settled(system, &ring, pieces)?;
         costliest_last(system, &ring, &mut pieces)?;
         let mut graph = Graph::new();
         let increment = increment_code(&mut graph, system, &ring, &pieces, &STRANG)?;

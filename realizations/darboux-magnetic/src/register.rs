@@ -16,7 +16,8 @@ pub(crate) static INFO: PartInfo = PartInfo {
     summary: "the constant realization in Darboux coordinates P = p - A(x) of a magnetic bracket",
     declares: "exact; self-adjoint",
     domain: "all points where A is defined; {x_i, p_j} = -delta_ij or +delta_ij, {p_i, p_j} = \
-             B_ij(x) with a global vector potential A",
+             B_ij(x) with a global vector potential A: P_i = p_i - A_i commute; over a scene's \
+             `magnetic-field` B, whose force is v' = v x B, that is curl A = -B",
     literature: "J. E. Marsden, T. S. Ratiu, Introduction to Mechanics and Symmetry (1999), \
                  section 6.7; Cabrera, Martin de Diego, Vaquero, Approximating Symplectic \
                  Realizations (2024), Example 3",

@@ -41,7 +41,7 @@ impl StructureConstants {
                 if ring.generator(symbol).is_some() {
                     return Err(not_linear(system, i, j));
                 }
-                places.push([i, j, usize::from(symbol)]);
+                places.push([i, j, symbol as usize]);
                 constants.push(Polynomial::constant(coefficient.clone()));
             }
         }

@@ -178,7 +178,9 @@ fn a_step_past_the_wall_is_refused() {
     let outcome = run(&system, &map, 40.0, 1, &[1.0, 3.0, 3.0]);
     let refused = matches!(
         outcome,
-        Err(StepError::LeftChart { .. } | StepError::NoConvergence { .. })
+        Err(StepError::LeftChart { .. }
+            | StepError::NoConvergence { .. }
+            | StepError::OtherBranch { .. })
     );
     assert!(refused, "{outcome:?}");
 }

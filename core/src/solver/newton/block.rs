@@ -5,9 +5,10 @@ use leafwise_expression::Workspace;
 use super::convergence::{Convergence, Next};
 use super::kernel::NewtonKernel;
 use crate::error::StepError;
-use crate::solver::SolverStatistics;
 use crate::solver::elimination::{ANY, Factors, Rows, dimension};
 use crate::solver::extrapolation::{DEPTH, Extrapolation};
+use crate::solver::judge::{Allowed, WANDERING, Watch, inside_chart, larger, relative};
+use crate::solver::{Branch, SolverStatistics};
 
 /// Evaluations of one step. A smooth orbit takes 1 to 4, a cold start at a large step a dozen, one at a
 /// thousand times the size of a chart fifty.
@@ -32,6 +33,9 @@ type Row<const W: usize> = [f64; W];
 /// itself where it is known, so that they stay in registers.
 pub(super) struct Block<const W: usize, const D: usize, V, M> {
     kernel: NewtonKernel,
+    parameters: Vec<f64>,
+    epsilon: f64,
+    h: f64,
     dimension: usize,
     most_chords: u32,
     full: Workspace,
@@ -53,6 +57,10 @@ pub(super) struct Block<const W: usize, const D: usize, V, M> {
     extrapolation: Extrapolation<W>,
     lanes: [Lane; W],
     outcome: [Result<(), StepError>; W],
+    /// Room for the path to a lane's solution, and its start.
+    branch: Branch,
+    from: Vec<f64>,
+    found: Vec<f64>,
 }
 
 /// What a lane's solve is about.
@@ -65,6 +73,23 @@ struct Lane {
     anchored: bool,
     /// Evaluations with Jacobians in this step.
     jacobians: u32,
+    /// Whether the Jacobian that is there is far from the identity.
+    is_anchor_far: bool,
+    watch: Watch,
+    /// What an increment may be to serve as a scale.
+    allowed: Allowed,
+}
+
+impl Lane {
+    const NEW: Self = Self {
+        convergence: Convergence::new(),
+        next: Next::Done,
+        anchored: false,
+        jacobians: 0,
+        is_anchor_far: false,
+        watch: Watch::NEW,
+        allowed: Allowed::new(0.0),
+    };
 }
 
 impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
@@ -77,6 +102,9 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             workspace
         };
         Self {
+            parameters: parameters.to_vec(),
+            epsilon,
+            h,
             dimension: d,
             most_chords: kernel.most_chords(),
             full: prepared(&kernel.full),
@@ -94,19 +122,29 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             scale: V::zeros(d),
             guard: [0.0; W],
             extrapolation: Extrapolation::new(d, DEPTH),
-            lanes: [Lane {
-                convergence: Convergence::new(),
-                next: Next::Done,
-                anchored: false,
-                jacobians: 0,
-            }; W],
+            lanes: [Lane::NEW; W],
             outcome: [const { Ok(()) }; W],
+            branch: Branch::new(d),
+            from: vec![0.0; d],
+            found: vec![0.0; d],
         }
     }
 
     /// The increments of the step from x + low.
     fn step(&mut self) {
         self.start();
+        self.iterate();
+        for w in 0..W {
+            if self.lanes[w].watch.wanders() || self.outcome[w].is_err() {
+                self.settle(w);
+            }
+        }
+        self.finish();
+    }
+
+    /// Until every lane is done.
+    #[inline(always)]
+    fn iterate(&mut self) {
         loop {
             let newton = self.lanes.map(|lane| lane.next == Next::Newton);
             let chord = self.lanes.map(|lane| lane.next == Next::Chord);
@@ -129,7 +167,6 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             self.correct(&newton, &chord);
             self.judge(&newton, &chord);
         }
-        self.finish();
     }
 
     /// The predicted solutions, and the kernel that each lane evaluates there.
@@ -142,9 +179,11 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         let (anchor, scale) = (&self.anchor.as_ref()[..d], &self.scale.as_ref()[..d]);
         let mut distance = [0.0_f64; W];
         let mut outgrown = [false; W];
+        let mut allowed = [0.0_f64; W];
         for i in 0..d {
             for w in 0..W {
                 y[i][w] = x[i][w] + correction[i][w];
+                allowed[w] = allowed[w].max(x[i][w].abs() + correction[i][w].abs());
                 let (y, anchor, scale) = (y[i][w], anchor[i][w], scale[i][w]);
                 let away = (y - anchor).abs();
                 distance[w] = larger(distance[w], relative(away, scale));
@@ -155,6 +194,10 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             let distance = (lane.anchored && !outgrown[w]).then_some(distance[w]);
             lane.next = lane.convergence.start(distance, self.most_chords);
             lane.jacobians = 0;
+            lane.allowed = Allowed::new(allowed[w]);
+            lane.watch.begin();
+            lane.watch
+                .take(lane.next == Next::Chord && lane.is_anchor_far);
             self.outcome[w] = Ok(());
         }
     }
@@ -185,8 +228,11 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         let singular = self.factors.factor::<D>(target, newton);
         for w in 0..W {
             if newton[w] {
-                self.lanes[w].jacobians += 1;
-                self.lanes[w].anchored = !singular[w];
+                let lane = &mut self.lanes[w];
+                lane.jacobians += 1;
+                lane.anchored = !singular[w];
+                lane.is_anchor_far = !self.factors.is_near_identity::<D>(w);
+                lane.watch.take(lane.is_anchor_far);
             }
         }
     }
@@ -209,7 +255,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         );
         let (slope, scale) = (&self.slope.as_ref()[..d * d], &mut self.scale.as_mut()[..d]);
         let active: [bool; W] = std::array::from_fn(|w| newton[w] || chord[w]);
-        let mut state = [0.0_f64; W];
+        let mut grown = [0.0_f64; W];
         for i in 0..d {
             let value = |at: usize, w: usize| {
                 if newton[w] {
@@ -226,12 +272,19 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                 } else {
                     increment[i][w]
                 };
-                state[w] = state[w].max(x[i][w].abs() + increment[i][w].abs());
+                grown[w] = grown[w].max(increment[i][w].abs());
             }
         }
         self.factors.solve::<D>(correction);
         // A component may be the round-off of what the others put into it, Σ_j |D − 1|_ij |y_j|;
-        // never that of more than the state, however large a step is tried.
+        // never that of more than the state, however large a step is tried. Its increment may be far
+        // larger than the state where the iterate is far off: beside it every correction is small.
+        for (w, lane) in self.lanes.iter_mut().enumerate() {
+            if active[w] {
+                lane.allowed.take(grown[w]);
+            }
+        }
+        let allowed: [Allowed; W] = std::array::from_fn(|w| self.lanes[w].allowed);
         for i in 0..d {
             let mut reach = [0.0_f64; W];
             for j in 0..d {
@@ -240,8 +293,8 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                 }
             }
             for w in 0..W {
-                let own = x[i][w].abs() + increment[i][w].abs();
-                let judged = own + reach[w].min(state[w]);
+                let own = x[i][w].abs() + allowed[w].scale(increment[i][w]);
+                let judged = own + reach[w].min(allowed[w].size());
                 scale[i][w] = if active[w] { judged } else { scale[i][w] };
             }
         }
@@ -306,6 +359,9 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             let largest = |rows: &[Row<W>]| rows.iter().fold(0.0_f64, |m, row| m.max(row[w].abs()));
             largest(correction) / largest(scale)
         };
+        if size >= 0.5 * lane.convergence.last && size > WANDERING && norm() > WANDERING {
+            lane.watch.take(true);
+        }
         let next = if size.is_finite() && lane.anchored {
             lane.convergence
                 .judge(size, norm, is_newton, self.most_chords)
@@ -323,9 +379,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             Next::Newton
         };
         match next {
-            Next::Done if self.guard[w] >= 1.0 => Err(StepError::LeftChart {
-                ratio: self.guard[w],
-            }),
+            Next::Done => inside_chart(self.guard[w]).map(|()| Next::Done),
             Next::Newton | Next::Chord if lane.convergence.evaluations >= MOST_EVALUATIONS => {
                 Err(StepError::NoConvergence {
                     evaluations: MOST_EVALUATIONS as usize,
@@ -334,6 +388,96 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             }
             next => Ok(next),
         }
+    }
+
+    /// Makes sure that a lane's solution is the one connected with the state, and takes that where the
+    /// solve found another or none.
+    #[cold]
+    fn settle(&mut self, w: usize) {
+        let d = self.dimension;
+        if let Err(error) = &self.outcome[w]
+            && !error.is_of_a_solve()
+        {
+            return;
+        }
+        let (x, low) = (self.x.as_ref(), self.low.as_ref());
+        for i in 0..d {
+            self.from[i] = x[i][w];
+            self.found[i] = self.y.as_ref()[i][w];
+        }
+        let (kernel, full, y, from) = (
+            &self.kernel.full,
+            &mut self.full,
+            self.y.as_mut(),
+            &self.from,
+        );
+        let (parameters, epsilon, h) = (&self.parameters, self.epsilon, self.h);
+        let prepare = |full: &mut Workspace, part: f64| {
+            kernel.prepare(full, parameters, &[epsilon; W], &[part * h; W]);
+        };
+        let (mut spent, mut prepared) = (0, 1.0);
+        let path = self
+            .branch
+            .follow(from, from, &mut spent, |part, point, residual, jacobian| {
+                if part != prepared {
+                    prepare(full, part);
+                    prepared = part;
+                }
+                for i in 0..d {
+                    y[i][w] = point[i];
+                }
+                kernel.evaluate_rows(full, y);
+                let (ends, rest) = kernel.output_rows::<W>(full).split_at(3 * d);
+                for i in 0..d {
+                    residual[i] = from[i] - ends[i][w] - ends[d + i][w] + low[i][w];
+                }
+                for (entry, row) in jacobian.iter_mut().zip(rest) {
+                    *entry = row[w];
+                }
+                let mut values = residual.iter().chain(jacobian.iter());
+                if !values.all(|value| value.is_finite()) {
+                    return Err(StepError::NonFinite {
+                        what: "a Newton correction",
+                    });
+                }
+                let (first, last) = rest[2 * d * d..].split_at((rest.len() - 2 * d * d) / 2);
+                inside_chart(guard_ratio(first, last)[w])
+            });
+        if prepared != 1.0 {
+            prepare(full, 1.0);
+        }
+        let is_found = self.outcome[w].is_ok() && self.branch.ends_at(&self.found);
+        let goal = match (&path, is_found) {
+            (Ok(()), false) => self.branch.end(),
+            _ => &self.found,
+        };
+        for (y, goal) in self.y.as_mut().iter_mut().zip(goal) {
+            y[w] = *goal;
+        }
+        self.lanes[w].jacobians += u32::try_from(spent).unwrap_or(u32::MAX);
+        match path {
+            Ok(()) if is_found => {}
+            Ok(()) => {
+                let before = self.lanes[w].convergence.evaluations;
+                self.lanes[w].next = self.lanes[w].convergence.start(None, 0);
+                self.outcome[w] = Ok(());
+                self.iterate();
+                self.lanes[w].convergence.evaluations += before;
+                for (found, y) in self.found.iter_mut().zip(self.y.as_ref()) {
+                    *found = y[w];
+                }
+                if self.outcome[w].is_ok() && !self.branch.ends_at(&self.found) {
+                    self.outcome[w] = Err(StepError::OtherBranch { reached: 1.0 });
+                }
+            }
+            // A state that has no value says so already.
+            Err(error) => {
+                if self.outcome[w].is_ok() || matches!(error, StepError::OtherBranch { .. }) {
+                    self.outcome[w] = Err(error);
+                }
+            }
+        }
+        self.lanes[w].convergence.evaluations += u32::try_from(spent).unwrap_or(u32::MAX);
     }
 
     /// Records the steps that were taken; a lane that failed forgets its history.
@@ -444,6 +588,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Trajectories for Bl
     fn restart(&mut self) {
         for (w, lane) in self.lanes.iter_mut().enumerate() {
             lane.convergence = Convergence::new();
+            lane.watch = Watch::NEW;
             lane.anchored = false;
             self.extrapolation.clear(w);
         }
@@ -452,12 +597,15 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Trajectories for Bl
     fn memory(&self, lane: usize, into: &mut Vec<f64>) {
         let Lane {
             convergence,
+            watch,
             anchored,
             ..
         } = &self.lanes[lane];
         into.extend([
             convergence.constant,
             convergence.first,
+            convergence.seen,
+            watch.memory(),
             if *anchored { 1.0 } else { 0.0 },
         ]);
         for rows in [self.anchor.as_ref(), self.scale.as_ref()] {
@@ -470,28 +618,33 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Trajectories for Bl
     }
 
     fn memory_len(&self) -> usize {
-        3 + 2 * self.dimension + self.extrapolation.memory_len()
+        5 + 2 * self.dimension + self.extrapolation.memory_len()
     }
 
     fn restore(&mut self, lane: usize, memory: &[f64]) {
         let d = self.dimension;
-        let (own, memory) = memory.split_at(3);
+        let (own, memory) = memory.split_at(5);
         let (anchor, memory) = memory.split_at(d);
         let (scale, history) = memory.split_at(d);
         let convergence = &mut self.lanes[lane].convergence;
         *convergence = Convergence::new();
         (convergence.constant, convergence.first) = (own[0], own[1]);
+        convergence.seen = own[2];
+        let steps = own[3];
         for i in 0..d {
             self.y.as_mut()[i][lane] = anchor[i];
             self.scale.as_mut()[i][lane] = scale[i];
         }
         self.extrapolation.restore(lane, history);
-        if own[2] != 0.0 {
+        if own[4] != 0.0 {
             let only = std::array::from_fn(|w| w == lane);
             self.evaluate_full(&only);
         } else {
             self.lanes[lane].anchored = false;
         }
+        // The Jacobian's own evaluation is no step.
+        self.lanes[lane].watch = Watch::NEW;
+        self.lanes[lane].watch.restore(steps);
     }
 }
 
@@ -503,25 +656,10 @@ fn select<const W: usize>(mask: &[bool; W], kept: &mut Row<W>, value: &Row<W>) {
     }
 }
 
-/// max that keeps NaN.
-#[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b || a.is_nan() { a } else { b }
-}
-
-/// size/(scale + size), 0 for 0: a component that has no scale yet counts as 1.
-#[inline(always)]
-fn relative(size: f64, scale: f64) -> f64 {
-    if size == 0.0 {
-        0.0
-    } else {
-        size / (scale + size)
-    }
-}
-
-/// max |last| over max |first|, 0 where the last is 0.
+/// max |last| over max |first|, 0 where the last is 0; NaN where one is.
 fn guard_ratio<const W: usize>(first: &[Row<W>], last: &[Row<W>]) -> Row<W> {
-    let size = |rows: &[Row<W>], w: usize| rows.iter().fold(0.0_f64, |m, row| m.max(row[w].abs()));
+    let size =
+        |rows: &[Row<W>], w: usize| rows.iter().fold(0.0_f64, |m, row| larger(m, row[w].abs()));
     std::array::from_fn(|w| match (size(first, w), size(last, w)) {
         (_, 0.0) => 0.0,
         (first, last) => last / first,
@@ -566,5 +704,28 @@ pub(super) fn trajectories<const W: usize>(
         4 => block!(4, [Row<W>; 4], [Row<W>; 16]),
         6 => block!(6, [Row<W>; 6], [Row<W>; 36]),
         _ => block!(ANY, Vec<Row<W>>, Vec<Row<W>>),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::guard_ratio;
+    use crate::solver::judge::inside_chart;
+
+    #[test]
+    fn a_guard_that_is_no_number_is_outside_the_chart() {
+        let guard = |first: [f64; 2], last: [f64; 2]| {
+            let rows = |values: [f64; 2]| values.map(|value| [value]);
+            inside_chart(guard_ratio(&rows(first), &rows(last))[0]).is_ok()
+        };
+        assert!(guard([1.0, 2.0], [0.5, 1.5]));
+        assert!(guard([0.0, 0.0], [0.0, 0.0]));
+        assert!(!guard([1.0, 2.0], [0.5, 2.5]));
+        for bad in [f64::NAN, f64::INFINITY] {
+            assert!(!guard([1.0, 2.0], [0.5, bad]));
+            assert!(!guard([1.0, 2.0], [bad, 0.5]));
+        }
+        assert!(!guard([f64::NAN, 2.0], [0.5, 0.5]));
+        assert!(!guard([2.0, f64::NAN], [0.5, 0.5]));
     }
 }

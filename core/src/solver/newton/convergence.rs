@@ -1,14 +1,22 @@
 //! When a solve is done, and which of its two kernels comes next.
 
-use crate::solver::LARGEST_REMAINDER;
-use crate::solver::iteration::NORMWISE_ROUND_OFF;
+use crate::solver::judge::{LARGEST_REMAINDER, NORMWISE_ROUND_OFF, ROUND_OFF, ULPS, larger};
 
 /// How much larger than the observed convergence constant the true one may be: the increment's own
 /// remainder is up to three times the solution's, and along the orbit the constant changes.
 const SAFETY: f64 = 16.0;
 
-/// Below this a correction is too much round-off to observe the constant by.
-const OBSERVABLE: f64 = 16.0 * f64::EPSILON;
+/// Below this a correction is too much round-off to observe the constant by: it bounds it.
+const OBSERVABLE: f64 = ULPS;
+
+/// The smallest constant that a decision relies on. A solve that ends after its first correction
+/// observes nothing; however small the constant was where it was last observed, such a correction is
+/// at most 5e-10, and leaves C times 1/512 of a unit roundoff where C has grown to be larger than 1.
+const LEAST_CONSTANT: f64 = 1.0 / 16.0;
+
+/// A first correction whose (2D + δ)δ is larger by this than where the constant was last observed, one
+/// about four times as large, is followed by another: to observe it again.
+const OUTGROWN: f64 = 16.0;
 
 /// What comes after a correction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,25 +41,30 @@ pub(super) struct Convergence {
     pub(super) first: f64,
     /// D.
     distance: f64,
-    last: f64,
-    /// (2D + δ)δ of the last correction.
+    pub(super) last: f64,
+    /// (2D + δ)δ of the last correction, and of the first of the last step that made two.
     spread: f64,
+    pub(super) seen: f64,
     /// How many corrections in a row did not shrink.
     stuck: u32,
     pub(super) evaluations: u32,
+    /// Whether the solve ended with the whole state at round-off while a small component was not.
+    pub(super) is_round_off: bool,
 }
 
 impl Convergence {
     /// Nothing observed.
-    pub(super) fn new() -> Self {
+    pub(super) const fn new() -> Self {
         Self {
             constant: f64::INFINITY,
             first: f64::INFINITY,
             distance: f64::INFINITY,
             last: f64::INFINITY,
             spread: f64::INFINITY,
+            seen: 0.0,
             stuck: 0,
             evaluations: 0,
+            is_round_off: false,
         }
     }
 
@@ -63,6 +76,7 @@ impl Convergence {
         self.spread = f64::INFINITY;
         self.stuck = 0;
         self.evaluations = 0;
+        self.is_round_off = false;
         match distance {
             Some(distance) if self.chords(distance, self.first, most_chords) => {
                 self.distance = distance;
@@ -90,26 +104,22 @@ impl Convergence {
         if is_newton {
             self.distance = 0.0;
         }
-        if self.spread.is_finite() && self.spread > 0.0 && size > OBSERVABLE {
-            let observed = size / self.spread;
-            // Only a fresh observation may lower the constant, and slowly.
-            self.constant = if self.constant.is_finite() {
-                observed.max(0.9 * self.constant)
-            } else {
-                observed
-            };
+        if self.spread.is_finite() && self.spread > 0.0 {
+            self.observe(size);
         }
         let is_stuck = size >= 0.5 * self.last;
         self.stuck = if is_stuck { self.stuck + 1 } else { 0 };
         self.last = size;
         self.spread = (2.0 * self.distance + size) * size;
-        let remainder = self.constant * self.spread;
-        let stagnates = is_stuck && size <= 64.0 * f64::EPSILON;
-        if size <= LARGEST_REMAINDER
-            || SAFETY * remainder <= LARGEST_REMAINDER
-            || stagnates
-            || self.stuck >= 2 && norm() <= NORMWISE_ROUND_OFF
-        {
+        let remainder = larger(self.constant, LEAST_CONSTANT) * self.spread;
+        let is_observed = self.evaluations > 1 || self.spread <= OUTGROWN * self.seen;
+        // By an old Jacobian corrections may shrink slowly; by a new one they do not.
+        let noise = if is_newton { ROUND_OFF } else { ULPS };
+        let is_done = size <= LARGEST_REMAINDER
+            || is_observed && SAFETY * remainder <= LARGEST_REMAINDER
+            || is_stuck && size <= noise;
+        self.is_round_off = !is_done && self.stuck >= 2 && norm() <= NORMWISE_ROUND_OFF;
+        if is_done || self.is_round_off {
             return Next::Done;
         }
         self.distance += size;
@@ -120,11 +130,29 @@ impl Convergence {
         }
     }
 
+    /// Takes in what a correction left, the size of the next: C, or a bound of it where that is
+    /// round-off. Only a fresh observation may lower the constant, and slowly.
+    #[inline(always)]
+    fn observe(&mut self, size: f64) {
+        if self.evaluations == 2 {
+            self.seen = self.spread;
+        }
+        let observed = larger(size, OBSERVABLE) / self.spread;
+        let lowered = larger(observed, 0.9 * self.constant);
+        self.constant = if self.constant.is_infinite() {
+            observed
+        } else if size > OBSERVABLE || lowered < self.constant {
+            lowered
+        } else {
+            self.constant
+        };
+    }
+
     /// Whether `most` corrections by a Jacobian taken at `distance` reduce `error` to nothing. Each
     /// multiplies it by 2CD.
     #[inline(always)]
     fn chords(&self, distance: f64, error: f64, most: u32) -> bool {
-        let rate = 2.0 * self.constant * distance;
+        let rate = 2.0 * larger(self.constant, LEAST_CONSTANT) * distance;
         let mut error = SAFETY * error;
         for _ in 0..most {
             error *= rate;
@@ -143,7 +171,7 @@ mod tests {
     /// A lane whose Jacobian is a distance D off, with C = 1: a correction δ leaves 2Dδ.
     fn away(distance: f64) -> Convergence {
         let mut lane = Convergence::new();
-        (lane.constant, lane.first) = (1.0, 0.0);
+        (lane.constant, lane.first, lane.seen) = (1.0, 0.0, f64::INFINITY);
         assert_eq!(lane.start(Some(distance), 4), Next::Chord);
         lane
     }
@@ -168,5 +196,26 @@ mod tests {
         let size = 4.0 * f64::EPSILON;
         assert_ne!(lane.judge(size, || f64::INFINITY, false, 4), Next::Done);
         assert_eq!(lane.judge(size, || f64::INFINITY, false, 4), Next::Done);
+    }
+
+    /// A constant observed where the map is nearly linear says nothing of where it is not: a first
+    /// correction that outgrows the last one observed is followed by another.
+    #[test]
+    fn a_stale_constant_does_not_end_a_solve() {
+        let mut lane = Convergence::new();
+        let judge = |lane: &mut Convergence, sizes: &[f64]| {
+            lane.start(None, 4);
+            let mut sizes = sizes.iter();
+            sizes.position(|size| lane.judge(*size, || f64::INFINITY, true, 4) == Next::Done)
+        };
+        // Nearly linear: 1e-4, then nothing but round-off.
+        assert_eq!(judge(&mut lane, &[1e-4, 1e-17, 1e-18, 0.0]), Some(1));
+        assert!(lane.constant <= 1e-7, "{:e}", lane.constant);
+        // The same again needs no second correction to be small, but one to be seen.
+        assert_eq!(judge(&mut lane, &[1e-10]), Some(0));
+        // It grows, and what it leaves with it: C = 100.
+        assert_eq!(judge(&mut lane, &[1e-6, 1e-10, 1e-18, 0.0]), Some(2));
+        assert!(lane.constant >= 50.0, "{:e}", lane.constant);
+        assert_eq!(judge(&mut lane, &[1e-9, 1e-16, 0.0]), Some(1));
     }
 }

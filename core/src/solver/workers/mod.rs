@@ -10,8 +10,10 @@ mod solve;
 use evaluation::Evaluation;
 use solve::{Means, Progress, Solve};
 
-use super::{Lockstep, Taken};
+use super::judge::Watch;
+use super::{Branch, Lockstep, Taken};
 use crate::dynamics::{BisectionWorker, Correction};
+use crate::error::StepError;
 use crate::realization::RealizationWorker;
 
 /// Solves β̂(L(y)) = x with workers of a realization and a bisection.
@@ -30,6 +32,9 @@ pub(crate) struct Workers {
     /// D(β̂∘L) and D((α̂−β̂)∘L) of one of them.
     target: Vec<f64>,
     change: Vec<f64>,
+    /// Room for the path to a trajectory's solution.
+    branch: Branch,
+    first: Vec<f64>,
 }
 
 impl Workers {
@@ -57,6 +62,8 @@ impl Workers {
             active: Vec::with_capacity(count),
             target: vec![0.0; d * d],
             change: vec![0.0; d * d],
+            branch: Branch::new(if means == Means::Newton { d } else { 0 }),
+            first: vec![0.0; d],
         }
     }
 
@@ -84,7 +91,9 @@ impl Workers {
                 Ok(Progress::Iterates) => true,
                 Ok(Progress::Solved) => {
                     taken.evaluations += u64::from(own.is_last);
-                    own.finish(self.means, x, ends, &self.change, increment);
+                    if let Err(error) = own.finish(self.means, x, ends, &self.change, increment) {
+                        taken.fail(error);
+                    }
                     false
                 }
                 Err(error) => {
@@ -93,6 +102,83 @@ impl Workers {
                 }
             }
         });
+    }
+
+    /// Makes sure that a solution is the one connected with the state, and takes that where the solve
+    /// found another or none. Without tangents the solve begins once more at the state itself.
+    #[cold]
+    fn settle(
+        &mut self,
+        at: usize,
+        (x, low): (&[f64], &[f64]),
+        increment: &mut [f64],
+        taken: &mut [Taken],
+    ) {
+        let d = self.dimension;
+        let own = &mut self.trajectories[at];
+        let state = &x[at * d..][..d];
+        let is_solved = taken[at].outcome.is_ok();
+        if self.means == Means::Newton {
+            let (evaluation, active) = (&mut self.evaluation, &mut self.active);
+            let (low, change) = (&low[at * d..][..d], &mut self.change);
+            // −F at the state, of which less and less is left.
+            let first = &mut self.first;
+            let mut has_begun = false;
+            let evaluate =
+                |part: f64, point: &[f64], residual: &mut [f64], jacobian: &mut [f64]| {
+                    evaluation.place(0, point);
+                    active.clear();
+                    active.push(0);
+                    let mut alone = [Taken::NOTHING];
+                    evaluation.evaluate(active, &mut alone, true);
+                    let [Taken { outcome, .. }] = alone;
+                    outcome?;
+                    let ends = evaluation.ends(0);
+                    for i in 0..d {
+                        residual[i] = state[i] - ends[i] - ends[d + i] + low[i];
+                    }
+                    if !has_begun {
+                        first.copy_from_slice(residual);
+                        has_begun = true;
+                    }
+                    for (residual, first) in residual.iter_mut().zip(first.iter()) {
+                        *residual -= (1.0 - part) * first;
+                    }
+                    evaluation.tangents(0, jacobian, change);
+                    let mut values = residual.iter().chain(jacobian.iter());
+                    if values.all(|value| value.is_finite()) {
+                        return Ok(());
+                    }
+                    Err(StepError::NonFinite {
+                        what: "a Newton correction",
+                    })
+                };
+            let spent = &mut taken[at].evaluations;
+            match self.branch.follow(state, state, spent, evaluate) {
+                Ok(()) if is_solved && self.branch.ends_at(&own.y) => return,
+                Ok(()) => own.begin_at(state, self.branch.end()),
+                Err(error) => {
+                    if is_solved || matches!(error, StepError::OtherBranch { .. }) {
+                        taken[at].outcome = Err(error);
+                    }
+                    return;
+                }
+            }
+        } else if own.extrapolation.is_cold(0) {
+            return;
+        } else {
+            own.begin_at(state, state);
+        }
+        taken[at].outcome = Ok(());
+        self.active.clear();
+        self.active.push(at);
+        while !self.active.is_empty() {
+            self.advance(x, low, increment, taken);
+        }
+        let y = &self.trajectories[at].y;
+        if self.means == Means::Newton && taken[at].outcome.is_ok() && !self.branch.ends_at(y) {
+            taken[at].outcome = Err(StepError::OtherBranch { reached: 1.0 });
+        }
     }
 
     /// α̂(L(x)) − x.
@@ -128,6 +214,20 @@ impl Lockstep for Workers {
         while !self.active.is_empty() {
             self.advance(x, low, increment, taken);
         }
+        for at in 0..self.trajectories.len() {
+            let is_open = match &taken[at].outcome {
+                Ok(()) => self.means == Means::Newton && self.trajectories[at].watch.wanders(),
+                Err(error) => {
+                    error.is_of_a_solve() || matches!(error, StepError::OtherBranch { .. })
+                }
+            };
+            if is_open {
+                self.settle(at, (x, low), increment, taken);
+            }
+            if taken[at].outcome.is_ok() {
+                self.trajectories[at].record();
+            }
+        }
     }
 
     fn solution(&self, at: usize) -> Option<&[f64]> {
@@ -157,19 +257,21 @@ impl Lockstep for Workers {
 
     fn restart(&mut self, at: usize) {
         self.trajectories[at].extrapolation.clear(0);
+        self.trajectories[at].watch = Watch::NEW;
         self.evaluation.restart();
     }
 
     fn memory(&self, at: usize) -> Vec<f64> {
-        let mut memory = Vec::new();
+        let mut memory = vec![self.trajectories[at].watch.memory()];
         self.trajectories[at].extrapolation.memory(0, &mut memory);
         memory.extend(self.evaluation.memory());
         memory
     }
 
     fn restore(&mut self, at: usize, memory: &[f64]) {
+        self.trajectories[at].watch.restore(memory[0]);
         let extrapolation = &mut self.trajectories[at].extrapolation;
-        let (history, parts) = memory.split_at(extrapolation.memory_len());
+        let (history, parts) = memory[1..].split_at(extrapolation.memory_len());
         extrapolation.restore(0, history);
         self.evaluation.restore(parts);
     }

@@ -2,7 +2,9 @@
 
 use crate::error::StepError;
 use crate::solver::extrapolation::DEPTH;
-use crate::solver::iteration::{CorrectionSize, LinearIteration, Verdict};
+use crate::solver::judge::{
+    Allowed, CorrectionSize, LinearIteration, Verdict, Watch, is_between, largest,
+};
 use crate::solver::linear::{DenseFactors, elimination_operations, substitution_operations};
 use crate::solver::{Anderson, Extrapolation};
 
@@ -40,6 +42,9 @@ pub(super) struct Solve {
     scales: Vec<f64>,
     factors: DenseFactors,
     iteration: LinearIteration,
+    allowed: Allowed,
+    last: f64,
+    pub(super) watch: Watch,
     anderson: Anderson,
     /// Operations of the products and solves.
     pub(super) linear: u64,
@@ -57,6 +62,9 @@ impl Solve {
             scales: vec![0.0; d],
             factors: DenseFactors::new(d),
             iteration: LinearIteration::new(MOST_EVALUATIONS),
+            allowed: Allowed::new(0.0),
+            last: f64::INFINITY,
+            watch: Watch::NEW,
             anderson: Anderson::new(d),
             linear: 0,
         }
@@ -64,14 +72,28 @@ impl Solve {
 
     /// Begins a step.
     pub(super) fn begin(&mut self, x: &[f64]) {
+        self.watch.begin();
         self.extrapolation
             .predict(self.displacement.as_chunks_mut().0);
+        self.begin_at_displacement(x);
+    }
+
+    /// Begins anew at a point.
+    pub(super) fn begin_at(&mut self, x: &[f64], y: &[f64]) {
+        for (i, displacement) in self.displacement.iter_mut().enumerate() {
+            *displacement = y[i] - x[i];
+        }
+        self.begin_at_displacement(x);
+    }
+
+    fn begin_at_displacement(&mut self, x: &[f64]) {
         for (i, y) in self.y.iter_mut().enumerate() {
             *y = x[i] + self.displacement[i];
         }
         self.anderson.clear();
         self.iteration = LinearIteration::new(MOST_EVALUATIONS);
-        self.is_last = false;
+        self.allowed = Allowed::new(largest(x) + largest(&self.displacement));
+        (self.last, self.is_last) = (f64::INFINITY, false);
     }
 
     /// Takes in the ends at y, base, offset and increment, and for Newton's method D(β̂∘L), and corrects
@@ -100,11 +122,13 @@ impl Solve {
                     what: "a Newton correction",
                 });
             }
+            self.watch.take(!self.factors.is_near_identity());
             self.factors.solve(&mut self.residual);
         }
         let mut correction = CorrectionSize::default();
+        self.allowed.take(largest(&ends[2 * d..]));
         for i in 0..d {
-            self.scales[i] = x[i].abs() + ends[2 * d + i].abs();
+            self.scales[i] = x[i].abs() + self.allowed.scale(ends[2 * d + i]);
             correction.take(self.residual[i], self.scales[i]);
         }
         if means == Means::Acceleration {
@@ -114,6 +138,8 @@ impl Solve {
             correction.take(self.residual[i], self.scales[i]);
             self.y[i] += self.residual[i];
         }
+        self.watch.take(correction.wanders(self.last));
+        self.last = correction.component();
         if self.iteration.judge_correction(&correction)? != Verdict::Converged {
             return Ok(Progress::Iterates);
         }
@@ -128,7 +154,10 @@ impl Solve {
     }
 
     /// Writes α̂ − β̂ at the solution, by `change` = D((α̂−β̂)∘L) to first order in Newton's last correction,
-    /// and remembers y − x.
+    /// and y − x.
+    ///
+    /// # Errors
+    /// [`StepError::OtherBranch`] where y is not of a step from x with this increment.
     pub(super) fn finish(
         &mut self,
         means: Means,
@@ -136,7 +165,7 @@ impl Solve {
         ends: &[f64],
         change: &[f64],
         increment: &mut [f64],
-    ) {
+    ) -> Result<(), StepError> {
         let d = x.len();
         for i in 0..d {
             let first_order: f64 = if means == Means::Newton {
@@ -148,10 +177,21 @@ impl Solve {
             increment[i] = ends[2 * d + i] + first_order;
             self.displacement[i] = self.y[i] - x[i];
         }
-        if increment.iter().all(|v| v.is_finite()) {
-            self.extrapolation
-                .record(self.displacement.as_chunks_mut().0, &[true]);
+        if !increment.iter().all(|v| v.is_finite()) {
+            return Err(StepError::NonFinite {
+                what: "the increment",
+            });
         }
+        if !is_between(x, &self.y, increment) {
+            return Err(StepError::OtherBranch { reached: 0.0 });
+        }
+        Ok(())
+    }
+
+    /// Remembers y − x for the steps to come.
+    pub(super) fn record(&mut self) {
+        self.extrapolation
+            .record(self.displacement.as_chunks_mut().0, &[true]);
     }
 
     pub(super) fn operations(&self) -> u64 {

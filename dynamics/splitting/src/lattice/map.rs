@@ -16,6 +16,7 @@ use crate::code::flow_increment;
 use crate::factor::{Factor, Splits};
 use crate::piece::Piece;
 use crate::register::INFO;
+use crate::rounding::settled;
 use crate::schedule::{Flow, STRANG, passes};
 
 /// The most sites of a cell that are tried.
@@ -113,6 +114,7 @@ impl LatticeSplitting {
         let Some(pieces) = find_repeating_pieces(source, &proxy_cells, system, &mut ring)? else {
             return Ok(None);
         };
+        let pieces = settled(system, &ring, pieces)?;
         let (builder, [state, sum]) = write_flows(&proxy_cells, &ring, &pieces)?;
         let program = LatticeProgram::compile(
             cells.rows(),

@@ -88,7 +88,7 @@ fn place(
             .unwrap_or_else(|| Piece::empty(dimension));
         let mut fits = true;
         for atom in unit {
-            fits = fits && piece.add(ring, &atom.hamiltonian, &atom.field)?.is_ok();
+            fits = fits && piece.add(ring, atom)?.is_ok();
         }
         if fits {
             match pieces.get_mut(at) {
@@ -118,7 +118,7 @@ fn site_atoms(
         .flat_map(|d| site_summands(&d.site))
     {
         let f = summand.evaluate_in(ring, &mut |ring: &mut Ring, at| Ok(ring.variable(at)))?;
-        for atom in atoms(system, ring, tensor, f)? {
+        for atom in atoms(system, ring, tensor, f, &summand)? {
             let name = |variable: usize| {
                 let (family, other) = cells.sites().locate(variable);
                 format!("{family}@{}", cells.sites().shift(site, other))
@@ -178,7 +178,7 @@ impl Key<'_> {
 
     fn symbol(&self, symbol: Symbol) -> String {
         let Some(generator) = self.ring.generator(symbol) else {
-            return (self.name)(usize::from(symbol));
+            return (self.name)(symbol as usize);
         };
         let mut text = match generator {
             Generator::Inverse(_) => "1/".to_owned(),

@@ -1,7 +1,7 @@
 //! The nodal values Y_j = x + ε Σ_k A_jk Π(Y_k) p at fixed (x, p).
 
 use leafwise_core::StepError;
-use leafwise_core::solver::iteration::Verdict;
+use leafwise_core::solver::judge::{Allowed, Verdict, larger, largest};
 use leafwise_core::solver::{
     Anderson, CorrectionSize, DenseFactors, LinearIteration, elimination_operations,
     substitution_operations,
@@ -31,6 +31,7 @@ pub(super) struct Curve {
     scales: Vec<f64>,
     anderson: Anderson,
     accelerates: bool,
+    allowed: Allowed,
     /// Room for the linearized equations, made when they are first asked for.
     linearization: Option<Linearization>,
     /// Nothing but zeros, d of them.
@@ -55,6 +56,7 @@ impl Curve {
             scales: vec![0.0; q * d],
             anderson: Anderson::new(q * d),
             accelerates: false,
+            allowed: Allowed::new(0.0),
             linearization: None,
             nothing: vec![0.0; d],
             accelerated: 0,
@@ -124,11 +126,10 @@ impl Curve {
     /// The size of the last Legendre coefficient of V over that of V itself: where its square is
     /// below round-off, more nodes change nothing.
     pub(super) fn tail(&self) -> f64 {
-        let d = self.dimension;
-        let size = self.values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        let last = (0..d)
+        let size = largest(&self.values);
+        let last = (0..self.dimension)
             .map(|i| self.combination(1.0, &self.rule.last, i).abs())
-            .fold(0.0_f64, f64::max);
+            .fold(0.0, larger);
         if size == 0.0 { 0.0 } else { last / size }
     }
 
@@ -152,6 +153,7 @@ impl Curve {
             self.offsets[at] = offset(&self.rule, at / d, at % d);
             *node = x[at % d] + self.offsets[at];
         }
+        self.allowed = Allowed::new(largest(x) + largest(&self.offsets));
     }
 
     /// Moves the nodes to Y_j = x + shift + ε Σ_k A_jk V_k, or towards it where the iteration is
@@ -165,9 +167,13 @@ impl Curve {
                 let at = j * d + i;
                 let offset = self.combination(epsilon, row, i) + shift[i];
                 self.corrections[at] = offset - self.offsets[at];
-                self.scales[at] = x[i].abs() + offset.abs();
-                size.take(self.corrections[at], self.scales[at]);
+                self.scales[at] = offset;
             }
+        }
+        self.allowed.take(largest(&self.scales));
+        for (at, scale) in self.scales.iter_mut().enumerate() {
+            *scale = x[at % d].abs() + self.allowed.scale(*scale);
+            size.take(self.corrections[at], *scale);
         }
         if self.accelerates {
             self.anderson.correct(&mut self.corrections, &self.scales);
@@ -223,9 +229,13 @@ impl Curve {
                 });
             }
             let mut size = CorrectionSize::default();
+            let offsets = self.nodes.iter().enumerate();
+            let reached = offsets.fold(0.0, |m, (at, y)| larger(m, (y - x[at % d]).abs()));
+            self.allowed.take(reached);
             for (index, change) in self.corrections.iter().enumerate() {
                 self.nodes[index] += change;
-                size.take(*change, x[index % d].abs() + self.nodes[index].abs());
+                let offset = self.allowed.scale(self.nodes[index] - x[index % d]);
+                size.take(*change, x[index % d].abs() + offset);
             }
             if iteration.judge_correction(&size)? == Verdict::Converged {
                 return self.evaluate(p);

@@ -6,11 +6,11 @@
 
 use std::sync::Arc;
 
-use leafwise_core::solver::iteration::Verdict;
-use leafwise_core::solver::{Extrapolation, Lanes, LinearIteration, Trajectory};
+use leafwise_core::solver::judge::{Verdict, Watch, is_between};
+use leafwise_core::solver::{Branch, Extrapolation, Lanes, LinearIteration, Trajectory};
 use leafwise_core::{
-    BuildError, CodeOneForm, LagrangianBisection, MapProperties, OneFormWorker, PoissonSystem,
-    RealizationData, RealizationWorker, StepError, StepMap, Stepper,
+    BuildError, CodeOneForm, Ends, LagrangianBisection, MapProperties, OneFormWorker,
+    PoissonSystem, RealizationData, RealizationWorker, StepError, StepMap, Stepper,
 };
 use leafwise_expression::Kernel;
 use nalgebra::DMatrix;
@@ -21,6 +21,9 @@ use super::worker::{CollocatedWorker, SHORT_TAIL};
 
 /// Budget of one step.
 const MOST_EVALUATIONS: usize = 100;
+
+/// An iteration that takes more converges at a rate above 1/2: D(β̂∘L) is not near the identity.
+const PLAIN_EVALUATIONS: usize = 60;
 
 /// Levels of differences that the start is extrapolated from.
 const EXTRAPOLATION: usize = 12;
@@ -121,6 +124,9 @@ impl StepMap for FusedStep {
                 displacement: vec![0.0; d],
                 centre: vec![0.0; d],
                 p: vec![0.0; d],
+                start: vec![0.0; d],
+                watch: Watch::NEW,
+                path: None,
             }
         }))
     }
@@ -141,16 +147,178 @@ struct FusedTrajectory {
     p: Vec<f64>,
     /// x_k − Y(1), but for the state's own offset.
     shift: Vec<f64>,
+    /// Where the solve starts, as a displacement of the mean.
+    start: Vec<f64>,
+    /// Not plain where the plain iteration converges slowly or not at all.
+    watch: Watch,
+    /// Room for the path to that, made when it is first asked for.
+    path: Option<Box<Path>>,
+}
+
+/// β̂(x̂, dŜ(x̂)) = x_k by evaluations of its own.
+struct Path {
+    branch: Branch,
+    worker: CollocatedWorker,
+    ends: Ends,
+    z: Vec<f64>,
+    target: Vec<f64>,
+    change: Vec<f64>,
+    slope: Vec<f64>,
+    /// x − β̂ at x, of which less and less is left.
+    first: Vec<f64>,
+}
+
+impl Path {
+    fn new(worker: CollocatedWorker, d: usize) -> Self {
+        Self {
+            branch: Branch::new(d),
+            worker,
+            ends: Ends::new(d),
+            z: vec![0.0; 2 * d],
+            target: vec![0.0; 2 * d * d],
+            change: vec![0.0; 2 * d * d],
+            slope: vec![0.0; d * d],
+            first: vec![0.0; d],
+        }
+    }
+
+    /// The mean on the branch that begins at x.
+    fn follow(
+        &mut self,
+        form: &mut dyn OneFormWorker,
+        (x, low): (&[f64], &[f64]),
+        evaluations: &mut u64,
+    ) -> Result<(), StepError> {
+        let d = x.len();
+        let Self {
+            branch,
+            worker,
+            ends,
+            z,
+            target,
+            change,
+            slope,
+            first,
+        } = self;
+        let mut has_begun = false;
+        branch.follow(x, x, evaluations, |part, centre, residual, jacobian| {
+            let (mean, p) = z.split_at_mut(d);
+            mean.copy_from_slice(centre);
+            form.value(centre, p)?;
+            form.jacobian(centre, slope)?;
+            worker.ends(z, ends)?;
+            worker.tangents(target, change)?;
+            for i in 0..d {
+                residual[i] = (x[i] - ends.base[i]) - ends.offset[i] + low[i];
+                let (by_x, by_p) = target[i * 2 * d..][..2 * d].split_at(d);
+                for j in 0..d {
+                    // D(β̂∘L) = ∂x + ∂p Dθ on L = graph θ.
+                    let through: f64 = (0..d).map(|k| by_p[k] * slope[k * d + j]).sum();
+                    jacobian[i * d + j] = by_x[j] + through;
+                }
+            }
+            if !has_begun {
+                first.copy_from_slice(residual);
+                has_begun = true;
+            }
+            for (residual, first) in residual.iter_mut().zip(first.iter()) {
+                *residual -= (1.0 - part) * first;
+            }
+            let mut values = residual.iter().chain(jacobian.iter());
+            if values.all(|value| value.is_finite()) {
+                return Ok(());
+            }
+            Err(StepError::NonFinite {
+                what: "a Newton correction",
+            })
+        })
+    }
 }
 
 impl FusedTrajectory {
+    /// One solve from `start` with as many nodes as it needs.
+    fn resolve(
+        &mut self,
+        x: &[f64],
+        low: &[f64],
+        increment: &mut [f64],
+        evaluations: &mut u64,
+    ) -> Result<(), StepError> {
+        loop {
+            self.solve(x, low, evaluations)?;
+            let (points, tail) = (self.curve.rule.points(), self.curve.tail());
+            match self.most_points {
+                // A tail that is no number is not short.
+                Some(_) if tail <= SHORT_TAIL => break,
+                Some(most) if points < most => self.curve.set_points(points + 1),
+                Some(_) => return Err(StepError::LeftChart { ratio: tail }),
+                None => break,
+            }
+        }
+        for (i, increment) in increment.iter_mut().enumerate() {
+            *increment = -self
+                .curve
+                .combination(self.epsilon, &self.curve.rule.weights, i);
+        }
+        if !increment.iter().all(|v| v.is_finite()) {
+            return Err(StepError::NonFinite {
+                what: "the increment",
+            });
+        }
+        if is_between(x, &self.centre, increment) {
+            Ok(())
+        } else {
+            Err(StepError::OtherBranch { reached: 0.0 })
+        }
+    }
+
     /// One solve at the present number of nodes: by the plain iteration where it contracts, else
     /// accelerated.
     fn solve(&mut self, x: &[f64], low: &[f64], evaluations: &mut u64) -> Result<(), StepError> {
         if !self.curve.is_foreign() && self.iterate(x, low, evaluations, false).is_ok() {
             return Ok(());
         }
+        self.watch.take(true);
         self.iterate(x, low, evaluations, true)
+    }
+
+    /// Makes sure that the mean is the one connected with the state, and takes that where the solve
+    /// found another or none.
+    #[cold]
+    fn settle(
+        &mut self,
+        solved: Result<(), StepError>,
+        (x, low): (&[f64], &[f64]),
+        increment: &mut [f64],
+        evaluations: &mut u64,
+    ) -> Result<(), StepError> {
+        let mut path = self.path.take().unwrap_or_else(|| {
+            let curve = self.data.curve(&self.parameters);
+            let worker = CollocatedWorker::new(curve, self.epsilon, None, x.len());
+            Box::new(Path::new(worker, x.len()))
+        });
+        path.worker.restore(&[self.curve.rule.points() as f64]);
+        let followed = path.follow(self.form.as_mut(), (x, low), evaluations);
+        let outcome = match (followed, solved) {
+            (Ok(()), Ok(())) if path.branch.ends_at(&self.centre) => Ok(()),
+            (Ok(()), _) => {
+                for (i, start) in self.start.iter_mut().enumerate() {
+                    *start = path.branch.end()[i] - x[i];
+                }
+                self.resolve(x, low, increment, evaluations).and_then(|()| {
+                    match path.branch.ends_at(&self.centre) {
+                        true => Ok(()),
+                        false => Err(StepError::OtherBranch { reached: 1.0 }),
+                    }
+                })
+            }
+            (Err(error), Ok(())) | (Err(error @ StepError::OtherBranch { .. }), Err(_)) => {
+                Err(error)
+            }
+            (Err(_), Err(error)) => Err(error),
+        };
+        self.path = Some(path);
+        outcome
     }
 
     fn iterate(
@@ -162,9 +330,8 @@ impl FusedTrajectory {
     ) -> Result<(), StepError> {
         let (d, epsilon) = (x.len(), self.epsilon);
         let q = self.curve.rule.points();
-        self.extrapolation
-            .predict(self.displacement.as_chunks_mut().0);
         for i in 0..d {
+            self.displacement[i] = self.start[i];
             self.centre[i] = x[i] + self.displacement[i];
         }
         // The straight curve through the predicted mean and the fixed end.
@@ -191,6 +358,7 @@ impl FusedTrajectory {
             self.linear += (2 * q * d) as u64;
             self.form.value(&self.centre, &mut self.p)?;
             if iteration.judge_correction(&size)? == Verdict::Converged {
+                self.watch.take(iteration.evaluations() > PLAIN_EVALUATIONS);
                 // V lags one correction behind.
                 *evaluations += 1;
                 return self.curve.evaluate(&self.p);
@@ -207,26 +375,21 @@ impl Trajectory for FusedTrajectory {
         increment: &mut [f64],
         evaluations: &mut u64,
     ) -> Result<(), StepError> {
-        loop {
-            self.solve(x, low, evaluations)?;
-            let (points, tail) = (self.curve.rule.points(), self.curve.tail());
-            match self.most_points {
-                Some(most) if tail > SHORT_TAIL && points < most => {
-                    self.curve.set_points(points + 1);
-                }
-                Some(_) if tail > SHORT_TAIL => return Err(StepError::LeftChart { ratio: tail }),
-                _ => break,
+        self.watch.begin();
+        self.extrapolation.predict(self.start.as_chunks_mut().0);
+        let mut solved = self.resolve(x, low, increment, evaluations);
+        if solved.is_err() || self.watch.wanders() {
+            if self.curve.has_slopes() && self.form.has_jacobian() {
+                solved = self.settle(solved, (x, low), increment, evaluations);
+            } else if solved.is_err() && !self.extrapolation.is_cold(0) {
+                // The extrapolated start may have led astray.
+                self.start.fill(0.0);
+                solved = self.resolve(x, low, increment, evaluations);
             }
         }
-        for (i, increment) in increment.iter_mut().enumerate() {
-            *increment = -self
-                .curve
-                .combination(self.epsilon, &self.curve.rule.weights, i);
-        }
-        if increment.iter().all(|v| v.is_finite()) {
-            self.extrapolation
-                .record(self.displacement.as_chunks_mut().0, &[true]);
-        }
+        solved?;
+        self.extrapolation
+            .record(self.displacement.as_chunks_mut().0, &[true]);
         Ok(())
     }
 
@@ -241,7 +404,7 @@ impl Trajectory for FusedTrajectory {
         curve.set_points(self.curve.rule.points());
         let z: Vec<f64> = self.centre.iter().chain(&self.p).copied().collect();
         let mut worker = CollocatedWorker::new(curve, self.epsilon, None, d);
-        let mut ends = leafwise_core::Ends::new(d);
+        let mut ends = Ends::new(d);
         worker.ends(&z, &mut ends).ok()?;
         let mut target = vec![0.0; 2 * d * d];
         let mut change = vec![0.0; 2 * d * d];
@@ -264,16 +427,18 @@ impl Trajectory for FusedTrajectory {
 
     fn restart(&mut self) {
         self.extrapolation.clear(0);
+        self.watch = Watch::NEW;
     }
 
     fn memory(&self) -> Vec<f64> {
-        let mut memory = vec![self.curve.rule.points() as f64];
+        let mut memory = vec![self.curve.rule.points() as f64, self.watch.memory()];
         self.extrapolation.memory(0, &mut memory);
         memory
     }
 
     fn restore(&mut self, memory: &[f64]) {
         self.curve.set_points(memory[0].max(1.0) as usize);
-        self.extrapolation.restore(0, &memory[1..]);
+        self.watch.restore(memory[1]);
+        self.extrapolation.restore(0, &memory[2..]);
     }
 }

@@ -48,11 +48,11 @@ impl CollocatedWorker {
             let points = self.curve.rule.points();
             let tail = self.curve.tail();
             match self.most_points {
-                Some(most) if tail > SHORT_TAIL && points < most => {
-                    self.curve.set_points(points + 1);
-                }
-                Some(_) if tail > SHORT_TAIL => return Err(StepError::LeftChart { ratio: tail }),
-                _ => return Ok(()),
+                // A tail that is no number is not short.
+                Some(_) if tail <= SHORT_TAIL => return Ok(()),
+                Some(most) if points < most => self.curve.set_points(points + 1),
+                Some(_) => return Err(StepError::LeftChart { ratio: tail }),
+                None => return Ok(()),
             }
         }
     }

@@ -189,6 +189,14 @@ fn the_casimir_and_the_tensor_are_kept() {
     }
 }
 
+/// det D(β∘L) of m = 2 in the exponential chart at y = x e₁, with p = θ e₁. Across the axis it is
+/// 1 + (cθ ∓ ½ e₁×) diag(a, b), a = θ(I₁/I₂ − 1), b = θ(I₁/I₃ − 1), cθ = (1 − (θ/2) cot(θ/2))/θ.
+fn determinant(turn: f64) -> f64 {
+    let c = (1.0 - 0.5 * turn / libm::tan(0.5 * turn)) / turn;
+    let [a, b] = [1, 2].map(|i| turn * (INERTIA[0] / INERTIA[i] - 1.0));
+    (1.0 + c * a) * (1.0 + c * b) + 0.25 * a * b
+}
+
 /// A body that spins about its first axis stands still, whatever the step; θ = t x1/I1 tells how
 /// far its bisection reaches into the chart.
 #[test]
@@ -209,6 +217,14 @@ fn the_exponential_chart_ends_before_2_pi_with_a_typed_error() {
                     Err(StepError::LeftChart { ratio: found }) => {
                         assert!(wall && ratio > 0.999 && found >= 1.0, "{found}");
                     }
+                    // The state's own solution y = x lies beyond a fold.
+                    Err(StepError::OtherBranch { reached }) if wall && m == 2 && ratio < 1.0 => {
+                        let turn = ratio * TAU;
+                        assert!(determinant(turn) <= 0.0, "{ratio}: {reached}");
+                        assert!(determinant(reached * turn) > 0.0, "{ratio}: {reached}");
+                    }
+                    // Beyond half a turn; S_3 grows like the cube of the turn, in every chart.
+                    Err(StepError::OtherBranch { .. }) => assert!(ratio > 0.5, "{ratio}"),
                     Err(other) => panic!("{} {ratio}: {other}", map.describe()),
                 }
             }

@@ -1,0 +1,248 @@
+//! The solution that is connected with the state before the step.
+
+use super::DenseFactors;
+use super::judge::{larger, largest};
+use crate::error::StepError;
+
+/// A part of the way is taken where Newton's corrections fall by this factor: by Kantorovich's theorem
+/// the solution is then the only one nearby.
+const CONTRACTS: f64 = 0.25;
+
+/// The smallest part of the way that is tried.
+const SHORTEST: f64 = 1.0 / 1024.0;
+
+/// Two points that differ by less than this part of the unknowns are the same solution. Newton's last
+/// correction at a point of the path is smaller.
+const SAME: f64 = 1e-6;
+
+/// Corrections that fall by so much each are small enough after so many.
+const MOST_CORRECTIONS: usize = 12;
+
+/// Follows the solutions u of F_s(u) = 0 from u₀ at s = 0 to s = 1, by Newton's method.
+///
+/// F_s is the equation of a step s times as long, and u₀ its solution for a step of size 0: y = x for
+/// β̂(L(y)) = x, all stages at the state for a Runge–Kutta method. DF_0 is the identity, so that along
+/// the branch that begins there the determinant of DF_s is positive until the branch folds. Newton's
+/// method alone may jump to another, on which the map is not near the flow, and which one it takes may
+/// depend on earlier steps.
+///
+/// Where steps of other lengths are not at hand, F_s = F − (1 − s) F(u₀) is followed: a path that ends at
+/// the same solution where the determinants of both families stay positive between them.
+#[derive(Clone, Debug)]
+pub struct Branch {
+    point: Vec<f64>,
+    trial: Vec<f64>,
+    /// −F at the trial, then Newton's correction; DF there.
+    residual: Vec<f64>,
+    jacobian: Vec<f64>,
+    scale: Vec<f64>,
+    factors: DenseFactors,
+}
+
+impl Branch {
+    /// Room for equations in n unknowns.
+    pub fn new(n: usize) -> Self {
+        Self {
+            point: vec![0.0; n],
+            trial: vec![0.0; n],
+            residual: vec![0.0; n],
+            jacobian: vec![0.0; n * n],
+            scale: vec![0.0; n],
+            factors: DenseFactors::new(n),
+        }
+    }
+
+    /// Goes the path from `start` to its [`end`](Self::end). `evaluate` writes −F_s(u) and DF_s(u),
+    /// row-major, for s and u. `sizes` is what the unknowns are measured against, beside the way that
+    /// they came. Counts the evaluations.
+    ///
+    /// # Errors
+    /// [`StepError::OtherBranch`] where DF becomes singular on the way; the error of `evaluate` where
+    /// F has no value there.
+    pub fn follow(
+        &mut self,
+        start: &[f64],
+        sizes: &[f64],
+        evaluations: &mut u64,
+        mut evaluate: impl FnMut(f64, &[f64], &mut [f64], &mut [f64]) -> Result<(), StepError>,
+    ) -> Result<(), StepError> {
+        self.point.copy_from_slice(start);
+        let mut counted = |s: f64, u: &[f64], residual: &mut [f64], jacobian: &mut [f64]| {
+            *evaluations += 1;
+            evaluate(s, u, residual, jacobian)
+        };
+        let (mut reached, mut part) = (0.0, 1.0);
+        loop {
+            let goal = reached + part;
+            self.take_scale(start, sizes);
+            match self.correct(goal, &mut counted) {
+                Ok(()) if goal >= 1.0 => return Ok(()),
+                Ok(()) => {
+                    reached = goal;
+                    part = (2.0 * part).min(1.0 - reached);
+                }
+                Err(_) if part > SHORTEST => part *= 0.5,
+                Err(None) => return Err(StepError::OtherBranch { reached }),
+                Err(Some(error)) => return Err(error),
+            }
+        }
+    }
+
+    /// Newton's method at s from the point, which then is its solution; fails, with a reason where F
+    /// has no value, where corrections do not fall or the determinant is not positive.
+    fn correct(
+        &mut self,
+        s: f64,
+        evaluate: &mut impl FnMut(f64, &[f64], &mut [f64], &mut [f64]) -> Result<(), StepError>,
+    ) -> Result<(), Option<StepError>> {
+        self.trial.copy_from_slice(&self.point);
+        let mut last = f64::INFINITY;
+        for _ in 0..MOST_CORRECTIONS {
+            evaluate(s, &self.trial, &mut self.residual, &mut self.jacobian).map_err(Some)?;
+            if !self.factors.factor(&self.jacobian) || !self.factors.has_positive_determinant() {
+                return Err(None);
+            }
+            self.factors.solve(&mut self.residual);
+            let size = norm(&self.residual, &self.scale);
+            let is_near = size <= SAME;
+            if !is_near && (size.is_nan() || size > CONTRACTS * last) {
+                return Err(None);
+            }
+            for (u, correction) in self.trial.iter_mut().zip(&self.residual) {
+                *u += correction;
+            }
+            if is_near {
+                self.point.copy_from_slice(&self.trial);
+                return Ok(());
+            }
+            last = size;
+        }
+        Err(None)
+    }
+
+    /// What the unknowns are measured against: `sizes` and how far they came.
+    fn take_scale(&mut self, start: &[f64], sizes: &[f64]) {
+        let own = sizes.iter().zip(self.point.iter().zip(start));
+        for (scale, (size, (point, start))) in self.scale.iter_mut().zip(own) {
+            *scale = size.abs() + (point - start).abs();
+        }
+        // A component may be the round-off of larger ones.
+        let least = SAME * largest(&self.scale);
+        self.scale.iter_mut().for_each(|s| *s = larger(*s, least));
+    }
+
+    /// Where the last path ended.
+    pub fn end(&self) -> &[f64] {
+        &self.point
+    }
+
+    /// Whether a point is the end of the last path, and not another solution.
+    pub fn ends_at(&self, point: &[f64]) -> bool {
+        let mut pairs = self.point.iter().zip(point).zip(&self.scale);
+        pairs.all(|((a, b), scale)| (a - b).abs() <= SAME * scale)
+    }
+}
+
+/// max |v_i|/s_i; all are 0 where no component has a scale.
+fn norm(values: &[f64], scale: &[f64]) -> f64 {
+    let sizes = values.iter().zip(scale);
+    let sizes = sizes.filter(|(_, scale)| **scale > 0.0);
+    sizes.fold(0.0, |m: f64, (v, s)| larger(m, v.abs() / s))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Branch;
+    use crate::error::StepError;
+
+    /// y + a sin y = x, the implicit midpoint rule of a pendulum with a = t²/4: from y = x.
+    fn pendulum(a: f64, x: f64) -> Result<f64, StepError> {
+        let mut branch = Branch::new(1);
+        let found = branch.follow(&[x], &[x], &mut 0, |s, y, residual, jacobian| {
+            let a = a * s * s;
+            residual[0] = x - y[0] - a * libm::sin(y[0]);
+            jacobian[0] = 1.0 + a * libm::cos(y[0]);
+            Ok(())
+        });
+        found.map(|()| branch.end()[0])
+    }
+
+    /// The branch itself, by steps of a from 0.
+    fn continued(a: f64, x: f64) -> f64 {
+        let mut y = x;
+        for k in 1..=4000 {
+            let a = a * f64::from(k) / 4000.0;
+            for _ in 0..3 {
+                y += (x - y - a * libm::sin(y)) / (1.0 + a * libm::cos(y));
+            }
+        }
+        y
+    }
+
+    #[test]
+    fn what_is_found_is_the_branch_from_the_state_itself() {
+        for a in [0.2, 0.7, 0.99, 1.5, 2.25, 6.0] {
+            for k in -60..=60 {
+                let x = 0.1 * f64::from(k);
+                let y = pendulum(a, x).expect("the branch does not fold");
+                let error = (y - continued(a, x)).abs();
+                assert!(error <= 1e-8 * (1.0 + x.abs()), "a = {a}, x = {x}: {y}");
+            }
+        }
+    }
+
+    /// y − a y² = x has the branch y = (1 − √(1 − 4ax))/(2a) up to its fold at 4ax = 1.
+    #[test]
+    fn beyond_a_fold_there_is_nothing() {
+        let x = 0.7;
+        for k in 1..=100 {
+            let a = 0.02 * f64::from(k);
+            let mut branch = Branch::new(1);
+            let found = branch.follow(&[x], &[x], &mut 0, |s, y, residual, jacobian| {
+                residual[0] = x - y[0] + s * a * y[0] * y[0];
+                jacobian[0] = 1.0 - 2.0 * s * a * y[0];
+                Ok(())
+            });
+            let discriminant = 1.0 - 4.0 * a * x;
+            if discriminant > 0.0 {
+                assert_eq!(found, Ok(()), "a = {a}");
+                let exact = (1.0 - libm::sqrt(discriminant)) / (2.0 * a);
+                assert!(branch.ends_at(&[exact]), "a = {a}: {:?}", branch.end());
+            } else {
+                let reached = match found {
+                    Err(StepError::OtherBranch { reached }) => reached,
+                    other => panic!("a = {a}: {other:?}"),
+                };
+                // The fold is at s = 1/(4ax).
+                let fold = 1.0 / (4.0 * a * x);
+                assert!(
+                    reached <= fold && reached > 0.95 * fold,
+                    "a = {a}: {reached}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_linear_equation_takes_one_correction() {
+        let mut evaluations = 0;
+        let mut branch = Branch::new(2);
+        // 1 + a J with a = 1e6: far from the identity, of determinant 1 + a².
+        let a = 1e6;
+        let found = branch.follow(
+            &[1.0, 2.0],
+            &[1.0, 2.0],
+            &mut evaluations,
+            |s, y, residual, jacobian| {
+                let a = s * a;
+                residual.copy_from_slice(&[1.0 - y[0] - a * y[1], 2.0 - y[1] + a * y[0]]);
+                jacobian.copy_from_slice(&[1.0, a, -a, 1.0]);
+                Ok(())
+            },
+        );
+        found.expect("a solution");
+        let exact = [(1.0 - 2.0 * a) / (1.0 + a * a), (2.0 + a) / (1.0 + a * a)];
+        assert!(branch.ends_at(&exact), "{:?}", branch.end());
+        assert!(evaluations <= 3, "{evaluations}");
+    }
+}

@@ -1,0 +1,111 @@
+//! Coordinates whose sign a Poisson map keeps.
+
+use leafwise_expression::{Arithmetic, Ring};
+
+use super::{SolverStatistics, Stepper};
+use crate::error::StepError;
+use crate::system::PoissonSystem;
+
+/// A step that leaves less than this of a coordinate has lost its digits: x + Δ keeps the sum's
+/// round-off, of the size of x, which is then more than 1/4096 of what is left.
+const LEAST_PART: f64 = 1.0 / (1_u64 << 40) as f64;
+
+/// Below this a number has not all its digits, and is left to underflow.
+const SMALLEST: f64 = 1e-290;
+
+/// The coordinates x_i for which {x_i, x_j} vanishes at x_i = 0 for all j, as in a Lotka–Volterra
+/// system: the hyperplane consists of leaves, and a Poisson map near the flow does not cross it.
+/// None of a tensor that the exact ring does not hold.
+pub(crate) fn kept_signs(system: &PoissonSystem) -> Vec<usize> {
+    let Some(formulas) = system.expressions() else {
+        return Vec::new();
+    };
+    let mut ring = Ring::new(formulas.dimension());
+    let mut vanishes = |i: usize| {
+        let entries = formulas.tensor().iter();
+        let mut own = entries.filter(|((a, b), _)| *a == i || *b == i).peekable();
+        own.peek().is_some()
+            && own.all(|(_, entry)| {
+                let value = entry.evaluate_in(&mut ring, &mut |ring: &mut Ring, at| {
+                    let x = ring.variable(at);
+                    Ok(if at == i { ring.subtract(&x, &x) } else { x })
+                });
+                value.is_ok_and(|value| ring.is_zero(&value))
+            })
+    };
+    (0..formulas.dimension()).filter(|i| vanishes(*i)).collect()
+}
+
+/// A stepper that refuses steps in which one of these coordinates loses its sign.
+pub(crate) struct KeptSigns {
+    stepper: Box<dyn Stepper>,
+    coordinates: Vec<usize>,
+    failures: u64,
+}
+
+impl KeptSigns {
+    pub(crate) fn new(stepper: Box<dyn Stepper>, coordinates: Vec<usize>) -> Self {
+        Self {
+            stepper,
+            coordinates,
+            failures: 0,
+        }
+    }
+}
+
+impl Stepper for KeptSigns {
+    fn increment(
+        &mut self,
+        x: &[f64],
+        low: &[f64],
+        increment: &mut [f64],
+        outcome: &mut [Result<(), StepError>],
+    ) {
+        self.stepper.increment(x, low, increment, outcome);
+        let lanes = outcome.len();
+        for (lane, outcome) in outcome.iter_mut().enumerate() {
+            let lost = self.coordinates.iter().find(|i| {
+                let at = *i * lanes + lane;
+                let (x, next) = (x[at], x[at] + increment[at]);
+                let part = if x > 0.0 { next } else { -next };
+                x.abs() > SMALLEST && (part.is_nan() || part < LEAST_PART * x.abs())
+            });
+            if let (Some(coordinate), true) = (lost, outcome.is_ok()) {
+                *outcome = Err(StepError::LostSign {
+                    coordinate: coordinate + 1,
+                });
+                let own = increment.iter_mut().skip(lane).step_by(lanes);
+                own.for_each(|value| *value = 0.0);
+                self.failures += 1;
+            }
+        }
+    }
+
+    fn solution(&self, lane: usize) -> Option<Vec<f64>> {
+        self.stepper.solution(lane)
+    }
+
+    fn tangent(&mut self, lane: usize) -> Option<Vec<f64>> {
+        self.stepper.tangent(lane)
+    }
+
+    fn restart(&mut self) {
+        self.stepper.restart();
+    }
+
+    fn statistics(&self) -> SolverStatistics {
+        let statistics = self.stepper.statistics();
+        SolverStatistics {
+            failures: statistics.failures + self.failures,
+            ..statistics
+        }
+    }
+
+    fn memory(&self) -> Vec<f64> {
+        self.stepper.memory()
+    }
+
+    fn restore(&mut self, memory: &[f64]) -> Result<(), usize> {
+        self.stepper.restore(memory)
+    }
+}
