@@ -3,9 +3,31 @@
  *
  * Generated from the crate leafwise-plugin-abi; to regenerate, in the workspace:
  *     cargo run -p leafwise-plugin-abi --example header
- * The rules that hold everywhere (growth, NULL, strings, memory, purity, threads, process, units) are
- * on that crate's first page, plugins/abi/src/lib.rs. Build C plugins with -ffp-contract=off and
- * without -ffast-math. */
+ * Build C plugins with -ffp-contract=off and without -ffast-math.
+ *
+ * Rules that hold everywhere
+ *
+ * Growth. A minor version only appends fields. A struct that starts with `struct_size` says how many of
+ *   its bytes its writer knows; the reader takes the smaller of that and its own size, and fields
+ *   behind it as NULL or 0: LW_HAS asks for one. Structs without `struct_size`, and LwLifecycle, are
+ *   frozen for ABI 1. LwEntry.abi_minor is the lowest minor version the plugin needs of its host.
+ * NULL. Every function field may be NULL; "required" means that the host refuses the part otherwise.
+ *   Reserved fields are 0. Unknown flag bits are ignored, an unknown status is LW_ERROR.
+ * Strings are UTF-8 with a NUL at the end. Those reachable from LwEntry live until the process ends.
+ * Memory. Nothing is allocated on one side and freed on the other. The caller owns every buffer of a
+ *   call, and the callee keeps no pointer into it; inputs and output do not overlap. Inputs are not
+ *   written to.
+ * Purity. A map's result depends on the instance and on the point alone: not on earlier calls, nor on
+ *   which other points share the batch. The same point gives the same bits.
+ * Threads. No two calls on one instance overlap in time, unless the part is LW_FLAG_SHAREABLE;
+ *   consecutive calls may come from different threads; different instances are made, called and
+ *   destroyed in parallel. What a call needs lies in its instance or on the stack, not in static memory
+ *   (`static`, Fortran's SAVE and COMMON). A plugin starts no threads of its own by default.
+ * Process. A plugin leaves floating-point control registers, locale, signal handlers and panic hook as
+ *   they were, does not call `exit` (Fortran: STOP), and lets no exception or panic out. It is never
+ *   unloaded. What it prints goes to standard error.
+ * Units. Numbers are doubles in the units of the scene. Pi_ij = {x_i, x_j} and
+ *   dx/dt = {H, x} = -Pi grad H, whatever convention a part's expressions use. */
 #ifndef LEAFWISE_PLUGIN_H
 #define LEAFWISE_PLUGIN_H
 
@@ -25,9 +47,42 @@
 #define LW_EXPORT __attribute__((visibility("default")))
 #endif
 
+/* Whether the writer of *args, a struct with `struct_size`, knows a field: newer ones are asked for
+ * before they are read. */
+#define LW_HAS(args, field)                                                                        \
+    ((size_t)((const char *)&(args)->field - (const char *)(args)) + sizeof((args)->field) <=      \
+     (args)->struct_size)
+
+#if defined(__cplusplus)
+#define LW_STATIC_ASSERT(condition, text) static_assert(condition, text)
+#else
+#define LW_STATIC_ASSERT(condition, text) _Static_assert(condition, text)
+#endif
+
 /* Defined below: functions that make instances and what they are given refer to each other. */
 typedef struct LwCreate LwCreate;
 
+
+// Done; the whole output is written.
+#define LW_OK 0
+
+// The point is outside the part's domain (the neighbourhood U_ε of a local realization), or an
+// inner iteration did not converge there. The instance is unchanged; the host may try a smaller
+// epsilon or h.
+#define LW_DISCARD 1
+
+// The call failed for another reason, told in `LwError`. The instance is unchanged and may be
+// called again.
+#define LW_ERROR -1
+
+// The instance is broken (a caught panic, a violated invariant): the host never calls it again,
+// not even to destroy it.
+#define LW_FATAL -2
+
+// The part does not serve this dimension, tensor, parameter or partner (from `create` or
+// `properties`), or this instance does not offer the function that was called. A property of the
+// instance: asking again gives the same answer.
+#define LW_UNSUPPORTED -3
 
 // `LwSetting.kind`: a whole number.
 #define LW_SETTING_INTEGER 1
@@ -70,7 +125,8 @@ typedef struct LwCreate LwCreate;
 // Realization with a cotangent chart: β̂(x, p) = α̂(x, −p).
 #define LW_FLAG_REVERSIBLE 32
 
-// Any part: calls on one instance may overlap in time.
+// Any part: calls on one instance may overlap in time. Whatever it says, this host makes an instance for
+// each of its workers, and instances run in parallel.
 #define LW_FLAG_SHAREABLE 64
 
 // Dynamic approximation: the host takes y = x_k instead of solving β̂(L(y)) = x_k.
@@ -121,6 +177,8 @@ typedef struct LwError {
 // One vector for each point of a batch, read by the callee. Coordinate j of point i is
 // `data[i * point_stride + j * coordinate_stride]`.
 //
+// Frozen for ABI 1.
+//
 // An array of points (C order, `n × dim`) has strides (dim, 1); the host's structure of arrays over
 // lanes has (1, lanes). A `point_stride` of 0 gives all points the same vector. An input that a
 // function does not take has `data` NULL and `dim` 0.
@@ -137,7 +195,8 @@ typedef struct LwInput {
 
 // One vector for each point of a batch, written by the callee; addressed as `LwInput` is. No two
 // numbers share a place, and none is shared with an input. Nothing outside those places may be
-// written, the gaps between them included.
+// written, the gaps between them included. Every number of the batch is written before `LW_OK` is returned:
+// the host takes what is left out as a failure. Frozen for ABI 1.
 typedef struct LwOutput {
     // Room for the numbers; aligned for double, valid during the call.
     double *data;
@@ -549,27 +608,6 @@ typedef struct LwEntry {
 // *Threads*: called once, on the thread that loads the plugin.
 typedef const struct LwEntry *(*LwEntryFn)(void);
 
-// Done; the whole output is written.
-#define LW_OK 0
-
-// The point is outside the part's domain (the neighbourhood U_ε of a local realization), or an
-// inner iteration did not converge there. The instance is unchanged; the host may try a smaller
-// epsilon or h.
-#define LW_DISCARD 1
-
-// The call failed for another reason, told in `LwError`. The instance is unchanged and may be
-// called again.
-#define LW_ERROR -1
-
-// The instance is broken (a caught panic, a violated invariant): the host never calls it again,
-// not even to destroy it.
-#define LW_FATAL -2
-
-// The part does not serve this dimension, tensor, parameter or partner (from `create` or
-// `properties`), or this instance does not offer the function that was called. A property of the
-// instance: asking again gives the same answer.
-#define LW_UNSUPPORTED -3
-
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -584,6 +622,11 @@ LW_EXPORT const LwEntry *leafwise_plugin_entry_v1(void);
 /* Coordinate j of point i. */
 static inline double lw_get(const LwInput *input, size_t i, size_t j) {
     return input->data[i * input->point_stride + j * input->coordinate_stride];
+}
+
+/* The same of an output: what a function of the host has written. */
+static inline double lw_got(const LwOutput *output, size_t i, size_t j) {
+    return output->data[i * output->point_stride + j * output->coordinate_stride];
 }
 
 /* Writes coordinate j of point i. */
@@ -604,4 +647,30 @@ static inline LwStatus lw_fail(LwError *err, LwStatus status, int64_t i, const c
     return status;
 }
 
+/* Says that point i is outside the domain, how far it is from the section over how far the domain
+ * reaches there (0: not known), and why: return lw_discard(…). */
+static inline LwStatus lw_discard(LwError *err, int64_t i, double ratio, const char *message) {
+    if (err) err->ratio = ratio;
+    return lw_fail(err, LW_DISCARD, i, message);
+}
+
+/* The layout that the host reads. */
+LW_STATIC_ASSERT(sizeof(LwError) == 32, "LwError has 32 bytes");
+LW_STATIC_ASSERT(sizeof(LwInput) == 32, "LwInput has 32 bytes");
+LW_STATIC_ASSERT(sizeof(LwOutput) == 32, "LwOutput has 32 bytes");
+LW_STATIC_ASSERT(sizeof(LwMapCall) == 160, "LwMapCall has 160 bytes");
+LW_STATIC_ASSERT(sizeof(LwSetting) == 40, "LwSetting has 40 bytes");
+LW_STATIC_ASSERT(sizeof(LwCreate) == 56, "LwCreate has 56 bytes");
+LW_STATIC_ASSERT(sizeof(LwProperties) == 16, "LwProperties has 16 bytes");
+LW_STATIC_ASSERT(sizeof(LwLifecycle) == 24, "LwLifecycle has 24 bytes");
+LW_STATIC_ASSERT(sizeof(LwHostSystem) == 24, "LwHostSystem has 24 bytes");
+LW_STATIC_ASSERT(sizeof(LwHostRealization) == 32, "LwHostRealization has 32 bytes");
+LW_STATIC_ASSERT(sizeof(LwSystem) == 120, "LwSystem has 120 bytes");
+LW_STATIC_ASSERT(sizeof(LwRealization) == 120, "LwRealization has 120 bytes");
+LW_STATIC_ASSERT(sizeof(LwDynamics) == 80, "LwDynamics has 80 bytes");
+LW_STATIC_ASSERT(sizeof(LwStepMap) == 48, "LwStepMap has 48 bytes");
+LW_STATIC_ASSERT(sizeof(LwExpression) == 16, "LwExpression has 16 bytes");
+LW_STATIC_ASSERT(sizeof(LwParameter) == 24, "LwParameter has 24 bytes");
+LW_STATIC_ASSERT(sizeof(LwPart) == 112, "LwPart has 112 bytes");
+LW_STATIC_ASSERT(sizeof(LwEntry) == 64, "LwEntry has 64 bytes");
 #endif /* LEAFWISE_PLUGIN_H */

@@ -7,6 +7,8 @@ use crate::status::{LwError, LwStatus};
 /// One vector for each point of a batch, read by the callee. Coordinate j of point i is
 /// `data[i * point_stride + j * coordinate_stride]`.
 ///
+/// Frozen for ABI 1.
+///
 /// An array of points (C order, `n × dim`) has strides (dim, 1); the host's structure of arrays over
 /// lanes has (1, lanes). A `point_stride` of 0 gives all points the same vector. An input that a
 /// function does not take has `data` NULL and `dim` 0.
@@ -25,7 +27,8 @@ pub struct LwInput {
 
 /// One vector for each point of a batch, written by the callee; addressed as `LwInput` is. No two
 /// numbers share a place, and none is shared with an input. Nothing outside those places may be
-/// written, the gaps between them included.
+/// written, the gaps between them included. Every number of the batch is written before `LW_OK` is returned:
+/// the host takes what is left out as a failure. Frozen for ABI 1.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct LwOutput {

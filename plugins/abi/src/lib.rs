@@ -24,7 +24,9 @@
 //!   calls, nor on which other points share the batch. The same point gives the same bits.
 //! - **Threads.** No two calls on one instance overlap in time, unless the part is declared
 //!   [`LW_FLAG_SHAREABLE`]; consecutive calls may come from different threads; different instances
-//!   run in parallel. A plugin starts no threads of its own by default.
+//!   are made, called and destroyed in parallel. What a call needs therefore lies in its instance or on
+//!   the stack, not in static memory (C's `static`, Fortran's SAVE and COMMON). A plugin starts no
+//!   threads of its own by default.
 //! - **Process.** A plugin leaves floating-point control registers, locale, signal handlers and
 //!   panic hook as they were, does not call `exit`, and lets no exception or panic out. It is never
 //!   unloaded.

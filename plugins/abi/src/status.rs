@@ -7,25 +7,25 @@ use core::ffi::c_char;
 pub type LwStatus = i32;
 
 /// Done; the whole output is written.
-pub const LW_OK: LwStatus = 0;
+pub const LW_OK: i32 = 0;
 
 /// The point is outside the part's domain (the neighbourhood U_ε of a local realization), or an
 /// inner iteration did not converge there. The instance is unchanged; the host may try a smaller
 /// epsilon or h.
-pub const LW_DISCARD: LwStatus = 1;
+pub const LW_DISCARD: i32 = 1;
 
 /// The call failed for another reason, told in `LwError`. The instance is unchanged and may be
 /// called again.
-pub const LW_ERROR: LwStatus = -1;
+pub const LW_ERROR: i32 = -1;
 
 /// The instance is broken (a caught panic, a violated invariant): the host never calls it again,
 /// not even to destroy it.
-pub const LW_FATAL: LwStatus = -2;
+pub const LW_FATAL: i32 = -2;
 
 /// The part does not serve this dimension, tensor, parameter or partner (from `create` or
 /// `properties`), or this instance does not offer the function that was called. A property of the
 /// instance: asking again gives the same answer.
-pub const LW_UNSUPPORTED: LwStatus = -3;
+pub const LW_UNSUPPORTED: i32 = -3;
 
 /// Where a failing call says why. The caller owns it and its text buffer, sets `struct_size`,
 /// `capacity` and `message`, an empty text, `point` = -1 and `ratio` = 0; the callee writes to it

@@ -108,8 +108,10 @@ static LwStatus twice(void *instance, const LwMapCall *call, LwError *err) {
     (void)instance;
     for (size_t i = 0; i < call->count; i++) {
         double x = lw_get(&call->point, i, 0);
-        if (!(x < 1e300)) return lw_fail(err, LW_DISCARD, (int64_t)i, "too large");
+        if (!(x < 1e300)) return lw_discard(err, (int64_t)i, 0, "too large");
         lw_put(&call->output, i, 0, 2 * x);
+        if (!LW_HAS(call, output) || lw_got(&call->output, i, 0) < x)
+            return lw_fail(err, LW_ERROR, (int64_t)i, "negative");
     }
     return LW_OK;
 }

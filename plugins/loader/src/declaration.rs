@@ -4,8 +4,8 @@ use leafwise_core::PartKind;
 use leafwise_core::part_description::PartDescription;
 use leafwise_plugin_abi::{
     LW_FLAG_COTANGENT_CHART, LW_FLAG_EXACT, LW_FLAG_NOT_SELF_ADJOINT, LW_FLAG_REVERSIBLE,
-    LW_FLAG_SELF_ADJOINT, LW_FLAG_SYMPLECTIC, LW_FLAG_UNCORRECTED, LwDynamics, LwLifecycle,
-    LwRealization, LwStepMap, LwSystem,
+    LW_FLAG_SELF_ADJOINT, LW_FLAG_SYMPLECTIC, LW_FLAG_UNCORRECTED, LW_STRUCTURE_EXACT, LwDynamics,
+    LwLifecycle, LwRealization, LwStepMap, LwSystem,
 };
 
 /// What a library offers.
@@ -164,6 +164,31 @@ impl Flags {
     /// Dynamic approximation: y = x_k is taken as it is.
     pub fn is_uncorrected(self) -> bool {
         self.has(LW_FLAG_UNCORRECTED)
+    }
+}
+
+/// What is wrong with the promises of a part of this kind, if anything.
+pub(crate) fn broken_promise(
+    kind: PartKind,
+    order: i32,
+    structure: i32,
+    flags: Flags,
+) -> Option<String> {
+    let counts = match kind {
+        PartKind::System => false,
+        PartKind::Realization => !flags.is_exact(),
+        _ => true,
+    };
+    if counts && order < 1 {
+        Some(format!("order {order} is less than 1"))
+    } else if structure < LW_STRUCTURE_EXACT {
+        Some(format!("structure {structure} is unknown"))
+    } else if flags.contradicts_itself() {
+        Some("it is declared self-adjoint and not self-adjoint".to_owned())
+    } else if flags.is_reversible() && !flags.has_cotangent_chart() {
+        Some("LW_FLAG_REVERSIBLE needs LW_FLAG_COTANGENT_CHART".to_owned())
+    } else {
+        None
     }
 }
 

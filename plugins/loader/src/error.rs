@@ -70,6 +70,17 @@ pub enum Refusal {
         /// `its group`, `everyone`.
         who: String,
     },
+    /// Another user could replace it.
+    #[error(
+        "{} belongs to another user (uid {owner}), who may replace it and so run code as you: chown \
+         it, or copy the plugin to a folder of your own", place.display()
+    )]
+    OwnedByOther {
+        /// The file, a folder above it, or a link on the way to it.
+        place: PathBuf,
+        /// Its owner.
+        owner: u32,
+    },
     /// Not a shared library at all.
     #[error(
         "not a shared library ({})",
@@ -80,6 +91,9 @@ pub enum Refusal {
         /// The file's first bytes.
         first: Vec<u8>,
     },
+    /// An object file or a program.
+    #[error("an object file or a program, and not a shared library; link it with -shared")]
+    NotShared,
     /// A shared library for another kind of machine.
     #[error("a library for {found}, and this program is one for {host}; build it for this machine")]
     Machine {
@@ -96,8 +110,11 @@ pub enum Refusal {
         /// The file's hash.
         found: String,
     },
+    /// A file that was written or replaced while it was being loaded.
+    #[error("it was changed while it was being loaded; try again")]
+    Changed,
     /// A side file that says something else than can be read.
-    #[error("the side file {} cannot be read: {message}", file.display())]
+    #[error("the side file {} cannot be used: {message}", file.display())]
     SideFile {
         /// The side file.
         file: PathBuf,
@@ -136,6 +153,15 @@ pub enum Refusal {
     ProbeTimedOut {
         /// The time limit.
         seconds: f64,
+    },
+    /// Measuring the library ended or stopped the process that did.
+    #[error(
+        "the process that measured it {how}, before it was done: a call into the library does not \
+         come back"
+    )]
+    NotMeasured {
+        /// How that process ended.
+        how: String,
     },
     /// The system's loader refuses the library.
     #[error("it cannot be opened: {message}")]

@@ -2,7 +2,7 @@
 
 use std::fs::{self, File};
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
@@ -19,31 +19,77 @@ pub(crate) struct CheckedFile {
     pub length: u64,
     /// When it was last changed, in nanoseconds since 1970; 0 where the system does not say.
     pub modified: u128,
+    /// Which file it is, and when anything of it was last changed, its names included.
+    pub identity: (u64, u64, i128),
+}
+
+/// Why a file cannot be looked at.
+pub(crate) fn unreadable(error: io::Error) -> Refusal {
+    match error.kind() {
+        io::ErrorKind::NotFound => Refusal::NoSuchFile,
+        _ => Refusal::Unreadable {
+            message: error.to_string(),
+        },
+    }
+}
+
+/// Checks that nobody but root and this user may change what an absolute path leads to: not the file,
+/// nor a folder or a link on the way, nor those that a link leads through.
+pub(crate) fn check_way(path: &Path) -> Result<(), Refusal> {
+    /// As many links as the system follows.
+    const MOST_LINKS: usize = 40;
+    let mut place = PathBuf::new();
+    let mut rest: Vec<PathBuf> = reversed(path);
+    let mut links = 0;
+    while let Some(piece) = rest.pop() {
+        if piece == Path::new("..") {
+            place.pop();
+            continue;
+        }
+        let next = place.join(&piece);
+        let metadata = fs::symlink_metadata(&next).map_err(unreadable)?;
+        if let Some(owner) = platform::other_owner(&metadata) {
+            return Err(Refusal::OwnedByOther { place: next, owner });
+        }
+        if metadata.is_symlink() {
+            links += 1;
+            if links > MOST_LINKS {
+                return Err(Refusal::Unreadable {
+                    message: "its path goes through too many links".to_owned(),
+                });
+            }
+            let target = fs::read_link(&next).map_err(unreadable)?;
+            rest.extend(reversed(&target));
+            continue;
+        }
+        if let Some((who, mode)) = platform::other_writers(&metadata) {
+            return Err(Refusal::WritableByOthers {
+                place: next,
+                mode,
+                who: who.to_owned(),
+            });
+        }
+        place = next;
+    }
+    Ok(())
+}
+
+/// The pieces of a path, the last one first; the root is one of them.
+fn reversed(path: &Path) -> Vec<PathBuf> {
+    let pieces = path.components().rev();
+    pieces
+        .map(|piece| PathBuf::from(piece.as_os_str()))
+        .collect()
 }
 
 /// Checks that `path` (absolute, without links) is a regular file that nobody but its owner may
 /// replace, a shared library for this machine, and the one that was meant.
 pub(crate) fn check(path: &Path, expected: Option<&str>) -> Result<CheckedFile, Refusal> {
-    let unreadable = |error: io::Error| match error.kind() {
-        io::ErrorKind::NotFound => Refusal::NoSuchFile,
-        _ => Refusal::Unreadable {
-            message: error.to_string(),
-        },
-    };
     let metadata = fs::metadata(path).map_err(unreadable)?;
     if !metadata.is_file() {
         return Err(Refusal::NotAFile);
     }
-    for place in path.ancestors() {
-        let metadata = fs::metadata(place).map_err(unreadable)?;
-        if let Some((who, mode)) = platform::other_writers(&metadata) {
-            return Err(Refusal::WritableByOthers {
-                place: place.to_owned(),
-                mode,
-                who: who.to_owned(),
-            });
-        }
-    }
+    check_way(path)?;
     let mut file = File::open(path).map_err(unreadable)?;
     let mut head = Vec::with_capacity(object::HEAD);
     let mut taken = file.by_ref().take(object::HEAD as u64);
@@ -64,6 +110,7 @@ pub(crate) fn check(path: &Path, expected: Option<&str>) -> Result<CheckedFile, 
         sha256,
         length: metadata.len(),
         modified: since.map_or(0, |since| since.as_nanos()),
+        identity: platform::state(&metadata),
     })
 }
 
@@ -132,6 +179,32 @@ mod tests {
             who(&path),
             Some((inner.clone(), "everyone".to_owned(), 0o777))
         );
+        // A link in such a folder may be changed to lead elsewhere, whatever it leads to now.
+        let (open, good) = (inner.join("open"), inner.join("good"));
+        fs::create_dir(&open).expect("a writable folder");
+        fs::create_dir(&good).expect("a writable folder");
+        fs::write(good.join("plugin.so"), "text").expect("a writable folder");
+        for (folder, bits) in [(&open, 0o777), (&good, 0o755), (&inner, 0o755)] {
+            mode(folder, bits);
+        }
+        std::os::unix::fs::symlink("../good", open.join("way")).expect("a link");
+        let link = open.join("way/plugin.so");
+        assert!(matches!(
+            check_way(&link),
+            Err(Refusal::WritableByOthers { place, .. }) if place == open
+        ));
+        mode(&open, 0o755);
+        assert_eq!(check_way(&link), Ok(()));
+        // What belongs to another user may be changed by them; only root can make such a file here.
+        if std::os::unix::fs::chown(good.join("plugin.so"), Some(12_345), None).is_ok() {
+            assert_eq!(
+                check_way(&link),
+                Err(Refusal::OwnedByOther {
+                    place: good.join("plugin.so"),
+                    owner: 12_345
+                })
+            );
+        }
         // In a folder like /tmp nobody replaces the files of others.
         mode(&inner, 0o1777);
         assert_eq!(who(&path), None);

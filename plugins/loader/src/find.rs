@@ -6,6 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::error::{PluginError, Refusal};
+use crate::file::{check_way, unreadable};
 use crate::platform;
 
 /// The variable that holds folders to search, separated like those of PATH.
@@ -51,17 +52,18 @@ impl SearchPath {
         &self.folders
     }
 
-    /// The file that `asked` stands for. What has a separator or ends like a library is a path,
-    /// relative to `base` (the folder of the scene); a bare name is searched for: `acme` is
-    /// `libacme.so` or `acme.so` in the first folder that has one of them. The result is absolute and
-    /// free of symbolic links.
+    /// The file that `asked` stands for. What has a separator is a path, relative to `base` (the folder
+    /// of the scene); a bare name is searched for and never taken from there: `acme` is `libacme.so` or
+    /// `acme.so` in the first folder that has one of them. The result is absolute and free of symbolic
+    /// links; nobody else may change where the path leads.
     ///
     /// # Errors
-    /// [`Refusal::NoSuchFile`], [`Refusal::NotFound`].
+    /// [`Refusal::NoSuchFile`], [`Refusal::NotFound`], [`Refusal::WritableByOthers`],
+    /// [`Refusal::OwnedByOther`].
     pub fn find(&self, asked: &Path, base: &Path) -> Result<PathBuf, PluginError> {
         let is_bare = asked.components().count() == 1 && !asked.is_absolute();
         let path = base.join(asked);
-        if !is_bare || (is_library(asked) && path.is_file()) {
+        if !is_bare {
             return canonical(&path).map_err(|refusal| refusal.of(path));
         }
         for folder in &self.folders {
@@ -114,13 +116,14 @@ pub(crate) fn user_folder(variable: &str, below_home: &str) -> Option<PathBuf> {
     Some(base.join("leafwise"))
 }
 
+/// Where a path leads, if nobody else may change that.
 fn canonical(path: &Path) -> Result<PathBuf, Refusal> {
-    path.canonicalize().map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => Refusal::NoSuchFile,
-        _ => Refusal::Unreadable {
-            message: error.to_string(),
-        },
-    })
+    let absolute = std::path::absolute(path).map_err(unreadable)?;
+    if !fs::metadata(&absolute).map_err(unreadable)?.is_file() {
+        return Err(Refusal::NotAFile);
+    }
+    check_way(&absolute)?;
+    absolute.canonicalize().map_err(unreadable)
 }
 
 /// Whether a file is called like a shared library.
@@ -161,10 +164,17 @@ mod tests {
         let in_first = first.path().canonicalize().expect("it is there");
         assert_eq!(find("acme", Path::new("/")), Ok(in_first.join("acme.so")));
         let in_second = second.path().canonicalize().expect("it is there");
-        for asked in ["./libacme.so", "libacme.so"] {
-            let found = find(asked, second.path());
-            assert_eq!(found, Ok(in_second.join("libacme.so")));
-        }
+        let found = find("./libacme.so", second.path());
+        assert_eq!(found, Ok(in_second.join("libacme.so")));
+        // A bare name is never that of a file that lies here.
+        let planted = folder_with(&["libacme.so", "libother.so"]);
+        let found = find("libacme.so", planted.path());
+        assert_eq!(found, Ok(in_second.join("libacme.so")));
+        let error = find("libother.so", planted.path()).expect_err("not in the search path");
+        assert!(
+            matches!(error.refusal, Refusal::NotFound { is_here: true, .. }),
+            "{error}"
+        );
         assert_eq!(
             find("./nothing.so", first.path()).map_err(|e| e.refusal),
             Err(Refusal::NoSuchFile)

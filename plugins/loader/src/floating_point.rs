@@ -1,5 +1,7 @@
 //! The floating-point control word of the calling thread.
 
+use std::sync::{Mutex, PoisonError};
+
 use crate::error::Refusal;
 
 /// Rounding, masks and flush-to-zero of this thread, without the sticky exception flags.
@@ -75,6 +77,21 @@ impl ControlWord {
             flushes,
         })
     }
+}
+
+/// What changed how a thread computes, noticed too late to fail a call.
+static CHANGE: Mutex<Option<String>> = Mutex::new(None);
+
+/// Keeps the first change for [`change_of_arithmetic`].
+pub(crate) fn note_change(what: String) {
+    let mut change = CHANGE.lock().unwrap_or_else(PoisonError::into_inner);
+    change.get_or_insert(what);
+}
+
+/// What a library changed of how this process computes, where no call could be failed for it any more:
+/// numbers since may be rounded in another way. Asked for once.
+pub fn change_of_arithmetic() -> Option<String> {
+    CHANGE.lock().unwrap_or_else(PoisonError::into_inner).take()
 }
 
 /// Whether a subnormal result becomes 0.

@@ -19,6 +19,7 @@
 
 pub mod declaration;
 pub mod error;
+mod exits;
 mod file;
 pub mod find;
 mod floating_point;
@@ -38,6 +39,16 @@ mod smoke;
 pub use declaration::{PartDeclaration, PluginDeclaration, ValuePath};
 pub use error::{PluginError, Refusal};
 pub use find::SearchPath;
+pub use floating_point::change_of_arithmetic;
 pub use loader::{LoadedPlugin, Loader, PluginRequest};
 pub use probe::{ProbeCommand, run_probe};
-pub use smoke::SmokeFailure;
+pub use smoke::{SmokeFailure, Tried};
+
+/// Keeps standard output for this program: a handle of what it is, while whatever libraries print there
+/// goes to standard error from now on.
+///
+/// # Errors
+/// The system's, where descriptors cannot be copied; nothing is changed then.
+pub fn own_output() -> std::io::Result<std::fs::File> {
+    platform::own_output()
+}

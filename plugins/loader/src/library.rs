@@ -6,6 +6,8 @@ use leafwise_plugin_abi::{LW_ABI_MAJOR, LW_ENTRY_SYMBOL, LW_ENTRY_SYMBOL_STEM, L
 
 use crate::declaration::PluginDeclaration;
 use crate::error::Refusal;
+use crate::exits::in_call;
+use crate::file::{self, CheckedFile};
 use crate::floating_point::ControlWord;
 use crate::handshake;
 use crate::platform;
@@ -16,14 +18,21 @@ const OTHER_MAJORS: std::ops::RangeInclusive<u16> = 1..=32;
 /// Opens the library for as long as the program runs, and copies what its entry says.
 ///
 /// A library that is refused here stays open too: nothing of it is called again.
-pub(crate) fn open(path: &Path) -> Result<PluginDeclaration, Refusal> {
+pub(crate) fn open(path: &Path, checked: &CheckedFile) -> Result<PluginDeclaration, Refusal> {
+    static OPENED: &str = "a library that was opened";
     let control = ControlWord::read();
-    // SAFETY: the user asked for this library, which is to trust it.
-    let library = unsafe { platform::open(path) };
+    let library = in_call(&OPENED, || {
+        // SAFETY: the user asked for this library, which is to trust it.
+        unsafe { platform::open(path) }
+    });
     let control = control.restore("opened");
     // The handle is given up, not closed: code of the library may be referred to from anywhere.
     let library = Box::leak(Box::new(library?));
     control?;
+    // What was opened by the path is what was looked at before, if the path still leads there.
+    if file::check(path, None)? != *checked {
+        return Err(Refusal::Changed);
+    }
     // SAFETY: the entry symbol of this version has this type.
     let entry = unsafe { library.get::<LwEntryFn>(LW_ENTRY_SYMBOL) };
     let Some(entry) = entry.ok().and_then(|symbol| *symbol) else {
@@ -38,7 +47,7 @@ pub(crate) fn open(path: &Path) -> Result<PluginDeclaration, Refusal> {
     };
     let control = ControlWord::read();
     // SAFETY: a function of this type by its name; it may be called once, and is.
-    let entry = unsafe { entry() };
+    let entry = in_call(&OPENED, || unsafe { entry() });
     control.restore("asked for its entry")?;
     // SAFETY: what the entry function returned, of a library that is never closed.
     unsafe { handshake::read(entry) }

@@ -8,14 +8,15 @@ use leafwise_core::{Origin, Part};
 
 use crate::declaration::{PartDeclaration, PluginDeclaration};
 use crate::error::{PluginError, Refusal};
-use crate::file;
+use crate::exits;
+use crate::file::{self, CheckedFile};
 use crate::find::SearchPath;
 use crate::formulas;
 use crate::library;
 use crate::part::part;
 use crate::probe::{ProbeCache, ProbeCommand};
 use crate::side_file;
-use crate::smoke::try_part;
+use crate::smoke::{Tried, try_part};
 
 /// A plugin as a scene or a command line asks for it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -45,8 +46,8 @@ pub struct LoadedPlugin {
     pub sha256: String,
     /// What it declares.
     pub declaration: PluginDeclaration,
-    /// The test problems that each part was tried on, in the order of the parts.
-    pub tried: Vec<Vec<String>>,
+    /// What came of the trial of each part, in their order.
+    pub tried: Vec<Tried>,
 }
 
 impl LoadedPlugin {
@@ -100,6 +101,12 @@ impl Loader {
         self
     }
 
+    /// The same, trying each library anew.
+    pub fn without_cache(mut self) -> Self {
+        self.cache = None;
+        self
+    }
+
     /// The same, remembering in the user's cache folder which files passed the probe.
     pub fn with_user_cache(mut self) -> Self {
         self.cache = ProbeCache::of_user();
@@ -145,11 +152,11 @@ impl Loader {
     ) -> Result<LoadedPlugin, Refusal> {
         let side = side_file::read(path)?;
         let checked = file::check(path, request.sha256.as_deref())?;
-        if let Some(expected) = side.and_then(|side| side.sha256)
+        if let Some(expected) = side.as_ref().and_then(|side| side.sha256.as_deref())
             && !expected.eq_ignore_ascii_case(&checked.sha256)
         {
             return Err(Refusal::Hash {
-                expected,
+                expected: expected.to_owned(),
                 found: checked.sha256,
             });
         }
@@ -165,7 +172,11 @@ impl Loader {
                 }
             }
         }
-        let opened = open_and_try(path)?;
+        exits::guard();
+        let opened = open_and_try(path, &checked)?;
+        if let Some(side) = side {
+            side.check(path, &opened.declaration)?;
+        }
         let plugin = LoadedPlugin {
             path: path.to_owned(),
             sha256: checked.sha256,
@@ -181,12 +192,13 @@ impl Loader {
 pub(crate) struct Opened {
     declaration: PluginDeclaration,
     parts: Vec<Part>,
-    tried: Vec<Vec<String>>,
+    tried: Vec<Tried>,
 }
 
-/// Opens a library, reads what it declares and tries every part.
-pub(crate) fn open_and_try(path: &Path) -> Result<Opened, Refusal> {
-    let declaration = library::open(path)?;
+/// Opens a library, which is to be the file that was checked, reads what it declares and tries every
+/// part.
+pub(crate) fn open_and_try(path: &Path, checked: &CheckedFile) -> Result<Opened, Refusal> {
+    let declaration = library::open(path, checked)?;
     let mut parts = Vec::with_capacity(declaration.parts.len());
     let mut tried = Vec::with_capacity(declaration.parts.len());
     for declared in &declaration.parts {

@@ -5,6 +5,10 @@ use crate::error::Refusal;
 /// As many bytes as are looked at.
 pub(crate) const HEAD: usize = 20;
 
+/// The kind "shared object" of an ELF file, and what another kind is called here.
+const SHARED: u16 = 3;
+const UNLINKED: &str = "no shared library";
+
 /// Architectures by name, with their numbers in ELF and Mach-O headers.
 const MACHINES: [(&str, u16, u32); 4] = [
     ("x86_64", 62, 0x0100_0007),
@@ -22,6 +26,7 @@ pub(crate) fn check(head: &[u8]) -> Result<(), Refusal> {
             first: head.iter().take(8).copied().collect(),
         }),
         Some((format, machine)) if (format, machine.as_str()) == host => Ok(()),
+        Some((_, machine)) if machine == UNLINKED => Err(Refusal::NotShared),
         Some((format, machine)) => Err(Refusal::Machine {
             found: shown(format, &machine),
             host: shown(host.0, host.1),
@@ -44,8 +49,11 @@ fn read(head: &[u8]) -> Option<(&'static str, String)> {
     let u16_at = |at: usize| Some(u16::from_le_bytes([*head.get(at)?, *head.get(at + 1)?]));
     if head.starts_with(b"\x7fELF") {
         // A 64-bit little-endian file, of the kind "shared object".
-        if (head.get(4)?, head.get(5)?, u16_at(16)?) != (&2, &1, 3) {
-            return Some(("ELF", "32-bit, big-endian or no shared library".to_owned()));
+        if (head.get(4)?, head.get(5)?) != (&2, &1) {
+            return Some(("ELF", "32-bit or big-endian".to_owned()));
+        }
+        if u16_at(16)? != SHARED {
+            return Some(("ELF", UNLINKED.to_owned()));
         }
         let number = u16_at(18)?;
         let known = MACHINES.iter().find(|machine| machine.1 == number);
@@ -81,8 +89,10 @@ mod tests {
         let mac = [0xcf, 0xfa, 0xed, 0xfe, 0x0c, 0, 0, 1];
         assert_eq!(read(&mac).as_deref(), Some("Mach-O aarch64"));
         assert_eq!(read(b"MZ\x90\x00").as_deref(), Some("PE of Windows"));
-        for other in [elf(1, 3, 3), elf(2, 2, 62), elf(2, 1, 62)] {
-            assert!(matches!(check(&other), Err(Refusal::Machine { .. })));
+        assert!(matches!(check(&elf(1, 3, 3)), Err(Refusal::Machine { .. })));
+        // A program, and what the compiler makes before it is linked.
+        for other in [elf(2, 2, 62), elf(2, 1, 62)] {
+            assert_eq!(check(&other), Err(Refusal::NotShared));
         }
     }
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use crate::declaration::PluginDeclaration;
 use crate::error::Refusal;
 
 /// `acme.plugin.toml` beside `libacme.so` or `acme.so`.
@@ -34,6 +35,34 @@ pub struct SidePart {
     pub summary: Option<String>,
 }
 
+/// A side file with more bytes is none.
+const LONGEST: u64 = 1 << 20;
+
+impl SideFile {
+    /// Refuses a file that speaks of another plugin, or of another version of it.
+    pub(crate) fn check(
+        &self,
+        library: &Path,
+        declaration: &PluginDeclaration,
+    ) -> Result<(), Refusal> {
+        let pairs = [
+            ("id", &self.id, &declaration.id),
+            ("version", &self.version, &declaration.version),
+        ];
+        for (what, said, own) in pairs {
+            if let Some(said) = said
+                && said != own
+            {
+                return Err(Refusal::SideFile {
+                    file: side_file_of(library).unwrap_or_default(),
+                    message: format!("its {what} is `{said}`, and the library's `{own}`"),
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Where the side file of a library is.
 pub fn side_file_of(library: &Path) -> Option<PathBuf> {
     let stem = library.file_stem()?.to_str()?;
@@ -55,6 +84,13 @@ pub fn read(library: &Path) -> Result<Option<SideFile>, Refusal> {
         file: file.clone(),
         message,
     };
+    // A pipe would be waited for.
+    let metadata = fs::metadata(&file).map_err(|error| wrong(error.to_string()))?;
+    if !metadata.is_file() || metadata.len() > LONGEST {
+        return Err(wrong(format!(
+            "it is no regular file of at most {LONGEST} bytes"
+        )));
+    }
     let text = fs::read_to_string(&file).map_err(|error| wrong(error.to_string()))?;
     toml::from_str(&text)
         .map(Some)

@@ -44,7 +44,18 @@ fn refused(name: &str, text: &str) -> Refusal {
 /// Refuses one fixture in the child process only: it would end or stop this one.
 #[track_caller]
 fn refused_by_probe(name: &str, text: &str) -> Refusal {
-    let error = refusal(&Workshop::new().compile(name), Some(impatient()));
+    refused_by(probe(), name, text)
+}
+
+/// Refuses one fixture that never ends, after a short time.
+#[track_caller]
+fn cut_off_by_probe(name: &str, text: &str) -> Refusal {
+    refused_by(impatient(), name, text)
+}
+
+#[track_caller]
+fn refused_by(probe: ProbeCommand, name: &str, text: &str) -> Refusal {
+    let error = refusal(&Workshop::new().compile(name), Some(probe));
     assert!(
         error.to_string().contains(text),
         "`{text}` is missing from: {error}"
@@ -72,9 +83,10 @@ fn a_good_plugin_is_registered_with_its_origin() {
     let plugin = load(&path, Some(probe()), &mut registry).expect("a good plugin");
     assert_eq!(plugin.declaration.id, "gallery");
     assert_eq!(
-        plugin.tried,
-        [["so(3)*", "log-canonical", "canonical, d = 3"]]
+        plugin.tried[0].problems,
+        ["so(3)*", "log-canonical", "canonical, d = 3"]
     );
+    assert!(plugin.tried[0].writing_static_data.is_empty());
     assert_eq!(registry.origin("gallery/still"), Some(&plugin.origin()));
     assert_eq!(plugin.path, path);
     assert_eq!(plugin.sha256.len(), 64);
@@ -210,9 +222,9 @@ fn a_constructor_that_crashes_or_leaves_ends_the_child_only() {
 
 #[test]
 fn what_never_returns_is_stopped() {
-    let refusal = refused_by_probe("hangs", "probe: no report within 1.5 s");
+    let refusal = cut_off_by_probe("hangs", "probe: no report within 1.5 s");
     assert_eq!(refusal, Refusal::ProbeTimedOut { seconds: 1.5 });
-    refused_by_probe("spins", "probe: no report within 1.5 s");
+    cut_off_by_probe("spins", "probe: no report within 1.5 s");
 }
 
 #[test]
@@ -256,6 +268,194 @@ fn writing_where_nothing_belongs() {
         fails("ignores_strides", text),
         SmokeFailure::Overwritten { .. }
     ));
+}
+
+#[test]
+fn writing_to_an_input() {
+    let text = "hamiltonian: canary: it wrote to its input `point`";
+    assert!(matches!(
+        fails("writes_input", text),
+        SmokeFailure::Overwritten { .. }
+    ));
+}
+
+/// Instances are called on several threads at once: what a call keeps in static memory is overwritten
+/// by the others.
+#[test]
+fn memory_that_instances_share() {
+    let text =
+        "gradient: instances called on several threads at once gave other answers than one alone";
+    assert!(matches!(
+        fails("static_scratch", text),
+        SmokeFailure::NotParallel { .. }
+    ));
+    let text =
+        "gradient: an instance gave another answer once another one had been made and called";
+    assert!(matches!(
+        fails("static_parameters", text),
+        SmokeFailure::DependsOnOthers { .. }
+    ));
+}
+
+/// Static data that change are told, and are no failure where the answers stay.
+#[test]
+fn a_counter_in_static_memory() {
+    let workshop = Workshop::new();
+    let path = workshop.compile("counts_calls");
+    let plugin = load(&path, Some(probe()), &mut Registry::empty()).expect("a good plugin");
+    assert_eq!(plugin.tried[0].writing_static_data, ["gradient"]);
+}
+
+/// The child process calls everything that the program calls: names and promises too.
+#[test]
+fn names_and_promises_are_asked_for_in_the_child() {
+    let workshop = Workshop::new();
+    let with = |name: &str, option: &str| {
+        let path = workshop.compile_with(name, &["-O3", "-ffp-contract=off", option]);
+        refusal(&path, Some(impatient())).to_string()
+    };
+    let name = "-DNAMES=\"a\", \"b\", (const char *)1";
+    for (name, option, text) in [
+        ("names", name, "probe: child killed by signal 11 (SIGSEGV)"),
+        (
+            "promises",
+            "-DCALL=__builtin_trap()",
+            "probe: child killed by signal",
+        ),
+        (
+            "promises",
+            "-DCALL=for (;;)",
+            "probe: no report within 1.5 s",
+        ),
+        (
+            "promises",
+            "-DCALL=promised->order = -5",
+            "properties: error: properties: order -5 is less than 1",
+        ),
+        (
+            "promises",
+            "-DCALL=promised->structure = -7",
+            "properties: error: properties: structure -7 is unknown",
+        ),
+        (
+            "promises",
+            "-DCALL=promised->flags = ~0u",
+            "it is declared self-adjoint and not self-adjoint",
+        ),
+    ] {
+        let said = with(name, option);
+        assert!(said.contains(text), "`{text}` is missing from: {said}");
+    }
+}
+
+/// A system's names obey the rules of a scene's.
+#[test]
+fn names_that_no_formula_could_use() {
+    let workshop = Workshop::new();
+    for (names, text) in [
+        (
+            r#""x", "sin", "z""#,
+            "the variable `sin` cannot be called so: ",
+        ),
+        (
+            r#""x", "<b>y</b>", "z""#,
+            "the variable `<b>y</b>` cannot be called so: ",
+        ),
+        (
+            r#""x", "y\nz", "z""#,
+            "the variable `y\\nz` cannot be called so: ",
+        ),
+        (r#""x", "\xff", "z""#, "the name of variable 2 is not UTF-8"),
+        (
+            r#""x", "same", "same""#,
+            "has the name of another variable, Casimir or parameter",
+        ),
+        (
+            r#""x", "spin", "z""#,
+            "the Casimir `spin` has the name of another variable",
+        ),
+        (
+            r#""x", "rotor", "z""#,
+            "the variable `rotor` has the name of another variable",
+        ),
+        (
+            r#""time", "y", "z""#,
+            "the variable `time` has a name that samples and formulas have",
+        ),
+        (
+            r#""x", "energy", "z""#,
+            "the variable `energy` has a name that samples",
+        ),
+    ] {
+        let option = format!("-DNAMES={names}");
+        let path = workshop.compile_with("names", &["-O3", "-ffp-contract=off", &option]);
+        let said = refusal(&path, Some(probe())).to_string();
+        assert!(said.contains(text), "`{text}` is missing from: {said}");
+    }
+}
+
+#[test]
+fn a_number_of_casimirs_that_cannot_be() {
+    let text = "18446744073709551615 Casimirs are more than 1048576";
+    assert!(matches!(
+        fails("endless_casimirs", text),
+        SmokeFailure::Shape { .. }
+    ));
+}
+
+/// Only LW_UNSUPPORTED says that a part does not serve a problem.
+#[test]
+fn a_part_that_cannot_be_made() {
+    let text = "create: error: the table of inertia is missing";
+    assert!(matches!(
+        fails("cannot_create", text),
+        SmokeFailure::Call { .. }
+    ));
+}
+
+/// A process that a library leaves behind may hold the child's pipes open for ever.
+#[test]
+fn a_report_is_taken_when_it_arrives() {
+    let workshop = Workshop::new();
+    let path = workshop.compile("forks");
+    load(&path, Some(probe()), &mut Registry::empty()).expect("a good plugin");
+}
+
+#[test]
+fn a_side_file_that_cannot_be_used() {
+    let workshop = Workshop::new();
+    let path = workshop.compile("still");
+    let side = workshop.path("still.plugin.toml");
+    let said = || {
+        let error = load(&path, None, &mut Registry::empty()).expect_err("refused");
+        error.to_string()
+    };
+    workshop.write("still.plugin.toml", "id = \"other\"\n");
+    assert!(said().contains("its id is `other`, and the library's `gallery`"));
+    workshop.write("still.plugin.toml", "id = \"gallery\"\nversion = \"9\"\n");
+    assert!(said().contains("its version is `9`, and the library's `0.1.0`"));
+    // A pipe without a writer would be waited for.
+    fs::remove_file(&side).expect("our own file");
+    let made = std::process::Command::new("mkfifo").arg(&side).status();
+    assert!(made.expect("mkfifo").success());
+    assert!(said().contains("it is no regular file"));
+}
+
+/// The hash is that of the file that was opened.
+#[test]
+fn a_file_replaced_while_it_is_opened() {
+    let workshop = Workshop::new();
+    let path = workshop.compile("replaced");
+    load(&path, None, &mut Registry::empty()).expect("nothing takes its place");
+    let workshop = Workshop::new();
+    let path = workshop.compile_with("replaced", &["-O1"]);
+    fs::rename(
+        workshop.compile("still"),
+        workshop.path("libreplaced.so.next"),
+    )
+    .expect("ours");
+    let error = load(&path, None, &mut Registry::empty()).expect_err("it was replaced");
+    assert_eq!(error.refusal, Refusal::Changed);
 }
 
 #[test]

@@ -163,7 +163,7 @@ fn dynamics_of_numbers_are_those_of_the_built_in_part() {
     let mut registry = built_in();
     let plugin = load(&workshop.compile("bisections"), None, &mut registry).expect("six parts");
     assert!(
-        plugin.tried.iter().all(|tried| tried.len() >= 4),
+        plugin.tried.iter().all(|tried| tried.problems.len() >= 4),
         "{:?}",
         plugin.tried
     );
@@ -235,7 +235,10 @@ fn leaving_a_domain_is_told_with_its_ratio() {
     // |h grad H| is 1.5 or so at h = 1.
     let mut integrator = Integrator::new(&walled, &system.parameter_values(), 1.0, 1.0, &START);
     match integrator.step() {
-        Err(StepError::LeftChart { ratio }) => assert!((1.0..2.0).contains(&ratio), "{ratio}"),
+        Err(StepError::OutsideDomain { ratio, part, .. }) => {
+            assert!((1.0..2.0).contains(&ratio), "{ratio}");
+            assert_eq!(part, "walled/cayley");
+        }
         other => panic!("{other:?}"),
     }
     assert_eq!(integrator.state(), START);
@@ -325,26 +328,137 @@ fn one_failing_lane_leaves_the_others_their_steps() {
     let mut local = stepper("steps/local");
     local.increment(&states, &[0.0; 9], &mut increment, &mut outcome);
     assert_eq!(increment, [0.5, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-    assert_eq!(
-        outcome,
-        [Ok(()), Err(StepError::LeftChart { ratio: 1.5 }), Ok(())]
-    );
+    assert_eq!([&outcome[0], &outcome[2]], [&Ok(()), &Ok(())]);
+    let error = outcome[1].clone().expect_err("outside");
+    assert!(matches!(error, StepError::OutsideDomain { ratio: 1.5, .. }));
+    // The part's own words and its name.
+    let text = "steps/local failed: increment: outside its domain at point 0 (1.50 times as far as it \
+                reaches): x1 is 2 or more; reduce epsilon*h";
+    assert_eq!(error.to_string(), text);
     assert_eq!(local.statistics().failures, 1);
-    // A broken instance is called no more, not even to be ended: the fixture would abort.
+    // A broken instance is called no more, not even to be ended: the fixture would abort. The other
+    // lanes go on with a new one.
     let mut fragile = stepper("steps/fragile");
-    fragile.increment(&states, &[0.0; 9], &mut increment, &mut outcome);
-    assert_eq!(increment, [0.0; 9]);
-    let text = outcome[0].clone().expect_err("it is broken").to_string();
+    for _ in 0..3 {
+        fragile.increment(&states, &[0.0; 9], &mut increment, &mut outcome);
+        assert_eq!(increment, [0.0; 9]);
+        assert_eq!([&outcome[0], &outcome[2]], [&Ok(()), &Ok(())]);
+        let text = outcome[1].clone().expect_err("it broke").to_string();
+        assert_eq!(
+            text,
+            "steps/fragile failed: increment: fatal: x1 is too large"
+        );
+    }
+    // One trajectory alone is told the same reason for as long as it asks.
+    let part = registry.stepper("steps/fragile").expect("a step map");
+    let map = part
+        .build(&system, &PartParameters::new())
+        .expect("it fits");
+    let mut alone = map.stepper(1, &[1.0; 3], 1.0, 0.5);
+    for _ in 0..2 {
+        let mut outcome = [Ok(())];
+        alone.increment(&[3.0; 3], &[0.0; 3], &mut [0.0; 3], &mut outcome);
+        let text = outcome[0].clone().expect_err("it broke").to_string();
+        assert!(text.contains("x1 is too large"), "{text}");
+    }
+}
+
+/// A gyrostat of the gallery, whose functions differ from the example's at x1 > 2.
+fn gyrostat_of(workshop: &Workshop, name: &str) -> PoissonSystem {
+    let mut registry = Registry::empty();
+    let path = workshop.compile(name);
+    load(&path, None, &mut registry).expect("what is wrong shows later");
+    let id = format!("gallery/{}", name.replace('_', "-"));
+    let part = registry.system(&id).expect("a gyrostat");
+    part.build(&PartParameters::new()).expect("its defaults")
+}
+
+/// What a call leaves unwritten is no result, whatever stood there before.
+#[test]
+fn an_output_that_is_not_written_is_a_failure() {
+    let system = gyrostat_of(&Workshop::new(), "unwritten");
+    let numbers = system.opaque().expect("numbers");
+    let mut worker = numbers.numbers.worker(&system.parameter_values());
+    let mut gradient = [7.0; 3];
+    worker
+        .gradient(&[1.5, 0.5, 2.0], &mut gradient)
+        .expect("written");
+    assert_eq!(gradient, [1.5, 0.5 / 0.75, 2.0 / 1.25 - 0.3]);
+    let error = worker.gradient(&[2.5, 0.5, 2.0], &mut gradient);
+    let text = error
+        .expect_err("the last coordinate is missing")
+        .to_string();
+    assert_eq!(
+        text,
+        "gallery/unwritten failed: gradient: LW_OK, and the output at point 0 coordinate 2 is not written"
+    );
+}
+
+/// Calls that change how the thread rounds are noticed within so many calls, and undone.
+#[test]
+#[cfg(target_arch = "x86_64")]
+fn a_changed_rounding_is_noticed_and_undone() {
+    let system = gyrostat_of(&Workshop::new(), "rounds_later");
+    let numbers = system.opaque().expect("numbers");
+    let sum = || std::hint::black_box(1.0) + std::hint::black_box(f64::EPSILON / 4.0);
+    let mut worker = numbers.numbers.worker(&system.parameter_values());
+    let mut gradient = [0.0; 3];
+    let failed = (0..64).find_map(|_| worker.gradient(&[2.5, 0.5, 2.0], &mut gradient).err());
+    let text = failed.expect("a change").to_string();
     assert!(
-        text.contains("steps/fragile failed: increment: fatal"),
+        text.contains("floating-point environment changed when it was called"),
         "{text}"
     );
-    fragile.increment(&[0.5; 9], &[0.0; 9], &mut increment, &mut outcome);
-    let text = outcome[2].clone().expect_err("it stays broken").to_string();
-    assert!(
-        text.contains("an earlier call broke this instance"),
-        "{text}"
-    );
+    assert_eq!(sum(), 1.0);
+    // Fewer calls: it is told when the worker ends.
+    worker
+        .gradient(&[2.5, 0.5, 2.0], &mut gradient)
+        .expect("a call");
+    assert_ne!(sum(), 1.0);
+    drop(worker);
+    assert_eq!(sum(), 1.0);
+    let change = leafwise_plugin_loader::change_of_arithmetic().expect("a change");
+    assert!(change.contains("gallery/rounds-later"), "{change}");
+    assert_eq!(leafwise_plugin_loader::change_of_arithmetic(), None);
+}
+
+/// An explicit method takes the memory of a few states, whatever derivatives a system has.
+#[test]
+fn a_long_system_of_numbers_needs_no_matrices() {
+    use leafwise_reference as _;
+    let system = gyrostat_of(&Workshop::new(), "long_chain");
+    let built_in = built_in();
+    let rk4 = built_in.stepper("rk4").expect("the rule");
+    let map = rk4
+        .build(&system, &PartParameters::new())
+        .expect("values suffice");
+    let d = system.dimension();
+    let start: Vec<f64> = (0..d).map(|i| (i % 2) as f64).collect();
+    let mut integrator = Integrator::new(map.as_ref(), &[], 1.0, 0.125, &start);
+    integrator.step().expect("a step");
+    // x_2 begins at 1 and x_1 with dx_1/dt = {H, x_1} = -x_2: a rotation by 1/8, to the order of rk4.
+    let (sin, cos) = (libm::sin(0.125), libm::cos(0.125));
+    for pair in integrator.state().chunks_exact(2) {
+        assert!(
+            (pair[0] + sin).abs() < 1e-6 && (pair[1] - cos).abs() < 1e-6,
+            "{pair:?}"
+        );
+    }
+}
+
+/// LW_UNSUPPORTED of an optional function is as good as NULL in its place.
+#[test]
+fn a_derivative_that_no_instance_offers_is_not_there() {
+    let system = gyrostat_of(&Workshop::new(), "unsupported");
+    let offered = system.opaque().expect("numbers").numbers.derivatives();
+    assert!(offered.casimirs && !offered.hamiltonian && !offered.tensor);
+    use leafwise_reference as _;
+    let built_in = built_in();
+    let midpoint = built_in.stepper("implicit-midpoint").expect("the rule");
+    let map = midpoint
+        .build(&system, &PartParameters::new())
+        .expect("values suffice");
+    orbit(&system, map.as_ref(), 10);
 }
 
 /// Parts by formulas alone against the same formulas written here.

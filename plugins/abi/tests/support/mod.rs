@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use leafwise_plugin_abi::{LAYOUT, TypeLayout};
+
 /// Where the header is committed.
 pub fn committed() -> PathBuf {
     root().join("include/leafwise_plugin.h")
@@ -39,5 +41,15 @@ pub fn generate() -> String {
         .generate()
         .expect("the types have a C layout")
         .write(&mut text);
-    String::from_utf8(text).expect("a header is UTF-8")
+    let text = String::from_utf8(text).expect("a header is UTF-8");
+    text.replace("LAYOUT\n", &layout())
+}
+
+/// An assertion for the size of each struct.
+fn layout() -> String {
+    let line = |layout: &TypeLayout| {
+        let (name, size) = (layout.name, layout.size);
+        format!("LW_STATIC_ASSERT(sizeof({name}) == {size}, \"{name} has {size} bytes\");\n")
+    };
+    LAYOUT.iter().map(line).collect()
 }

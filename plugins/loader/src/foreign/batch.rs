@@ -78,6 +78,16 @@ impl<'a> Input<'a> {
     }
 }
 
+/// What stands where nothing was written: a NaN of its own.
+pub(crate) fn unwritten() -> f64 {
+    f64::from_bits(0x7ff8_1ea5_0000_ca4a)
+}
+
+/// Whether nothing was written to this place.
+pub(crate) fn is_unwritten(value: f64) -> bool {
+    value.to_bits() == unwritten().to_bits()
+}
+
 /// One vector for each point of a batch, to be written.
 #[derive(Debug)]
 pub(crate) struct Output<'a> {
@@ -127,6 +137,27 @@ impl<'a> Output<'a> {
         }
     }
 
+    /// Marks the places of `count` vectors as not written, so that what a call leaves out is told from
+    /// what it writes.
+    #[inline]
+    pub(super) fn clear(&mut self, count: usize) {
+        if self.data.len() == count * self.dim {
+            self.data.fill(unwritten());
+            return;
+        }
+        for point in 0..count {
+            for coordinate in 0..self.dim {
+                self.data[point * self.point_stride + coordinate * self.coordinate_stride] =
+                    unwritten();
+            }
+        }
+    }
+
+    /// The number at a place of the batch.
+    pub(super) fn at(&self, point: usize, coordinate: usize) -> f64 {
+        self.data[point * self.point_stride + coordinate * self.coordinate_stride]
+    }
+
     /// Whether every number of the batch is finite.
     #[inline]
     pub(super) fn is_finite(&self, count: usize) -> bool {
@@ -139,8 +170,7 @@ impl<'a> Output<'a> {
         (0..count)
             .flat_map(|point| (0..self.dim).map(move |coordinate| (point, coordinate)))
             .find(|(point, coordinate)| {
-                let at = point * self.point_stride + coordinate * self.coordinate_stride;
-                self.data[at].to_bits() & EXPONENT == EXPONENT
+                self.at(*point, *coordinate).to_bits() & EXPONENT == EXPONENT
             })
     }
 }

@@ -7,47 +7,43 @@ use leafwise_plugin_abi::LwMapFn;
 
 use super::batch::Output;
 use super::failure::CallFailure;
-use super::instance::{Call, Instance, Lent, Making};
+use super::instance::{Call, Instance};
 use super::part::ForeignPart;
+use crate::floating_point::{ControlWord, note_change};
 
 /// One worker's instance. Where it could not be made, every call says why: a worker is asked for
 /// where no refusal can be given any more, for other values of parameters that did well before.
 pub(super) struct Callee {
     part: Arc<ForeignPart>,
     instance: Result<Instance, CallFailure>,
-    /// What makes another instance, and whether several trajectories are served: where one breaks it the
-    /// others go on with a new one.
-    make: Option<Box<Make>>,
+    /// Makes another instance.
+    make: Box<Make>,
+    /// Whether several trajectories are served: where one breaks the instance the others go on with a
+    /// new one.
     serves_several: bool,
+    /// How this thread computes, and the calls since that was last looked at.
+    control: ControlWord,
+    calls: u8,
 }
 
 type Make = dyn Fn() -> Result<Instance, CallFailure> + Send;
 
-impl Callee {
-    pub(super) fn new(
-        part: &Arc<ForeignPart>,
-        making: Making<'_>,
-        lent: Result<Lent, CallFailure>,
-    ) -> Self {
-        Self {
-            part: Arc::clone(part),
-            instance: lent.and_then(|lent| Instance::new(part, making, lent)),
-            make: None,
-            serves_several: false,
-        }
-    }
+/// After so many calls the control word is compared: reading it costs as much as a small call.
+const BETWEEN_LOOKS: u8 = 64;
 
-    /// An instance for points of several trajectories, which `make` makes anew where one of them broke
-    /// it.
-    pub(super) fn shared(
+impl Callee {
+    /// An instance as `make` makes it, and makes it anew where one of several trajectories broke it.
+    pub(super) fn new(
         part: &Arc<ForeignPart>,
         make: impl Fn() -> Result<Instance, CallFailure> + Send + 'static,
     ) -> Self {
         Self {
             part: Arc::clone(part),
+            control: ControlWord::read(),
             instance: make(),
-            make: Some(Box::new(make)),
+            make: Box::new(make),
             serves_several: false,
+            calls: 0,
         }
     }
 
@@ -66,16 +62,37 @@ impl Callee {
             Ok(instance) => instance.evaluate(function, call, output),
             Err(failure) => return Err(failure.clone().of_step(self.part.name(), "create")),
         };
+        self.calls += 1;
+        if self.calls == BETWEEN_LOOKS {
+            self.look(name)?;
+        }
         outcome.map_err(|failure| self.failed(name, failure))
+    }
+
+    /// Restores how this thread computes; an error where calls have changed it.
+    #[cold]
+    fn look(&mut self, name: &str) -> Result<(), StepError> {
+        self.calls = 0;
+        self.control.restore("called").map_err(|refusal| {
+            let message = refusal.to_string();
+            CallFailure::FloatingPoint { message }.of_step(self.part.name(), name)
+        })
     }
 
     #[cold]
     fn failed(&mut self, name: &str, failure: CallFailure) -> StepError {
-        if let (CallFailure::Broken { .. }, true, Some(make)) =
-            (&failure, self.serves_several, &self.make)
-        {
-            self.instance = make();
+        if let (CallFailure::Broken { .. }, true) = (&failure, self.serves_several) {
+            self.instance = (self.make)();
         }
         failure.of_step(self.part.name(), name)
+    }
+}
+
+impl Drop for Callee {
+    /// What the last calls changed can fail no call any more.
+    fn drop(&mut self) {
+        if let Err(refusal) = self.control.restore("called") {
+            note_change(format!("{}: {refusal}", self.part.name()));
+        }
     }
 }

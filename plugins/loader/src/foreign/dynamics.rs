@@ -17,6 +17,7 @@ use super::failure::CallFailure;
 use super::instance::{Call, Instance, Lent, Making};
 use super::part::{ForeignPart, Properties};
 use crate::host::{HostSystem, RealizationToLend};
+use crate::smoke::states;
 
 /// A part of kind `LW_KIND_DYNAMICS` with functions.
 pub(crate) struct ForeignDynamicsPart {
@@ -44,7 +45,10 @@ impl DynamicsPart for ForeignDynamicsPart {
     ) -> Result<Arc<dyn DynamicApproximation>, BuildError> {
         let settings = self.part.settings(parameters)?;
         Ok(Arc::new(ForeignDynamics {
-            properties: self.part.properties(0, &settings)?,
+            properties: self
+                .part
+                .properties(0, &settings)
+                .map_err(|failure| failure.of_build(self.part.name()))?,
             part: Arc::clone(&self.part),
             table: self.table,
             settings,
@@ -92,7 +96,7 @@ impl DynamicApproximation for ForeignDynamics {
     ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
         self.part.check_dimension(system.dimension())?;
         let values = system.parameter_values();
-        let bisection = ForeignBisection {
+        let mut bisection = ForeignBisection {
             dynamics: self.clone(),
             system: system.clone(),
             realization: Arc::clone(realization),
@@ -108,14 +112,37 @@ impl DynamicApproximation for ForeignDynamics {
         }
         // A trial, to tell now what cannot be combined.
         let lent = lent(&bisection.system, &bisection.lend, &values)?;
-        Instance::new(&self.part, bisection.making(), lent).map_err(|failure| {
+        let trial = Instance::new(&self.part, bisection.making(), lent).map_err(|failure| {
             BuildError::Incompatible {
                 dynamics: self.describe(),
                 realization: realization.describe(),
                 reason: failure.to_string(),
             }
         })?;
+        bisection.dynamics.table = offered(self.table, trial, realization.as_ref());
         Ok(Arc::new(bisection))
+    }
+}
+
+/// The table without the tangents that the instance does not offer.
+fn offered(
+    table: LwDynamics,
+    mut instance: Instance,
+    realization: &dyn RealizationData,
+) -> LwDynamics {
+    /// The step at which functions are asked for.
+    const STEP: f64 = 1e-2;
+    let (d, space) = (realization.dimension(), realization.space_dimension());
+    let y = states(d).swap_remove(0);
+    let mut z = vec![0.0; space];
+    realization.section(&y, &mut z);
+    let at_y = Call::at(1, 1.0, STEP, Input::points(&y, d));
+    let at_z = Call::at(1, 1.0, STEP, Input::points(&z, space));
+    LwDynamics {
+        one_form_jacobian: instance.offered(table.one_form_jacobian, &at_y, d * d),
+        embedding_jacobian: instance.offered(table.embedding_jacobian, &at_y, space * d),
+        flow_jacobian: instance.offered(table.flow_jacobian, &at_z, space * space),
+        ..table
     }
 }
 
@@ -158,7 +185,7 @@ impl ForeignBisection {
             Instance::new(&part, making, lent)
         };
         Caller {
-            callee: Callee::shared(&self.dynamics.part, make),
+            callee: Callee::new(&self.dynamics.part, make),
             table: self.dynamics.table,
             epsilon,
             h,

@@ -23,6 +23,10 @@ pub(crate) enum CallFailure {
     Broken { message: String },
     /// A result that is no finite number.
     NotFinite { point: usize, coordinate: usize },
+    /// A result that was not written.
+    Unwritten { point: usize, coordinate: usize },
+    /// The call changed how this thread computes.
+    FloatingPoint { message: String },
 }
 
 impl CallFailure {
@@ -43,14 +47,14 @@ impl CallFailure {
 
     /// As the failure of a step.
     pub(crate) fn of_step(self, part: &str, function: &str) -> StepError {
-        if let Self::Discarded { ratio, .. } = self
-            && ratio > 0.0
-        {
-            return StepError::LeftChart { ratio };
-        }
-        StepError::Part {
-            part: part.to_owned(),
-            message: format!("{function}: {self}"),
+        let (part, message) = (part.to_owned(), format!("{function}: {self}"));
+        match self {
+            Self::Discarded { ratio, .. } if ratio > 0.0 => StepError::OutsideDomain {
+                part,
+                ratio,
+                message,
+            },
+            _ => StepError::Part { part, message },
         }
     }
 
@@ -69,8 +73,17 @@ impl std::fmt::Display for CallFailure {
             point.map_or_else(String::new, |point| format!(" at point {point}"))
         };
         let (what, message) = match self {
-            Self::Discarded { point, message, .. } => {
-                (format!("outside its domain{}", at(point)), message)
+            Self::Discarded {
+                ratio,
+                point,
+                message,
+            } => {
+                let how_far = if *ratio > 0.0 {
+                    format!(" ({ratio:.2} times as far as it reaches)")
+                } else {
+                    String::new()
+                };
+                (format!("outside its domain{}{how_far}", at(point)), message)
             }
             Self::Unsupported { message } => ("not supported".to_owned(), message),
             Self::Failed { point, message } => (format!("error{}", at(point)), message),
@@ -81,6 +94,13 @@ impl std::fmt::Display for CallFailure {
                     "non-finite output at point {point} coordinate {coordinate}"
                 );
             }
+            Self::Unwritten { point, coordinate } => {
+                return write!(
+                    f,
+                    "LW_OK, and the output at point {point} coordinate {coordinate} is not written"
+                );
+            }
+            Self::FloatingPoint { message } => return f.write_str(message),
         };
         if message.is_empty() {
             write!(f, "{what}, with no reason given")

@@ -9,13 +9,14 @@ use leafwise_plugin_abi::{
     LwMapCall, LwMapFn, LwSetting, LwStatus,
 };
 
-use super::batch::{Input, Output};
+use super::batch::{Input, Output, is_unwritten};
 use super::failure::CallFailure;
 use super::part::ForeignPart;
+use crate::exits::in_call;
 use crate::host::{HostRealization, HostSystem};
 
 /// Room for what a failing call says.
-const MESSAGE: usize = 512;
+pub(super) const MESSAGE: usize = 512;
 
 /// What an instance is made of.
 #[derive(Clone, Copy)]
@@ -39,7 +40,8 @@ pub(crate) struct Lent {
 pub(crate) struct Instance {
     part: Arc<ForeignPart>,
     pointer: *mut c_void,
-    is_broken: bool,
+    /// Why it is called no more.
+    broken: Option<String>,
     message: Box<[c_char; MESSAGE]>,
     /// Dropped behind `destroy`.
     _lent: Lent,
@@ -95,26 +97,48 @@ impl Instance {
                 .lifecycle()
                 .create
                 .expect("checked when the part was read");
-            // SAFETY: the arguments, the place for the instance and the error live during the call;
-            // what `arguments` points to beyond it lives in `lent`, as long as the instance.
-            let status = unsafe { create(arguments, &mut pointer, &mut error) };
+            let status = in_call(&part.info.name, || {
+                // SAFETY: the arguments, the place for the instance and the error live during the
+                // call; what `arguments` points to beyond it lives in `lent`, as long as the instance.
+                unsafe { create(arguments, &mut pointer, &mut error) }
+            });
             failure(status, &error, &message)
         });
         status.map(|()| Self {
             part: Arc::clone(part),
             pointer,
-            is_broken: false,
+            broken: None,
             message,
             _lent: lent,
         })
     }
 
-    /// The first argument of this instance's functions.
-    pub(crate) fn pointer(&self) -> *mut c_void {
-        self.pointer
+    /// Calls functions of the instance that take no batch, with their first argument.
+    pub(crate) fn ask<T>(&self, question: impl FnOnce(*mut c_void) -> T) -> T {
+        in_call(&self.part.info.name, || question(self.pointer))
     }
 
-    /// Evaluates a function; every result is finite.
+    /// The function, unless the instance says of a call that it does not offer it: a property of the
+    /// instance, whatever the point.
+    pub(crate) fn offered(
+        &mut self,
+        function: LwMapFn,
+        call: &Call<'_>,
+        results: usize,
+    ) -> LwMapFn {
+        /// More results than these are not asked for.
+        const MOST: usize = 1 << 24;
+        if function.is_none() || results == 0 || results > MOST {
+            return function;
+        }
+        let mut room = vec![0.0; results];
+        match self.evaluate(function, call, Output::points(&mut room, results)) {
+            Err(CallFailure::Unsupported { .. }) => None,
+            _ => function,
+        }
+    }
+
+    /// Evaluates a function; every result is written, and finite.
     #[inline(always)]
     pub(crate) fn evaluate(
         &mut self,
@@ -122,9 +146,10 @@ impl Instance {
         call: &Call<'_>,
         mut output: Output<'_>,
     ) -> Result<(), CallFailure> {
-        let (Some(function), false) = (function, self.is_broken) else {
+        let (Some(function), None) = (function, &self.broken) else {
             return Err(self.not_called());
         };
+        output.clear(call.count);
         let raw = LwMapCall {
             struct_size: size_of::<LwMapCall>() as u32,
             reserved: 0,
@@ -137,16 +162,24 @@ impl Instance {
             output: output.raw(call.count),
         };
         let mut error = error_into(&mut self.message);
-        // SAFETY: the instance was made by this part and is not broken; every vector of the batch
-        // lies in a live slice, the output in one that nothing else refers to.
-        let status = unsafe { function(self.pointer, &raw, &mut error) };
+        let status = in_call(&self.part.info.name, || {
+            // SAFETY: the instance was made by this part and is not broken; every vector of the batch
+            // lies in a live slice, the output in one that nothing else refers to.
+            unsafe { function(self.pointer, &raw, &mut error) }
+        });
         if status == LW_OK && output.is_finite(call.count) {
             return Ok(());
         }
-        self.is_broken = status == LW_FATAL;
-        failure(status, &error, &self.message)?;
+        let failed = failure(status, &error, &self.message);
+        if let (LW_FATAL, Err(CallFailure::Broken { message })) = (status, &failed) {
+            self.broken = Some(message.clone());
+        }
+        failed?;
         match output.first_not_finite(call.count) {
             None => Ok(()),
+            Some((point, coordinate)) if is_unwritten(output.at(point, coordinate)) => {
+                Err(CallFailure::Unwritten { point, coordinate })
+            }
             Some((point, coordinate)) => Err(CallFailure::NotFinite { point, coordinate }),
         }
     }
@@ -154,21 +187,20 @@ impl Instance {
     /// Why a function is not called.
     #[cold]
     fn not_called(&self) -> CallFailure {
-        if self.is_broken {
-            CallFailure::Broken {
-                message: "an earlier call broke this instance".to_owned(),
-            }
-        } else {
-            CallFailure::Unsupported {
+        match &self.broken {
+            Some(reason) => CallFailure::Broken {
+                message: format!("an earlier call broke this instance: {reason}"),
+            },
+            None => CallFailure::Unsupported {
                 message: "the part has no such function".to_owned(),
-            }
+            },
         }
     }
 }
 
 impl Drop for Instance {
     fn drop(&mut self) {
-        if self.is_broken {
+        if self.broken.is_some() {
             return;
         }
         let destroy = self
@@ -176,8 +208,10 @@ impl Drop for Instance {
             .lifecycle()
             .destroy
             .expect("checked when the part was read");
-        // SAFETY: the instance was made by this part, is not broken, and is not called again.
-        unsafe { destroy(self.pointer) };
+        in_call(&self.part.info.name, || {
+            // SAFETY: the instance was made by this part, is not broken, and is not called again.
+            unsafe { destroy(self.pointer) };
+        });
     }
 }
 
@@ -193,8 +227,9 @@ fn error_into(message: &mut [c_char; MESSAGE]) -> LwError {
     }
 }
 
+/// The failure that a status and the texts beside it stand for.
 #[cold]
-fn failure(
+pub(super) fn failure(
     status: LwStatus,
     error: &LwError,
     message: &[c_char; MESSAGE],

@@ -15,11 +15,11 @@ mod realization;
 mod step_map;
 mod system;
 
-pub(crate) use batch::{Input, Output};
+pub(crate) use batch::{Input, Output, is_unwritten, unwritten};
 pub(crate) use dynamics::ForeignDynamicsPart;
 pub(crate) use failure::CallFailure;
 pub(crate) use instance::{Call, Instance, Lent, Making};
 pub(crate) use part::{ForeignPart, check_dimension, own_settings};
 pub(crate) use realization::ForeignRealizationPart;
 pub(crate) use step_map::{ForeignStepMapPart, promises};
-pub(crate) use system::ForeignSystemPart;
+pub(crate) use system::{ForeignSystemPart, names};

@@ -2,10 +2,12 @@
 
 use leafwise_core::part::{ParameterSetting, PartInfo};
 use leafwise_core::{BuildError, PartParameters};
-use leafwise_plugin_abi::{LW_OK, LwError, LwLifecycle, LwProperties};
+use leafwise_plugin_abi::{LwError, LwLifecycle, LwProperties};
 
-use super::instance::{Lent, Making, with_arguments};
-use crate::declaration::{Dimensions, Flags, Functions, PartDeclaration};
+use super::failure::CallFailure;
+use super::instance::{Lent, MESSAGE, Making, failure, with_arguments};
+use crate::declaration::{Dimensions, Flags, Functions, PartDeclaration, broken_promise};
+use crate::exits::in_call;
 use crate::handshake::PATH;
 
 /// What every wrapper of a part with functions knows.
@@ -87,7 +89,7 @@ impl ForeignPart {
         &self,
         dimension: usize,
         settings: &[(String, ParameterSetting)],
-    ) -> Result<Properties, BuildError> {
+    ) -> Result<Properties, CallFailure> {
         let mut raw = LwProperties {
             order: self.order,
             structure: self.structure,
@@ -99,7 +101,7 @@ impl ForeignPart {
             settings,
         };
         if let Some(properties) = self.lifecycle().properties {
-            let mut message = [0; 256];
+            let mut message = [0; MESSAGE];
             let mut error = LwError {
                 capacity: message.len() as u32,
                 message: message.as_mut_ptr(),
@@ -107,25 +109,24 @@ impl ForeignPart {
                 ..LwError::empty()
             };
             let status = with_arguments(making, &Lent::default(), |arguments| {
-                // SAFETY: the arguments, the properties and the error live during the call.
-                unsafe { properties(arguments, &mut raw, &mut error) }
+                in_call(&self.info.name, || {
+                    // SAFETY: the arguments, the properties and the error live during the call.
+                    unsafe { properties(arguments, &mut raw, &mut error) }
+                })
             });
-            if status != LW_OK {
-                let text: Vec<u8> = message
-                    .iter()
-                    .take_while(|c| **c != 0)
-                    .map(|c| c.cast_unsigned())
-                    .collect();
-                return Err(BuildError::DoesNotFit {
-                    part: self.name(),
-                    reason: String::from_utf8_lossy(&text).into_owned(),
-                });
-            }
+            failure(status, &error, &message)?;
+        }
+        let flags = Flags(raw.flags);
+        if let Some(problem) = broken_promise(self.info.kind, raw.order, raw.structure, flags) {
+            return Err(CallFailure::Failed {
+                point: None,
+                message: format!("properties: {problem}"),
+            });
         }
         Ok(Properties {
             order: usize::try_from(raw.order).unwrap_or(0).max(1),
             structure: raw.structure,
-            flags: Flags(raw.flags),
+            flags,
         })
     }
 }

@@ -16,6 +16,7 @@ use super::failure::CallFailure;
 use super::instance::{Call, Instance, Lent, Making};
 use super::part::{ForeignPart, Properties};
 use crate::host::HostSystem;
+use crate::smoke::states;
 
 /// A part of kind `LW_KIND_REALIZATION` with functions.
 pub(crate) struct ForeignRealizationPart {
@@ -45,20 +46,22 @@ impl RealizationPart for ForeignRealizationPart {
         let (name, d) = (self.part.name(), system.dimension());
         let settings = self.part.settings(parameters)?;
         self.part.check_dimension(d)?;
-        let properties = self.part.properties(d, &settings)?;
+        let of_build = |failure: CallFailure| failure.of_build(name);
+        let properties = self.part.properties(d, &settings).map_err(of_build)?;
         let making = Making {
             dimension: d,
             settings: &settings,
         };
-        let lent = Lent {
-            system: Some(HostSystem::new(system, &system.parameter_values())?),
-            ..Lent::default()
+        let lent = || -> Result<Lent, BuildError> {
+            Ok(Lent {
+                system: Some(HostSystem::new(system, &system.parameter_values())?),
+                ..Lent::default()
+            })
         };
-        let trial =
-            Instance::new(&self.part, making, lent).map_err(|failure| failure.of_build(name))?;
+        let trial = Instance::new(&self.part, making, lent()?).map_err(of_build)?;
         let space = self.table.space_dimension.map_or(0, |space_dimension| {
             // SAFETY: a function of the instance's own table.
-            unsafe { space_dimension(trial.pointer()) }
+            trial.ask(|instance| unsafe { space_dimension(instance) })
         });
         let least = if properties.flags.has_cotangent_chart() {
             (2 * d, 2 * d)
@@ -71,15 +74,47 @@ impl RealizationPart for ForeignRealizationPart {
                 reason: format!("its space_dimension is {space}, for a system of dimension {d}"),
             });
         }
+        // Of an instance of its own: what is asked of it may break it.
+        let asked = Instance::new(&self.part, making, lent()?).map_err(of_build)?;
         Ok(Arc::new(ForeignRealization {
             part: Arc::clone(&self.part),
-            table: self.table,
+            table: offered(self.table, asked, d, space),
             system: system.clone(),
             settings,
             properties,
             space,
             for_section: Mutex::new(trial),
         }))
+    }
+}
+
+/// The table without the optional functions that the instance does not offer.
+fn offered(table: LwRealization, mut instance: Instance, d: usize, space: usize) -> LwRealization {
+    let x = states(d).swap_remove(0);
+    let p = vec![0.0; d];
+    let mut z = [&x[..], &vec![0.0; space - d]].concat();
+    if table.sigma.is_some() {
+        let at_x = Call::at(1, 1.0, 0.0, Input::points(&x, d));
+        // Where the section has no value here, any point of S will do.
+        let _ = instance.evaluate(table.sigma, &at_x, Output::points(&mut z, space));
+        z.iter_mut()
+            .filter(|z| !z.is_finite())
+            .for_each(|z| *z = 0.0);
+    }
+    let at_z = Call::at(1, 1.0, 0.0, Input::points(&z, space));
+    let in_chart = Call {
+        v: Input::points(&p, d),
+        ..Call::at(1, 1.0, 0.0, Input::points(&x, d))
+    };
+    let entries = d * space;
+    LwRealization {
+        ends: instance.offered(table.ends, &at_z, 3 * d),
+        alpha_jacobian: instance.offered(table.alpha_jacobian, &at_z, entries),
+        beta_with_jacobian: instance.offered(table.beta_with_jacobian, &at_z, d + entries),
+        ends_jacobian: instance.offered(table.ends_jacobian, &at_z, 2 * entries),
+        chart: instance.offered(table.chart, &in_chart, space),
+        chart_jacobian: instance.offered(table.chart_jacobian, &in_chart, 2 * entries),
+        ..table
     }
 }
 
@@ -108,7 +143,7 @@ impl ForeignRealization {
     fn callee(&self, parameters: &[f64]) -> Callee {
         let (part, system) = (Arc::clone(&self.part), self.system.clone());
         let (settings, parameters) = (self.settings.clone(), parameters.to_vec());
-        Callee::shared(&self.part, move || {
+        Callee::new(&self.part, move || {
             let making = Making {
                 dimension: system.dimension(),
                 settings: &settings,

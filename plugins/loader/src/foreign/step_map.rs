@@ -16,6 +16,7 @@ use super::failure::CallFailure;
 use super::instance::{Call, Instance, Lent, Making};
 use super::part::{ForeignPart, Properties};
 use crate::host::HostSystem;
+use crate::smoke::states;
 
 /// A part of kind `LW_KIND_STEP_MAP` with functions.
 pub(crate) struct ForeignStepMapPart {
@@ -45,20 +46,33 @@ impl StepperPart for ForeignStepMapPart {
         let d = system.dimension();
         let settings = self.part.settings(parameters)?;
         self.part.check_dimension(d)?;
-        let map = ForeignStepMap {
-            properties: self.part.properties(d, &settings)?,
+        let of_build = |failure: CallFailure| failure.of_build(self.part.name());
+        let properties = self.part.properties(d, &settings).map_err(of_build)?;
+        // A trial, to tell now what the part does not serve.
+        let making = Making {
+            dimension: d,
+            settings: &settings,
+        };
+        let lent = lent(system, &system.parameter_values())?;
+        let mut trial = Instance::new(&self.part, making, lent).map_err(of_build)?;
+        let x = &states(d)[0];
+        let call = Call::at(1, 1.0, TRIAL_STEP, Input::points(x, d));
+        let table = LwStepMap {
+            tangent: trial.offered(self.table.tangent, &call, d * d),
+            ..self.table
+        };
+        Ok(Arc::new(ForeignStepMap {
+            properties,
             part: Arc::clone(&self.part),
-            table: self.table,
+            table,
             system: system.clone(),
             settings,
-        };
-        // A trial, to tell now what the part does not serve.
-        let lent = map.lent(&system.parameter_values())?;
-        Instance::new(&self.part, map.making(), lent)
-            .map_err(|failure| failure.of_build(self.part.name()))?;
-        Ok(Arc::new(map))
+        }))
     }
 }
+
+/// The step at which functions are asked for.
+const TRIAL_STEP: f64 = 1e-2;
 
 struct ForeignStepMap {
     part: Arc<ForeignPart>,
@@ -69,19 +83,29 @@ struct ForeignStepMap {
 }
 
 impl ForeignStepMap {
-    fn making(&self) -> Making<'_> {
-        Making {
-            dimension: self.system.dimension(),
-            settings: &self.settings,
-        }
-    }
-
-    fn lent(&self, parameters: &[f64]) -> Result<Lent, BuildError> {
-        Ok(Lent {
-            system: Some(HostSystem::new(&self.system, parameters)?),
-            ..Lent::default()
+    /// An instance for one worker.
+    fn callee(&self, parameters: &[f64]) -> Callee {
+        let (part, system) = (Arc::clone(&self.part), self.system.clone());
+        let (settings, parameters) = (self.settings.clone(), parameters.to_vec());
+        Callee::new(&self.part, move || {
+            let lent = lent(&system, &parameters).map_err(|error| CallFailure::Unsupported {
+                message: error.to_string(),
+            })?;
+            let making = Making {
+                dimension: system.dimension(),
+                settings: &settings,
+            };
+            Instance::new(&part, making, lent)
         })
     }
+}
+
+/// What an instance is lent.
+fn lent(system: &PoissonSystem, parameters: &[f64]) -> Result<Lent, BuildError> {
+    Ok(Lent {
+        system: Some(HostSystem::new(system, parameters)?),
+        ..Lent::default()
+    })
 }
 
 /// What a step map's declaration promises.
@@ -134,13 +158,8 @@ impl StepMap for ForeignStepMap {
             match groups.last_mut() {
                 Some(group) if values == last => group.lanes += 1,
                 _ => {
-                    let lent = self
-                        .lent(&values)
-                        .map_err(|error| CallFailure::Unsupported {
-                            message: error.to_string(),
-                        });
                     groups.push(Group {
-                        callee: Callee::new(&self.part, self.making(), lent),
+                        callee: self.callee(&values),
                         first: lane,
                         lanes: 1,
                     });

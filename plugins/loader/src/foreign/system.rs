@@ -1,21 +1,29 @@
 //! A system whose values a library computes.
 
-use std::ffi::CStr;
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use leafwise_core::part::{ParameterSetting, PartInfo};
 use leafwise_core::registry::SystemPart;
 use leafwise_core::system::{Derivatives, NumbersWorker, OpaqueSystem, Parameter, SystemNumbers};
 use leafwise_core::{BuildError, PartParameters, PoissonSystem, StepError};
+use leafwise_expression::syntax::Scope;
 use leafwise_plugin_abi::{LwMapFn, LwSystem};
 
 use super::batch::{Input, Output};
 use super::callee::Callee;
 use super::instance::{Call, Instance, Lent, Making};
 use super::part::ForeignPart;
+use crate::handshake::memory::{LONGEST_TEXT, text};
+use crate::smoke::states;
 
 /// The most variables and Casimirs that a system may have.
 const MOST: usize = 1 << 20;
+
+/// A function that names one of an instance's variables or Casimirs.
+type LwNameFn = Option<
+    unsafe extern "C" fn(instance: *mut std::ffi::c_void, index: usize) -> *const std::ffi::c_char,
+>;
 
 /// A part of kind `LW_KIND_SYSTEM` with functions.
 pub(crate) struct ForeignSystemPart {
@@ -49,7 +57,8 @@ impl SystemPart for ForeignSystemPart {
         let refused = |reason: String| BuildError::NotMade { part: name, reason };
         let trial = Instance::new(&self.part, making, Lent::default())
             .map_err(|failure| refused(failure.to_string()))?;
-        let (variables, casimirs) = names(&trial, &self.table).map_err(refused)?;
+        let own: Vec<&str> = settings.iter().map(|(name, _)| name.as_str()).collect();
+        let (variables, casimirs) = names(&trial, &self.table, &own).map_err(refused)?;
         self.part.check_dimension(variables.len())?;
         let parameters = settings
             .iter()
@@ -65,7 +74,7 @@ impl SystemPart for ForeignSystemPart {
             name: name.to_owned(),
             numbers: Arc::new(ForeignNumbers {
                 part: Arc::clone(&self.part),
-                table: self.table,
+                table: offered(self.table, trial, variables.len(), casimirs.len()),
                 settings,
                 dimension: variables.len(),
                 casimirs: casimirs.len(),
@@ -78,9 +87,32 @@ impl SystemPart for ForeignSystemPart {
     }
 }
 
+/// The table without the derivatives that the instance does not offer.
+fn offered(table: LwSystem, mut instance: Instance, d: usize, casimirs: usize) -> LwSystem {
+    let y = states(d).swap_remove(0);
+    let at = Call::at(1, 1.0, 0.0, Input::points(&y, d));
+    let with_v = Call {
+        v: Input::points(&y, d),
+        ..at
+    };
+    let with_both = Call {
+        w: Input::points(&y, d),
+        ..with_v
+    };
+    LwSystem {
+        casimir_gradients: instance.offered(table.casimir_gradients, &at, casimirs * d),
+        tensor_tangent: instance.offered(table.tensor_tangent, &with_both, d),
+        hessian: instance.offered(table.hessian, &with_v, d),
+        ..table
+    }
+}
+
 /// The names of an instance's variables and Casimirs.
-fn names(instance: &Instance, table: &LwSystem) -> Result<(Vec<String>, Vec<String>), String> {
-    let pointer = instance.pointer();
+pub(crate) fn names(
+    instance: &Instance,
+    table: &LwSystem,
+    parameters: &[&str],
+) -> Result<(Vec<String>, Vec<String>), String> {
     let counted = |what: &str, count: usize| {
         if count > MOST {
             Err(format!("{count} {what} are more than {MOST}"))
@@ -88,45 +120,68 @@ fn names(instance: &Instance, table: &LwSystem) -> Result<(Vec<String>, Vec<Stri
             Ok(count)
         }
     };
-    // SAFETY: functions of the instance's own table, here and below.
-    let d = table
-        .dimension
-        .map_or(0, |dimension| unsafe { dimension(pointer) });
+    let d = table.dimension.map_or(0, |dimension| {
+        // SAFETY: a function of the instance's own table, here and below.
+        instance.ask(|instance| unsafe { dimension(instance) })
+    });
     if counted("variables", d)? == 0 {
         return Err("it has dimension 0".to_owned());
     }
-    // SAFETY: as above.
-    let casimirs = table
-        .casimir_count
-        .map_or(0, |count| unsafe { count(pointer) });
-    let variable = |index: usize| match table.variable_name {
-        // SAFETY: as above; a name is NULL or a string that lives as long as the instance.
-        Some(name) => unsafe { owned(name(pointer, index)) },
-        None => None,
-    };
-    let casimir = |index: usize| match table.casimir_name {
+    let casimirs = table.casimir_count.map_or(0, |count| {
         // SAFETY: as above.
-        Some(name) => unsafe { owned(name(pointer, index)) },
-        None => None,
+        instance.ask(|instance| unsafe { count(instance) })
+    });
+    let name = |function: LwNameFn, what: &str, letter: char, index: usize| {
+        let own = match function {
+            // SAFETY: as above.
+            Some(name) => instance.ask(|instance| unsafe { name(instance, index) }),
+            None => std::ptr::null(),
+        };
+        let what = || format!("the name of {what} {}", index + 1);
+        // SAFETY: a name is NULL or a string that lives as long as the instance.
+        let own = unsafe { text(what, own, LONGEST_TEXT) };
+        let own = own.map_err(|refusal| refusal.to_string())?;
+        let own = own.filter(|name| !name.trim().is_empty());
+        Ok(own.unwrap_or_else(|| format!("{letter}{}", index + 1)))
     };
-    let variables = (0..d)
-        .map(|i| variable(i).unwrap_or_else(|| format!("x{}", i + 1)))
-        .collect();
-    let casimirs = (0..counted("Casimirs", casimirs)?)
-        .map(|i| casimir(i).unwrap_or_else(|| format!("C{}", i + 1)))
-        .collect();
+    let all = |function: LwNameFn, what: &str, letter: char, count: usize| {
+        (0..counted(&format!("{what}s"), count)?)
+            .map(|index| name(function, what, letter, index))
+            .collect::<Result<Vec<String>, String>>()
+    };
+    let variables = all(table.variable_name, "variable", 'x', d)?;
+    let casimirs = all(table.casimir_name, "Casimir", 'C', casimirs)?;
+    check_names(&variables, &casimirs, parameters)?;
     Ok((variables, casimirs))
 }
 
-/// # Safety
-/// `name` is NULL or a string.
-unsafe fn owned(name: *const std::ffi::c_char) -> Option<String> {
-    if name.is_null() {
-        return None;
+/// Names that stand beside the state in samples and formulas.
+const TAKEN: [&str; 3] = ["t", "time", "energy"];
+
+/// The rules that names of a scene obey, so that formulas may use them, and one name for one thing.
+fn check_names(
+    variables: &[String],
+    casimirs: &[String],
+    parameters: &[&str],
+) -> Result<(), String> {
+    let mut seen = HashSet::new();
+    let variables = variables.iter().map(|name| ("variable", name.as_str()));
+    let casimirs = casimirs.iter().map(|name| ("Casimir", name.as_str()));
+    let parameters = parameters.iter().map(|name| ("parameter", *name));
+    for (what, name) in parameters.chain(variables).chain(casimirs) {
+        let refused =
+            |problem: &str| Err(format!("the {what} `{}` {problem}", name.escape_debug()));
+        if let Err(error) = Scope::check_name(name) {
+            return refused(&format!("cannot be called so: {}", error.kind));
+        }
+        if TAKEN.contains(&name) {
+            return refused("has a name that samples and formulas have another use for");
+        }
+        if !seen.insert(name) {
+            return refused("has the name of another variable, Casimir or parameter");
+        }
     }
-    // SAFETY: passed on to the caller.
-    let name = unsafe { CStr::from_ptr(name) }.to_string_lossy();
-    (!name.trim().is_empty()).then(|| name.into_owned())
+    Ok(())
 }
 
 /// Π, H and their derivatives by calls.
@@ -165,7 +220,7 @@ impl SystemNumbers for ForeignNumbers {
             Instance::new(&part, making, Lent::default())
         };
         Box::new(Worker {
-            callee: Callee::shared(&self.part, make),
+            callee: Callee::new(&self.part, make),
             table: self.table,
             dimension: self.dimension,
             casimirs: self.casimirs,

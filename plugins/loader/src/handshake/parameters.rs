@@ -12,21 +12,23 @@ use crate::error::Refusal;
 /// The name of the parameter that the host adds to a part with both formulas and functions.
 pub(crate) const PATH: &str = "path";
 
+/// The key by which a scene's method says which part it means, beside the part's parameters.
+const NAME: &str = "name";
+
 /// Copies and checks a list of parameters.
 ///
 /// # Safety
 /// The list and its strings belong to a part of this version.
 pub(super) unsafe fn read(
     part: &str,
+    is_system: bool,
     pointer: *const LwParameter,
     count: usize,
 ) -> Result<Vec<ParameterDescription>, Refusal> {
-    let mut parameters: Vec<ParameterDescription> = Vec::with_capacity(count);
     // SAFETY: passed on to the caller, here and below.
-    for (place, parameter) in unsafe { memory::parameters(part, pointer, count) }?
-        .iter()
-        .enumerate()
-    {
+    let list = unsafe { memory::parameters(part, pointer, count) }?;
+    let mut parameters: Vec<ParameterDescription> = Vec::with_capacity(list.len());
+    for (place, parameter) in list.iter().enumerate() {
         let what = || format!("part {part}: the name of parameter {place}");
         // SAFETY: as above.
         let name = unsafe { required_text(what, parameter.name) }?;
@@ -39,7 +41,7 @@ pub(super) unsafe fn read(
                 "is not a letter followed by letters, digits and `_`",
             ));
         }
-        if name == PATH {
+        if name == PATH || (name == NAME && !is_system) {
             return Err(refused("has a name that is the host's"));
         }
         if parameters.iter().any(|known| known.name == name) {

@@ -3,13 +3,14 @@
 use leafwise_core::PartKind;
 use leafwise_core::part_description::PartDescription;
 use leafwise_plugin_abi::{
-    LW_FLAG_COTANGENT_CHART, LW_FLAG_REVERSIBLE, LW_KIND_DYNAMICS, LW_KIND_REALIZATION,
-    LW_KIND_STEP_MAP, LW_KIND_SYSTEM, LW_STRUCTURE_EXACT, LwPart,
+    LW_KIND_DYNAMICS, LW_KIND_REALIZATION, LW_KIND_STEP_MAP, LW_KIND_SYSTEM, LwPart,
 };
 
 use super::memory::{LONGEST_TEXT, copy, formulas, required_text, table, text};
 use super::{is_word, parameters};
-use crate::declaration::{Dimensions, Flags, Functions, PartDeclaration, ValuePath};
+use crate::declaration::{
+    Dimensions, Flags, Functions, PartDeclaration, ValuePath, broken_promise,
+};
 use crate::error::Refusal;
 
 /// Copies and checks a part of the plugin `vendor`.
@@ -45,7 +46,10 @@ pub(super) unsafe fn read(
     // SAFETY: as above.
     let functions = unsafe { functions(&id, &part, kind) }?;
     // SAFETY: as above.
-    let mut parameters = unsafe { parameters::read(&id, part.parameters, part.parameter_count) }?;
+    let mut parameters = unsafe {
+        let is_system = kind == PartKind::System;
+        parameters::read(&id, is_system, part.parameters, part.parameter_count)
+    }?;
     let declaration = PartDeclaration {
         description: PartDescription {
             name: id.clone(),
@@ -133,14 +137,8 @@ unsafe fn functions(id: &str, part: &LwPart, kind: PartKind) -> Result<Option<Fu
 /// What contradicts itself.
 fn check(part: &PartDeclaration) -> Result<(), Refusal> {
     let (flags, kind) = (part.flags, part.kind());
-    let counts = match kind {
-        PartKind::System => false,
-        PartKind::Realization => !flags.is_exact(),
-        _ => true,
-    };
     let one_form_and_more = matches!(&part.functions, Some(Functions::Dynamics(table))
         if [table.one_form, table.embedding, table.flow].iter().flatten().count() > 1);
-    let reversible = LW_FLAG_COTANGENT_CHART | LW_FLAG_REVERSIBLE;
     let problem = if part.formulas.is_empty() && part.functions.is_none() {
         "it has neither functions nor expressions".to_owned()
     } else if part
@@ -149,14 +147,8 @@ fn check(part: &PartDeclaration) -> Result<(), Refusal> {
         .is_some_and(|most| most < part.dimensions.least)
     {
         "dim_max is less than dim_min".to_owned()
-    } else if counts && part.order < 1 {
-        format!("order {} is less than 1", part.order)
-    } else if part.structure < LW_STRUCTURE_EXACT {
-        format!("structure {} is unknown", part.structure)
-    } else if flags.contradicts_itself() {
-        "it is declared self-adjoint and not self-adjoint".to_owned()
-    } else if flags.0 & reversible == LW_FLAG_REVERSIBLE {
-        "LW_FLAG_REVERSIBLE needs LW_FLAG_COTANGENT_CHART".to_owned()
+    } else if let Some(problem) = broken_promise(kind, part.order, part.structure, flags) {
+        problem
     } else if kind == PartKind::Realization
         && !part.formulas.is_empty()
         && !flags.has_cotangent_chart()

@@ -92,7 +92,7 @@ fn an_id_is_vendor_and_name() {
 #[test]
 fn contradictions_are_named() {
     type Change = fn(&mut LwEntry, &mut LwPart);
-    let cases: [(Change, &str); 14] = [
+    let cases: [(Change, &str); 15] = [
         (
             |e, _| e.real_bytes = 4,
             "its real numbers have 4 bytes, the host's 8",
@@ -119,6 +119,10 @@ fn contradictions_are_named() {
             "expressions: NULL in place of 1 entries",
         ),
         (|_, p| p.order = 0, "order 0 is less than 1"),
+        (
+            |_, p| p.parameter_count = usize::MAX,
+            "entries are more than 4096",
+        ),
         (
             |_, p| (p.dim_min, p.dim_max) = (4, 3),
             "dim_max is less than dim_min",
@@ -232,6 +236,10 @@ fn parameters_have_names_types_and_no_twins() {
         (
             &[("path", "1")],
             "parameter `path` has a name that is the host's",
+        ),
+        (
+            &[("name", "1")],
+            "parameter `name` has a name that is the host's",
         ),
         (
             &[("c", "true")],

@@ -117,7 +117,9 @@ pub(super) unsafe fn batches(
             let (point, error) = found.unwrap_or((None, error));
             let point = point.and_then(|point| i64::try_from(point).ok());
             let (status, ratio) = match error {
-                StepError::LeftChart { ratio } => (LW_DISCARD, ratio),
+                StepError::LeftChart { ratio } | StepError::OutsideDomain { ratio, .. } => {
+                    (LW_DISCARD, ratio)
+                }
                 StepError::NoConvergence { .. } => (LW_DISCARD, 0.0),
                 StepError::NoTangent => (LW_UNSUPPORTED, 0.0),
                 _ => (LW_ERROR, 0.0),

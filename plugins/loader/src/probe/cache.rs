@@ -89,6 +89,7 @@ mod tests {
             sha256: "00ff".to_owned(),
             length: 12,
             modified: 34,
+            identity: (1, 2, 3),
         };
         assert!(!cache.has(path, &file));
         cache.add(path, &file);

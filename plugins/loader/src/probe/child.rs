@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use super::MARK;
+use crate::file;
 use crate::loader::open_and_try;
 use crate::platform;
 
@@ -11,7 +12,8 @@ use crate::platform;
 /// whole of the child process. The caller ends with the exit code returned, whatever the outcome.
 pub fn run_probe(path: &Path, out: &mut dyn Write) -> u8 {
     platform::no_core_dumps();
-    let refusal = open_and_try(path).err();
+    let tried = file::check(path, None).and_then(|checked| open_and_try(path, &checked));
+    let refusal = tried.err();
     let Ok(json) = serde_json::to_string(&refusal) else {
         return 1;
     };

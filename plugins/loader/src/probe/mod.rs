@@ -10,7 +10,7 @@ use std::ffi::OsString;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -60,6 +60,8 @@ impl ProbeCommand {
         command
             .args(&self.arguments)
             .arg(path)
+            // What a panic says is worth more than where it was.
+            .env("RUST_BACKTRACE", "0")
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped());
@@ -68,11 +70,11 @@ impl ProbeCommand {
         let report = child
             .stdout
             .take()
-            .map(|out| read_in_thread(out, last_report));
+            .map(|out| read_in_thread(out, send_reports));
         let output = child
             .stderr
             .take()
-            .map(|err| read_in_thread(err, last_lines));
+            .map(|err| read_in_thread(err, send_last_lines));
         let Some(status) = wait(&mut child, self.time_limit).map_err(not_started)? else {
             platform::kill_group(&mut child);
             child.wait().map_err(not_started)?;
@@ -80,7 +82,7 @@ impl ProbeCommand {
                 seconds: self.time_limit.as_secs_f64(),
             });
         };
-        let report = report.and_then(|report| received(&report)).flatten();
+        let report = report.and_then(|report| received(&report));
         if let Some(report) = report {
             return report;
         }
@@ -107,39 +109,38 @@ fn wait(child: &mut Child, limit: Duration) -> std::io::Result<Option<ExitStatus
     }
 }
 
-/// Reads a pipe to its end beside the waiting, so that the child never blocks on it.
+/// Reads a pipe to its end beside the waiting, so that the child never blocks on it. Nobody waits any
+/// more where the receiver is gone.
 fn read_in_thread<T: Send + 'static>(
     pipe: impl Read + Send + 'static,
-    read: impl FnOnce(Box<dyn BufRead>) -> T + Send + 'static,
+    read: impl FnOnce(Box<dyn BufRead>, &Sender<T>) + Send + 'static,
 ) -> Receiver<T> {
     let (sender, receiver) = channel();
-    thread::spawn(move || {
-        // Nobody waits any more where the receiver is gone.
-        drop(sender.send(read(Box::new(BufReader::new(pipe)))));
-    });
+    thread::spawn(move || read(Box::new(BufReader::new(pipe)), &sender));
     receiver
 }
 
-/// What a reader found, once the child has ended. A process that the library started may hold the
-/// pipe open for ever: it is not waited for.
+/// The last that a reader found, once the child has ended. A process that the library started may hold
+/// the pipe open for ever: its end is not waited for.
 fn received<T>(receiver: &Receiver<T>) -> Option<T> {
-    receiver.recv_timeout(Duration::from_secs(2)).ok()
+    let first = receiver.recv_timeout(Duration::from_secs(2)).ok()?;
+    Some(receiver.try_iter().last().unwrap_or(first))
 }
 
-/// The report among what the child and the library wrote.
-fn last_report(pipe: Box<dyn BufRead>) -> Option<Result<(), Refusal>> {
-    let mut report = None;
+/// The reports among what the child and the library write, each as soon as its line is there.
+fn send_reports(pipe: Box<dyn BufRead>, sender: &Sender<Result<(), Refusal>>) {
     for line in pipe.split(b'\n').map_while(Result::ok) {
         let line = String::from_utf8_lossy(&line);
-        if let Some((_, json)) = line.split_once(MARK) {
-            report = serde_json::from_str::<Option<Refusal>>(json).ok();
+        if let Some((_, json)) = line.split_once(MARK)
+            && let Ok(refusal) = serde_json::from_str::<Option<Refusal>>(json)
+        {
+            drop(sender.send(refusal.map_or(Ok(()), Err)));
         }
     }
-    report.map(|refusal| refusal.map_or(Ok(()), Err))
 }
 
 /// The end of what was written to standard error, for messages.
-fn last_lines(pipe: Box<dyn BufRead>) -> String {
+fn send_last_lines(pipe: Box<dyn BufRead>, sender: &Sender<String>) {
     const MOST: usize = 400;
     let mut kept = Vec::new();
     for line in pipe.split(b'\n').map_while(Result::ok) {
@@ -152,7 +153,7 @@ fn last_lines(pipe: Box<dyn BufRead>) -> String {
         }
     }
     let text = kept.join(" | ");
-    text.chars().take(MOST).collect()
+    drop(sender.send(text.chars().take(MOST).collect()));
 }
 
 fn died(status: ExitStatus, output: String) -> Refusal {

@@ -2,44 +2,38 @@
 
 use leafwise_plugin_abi::{LwDynamics, LwMapFn};
 
+use super::answers::Tester;
 use super::compare::{derivative, largest, within};
 use super::function::{Function, Points};
-use super::problems::{problems, states};
-use super::{SmokeFailure, Subject, Tried};
-use crate::foreign::{Instance, Lent};
-use crate::host::{HostSystem, RealizationToLend};
+use super::problems::{lend as lend_system, problems, states};
+use super::{SmokeFailure, Subject};
+use crate::foreign::{ForeignPart, Lent};
+use crate::host::RealizationToLend;
 
 /// A step at which functions are tried, and one that hardly moves.
 const STEP: f64 = 1e-2;
 const TINY: f64 = 1e-9;
 
 /// Tries the part on each problem that it serves.
-pub(super) fn try_part(subject: &Subject, table: &LwDynamics) -> Result<Tried, SmokeFailure> {
-    let mut tried = Vec::new();
-    for problem in problems(subject.part.dimensions) {
-        let values = problem.system.parameter_values();
-        let lend = RealizationToLend::new(&problem.realization, &values);
-        let system = HostSystem::new(&problem.system, &values);
-        let (Ok(lend), Ok(system)) = (lend, system) else {
-            continue;
-        };
-        let lent = Lent {
-            system: Some(system),
-            realization: Some(lend.lend(&values)),
-        };
+pub(super) fn try_part(subject: &mut Subject, table: &LwDynamics) -> Result<(), SmokeFailure> {
+    for problem in problems(subject.maker.part.dimensions) {
         let d = problem.system.dimension();
-        let Some(mut instance) = subject.instance(d, lent)? else {
-            continue;
+        let lend = || {
+            let values = problem.system.parameter_values();
+            let lend = RealizationToLend::new(&problem.realization, &values).ok()?;
+            Some(Lent {
+                realization: Some(lend.lend(&values)),
+                ..lend_system(&problem)?
+            })
         };
-        if run(&mut instance, table, d)? {
-            tried.push(problem.name);
-        }
+        let mut run = |_: &ForeignPart, tester: &mut Tester| run(tester, table, d);
+        subject.on_problem(&problem.name, d, &lend, &mut run)?;
     }
-    Ok(tried)
+    Ok(())
 }
 
 /// Tries all functions; false where the states are outside the domain.
-fn run(instance: &mut Instance, table: &LwDynamics, d: usize) -> Result<bool, SmokeFailure> {
+fn run(tester: &mut Tester, table: &LwDynamics, d: usize) -> Result<bool, SmokeFailure> {
     let section: Vec<Vec<f64>> = states(d)
         .into_iter()
         .map(|x| [x, vec![0.0; d]].concat())
@@ -83,10 +77,10 @@ fn run(instance: &mut Instance, table: &LwDynamics, d: usize) -> Result<bool, Sm
             epsilon: 1.0,
             h,
         };
-        if tried(STEP).try_at(instance, &points)?.is_none() {
+        if tried(STEP).try_at(tester, &points)?.is_none() {
             return Ok(false);
         }
-        let still = tried(TINY).try_at(instance, &points)?;
+        let still = tried(TINY).try_at(tester, &points)?;
         for (found, expected) in still.iter().flatten().zip(at_rest) {
             let identity = format!("{name} at h = {TINY:e}, which leaves sigma(M) in place,");
             within(&identity, found, expected, 1e-4 * (1.0 + largest(expected)))?;
@@ -100,10 +94,10 @@ fn run(instance: &mut Instance, table: &LwDynamics, d: usize) -> Result<bool, Sm
             ..tried(STEP)
         };
         if jacobian.is_some()
-            && let Some(jacobian) = of_map.try_at(instance, &points)?
+            && let Some(jacobian) = of_map.try_at(tester, &points)?
         {
             derivative(&name, &jacobian[0], &points.point[0], |y| {
-                let found = tried(STEP).try_at(instance, &Points::of(vec![y.to_vec()]))?;
+                let found = tried(STEP).try_at(tester, &Points::of(vec![y.to_vec()]))?;
                 Ok(found.map(|mut all| all.swap_remove(0)))
             })?;
         }

@@ -53,6 +53,36 @@ pub enum SmokeFailure {
         /// Where.
         where_to: String,
     },
+    /// A result that was not written.
+    #[error(
+        "{function}: LW_OK, and the output at point {point} coordinate {coordinate} is not written"
+    )]
+    Unwritten {
+        /// The function.
+        function: String,
+        /// The point of the batch.
+        point: usize,
+        /// The coordinate of the result.
+        coordinate: usize,
+    },
+    /// Another instance changed what this one answers.
+    #[error(
+        "{function}: an instance gave another answer once another one had been made and called; what \
+         an instance needs belongs to it, not into a `static`, SAVE or COMMON"
+    )]
+    DependsOnOthers {
+        /// The function.
+        function: String,
+    },
+    /// Instances on several threads disturb each other.
+    #[error(
+        "{function}: instances called on several threads at once gave other answers than one alone; \
+         scratch space belongs to the instance or the stack, not into a `static`, SAVE or COMMON"
+    )]
+    NotParallel {
+        /// The function.
+        function: String,
+    },
     /// An equation of the contract that does not hold.
     #[error("{identity} violated: {found:?} in place of {expected:?}")]
     Identity {

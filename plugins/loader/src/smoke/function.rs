@@ -3,15 +3,11 @@
 use leafwise_plugin_abi::LwMapFn;
 
 use super::SmokeFailure;
-use crate::foreign::{Call, CallFailure, Input, Instance, Output};
+use super::answers::{Answer, Tester, same};
+use crate::foreign::{Call, CallFailure, Input, Instance, Output, is_unwritten, unwritten};
 
 /// Numbers between and around results, which nothing may change.
 const GAP: usize = 3;
-
-/// What stands where nothing was written: a NaN of its own.
-fn canary() -> f64 {
-    f64::from_bits(0x7ff8_1ea5_0000_ca4a)
-}
 
 /// A function with what it takes and gives.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +29,24 @@ pub(super) struct Points {
 }
 
 impl Points {
+    /// One of the points with its vectors.
+    pub(super) fn alone(&self, at: usize) -> Self {
+        self.in_order(&[at])
+    }
+
+    /// The points of these places, one after the other.
+    pub(super) fn in_order(&self, places: &[usize]) -> Self {
+        let chosen = |vectors: &Vec<Vec<f64>>| -> Vec<Vec<f64>> {
+            let places = places.iter();
+            places.filter_map(|at| vectors.get(*at).cloned()).collect()
+        };
+        Self {
+            point: chosen(&self.point),
+            v: chosen(&self.v),
+            w: chosen(&self.w),
+        }
+    }
+
     /// Points without vectors.
     pub(super) fn of(point: Vec<Vec<f64>>) -> Self {
         Self {
@@ -63,7 +77,7 @@ impl Layout {
     fn write(self, vectors: &[Vec<f64>]) -> Vec<f64> {
         let dim = vectors.first().map_or(0, Vec::len);
         let (point, coordinate) = self.strides(vectors.len(), dim);
-        let mut data = vec![canary(); size(vectors.len(), dim, point, coordinate)];
+        let mut data = vec![unwritten(); size(vectors.len(), dim, point, coordinate)];
         for (i, vector) in vectors.iter().enumerate() {
             for (j, value) in vector.iter().enumerate() {
                 data[i * point + j * coordinate] = *value;
@@ -93,14 +107,13 @@ impl Function<'_> {
     /// outside its domain, or the instance does not offer it.
     pub(super) fn try_at(
         &self,
-        instance: &mut Instance,
+        tester: &mut Tester,
         points: &Points,
     ) -> Result<Option<Vec<Vec<f64>>>, SmokeFailure> {
+        let instance = &mut tester.instance;
         let Some(first) = self.call(instance, points, Layout::Points)? else {
             return Ok(None);
         };
-        let same =
-            |a: &Vec<f64>, b: &Vec<f64>| a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits());
         let again = self.call(instance, points, Layout::Points)?;
         if !again.is_some_and(|again| again.iter().zip(&first).all(|(a, b)| same(a, b))) {
             return Err(SmokeFailure::NotRepeatable {
@@ -115,19 +128,24 @@ impl Function<'_> {
             .call(instance, points, Layout::Lanes)?
             .ok_or_else(|| differs(0))?;
         for (at, answer) in first.iter().enumerate() {
-            let alone = |vectors: &Vec<Vec<f64>>| vectors.get(at).cloned().into_iter().collect();
-            let one = Points {
-                point: alone(&points.point),
-                v: alone(&points.v),
-                w: alone(&points.w),
-            };
-            let alone = self.call(instance, &one, Layout::Points)?;
+            let alone = self.call(instance, &points.alone(at), Layout::Points)?;
             let is_same = alone.is_some_and(|alone| same(&alone[0], answer));
             if !is_same || !same(&lanes[at], answer) {
                 return Err(differs(at));
             }
         }
+        tester.keep(Answer::new(self, points, &first));
         Ok(Some(first))
+    }
+
+    /// One call at points one behind the other; `None` where they are outside the function's domain, or
+    /// the instance does not offer it.
+    pub(super) fn once(
+        &self,
+        instance: &mut Instance,
+        points: &Points,
+    ) -> Result<Option<Vec<Vec<f64>>>, SmokeFailure> {
+        self.call(instance, points, Layout::Points)
     }
 
     fn call(
@@ -149,14 +167,14 @@ impl Function<'_> {
             )
         };
         let (point, coordinate) = layout.strides(count, dim);
-        let mut output = vec![canary(); GAP + size(count, dim, point, coordinate)];
+        let mut output = vec![unwritten(); GAP + size(count, dim, point, coordinate)];
         let inside = Output::strided(&mut output[GAP..], dim, point, coordinate);
         let outcome = instance.evaluate(self.function, &call, inside);
         let place = |i: usize, j: usize| GAP + i * point + j * coordinate;
         let mut is_result = vec![false; output.len()];
         (0..count).for_each(|i| (0..dim).for_each(|j| is_result[place(i, j)] = true));
-        let changed = |at: &usize| !is_result[*at] && output[*at].to_bits() != canary().to_bits();
-        if let Some(at) = (0..output.len()).find(changed) {
+        let written = |at: &usize| !is_result[*at] && !is_unwritten(output[*at]);
+        if let Some(at) = (0..output.len()).find(written) {
             let last = is_result.iter().rposition(|is| *is).unwrap_or(0);
             return Err(SmokeFailure::Overwritten {
                 function: self.name.to_owned(),
@@ -169,6 +187,16 @@ impl Function<'_> {
                 },
             });
         }
+        // What a library writes there the compiler does not know of.
+        let [point, v, w] = std::hint::black_box(data);
+        let vectors = [("point", point), ("v", v), ("w", w)];
+        let given = [&points.point, &points.v, &points.w].map(|vectors| layout.write(vectors));
+        if let Some(((input, _), _)) = vectors.iter().zip(&given).find(|((_, a), b)| !same(a, b)) {
+            return Err(SmokeFailure::Overwritten {
+                function: self.name.to_owned(),
+                where_to: format!("to its input `{input}`"),
+            });
+        }
         match outcome {
             Ok(()) => Ok(Some(
                 (0..count)
@@ -177,6 +205,11 @@ impl Function<'_> {
             )),
             Err(CallFailure::Discarded { .. } | CallFailure::Unsupported { .. }) => Ok(None),
             Err(CallFailure::NotFinite { point, coordinate }) => Err(SmokeFailure::NotFinite {
+                function: self.name.to_owned(),
+                point,
+                coordinate,
+            }),
+            Err(CallFailure::Unwritten { point, coordinate }) => Err(SmokeFailure::Unwritten {
                 function: self.name.to_owned(),
                 point,
                 coordinate,

@@ -2,9 +2,11 @@
 //!
 //! - `problems`: the systems that parts are tried on;
 //! - `function`: one function in every layout, with canaries;
+//! - `answers`: the same again beside other instances, on this thread and on others;
 //! - `compare`: equations and derivatives;
 //! - `system`, `realization`, `dynamics`, `step_map`: one kind each.
 
+mod answers;
 mod compare;
 mod dynamics;
 mod failure;
@@ -23,11 +25,20 @@ use crate::declaration::{Functions, PartDeclaration};
 use crate::floating_point::ControlWord;
 use crate::foreign::{CallFailure, ForeignPart, Instance, Lent, Making, own_settings};
 
+use answers::Tester;
 pub use failure::SmokeFailure;
-pub(crate) use problems::TestProblem;
+pub(crate) use problems::{TestProblem, states};
 
-/// The problems that a part was tried on; none where it serves none of them.
-pub(crate) type Tried = Vec<String>;
+/// What came of a part's trial.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Tried {
+    /// The test problems that its functions were called on; none where it serves none of them.
+    pub problems: Vec<String>,
+    /// The problems that it does not serve, with its reasons.
+    pub refusals: Vec<String>,
+    /// The functions whose calls change the library's own data, which all its instances share.
+    pub writing_static_data: Vec<String>,
+}
 
 /// Tries a part at its default parameters.
 pub(crate) fn try_part(
@@ -36,17 +47,23 @@ pub(crate) fn try_part(
 ) -> Result<Tried, SmokeFailure> {
     let control = ControlWord::read();
     let tried = match declaration.functions {
-        None => Ok(Vec::new()),
+        None => Ok(Tried::default()),
         Some(functions) => {
             let part = Arc::new(ForeignPart::new(declaration, functions, info));
             let settings = own_settings(info, &PartParameters::new()).unwrap_or_default();
-            let subject = Subject { part, settings };
+            let mut subject = Subject {
+                maker: Maker { part, settings },
+                tried: Tried::default(),
+                testers: Vec::new(),
+            };
             match functions {
-                Functions::System(table) => system::try_part(&subject, &table),
-                Functions::Realization(table) => realization::try_part(&subject, &table),
-                Functions::Dynamics(table) => dynamics::try_part(&subject, &table),
-                Functions::StepMap(table) => step_map::try_part(&subject, &table),
+                Functions::System(table) => system::try_part(&mut subject, &table),
+                Functions::Realization(table) => realization::try_part(&mut subject, &table),
+                Functions::Dynamics(table) => dynamics::try_part(&mut subject, &table),
+                Functions::StepMap(table) => step_map::try_part(&mut subject, &table),
             }
+            .and_then(|()| subject.all_together())
+            .map(|()| subject.tried)
         }
     };
     let restored = control.restore("called");
@@ -59,24 +76,108 @@ pub(crate) fn try_part(
 
 /// A part that is tried, at its defaults.
 struct Subject {
-    part: Arc<ForeignPart>,
-    settings: Vec<(String, ParameterSetting)>,
+    maker: Maker,
+    tried: Tried,
+    /// The instances of the problems so far.
+    testers: Vec<Tester>,
 }
 
 impl Subject {
-    /// An instance, `None` where the part does not serve what it is made of.
-    fn instance(&self, dimension: usize, lent: Lent) -> Result<Option<Instance>, SmokeFailure> {
+    /// Tries the part on one problem, of dimension d, with instances of what `lend` lends them; `run`
+    /// tries all functions and says whether the problem's states are in their domain.
+    fn on_problem(
+        &mut self,
+        problem: &str,
+        dimension: usize,
+        lend: &(dyn Fn() -> Option<Lent> + Sync),
+        run: &mut dyn FnMut(&ForeignPart, &mut Tester) -> Result<bool, SmokeFailure>,
+    ) -> Result<(), SmokeFailure> {
+        let Some(lent) = lend() else {
+            return Ok(());
+        };
+        let maker = &self.maker;
+        let instance = match maker.instance(dimension, lent, &maker.settings) {
+            Ok(instance) => instance,
+            Err((_, failure @ CallFailure::Unsupported { .. })) => {
+                self.tried.refusals.push(format!("{problem}: {failure}"));
+                return Ok(());
+            }
+            Err((function, failure)) => {
+                return Err(SmokeFailure::Call {
+                    function: function.to_owned(),
+                    message: failure.to_string(),
+                });
+            }
+        };
+        let mut tester = Tester::new(instance);
+        if !run(&maker.part, &mut tester)? {
+            let why = "the states tried are outside its domain";
+            self.tried.refusals.push(format!("{problem}: {why}"));
+            return Ok(());
+        }
+        let make = |settings: &[(String, ParameterSetting)]| {
+            maker.instance(dimension, lend()?, settings).ok()
+        };
+        // An instance with other parameters is to leave this one as it is.
+        if let Some(mut other) = make(&maker.others()) {
+            tester.ask(&mut other);
+            tester.again()?;
+        }
+        // What holds of one problem's instances holds of the others'.
+        if self.tried.problems.is_empty() {
+            let writing = tester.writes_static_data();
+            tester.in_parallel(&|| make(&maker.settings), !writing.is_empty())?;
+            self.tried.writing_static_data = writing;
+        }
+        self.tried.problems.push(problem.to_owned());
+        self.testers.push(tester);
+        Ok(())
+    }
+
+    /// Checks that the instances of all problems still answer as each did alone.
+    fn all_together(&mut self) -> Result<(), SmokeFailure> {
+        self.testers.iter_mut().try_for_each(Tester::again)
+    }
+}
+
+/// What makes instances of a part.
+struct Maker {
+    part: Arc<ForeignPart>,
+    /// Its parameters at their defaults.
+    settings: Vec<(String, ParameterSetting)>,
+}
+
+impl Maker {
+    /// An instance, after the promises that it is made with; or the function that refused, and why.
+    fn instance(
+        &self,
+        dimension: usize,
+        lent: Lent,
+        settings: &[(String, ParameterSetting)],
+    ) -> Result<Instance, (&'static str, CallFailure)> {
+        let of_whole = match self.part.functions {
+            // A dynamic approximation promises before it is bound to a system.
+            Functions::Dynamics(_) => 0,
+            _ => dimension,
+        };
+        let promises = self.part.properties(of_whole, settings);
+        promises.map_err(|failure| ("properties", failure))?;
         let making = Making {
             dimension,
-            settings: &self.settings,
+            settings,
         };
-        match Instance::new(&self.part, making, lent) {
-            Ok(instance) => Ok(Some(instance)),
-            Err(failure @ CallFailure::Broken { .. }) => Err(SmokeFailure::Call {
-                function: "create".to_owned(),
-                message: failure.to_string(),
-            }),
-            Err(_) => Ok(None),
-        }
+        Instance::new(&self.part, making, lent).map_err(|failure| ("create", failure))
+    }
+
+    /// Other values of the numbers among the parameters.
+    fn others(&self) -> Vec<(String, ParameterSetting)> {
+        let other = |setting: &ParameterSetting| match setting {
+            ParameterSetting::Real(value) => ParameterSetting::Real(1.25 * value + 0.125),
+            kept => kept.clone(),
+        };
+        let settings = self.settings.iter();
+        settings
+            .map(|(name, setting)| (name.clone(), other(setting)))
+            .collect()
     }
 }

@@ -9,7 +9,9 @@ use leafwise_core::{PartKind, PartParameters, PoissonSystem, RealizationData};
 use leafwise_plugin_abi::{LW_FLAG_COTANGENT_CHART, LW_FLAG_EXACT, LW_FLAG_REVERSIBLE};
 
 use crate::declaration::{Dimensions, Flags, PartDeclaration};
+use crate::foreign::Lent;
 use crate::formulas::{FormulaRealizationPart, system_of_fragment};
+use crate::host::HostSystem;
 
 /// A system with an exact realization.
 #[derive(Clone, Debug)]
@@ -35,6 +37,15 @@ pub(crate) fn problems(dimensions: Dimensions) -> Vec<TestProblem> {
         tried.push(dimensions.least);
     }
     tried.into_iter().flat_map(of_dimension).collect()
+}
+
+/// What an instance for a problem's system is lent.
+pub(super) fn lend(problem: &TestProblem) -> Option<Lent> {
+    let system = HostSystem::new(&problem.system, &problem.system.parameter_values());
+    Some(Lent {
+        system: Some(system.ok()?),
+        ..Lent::default()
+    })
 }
 
 fn of_dimension(d: usize) -> Vec<TestProblem> {

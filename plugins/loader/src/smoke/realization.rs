@@ -1,57 +1,53 @@
 //! A realization of numbers on the problems it serves.
 
+use std::ffi::c_void;
+
 use leafwise_plugin_abi::{LwMapFn, LwRealization};
 
+use super::answers::Tester;
 use super::compare::{derivative, equal, largest};
 use super::function::{Function, Points};
-use super::problems::{momenta, problems, states};
-use super::{SmokeFailure, Subject, TestProblem, Tried};
-use crate::foreign::{Instance, Lent};
-use crate::host::HostSystem;
+use super::problems::{lend, momenta, problems, states};
+use super::{SmokeFailure, Subject, TestProblem};
+use crate::foreign::ForeignPart;
 
 /// The ε at which maps are tried.
 const EPSILON: f64 = 0.5;
 
 /// Tries the part on each problem that it serves.
-pub(super) fn try_part(subject: &Subject, table: &LwRealization) -> Result<Tried, SmokeFailure> {
-    let mut tried = Vec::new();
-    for problem in problems(subject.part.dimensions) {
-        let system = HostSystem::new(&problem.system, &problem.system.parameter_values());
-        let lent = Lent {
-            system: system.ok(),
-            ..Lent::default()
-        };
+pub(super) fn try_part(subject: &mut Subject, table: &LwRealization) -> Result<(), SmokeFailure> {
+    for problem in problems(subject.maker.part.dimensions) {
         let d = problem.system.dimension();
-        let Some(mut instance) = subject.instance(d, lent)? else {
-            continue;
+        let lend = || lend(&problem);
+        let mut run = |part: &ForeignPart, tester: &mut Tester| {
+            let ask = |f: unsafe extern "C" fn(*mut c_void) -> usize| {
+                // SAFETY: a function of the instance's own table.
+                tester.instance.ask(|instance| unsafe { f(instance) })
+            };
+            let space = table.space_dimension.map_or(0, ask);
+            let is_pair = part.has_cotangent_chart();
+            if space < 2 * d || space > 1 << 20 || (is_pair && space != 2 * d) {
+                return Err(SmokeFailure::Shape {
+                    problem: format!("space_dimension is {space}, for a system of dimension {d}"),
+                });
+            }
+            let mut trial = Trial {
+                tester,
+                table,
+                d,
+                space,
+                is_pair,
+                is_reversible: part.is_reversible(),
+            };
+            trial.run(&problem)
         };
-        // SAFETY: a function of the instance's own table.
-        let space = table
-            .space_dimension
-            .map_or(0, |f| unsafe { f(instance.pointer()) });
-        let is_pair = subject.part.has_cotangent_chart();
-        if space < 2 * d || space > 1 << 20 || (is_pair && space != 2 * d) {
-            return Err(SmokeFailure::Shape {
-                problem: format!("space_dimension is {space}, for a system of dimension {d}"),
-            });
-        }
-        let mut trial = Trial {
-            instance: &mut instance,
-            table,
-            d,
-            space,
-            is_pair,
-            is_reversible: subject.part.is_reversible(),
-        };
-        if trial.run(&problem)? {
-            tried.push(problem.name);
-        }
+        subject.on_problem(&problem.name, d, &lend, &mut run)?;
     }
-    Ok(tried)
+    Ok(())
 }
 
 struct Trial<'a> {
-    instance: &'a mut Instance,
+    tester: &'a mut Tester,
     table: &'a LwRealization,
     d: usize,
     space: usize,
@@ -79,7 +75,7 @@ impl Trial<'_> {
             epsilon: EPSILON,
             h: 0.0,
         };
-        function.try_at(self.instance, points)
+        function.try_at(self.tester, points)
     }
 
     /// Tries all functions; false where the problem's states are outside the domain.

@@ -2,39 +2,30 @@
 
 use leafwise_plugin_abi::LwStepMap;
 
+use super::answers::Tester;
 use super::compare::{derivative, largest, within};
 use super::function::{Function, Points};
-use super::problems::{problems, states};
-use super::{SmokeFailure, Subject, Tried};
-use crate::foreign::{Instance, Lent};
-use crate::host::HostSystem;
+use super::problems::{lend, problems, states};
+use super::{SmokeFailure, Subject};
+use crate::foreign::ForeignPart;
 
 /// A step at which functions are tried, and one that hardly moves.
 const STEP: f64 = 1e-2;
 const TINY: f64 = 1e-9;
 
 /// Tries the part on each problem that it serves.
-pub(super) fn try_part(subject: &Subject, table: &LwStepMap) -> Result<Tried, SmokeFailure> {
-    let mut tried = Vec::new();
-    for problem in problems(subject.part.dimensions) {
-        let system = HostSystem::new(&problem.system, &problem.system.parameter_values());
-        let lent = Lent {
-            system: system.ok(),
-            ..Lent::default()
-        };
+pub(super) fn try_part(subject: &mut Subject, table: &LwStepMap) -> Result<(), SmokeFailure> {
+    for problem in problems(subject.maker.part.dimensions) {
         let d = problem.system.dimension();
-        let Some(mut instance) = subject.instance(d, lent)? else {
-            continue;
-        };
-        if run(&mut instance, table, d)? {
-            tried.push(problem.name);
-        }
+        let lend = || lend(&problem);
+        let mut run = |_: &ForeignPart, tester: &mut Tester| run(tester, table, d);
+        subject.on_problem(&problem.name, d, &lend, &mut run)?;
     }
-    Ok(tried)
+    Ok(())
 }
 
 /// Tries both functions; false where the states are outside the domain.
-fn run(instance: &mut Instance, table: &LwStepMap, d: usize) -> Result<bool, SmokeFailure> {
+fn run(tester: &mut Tester, table: &LwStepMap, d: usize) -> Result<bool, SmokeFailure> {
     let points = Points {
         point: states(d),
         v: vec![vec![0.0; d]; 3],
@@ -47,10 +38,10 @@ fn run(instance: &mut Instance, table: &LwStepMap, d: usize) -> Result<bool, Smo
         epsilon: 1.0,
         h,
     };
-    if increment(STEP).try_at(instance, &points)?.is_none() {
+    if increment(STEP).try_at(tester, &points)?.is_none() {
         return Ok(false);
     }
-    let still = increment(TINY).try_at(instance, &points)?;
+    let still = increment(TINY).try_at(tester, &points)?;
     for (found, x) in still.iter().flatten().zip(&points.point) {
         let identity = format!("increment at h = {TINY:e}, which is none,");
         within(&identity, found, &vec![0.0; d], 1e-4 * (1.0 + largest(x)))?;
@@ -62,7 +53,7 @@ fn run(instance: &mut Instance, table: &LwStepMap, d: usize) -> Result<bool, Smo
         ..increment(STEP)
     };
     if table.tangent.is_some()
-        && let Some(tangent) = tangent.try_at(instance, &Points::of(states(d)))?
+        && let Some(tangent) = tangent.try_at(tester, &Points::of(states(d)))?
     {
         derivative("tangent", &tangent[0], &points.point[0], |x| {
             let one = Points {
@@ -70,7 +61,7 @@ fn run(instance: &mut Instance, table: &LwStepMap, d: usize) -> Result<bool, Smo
                 v: vec![vec![0.0; d]],
                 w: Vec::new(),
             };
-            let found = increment(STEP).try_at(instance, &one)?;
+            let found = increment(STEP).try_at(tester, &one)?;
             Ok(found.map(|all| all[0].iter().zip(x).map(|(i, x)| x + i).collect()))
         })?;
     }

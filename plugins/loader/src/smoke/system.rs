@@ -2,49 +2,52 @@
 
 use leafwise_plugin_abi::{LwMapFn, LwSystem};
 
+use super::answers::Tester;
 use super::compare::{derivative, equal, largest};
 use super::function::{Function, Points};
 use super::problems::{momenta, states};
-use super::{SmokeFailure, Subject, Tried};
-use crate::foreign::{Instance, Lent};
+use super::{SmokeFailure, Subject};
+use crate::foreign::{ForeignPart, Lent, names};
 
 /// Tries every function of the part's own system.
-pub(super) fn try_part(subject: &Subject, table: &LwSystem) -> Result<Tried, SmokeFailure> {
-    let Some(mut instance) = subject.instance(0, Lent::default())? else {
-        return Ok(Vec::new());
-    };
-    // SAFETY: functions of the instance's own table, here and below.
-    let d = table
-        .dimension
-        .map_or(0, |f| unsafe { f(instance.pointer()) });
-    if !subject.part.dimensions.contains(d) || d > 1 << 20 {
-        return Err(SmokeFailure::Shape {
-            problem: format!(
-                "dimension is {d}, and the part declares {}",
-                subject.part.dimensions
-            ),
-        });
-    }
-    // SAFETY: as above.
-    let casimirs = table
-        .casimir_count
-        .map_or(0, |f| unsafe { f(instance.pointer()) });
-    let mut trial = Trial {
-        instance: &mut instance,
-        table,
-        d,
-        casimirs,
-    };
-    for state in states(d) {
-        if trial.at(&state)? {
-            return Ok(vec!["itself".to_owned()]);
+pub(super) fn try_part(subject: &mut Subject, table: &LwSystem) -> Result<(), SmokeFailure> {
+    let parameters: Vec<String> = subject
+        .maker
+        .settings
+        .iter()
+        .map(|(name, _)| name.clone())
+        .collect();
+    let mut run = |part: &ForeignPart, tester: &mut Tester| {
+        let own: Vec<&str> = parameters.iter().map(String::as_str).collect();
+        let names = names(&tester.instance, table, &own);
+        let (variables, casimirs) = names.map_err(|problem| SmokeFailure::Shape { problem })?;
+        let d = variables.len();
+        if !part.dimensions.contains(d) {
+            return Err(SmokeFailure::Shape {
+                problem: format!(
+                    "dimension is {d}, and the part declares {}",
+                    part.dimensions
+                ),
+            });
         }
-    }
-    Ok(Vec::new())
+        let mut trial = Trial {
+            tester,
+            table,
+            d,
+            casimirs: casimirs.len(),
+        };
+        for state in states(d) {
+            if trial.at(&state)? {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    };
+    subject.on_problem("itself", 0, &|| Some(Lent::default()), &mut run)
 }
 
 struct Trial<'a> {
-    instance: &'a mut Instance,
+    tester: &'a mut Tester,
     table: &'a LwSystem,
     d: usize,
     casimirs: usize,
@@ -65,7 +68,7 @@ impl Trial<'_> {
             epsilon: 1.0,
             h: 0.0,
         };
-        function.try_at(self.instance, points)
+        function.try_at(self.tester, points)
     }
 
     /// Tries all functions around a state; false where it is outside the system's domain.

@@ -13,12 +13,15 @@ use leafwise_plugin_loader::{
     LoadedPlugin, Loader, PluginError, PluginRequest, ProbeCommand, SearchPath,
 };
 
-/// The probe that this package ships.
+/// The probe that this package ships, as patient as the busiest machine needs it.
 pub fn probe() -> ProbeCommand {
-    ProbeCommand::new(env!("CARGO_BIN_EXE_leafwise-plugin-probe"), [])
+    ProbeCommand {
+        time_limit: Duration::from_secs(3600),
+        ..ProbeCommand::new(env!("CARGO_BIN_EXE_leafwise-plugin-probe"), [])
+    }
 }
 
-/// The same with a short time limit.
+/// The same with a short time limit, for what never ends.
 pub fn impatient() -> ProbeCommand {
     ProbeCommand {
         time_limit: Duration::from_millis(1500),
