@@ -42,6 +42,9 @@ pub struct PluginArguments {
     /// Load no plugin, whatever a scene names; so does LEAFWISE_NO_PLUGINS
     #[arg(long, global = true)]
     pub no_plugins: bool,
+    /// `plugin check` in this very process, for the one that waits
+    #[arg(long, global = true, hide = true)]
+    pub measures_here: bool,
 }
 
 /// How step kernels run.
@@ -292,6 +295,9 @@ pub struct CompareArguments {
     /// The operations that one run may take [default: 1e7, or four runs of the scene's own method]
     #[arg(long, value_name = "OPERATIONS", value_parser = positive, allow_hyphen_values = true)]
     pub budget: Option<f64>,
+    /// Judge errors at the end time alone, not over every step
+    #[arg(long)]
+    pub at_end: bool,
     /// How often each run is timed; 0 for not at all
     #[arg(
         long,
@@ -320,9 +326,12 @@ pub struct TuneArguments {
     /// What to find a method for.
     #[command(flatten)]
     pub scene: SceneArguments,
-    /// The largest error of the final state: its Euclidean distance from the true one
+    /// The largest error of the state over every step: its Euclidean distance from the true one
     #[arg(long, value_name = "ERROR", value_parser = positive, allow_hyphen_values = true)]
     pub error: Option<f64>,
+    /// Judge the error at the end time alone
+    #[arg(long)]
+    pub at_end: bool,
     /// The largest deviation of the energy over every step
     #[arg(long, value_name = "DRIFT", value_parser = positive, allow_hyphen_values = true)]
     pub energy: Option<f64>,

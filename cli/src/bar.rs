@@ -2,12 +2,20 @@
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::thread::Builder;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use leafwise::scene::run::{Progress, Status};
 
 use crate::interrupt::is_raised;
+
+/// Redraws a bar that is seen four times a second, where the system grants a thread for it.
+pub fn tick_steadily(bar: &ProgressBar) {
+    if !bar.is_hidden() && Builder::new().spawn(|| ()).is_ok() {
+        bar.enable_steady_tick(Duration::from_millis(250));
+    }
+}
 
 /// Shows a run on the terminal and stops it when asked to.
 pub struct Bar {
@@ -29,7 +37,7 @@ impl Bar {
             bar.set_style(style.progress_chars("━━─"));
         }
         // A run that is over at once shows no bar.
-        bar.enable_steady_tick(Duration::from_millis(250));
+        tick_steadily(&bar);
         Self {
             bar,
             interrupt: Arc::clone(interrupt),
@@ -58,7 +66,7 @@ impl Steps {
             bar.set_style(style.progress_chars("━━─"));
         }
         bar.set_message(message.to_owned());
-        bar.enable_steady_tick(Duration::from_millis(250));
+        tick_steadily(&bar);
         Self(bar)
     }
 
@@ -75,6 +83,11 @@ impl Steps {
     pub fn tick(&mut self, method: &str, runs: u64) {
         self.0.set_position(runs);
         self.0.set_message(method.to_owned());
+    }
+
+    /// Before something that is no run.
+    pub fn say(&mut self, message: String) {
+        self.0.set_message(message);
     }
 
     /// Before the next method.

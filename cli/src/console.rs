@@ -1,5 +1,6 @@
 //! Where text goes: results to standard output, prose to standard error.
 
+use std::borrow::Cow;
 use std::io::{self, ErrorKind, Write};
 
 use serde_json::Value;
@@ -34,8 +35,14 @@ impl<'a> Console<'a> {
         }
     }
 
-    /// A line of the result.
+    /// A line of the result, without what would steer a terminal.
     pub fn result(&mut self, text: &str) {
+        let text = visible(text, self.color);
+        self.verbatim(&text);
+    }
+
+    /// A line of the result, to the byte.
+    pub fn verbatim(&mut self, text: &str) {
         let written = writeln!(self.out, "{text}").and_then(|()| self.out.flush());
         match written {
             Err(error) if error.kind() != ErrorKind::BrokenPipe => self.lost = Some(error),
@@ -45,11 +52,12 @@ impl<'a> Console<'a> {
 
     /// The one JSON object of a command.
     pub fn json(&mut self, value: &Value) {
-        self.result(&format!("{value:#}"));
+        self.verbatim(&format!("{value:#}"));
     }
 
-    /// A line for the reader at the terminal.
+    /// A line for the reader at the terminal, without what would steer it.
     pub fn prose(&mut self, text: &str) {
+        let text = visible(text, self.color);
         let _ = writeln!(self.err, "{text}").and_then(|()| self.err.flush());
     }
 
@@ -78,5 +86,62 @@ impl<'a> Console<'a> {
         } else {
             "error:"
         }
+    }
+}
+
+/// The text with signs in place of control characters: a name, a file or a plugin's words may hold some,
+/// and a terminal obeys them. Lines and tabs stay; so do colors, where there are any.
+fn visible(text: &str, has_color: bool) -> Cow<'_, str> {
+    let steers = |c: char| {
+        let turns = matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+        turns || (c.is_control() && c != '\n' && c != '\t')
+    };
+    if !text.contains(steers) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(c) = rest.chars().next() {
+        let behind = &rest[c.len_utf8()..];
+        match color(rest).filter(|_| has_color) {
+            Some(length) => {
+                shown.push_str(&rest[..length]);
+                rest = &rest[length..];
+                continue;
+            }
+            None if !steers(c) => shown.push(c),
+            None if c == '\u{7f}' => shown.push('\u{2421}'),
+            None => {
+                let picture = char::from_u32(0x2400 + u32::from(c)).filter(|_| c < ' ');
+                shown.push(picture.unwrap_or('\u{fffd}'));
+            }
+        }
+        rest = behind;
+    }
+    Cow::Owned(shown)
+}
+
+/// The length of an escape that sets colors and nothing else, where the text begins with one.
+fn color(text: &str) -> Option<usize> {
+    let numbers = text.strip_prefix("\u{1b}[")?;
+    let end = numbers.find(|c: char| !c.is_ascii_digit() && c != ';')?;
+    numbers[end..].starts_with('m').then_some(2 + end + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::visible;
+
+    #[test]
+    fn what_steers_a_terminal_is_shown_as_a_sign() {
+        let text = "a\u{1b}[2J\rb\u{7f}\u{9b}c\u{202e}d\ttab\nline ẋ";
+        let shown = "a\u{241b}[2J\u{240d}b\u{2421}\u{fffd}c\u{fffd}d\ttab\nline ẋ";
+        assert_eq!(visible(text, false), shown);
+        assert_eq!(visible(text, true), shown);
+        // Colors stay where there are any.
+        let red = "\u{1b}[1;31merror:\u{1b}[0m x";
+        assert_eq!(visible(red, true), red);
+        assert_eq!(visible(red, false), "\u{241b}[1;31merror:\u{241b}[0m x");
+        assert_eq!(visible("\u{1b}[1", true), "\u{241b}[1");
     }
 }

@@ -1,7 +1,7 @@
 //! Files that a command writes.
 
 use std::fs;
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use crate::failure::Failure;
@@ -14,7 +14,8 @@ pub fn write(file: &Path, text: &str) -> Result<(), Failure> {
     fs::write(file, text).map_err(failed(file))
 }
 
-/// Replaces a file in one operation, so that a full disk costs nothing; its permissions stay.
+/// Replaces a file in one operation and hands it to the disk, so that neither a full disk nor a lost
+/// machine costs anything; its permissions stay.
 ///
 /// # Errors
 /// [`Failure::File`].
@@ -24,13 +25,35 @@ pub fn replace(file: &Path, text: &str) -> Result<(), Failure> {
     let mut name = target.file_name().unwrap_or_default().to_owned();
     name.push(".new");
     let temporary = target.with_file_name(name);
-    let written = fs::write(&temporary, text)
+    let written = write_to_disk(&temporary, text)
         .and_then(|()| fs::set_permissions(&temporary, fs::metadata(&target)?.permissions()))
         .and_then(|()| fs::rename(&temporary, &target));
     written.map_err(|source| {
         let _ = fs::remove_file(&temporary);
         failed(file)(source)
     })
+}
+
+/// Replaces a file whose content is still `before`; says whether it was.
+///
+/// # Errors
+/// [`Failure::File`].
+pub fn replace_unchanged(file: &Path, before: &[u8], text: &str) -> Result<bool, Failure> {
+    if fs::read(file).map_err(failed(file))? != before {
+        return Ok(false);
+    }
+    replace(file, text).map(|()| true)
+}
+
+/// A new file in the place of whatever has its name: behind a link nothing is written.
+fn write_to_disk(file: &Path, text: &str) -> io::Result<()> {
+    match fs::remove_file(file) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
+    let mut new = fs::File::create_new(file)?;
+    new.write_all(text.as_bytes())?;
+    new.sync_all()
 }
 
 /// Makes a directory, before the work whose results it is to hold.
@@ -70,5 +93,23 @@ fn failed(file: &Path) -> impl FnOnce(io::Error) -> Failure {
         action: "write",
         file,
         source,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_edited_meanwhile_stays() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("scene.toml");
+        fs::write(&file, "edited").expect("writable");
+        let is_replaced = |before: &[u8]| replace_unchanged(&file, before, "new").expect("a file");
+        assert!(!is_replaced(b"as read"));
+        assert_eq!(fs::read(&file).expect("a file"), b"edited");
+        assert!(is_replaced(b"edited"));
+        assert_eq!(fs::read(&file).expect("a file"), b"new");
+        assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1);
     }
 }

@@ -28,6 +28,7 @@ use std::sync::atomic::AtomicBool;
 
 use clap::Parser;
 use leafwise::expression::Execution;
+use leafwise::plugins::change_of_arithmetic;
 use serde_json::json;
 
 use arguments::{Arguments, Command};
@@ -44,34 +45,63 @@ pub fn run(
 ) -> u8 {
     let given: Vec<OsString> = arguments.into_iter().collect();
     let asks_for_json = given.iter().any(|argument| argument == "--json");
-    let arguments = match Arguments::try_parse_from(given) {
-        Ok(arguments) => arguments,
-        Err(error) => {
-            let text = error.render();
-            let shown = if console.color {
-                text.ansi().to_string()
-            } else {
-                text.to_string()
-            };
-            return if error.use_stderr() {
-                console.prose(shown.trim_end());
-                if asks_for_json {
-                    let plain = text.to_string();
-                    let first = plain.split("\n\n").next().unwrap_or_default();
-                    let message = first.trim_start_matches("error: ");
-                    console.json(&json!({ "outcome": "refused", "error": { "message": message } }));
-                }
-                exit::USAGE
-            } else {
-                console.result(shown.trim_end());
-                exit::DONE
-            };
-        }
+    let code = match Arguments::try_parse_from(&given) {
+        Ok(arguments) => execute(arguments, &given, console, interrupt),
+        Err(error) => tell(&error, console, asks_for_json),
     };
+    match console.lost.take() {
+        Some(error) if code == exit::DONE => {
+            let word = console.error_word();
+            console.prose(&format!(
+                "{word} cannot write the result to standard output: {error}"
+            ));
+            exit::RUN_FAILED
+        }
+        _ => code,
+    }
+}
+
+/// Prints what the arguments are wrong with, or the help or version that they ask for.
+fn tell(error: &clap::Error, console: &mut Console<'_>, asks_for_json: bool) -> u8 {
+    let text = error.render();
+    let shown = if console.color {
+        text.ansi().to_string()
+    } else {
+        text.to_string()
+    };
+    if !error.use_stderr() {
+        console.result(shown.trim_end());
+        return exit::DONE;
+    }
+    console.prose(shown.trim_end());
+    if asks_for_json {
+        let plain = text.to_string();
+        let first = plain.split("\n\n").next().unwrap_or_default();
+        let message = first.trim_start_matches("error: ");
+        console.json(&json!({ "outcome": "refused", "error": { "message": message } }));
+    }
+    exit::USAGE
+}
+
+/// Executes a command; `given` is the whole command line.
+fn execute(
+    arguments: Arguments,
+    given: &[OsString],
+    console: &mut Console<'_>,
+    interrupt: &Arc<AtomicBool>,
+) -> u8 {
     Execution::from(arguments.kernels).set_default_of_process();
     let json = arguments.command.wants_json();
     let plugins = &arguments.plugins;
     let outcome = match arguments.command {
+        Command::New(_) | Command::Stress(_) | Command::Reproduce(_)
+            if !plugins.plugins.is_empty() =>
+        {
+            Err(Failure::usage(
+                "`--plugin` has no meaning here: this command works with built-in parts",
+                "leave it out; a scene names its libraries itself, plugins = [\"./libacme.so\"]",
+            ))
+        }
         Command::Run(arguments) => commands::run::execute(&arguments, plugins, console, interrupt),
         Command::Ensemble(arguments) => {
             commands::ensemble::execute(&arguments, plugins, console, interrupt)
@@ -84,25 +114,26 @@ pub fn run(
         Command::List(arguments) => commands::list::execute(&arguments, plugins, console),
         Command::Describe(arguments) => commands::describe::execute(&arguments, plugins, console),
         Command::Evaluate(arguments) => commands::evaluate::execute(&arguments, plugins, console),
-        Command::Tune(arguments) => {
-            commands::tune::execute(&arguments, plugins, console, interrupt)
-        }
+        Command::Tune(arguments) => commands::tune::execute(&arguments, plugins, console),
         Command::Reproduce(arguments) => {
             commands::reproduce::execute(&arguments, console, interrupt)
         }
         Command::Stress(arguments) => commands::stress::execute(&arguments, console, interrupt),
         Command::New(arguments) => commands::new::execute(&arguments, console),
-        Command::Plugin(command) => commands::plugin::execute(&command, plugins, console),
+        Command::Plugin(command) => commands::plugin::execute(&command, plugins, given, console),
     };
-    let code = outcome.unwrap_or_else(|failure: Failure| failure.print(console, json));
-    match console.lost.take() {
-        Some(error) if code == exit::DONE => {
-            let word = console.error_word();
-            console.prose(&format!(
-                "{word} cannot write the result to standard output: {error}"
-            ));
-            exit::RUN_FAILED
+    let mut code = outcome.unwrap_or_else(|failure: Failure| failure.print(console, json));
+    if let Some(change) = change_of_arithmetic() {
+        let word = console.error_word();
+        console.prose(&format!(
+            "{word} {change}; no number since is to be trusted"
+        ));
+        if code == exit::DONE {
+            code = exit::RUN_FAILED;
         }
-        _ => code,
     }
+    if plugins.measures_here {
+        console.verbatim(&commands::plugin::completed(code));
+    }
+    code
 }

@@ -1,6 +1,6 @@
 //! The `leafwise` program.
 
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, IsTerminal, LineWriter, Write};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,6 +16,7 @@ fn main() -> ExitCode {
     // where nothing has begun.
     let handler = ctrlc::set_handler(move || {
         if flag.swap(true, Ordering::Relaxed) || !interrupt::is_watched() {
+            let _ = writeln!(io::stderr(), "\ninterrupted");
             std::process::exit(exit::INTERRUPTED.into());
         }
         // A terminal that has gone away is no reason to die before the checkpoint.
@@ -23,7 +24,12 @@ fn main() -> ExitCode {
     });
     let is_terminal = io::stderr().is_terminal();
     let color = is_terminal && std::env::var_os("NO_COLOR").is_none();
-    let (mut out, mut err) = (io::stdout(), io::stderr());
+    // What a library prints goes to standard error: results stand alone on standard output.
+    let mut out: Box<dyn Write> = match leafwise::plugins::own_output() {
+        Ok(file) => Box::new(LineWriter::new(file)),
+        Err(_) => Box::new(io::stdout()),
+    };
+    let mut err = io::stderr();
     let mut console = Console::new(&mut out, &mut err, color, is_terminal);
     if let Err(error) = handler {
         console.prose(&format!(

@@ -33,9 +33,21 @@ impl Parts {
     /// # Errors
     /// [`Failure::Plugin`].
     pub fn new(arguments: &PluginArguments) -> Result<Self, Failure> {
+        Self::with(loader(arguments), arguments)
+    }
+
+    /// The same, trying each library anew, whatever passed before: its dependencies may have changed.
+    ///
+    /// # Errors
+    /// [`Failure::Plugin`].
+    pub fn trying_anew(arguments: &PluginArguments) -> Result<Self, Failure> {
+        Self::with(loader(arguments).without_cache(), arguments)
+    }
+
+    fn with(loader: Loader, arguments: &PluginArguments) -> Result<Self, Failure> {
         let mut parts = Self {
             registry: Registry::with_builtin(),
-            loader: loader(arguments.no_plugins),
+            loader,
         };
         for plugin in &arguments.plugins {
             parts.load(&PluginRequest::new(plugin), Path::new("."))?;
@@ -113,10 +125,15 @@ fn diagnostic(
     }
 }
 
+/// Whether the command line or the environment forbids plugins.
+pub fn are_forbidden(arguments: &PluginArguments) -> bool {
+    let set = std::env::var_os(NO_PLUGINS);
+    arguments.no_plugins || set.is_some_and(|set| !set.is_empty() && set != "0")
+}
+
 /// The loader of this program: it tries libraries in a process of its own.
-fn loader(no_plugins: bool) -> Loader {
-    let forbidden = std::env::var_os(NO_PLUGINS).is_some_and(|set| !set.is_empty() && set != "0");
-    if no_plugins || forbidden {
+fn loader(arguments: &PluginArguments) -> Loader {
+    if are_forbidden(arguments) {
         return Loader::off();
     }
     // A program that does not know its own file starts nothing, and every plugin is refused with that

@@ -1,10 +1,10 @@
 //! Reading a scene with its overrides.
 
-use std::fs;
 use std::path::Path;
 use std::string::FromUtf8Error;
 
 use leafwise::scene::SceneDiagnostic;
+use leafwise::scene::input::{LARGEST_SCENE, read_bounded};
 
 use crate::arguments::SceneArguments;
 use crate::failure::Failure;
@@ -26,7 +26,7 @@ pub struct SceneText {
 /// `=`, [`Failure::Scene`] for text in another encoding.
 pub fn read(arguments: &SceneArguments) -> Result<SceneText, Failure> {
     let file = &arguments.scene;
-    let bytes = fs::read(file).map_err(|source| {
+    let bytes = read_bounded(file, LARGEST_SCENE).map_err(|source| {
         if source.kind() == std::io::ErrorKind::NotFound {
             return Failure::usage(
                 format!("there is no file {}", file.display()),

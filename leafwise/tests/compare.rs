@@ -2,13 +2,18 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use common::scene;
 use leafwise::ProblemLibrary;
-use leafwise::core::{Registry, Structure};
+use leafwise::core::registry::StepperPart;
+use leafwise::core::{
+    BuildError, Origin, Part, PartInfo, PartParameters, PoissonSystem, Registry, StepMap, Structure,
+};
 use leafwise::scene::SceneDocument;
 use leafwise::trade::{
-    Bench, CompareOptions, Comparison, Cost, Grid, Knob, Reference, TradeError, TrialFailure,
-    compare, comparison_page, distance, parse_method,
+    Bench, CompareOptions, Comparison, Cost, Grid, Judged, Knob, Reference, TradeError,
+    TrialFailure, TuneOptions, Tuner, compare, comparison_page, distance, parse_method,
 };
 use serde_json::Value;
 
@@ -43,7 +48,7 @@ fn the_reference_is_as_near_to_the_flow_as_it_says() {
         let (id, initial) = (flow["system"].as_str().expect("a name"), list("initial"));
         let document = scene(id, &format!("{initial:?}"), 0.1, 10);
         let bench = Bench::new(&document, &registry, &ProblemLibrary, None).expect("a bench");
-        let reference = Reference::compute(&bench).expect("a reference");
+        let reference = Reference::compute(&bench, Judged::AtTheEnd).expect("a reference");
         let error = distance(&reference.state, &list("final"));
         let round_off = 4.0 * f64::EPSILON * reference.norm();
         assert_eq!(reference.methods.len(), 2, "{id}");
@@ -95,12 +100,8 @@ fn the_standard_methods_of_a_rigid_body_are_compared_and_the_front_is_theirs() {
         );
         // A Poisson map keeps the sphere: a few roundings of |x|² = 19 a step, added up.
         if method.structure == Structure::Exact {
-            assert!(
-                a.casimir_drift < 1e-12,
-                "{}: {:e}",
-                method.name,
-                a.casimir_drift
-            );
+            let drift = a.casimir_drift.expect("a Casimir");
+            assert!(drift < 1e-12, "{}: {drift:e}", method.name);
             assert!(a.is_poisson);
         }
         if method.structure == Structure::None {
@@ -338,4 +339,86 @@ fn an_adaptive_method_is_varied_by_its_tolerance_unless_that_is_given() {
     let fixed = comparison(&document, &only(&["dop853:1e-9"]));
     assert_eq!(fixed.methods[0].knob, Knob::Steps);
     assert!(fixed.points.iter().all(|p| p.setting.tolerance.is_none()));
+}
+
+/// Every run stops at once: what is compared is what `tune` chooses among.
+#[test]
+fn compare_knows_every_method_that_tune_knows() {
+    let document = scene("magnetic", "[1.0, 0.5, -0.5, 0.3, 0.2, 0.4]", 0.1, 20);
+    let registry = Registry::with_builtin();
+    let bench = Bench::new(&document, &registry, &ProblemLibrary, None).expect("a bench");
+    let options = CompareOptions {
+        budget: Some(1),
+        ..CompareOptions::default()
+    };
+    let comparison = compare(&bench, &options, &mut |_, _, _| true).expect("a comparison");
+    let compared: Vec<&str> = comparison.methods.iter().map(|m| m.name.as_str()).collect();
+    let tuner = Tuner::new(&bench, &TuneOptions::default(), &mut |_| ()).expect("methods");
+    for name in tuner.methods() {
+        assert!(compared.contains(&name), "{name} in {compared:?}");
+    }
+    assert!(
+        compared.contains(&"kahan-li-8 of splitting"),
+        "{compared:?}"
+    );
+    // What was stopped for its cost did not fail, and a system without Casimirs keeps none.
+    let failures = comparison
+        .points
+        .iter()
+        .filter_map(|p| p.outcome.as_ref().err());
+    let (stopped, failed): (Vec<_>, Vec<_>) = failures.partition(|f| f.is_over_budget());
+    assert!(stopped.len() > 40);
+    // The longest steps of a grid may have no solution.
+    let of_a_step = |f: &&TrialFailure| matches!(f, TrialFailure::Step { .. });
+    assert!(failed.iter().all(of_a_step), "{failed:?}");
+    let few = CompareOptions {
+        steps: Some(Grid::List(vec![100])),
+        ..only(&["splitting"])
+    };
+    let comparison = compare(&bench, &few, &mut |_, _, _| true).expect("a comparison");
+    let measured = comparison.points[0].outcome.as_ref().expect("a run");
+    assert_eq!(measured.casimir_drift, None);
+}
+
+/// A stepper under another name.
+struct Named(&'static PartInfo);
+
+impl StepperPart for Named {
+    fn info(&self) -> &'static PartInfo {
+        self.0
+    }
+    fn build(
+        &self,
+        system: &PoissonSystem,
+        parameters: &PartParameters,
+    ) -> Result<Arc<dyn StepMap>, BuildError> {
+        Registry::with_builtin()
+            .stepper("splitting")?
+            .build(system, parameters)
+    }
+}
+
+/// Parts of plugins are named `plugin/part`; only behind a composition does a `/` stand for more.
+#[test]
+fn parts_with_a_slash_in_their_name_can_be_named() {
+    let mut registry = Registry::with_builtin();
+    let info = PartInfo {
+        name: "acme/strang",
+        parameters: &[],
+        ..*registry.stepper("splitting").expect("built in").info()
+    };
+    let part = Part::Stepper(Arc::new(Named(Box::leak(Box::new(info)))));
+    let origin = Origin::built_in("a test", "1");
+    registry.register(part, origin).expect("a new name");
+    let read = |text: &str| parse_method(text, &registry).map(|method| method.to_string());
+    assert_eq!(read("acme/strang").expect("a stepper"), "acme/strang");
+    let composed = read("suzuki-4/acme/strang").expect("a composition of it");
+    assert_eq!(composed, "suzuki-4 of acme/strang");
+    let said = |text: &str| read(text).expect_err("no method").to_string();
+    assert!(said("other/splitting").contains("no composition is called `other`"));
+    assert!(said("hamilton-jacobi:4").contains("auto+hamilton-jacobi:4"));
+    assert!(said("lie-poisson").contains("lie-poisson+hamilton-jacobi:4"));
+    assert!(said("suzuki-4").contains("suzuki-4/splitting"));
+    let steps = Grid::parse("100-400").expect_err("no list").to_string();
+    assert!(steps.contains("100..6400"), "{steps}");
 }

@@ -1,12 +1,17 @@
 //! Measurements judge declarations: right ones hold, and one order more than the truth is caught.
 
+#[path = "verify/units.rs"]
+mod units;
+
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 
+use leafwise::ProblemLibrary;
 use leafwise::core::{
-    MapProperties, Method, PartParameters, Registry, SolverStatistics, StepError, StepMap, Stepper,
-    Structure,
+    MapProperties, Method, Origin, Part, PartParameters, Registry, SolverStatistics, StepError,
+    StepMap, Stepper, Structure,
 };
+use leafwise::scene::SceneDocument;
 use leafwise::verify::{
     Judgement, Measured, Problem, Progress, Refused, Row, SurveyOptions, measure, survey,
 };
@@ -136,12 +141,12 @@ impl StepMap for Limited {
         if (epsilon * h).abs() <= self.largest {
             stepper
         } else {
-            Box::new(Fails(stepper))
+            Box::new(Fails(stepper, StepError::LeftChart { ratio: 2.0 }))
         }
     }
 }
 
-struct Fails(Box<dyn Stepper>);
+struct Fails(Box<dyn Stepper>, StepError);
 
 impl Stepper for Fails {
     fn increment(
@@ -151,7 +156,7 @@ impl Stepper for Fails {
         _: &mut [f64],
         outcome: &mut [Result<(), StepError>],
     ) {
-        outcome.fill(Err(StepError::LeftChart { ratio: 2.0 }));
+        outcome.fill(Err(self.1.clone()));
     }
     fn restart(&mut self) {}
     fn statistics(&self) -> SolverStatistics {
@@ -192,6 +197,137 @@ fn a_map_that_fails_at_every_step_fails() {
         horizon,
     );
     assert_eq!(outcome.err(), Some(StepError::LeftChart { ratio: 2.0 }));
+}
+
+/// A map that fails between two steps.
+struct Hole(Arc<dyn StepMap>, [f64; 2]);
+
+impl StepMap for Hole {
+    fn dimension(&self) -> usize {
+        self.0.dimension()
+    }
+    fn properties(&self) -> MapProperties {
+        self.0.properties()
+    }
+    fn describe(&self) -> String {
+        self.0.describe()
+    }
+    fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
+        let stepper = self.0.stepper(lanes, parameters, epsilon, h);
+        let t = (epsilon * h).abs();
+        if t < self.1[0] || t > self.1[1] {
+            stepper
+        } else {
+            let error = StepError::NoConvergence {
+                evaluations: 200,
+                correction: 1.0,
+            };
+            Box::new(Fails(stepper, error))
+        }
+    }
+}
+
+/// What is too large for a solve fails at every larger step; a solve that fails between steps that succeed is
+/// broken, whatever the others show.
+#[test]
+fn a_solve_that_fails_between_steps_that_succeed_is_no_step_that_is_too_large() {
+    let problem = Problem::of_library("rigid-body").expect("in the library");
+    let t = problem.time_step;
+    let found = |from: f64, to: f64| {
+        let map = truncated(&problem, 4, 4);
+        measured(&problem, &Hole(map, [from * t, to * t]))
+    };
+    let broken = found(0.3, 0.9);
+    assert_eq!(broken.judgements, [Judgement::Met; 3]);
+    let why = broken.broken_solve.clone().expect("a hole");
+    assert!(why.contains("succeeds: no convergence"), "{why}");
+    let row = |measured: Measured| Row {
+        problem: problem.name.clone(),
+        map: "a map".to_owned(),
+        is_own: false,
+        declared_order: 4,
+        declared_structure: "order 4".to_owned(),
+        measured: Some(measured),
+        failure: None,
+        seconds: 0.0,
+    };
+    assert!(!row(broken).is_met());
+    let too_large = found(0.3, f64::INFINITY);
+    assert!(too_large.too_large.is_some() && too_large.broken_solve.is_none());
+    assert!(row(too_large).is_met());
+}
+
+/// {q, p} = f(z) and {q, p} = z: z rests, and a Gauss method is symplectic on each of its planes. Over so(3)*, and
+/// where the tensor depends on what moves, it is not.
+#[test]
+fn gauss_methods_are_poisson_maps_where_the_tensor_depends_on_what_rests() {
+    let problem = |bracket: &str| {
+        let text = format!(
+            "[system]\nvariables = [\"q\", \"p\", \"z\"]\nbracket = {{ \"q,p\" = \"{bracket}\" }}\n\
+             hamiltonian = \"p^2/2 + q^4/4 + q^2/2 + z*q\"\n[method]\nstepper = \"gauss\"\n\
+             time-step = 0.1\n[run]\ninitial = [0.5, 0.7, 1.3]\nsteps = 1\n"
+        );
+        let document = SceneDocument::parse("leaves.toml", &text, &ProblemLibrary);
+        Problem::of_scene(&document.expect("a scene")).expect("a problem")
+    };
+    let registry = Registry::with_builtin();
+    for name in ["gauss", "implicit-midpoint"] {
+        let built = |problem: &Problem| {
+            let part = registry.stepper(name).expect("built in");
+            let map = part.build(&problem.system, &PartParameters::new());
+            map.expect("any tensor")
+        };
+        for bracket in ["z", "1 + sin(z)^2"] {
+            let problem = problem(bracket);
+            let map = built(&problem);
+            assert_eq!(
+                map.properties().structure,
+                Structure::Exact,
+                "{name}, {bracket}"
+            );
+            let found = measured(&problem, map.as_ref());
+            assert_eq!(
+                found.judgements,
+                [Judgement::Met; 3],
+                "{name}, {bracket}: {found:?}"
+            );
+        }
+        let body = Problem::of_library("rigid-body").expect("in the library");
+        for problem in [problem("1 + q^2"), body] {
+            let map = built(&problem);
+            let truth = map.properties();
+            assert_eq!(truth.structure, Structure::None, "{name}");
+            let structure = Structure::Exact;
+            let boasts = Declares(map, MapProperties { structure, ..truth });
+            assert_eq!(measured(&problem, &boasts).judgements[1], Judgement::NotMet);
+        }
+    }
+}
+
+#[test]
+fn a_scene_is_verified_with_its_own_method() {
+    let text = "[system]\nlibrary = \"rigid-body\"\n[method]\nstepper = \"splitting\"\n\
+                composition = \"kahan-li-6\"\ntime-step = 0.1\n[run]\ninitial = [1, 3, 3]\nsteps = 1\n";
+    let document = SceneDocument::parse("own.toml", text, &ProblemLibrary).expect("a scene");
+    let registry = Registry::with_builtin();
+    let problem = Problem::of_scene(&document).and_then(|p| p.with_own(&document, &registry));
+    let problem = problem.expect("a problem");
+    // Nothing else is measured but what the reference flow is taken by.
+    let gauss = Part::Stepper(registry.stepper("gauss").expect("built in"));
+    let mut registry = Registry::empty();
+    registry
+        .register(gauss, Origin::built_in("a test", "1"))
+        .expect("a new name");
+    let options = SurveyOptions {
+        full: false,
+        threads: NonZeroUsize::MIN,
+    };
+    let survey = survey(&registry, &[problem], &options, &mut Told::default()).expect("a flow");
+    assert!(survey.is_met());
+    let own: Vec<_> = survey.rows.iter().filter(|row| row.is_own).collect();
+    assert_eq!(own.len(), 1);
+    assert!(own[0].map.contains("kahan-li-6"), "{}", own[0].map);
+    assert_eq!(own[0].declared_order, 6);
 }
 
 /// What a survey tells, in its order.

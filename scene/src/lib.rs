@@ -7,13 +7,16 @@
 //! - [`run`](mod@run): the run, into a directory with everything needed to resume and repeat it;
 //! - [`ensemble`]: many members at once, reduced into such a directory;
 //! - [`report`]: recorded data as one self-contained HTML page;
-//! - [`json`]: numbers as JSON.
+//! - [`json`]: numbers as JSON;
+//! - [`input`]: files that are read whole, within bounds.
 
 pub mod advice;
 pub mod compose;
+mod csv;
 pub mod diagnostic;
 pub mod document;
 pub mod ensemble;
+pub mod input;
 pub mod json;
 pub mod report;
 pub mod run;

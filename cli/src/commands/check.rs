@@ -1,11 +1,12 @@
 //! `leafwise check`: is the tensor Poisson, are the Casimirs Casimirs?
 
 use leafwise::core::diagnostics::{IdentityCheck, Verdict};
-use leafwise::scene::advice::{advise, states_ahead};
+use leafwise::scene::advice::{advise, states_ahead, unused_parameters};
 use leafwise::scene::compose::{SceneChecks, compose};
 use leafwise::scene::json::{json_number, json_numbers};
 use serde_json::{Map, Value, json};
 
+use super::motion;
 use super::run::print_advice;
 use crate::arguments::{CheckArguments, PluginArguments};
 use crate::console::Console;
@@ -37,11 +38,11 @@ pub fn execute(
             describe(&casimir.check, "coordinate", names),
         ]);
     }
-    let advice = if checks.pass() {
-        advise(&composed, &parts.registry, &states_ahead(&composed))
-    } else {
-        Vec::new()
-    };
+    let mut advice = unused_parameters(&document);
+    if checks.pass() {
+        let states = states_ahead(&composed);
+        advice.extend(advise(&composed, &parts.registry, &states));
+    }
     if arguments.json {
         let casimirs: Map<String, Value> = checks
             .casimirs
@@ -52,10 +53,13 @@ pub fn execute(
             "outcome": if checks.pass() { "passed" } else { "violated" },
             "jacobi": as_json(&checks.jacobi, names),
             "casimirs": casimirs,
+            "motion": motion::as_json(&composed),
             "warnings": advice,
         }));
     } else {
-        for line in words(&rows) {
+        let motion = motion::lines(&composed);
+        let gap = (!motion.is_empty()).then(String::new);
+        for line in words(&rows).into_iter().chain(gap).chain(motion) {
             console.result(&line);
         }
     }

@@ -13,6 +13,17 @@ use crate::failure::{Failure, exit};
 use crate::plugins::Parts;
 use crate::table::words;
 
+/// What leaves the choice of a part to the program.
+const AUTO: &str = "auto";
+
+/// What it takes as a realization, and as dynamics.
+const AUTO_MEANS: [&str; 2] = [
+    "the cheapest exact closed form that fits the tensor; where there is none, karasev-collocated, which is \
+     exact to round-off for any tensor, or karasev-truncated on a long lattice. `run --explain` says what it took \
+     and why",
+    "hamilton-jacobi of order 4, of order 2 over a system of numbers",
+];
+
 /// Text wider than this is wrapped.
 const WIDTH: usize = 88;
 
@@ -39,6 +50,14 @@ pub fn execute(
         found.push(text.map_err(|error| Failure::usage(error.to_string(), "report this"))?);
     }
     found.extend(LieAlgebra::find(name).map(lie_algebra));
+    if name == AUTO {
+        let [realization, dynamics] = AUTO_MEANS;
+        let mut lines = vec![format!("{AUTO} (in place of a part's name)"), String::new()];
+        labelled(&mut lines, "realization", realization);
+        labelled(&mut lines, "dynamics", dynamics);
+        let object = json!({ "name": AUTO, "realization": realization, "dynamics": dynamics });
+        found.push((lines, object));
+    }
     // A name may stand for a system and for the Lie algebra it lives on.
     let Some((mut lines, mut object)) = found.pop() else {
         return Err(unknown(name, &registry));

@@ -1,6 +1,5 @@
 //! `leafwise ensemble`: many members, reduced into a run directory.
 
-use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -26,6 +25,10 @@ use crate::table::{duration, grouped, numbers, short};
 /// Failed members that are named on the terminal.
 const MOST_NAMED: usize = 5;
 
+/// Said of an ensemble that has come to its end before.
+const REPEATED: &str =
+    "it had come to its end before: nothing was computed or written; --force runs it anew";
+
 /// Integrates the ensemble, or one of its members; returns the exit code.
 ///
 /// # Errors
@@ -43,7 +46,7 @@ pub fn execute(
     let ensemble = compose_ensemble(&document, &parts.registry, directory)?;
     if let Some(member) = arguments.member {
         let scene = member_document(member, &document, &ensemble, &parts)?;
-        return execute_member(arguments, &scene, &parts, console, interrupt);
+        return execute_member(arguments, &scene, &parts, plugins, console, interrupt);
     }
     let options = RunOptions {
         checkpoint_every: RunOptions::CHECKPOINT_EVERY,
@@ -53,7 +56,12 @@ pub fn execute(
             .unwrap_or_else(|| default_ensemble_directory(&document)),
         force: arguments.force,
         allow_non_poisson: arguments.allow_non_poisson,
-        command: repeating("ensemble", file.file_name(), arguments.allow_non_poisson),
+        command: repeating(
+            "ensemble",
+            file.file_name(),
+            arguments.allow_non_poisson,
+            plugins,
+        ),
     };
     let workforce = Workforce {
         threads: arguments
@@ -70,18 +78,12 @@ pub fn execute(
     let report = run_ensemble(&document, &ensemble, &options, workforce, &mut bar);
     bar.finish();
     let report = report?;
-    let advice = match report.outcome {
-        RunOutcome::Done => advise_ensemble(&ensemble, &parts.registry),
-        _ => Vec::new(),
-    };
+    let mut advice = report.advice.clone();
+    if report.outcome == RunOutcome::Done {
+        advice.extend(advise_ensemble(&ensemble, &parts.registry));
+    }
     if !arguments.quiet {
-        for line in summary(
-            &ensemble,
-            &parts.registry,
-            &report,
-            workforce.threads,
-            console,
-        ) {
+        for line in summary(&ensemble, &parts.registry, &report, console) {
             console.prose(&line);
         }
         print_advice(&advice, console);
@@ -125,6 +127,7 @@ fn execute_member(
     arguments: &EnsembleArguments,
     scene: &SceneDocument,
     parts: &Parts,
+    plugins: &PluginArguments,
     console: &mut Console<'_>,
     interrupt: &Arc<AtomicBool>,
 ) -> Result<u8, Failure> {
@@ -136,7 +139,12 @@ fn execute_member(
         directory: directory.unwrap_or_else(|| Path::new("runs").join(file.with_extension(""))),
         force: arguments.force,
         allow_non_poisson: arguments.allow_non_poisson,
-        command: repeating("run", file.file_name(), arguments.allow_non_poisson),
+        command: repeating(
+            "run",
+            file.file_name(),
+            arguments.allow_non_poisson,
+            plugins,
+        ),
     };
     let told = Told {
         json: arguments.json,
@@ -164,7 +172,6 @@ fn summary(
     ensemble: &ComposedEnsemble,
     registry: &Registry,
     report: &EnsembleReport,
-    threads: NonZeroUsize,
     console: &Console<'_>,
 ) -> Vec<String> {
     let all = &report.reductions;
@@ -179,6 +186,9 @@ fn summary(
     if let Some(member) = report.resumed_at {
         lines.push(format!("resumed at member {}", grouped(member)));
     }
+    if report.is_repeated {
+        lines.push(REPEATED.to_owned());
+    }
     if all.done() > 0 {
         lines.push(String::new());
         lines.extend(end_table(ensemble, report));
@@ -191,8 +201,13 @@ fn summary(
         all.statistics.evaluations_per_step(),
         all.statistics.most_evaluations
     ));
+    let threads = match report.threads {
+        0 => String::new(),
+        1 => " on 1 thread".to_owned(),
+        threads => format!(" on {threads} threads"),
+    };
     lines.push(format!(
-        "  time     {} on {threads} threads, {} members a second",
+        "  time     {}{threads}, {} members a second",
         duration(report.wall_seconds),
         grouped(report.rate() as u64)
     ));

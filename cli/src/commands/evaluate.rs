@@ -1,7 +1,8 @@
 //! `leafwise evaluate`: the realization and the generating function at a point.
 
 use leafwise::core::part::ParameterSetting;
-use leafwise::core::{BuildError, Method};
+use leafwise::core::realization::{Accuracy, Ends, RealizationData};
+use leafwise::core::{BuildError, Method, StepError, realization_worker};
 use leafwise::expression::{Arithmetic, Graph, Kernel, Rational, StepSize, Term};
 use leafwise::karasev::TruncatedKarasev;
 use leafwise::scene::compose::{ComposedRun, compose};
@@ -14,6 +15,36 @@ use crate::failure::{Failure, exit};
 use crate::plugins::Parts;
 use crate::table::words;
 
+/// Why a point has no values.
+struct Unevaluated(String);
+
+impl From<BuildError> for Unevaluated {
+    fn from(error: BuildError) -> Self {
+        Self(error.to_string())
+    }
+}
+
+impl From<StepError> for Unevaluated {
+    fn from(error: StepError) -> Self {
+        match error {
+            StepError::LeftChart { ratio } => Self::outside(ratio),
+            // What to try with a step, after a semicolon, does not help here.
+            other => {
+                let text = other.to_string();
+                Self(text.split("; ").next().unwrap_or_default().to_owned())
+            }
+        }
+    }
+}
+
+impl Unevaluated {
+    fn outside(ratio: f64) -> Self {
+        Self(format!(
+            "it is outside the realization's chart, {ratio:.3} times as far from the section as the chart reaches"
+        ))
+    }
+}
+
 /// The values at a point (x, p).
 struct Values {
     alpha: Vec<f64>,
@@ -22,6 +53,29 @@ struct Values {
     coefficients: Vec<Vec<f64>>,
     /// l, S_l(x), dS_l(x) at the scene's ε.
     generating: Vec<(usize, f64, Vec<f64>)>,
+}
+
+impl Values {
+    /// The values where every one is finite.
+    fn finite(self) -> Result<Self, Unevaluated> {
+        let named = |name: &str, values: &[f64]| (name.to_owned(), values.to_vec());
+        let mut all = vec![named("alpha", &self.alpha), named("beta", &self.beta)];
+        for (k, coefficient) in self.coefficients.iter().enumerate() {
+            all.push((
+                format!("alpha's coefficient of epsilon^{k}"),
+                coefficient.clone(),
+            ));
+        }
+        for (l, s, gradient) in &self.generating {
+            all.push((format!("S_{l}"), vec![*s]));
+            all.push((format!("dS_{l}"), gradient.clone()));
+        }
+        let wrong = all.iter().find_map(|(name, values)| {
+            let value = values.iter().find(|value| !value.is_finite())?;
+            Some(Unevaluated(format!("{name} is not finite there ({value})")))
+        });
+        wrong.map_or(Ok(self), Err)
+    }
 }
 
 /// Evaluates at the point of the command line; returns the exit code.
@@ -65,10 +119,12 @@ pub fn execute(
         Some(text) => numbers(text, "--p", d)?,
         None => vec![Rational::zero(); d],
     };
-    let values = evaluate(&run, method, &x, &p).map_err(|error| {
+    let values = evaluate(&run, method, &x, &p).and_then(Values::finite);
+    let values = values.map_err(|Unevaluated(reason)| {
         Failure::usage(
-            format!("nothing can be evaluated at this point: {error}"),
-            "choose --x and --p inside the domain of the scene's formulas",
+            format!("nothing can be evaluated at this point: {reason}"),
+            "choose --x and --p inside the domain of the scene's formulas and of the realization, which \
+             `leafwise describe` states",
         )
     })?;
     if arguments.json {
@@ -145,28 +201,82 @@ impl<'a> Evaluator<'a> {
     }
 }
 
-fn evaluate(
-    run: &ComposedRun,
-    method: &Method,
+/// β̂ and α̂ at χ(x, p).
+fn ends(
+    at: &mut Evaluator<'_>,
+    realization: &dyn RealizationData,
     x: &[Rational],
     p: &[Rational],
-) -> Result<Values, BuildError> {
+) -> Result<(Vec<f64>, Vec<f64>), Unevaluated> {
     let d = x.len();
-    let mut at = Evaluator::new(run, x, p);
     let (epsilon, inputs) = (at.epsilon.clone(), at.inputs.clone());
-    let realization = method.realization();
-    let (mut alpha, mut beta) = (Vec::new(), Vec::new());
-    if let Some(code) = realization.code() {
-        let ends = code.source_and_target(&mut at.graph, &epsilon, &inputs)?;
+    let chart = realization.chart();
+    if let Some(code) = realization.code()
+        && (chart.is_some() || realization.points_are_pairs())
+    {
+        let z = match chart {
+            Some(chart) => chart.point(&mut at.graph, &epsilon, &inputs[..d], &inputs[d..])?,
+            None => inputs,
+        };
+        let ends = code.source_and_target(&mut at.graph, &epsilon, &z)?;
+        // A truncated series has its values outside too; what a closed form has there is none.
+        if let Some((first, last)) = &ends.guard
+            && realization.accuracy() == Accuracy::Exact
+        {
+            let (first, last) = (largest(&at.values(first)), largest(&at.values(last)));
+            // Not a number is outside too.
+            let is_inside = last == 0.0 || last < first;
+            if !is_inside {
+                return Err(Unevaluated::outside(last / first));
+            }
+        }
         let target: Vec<Term> = (0..d)
             .map(|i| at.graph.add(&ends.base[i], &ends.offset[i]))
             .collect();
         let source: Vec<Term> = (0..d)
             .map(|i| at.graph.add(&target[i], &ends.increment[i]))
             .collect();
-        beta = at.values(&target);
-        alpha = at.values(&source);
+        return Ok((at.values(&target), at.values(&source)));
     }
+    let parameters = at.run.system.parameter_values();
+    let epsilon = at.run.plan.epsilon;
+    let point: Vec<f64> = x.iter().chain(p).map(Rational::to_f64).collect();
+    let z = match realization.chart_worker(&parameters, epsilon) {
+        Some(mut chart) => {
+            let mut z = vec![0.0; realization.space_dimension()];
+            chart.point(&point[..d], &point[d..], &mut z)?;
+            z
+        }
+        None if realization.points_are_pairs() => point,
+        None => {
+            return Err(Unevaluated(
+                "points of this realization are not pairs (x, p), and it has no chart of them"
+                    .to_owned(),
+            ));
+        }
+    };
+    let mut worker = realization_worker(realization, &parameters, epsilon)?;
+    let mut ends = Ends::new(d);
+    worker.ends(&z, &mut ends)?;
+    let target: Vec<f64> = (0..d).map(|i| ends.base[i] + ends.offset[i]).collect();
+    let source = (0..d).map(|i| target[i] + ends.increment[i]).collect();
+    Ok((target, source))
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| most.max(value.abs()))
+}
+
+fn evaluate(
+    run: &ComposedRun,
+    method: &Method,
+    x: &[Rational],
+    p: &[Rational],
+) -> Result<Values, Unevaluated> {
+    let d = x.len();
+    let mut at = Evaluator::new(run, x, p);
+    let (beta, alpha) = ends(&mut at, method.realization(), x, p)?;
+    let (epsilon, inputs) = (at.epsilon.clone(), at.inputs.clone());
     let order = run
         .plan
         .parts

@@ -72,7 +72,8 @@ pub fn explain(run: &ComposedRun, start: Instant) -> Result<Vec<String>, BuildEr
         .into_iter()
         .map(|(label, text)| vec![format!("  {label}"), text])
         .collect();
-    Ok(words(&rows))
+    let motion = super::motion::lines(run);
+    Ok([words(&rows), motion].concat())
 }
 
 /// What the kernels of a step become as machine code, compiled here if they are to be at all.

@@ -7,6 +7,7 @@ pub mod ensemble;
 pub mod evaluate;
 pub mod explain;
 pub mod list;
+mod motion;
 pub mod new;
 pub mod plugin;
 pub mod reproduce;

@@ -6,13 +6,13 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use leafwise::core::Registry;
-use leafwise::scene::compose::{ComposedRun, compose};
+use leafwise::scene::compose::{ComposedRun, WIDEST_STATE, compose};
 use leafwise::scene::json::{json_number, json_numbers};
 use leafwise::scene::run::{
     Failure as StepFailure, RunOptions, RunOutcome, RunReport, default_directory, run,
 };
 use leafwise::scene::{Advice, SceneDocument};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::explain::explain;
 use crate::arguments::{PluginArguments, RunArguments, SceneArguments};
@@ -24,6 +24,10 @@ use crate::table::{duration, grouped, numbers, short};
 
 /// Coordinates of a state that a message shows.
 const SHOWN_COORDINATES: usize = 12;
+
+/// Said of a run that has come to its end before.
+pub(super) const REPEATED: &str = "it had come to its end before: nothing was computed or written; larger `steps` \
+                                   continue it, --force runs it anew";
 
 /// Integrates the scene; returns the exit code.
 ///
@@ -52,7 +56,7 @@ pub fn execute(
             .unwrap_or_else(|| default_directory(&document)),
         force: arguments.force,
         allow_non_poisson: arguments.allow_non_poisson,
-        command: command(&arguments.scene, arguments.allow_non_poisson),
+        command: command(&arguments.scene, arguments.allow_non_poisson, plugins),
         // Longer than any number of seconds that a duration holds is never.
         checkpoint_every: Duration::try_from_secs_f64(arguments.checkpoint_every)
             .unwrap_or(Duration::MAX),
@@ -133,18 +137,40 @@ pub(super) fn print_advice(advice: &[Advice], console: &mut Console<'_>) {
 }
 
 /// The command that repeats the run of the scene as stored, overrides already in it.
-fn command(scene: &SceneArguments, allow_non_poisson: bool) -> String {
-    repeating("run", scene.scene.file_name(), allow_non_poisson)
+fn command(scene: &SceneArguments, allow_non_poisson: bool, plugins: &PluginArguments) -> String {
+    repeating("run", scene.scene.file_name(), allow_non_poisson, plugins)
 }
 
 /// The command that runs a file once more.
-pub(super) fn repeating(verb: &str, file: Option<&OsStr>, allow_non_poisson: bool) -> String {
+pub(super) fn repeating(
+    verb: &str,
+    file: Option<&OsStr>,
+    allow_non_poisson: bool,
+    plugins: &PluginArguments,
+) -> String {
     let file = file.unwrap_or_default().to_string_lossy();
     let mut command = format!("leafwise {verb} {file}");
     if allow_non_poisson {
         command.push_str(" --allow-non-poisson");
     }
+    for plugin in &plugins.plugins {
+        // A bare name is searched for from everywhere; a path leads there from here.
+        let path = plugin.canonicalize().ok();
+        let path = path.filter(|_| plugin.components().count() > 1);
+        let path = path.as_deref().unwrap_or(plugin);
+        command.push_str(&format!(" --plugin {}", quoted(&path.to_string_lossy())));
+    }
     command
+}
+
+/// A word of a command line.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "/._-+".contains(c);
+    if word.chars().all(is_plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
 }
 
 /// The parts of a run in one line.
@@ -174,6 +200,9 @@ fn summary(
     if let Some(step) = report.resumed_at {
         lines.push(format!("resumed at step {}", grouped(step)));
     }
+    if report.is_repeated {
+        lines.push(REPEATED.to_owned());
+    }
     lines.push(String::new());
     let mut rows = vec![vec![
         String::new(),
@@ -202,6 +231,7 @@ fn summary(
         duration(report.wall_seconds),
         grouped(rate as u64)
     ));
+    lines.extend(states_line(composed).map(|line| format!("  states   {line}")));
     lines.push(format!("  report   {}", report.report().display()));
     if report.outcome == RunOutcome::Interrupted {
         lines.push(String::new());
@@ -212,6 +242,29 @@ fn summary(
         ));
     }
     lines
+}
+
+/// Where states are that `samples.csv` does not hold, or how to record some.
+fn states_line(composed: &ComposedRun) -> Option<String> {
+    let states = &composed.plan.states;
+    if !states.are_in_samples() {
+        return Some(format!(
+            "{} coordinates at every record, in states.npy",
+            grouped(states.width() as u64)
+        ));
+    }
+    if states.is_chosen || composed.dimension() <= WIDEST_STATE {
+        return None;
+    }
+    let example = match composed.plan.families.first() {
+        Some((name, _)) => format!("\"{name}[0]\", \"{name}[::100]\""),
+        None => composed.names().first().map(|name| format!("\"{name}\""))?,
+    };
+    Some(format!(
+        "of {} coordinates only the last is kept, in final_state.bin: record = {{ states = [{example}] }} \
+         or states = \"all\" keeps them over time",
+        grouped(composed.dimension() as u64)
+    ))
 }
 
 fn failure_lines(
@@ -251,11 +304,6 @@ fn failure_lines(
 
 /// The object of `run --json`.
 fn report_json(report: &RunReport) -> Value {
-    let drift: Map<String, Value> = report
-        .invariants
-        .iter()
-        .map(|invariant| (invariant.name.clone(), json_number(invariant.maximum)))
-        .collect();
     let mut object = json!({
         "outcome": match report.outcome {
             RunOutcome::Done => "done",
@@ -266,7 +314,8 @@ fn report_json(report: &RunReport) -> Value {
         "time": json_number(report.time),
         "steps": report.steps,
         "wall_seconds": report.wall_seconds,
-        "drift": drift,
+        "drift": report.drift_json(),
+        "invariants": report.invariants_json(),
         "solver": {
             "evaluations_per_step": report.statistics.evaluations_per_step(),
             "operations_per_step": report.statistics.operations_per_step(),

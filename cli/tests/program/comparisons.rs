@@ -1,6 +1,6 @@
 //! `compare`: the table, the object, the files, and what is refused.
 
-use crate::support::{BODY, Place};
+use crate::support::{BODY, Place, wait_for};
 
 const FEW: &str = "splitting,dop853,so3-exponential+hamilton-jacobi:6";
 
@@ -317,7 +317,9 @@ fn tune_writes_a_scene_that_runs_within_what_was_asked() {
         &list(&found["reference"]["state"]),
     );
     assert!(error <= 1e-8, "{error:e}");
-    let said = recommended["measured"]["error"].as_f64().expect("a number");
+    let said = recommended["measured"]["end_error"]
+        .as_f64()
+        .expect("a number");
     assert!(
         (error - said).abs() <= 1e-3 * said,
         "{error:e}, said {said:e}"
@@ -370,4 +372,70 @@ fn tune_says_what_it_found_beside_and_what_keeps_it() {
     tune(&[], 2).says(&["nothing is asked"]);
     tune(&["--error", "1e-7", "--write", "--set", "run.steps=3"], 2).says(&["cannot be used"]);
     assert!(here.is_untouched());
+}
+
+/// The scene ends at t = 4; the search goes to t = 2.
+#[test]
+fn tune_prints_the_steps_that_it_writes_and_where_errors_are_judged() {
+    let only = ["--only", "kahan-li-6/splitting", "--error", "1e-6"];
+    let tune = |more: &[&str]| {
+        let here = Place::with(BODY);
+        let said = here.leafwise(&[&["tune", "scene.toml"], &only[..], more].concat());
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        (said, here)
+    };
+    let (said, here) = tune(&["--time", "2", "--write"]);
+    let written = here.read("scene.toml");
+    let steps = written.lines().find(|line| line.starts_with("steps"));
+    let steps = steps.expect("a number of steps");
+    let number = |line: &str| line.rsplit(' ').next().map(str::to_owned);
+    let printed = said.out.lines().find(|line| line.starts_with("steps"));
+    assert_eq!(printed.and_then(number), number(steps), "{}", said.out);
+    for piece in ["error at every step 1e-6", "  at the end", "written into"] {
+        assert!(said.out.contains(piece), "{piece}: {}", said.out);
+    }
+    let (said, _) = tune(&["--at-end", "--json"]);
+    assert_eq!(said.json()["reference"]["errors"], "at the end");
+    let (said, _) = tune(&["--json"]);
+    assert_eq!(said.json()["reference"]["errors"], "at every step");
+    let measured = &said.json()["recommended"]["measured"];
+    assert!(measured["error"].as_f64() >= measured["end_error"].as_f64());
+}
+
+/// The search has nothing to save: a signal ends it, whatever it is at.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_search_that_is_terminated_ends_where_it_is() {
+    use std::io::Read as _;
+    use std::process::{Command, Stdio};
+
+    // A reference over 10⁵ revolutions takes minutes.
+    let here = Place::with(&BODY.replace("steps   = 40", "steps   = 10000000"));
+    let mut child = here
+        .command(&["tune", "scene.toml", "--error", "1e-6", "--write"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    // From the moment on at which the program takes signals itself: bit 14 is SIGTERM.
+    let status = format!("/proc/{}/status", child.id());
+    let takes_signals = || {
+        let status = std::fs::read_to_string(&status).unwrap_or_default();
+        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+        let mask = caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+        mask.is_some_and(|mask| mask >> 14 & 1 == 1)
+    };
+    wait_for(&mut child, takes_signals, "a handler of signals");
+    let sent = Command::new("kill")
+        .args(["-TERM", &child.id().to_string()])
+        .status()
+        .expect("kill runs");
+    assert!(sent.success(), "the search has ended by itself");
+    let mut said = String::new();
+    let mut err = child.stderr.take().expect("a pipe");
+    err.read_to_string(&mut said).expect("UTF-8");
+    assert_eq!(child.wait().expect("an end").code(), Some(130), "{said}");
+    assert!(said.contains("interrupted"), "{said}");
+    assert!(here.is_untouched());
+    assert!(here.read("scene.toml").contains("steps   = 10000000"));
 }

@@ -50,9 +50,10 @@ fn an_ensemble_prints_its_object_and_tables() {
             "{file}"
         );
     }
-    let again = here.leafwise(&["ensemble", "scene.toml"]);
-    assert_eq!(again.code, Some(2));
-    again.says(&["holds a run that has finished"]);
+    let again = here.leafwise(&["ensemble", "scene.toml", "--json"]);
+    assert_eq!(again.code, Some(0), "{}", again.err);
+    again.says(&["had come to its end before", "at the end", "50%"]);
+    assert_eq!(again.json(), json);
     let other = here.leafwise(&["run", "scene.toml", "--out", "runs/scene-ensemble"]);
     assert_eq!(other.code, Some(2));
     other.says(&["runs/scene-ensemble holds an ensemble"]);
@@ -87,6 +88,54 @@ fn a_member_runs_alone_as_an_ordinary_run() {
     absent.says(&["there is no member 30: they are 0 to 29"]);
 }
 
+/// All members step by one method: what it chose at the scene's own parameters, the pieces of a splitting
+/// and multiples of Casimirs, a member alone keeps.
+#[test]
+fn a_member_alone_has_the_ensembles_method_whatever_its_parameters() {
+    let scene = |method: &str| {
+        let (before, rest) = BODY.split_once("[method]").expect("a method");
+        let (_, after) = rest.split_once("[run]").expect("a run");
+        format!(
+            "{before}[method]\n{method}\ntime-step = 0.1\n[run]{after}[ensemble]\n\
+             parameters = {{ I2 = {{ range = [0.5, 1.5, 5] }}, I3 = {{ uniform = [0.6, 2] }} }}\n\
+             final-states = \"csv\"\n"
+        )
+    };
+    for method in [
+        "stepper = \"splitting\"",
+        "stepper = \"splitting\"\ncomposition = \"suzuki-4\"",
+        "realization = \"lie-poisson\"\n\
+         dynamics = { name = \"hamilton-jacobi\", order = 4, hamiltonian = \"energy-casimir\" }",
+    ] {
+        let here = Place::with(&scene(method));
+        let said = here.leafwise(&["ensemble", "scene.toml", "--quiet"]);
+        assert_eq!(said.code, Some(0), "{method}: {}", said.err);
+        let states = here.read("runs/scene-ensemble/final_states.csv");
+        for member in 0..5 {
+            let number = member.to_string();
+            let said = here.leafwise(&["ensemble", "scene.toml", "--member", &number, "--json"]);
+            assert_eq!(said.code, Some(0), "{method}: {}", said.err);
+            let json = said.json();
+            let state: Vec<String> = json["final_state"]
+                .as_array()
+                .expect("a list")
+                .iter()
+                .map(|x| format!("{:?}", x.as_f64().expect("a number")))
+                .collect();
+            let row = states.lines().nth(member + 1).expect("a row");
+            // Behind the number and the outcome stand the parameters that differ.
+            let cells: Vec<&str> = row.split(',').collect();
+            assert_eq!(cells[..2], [number.as_str(), "done"], "{row}");
+            assert_eq!(cells[4..7], state[..], "{method}, member {number}: {row}");
+            // The scene that it leaves behind is that of the same motion.
+            let file = format!("runs/scene-member-{number}/scene.toml");
+            let again =
+                here.leafwise(&["run", &file, "--out", &format!("again{number}"), "--json"]);
+            assert_eq!(again.json()["final_state"], json["final_state"], "{method}");
+        }
+    }
+}
+
 #[test]
 fn what_is_wrong_with_the_table_is_underlined() {
     let here = Place::with(BODY);
@@ -118,6 +167,11 @@ fn a_table_of_states_is_read_by_name_and_refused_with_the_row_or_column_that_is_
         ("x1,x2,x3\n1,2,inf\n", "row 1 holds inf"),
         ("x1,x2,x3\n1,2,1e999\n", "row 1 holds inf"),
         ("x1,x2,x3\n1,2,a\n", "line 2 is not a row of numbers"),
+        ("x1,x2,x3\n1,,2,3\n", "line 2 has an empty cell in column 2"),
+        (
+            "x1,x2,x3\n,4,5\n6,7,8\n",
+            "line 2 has an empty cell in column 1",
+        ),
         (
             "x1,x2,x4\n1,2,3\n",
             "column `x4` is none of the coordinates x1, x2, x3",
@@ -182,7 +236,8 @@ fn an_ensemble_is_warned_as_a_run_is() {
             "\"so3-exponential\"",
         ),
     );
-    here.write("states.csv", "4,0,0\n");
+    // A spin about the axis of the largest inertia, I3 = 1.25: it turns by 0.83 of 2π a step.
+    here.write("states.csv", "0,0,5\n");
     let step = ["--set", "method.time-step=1.3"];
     let kinds = warned(&step, "large");
     assert!(kinds.contains(&"chart".to_owned()), "{kinds:?}");
@@ -214,4 +269,104 @@ fn members_that_are_not_there_are_refused() {
     refused(&["--threads", "0"], 2, "--threads");
     refused(&["--lanes", "0"], 2, "--lanes");
     assert!(here.is_untouched());
+}
+
+/// Where the system grants fewer threads than are asked for, or none, members are stepped on those.
+#[cfg(target_os = "linux")]
+#[test]
+fn threads_that_are_not_granted_are_done_without() {
+    let here = with(ENSEMBLE);
+    let all = here.leafwise(&["ensemble", "scene.toml", "--json", "--threads", "2"]);
+    assert_eq!(all.code, Some(0), "{}", all.err);
+    // No thread is ever granted.
+    here.write(
+        "refuse.c",
+        "#include <errno.h>\n#include <pthread.h>\n\
+         int pthread_create(pthread_t *t, const pthread_attr_t *a, void *(*f)(void *), void *x) {\n\
+         (void)t; (void)a; (void)f; (void)x; return EAGAIN; }\n",
+    );
+    let built = std::process::Command::new("cc")
+        .args(["-shared", "-fPIC", "-o", "refuse.so", "refuse.c"])
+        .current_dir(here.path("."))
+        .status();
+    assert!(built.expect("a C compiler").success());
+    for arguments in [
+        &[
+            "ensemble",
+            "scene.toml",
+            "--json",
+            "--out",
+            "one",
+            "--threads",
+            "1",
+        ][..],
+        &[
+            "ensemble",
+            "scene.toml",
+            "--json",
+            "--out",
+            "many",
+            "--threads",
+            "100000",
+        ],
+        &["run", "scene.toml", "--json"],
+    ] {
+        let output = here
+            .command(arguments)
+            .env("LD_PRELOAD", here.path("refuse.so"))
+            .output();
+        let said = crate::support::Said::from(output.expect("the program starts"));
+        assert_eq!(said.code, Some(0), "{arguments:?}: {}", said.err);
+        said.says(&["Ctrl-C will not write a checkpoint"]);
+        if arguments[0] == "ensemble" {
+            assert_eq!(said.json()["statistics"], all.json()["statistics"]);
+        }
+    }
+    let many = [
+        "ensemble",
+        "scene.toml",
+        "--out",
+        "more",
+        "--threads",
+        "100000",
+    ];
+    let said = here.leafwise(&many);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+}
+
+/// What never ends is refused before memory does.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_endless_scene_or_file_of_states_is_refused() {
+    let here = with("[ensemble]\ninitial = { file = \"/dev/zero\" }\n");
+    let said = here.leafwise(&["ensemble", "scene.toml"]);
+    assert_eq!(said.code, Some(3), "{}", said.err);
+    said.says(&["cannot read /dev/zero", "a byte 0"]);
+    let said = here.leafwise(&["run", "/dev/zero"]);
+    assert_eq!(said.code, Some(2), "{}", said.err);
+    said.says(&["cannot read /dev/zero", "larger than 64 MiB"]);
+}
+
+#[test]
+fn an_ensemble_of_long_lattices_is_refused_with_the_numbers() {
+    let chain = "[system]\nfamilies = { q = 16, p = 16 }\nbracket = { \"q[i],p[i]\" = \"-1\" }\n\
+                 boundary = \"periodic\"\nhamiltonian = \"sum(i, p[i]^2/2 + (q[i+1] - q[i])^2/2)\"\n\
+                 [method]\nstepper = \"splitting\"\ntime-step = 0.1\n[run]\nsteps = 1\n\
+                 initial = { \"q[i]\" = \"i\", \"p[i]\" = \"0\" }\n[ensemble]\nmembers = 2\n";
+    let said = Place::with(chain).leafwise(&["ensemble", "scene.toml"]);
+    assert_eq!(said.code, Some(3));
+    said.says(&["more than 24 coordinates is not offered, and this one has 32"]);
+}
+
+#[test]
+fn quantiles_are_drawn() {
+    let members = "[ensemble]\nmembers = 20\ninitial = { ball = 0.1 }\n\
+                   record = { every = 4, observables = [\"x1\"], quantiles = [0.05, 0.95] }\n";
+    let here = with(members);
+    assert_eq!(
+        here.leafwise(&["ensemble", "scene.toml", "--quiet"]).code,
+        Some(0)
+    );
+    let page = here.read("runs/scene-ensemble/report.html");
+    assert!(page.contains("Thin lines, from below: the quantiles 5%, 95%."));
 }

@@ -86,7 +86,10 @@ fn a_solve_that_does_not_converge_ends_the_run() {
     // in the midpoint, has no real solution.
     let (_, json) = fails(
         &particle("(-q^3)", "[1, 1]", "0.2"),
-        &["no convergence after"],
+        &[
+            "the solution of the step's equation that begins at the state was lost",
+            "reduce the time step",
+        ],
     );
     assert_eq!(json["solver"]["failures"], 1);
 }

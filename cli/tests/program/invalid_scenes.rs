@@ -369,3 +369,43 @@ steps   = 1
     said.says(&["scene.toml:2:21", "a whole number of at most 100000000"]);
     assert!(here.is_untouched());
 }
+
+/// What other programs call a step and an end of time is answered with this one's words.
+#[test]
+fn the_usual_words_for_steps_and_ends_are_understood() {
+    for (from, to, pieces) in [
+        (
+            "time-step   = 0.1",
+            "dt = 0.1",
+            &[
+                "unknown key `dt`",
+                "did you mean `time-step`?",
+                "[method] needs `time-step`",
+            ][..],
+        ),
+        (
+            "steps   = 40",
+            "steps = 40\nt-end = 10",
+            &["unknown key `t-end`", "a run ends after `steps`"],
+        ),
+    ] {
+        let here = Place::with_body(from, to);
+        let said = here.leafwise(&["check", "scene.toml"]);
+        assert_eq!(said.code, Some(3), "{}", said.err);
+        said.says(pieces);
+    }
+}
+
+#[test]
+fn a_bad_override_is_not_shown_as_a_line_of_the_file() {
+    let here = Place::with(BODY);
+    let said = here.leafwise(&["check", "scene.toml", "--set", "run.steps=-5"]);
+    assert_eq!(said.code, Some(3), "{}", said.err);
+    said.says(&["scene.toml with --set"]);
+    // Beyond the integers of TOML's writer a number would become a word.
+    let largest = format!("run.steps={}", u64::MAX);
+    let said = here.leafwise(&["check", "scene.toml", "--set", &largest]);
+    assert_eq!(said.code, Some(3), "{}", said.err);
+    said.says(&["larger than any whole number of TOML"]);
+    assert!(!said.err.contains("the string"), "{}", said.err);
+}

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant, SystemTime};
 
-use crate::support::{Place, Said, long_run, long_scene, wait_for};
+use crate::support::{ENDLESS, Place, Said, endless_run, long_scene, wait_for};
 
 /// Kills in the test at random moments.
 const KILLS: u32 = 20;
@@ -117,55 +117,83 @@ fn signal(name: &str, process: u32) {
     assert!(sent.success());
 }
 
+/// Goes on with an interrupted run of [`ENDLESS`] steps to an end not far ahead, and compares it with
+/// one that was never interrupted.
+#[cfg(unix)]
+fn goes_on_to_the_same_bits(pieces: &Place) {
+    let manifest = pieces.read("runs/scene/manifest.json");
+    let manifest: serde_json::Value = serde_json::from_str(&manifest).expect("JSON");
+    let made = manifest["steps"].as_u64().unwrap_or(0);
+    let steps = format!("run.steps={}", made + 5000);
+    let said = pieces.leafwise(&["run", "scene.toml", "--json", "--set", &steps]);
+    // A session that was ended at once has not said how far it came; its checkpoint has.
+    let further = said.err.split_once("has made ").and_then(|(_, rest)| {
+        let made: u64 = rest.split_once(' ')?.0.parse().ok()?;
+        Some(format!("run.steps={}", made + 5000))
+    });
+    let (said, steps) = match further {
+        Some(steps) => {
+            let again = pieces.leafwise(&["run", "scene.toml", "--json", "--set", &steps]);
+            (again, steps)
+        }
+        None => (said, steps),
+    };
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    said.says(&["resumed at step"]);
+    let whole = Place::with(&long_scene());
+    let all = whole.leafwise(&["run", "scene.toml", "--set", &steps]);
+    assert_eq!(all.code, Some(0), "{}", all.err);
+    is_same(&whole, pieces);
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupted_or_terminated_run_writes_a_checkpoint_exits_130_and_goes_on() {
-    let (whole, _) = uninterrupted();
     for name in ["-INT", "-TERM"] {
         let pieces = Place::with(&long_scene());
-        let child = long_run(&pieces);
+        let child = endless_run(&pieces);
         signal(name, child.id());
         let said = Said::from(child.wait_with_output().expect("an end"));
         assert_eq!(said.code, Some(130), "{}", said.err);
         said.says(&["stopping", "the same command goes on from there"]);
         let manifest = pieces.read("runs/scene/manifest.json");
         assert!(manifest.contains("\"outcome\": \"interrupted\""));
-        let changed = pieces.leafwise(&["run", "scene.toml", "--set", "method.time-step=0.2"]);
+        let changed = [
+            "run",
+            "scene.toml",
+            "--set",
+            ENDLESS,
+            "--set",
+            "method.time-step=0.2",
+        ];
+        let changed = pieces.leafwise(&changed);
         assert_eq!(changed.code, Some(2));
         changed.says(&["\n  method.time-step: 0.1 → 0.2\n", "undo the change"]);
-        let said = pieces.leafwise(&["run", "scene.toml", "--json"]);
-        assert_eq!(said.code, Some(0), "{}", said.err);
-        said.says(&["resumed at step"]);
-        is_same(&whole, &pieces);
+        goes_on_to_the_same_bits(&pieces);
     }
 }
 
 #[cfg(unix)]
 #[test]
 fn a_second_interruption_ends_the_program_and_loses_nothing() {
-    let (whole, _) = uninterrupted();
     let pieces = Place::with(&long_scene());
-    let child = long_run(&pieces);
+    let child = endless_run(&pieces);
     // One of each: two equal signals that arrive together are one.
     signal("-INT", child.id());
     signal("-TERM", child.id());
     let said = Said::from(child.wait_with_output().expect("an end"));
     assert_eq!(said.code, Some(130), "{}", said.err);
-    let said = pieces.leafwise(&["run", "scene.toml"]);
-    assert_eq!(said.code, Some(0), "{}", said.err);
-    is_same(&whole, &pieces);
+    goes_on_to_the_same_bits(&pieces);
 }
 
 #[cfg(target_os = "linux")]
 #[test]
 fn an_interruption_before_the_first_step_ends_the_program_at_once() {
-    // A generating function that takes minutes to form: no step is ever made.
-    let scene = long_scene().replace("order = 2", "order = 20").replace(
-        "hamiltonian = \"",
-        "hamiltonian = \"(x1 + x2*x3)^5 + (x2 - x1*x3)^4 + ",
-    );
-    let here = Place::with(&scene);
-    let child = here
+    // The scene is a pipe that nobody writes to: no step is ever made.
+    let here = Place::new();
+    let made = Command::new("mkfifo").arg(here.path("scene.toml")).status();
+    assert!(made.expect("mkfifo runs").success());
+    let mut child = here
         .command(&["run", "scene.toml"])
         .stdout(Stdio::null())
         .stderr(Stdio::piped())
@@ -178,7 +206,7 @@ fn an_interruption_before_the_first_step_ends_the_program_at_once() {
         let mask = caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
         mask.is_some_and(|mask| mask & 0b10 != 0)
     };
-    wait_for(catches_interrupts, "the handler");
+    wait_for(&mut child, catches_interrupts, "the handler");
     signal("-INT", child.id());
     let said = Said::from(child.wait_with_output().expect("an end"));
     assert_eq!(said.code, Some(130), "{}", said.err);
@@ -229,4 +257,19 @@ fn a_result_that_cannot_be_written_is_an_error() {
     let said = Said::from(output);
     assert_eq!(said.code, Some(1), "{}", said.err);
     said.says(&["cannot write the result to standard output"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn help_and_version_that_cannot_be_written_are_errors() {
+    for asked in ["--help", "--version"] {
+        let full = std::fs::OpenOptions::new()
+            .write(true)
+            .open("/dev/full")
+            .expect("a full device");
+        let output = Place::new().command(&[asked]).stdout(full).output();
+        let said = Said::from(output.expect("the program starts"));
+        assert_eq!(said.code, Some(1), "{asked}: {}", said.err);
+        said.says(&["cannot write the result to standard output"]);
+    }
 }

@@ -154,6 +154,92 @@ fn evaluate_takes_decimals_exactly() {
     );
 }
 
+/// Realizations of numbers have the values of those of code: α̂ and β̂ do not depend on how they are
+/// computed, but for round-off.
+#[test]
+fn evaluate_prints_the_ends_of_realizations_of_numbers() {
+    let here = Place::with(BODY);
+    let ends = |realization: &str| -> Vec<f64> {
+        let set = format!("method.realization={realization}");
+        let p = ["--p", "1,-0.5,2", "--x", "1,3,3", "--json"];
+        let said = here.leafwise(&[&["evaluate", "scene.toml", "--set", &set][..], &p].concat());
+        assert_eq!(said.code, Some(0), "{realization}: {}", said.err);
+        let json = said.json();
+        let lists = ["alpha", "beta"].map(|name| json[name].as_array().expect("a list").clone());
+        let numbers = lists.concat();
+        numbers
+            .iter()
+            .filter_map(serde_json::Value::as_f64)
+            .collect()
+    };
+    let expected = ends("so3-exponential");
+    assert_eq!(expected.len(), 6);
+    for realization in [
+        "karasev-collocated",
+        "lie-poisson",
+        "{name=\"so3-group\",chart=\"exponential\"}",
+    ] {
+        let values = ends(realization);
+        assert_eq!(values.len(), 6, "{realization}");
+        for (value, expected) in values.iter().zip(&expected) {
+            // The state's size is 4, each end some dozen operations or a solve to round-off.
+            assert!(
+                (value - expected).abs() < 1e-14,
+                "{realization}: {value} {expected}"
+            );
+        }
+    }
+    // Not even the algebra of a realization of numbers needs a closed form.
+    let solvable = "[system]\nvariables = [\"a\", \"b\", \"c\", \"d\"]\n\
+                    bracket = { \"a,b\" = \"b\", \"a,c\" = \"c + b\", \"a,d\" = \"2*d\" }\n\
+                    hamiltonian = \"a^2/2 + b + c*d\"\n[method]\nrealization = \"lie-poisson\"\n\
+                    dynamics = { name = \"hamilton-jacobi\", order = 2 }\ntime-step = 0.1\n[run]\n\
+                    initial = [1, 2, 3, 4]\nsteps = 1\n";
+    let here = Place::with(solvable);
+    let json = here.leafwise(&["evaluate", "scene.toml", "--json"]).json();
+    assert_eq!(json["alpha"], serde_json::json!([1.0, 2.0, 3.0, 4.0]));
+    assert_eq!(json["beta"], json["alpha"]);
+}
+
+#[test]
+fn evaluate_prints_no_values_where_there_are_none() {
+    let here = Place::with(BODY);
+    // epsilon is 1: a rotation by 7 is beyond 2 pi.
+    for realization in [
+        "so3-exponential",
+        "lie-poisson",
+        "{name=\"so3-group\",chart=\"exponential\"}",
+    ] {
+        for p in ["7,0,0", "0,300,0"] {
+            let set = format!("method.realization={realization}");
+            let set = [
+                "--set",
+                &set,
+                "--set",
+                "method.epsilon=1",
+                "--set",
+                "method.h=0.1",
+            ];
+            let scene = BODY.replace("time-step   = 0.1", "epsilon = 1\nh = 0.1");
+            let here = Place::with(&scene);
+            let said = here.leafwise(&[&["evaluate", "scene.toml", "--p", p][..], &set].concat());
+            assert_eq!(
+                said.code,
+                Some(2),
+                "{realization} at {p}: {}{}",
+                said.out,
+                said.err
+            );
+            said.says(&["outside the realization's chart", "leafwise describe"]);
+            assert_eq!(said.out, "");
+        }
+    }
+    let said = here.leafwise(&["evaluate", "scene.toml", "--x", "1e200,1e200,1"]);
+    assert_eq!(said.code, Some(2), "{}", said.out);
+    said.says(&["S_1 is not finite there (inf)"]);
+    assert_eq!(said.out, "");
+}
+
 #[test]
 fn evaluate_refuses_points_of_another_dimension() {
     let here = Place::with(BODY);
@@ -201,4 +287,17 @@ fn a_command_line_that_is_none_gives_json_too_where_asked() {
     }
     let said = here.leafwise(&["run"]);
     assert_eq!((said.code, said.out.as_str()), (Some(2), ""));
+}
+
+#[test]
+fn auto_is_described() {
+    let said = Place::new().leafwise(&["describe", "auto"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    for piece in [
+        "auto (in place of a part's name)",
+        "closed form",
+        "hamilton-jacobi of order 4",
+    ] {
+        assert!(said.out.contains(piece), "{piece}: {}", said.out);
+    }
 }

@@ -146,7 +146,9 @@ impl Place<'_> {
     /// Something that should have worked, unless the problem lies outside the part's domain.
     pub fn failed(self, quantity: impl Into<String>, error: &StepError) -> Finding {
         let judgement = match error {
-            StepError::LeftChart { .. } => Judgement::Open,
+            StepError::LeftChart { .. }
+            | StepError::OutsideDomain { .. }
+            | StepError::OtherBranch { .. } => Judgement::Open,
             _ => Judgement::NotMet,
         };
         self.finding(quantity, error.to_string(), judgement)
@@ -166,12 +168,14 @@ impl Finding {
             path,
             problem: "none",
         };
+        let instead = "offer a system that it is meant for in the same plugin, or measure it on a scene \
+                       of its own with `leafwise verify`";
         place.open(
             "problems",
-            format!(
-                "it serves none of {}; measure it on a scene of its own with `leafwise verify`",
-                names.join(", ")
-            ),
+            match names.as_slice() {
+                [] => format!("formulas do not say for which system they are meant; {instead}"),
+                names => format!("it serves none of {}; {instead}", names.join(", ")),
+            },
         )
     }
 }

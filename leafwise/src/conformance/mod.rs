@@ -15,6 +15,7 @@ mod systems;
 use leafwise_core::part::{ParameterDefault, PartInfo};
 use leafwise_core::{BuildError, PartKind, PartParameters, Registry};
 
+use crate::verify::Judgement;
 pub use finding::Finding;
 
 /// What one part shows.
@@ -27,6 +28,12 @@ pub struct Conformance {
 }
 
 impl Conformance {
+    /// Whether anything was measured that says what the part is.
+    pub fn is_measured(&self) -> bool {
+        let judged = |finding: &Finding| finding.judgement != Judgement::Open;
+        self.findings.iter().any(judged)
+    }
+
     /// Whether nothing that was declared is broken.
     pub fn is_met(&self) -> bool {
         self.findings.iter().all(Finding::is_met)

@@ -74,6 +74,7 @@ pub(super) fn of_part(
         Some((initial, time_step))
     });
     Ok(found.map(|(initial, time_step)| Problem {
+        own: None,
         name: part.info().name.to_owned(),
         system,
         initial,

@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
-use leafwise_core::diagnostics::realization_error::RealizationError;
+use leafwise_core::diagnostics::realization_error::Relative;
 use leafwise_core::diagnostics::{RealizationInstrument, section_defect};
 use leafwise_core::part::PartInfo;
 use leafwise_core::{
     Accuracy, BuildError, ChartMaps, Ends, RealizationData, RealizationMaps, Registry, StepError,
 };
+
+use leafwise_scene::compose::check_tensor;
 
 use super::finding::{Finding, Place};
 use super::{maps, parameters};
@@ -35,18 +37,25 @@ pub(super) fn examine(
     findings: &mut Vec<Finding>,
 ) -> Result<(), BuildError> {
     let offered = registry.realization(part.name)?;
+    let given = parameters(part, path);
     let mut others = 0;
     let before = findings.len();
     for problem in problems {
-        let Ok(realization) = offered.build(&problem.system, &parameters(part, path)) else {
+        let Ok(realization) = offered.build(&problem.system, &given) else {
             continue;
         };
         let place = Place {
             path,
             problem: &problem.name,
         };
-        if is_of_another_tensor(problem, &realization) {
+        let fits = check_tensor(part.name, &problem.system, &realization, &problem.initial);
+        if fits.is_err() {
             others += 1;
+            // Functions are told the system and may refuse it; formulas alone cannot.
+            if offered.path(&given) == Some("numbers") {
+                let quantity = "accepts only tensors that it realizes";
+                findings.push(place.holds(quantity, fits.err().map(|error| error.to_string())));
+            }
             continue;
         }
         by_itself(place, problem, &realization, findings);
@@ -57,26 +66,13 @@ pub(super) fn examine(
             path,
             problem: "all",
         };
-        let how = format!("on none of the {others} problems that it accepts");
-        findings.push(place.holds("{alpha, alpha} = eps Pi on the section", Some(how)));
+        let how = format!(
+            "on none of the {others} problems of its dimension; offer a system of its tensor in the \
+             same plugin"
+        );
+        findings.push(place.open("{alpha, alpha} = eps Pi on the section", how));
     }
     Ok(())
-}
-
-/// How far brackets on the section may be from a tensor, relative to it, and belong to it all the same:
-/// what is smaller is an error, not another tensor.
-const SAME: f64 = 1e-3;
-
-/// Whether {α̂, α̂} on the section is not ε Π at all: formulas do not say for which tensor they are meant.
-fn is_of_another_tensor(problem: &Problem, realization: &Arc<dyn RealizationData>) -> bool {
-    let (system, x) = (&problem.system, problem.initial.as_slice());
-    let values = system.parameter_values();
-    let Ok(mut instrument) = RealizationInstrument::new(system, realization, &values) else {
-        return false;
-    };
-    instrument
-        .measure(1.0, x, &vec![0.0; x.len()])
-        .is_ok_and(|error| error.source > SAME * error.scale)
 }
 
 fn by_itself(
@@ -121,7 +117,7 @@ fn by_itself(
 }
 
 /// One error of a realization.
-type Of = fn(&RealizationError) -> f64;
+type Of = fn(&Relative) -> f64;
 
 /// The three errors by name.
 const ERRORS: [(&str, Of); 3] = [
@@ -141,8 +137,8 @@ fn exact(
     match instrument.measure(1.0, x, p) {
         Ok(error) => {
             for (quantity, of) in ERRORS {
-                let bound = OF_BRACKET * f64::EPSILON + error.floor.unwrap_or(0.0) / error.terms;
-                findings.push(place.at_most(quantity, of(&error) / error.terms, bound));
+                let bound = OF_BRACKET * f64::EPSILON + error.relative_floor;
+                findings.push(place.at_most(quantity, of(&error.relative), bound));
             }
         }
         Err(error) => findings.push(place.failed("brackets", &error)),
@@ -160,7 +156,7 @@ fn of_order(
     declared: usize,
     findings: &mut Vec<Finding>,
 ) {
-    let errors: Vec<(f64, RealizationError)> = (0..SIZES)
+    let errors: Vec<_> = (0..SIZES)
         .map(|k| libm::exp2(4.0 - f64::from(k) / 6.0))
         .filter_map(|epsilon| Some((epsilon, instrument.measure(epsilon, x, p).ok()?)))
         .collect();
@@ -169,8 +165,7 @@ fn of_order(
         let mut points = Vec::new();
         let mut differences = 0.0_f64;
         for (epsilon, error) in &errors {
-            let (relative, noise) = (of(error) / error.terms, error.floor.unwrap_or(0.0));
-            let noise = noise / error.terms;
+            let (relative, noise) = (of(&error.relative), error.relative_floor);
             if noise == 0.0 || relative > 4.0 * noise {
                 points.push((*epsilon, relative));
                 differences = differences.max(noise);

@@ -44,10 +44,11 @@ const SCENES: [&str; 7] = [
     composition = "suzuki-umeno-8"
     epsilon     = 0.1
     h           = 2
+    chosen-at   = { I1 = 1.5 }
     [run]
     initial = [1, 3.0, 3]
     steps   = 10
-    record  = { every = 1, observables = ["energy"] }
+    record  = { every = 1, observables = ["energy"], states = ["x1"] }
     out     = "runs/case"
     "#,
     r#"
@@ -104,7 +105,7 @@ const SCENES: [&str; 7] = [
     r#"
     [system]
     variables   = ["x", "y", "z", "px", "py", "pz"]
-    bracket     = { magnetic = ["0", "0", "1"] }
+    bracket     = { magnetic-field = ["0", "0", "1"] }
     hamiltonian = "(px^2 + py^2 + pz^2)/2"
     [method]
     realization = "auto"

@@ -14,6 +14,7 @@ mod chaos;
 mod degenerate;
 mod dimensions;
 mod fields;
+mod lattices;
 mod long;
 mod nearly;
 mod numbers;
@@ -34,7 +35,7 @@ pub fn cases() -> impl Iterator<Item = &'static Case> {
     FAMILIES.into_iter().flatten()
 }
 
-const FAMILIES: [&[Case]; 14] = [
+const FAMILIES: [&[Case]; 15] = [
     &trivial::CASES,
     &degenerate::CASES,
     &zeros::CASES,
@@ -47,6 +48,7 @@ const FAMILIES: [&[Case]; 14] = [
     &underflow::CASES,
     &orders::CASES,
     &dimensions::CASES,
+    &lattices::CASES,
     &chaos::CASES,
     &long::CASES,
 ];

@@ -65,7 +65,9 @@ fn overflow(_: &StressOptions) -> Result<Outcome, StressError> {
         let outcome = integrator.step();
         let is_typed = matches!(
             outcome,
-            Err(StepError::NonFinite { .. } | StepError::LeftChart { .. })
+            Err(StepError::NonFinite { .. }
+                | StepError::LeftChart { .. }
+                | StepError::OtherBranch { .. })
         );
         tally.take(is_typed && integrator.state() == x, || {
             format!("at {size:e}: {outcome:?} and {:?}", integrator.state())

@@ -177,6 +177,7 @@ fn wall(_: &StressOptions) -> Result<Outcome, StressError> {
                     let is_chart = matches!(
                         error,
                         StepError::LeftChart { .. }
+                            | StepError::OtherBranch { .. }
                             | StepError::NoConvergence { .. }
                             | StepError::NonFinite { .. }
                     );

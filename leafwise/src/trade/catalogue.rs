@@ -8,16 +8,6 @@ use leafwise_scene::document::{MethodParts, MethodTable, PartUse};
 
 use super::candidate::{Bench, Candidate};
 
-/// How many methods are tried.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Extent {
-    /// What a reader wants to see: the scene's own method, the cheapest exact realization,
-    /// Karasev's truncation if the scene names it, the best compositions, splitting, baselines.
-    Standard,
-    /// Every exact realization, every composition, collective integrators too.
-    Full,
-}
-
 /// A method on a scene, or why it does not fit.
 pub struct Entry {
     /// The method as asked for.
@@ -39,15 +29,13 @@ const MOST_WORK: u64 = 16;
 /// Implicit steppers solve dense systems: beyond this dimension they are not tried.
 const LARGEST_DENSE: usize = 96;
 
-/// The best composition of each order (Hairer, Lubich, Wanner, *Geometric Numerical Integration*,
-/// section V.3.2), the others, and those of splitting alone.
-const BEST_COMPOSITIONS: [(&str, usize); 4] = [
+/// The compositions with their orders (Hairer, Lubich, Wanner, *Geometric Numerical Integration*,
+/// section V.3.2), and those of splitting alone.
+const COMPOSITIONS: [(&str, i64); 8] = [
     ("suzuki-4", 4),
     ("kahan-li-6", 6),
     ("suzuki-umeno-8", 8),
     ("sofroniou-spaletta-10", 10),
-];
-const OTHER_COMPOSITIONS: [(&str, usize); 4] = [
     ("triple-jump", 4),
     ("yoshida-6", 6),
     ("kahan-li-8", 8),
@@ -58,19 +46,26 @@ const COMPOSITIONS_OF_FACTORS: [&str; 2] = ["blanes-moan-4", "blanes-moan-6"];
 /// What the catalogue is made for.
 pub(super) struct Catalogue<'a> {
     bench: &'a Bench<'a>,
-    extent: Extent,
     /// The orders asked for.
     orders: Option<&'a [usize]>,
+    /// Told each method before it is built.
+    progress: &'a mut dyn FnMut(&str),
     entries: Vec<Entry>,
 }
 
-/// The methods for a scene, built. With `orders`, only methods of these declared orders beside the
-/// scene's own, and Hamilton–Jacobi at each of them.
-pub fn catalogue(bench: &Bench<'_>, extent: Extent, orders: Option<&[usize]>) -> Vec<Entry> {
+/// The methods for a scene, built: its own, every exact realization and Karasev's series under Hamilton–Jacobi,
+/// collective integrators, compositions, splitting, baselines. With `orders`, only methods of these declared
+/// orders beside the scene's own, and Hamilton–Jacobi at each of them. `progress` is told each method before
+/// it is built.
+pub fn catalogue(
+    bench: &Bench<'_>,
+    orders: Option<&[usize]>,
+    progress: &mut dyn FnMut(&str),
+) -> Vec<Entry> {
     let mut catalogue = Catalogue {
         bench,
-        extent,
         orders,
+        progress,
         entries: Vec::new(),
     };
     catalogue.fill();
@@ -80,21 +75,22 @@ pub fn catalogue(bench: &Bench<'_>, extent: Extent, orders: Option<&[usize]>) ->
 impl Catalogue<'_> {
     fn fill(&mut self) {
         let own = self.bench.own_method();
-        self.entries.extend(own.iter().map(|own| Entry {
-            method: own.clone(),
-            candidate: Candidate::build(self.bench, own),
-        }));
+        if let Some(own) = &own {
+            let candidate = self.build(own);
+            self.entries.push(Entry {
+                method: own.clone(),
+                candidate,
+            });
+        }
         let cheapest = self.cheapest();
         for realization in self.realizations(cheapest.as_ref(), own.as_ref()) {
             for made in self.hamiltonians() {
                 self.rising_orders(&realization, *made);
             }
         }
-        if self.extent == Extent::Full {
-            self.truncations();
-            if let Some(realization) = &cheapest {
-                self.collective(realization);
-            }
+        self.truncations();
+        if let Some(realization) = &cheapest {
+            self.collective(realization);
         }
         if let Some(realization) = cheapest {
             let made = self.hamiltonians()[0];
@@ -122,9 +118,14 @@ impl Catalogue<'_> {
         self.orders.is_none_or(|orders| orders.contains(&order))
     }
 
+    fn build(&mut self, method: &MethodTable) -> Result<Candidate, String> {
+        (self.progress)(&method.to_string());
+        Candidate::build(self.bench, method)
+    }
+
     /// Builds a method and adds it unless it is there; tells whether it fits the scene.
     fn add(&mut self, method: MethodTable) -> bool {
-        let candidate = Candidate::build(self.bench, &method);
+        let candidate = self.build(&method);
         let fits = candidate.is_ok();
         self.add_built(method, candidate);
         fits
@@ -145,9 +146,9 @@ impl Catalogue<'_> {
     }
 
     /// The exact realization that a scene with `realization = "auto"` takes.
-    fn cheapest(&self) -> Option<PartUse> {
+    fn cheapest(&mut self) -> Option<PartUse> {
         let method = MethodTable::pair(PartUse::named("auto"), hamilton_jacobi(2));
-        let candidate = Candidate::build(self.bench, &method).ok()?;
+        let candidate = self.build(&method).ok()?;
         let MethodParts::Pair { realization, .. } = candidate.method.parts else {
             return None;
         };
@@ -155,19 +156,23 @@ impl Catalogue<'_> {
     }
 
     /// The realizations that Hamilton–Jacobi is tried over.
-    fn realizations(&self, cheapest: Option<&PartUse>, own: Option<&MethodTable>) -> Vec<PartUse> {
+    fn realizations(
+        &mut self,
+        cheapest: Option<&PartUse>,
+        own: Option<&MethodTable>,
+    ) -> Vec<PartUse> {
         let mut realizations: Vec<PartUse> = cheapest.cloned().into_iter().collect();
         if let Some(MethodParts::Pair { realization, .. }) = own.map(|own| &own.parts) {
             realizations.push(realization.clone());
         }
-        if self.extent == Extent::Full {
-            let parts = self.bench.registry().parts().into_iter();
-            let names = parts.filter(|p| p.kind == PartKind::Realization);
-            realizations.extend(names.map(|p| PartUse::named(p.name)).filter(|part| {
-                let method = MethodTable::pair(part.clone(), hamilton_jacobi(2));
-                let built = Candidate::build(self.bench, &method);
-                built.is_ok_and(|built| accuracy(&built) == Some(Accuracy::Exact))
-            }));
+        let parts = self.bench.registry().parts().into_iter();
+        let names = parts.filter(|p| p.kind == PartKind::Realization);
+        for part in names.map(|p| PartUse::named(p.name)) {
+            let method = MethodTable::pair(part.clone(), hamilton_jacobi(2));
+            let built = self.build(&method);
+            if built.is_ok_and(|built| accuracy(&built) == Some(Accuracy::Exact)) {
+                realizations.push(part);
+            }
         }
         let mut kept: Vec<PartUse> = Vec::new();
         for realization in realizations {
@@ -178,17 +183,16 @@ impl Catalogue<'_> {
         kept
     }
 
-    /// What Hamilton–Jacobi is made from: H less multiples of Casimirs where that is shorter, and H
-    /// itself where it is not or everything is wanted.
+    /// What Hamilton–Jacobi is made from: H, and before it H less multiples of Casimirs where that is
+    /// shorter.
     fn hamiltonians(&self) -> &'static [Made] {
         let own = self.bench.own();
         let is_lattice = matches!(own.method, Stepping::Lattice(_));
         let formulas = own.system.expressions().filter(|_| !is_lattice);
         let shorter = formulas.and_then(|system| system.energy_casimir().ok().flatten());
-        match (shorter, self.extent) {
-            (None, _) => &[Made::OfH],
-            (Some(_), Extent::Standard) => &[Made::OfEnergyCasimir],
-            (Some(_), Extent::Full) => &[Made::OfEnergyCasimir, Made::OfH],
+        match shorter {
+            None => &[Made::OfH],
+            Some(_) => &[Made::OfEnergyCasimir, Made::OfH],
         }
     }
 
@@ -206,7 +210,7 @@ impl Catalogue<'_> {
         let mut of_order_two = None;
         for order in ORDERS {
             let method = of_order(order);
-            let built = Candidate::build(self.bench, &method);
+            let built = self.build(&method);
             // Truncated after n, a realization gains nothing from m above 2⌊n/2⌋ + 2.
             let is_wasted = match built.as_ref().ok().and_then(accuracy) {
                 Some(Accuracy::Order(n)) => order > 2 * (n / 2),
@@ -226,7 +230,7 @@ impl Catalogue<'_> {
         for order in ORDERS {
             let realization = PartUse::named("karasev-truncated").with("order", order as i64);
             let method = MethodTable::pair(realization, hamilton_jacobi(order as i64));
-            let built = Candidate::build(self.bench, &method);
+            let built = self.build(&method);
             let is_long = self.is_long(&built, &mut of_order_two);
             self.add_built(method, built);
             if is_long {
@@ -258,13 +262,9 @@ impl Catalogue<'_> {
 
     /// Compositions of a base; those that do not raise its order are left out.
     fn compositions(&mut self, base: &MethodTable, order: i64) {
-        let others = match self.extent {
-            Extent::Standard => &[],
-            Extent::Full => OTHER_COMPOSITIONS.as_slice(),
-        };
-        for (name, raised) in BEST_COMPOSITIONS.iter().chain(others) {
-            if *raised as i64 > order {
-                self.add(base.clone().composed(PartUse::named(*name)));
+        for (name, raised) in COMPOSITIONS {
+            if raised > order {
+                self.add(base.clone().composed(PartUse::named(name)));
             }
         }
     }

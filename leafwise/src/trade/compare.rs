@@ -4,15 +4,15 @@ use leafwise_core::Structure;
 use leafwise_scene::document::MethodTable;
 
 use super::candidate::{Bench, Candidate, Knob, Setting};
-use super::catalogue::{Entry, Extent, catalogue};
+use super::catalogue::{Entry, catalogue};
 use super::error::TradeError;
 use super::front::pareto_front;
 use super::grid::Grid;
 use super::horizon::Horizon;
 use super::measured::{Cost, Front, Measured};
 use super::plateau::{Plateau, SMALL};
-use super::reference::Reference;
-use super::trial::{TrialFailure, run_trial, time_run};
+use super::reference::{Judged, Reference};
+use super::trial::{TrialFailure, run_counted, run_trial, time_run};
 
 /// What is compared.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -30,6 +30,8 @@ pub struct CompareOptions {
     pub budget: Option<u64>,
     /// How often a run is timed; 0 for not at all.
     pub repetitions: usize,
+    /// Where runs are judged.
+    pub judged: Judged,
 }
 
 /// What a run may cost at least, in operations: some ten milliseconds.
@@ -88,8 +90,9 @@ pub struct Comparison {
     pub refused: Vec<(String, String)>,
 }
 
-/// Measures every method at every setting. `progress` is told the method and the number of
-/// methods before each one; it ends the comparison by returning `false`.
+/// Measures every method at every setting. `progress` is told the method, its number and the number of
+/// methods before each one; it ends the comparison by returning `false`. While methods are built their
+/// number is not known, and both are 0.
 ///
 /// # Errors
 /// [`TradeError::NoReference`]; [`TradeError::NoMethods`] where none of the methods asked for fits;
@@ -99,8 +102,11 @@ pub fn compare(
     options: &CompareOptions,
     progress: &mut dyn FnMut(&str, usize, usize) -> bool,
 ) -> Result<Comparison, TradeError> {
-    let (entries, mut refused) = (entries(bench, options)?, Vec::new());
-    let reference = Reference::compute(bench)?;
+    let entries = entries(bench, options, &mut |method| {
+        progress(method, 0, 0);
+    })?;
+    let mut refused = Vec::new();
+    let reference = Reference::compute(bench, options.judged)?;
     let wanted = SMALL * reference.norm();
     let is_unknown = reference.floor() > wanted && wanted > 0.0;
     let horizon = is_unknown.then(|| reference.horizon(bench, wanted));
@@ -163,7 +169,11 @@ pub fn compare(
     })
 }
 
-fn entries(bench: &Bench<'_>, options: &CompareOptions) -> Result<Vec<Entry>, TradeError> {
+fn entries(
+    bench: &Bench<'_>,
+    options: &CompareOptions,
+    progress: &mut dyn FnMut(&str),
+) -> Result<Vec<Entry>, TradeError> {
     let build = |method: &MethodTable| Entry {
         method: method.clone(),
         candidate: Candidate::build(bench, method),
@@ -172,7 +182,7 @@ fn entries(bench: &Bench<'_>, options: &CompareOptions) -> Result<Vec<Entry>, Tr
         let entries: Vec<Entry> = options.only.iter().map(build).collect();
         return some_fit(entries);
     }
-    let mut entries = catalogue(bench, Extent::Standard, options.orders.as_deref());
+    let mut entries = catalogue(bench, options.orders.as_deref(), progress);
     for entry in options.with.iter().map(build) {
         let is_there = |known: &Entry| match (&known.candidate, &entry.candidate) {
             (Ok(known), Ok(new)) => known.method == new.method,
@@ -263,7 +273,9 @@ impl Sweep<'_> {
         let unfit = |reason| TrialFailure::DoesNotFit { reason };
         let run = self.candidate.run_at(self.bench, setting).map_err(unfit)?;
         let time_step = self.bench.time() / setting.steps as f64;
-        let trial = run_trial(&run, 1.0, time_step, setting.steps, self.budget)?;
+        let sizes = [1.0, time_step];
+        let curve = self.reference.curve();
+        let trial = run_counted(&run, sizes, setting.steps, self.budget, curve, &mut 0)?;
         let structure = self.candidate.properties.structure;
         let mut measured = Measured::of(&trial, &run, time_step, structure, self.reference);
         if self.repetitions > 0 {

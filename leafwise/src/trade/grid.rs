@@ -86,7 +86,9 @@ impl Grid {
             reason: reason.to_owned(),
         };
         let number = |text: &str| match text.trim().parse::<u64>() {
-            Ok(0) | Err(_) => Err(wrong("write whole numbers of steps, from 1 on")),
+            Ok(0) | Err(_) => Err(wrong(
+                "write whole numbers of steps, from 1 on, as 100,200,400 or from 100..6400",
+            )),
             Ok(steps) => Ok(steps),
         };
         let Some((first, last)) = text.split_once("..") else {

@@ -5,7 +5,7 @@ use std::fmt;
 use leafwise_core::Integrator;
 
 use super::candidate::{Bench, Candidate};
-use super::reference::{ROUND_OFF, Reference};
+use super::reference::{Judged, ROUND_OFF, Reference};
 use super::trial::{distance, norm};
 
 /// How long a motion can be followed in double precision, where its end cannot be known as well as
@@ -58,20 +58,22 @@ impl Horizon {
             wanted,
             round_off,
             growth: growth(bench, reference),
-            known: can_be_held.then(|| known(bench, wanted)).flatten(),
+            known: can_be_held
+                .then(|| known(bench, reference.judged(), wanted))
+                .flatten(),
         }
     }
 }
 
 /// Bisects over the parts of the time.
-fn known(bench: &Bench<'_>, wanted: f64) -> Option<Known> {
+fn known(bench: &Bench<'_>, judged: Judged, wanted: f64) -> Option<Known> {
     let (mut low, mut high) = (0, PARTS);
     let mut known = None;
     while high - low > 1 {
         let middle = (low + high) / 2;
         let time = bench.time() * f64::from(middle) / f64::from(PARTS);
         let shorter = bench.over(time).ok();
-        let reference = shorter.and_then(|bench| Reference::compute(&bench).ok());
+        let reference = shorter.and_then(|bench| Reference::compute(&bench, judged).ok());
         match reference.filter(|reference| reference.floor() <= wanted) {
             Some(reference) => {
                 let error = reference.error;

@@ -19,21 +19,23 @@ pub struct Measured {
     pub evaluations: u64,
     /// How long it took.
     pub wall: Option<Wall>,
-    /// ‖x − x*‖ at the end time.
+    /// ‖x − x*‖ where runs are judged: the largest over every step, or at the end time.
     pub error: f64,
-    /// The same over ‖x*‖.
+    /// The same over the largest ‖x*‖ there.
     pub relative_error: f64,
+    /// ‖x − x*‖ at the end time.
+    pub end_error: f64,
     /// Whether the error is below ten times the reference's own: it may be smaller or larger.
     pub at_floor: bool,
     /// max |H(x_k) − H(x_0)| over every step.
     pub energy_drift: f64,
-    /// The largest max |C(x_k) − C(x_0)| of a Casimir over every step; 0 where there is none.
-    pub casimir_drift: f64,
+    /// The largest max |C(x_k) − C(x_0)| of a Casimir over every step; `None` where there is none.
+    pub casimir_drift: Option<f64>,
     /// The tensor defect of one step, from the first state and from the last, relative; `None`
     /// where the map offers no tangent.
     pub tensor_defect: Option<f64>,
-    /// Whether the run is one of a Poisson map: declared exact, or declared to some order and
-    /// with a tensor defect of round-off at this step.
+    /// Whether the run is one of a Poisson map: declared exact and not found otherwise, or declared to some
+    /// order and with a tensor defect of round-off at this step.
     pub is_poisson: bool,
     /// Which fronts it stands on.
     pub front: Front,
@@ -104,7 +106,7 @@ impl Measured {
         structure: Structure,
         reference: &Reference,
     ) -> Self {
-        let error = distance(&trial.state, &reference.state);
+        let error = reference.error_of(trial);
         let size = reference.norm();
         let states: [&[f64]; 2] = [&run.plan.initial, &trial.state];
         let tensor_defect = tensor_defect(run, time_step, &states);
@@ -114,9 +116,10 @@ impl Measured {
             wall: None,
             error,
             relative_error: if size > 0.0 { error / size } else { error },
+            end_error: distance(&trial.state, &reference.state),
             at_floor: error <= reference.floor(),
             energy_drift: trial.drift.first().copied().unwrap_or(0.0),
-            casimir_drift: trial.drift.iter().skip(1).fold(0.0, |m, v| v.max(m)),
+            casimir_drift: trial.drift.iter().skip(1).copied().reduce(f64::max),
             tensor_defect,
             is_poisson: is_poisson(structure, tensor_defect),
             front: Front::default(),
@@ -130,10 +133,14 @@ impl Measured {
     }
 }
 
+/// A tensor defect beyond this belies a map that is declared exact: half of the digits are more than an
+/// ill-conditioned solve loses.
+const BELIED: f64 = 1e-8;
+
 /// Whether a map of this declared structure and measured defect is Poisson to round-off.
 pub(super) fn is_poisson(structure: Structure, tensor_defect: Option<f64>) -> bool {
     match structure {
-        Structure::Exact => true,
+        Structure::Exact => tensor_defect.is_none_or(|defect| defect <= BELIED),
         Structure::Order(_) => tensor_defect.is_some_and(|defect| defect <= Defect::ROUND_OFF),
         Structure::None => false,
     }

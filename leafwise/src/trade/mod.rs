@@ -2,15 +2,15 @@
 //!
 //! A *candidate* is a method that fits the scene; its *setting* is the number of steps to the end
 //! time, or the tolerance of a method that chooses its own steps. A *trial* is one run: its cost
-//! in counted operations ([`SolverStatistics::operations`]), the distance of its end state from a
-//! reference solution, and the largest drift of every invariant over every step.
+//! in counted operations ([`SolverStatistics::operations`]), its largest distance from a reference
+//! solution at its steps, or the distance at the end, and the largest drift of every invariant.
 //!
 //! - [`compare`]: every method over a grid of settings, with the fronts that no other point beats;
 //! - [`Tuner`]: the cheapest method and step that hold what is asked;
-//! - [`Reference`]: the end state by two methods of high accuracy, with an estimate of its error;
+//! - [`Reference`]: the motion by two methods of high accuracy, with an estimate of its error;
 //! - [`Horizon`]: where the end cannot be known, how long the motion can, and why no longer;
 //! - [`comparison_page`], [`comparison_figures`]: a comparison as a page, its figures as files;
-//! - `candidate`, `catalogue`, `parse`, `grid`, `trial`, `measured`, `plateau`, `front`: the pieces;
+//! - `candidate`, `catalogue`, `parse`, `grid`, `curve`, `trial`, `measured`, `plateau`, `front`: the pieces;
 //! - `tolerances`, `track`, `search`: those of the tuner.
 //!
 //! [`SolverStatistics::operations`]: leafwise_core::SolverStatistics::operations
@@ -18,6 +18,7 @@
 mod candidate;
 mod catalogue;
 mod compare;
+mod curve;
 mod error;
 mod front;
 mod grid;
@@ -34,7 +35,7 @@ mod trial;
 mod tune;
 
 pub use candidate::{Bench, Candidate, Knob, Setting};
-pub use catalogue::{Entry, Extent, catalogue};
+pub use catalogue::{Entry, catalogue};
 pub use compare::{CompareOptions, ComparedMethod, Comparison, LEAST_BUDGET, Point, compare};
 pub use error::TradeError;
 pub use front::pareto_front;
@@ -43,10 +44,10 @@ pub use horizon::{Horizon, Known};
 pub use measured::{Cost, Front, Measured};
 pub use page::{comparison_figures, comparison_page};
 pub use parse::parse_method;
-pub use reference::Reference;
+pub use reference::{Judged, Reference};
 pub use tolerances::Tolerances;
 pub use trial::{Trial, TrialFailure, Wall, distance, run_trial, tensor_defect, time_run};
 pub use tune::{
-    Limit, MOST_OPERATIONS, Predicted, Reached, Recommendation, RunnerUp, TuneOptions, Tuner,
-    Tuning,
+    Limit, MOST_OPERATIONS, Predicted, Reached, Recommendation, RunnerUp, Stage, TuneOptions,
+    Tuner, Tuning,
 };

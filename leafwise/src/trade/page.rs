@@ -7,6 +7,7 @@ use leafwise_scene::{ReportError, SceneDocument, render_comparison};
 
 use super::compare::{Comparison, Point};
 use super::measured::{Cost, Measured};
+use super::reference::Judged;
 
 /// The families of methods, by colour.
 const FAMILIES: [&str; 6] = [
@@ -122,7 +123,13 @@ fn facts(comparison: &Comparison) -> Vec<(String, String)> {
         ),
         (
             "Error",
-            "the Euclidean distance from the reference at the end time".to_owned(),
+            match reference.judged() {
+                Judged::AtEveryStep => {
+                    "the largest Euclidean distance from the reference over every step"
+                }
+                Judged::AtTheEnd => "the Euclidean distance from the reference at the end time",
+            }
+            .to_owned(),
         ),
     ];
     let mut rows = rows.map(|(label, text)| (label.to_owned(), text)).to_vec();
@@ -222,7 +229,8 @@ fn plots(comparison: &Comparison) -> Vec<Plot> {
     let error = |m: &Measured| Some(m.error);
     let none = |_: &Measured| (false, false);
     let floor = Some(comparison.reference.floor());
-    let final_error = "error of the final state";
+    let error_name = format!("error {}", comparison.reference.judged().words());
+    let error_name = error_name.as_str();
     let by_time = comparison.cost == Cost::Time;
     let mut plots = vec![
         Plot {
@@ -233,7 +241,7 @@ fn plots(comparison: &Comparison) -> Vec<Plot> {
                 [
                     "Error against counted operations",
                     "operations of the whole run",
-                    final_error,
+                    error_name,
                     "Each line is a method, each point a run: finer steps to the right. Cheap and \
                      accurate is below and to the left. The solid staircase is the front of all \
                      methods, the dashed one that of the Poisson maps: what each can give for a \
@@ -252,7 +260,7 @@ fn plots(comparison: &Comparison) -> Vec<Plot> {
                 [
                     "Error against time",
                     "seconds, the median of repeated runs",
-                    final_error,
+                    error_name,
                     "Wall time without observers; it is noisy, and includes what operations do \
                      not count.",
                 ],
@@ -268,7 +276,7 @@ fn plots(comparison: &Comparison) -> Vec<Plot> {
                 [
                     "Error against evaluations",
                     "evaluations of the whole run",
-                    final_error,
+                    error_name,
                     "An evaluation means a step kernel for one method, all stages for another: \
                      compare curves of one family.",
                 ],
@@ -301,7 +309,7 @@ fn plots(comparison: &Comparison) -> Vec<Plot> {
                  to round-off at any step.",
             ],
             operations,
-            |m| Some(m.casimir_drift),
+            |m| m.casimir_drift,
             none,
         ));
     }
@@ -324,7 +332,7 @@ fn plots(comparison: &Comparison) -> Vec<Plot> {
             [
                 "Orders",
                 "time step",
-                final_error,
+                error_name,
                 "Error against the step: the slope is the order, until round-off or the \
                  reference's own error. Methods that choose their own steps are not shown.",
             ],
@@ -372,7 +380,7 @@ fn rows(comparison: &Comparison) -> Vec<Vec<String>> {
                 format!("{floor}{:.1e}", m.error),
                 number(m.relative_error),
                 number(m.energy_drift),
-                number(m.casimir_drift),
+                or_dash(m.casimir_drift),
                 or_dash(m.tensor_defect),
                 m.wall.map_or_else(
                     || "–".to_owned(),

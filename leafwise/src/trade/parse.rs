@@ -7,7 +7,8 @@ use leafwise_scene::document::{MethodTable, PartUse};
 use super::error::TradeError;
 
 /// Reads a method from the command line: `realization+dynamics`, `stepper`, or
-/// `composition/…` of one of them; `name:value:…` gives a part's parameters in their order.
+/// `composition/…` of one of them; `name:value:…` gives a part's parameters in their order. Names of
+/// parts from plugins hold a `/` of their own, as in `suzuki-4/acme/strang`.
 ///
 /// ```
 /// use leafwise::core::Registry;
@@ -34,7 +35,27 @@ pub fn parse_method(text: &str, registry: &Registry) -> Result<MethodTable, Trad
         let parts = registry.parts();
         let info = parts.iter().find(|p| p.kind == kind && p.name == name);
         if info.is_none() && !(kind == PartKind::Realization && name == "auto") {
-            return Err(wrong(format!("no {} is called `{name}`", kind.noun())));
+            let other = parts.iter().find(|p| p.name == name);
+            return Err(wrong(match other.map(|p| p.kind) {
+                Some(other @ PartKind::Dynamics) if kind == PartKind::Stepper => format!(
+                    "`{name}` is a {}: write it behind a realization, as `auto+{text}`",
+                    other.noun()
+                ),
+                Some(other @ PartKind::Realization) if kind == PartKind::Stepper => format!(
+                    "`{name}` is a {}: write a dynamic approximation behind it, as \
+                     `{text}+hamilton-jacobi:4`",
+                    other.noun()
+                ),
+                Some(PartKind::Composition) if kind == PartKind::Stepper => format!(
+                    "`{name}` is a composition: write what it composes behind it, as \
+                     `{text}/splitting`"
+                ),
+                _ => format!(
+                    "no {} is called `{name}`; `leafwise list` shows all, and a method is written as \
+                     realization+dynamics, as a stepper, or as composition/… of one of them",
+                    kind.noun()
+                ),
+            }));
         }
         let mut parameters = info.map_or(&[][..], |info| info.parameters).iter();
         let mut part = PartUse::named(name);
@@ -46,9 +67,23 @@ pub fn parse_method(text: &str, registry: &Registry) -> Result<MethodTable, Trad
         }
         Ok(part)
     };
-    let (composition, base) = match text.split_once('/') {
+    let is = |text: &str, kinds: &[PartKind]| {
+        let name = text.split([':', '+']).next().unwrap_or_default().trim();
+        let mut parts = registry.parts().into_iter();
+        parts.any(|part| part.name == name && kinds.contains(&part.kind))
+    };
+    let parts = text
+        .match_indices('/')
+        .map(|(at, _)| (&text[..at], &text[at + 1..]));
+    let mut composed = parts.filter(|(name, _)| is(name, &[PartKind::Composition]));
+    let (composition, base) = match composed.next() {
         Some((composition, base)) => (Some(composition), base),
-        None => (None, text),
+        None if is(text, &[PartKind::Realization, PartKind::Stepper]) => (None, text),
+        // Neither: the word before the `/` is what is not known.
+        None => match text.split_once('/') {
+            Some((composition, base)) => (Some(composition), base),
+            None => (None, text),
+        },
     };
     let method = match base.split_once('+') {
         Some((realization, dynamics)) => MethodTable::pair(

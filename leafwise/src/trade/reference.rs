@@ -1,25 +1,58 @@
-//! The state at the end time, by two methods of high accuracy.
+//! The motion to the end time, by two methods of high accuracy.
 
 use leafwise_scene::document::{MethodTable, PartUse};
 
-use super::candidate::{Bench, Candidate, Setting};
+use super::candidate::{Bench, Candidate, Knob, Setting};
+use super::curve::Curve;
 use super::error::TradeError;
 use super::grid::Grid;
 use super::horizon::Horizon;
-use super::trial::{Trial, TrialFailure, distance, norm, run_trial};
+use super::trial::{Trial, TrialFailure, distance, norm, run_counted, run_trial};
 
-/// The state that errors are measured against, and how well it is known.
+/// Where runs are judged.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Judged {
+    /// By the largest ‖x_k − x*(t_k)‖ over all steps.
+    #[default]
+    AtEveryStep,
+    /// By ‖x − x*‖ at the end time alone.
+    AtTheEnd,
+}
+
+impl Judged {
+    /// At the end alone, or at every step.
+    pub fn at_the_end(alone: bool) -> Self {
+        if alone {
+            Self::AtTheEnd
+        } else {
+            Self::AtEveryStep
+        }
+    }
+
+    /// In words: `at every step`, `at the end`.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::AtEveryStep => "at every step",
+            Self::AtTheEnd => "at the end",
+        }
+    }
+}
+
+/// The motion that errors are measured against, and how well it is known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
     /// x at the end time.
     pub state: Vec<f64>,
-    /// An estimate of its error: the largest of the distance to the other method's state and of
-    /// what the last refinement of the better method changed.
+    /// An estimate of its error where runs are judged: the largest of the distances to the other method's
+    /// states, of what the last refinement of the better method changed at the end, and of what interpolation
+    /// between its steps may add.
     pub error: f64,
     /// The methods that agree, the better one first, with their settings.
     pub methods: Vec<String>,
     /// The better one.
     best: (MethodTable, Setting),
+    /// x*(t), where runs are judged at every step.
+    curve: Option<Curve>,
 }
 
 /// Errors below this many times the reference's own cannot be told from it.
@@ -36,11 +69,11 @@ pub(super) const ROUND_OFF: f64 = 4.0;
 
 impl Reference {
     /// Computes the reference: two methods of different families, each refined until it no longer
-    /// changes.
+    /// changes at the end.
     ///
     /// # Errors
     /// [`TradeError::NoReference`] when no method reaches the end.
-    pub fn compute(bench: &Bench<'_>) -> Result<Self, TradeError> {
+    pub fn compute(bench: &Bench<'_>, judged: Judged) -> Result<Self, TradeError> {
         let mut found: Vec<Refined> = Vec::new();
         let mut reasons = Vec::new();
         for method in families(bench) {
@@ -59,12 +92,49 @@ impl Reference {
         let other = found
             .get(1)
             .map(|other| distance(&best.state, &other.state));
+        let mut error = best.change.max(other.unwrap_or(0.0));
+        let curve = match judged {
+            Judged::AtTheEnd => None,
+            Judged::AtEveryStep => {
+                let curve = best.curve(bench, error).map_err(|reason| {
+                    let reasons = vec![format!("{}: {reason}", best.name)];
+                    TradeError::NoReference { reasons }
+                })?;
+                let apart = found
+                    .get(1)
+                    .and_then(|other| other.largest_distance(bench, &curve));
+                error = error.max(curve.error).max(apart.unwrap_or(0.0));
+                Some(curve)
+            }
+        };
         Ok(Self {
             state: best.state.clone(),
-            error: best.change.max(other.unwrap_or(0.0)),
+            error,
             methods: found.iter().map(|refined| refined.name.clone()).collect(),
             best: (best.method.clone(), best.setting),
+            curve,
         })
+    }
+
+    /// Where runs are judged.
+    pub fn judged(&self) -> Judged {
+        match self.curve {
+            Some(_) => Judged::AtEveryStep,
+            None => Judged::AtTheEnd,
+        }
+    }
+
+    /// What runs are compared with at every step.
+    pub(super) fn curve(&self) -> Option<&Curve> {
+        self.curve.as_ref()
+    }
+
+    /// A run's error where it is judged.
+    pub(super) fn error_of(&self, trial: &Trial) -> f64 {
+        let end = distance(&trial.state, &self.state);
+        trial
+            .largest_error
+            .map_or(end, |largest| if end <= largest { largest } else { end })
     }
 
     /// The smallest error that can be told from the reference's own.
@@ -82,9 +152,10 @@ impl Reference {
         &self.best
     }
 
-    /// ‖x*‖.
+    /// ‖x*‖ where runs are judged: the largest of all times, or at the end.
     pub fn norm(&self) -> f64 {
-        norm(&self.state)
+        let end = norm(&self.state);
+        self.curve.as_ref().map_or(end, |curve| curve.norm.max(end))
     }
 }
 
@@ -95,6 +166,32 @@ struct Refined {
     name: String,
     method: MethodTable,
     setting: Setting,
+}
+
+/// A method that chooses its own steps is compared with the other at no more instants than these.
+const MOST_INSTANTS: u64 = 4096;
+
+impl Refined {
+    /// Its motion between its steps.
+    fn curve(&self, bench: &Bench<'_>, error: f64) -> Result<Curve, String> {
+        let candidate = Candidate::build(bench, &self.method)?;
+        let run = candidate.run_at(bench, self.setting)?;
+        let wanted = error.max(ROUND_OFF * f64::EPSILON * norm(&self.state));
+        Curve::of(&run, bench.time(), self.setting.steps, wanted, BUDGET)
+    }
+
+    /// The largest distance of its states from the other's motion.
+    fn largest_distance(&self, bench: &Bench<'_>, curve: &Curve) -> Option<f64> {
+        let candidate = Candidate::build(bench, &self.method).ok()?;
+        let mut setting = self.setting;
+        if candidate.knob == Knob::Tolerance {
+            setting.steps = setting.steps.max(bench.steps().min(MOST_INSTANTS));
+        }
+        let run = candidate.run_at(bench, setting).ok()?;
+        let sizes = [1.0, bench.time() / setting.steps as f64];
+        let trial = run_counted(&run, sizes, setting.steps, BUDGET, Some(curve), &mut 0);
+        trial.ok()?.largest_error
+    }
 }
 
 /// The largest system of stage equations that a Gauss method of eight stages is tried on.

@@ -12,7 +12,8 @@ use super::plateau::SMALL;
 use super::reference::Reference;
 use super::tolerances::Limits;
 use super::track::{End, Track, Tried};
-use super::trial::{Trial, TrialFailure, distance, run_counted, tensor_defect};
+use super::trial::{Trial, TrialFailure, run_counted, tensor_defect};
+use super::tune::Stage;
 
 /// A search under way.
 pub(super) struct Search<'a> {
@@ -47,7 +48,7 @@ impl Search<'_> {
 
     /// Tries settings in the order of their bounds until none can be cheaper than what was found;
     /// `false` when `progress` ends it.
-    pub fn screen(&mut self, progress: &mut dyn FnMut(&str, u64) -> bool) -> bool {
+    pub fn screen(&mut self, progress: &mut dyn FnMut(Stage<'_>) -> bool) -> bool {
         loop {
             let open = self
                 .tracks
@@ -58,7 +59,11 @@ impl Search<'_> {
             let Some((at, track)) = next else {
                 return true;
             };
-            if !progress(&track.candidate.name, self.runs) {
+            let stage = Stage::Running {
+                method: &track.candidate.name,
+                runs: self.runs,
+            };
+            if !progress(stage) {
                 return false;
             }
             let is_geometric = track.is_geometric();
@@ -84,7 +89,11 @@ impl Search<'_> {
         let outcome = candidate
             .run_at(self.bench, setting)
             .map_err(|reason| TrialFailure::DoesNotFit { reason })
-            .and_then(|run| run_counted(&run, 1.0, time_step, setting.steps, cap, &mut self.spent));
+            .and_then(|run| {
+                let curve = self.reference.curve();
+                let sizes = [1.0, time_step];
+                run_counted(&run, sizes, setting.steps, cap, curve, &mut self.spent)
+            });
         match outcome {
             Ok(trial) => self.take(at, setting, trial),
             Err(TrialFailure::DoesNotFit { reason }) => {
@@ -97,17 +106,18 @@ impl Search<'_> {
 
     fn take(&mut self, at: usize, setting: Setting, trial: Trial) {
         let excess = self.limits.excess(&trial, self.reference);
-        let error = distance(&trial.state, &self.reference.state);
+        let error = self.reference.error_of(&trial);
         let track = &mut self.tracks[at];
         let mut tried = Tried {
             setting,
             error,
             excess,
-            is_poisson: track.candidate.properties.structure == Structure::Exact,
+            is_poisson: false,
             trial,
         };
         if tried.is_met() {
-            if let structure @ Structure::Order(_) = track.candidate.properties.structure {
+            let structure = track.candidate.properties.structure;
+            if structure != Structure::None {
                 let time_step = self.bench.time() / setting.steps as f64;
                 let run = &track.candidate.run;
                 let states: [&[f64]; 2] = [&run.plan.initial, &tried.trial.state];
@@ -122,8 +132,9 @@ impl Search<'_> {
         track.tried.push(tried);
     }
 
-    /// Refines the settings of candidates that may become cheaper than the cheapest.
-    pub fn refine(&mut self) {
+    /// Refines the settings of candidates that may become cheaper than the cheapest; `false` when
+    /// `progress` ends it.
+    pub fn refine(&mut self, progress: &mut dyn FnMut(Stage<'_>) -> bool) -> bool {
         for poisson in [true, false] {
             for at in 0..self.tracks.len() {
                 if poisson && !self.tracks[at].is_geometric() {
@@ -138,10 +149,18 @@ impl Search<'_> {
                     if !pays(track, setting, cap) {
                         break;
                     }
+                    let stage = Stage::Running {
+                        method: &track.candidate.name,
+                        runs: self.runs,
+                    };
+                    if !progress(stage) {
+                        return false;
+                    }
                     self.try_setting(at, setting, cap);
                 }
             }
         }
+        true
     }
 }
 

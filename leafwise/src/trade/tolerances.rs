@@ -3,18 +3,18 @@
 use super::candidate::Bench;
 use super::error::TradeError;
 use super::reference::Reference;
-use super::trial::{Trial, distance};
+use super::trial::Trial;
 
 /// What is asked of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tolerances {
-    /// The largest ‖x − x*‖ at the end time.
+    /// The largest ‖x − x*‖ where runs are judged: at every step, or at the end.
     pub error: Option<f64>,
     /// The largest |H(x_k) − H(x_0)| over every step.
     pub energy: Option<f64>,
     /// The largest |C(x_k) − C(x_0)| of every Casimir over every step.
     pub casimirs: Option<f64>,
-    /// Whether all three are relative, to ‖x*‖ and to |I(x_0)|; an invariant that starts at 0 is
+    /// Whether all three are relative, to the largest ‖x*‖ there and to |I(x_0)|; an invariant that starts at 0 is
     /// judged absolutely.
     pub relative: bool,
 }
@@ -22,11 +22,11 @@ pub struct Tolerances {
 /// Tolerances in the units of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Limits {
-    /// Of the final state; infinite where none is asked for.
+    /// Of the state; infinite where none is asked for.
     pub error: f64,
     /// Of each invariant.
     drift: Vec<f64>,
-    /// The size of the final state, and of each invariant.
+    /// The size of the state, and of each invariant.
     norm: f64,
     sizes: Vec<f64>,
 }
@@ -36,7 +36,7 @@ pub(super) struct Limits {
 pub(super) struct Excess {
     /// The largest ratio of what was measured to what is allowed: at most 1 where all is met.
     pub ratio: f64,
-    /// What it is the ratio of: `None` for the final state, else the invariant's place.
+    /// What it is the ratio of: `None` for the state, else the invariant's place.
     pub invariant: Option<usize>,
     /// What was measured of it, relative to its size.
     pub relative: f64,
@@ -82,7 +82,7 @@ impl Tolerances {
 impl Limits {
     /// By how much a run misses them; the reference's own error counts against it.
     pub fn excess(&self, trial: &Trial, reference: &Reference) -> Excess {
-        let error = distance(&trial.state, &reference.state) + reference.error;
+        let error = reference.error_of(trial) + reference.error;
         let mut worst = Excess {
             ratio: error / self.error,
             invariant: None,

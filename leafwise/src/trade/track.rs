@@ -13,7 +13,7 @@ use super::trial::{Trial, cost};
 pub(super) struct Tried {
     pub setting: Setting,
     pub trial: Trial,
-    /// The final state's distance from the reference.
+    /// The distance from the reference where runs are judged.
     pub error: f64,
     pub excess: Excess,
     /// Whether the run is that of a Poisson map; judged where it meets what is asked.

@@ -7,6 +7,8 @@ use leafwise_core::{BuildError, Integrator, SolverStatistics, StepError};
 use leafwise_scene::ComposedRun;
 use leafwise_scene::compose::Stepping;
 
+use super::curve::Curve;
+
 /// Why a run did not reach its end.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -43,6 +45,13 @@ pub enum TrialFailure {
     },
 }
 
+impl TrialFailure {
+    /// Whether the run was stopped for its cost alone.
+    pub fn is_over_budget(&self) -> bool {
+        matches!(self, Self::OverBudget { .. })
+    }
+}
+
 /// What a run left behind.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
@@ -52,6 +61,8 @@ pub struct Trial {
     pub statistics: SolverStatistics,
     /// max |I(x_k) − I(x_0)| over every step, the energy's first.
     pub drift: Vec<f64>,
+    /// max ‖x_k − x*(t_k)‖ over every step, where the run was compared with a reference at every one.
+    pub largest_error: Option<f64>,
 }
 
 impl Trial {
@@ -87,16 +98,17 @@ pub fn run_trial(
     steps: u64,
     budget: u64,
 ) -> Result<Trial, TrialFailure> {
-    run_counted(run, epsilon, h, steps, budget, &mut 0)
+    run_counted(run, [epsilon, h], steps, budget, None, &mut 0)
 }
 
-/// [`run_trial`], with its cost added to `spent` whether it comes to its end or not.
+/// [`run_trial`], compared with a curve at every step, and with its cost added to `spent` whether it comes to its
+/// end or not.
 pub(super) fn run_counted(
     run: &ComposedRun,
-    epsilon: f64,
-    h: f64,
+    [epsilon, h]: [f64; 2],
     steps: u64,
     budget: u64,
+    curve: Option<&Curve>,
     spent: &mut u64,
 ) -> Result<Trial, TrialFailure> {
     let unfit = |error: BuildError| TrialFailure::DoesNotFit {
@@ -109,6 +121,7 @@ pub(super) fn run_counted(
     observer.evaluate(integrator.state(), &mut initial);
     let mut drift = vec![0.0_f64; count];
     let before = *spent;
+    let (mut largest_error, mut buffer) = (0.0, vec![0.0; run.dimension()]);
     for step in 0..steps {
         let stepped = integrator.step();
         let own = cost(&integrator.statistics());
@@ -132,8 +145,19 @@ pub(super) fn run_counted(
             }
             *drift = drift.max(change);
         }
+        if let Some(curve) = curve {
+            let part = taken as f64 / steps as f64;
+            let error = curve.distance(part, integrator.state(), &mut buffer);
+            // A NaN is no small error.
+            largest_error = if error <= largest_error {
+                largest_error
+            } else {
+                error
+            };
+        }
     }
     Ok(Trial {
+        largest_error: curve.map(|_| largest_error),
         state: integrator.state().to_vec(),
         statistics: integrator.statistics(),
         drift,
@@ -195,9 +219,11 @@ pub fn tensor_defect(run: &ComposedRun, time_step: f64, states: &[&[f64]]) -> Op
     let values = run.system.parameter_values();
     let map = run.method.map();
     let mut instrument = TensorDefect::new(&run.system, map, &values, 1.0, time_step).ok()?;
-    let mut largest = 0.0_f64;
+    let mut largest = 0.0;
     for state in states {
-        largest = largest.max(instrument.measure(state).ok()?.relative()?);
+        let defect = instrument.measure(state).ok()?.relative()?;
+        // A NaN is no small defect.
+        largest = if defect <= largest { largest } else { defect };
     }
     Some(largest)
 }

@@ -5,16 +5,16 @@ use leafwise_scene::document::MethodTable;
 use leafwise_scene::{SceneDocument, compose};
 
 use super::candidate::{Bench, Candidate, Setting};
-use super::catalogue::{Entry, Extent, catalogue};
+use super::catalogue::{Entry, catalogue};
 use super::compare::some_fit;
 use super::error::TradeError;
 use super::horizon::Horizon;
 use super::measured::{Cost, Measured};
-use super::reference::Reference;
+use super::reference::{Judged, Reference};
 use super::search::Search;
 use super::tolerances::{Limits, Tolerances};
 use super::track::{End, Track, Tried};
-use super::trial::{run_trial, time_run};
+use super::trial::{run_counted, run_trial, time_run};
 
 /// What is tried.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,10 +26,31 @@ pub struct TuneOptions {
     /// What one run may cost in operations; [`MOST_OPERATIONS`] otherwise, or ten runs of the
     /// scene's own method where that is more.
     pub budget: Option<u64>,
+    /// Where runs are judged.
+    pub judged: Judged,
 }
 
 /// What one run may cost, in operations: about a second.
 pub const MOST_OPERATIONS: u64 = 500_000_000;
+
+/// What a tuner is about to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage<'a> {
+    /// To build a method: forming series and code takes the longest for high orders.
+    Building {
+        /// The method.
+        method: &'a str,
+    },
+    /// To compute the reference.
+    Reference,
+    /// To run a method.
+    Running {
+        /// The method.
+        method: &'a str,
+        /// The runs before.
+        runs: u64,
+    },
+}
 
 /// The methods that fit a scene and the state that they are judged by.
 pub struct Tuner<'a> {
@@ -63,7 +84,7 @@ pub struct Recommendation {
 /// What was foretold of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Predicted {
-    /// The final state's error.
+    /// The error where runs are judged.
     pub error: f64,
     /// The [`Tuner::cost`].
     pub cost: f64,
@@ -76,13 +97,13 @@ pub struct Reached {
     pub name: String,
     /// Steps and tolerance.
     pub setting: Setting,
-    /// The final state's error.
+    /// The error where runs are judged.
     pub error: f64,
     /// The largest deviation of each invariant, the energy first.
     pub drift: Vec<f64>,
     /// The largest ratio of what was measured to what is asked.
     pub ratio: f64,
-    /// What is missed by that ratio: `final state`, or an invariant's name.
+    /// What is missed by that ratio: `state`, or an invariant's name.
     pub missed: String,
     /// Why it does not come nearer.
     pub limit: Limit,
@@ -106,8 +127,8 @@ pub enum Limit {
 /// What was found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tuning {
-    /// What was asked, in the units of the scene: of the final state, and of each invariant that
-    /// was asked for.
+    /// What was asked, in the units of the scene: of the state, and of each invariant that was
+    /// asked for.
     pub asked: Tolerances,
     /// The cheapest Poisson map that holds it.
     pub poisson: Option<Recommendation>,
@@ -138,7 +159,7 @@ pub struct RunnerUp {
     pub setting: Setting,
     /// The [`Tuner::cost`].
     pub cost: u64,
-    /// The final state's error.
+    /// The error where runs are judged.
     pub error: f64,
     /// Whether it is a Poisson map.
     pub is_poisson: bool,
@@ -148,22 +169,32 @@ pub struct RunnerUp {
 const RUNNERS_UP: usize = 5;
 
 impl<'a> Tuner<'a> {
-    /// Builds every method that fits the scene and computes the reference.
+    /// Builds every method that fits the scene and computes the reference; `progress` is told each stage
+    /// before it.
     ///
     /// # Errors
     /// [`TradeError::NoReference`], [`TradeError::NoMethods`].
-    pub fn new(bench: &'a Bench<'a>, options: &TuneOptions) -> Result<Self, TradeError> {
-        let build = |method: &MethodTable| Entry {
-            method: method.clone(),
-            candidate: Candidate::build(bench, method),
+    pub fn new(
+        bench: &'a Bench<'a>,
+        options: &TuneOptions,
+        progress: &mut dyn FnMut(Stage<'_>),
+    ) -> Result<Self, TradeError> {
+        let mut building = |method: &str| progress(Stage::Building { method });
+        let mut entries = if options.only.is_empty() {
+            catalogue(bench, None, &mut building)
+        } else {
+            Vec::new()
         };
-        let mut entries: Vec<Entry> = options.only.iter().map(build).collect();
-        if entries.is_empty() {
-            entries = catalogue(bench, Extent::Full, None);
-            entries.extend(options.with.iter().map(build));
+        for method in options.only.iter().chain(&options.with) {
+            building(&method.to_string());
+            entries.push(Entry {
+                method: method.clone(),
+                candidate: Candidate::build(bench, method),
+            });
         }
         let entries = some_fit(entries)?;
-        let reference = Reference::compute(bench)?;
+        progress(Stage::Reference);
+        let reference = Reference::compute(bench, options.judged)?;
         let (mut candidates, mut refused) = (Vec::new(), Vec::new());
         for entry in entries {
             match entry.candidate {
@@ -229,6 +260,13 @@ impl<'a> Tuner<'a> {
         &self.reference
     }
 
+    /// The methods that fit, by name.
+    pub fn methods(&self) -> impl Iterator<Item = &str> {
+        self.candidates
+            .iter()
+            .map(|candidate| candidate.name.as_str())
+    }
+
     /// Methods that do not fit, with the reason.
     pub fn refused(&self) -> &[(String, String)] {
         &self.refused
@@ -239,8 +277,8 @@ impl<'a> Tuner<'a> {
         self.budget
     }
 
-    /// Finds the cheapest methods that hold `asked`. `progress` is told a method and the number of
-    /// runs before each one; it ends the search by returning `false`.
+    /// Finds the cheapest methods that hold `asked`. `progress` is told each run before it; it ends the
+    /// search by returning `false`.
     ///
     /// # Errors
     /// [`TradeError::Interrupted`]; [`TradeError::NoCasimirs`]; [`TradeError::Build`] for an
@@ -248,7 +286,7 @@ impl<'a> Tuner<'a> {
     pub fn tune(
         &self,
         asked: &Tolerances,
-        progress: &mut dyn FnMut(&str, u64) -> bool,
+        progress: &mut dyn FnMut(Stage<'_>) -> bool,
     ) -> Result<Tuning, TradeError> {
         asked.check(self.bench)?;
         let initial = self.initial_invariants()?;
@@ -268,11 +306,8 @@ impl<'a> Tuner<'a> {
         };
         // What the reference cannot judge is not searched for.
         let can_judge = self.reference.error < limits.error;
-        if can_judge && !search.screen(progress) {
+        if can_judge && !(search.screen(progress) && search.refine(progress)) {
             return Err(TradeError::Interrupted);
-        }
-        if can_judge {
-            search.refine();
         }
         let [poisson, any] = [true, false].map(|poisson| self.recommend(&search, poisson));
         let nearest = match poisson {
@@ -336,7 +371,8 @@ impl<'a> Tuner<'a> {
         let written = SceneDocument::parse(&document.name, &scene, self.bench.library()).ok()?;
         let run = compose(&written, self.bench.registry()).ok()?;
         let (epsilon, h, steps) = (run.plan.epsilon, run.plan.h, run.plan.steps);
-        let trial = run_trial(&run, epsilon, h, steps, u64::MAX).ok()?;
+        let curve = self.reference.curve();
+        let trial = run_counted(&run, [epsilon, h], steps, u64::MAX, curve, &mut 0).ok()?;
         if limits.excess(&trial, &self.reference).ratio > 1.0 {
             return None;
         }
@@ -372,7 +408,7 @@ impl<'a> Tuner<'a> {
             drift: tried.trial.drift.clone(),
             ratio: tried.excess.ratio,
             missed: match tried.excess.invariant {
-                None => "final state".to_owned(),
+                None => "state".to_owned(),
                 Some(at) => names.get(at).cloned().unwrap_or_default(),
             },
             limit: match &track.ended {

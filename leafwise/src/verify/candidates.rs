@@ -4,7 +4,10 @@ use std::fmt;
 use std::sync::Arc;
 
 use leafwise_core::part::{PartInfo, PartKind};
-use leafwise_core::{BuildError, Method, PartParameters, PoissonSystem, Registry, StepMap};
+use leafwise_core::{BuildError, Method, Origin, PartParameters, PoissonSystem, Registry, StepMap};
+use leafwise_scene::compose::{check_first_order, check_tensor};
+
+use super::problem::Problem;
 
 /// A part by name with the parameters it is tried with.
 #[derive(Clone, Debug)]
@@ -20,6 +23,29 @@ impl Chosen {
             parameters: PartParameters::new(),
         }
     }
+}
+
+/// Refuses a map by a library's formulas alone that follows another motion: they do not say for which
+/// system they are meant.
+fn check_formulas(
+    part: &'static PartInfo,
+    path: Option<&str>,
+    problem: &Problem,
+    map: &dyn StepMap,
+) -> Result<(), BuildError> {
+    let has_functions = part
+        .parameters
+        .iter()
+        .any(|parameter| parameter.name == "path");
+    if path != Some("expressions") || has_functions {
+        return Ok(());
+    }
+    check_first_order(part.name, &problem.system, map, 1.0, &problem.initial)
+}
+
+/// Whether a part comes from a library.
+fn is_loaded(registry: &Registry, name: &str) -> bool {
+    matches!(registry.origin(name), Some(Origin::Library { .. }))
 }
 
 /// A combination of parts, not yet built.
@@ -65,11 +91,40 @@ impl Candidate {
             .collect()
     }
 
-    /// The step map for a system.
+    /// The step map for a problem's system.
     ///
     /// # Errors
-    /// [`BuildError`] where the parts do not fit.
+    /// [`BuildError`] where the parts do not fit; those of a library are looked at: a realization of
+    /// another tensor, and formulas of another motion, are no broken declarations.
     pub fn build(
+        &self,
+        registry: &Registry,
+        problem: &Problem,
+    ) -> Result<Arc<dyn StepMap>, BuildError> {
+        let system = &problem.system;
+        let map = self.map(registry, system)?;
+        match self {
+            Self::Pair(realization, dynamics) => {
+                if is_loaded(registry, realization.name) {
+                    let part = registry.realization(realization.name)?;
+                    let built = part.build(system, &realization.parameters)?;
+                    check_tensor(realization.name, system, &built, &problem.initial)?;
+                }
+                let part = registry.dynamics(dynamics.name)?;
+                let path = part.path(&dynamics.parameters);
+                check_formulas(part.info(), path, problem, map.as_ref())?;
+            }
+            Self::Stepper(stepper) => {
+                let part = registry.stepper(stepper.name)?;
+                let path = part.path(&stepper.parameters);
+                check_formulas(part.info(), path, problem, map.as_ref())?;
+            }
+            Self::Composition(_) => {}
+        }
+        Ok(map)
+    }
+
+    fn map(
         &self,
         registry: &Registry,
         system: &PoissonSystem,

@@ -9,6 +9,8 @@ use super::problem::Problem;
 /// Global errors (t, error) at a sequence of steps, and the order fitted to them.
 pub(super) struct Convergence {
     pub errors: Vec<(f64, f64)>,
+    /// Steps that fail, with the reason.
+    failures: Vec<(f64, StepError)>,
     pub order: MeasuredOrder,
     round_off: f64,
 }
@@ -40,7 +42,7 @@ impl Convergence {
     ) -> Result<Self, StepError> {
         let values = problem.system.parameter_values();
         let mut errors: Vec<(f64, f64)> = Vec::new();
-        let mut failure = None;
+        let mut failures: Vec<(f64, StepError)> = Vec::new();
         let mut floor = Floor::new(ROUND_OFF[0], ROUND_OFF[1]);
         for steps in STEPS {
             let t = horizon / f64::from(steps);
@@ -51,14 +53,14 @@ impl Convergence {
                     errors.push((t, error));
                     floor.take(t, error);
                 }
-                Err(error) => failure = Some(error),
+                Err(error) => failures.push((t, error)),
             }
             if floor.touched() >= 2 {
                 break;
             }
         }
-        if let (true, Some(error)) = (errors.is_empty(), failure) {
-            return Err(error);
+        if let (true, Some((_, error))) = (errors.is_empty(), failures.last()) {
+            return Err(error.clone());
         }
         // Errors of a self-adjoint map are even in t beside their leading term.
         let gap = match map.properties().self_adjoint {
@@ -80,7 +82,24 @@ impl Convergence {
         Ok(Self {
             order: MeasuredOrder::of(seen, round_off, gap),
             errors,
+            failures,
             round_off,
+        })
+    }
+
+    /// A solve that fails at a step no larger than `usual`, where a larger step succeeds: a step that is too
+    /// large fails for its size, this one does not.
+    pub fn broken_solve(&self, usual: f64) -> Option<String> {
+        let is_solve = |error: &StepError| matches!(error, StepError::NoConvergence { .. });
+        let mut failing = self
+            .failures
+            .iter()
+            .filter(|(t, error)| *t <= usual && is_solve(error));
+        failing.find_map(|(t, error)| {
+            let (larger, _) = self.errors.iter().rev().find(|(larger, _)| larger > t)?;
+            Some(format!(
+                "a step of {t:.2e} fails where one of {larger:.2e} succeeds: {error}"
+            ))
         })
     }
 

@@ -27,6 +27,8 @@ pub struct Measured {
     pub time_step: f64,
     /// Why the problem's step is too large for the map.
     pub too_large: Option<String>,
+    /// A solve that fails though a larger step succeeds: no declaration is met by a map that fails so.
+    pub broken_solve: Option<String>,
     /// The tensor defect of such a step, relative to the tensor; `None` where the map offers no
     /// tangent and declares no structure.
     pub tensor_defect: Option<f64>,
@@ -71,6 +73,7 @@ pub fn measure(
     Ok(Measured {
         order: convergence.order,
         is_flow: convergence.is_round_off(),
+        broken_solve: convergence.broken_solve(problem.time_step.abs()),
         errors: convergence.errors,
         structure: defects.order,
         time_step: run.time_step,

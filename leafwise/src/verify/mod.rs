@@ -27,5 +27,5 @@ pub(crate) use floor::Floor;
 pub use judgement::Judgement;
 pub use measure::{Measured, measure};
 pub use order::MeasuredOrder;
-pub use problem::{FlowError, Problem, ProblemError};
+pub use problem::{FlowError, Own, Problem, ProblemError};
 pub use survey::{Progress, Refused, Row, Survey, SurveyOptions, survey};

@@ -5,11 +5,14 @@ use serde::Serialize;
 
 use super::judgement::Judgement;
 
+/// A fit that may be off by this much tells no whole number from the next, and is none.
+const LARGEST_TOLERANCE: f64 = 1.0;
+
 /// An order as it was measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct MeasuredOrder {
     /// The order fitted with its next term; `None` where too few errors lie between their
-    /// pre-asymptotic range and round-off.
+    /// pre-asymptotic range and round-off to tell it from the next whole number.
     pub exponent: Option<f64>,
     /// How far it may be from the true one.
     pub tolerance: Option<f64>,
@@ -21,6 +24,7 @@ impl MeasuredOrder {
     /// The order of errors (t, error) whose next term is smaller by t^`gap`.
     pub(crate) fn of(points: &[(f64, f64)], round_off: f64, gap: f64) -> Self {
         let fitted = fit_order(points, round_off, gap);
+        let fitted = fitted.filter(|order| order.tolerance < LARGEST_TOLERANCE);
         Self {
             exponent: fitted.map(|order| order.exponent),
             tolerance: fitted.map(|order| order.tolerance),
@@ -73,6 +77,22 @@ mod tests {
             at_least: None,
         };
         order.judge(4)
+    }
+
+    /// Errors of order 4 times factors between a half and two: no fit of them says anything.
+    #[test]
+    fn a_fit_without_information_is_none() {
+        let factor = [1.0, 0.5, 2.0, 0.6, 1.8, 0.5, 1.9, 1.0];
+        let points: Vec<(f64, f64)> = (0..8)
+            .map(|k| {
+                let t = libm::exp2(-0.25 * f64::from(k));
+                (t, factor[k as usize] * t * t * t * t)
+            })
+            .collect();
+        let order = MeasuredOrder::of(&points, 1e-16, 1.0);
+        assert_eq!((order.exponent, order.tolerance), (None, None));
+        assert!(order.at_least.is_some_and(|slope| slope < 3.5), "{order:?}");
+        assert_eq!(order.judge(4), Judgement::Undecided);
     }
 
     #[test]

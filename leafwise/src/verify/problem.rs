@@ -1,7 +1,13 @@
 //! A system with a state to start from and a flow to compare with.
 
-use leafwise_core::{BuildError, Integrator, PartParameters, PoissonSystem, Registry, StepError};
-use leafwise_scene::{Refusal, SceneDocument, compose_system};
+use std::fmt;
+use std::sync::Arc;
+
+use leafwise_core::{
+    BuildError, Integrator, PartParameters, PoissonSystem, Registry, StepError, StepMap,
+};
+use leafwise_scene::compose::Stepping;
+use leafwise_scene::{Refusal, SceneDocument, compose, compose_system};
 
 use crate::library::ProblemLibrary;
 
@@ -16,6 +22,18 @@ pub struct Problem {
     pub initial: Vec<f64>,
     /// A step at which methods are compared.
     pub time_step: f64,
+    /// The scene's own method, where it is to be measured beside the others.
+    pub own: Option<Own>,
+}
+
+/// A scene's own method.
+#[derive(Clone)]
+pub struct Own(pub Arc<dyn StepMap>);
+
+impl fmt::Debug for Own {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0.describe())
+    }
 }
 
 /// Steps and stages of the reference flow: Gauss of order 16 on the equations themselves, neither
@@ -39,7 +57,27 @@ impl Problem {
             system: composed.system,
             initial: composed.near,
             time_step: step.epsilon() * step.h(),
+            own: None,
         })
+    }
+
+    /// The same with the scene's own method, composition and all; without it on a lattice, whose sweeps are
+    /// no map of the coordinates that are measured here.
+    ///
+    /// # Errors
+    /// [`ProblemError::Refused`] where the method does not fit.
+    pub fn with_own(
+        mut self,
+        document: &SceneDocument,
+        registry: &Registry,
+    ) -> Result<Self, ProblemError> {
+        let run = compose(document, registry).map_err(ProblemError::Refused)?;
+        self.own = match run.method {
+            Stepping::Written(method) => Some(Own(Arc::new(*method))),
+            Stepping::Map(stepping) => Some(Own(stepping.map)),
+            Stepping::Lattice(_) => None,
+        };
+        Ok(self)
     }
 
     /// A system of the library at its default state and step.

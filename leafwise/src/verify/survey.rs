@@ -6,13 +6,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::time::Instant;
 
-use leafwise_core::{BuildError, Registry, Structure};
+use leafwise_core::{BuildError, Registry, StepMap, Structure};
 use serde::Serialize;
 
 use super::candidates::Candidate;
 use super::judgement::Judgement;
 use super::measure::{Measured, measure};
-use super::problem::{FlowError, Problem};
+use super::problem::{FlowError, Own, Problem};
 
 /// What a survey covers, and how.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,6 +31,8 @@ pub struct Row {
     pub problem: String,
     /// The map.
     pub map: String,
+    /// Whether it is the scene's own.
+    pub is_own: bool,
     /// The declared order in t.
     pub declared_order: usize,
     /// The declared structure, in words.
@@ -39,16 +41,16 @@ pub struct Row {
     pub measured: Option<Measured>,
     /// Why nothing was.
     pub failure: Option<String>,
-    /// How long building and measuring took.
+    /// How long measuring took.
     pub seconds: f64,
 }
 
 impl Row {
-    /// Whether every declaration that could be judged is met.
+    /// Whether every declaration that could be judged is met, and no solve fails that has a solution.
     pub fn is_met(&self) -> bool {
         self.measured
             .as_ref()
-            .is_some_and(|m| !m.judgements.contains(&Judgement::NotMet))
+            .is_some_and(|m| m.broken_solve.is_none() && !m.judgements.contains(&Judgement::NotMet))
     }
 
     /// Whether a declaration could not be told from the order below.
@@ -186,10 +188,16 @@ pub fn survey(
     for problem in problems {
         let horizon = HORIZON * problem.time_step;
         let flow = problem.flow(registry, horizon)?;
-        progress.problem(&problem.name, candidates.len());
-        let measured = |at: usize| outcome(registry, problem, &candidates[at], &flow, horizon);
+        // The scene's own method comes first.
+        let own = usize::from(problem.own.is_some());
+        let count = own + candidates.len();
+        progress.problem(&problem.name, count);
+        let measured = |at: usize| match &problem.own {
+            Some(Own(map)) if at == 0 => row(problem, map.as_ref(), true, &flow, horizon),
+            _ => outcome(registry, problem, &candidates[at - own], &flow, horizon),
+        };
         in_order(
-            candidates.len(),
+            count,
             options.threads.get(),
             &measured,
             |outcome| match outcome {
@@ -250,22 +258,23 @@ fn outcome(
     flow: &[f64],
     horizon: f64,
 ) -> Outcome {
+    match candidate.build(registry, problem) {
+        Ok(map) => row(problem, map.as_ref(), false, flow, horizon),
+        Err(error) => Outcome::Refused(Refused::new(&problem.name, candidate.to_string(), &error)),
+    }
+}
+
+fn row(problem: &Problem, map: &dyn StepMap, is_own: bool, flow: &[f64], horizon: f64) -> Outcome {
     let started = Instant::now();
-    let map = match candidate.build(registry, &problem.system) {
-        Ok(map) => map,
-        Err(error) => {
-            let refused = Refused::new(&problem.name, candidate.to_string(), &error);
-            return Outcome::Refused(refused);
-        }
-    };
     let properties = map.properties();
-    let (measured, failure) = match measure(problem, map.as_ref(), flow, horizon) {
+    let (measured, failure) = match measure(problem, map, flow, horizon) {
         Ok(measured) => (Some(measured), None),
         Err(error) => (None, Some(error.to_string())),
     };
     Outcome::Row(Box::new(Row {
         problem: problem.name.clone(),
         map: map.describe(),
+        is_own,
         declared_order: properties.order,
         declared_structure: structure(properties.structure),
         measured,

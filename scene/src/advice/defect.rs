@@ -4,8 +4,9 @@ use super::chart::half_the_step;
 use super::probe::Probe;
 use super::{Advice, AdviceKind, number};
 
-/// Brackets that are wrong by this part are no approximation of the tensor.
-const HARDLY: f64 = 1e-2;
+/// Brackets that are wrong by this part of their terms are no approximation of the tensor; the terms are twice as
+/// large as the brackets at least.
+const HARDLY: f64 = 5e-3;
 
 pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
     let n = probe.truncation_order()?;

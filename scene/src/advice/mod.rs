@@ -7,26 +7,36 @@
 //! - `chart`: a step that nearly leaves the chart;
 //! - `solutions`: a step whose equation has several solutions inside it;
 //! - `defect`: a truncated realization that hardly keeps the tensor;
+//! - `direction`: Hamilton's equations that run backwards in time;
+//! - `energy`: an energy that is kept badly;
 //! - `exact`: an exact realization that costs no more;
+//! - `step`: a step that is too long for its order;
 //! - `stepper`: a stepper that is no Poisson map where splitting is one for no more, stages that no step
 //!   feels;
+//! - `unused`: parameters that nothing depends on;
 //! - `trial`: what a step map does over the first steps.
 
 mod chart;
 mod defect;
+mod direction;
 mod dynamics;
+mod energy;
 mod exact;
 mod probe;
 mod solutions;
+mod step;
 mod stepper;
 mod trial;
 mod truncation;
+mod unused;
 
 use leafwise_core::{Integrator, Registry};
 use serde::Serialize;
 
 use crate::compose::ComposedRun;
+pub(crate) use energy::EnergyError;
 use probe::Probe;
+pub use unused::unused_parameters;
 
 /// One thing to change.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -35,8 +45,14 @@ pub struct Advice {
     pub kind: AdviceKind,
     /// What was measured.
     pub message: String,
-    /// The line of `[method]` to write instead, or two.
+    /// The line of the scene to write instead, or two.
     pub change: String,
+}
+
+/// Message and change of each, for a page.
+pub(crate) fn lines(advice: &[Advice]) -> Vec<(String, String)> {
+    let line = |advice: &Advice| (advice.message.clone(), advice.change.clone());
+    advice.iter().map(line).collect()
 }
 
 /// The kinds of advice.
@@ -59,6 +75,16 @@ pub enum AdviceKind {
     NoPoissonMap,
     /// Stages that no step feels.
     Stages,
+    /// A step that is too long for its order.
+    CoarseStep,
+    /// A recorded formula without a finite value at some samples.
+    UndefinedObservable,
+    /// Hamilton's equations that run backwards in time.
+    BackwardTime,
+    /// An error of the energy that is a large part of its scale along the orbit.
+    EnergyError,
+    /// A parameter that no formula names.
+    UnusedParameter,
 }
 
 /// The most states that are looked at.
@@ -96,17 +122,46 @@ pub(crate) fn states_from(run: &ComposedRun, x: &[f64], count: usize) -> Vec<Vec
     states
 }
 
-/// What to change in a scene, judged at `states` of its run; nothing for a long lattice, and nothing
-/// that cannot be measured.
+/// `x` and the states that the run's method leads to from there with these parameters, one a step,
+/// `count` at most.
+pub(crate) fn orbit_from(
+    run: &ComposedRun,
+    parameters: &[f64],
+    x: &[f64],
+    count: u64,
+) -> Vec<Vec<f64>> {
+    let (epsilon, h) = (run.plan.epsilon, run.plan.h);
+    let mut integrator = Integrator::new(run.method.map(), parameters, epsilon, h, x);
+    let mut states = vec![x.to_vec()];
+    for _ in 0..count {
+        if integrator.step().is_err() {
+            break;
+        }
+        states.push(integrator.state().to_vec());
+    }
+    states
+}
+
+/// What to change in a scene, judged at `states` of its run; nothing that cannot be measured.
 pub fn advise(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>]) -> Vec<Advice> {
+    let mut advice: Vec<Advice> = direction::advice(run).into_iter().collect();
+    advice.extend(about_the_method(run, registry, states));
+    advice
+}
+
+/// What to change about the method; nothing for a long lattice.
+fn about_the_method(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>]) -> Vec<Advice> {
     if run.dimension() > LARGEST {
         return Vec::new();
     }
+    let coarse = step::advice(run, states).into_iter();
     if run.method.written().is_none() {
-        return stepper::advice(run, registry, states);
+        return coarse
+            .chain(stepper::advice(run, registry, states))
+            .collect();
     }
     let Some(mut probe) = Probe::new(run, registry, states) else {
-        return Vec::new();
+        return coarse.collect();
     };
     let mut advice: Vec<Advice> = [
         solutions::advice,
@@ -117,6 +172,7 @@ pub fn advise(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>]) -> Ve
     ]
     .iter()
     .filter_map(|advice| advice(&mut probe))
+    .chain(coarse)
     .collect();
     // Beside a better realization or a smaller step it would say the same again.
     if advice.is_empty() {

@@ -7,6 +7,7 @@ use leafwise_expression::syntax::Scope;
 use leafwise_expression::{Expression, Graph};
 
 use super::Refusal;
+use super::lattice::geometry;
 use super::names::{algebra_refusal, coordinate_names, parse, refusal, scope};
 use super::observables::{Observable, observables};
 use super::tensor::{Entries, entries};
@@ -51,7 +52,11 @@ pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instan
         })
         .collect::<Result<_, Refusal>>()?;
     let bracket = entries(document, &scope, &names, lengths)?;
-    let observables = observables(document, &scope)?;
+    let whole = geometry(document);
+    let is_shortened = (whole.families.iter())
+        .zip(lengths)
+        .any(|((_, whole), length)| whole != length);
+    let observables = observables(document, &scope, is_shortened.then_some(&whole))?;
     Ok(Instantiated {
         names,
         bracket,

@@ -8,7 +8,7 @@ use leafwise_expression::syntax::Formula;
 use super::Refusal;
 use super::instantiate::instantiate;
 use super::names::{parse, refusal, scope};
-use super::observables::Observable;
+use super::observables::{Observable, coordinate};
 use super::system::DENSE_LIMIT;
 use crate::document::{Boundary, Located, SceneDocument};
 
@@ -46,16 +46,7 @@ impl<'a> SceneLattice<'a> {
                 Some("make it a family, or shorten the lattice".to_owned()),
             )));
         }
-        let families = system
-            .families
-            .iter()
-            .map(|(name, length)| (name.value.clone(), length.value))
-            .collect();
-        let boundary = system.boundary.as_ref().map(|boundary| boundary.value);
-        let geometry = LatticeGeometry {
-            families,
-            periodic: boundary != Some(Boundary::Open),
-        };
+        let geometry = geometry(document);
         Ok(Some(Self { document, geometry }))
     }
 
@@ -95,17 +86,30 @@ impl<'a> SceneLattice<'a> {
                     .iter()
                     .any(|(casimir, _)| casimir.value == name)
         };
+        let recorded = self.document.run.record.observables.iter();
+        let recorded = recorded
+            .map(|observable| &observable.formula)
+            .filter(|formula| {
+                let text = &formula.value;
+                !named(text) && coordinate(&self.geometry, text).is_none()
+            });
         std::iter::once(&system.hamiltonian)
             .chain(system.casimirs.iter().map(|(_, formula)| formula))
-            .chain(
-                self.document
-                    .run
-                    .record
-                    .observables
-                    .iter()
-                    .filter(|o| !named(&o.value)),
-            )
+            .chain(recorded)
             .collect()
+    }
+}
+
+/// The families of a scene at their true lengths.
+pub(super) fn geometry(document: &SceneDocument) -> LatticeGeometry {
+    let system = &document.system;
+    let families = system.families.iter();
+    let boundary = system.boundary.as_ref().map(|boundary| boundary.value);
+    LatticeGeometry {
+        families: families
+            .map(|(name, length)| (name.value.clone(), length.value))
+            .collect(),
+        periodic: boundary != Some(Boundary::Open),
     }
 }
 

@@ -90,6 +90,9 @@ pub(super) fn refusal(
     error: &SyntaxError,
 ) -> Refusal {
     let place = document.place_in_formula(formula, error.span.clone());
+    if let Some((message, help)) = about_a_long_lattice(document, &error.kind) {
+        return Box::new(document.diagnostic(&place, message, "here", help));
+    }
     let label = match &error.kind {
         SyntaxErrorKind::UnknownName { .. } => "neither a variable nor a parameter of this scene",
         SyntaxErrorKind::UnknownFunction { .. } => "not a function",
@@ -106,6 +109,47 @@ pub(super) fn refusal(
         (None, _) => None,
     };
     Box::new(document.diagnostic(&place, error.kind.to_string(), label, help))
+}
+
+/// A single site of a long lattice, whose formulas are tried on a shorter one.
+fn about_a_long_lattice(
+    document: &SceneDocument,
+    kind: &SyntaxErrorKind,
+) -> Option<(String, Option<String>)> {
+    const RECORDED: &str = "single coordinates are recorded by their names, one as observables = [\"q[500]\"], \
+                            many as states = [\"q[::100]\"]";
+    match kind {
+        SyntaxErrorKind::IndexOutOfRange {
+            name,
+            position,
+            length,
+        } => {
+            let mut families = document.system.families.iter();
+            let whole = families.find(|(family, _)| family.value == *name)?.1.value;
+            if whole == *length {
+                return None;
+            }
+            let is_there = usize::try_from(*position).is_ok_and(|position| position < whole);
+            Some(match is_there {
+                true => (
+                    format!(
+                        "a formula on a lattice of this length repeats from site to site, and cannot name the \
+                         site {name}[{position}]"
+                    ),
+                    Some(RECORDED.to_owned()),
+                ),
+                false => (
+                    format!(
+                        "`{name}` has the members {name}[0] to {name}[{}], not {name}[{position}]",
+                        whole - 1
+                    ),
+                    None,
+                ),
+            })
+        }
+        SyntaxErrorKind::NotASumOverSites => Some((kind.to_string(), Some(RECORDED.to_owned()))),
+        _ => None,
+    }
 }
 
 fn unknown_name_help(document: &SceneDocument, name: &str) -> String {

@@ -1,5 +1,6 @@
 //! What a run records: the energy, Casimirs, or any formula of the state.
 
+use leafwise_core::lattice::LatticeGeometry;
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::{Formula, Scope};
 
@@ -25,21 +26,32 @@ pub enum Observable {
         /// The function.
         expression: Expression,
     },
+    /// A coordinate of a long lattice by its place.
+    Coordinate {
+        /// Its name.
+        name: String,
+        /// Its place.
+        index: usize,
+    },
 }
 
 impl Observable {
     /// The heading of its column.
     pub fn name(&self) -> &str {
         match self {
-            Self::Invariant { name, .. } | Self::Formula { name, .. } => name,
+            Self::Invariant { name, .. }
+            | Self::Formula { name, .. }
+            | Self::Coordinate { name, .. } => name,
         }
     }
 }
 
-/// The observables the scene asks for.
+/// The observables the scene asks for; with the lattice's true lengths in `lattice` where `scope` is that
+/// of a shorter one.
 pub(super) fn observables(
     document: &SceneDocument,
     scope: &Scope,
+    lattice: Option<&LatticeGeometry>,
 ) -> Result<Vec<Observable>, Refusal> {
     let mut known = vec!["energy"];
     known.extend(
@@ -51,34 +63,50 @@ pub(super) fn observables(
     );
     let mut chosen: Vec<Observable> = Vec::new();
     for asked in &document.run.record.observables {
-        if chosen
-            .iter()
-            .any(|observable| observable.name() == asked.value)
-        {
+        let heading = asked.heading();
+        if chosen.iter().any(|observable| observable.name() == heading) {
+            let place = asked.name.as_ref().unwrap_or(&asked.formula).place();
             return Err(Box::new(document.diagnostic(
-                &asked.place(),
-                format!("`{}` is recorded twice", asked.value),
+                &place,
+                format!("`{heading}` is recorded twice"),
                 "again",
-                Some("remove one of them".to_owned()),
+                Some("remove one of them, or give it another name".to_owned()),
             )));
         }
-        chosen.push(match known.iter().position(|name| *name == asked.value) {
-            Some(index) => Observable::Invariant {
-                name: asked.value.clone(),
-                index,
+        let formula = &asked.formula;
+        let name = heading.to_owned();
+        let coordinate = lattice.and_then(|lattice| coordinate(lattice, &formula.value));
+        chosen.push(match known.iter().position(|name| *name == formula.value) {
+            Some(index) => Observable::Invariant { name, index },
+            None => match coordinate {
+                Some(index) => Observable::Coordinate { name, index },
+                None => Observable::Formula {
+                    name,
+                    expression: expression(document, scope, formula, &known)?,
+                },
             },
-            None => formula(document, scope, asked, &known)?,
         });
     }
     Ok(chosen)
 }
 
-fn formula(
+/// The coordinate that a text such as `q[500]` names.
+pub(super) fn coordinate(lattice: &LatticeGeometry, text: &str) -> Option<usize> {
+    let (family, rest) = text.trim().split_once('[')?;
+    let site: usize = rest.strip_suffix(']')?.trim().parse().ok()?;
+    let at = lattice
+        .families
+        .iter()
+        .position(|(name, _)| name == family.trim())?;
+    (site < lattice.families[at].1).then(|| lattice.offsets()[at] + site)
+}
+
+fn expression(
     document: &SceneDocument,
     scope: &Scope,
     asked: &Located<String>,
     known: &[&str],
-) -> Result<Observable, Refusal> {
+) -> Result<Expression, Refusal> {
     let resolved =
         Formula::parse(&asked.value).and_then(|parsed| parsed.resolve(scope, None).map(drop));
     if let Err(error) = resolved {
@@ -100,9 +128,5 @@ fn formula(
             Some(help),
         )));
     }
-    let expression = function(document, scope, asked)?;
-    Ok(Observable::Formula {
-        name: asked.value.clone(),
-        expression,
-    })
+    function(document, scope, asked)
 }

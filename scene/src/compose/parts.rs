@@ -45,6 +45,14 @@ pub struct PartChoice {
 }
 
 impl PartChoice {
+    /// Its parameters, to build it again.
+    pub(super) fn given(&self) -> PartParameters {
+        let parameters = self.parameters.iter();
+        parameters.fold(PartParameters::new(), |given, (name, value)| {
+            given.with(*name, value.clone())
+        })
+    }
+
     /// The name with the values that tell it from its relatives: numbers, and words that are not the
     /// part's usual ones.
     pub fn line(&self, registry: &Registry) -> String {
@@ -57,10 +65,12 @@ impl PartChoice {
             matches!(value, ParameterSetting::Text(_))
                 && known.is_some_and(|p| ParameterSetting::from(p.default) == *value)
         };
+        // 0 in place of a number that the part finds itself says nothing.
+        let is_open = |value: &ParameterSetting| matches!(value, ParameterSetting::Integer(0));
         let told = self
             .parameters
             .iter()
-            .filter(|(name, value)| !is_usual(name, value));
+            .filter(|(name, value)| !is_usual(name, value) && !is_open(value));
         told.fold(self.name.to_owned(), |text, (name, value)| {
             text + &format!(" {name} {value}")
         })
@@ -266,7 +276,8 @@ fn pair(
     let realization = part.build(system, &given).map_err(|error| {
         let mut refusal = request.refused(&error);
         if matches!(error, BuildError::DoesNotFit { .. }) {
-            refusal.help = Some(what_fits(system, registry, dynamics.as_ref()));
+            let is_lattice = is_long && !document.system.families.is_empty();
+            refusal.help = Some(what_fits(system, registry, dynamics.as_ref(), is_lattice));
         }
         refusal
     })?;
@@ -275,22 +286,32 @@ fn pair(
     Ok(Base::Pair(realization, dynamics))
 }
 
-/// The realizations that fit a system and a dynamic approximation, as a piece of advice.
+/// The realizations that fit a system and a dynamic approximation, on a long lattice those that can be
+/// swept, as a piece of advice.
 pub(super) fn what_fits(
     system: &PoissonSystem,
     registry: &Registry,
     dynamics: &dyn DynamicApproximation,
+    is_long: bool,
 ) -> String {
-    let fits = |name: &&str| {
+    let fits = |name: &&str| -> Result<bool, BuildError> {
         let part = registry.realization(name)?;
         let realization = part.build(system, &PartParameters::new())?;
-        dynamics.bisection(system, &realization).map(drop)
+        let bisection = dynamics.bisection(system, &realization)?;
+        Ok(!is_long || realization.stages().is_some() && bisection.code().is_some())
     };
     let names: Vec<&str> = registry_names(registry, PartKind::Realization)
         .into_iter()
-        .filter(|name| fits(name).is_ok())
+        .filter(|name| matches!(fits(name), Ok(true)))
         .collect();
-    format!("these fit: {}", names.join(", "))
+    match (names.as_slice(), is_long) {
+        ([], _) => "a stepper such as splitting may stand in place of both".to_owned(),
+        (names, true) => format!(
+            "these can be swept over a long lattice: {}",
+            names.join(", ")
+        ),
+        (names, false) => format!("these fit: {}", names.join(", ")),
+    }
 }
 
 /// The exact realizations that a choice left open tries, the cheapest first, and why each is taken.
@@ -539,6 +560,11 @@ fn unknown_part(
 ) -> Refusal {
     let help = match nearest(&name.value, known.iter().copied()) {
         Some(near) => format!("did you mean `{near}`?"),
+        None if name.value.contains('/') => format!(
+            "a name with a `/` is that of a plugin's part: name its library at the top of the scene, \
+             plugins = [\"./lib{}.so\"]",
+            name.value.split('/').next().unwrap_or_default()
+        ),
         None if known.is_empty() => format!("this program has no {}; remove the line", kind.noun()),
         None => format!("known: {}", known.join(", ")),
     };

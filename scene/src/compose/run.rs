@@ -5,15 +5,17 @@ use std::sync::Arc;
 use leafwise_core::lattice::{LatticeMethod, LatticeObservables};
 use leafwise_core::system::SystemInvariants;
 use leafwise_core::{
-    BuildError, Integrator, Method, Observe, PartParameters, PoissonSystem, Registry, StepMap,
+    BuildError, Integrator, Method, Observe, Origin, PartKind, PoissonSystem, Registry, StepMap,
 };
 
 use super::Refusal;
+use super::fit::{check_first_order, check_tensor};
 use super::lattice::{SceneLattice, shortened};
 use super::observables::Observable;
 use super::parts::{Base, PartChoice, Parts, parts, system_choice, what_fits};
+use super::states::{RecordedStates, recorded_states};
 use super::stepping::{LatticeBase, LatticeStepping, MapStepping, Stepping};
-use super::system::compose_system;
+use super::system::{ComposedSystem, compose_system};
 use crate::document::{PartSpec, SceneDocument};
 
 /// What a run does.
@@ -31,6 +33,8 @@ pub struct RunPlan {
     pub initial: Vec<f64>,
     /// What a sample holds beside time and state.
     pub observables: Vec<Observable>,
+    /// The coordinates that are recorded.
+    pub states: RecordedStates,
     /// Realization and dynamics as chosen.
     pub parts: Vec<PartChoice>,
     /// The part that the system comes from, where it is one of the registry's.
@@ -57,6 +61,54 @@ pub struct ComposedRun {
 /// # Errors
 /// The first thing wrong, underlined in the scene.
 pub fn compose(document: &SceneDocument, registry: &Registry) -> Result<ComposedRun, Refusal> {
+    let mut run = compose_at_its_values(document, registry)?;
+    if let Some(elsewhere) = chosen_at(document)? {
+        let chosen = compose_at_its_values(&elsewhere, registry)?;
+        run.plan.parts = chosen.plan.parts;
+        run.method = match (run.method, chosen.method) {
+            // Observers are of the parameters' own values.
+            (Stepping::Lattice(own), Stepping::Lattice(chosen)) => {
+                Stepping::Lattice(Box::new(LatticeStepping {
+                    invariants: own.invariants,
+                    formulas: own.formulas,
+                    ..*chosen
+                }))
+            }
+            (_, chosen) => chosen,
+        };
+    }
+    Ok(run)
+}
+
+/// The scene at the values that its method is chosen at, where it names any.
+fn chosen_at(document: &SceneDocument) -> Result<Option<SceneDocument>, Refusal> {
+    let given = &document.method.chosen_at;
+    if given.is_empty() || document.system.numbers.is_some() {
+        return Ok(None);
+    }
+    let mut elsewhere = document.clone();
+    for (name, value) in given {
+        let mut declared = elsewhere.system.parameters.iter_mut();
+        match declared.find(|(known, _)| known.value == name.value) {
+            Some((_, entry)) => *entry = value.clone(),
+            None => {
+                return Err(Box::new(document.diagnostic(
+                    &name.place(),
+                    format!("the system has no parameter `{}`", name.value),
+                    "not a parameter",
+                    None,
+                )));
+            }
+        }
+    }
+    Ok(Some(elsewhere))
+}
+
+/// The same with the method chosen at the values of the parameters.
+fn compose_at_its_values(
+    document: &SceneDocument,
+    registry: &Registry,
+) -> Result<ComposedRun, Refusal> {
     let mut composed = compose_system(document)?;
     let lattice = SceneLattice::of(document)?;
     let mut parts = parts(document, &composed.system, lattice.as_ref(), registry)?;
@@ -66,6 +118,19 @@ pub fn compose(document: &SceneDocument, registry: &Registry) -> Result<Composed
         composed = *whole;
         parts.base = Base::Stepper(map);
     }
+    let is_long = lattice.is_some();
+    let refused = |composed: &ComposedSystem, error: &BuildError| {
+        let mut refusal = method_refusal(document, error);
+        if let (BuildError::Incompatible { .. }, Some(dynamics)) = (error, &dynamics) {
+            refusal.help = Some(what_fits(
+                &composed.system,
+                registry,
+                dynamics.as_ref(),
+                is_long,
+            ));
+        }
+        refusal
+    };
     let method = match (lattice, &parts.base) {
         (Some(lattice), Base::Pair(..) | Base::Sweeps(_)) => {
             compose_lattice(&lattice, &composed.system, parts, registry)
@@ -73,13 +138,7 @@ pub fn compose(document: &SceneDocument, registry: &Registry) -> Result<Composed
         }
         _ => compose_written(&composed.system, parts),
     };
-    let method = method.map_err(|error| {
-        let mut refusal = method_refusal(document, &error);
-        if let (BuildError::Incompatible { .. }, Some(dynamics)) = (&error, &dynamics) {
-            refusal.help = Some(what_fits(&composed.system, registry, dynamics.as_ref()));
-        }
-        refusal
-    })?;
+    let method = method.map_err(|error| refused(&composed, &error))?;
     if let Stepping::Lattice(lattice) = &method {
         let map = lattice.base.map();
         composed.system = map.proxy().clone();
@@ -87,6 +146,8 @@ pub fn compose(document: &SceneDocument, registry: &Registry) -> Result<Composed
         composed.near = shortened(&composed.initial, geometry, short);
     }
     let step = &document.method.step;
+    let fits = check_libraries(&composed, &method, &choices, step.epsilon(), registry);
+    fits.map_err(|error| refused(&composed, &error))?;
     let plan = RunPlan {
         epsilon: step.epsilon(),
         h: step.h(),
@@ -94,6 +155,7 @@ pub fn compose(document: &SceneDocument, registry: &Registry) -> Result<Composed
         every: document.run.record.every,
         initial: composed.initial,
         observables: composed.observables,
+        states: recorded_states(document)?,
         parts: choices,
         system: system_choice(document, registry),
         families: document
@@ -109,6 +171,41 @@ pub fn compose(document: &SceneDocument, registry: &Registry) -> Result<Composed
         method,
         plan,
     })
+}
+
+/// Checks the parts of libraries on the system: a realization's tensor, and the first order of the map
+/// that they make, on a long lattice that of its short one.
+fn check_libraries(
+    composed: &ComposedSystem,
+    method: &Stepping,
+    choices: &[PartChoice],
+    epsilon: f64,
+    registry: &Registry,
+) -> Result<(), BuildError> {
+    let is_loaded = |choice: &&PartChoice| matches!(choice.origin, Some(Origin::Library { .. }));
+    let Some(last) = choices.iter().rfind(is_loaded) else {
+        return Ok(());
+    };
+    let (system, near) = (&composed.system, composed.near.as_slice());
+    let built = |choice: &PartChoice| {
+        registry
+            .realization(choice.name)?
+            .build(system, &choice.given())
+    };
+    let realization = choices.iter().find(|c| c.kind == PartKind::Realization);
+    if let Some(choice) = realization.filter(is_loaded) {
+        check_tensor(choice.name, system, &built(choice)?, near)?;
+    }
+    if method.lattice().is_none() {
+        return check_first_order(last.name, system, method.map(), epsilon, near);
+    }
+    let dynamics = choices.iter().find(|c| c.kind == PartKind::Dynamics);
+    let (Some(realization), Some(dynamics)) = (realization, dynamics) else {
+        return Ok(());
+    };
+    let dynamics = registry.dynamics(dynamics.name)?.build(&dynamics.given())?;
+    let short = Method::compose(system, built(realization)?, dynamics)?;
+    check_first_order(last.name, system, &short, epsilon, near)
 }
 
 /// The map of parts that are written out.
@@ -143,10 +240,7 @@ fn compose_lattice(
     let base = match (parts.base, chosen) {
         (Base::Sweeps(map), _) => LatticeBase::Sweeps(map),
         (Base::Pair(_, dynamics), Some(chosen)) => {
-            let parameters = chosen.parameters.iter();
-            let given = parameters.fold(PartParameters::new(), |given, (name, value)| {
-                given.with(*name, value.clone())
-            });
+            let given = chosen.given();
             let realize =
                 |system: &PoissonSystem| registry.realization(chosen.name)?.build(system, &given);
             let method = LatticeMethod::compose(lattice, &realize, dynamics)?;
@@ -218,11 +312,23 @@ fn method_refusal(document: &SceneDocument, error: &BuildError) -> Refusal {
     let hamiltonian = &document.system.hamiltonian;
     let formula = document.place_in_formula(hamiltonian, 0..hamiltonian.value.len());
     let part = |spec: &Option<PartSpec>| spec.as_ref().map(|spec| spec.name.place());
+    let method = &document.method;
+    let named = |name: &str| {
+        let specs = [&method.realization, &method.dynamics, &method.stepper];
+        let spec = specs
+            .into_iter()
+            .flatten()
+            .find(|spec| spec.name.value == name);
+        spec.map(|spec| spec.name.place())
+    };
     let place = match error {
         BuildError::Algebra(_) => formula,
         BuildError::NotComposable { .. } | BuildError::NoFactors { .. } => {
             part(&document.method.composition)
                 .unwrap_or_else(|| document.system.hamiltonian.place())
+        }
+        BuildError::DoesNotFit { part: name, .. } if named(name).is_some() => {
+            named(name).unwrap_or(formula)
         }
         _ => part(&document.method.dynamics)
             .or_else(|| part(&document.method.stepper))

@@ -40,7 +40,7 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
             system: PoissonSystem::clone(&numbers.system),
             near: initial.clone(),
             initial,
-            observables: observables(document, &scope(document, &[]))?,
+            observables: observables(document, &scope(document, &[]), None)?,
         });
     }
     if let Some(lattice) = SceneLattice::of(document)? {
@@ -75,6 +75,7 @@ pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Re
         )
     })?;
     let initial = initial_state(document)?;
+    let system = system.with_near(&initial).unwrap_or(system);
     Ok(ComposedSystem {
         system,
         near: initial.clone(),

@@ -8,7 +8,7 @@ use leafwise_expression::{Arithmetic, Expression, Rational, Ring};
 use super::Refusal;
 use super::lie_algebra::{LIE_ALGEBRAS, LieAlgebra};
 use super::names::{algebra_refusal, parse, refusal};
-use crate::document::{BracketSpec, Located, Number, SceneDocument, nearest};
+use crate::document::{BracketSpec, Convention, Located, Number, SceneDocument, nearest};
 
 /// {x_i, x_j} for i < j, as the scene's author wrote them.
 pub(super) type Entries = BTreeMap<(usize, usize), Expression>;
@@ -39,7 +39,7 @@ pub(super) fn entries(
         }
         BracketSpec::LieAlgebra(name) => lie_algebra(document, name, names.len()),
         BracketSpec::LogCanonical(rows) => log_canonical(document, rows, names),
-        BracketSpec::Magnetic(field) => magnetic(document, scope, field, names.len()),
+        BracketSpec::MagneticField(field) => magnetic_field(document, scope, field, names.len()),
     }
 }
 
@@ -274,9 +274,10 @@ fn log_canonical(
     Ok(entries)
 }
 
-/// Positions, then momenta: {x_i, p_j} = −δ_ij, {p_1, p_2} = B_3 and cyclic; in the plane
-/// {p_1, p_2} = B. The paper's Example 3 is the field (y, −z, x²).
-fn magnetic(
+/// Positions x, then velocities v: with the sign s = −1 of ẋ = {H, x} and s = +1 of ẋ = {x, H},
+/// {x_i, v_j} = s δ_ij, {v_1, v_2} = s B_3 and cyclic, in the plane {v_1, v_2} = s B. Under both
+/// conventions H = v²/2 + V(x) moves by x' = v, v' = v × B − ∇V.
+fn magnetic_field(
     document: &SceneDocument,
     scope: &Scope,
     field: &[Located<String>],
@@ -289,18 +290,24 @@ fn magnetic(
             return Err(Box::new(document.diagnostic(
                 &document.system.bracket.place(),
                 format!("{} field components do not fit {dimension} variables", field.len()),
-                "magnetic bracket",
+                "magnetic field",
                 Some(
-                    "in space: [Bx, By, Bz] over x, y, z, px, py, pz; in the plane: [B] over x, \
-                     y, px, py; the bracket is {x,px} = -1 and {px,py} = Bz"
+                    "in space: [\"Bx\", \"By\", \"Bz\"] over x, y, z, vx, vy, vz; in the plane: [\"B\"] over \
+                     x, y, vx, vy; with H = v^2/2 it means x' = v, v' = v × B"
                         .to_owned(),
                 ),
             )));
         }
     };
+    let is_reversed = document.system.convention == Convention::HamiltonFirst;
+    let signed = |value: Expression, is_negative: bool| match is_negative {
+        true => Expression::Negate(Box::new(value)),
+        false => value,
+    };
     let mut entries = Entries::new();
     for i in 0..dimension / 2 {
-        entries.insert((i, i + dimension / 2), integer(-1));
+        let canonical = integer(if is_reversed { -1 } else { 1 });
+        entries.insert((i, i + dimension / 2), canonical);
     }
     for (component, &(i, j)) in field.iter().zip(places) {
         let formula = parse(document, component)?;
@@ -308,12 +315,7 @@ fn magnetic(
             .resolve(scope, None)
             .map_err(|error| refusal(document, component, &error))?
             .unwrap_or_else(|| integer(0));
-        let entry = if i < j {
-            value
-        } else {
-            Expression::Negate(Box::new(value))
-        };
-        entries.insert((i.min(j), i.max(j)), entry);
+        entries.insert((i.min(j), i.max(j)), signed(value, (i > j) != is_reversed));
     }
     Ok(entries)
 }

@@ -52,16 +52,59 @@ fn named_brackets_are_their_entries() {
     );
 }
 
+/// The paper's Example 3 is the bracket of the field −(y, −z, x²) under its convention.
 #[test]
-fn a_magnetic_bracket_is_the_papers_third_example() {
+fn a_magnetic_field_is_the_papers_third_example_but_for_its_sign() {
     let six = "variables = [\"x\", \"y\", \"z\", \"px\", \"py\", \"pz\"]\nhamiltonian = \"px\"\n";
-    let named = format!("{six}bracket = {{ magnetic = [\"y\", \"-z\", \"x^2\"] }}");
+    let named = format!("{six}bracket = {{ magnetic-field = [\"-y\", \"z\", \"-x^2\"] }}");
     let written = format!(
         "{six}bracket = {{ \"x,px\" = -1, \"y,py\" = -1, \"z,pz\" = -1, \"px,py\" = \"x^2\", \
          \"px,pz\" = \"z\", \"py,pz\" = \"y\" }}"
     );
     let point = [1.5, -0.5, 2.0, 0.0, 0.0, 0.0];
     assert_eq!(entries(&named, &point), entries(&written, &point));
+}
+
+/// x' = v and v' = v × B − ∇V under both conventions, in space and in the plane.
+#[test]
+fn a_magnetic_field_bends_a_positive_charge_under_both_conventions() {
+    for convention in ["{H,x}", "{x,H}"] {
+        let field = |text: &str, x: &[f64]| {
+            let text = format!("{text}\nconvention = \"{convention}\"");
+            let initial = format!("initial = {x:?}");
+            let system = compose_system(&document(&text, &initial))
+                .expect("a system")
+                .system;
+            let map = system.field_values().expect("code");
+            let mut value = vec![0.0; x.len()];
+            map.evaluator(&[], 1.0, 1.0)
+                .value(x, &mut value)
+                .expect("a value");
+            value
+        };
+        let space = "variables = [\"x\", \"y\", \"z\", \"vx\", \"vy\", \"vz\"]\n\
+                     bracket = { magnetic-field = [\"2\", \"3*z\", \"1 + x^2\"] }\n\
+                     hamiltonian = \"(vx^2 + vy^2 + vz^2)/2 + 5*x\"";
+        let [x, z, vx, vy, vz] = [0.5, -0.25, 1.5, -2.0, 0.75];
+        let [bx, by, bz] = [2.0, 3.0 * z, 1.0 + x * x];
+        let force = [
+            vy * bz - vz * by - 5.0,
+            vz * bx - vx * bz,
+            vx * by - vy * bx,
+        ];
+        assert_eq!(
+            field(space, &[x, 0.0, z, vx, vy, vz]),
+            [[vx, vy, vz], force].concat(),
+            "{convention}"
+        );
+        let plane = "variables = [\"x\", \"y\", \"vx\", \"vy\"]\n\
+                     bracket = { magnetic-field = [\"1 + x\"] }\nhamiltonian = \"(vx^2 + vy^2)/2\"";
+        assert_eq!(
+            field(plane, &[x, 0.0, vx, vy]),
+            [vx, vy, vy * (1.0 + x), -vx * (1.0 + x)],
+            "{convention}"
+        );
+    }
 }
 
 #[test]

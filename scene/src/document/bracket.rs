@@ -14,15 +14,22 @@ pub enum BracketSpec {
     LieAlgebra(Located<String>),
     /// {x_i, x_j} = a_ij x_i x_j; the rows of the square matrix a.
     LogCanonical(Vec<Vec<Located<Number>>>),
-    /// Positions and momenta in a magnetic field; its components' formulas.
-    Magnetic(Vec<Located<String>>),
+    /// Positions and velocities in a magnetic field B with v' = v × B; its components' formulas.
+    MagneticField(Vec<Located<String>>),
 }
 
-pub(super) const KINDS: [&str; 3] = ["lie-algebra", "log-canonical", "magnetic"];
+pub(super) const KINDS: [&str; 3] = ["lie-algebra", "log-canonical", "magnetic-field"];
+
+/// What `magnetic-field` was once called, with another sign.
+const MAGNETIC: &str = "magnetic";
 
 /// Reads the value of `bracket`.
 pub(super) fn read_bracket(item: &Item<'_>, problems: &mut Problems) -> Option<BracketSpec> {
     let table = item.table("bracket", "a table", problems)?;
+    if let Some(old) = table.get(MAGNETIC) {
+        problems.push(SceneProblemCause::MagneticSign, old.key.place());
+        return None;
+    }
     let kind = table
         .items
         .iter()
@@ -62,9 +69,9 @@ pub(super) fn read_bracket(item: &Item<'_>, problems: &mut Problems) -> Option<B
     }
     let spec = match kind.key.value.as_str() {
         "lie-algebra" => kind.string(problems).map(BracketSpec::LieAlgebra),
-        "magnetic" => kind
+        "magnetic-field" => kind
             .list_of("a list of formulas", problems, Item::formula)
-            .map(BracketSpec::Magnetic),
+            .map(BracketSpec::MagneticField),
         _ => matrix(kind, problems).map(BracketSpec::LogCanonical),
     };
     spec.filter(|_| alone)

@@ -83,7 +83,20 @@ pub enum ParameterDraw {
     /// Normal, of this mean and standard deviation.
     Normal(f64, f64),
     /// One after the other: a direction of a grid.
-    Grid(Vec<f64>),
+    Values(Vec<f64>),
+    /// Equidistant ones, both ends among them: from, to, how many.
+    Range(f64, f64, u64),
+}
+
+impl ParameterDraw {
+    /// The points of a direction of a grid; one where it is none.
+    pub fn points(&self) -> u64 {
+        match self {
+            Self::Uniform(..) | Self::Normal(..) => 1,
+            Self::Values(values) => values.len() as u64,
+            Self::Range(_, _, count) => *count,
+        }
+    }
 }
 
 /// How each member's last state is kept.
@@ -365,13 +378,15 @@ fn read_parameter(item: &Item<'_>, problems: &mut Problems) -> Option<Located<Pa
             ParameterDraw::Normal(mean, deviation)
         }
         ("normal", _) => return refuse("[mean, standard deviation]"),
-        ("range", &[from, to, count]) => match grid(from, to, count) {
-            Some(grid) => ParameterDraw::Grid(grid),
-            None => return refuse("[from, to, count], count a whole number of at least 2"),
-        },
+        ("range", &[from, to, count]) if is_count(count) => {
+            ParameterDraw::Range(from, to, count as u64)
+        }
+        ("range", &[_, _, _]) => {
+            return refuse("[from, to, count], count a whole number of at least 2");
+        }
         ("range", _) => return refuse("[from, to, count]"),
         (_, []) => return refuse("at least one value"),
-        _ => ParameterDraw::Grid(values.clone()),
+        _ => ParameterDraw::Values(values.clone()),
     };
     Some(Located::new(draw, item.place()))
 }
@@ -379,15 +394,8 @@ fn read_parameter(item: &Item<'_>, problems: &mut Problems) -> Option<Located<Pa
 /// The largest grid in one direction.
 const MOST_POINTS: f64 = 1e9;
 
-/// `count` equidistant numbers, the ends among them.
-fn grid(from: f64, to: f64, count: f64) -> Option<Vec<f64>> {
-    let is_count = (2.0..=MOST_POINTS).contains(&count) && libm::floor(count) == count;
-    let last = count - 1.0;
-    let point = |at: usize| {
-        let s = at as f64 / last;
-        from * (1.0 - s) + to * s
-    };
-    is_count.then(|| (0..count as usize).map(point).collect())
+fn is_count(count: f64) -> bool {
+    (2.0..=MOST_POINTS).contains(&count) && libm::floor(count) == count
 }
 
 type Record = (RecordSpec, bool, Vec<f64>, u64);
@@ -400,7 +408,13 @@ fn read_record(
     let Some(item) = table.get("record") else {
         let observables = read_observables(None, &table.place, system, problems)?;
         let every = u64::MAX;
-        return Some((RecordSpec { every, observables }, false, Vec::new(), 1));
+        let states = None;
+        let record = RecordSpec {
+            every,
+            observables,
+            states,
+        };
+        return Some((record, false, Vec::new(), 1));
     };
     let record = item.table("record", "a table", problems)?;
     record.only(&RECORD_KEYS, problems);
@@ -416,6 +430,7 @@ fn read_record(
     let record = RecordSpec {
         every: every.as_ref().map_or(u64::MAX, |every| every.value),
         observables: observables?,
+        states: None,
     };
     let drift_every = drift_every?.map_or(1, |every| every.value);
     Some((record, every.is_some(), quantiles?, drift_every))

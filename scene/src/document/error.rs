@@ -137,6 +137,9 @@ pub enum SceneProblemCause {
         /// The nearest kind of bracket.
         nearest: Option<String>,
     },
+    /// `magnetic`, the bracket of a charge −1 that ran time backwards under `{x,H}`.
+    #[error("`magnetic` is now `magnetic-field`, with the force v' = v × B")]
+    MagneticSign,
     /// An override that is not `path=value` with a path of the scene format.
     #[error("the override `{path}` cannot be applied: {reason}")]
     Override {
@@ -164,6 +167,7 @@ impl SceneProblemCause {
             Self::InvalidName { reason, .. } => (*reason).to_owned(),
             Self::BracketKey { .. } => "expected two variables and a comma".to_owned(),
             Self::System { .. } => "here".to_owned(),
+            Self::MagneticSign => "write `magnetic-field`".to_owned(),
             Self::Override { .. } => "given on the command line".to_owned(),
         }
     }
@@ -180,6 +184,9 @@ impl SceneProblemCause {
                  scene: plugins = [\"./lib{}.so\"]",
                 name.split('/').next().unwrap_or_default()
             )),
+            Self::UnknownKey { key, table, .. } if time_help(key, table).is_some() => {
+                time_help(key, table).map(str::to_owned)
+            }
             Self::UnknownKey { nearest, valid, .. } | Self::UnknownName { nearest, valid, .. } => {
                 match nearest {
                     Some(name) => Some(format!("did you mean `{name}`?")),
@@ -195,11 +202,33 @@ impl SceneProblemCause {
             } => Some(format!("did you mean `{name}`?")),
             Self::BracketKey { nearest: None, .. } => Some(
                 "write \"x1,x2\" = \"…\" for {x1, x2}, or one of lie-algebra, log-canonical, \
-                 magnetic"
+                 magnetic-field"
+                    .to_owned(),
+            ),
+            Self::MagneticSign => Some(
+                "under \"{H,x}\" `magnetic` meant v' = -v × B, under \"{x,H}\" it ran time backwards; for \
+                 H = v^2/2 + V(x), magnetic-field = [\"Bx\", \"By\", \"Bz\"] means x' = v and \
+                 v' = v × B - dV/dx under both: negate B to keep the old motion"
                     .to_owned(),
             ),
             _ => None,
         }
+    }
+}
+
+/// What stands in place of a step or an end of time as other programs call them.
+fn time_help(key: &str, table: &str) -> Option<&'static str> {
+    let letters: String = key.chars().filter(|c| c.is_alphanumeric()).collect();
+    match (table, letters.to_lowercase().as_str()) {
+        ("[method]", "dt" | "step" | "stepsize" | "tstep" | "deltat") => {
+            Some("did you mean `time-step`? One step advances t by it")
+        }
+        (
+            "[run]",
+            "tend" | "end" | "endtime" | "tmax" | "tfinal" | "finaltime" | "time" | "duration"
+            | "t",
+        ) => Some("a run ends after `steps`: as many as the time to go over `time-step`"),
+        _ => None,
     }
 }
 
@@ -218,11 +247,12 @@ pub struct SceneErrors {
 }
 
 impl SceneErrors {
-    /// Each problem with its text and place, ready to print.
+    /// The first problems, each with its text and place, ready to print; the last of them says how many
+    /// more there are.
     pub fn diagnostics(&self) -> Vec<SceneDiagnostic> {
         let fragment = self.fragment.as_ref();
-        self.problems
-            .iter()
+        let shown = self.problems.iter().take(MOST_SHOWN);
+        let mut shown: Vec<SceneDiagnostic> = shown
             .map(|problem| {
                 let (source_name, source_text) =
                     source_text(&problem.place.source, &self.name, &self.text, fragment);
@@ -235,9 +265,23 @@ impl SceneErrors {
                     help: problem.cause.help(),
                 }
             })
-            .collect()
+            .collect();
+        if let (Some(more), Some(last)) = (
+            self.problems.len().checked_sub(MOST_SHOWN + 1),
+            shown.last_mut(),
+        ) {
+            let more = format!("and {} more problems, which are not shown", more + 1);
+            last.help = Some(match last.help.take() {
+                Some(help) => format!("{help}\n{more}"),
+                None => more,
+            });
+        }
+        shown
     }
 }
+
+/// The most problems that are shown: each comes with the text it stands in.
+const MOST_SHOWN: usize = 20;
 
 /// Name and text of a source.
 pub(super) fn source_text(

@@ -74,9 +74,12 @@ pub struct MethodSection {
     pub stepper: Option<PartSpec>,
     /// The step.
     pub step: StepSpec,
+    /// Values of parameters from which the parts choose what they are made of, in place of the system's:
+    /// the pieces of a splitting, the multiples of Casimirs.
+    pub chosen_at: Vec<(Located<String>, Located<Number>)>,
 }
 
-pub(super) const KEYS: [&str; 7] = [
+pub(super) const KEYS: [&str; 8] = [
     "realization",
     "dynamics",
     "composition",
@@ -84,7 +87,11 @@ pub(super) const KEYS: [&str; 7] = [
     "epsilon",
     "h",
     "time-step",
+    CHOSEN_AT,
 ];
+
+/// The key of [`MethodSection::chosen_at`].
+pub(crate) const CHOSEN_AT: &str = "chosen-at";
 
 /// Reads `[method]`.
 pub(super) fn read_method(table: &Table<'_>, problems: &mut Problems) -> Option<MethodSection> {
@@ -107,12 +114,17 @@ pub(super) fn read_method(table: &Table<'_>, problems: &mut Problems) -> Option<
         }
     }
     let step = read_step(table, problems);
+    let chosen_at = match table.get(CHOSEN_AT) {
+        Some(item) => item.pairs("a table of numbers", problems, Item::number),
+        None => Some(Vec::new()),
+    };
     Some(MethodSection {
         realization: realization?,
         dynamics: dynamics?,
         composition: composition?.filter(|part| part.name.value != "none"),
         stepper: stepper?,
         step: step?,
+        chosen_at: chosen_at?,
     })
 }
 
@@ -182,8 +194,8 @@ fn read_step(table: &Table<'_>, problems: &mut Problems) -> Option<StepSpec> {
     }
     if table.get("epsilon").is_none() && table.get("h").is_none() {
         table.require(
-            "epsilon",
-            "epsilon = 0.1 and h = 2.0, or time-step = 0.2",
+            "time-step",
+            "time-step = 0.2, or epsilon = 0.1 and h = 2.0",
             problems,
         );
         return None;

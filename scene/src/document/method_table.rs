@@ -5,6 +5,7 @@ use std::fmt;
 use leafwise_core::part::{ParameterSetting, PartKind};
 use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
+use super::overrides::in_layout_of;
 use crate::compose::PartChoice;
 
 /// A part by name with the parameters that it is given.
@@ -249,7 +250,7 @@ impl MethodTable {
             let every = libm::round(every as f64 * ratio).max(1.0);
             set(record, "every", Value::from(every as i64));
         }
-        Ok(document.to_string())
+        Ok(in_layout_of(text, document.to_string()))
     }
 
     /// Writes what makes a step; returns the keys in the order they are to stand in.
@@ -412,6 +413,15 @@ mod tests {
             "[method]\nstepper     = { name = \"gauss\", stages = 3 }\ntime-step   = 0.5\n"
         );
         assert_eq!(method.to_string(), "gauss 3");
+    }
+
+    #[test]
+    fn line_ends_and_a_byte_order_mark_stay() {
+        let method = MethodTable::stepper(PartUse::named("dop853"));
+        let windows = |text: &str| format!("\u{feff}{}", text.replace('\n', "\r\n"));
+        let written = method.write_into(&windows(SCENE), 0.25, 800);
+        let plain = method.write_into(SCENE, 0.25, 800).expect("a scene");
+        assert_eq!(written.expect("a scene"), windows(&plain));
     }
 
     #[test]

@@ -10,6 +10,7 @@ use super::error::SceneProblemCause;
 use super::located::{Place, Source};
 use super::method;
 use super::reader::Problems;
+use super::run;
 use super::suggest::nearest;
 
 /// Keys that give the same thing in other words: setting the first removes the rest.
@@ -61,8 +62,25 @@ pub(super) fn apply_overrides(
             all_applied = false;
         }
     }
-    all_applied.then(|| document.to_string())
+    all_applied.then(|| in_layout_of(text, document.to_string()))
 }
+
+/// Rewritten text with the line ends and the byte order mark of the text it was made from, which the
+/// TOML editor drops.
+pub(super) fn in_layout_of(original: &str, rewritten: String) -> String {
+    let lines = original.matches('\n').count();
+    let mut text = if 2 * original.matches("\r\n").count() > lines {
+        rewritten.replace("\r\n", "\n").replace('\n', "\r\n")
+    } else {
+        rewritten
+    };
+    if original.starts_with(BYTE_ORDER_MARK) && !text.starts_with(BYTE_ORDER_MARK) {
+        text.insert(0, BYTE_ORDER_MARK);
+    }
+    text
+}
+
+const BYTE_ORDER_MARK: char = '\u{feff}';
 
 type Refusal = (SceneProblemCause, Range<usize>);
 
@@ -104,7 +122,22 @@ fn apply(document: &mut DocumentMut, path: &str, value: &str) -> Result<(), Refu
     {
         remove_alternatives(section, key.get());
     }
+    if is_too_large(value) {
+        let most = i64::MAX;
+        return Err(refuse(&format!(
+            "`{value}` is larger than any whole number of TOML, at most {most}"
+        )));
+    }
     write(document, &keys, value).ok_or_else(|| refuse("the path is not a table"))
+}
+
+/// Whether a value is a whole number beyond TOML's; it is not taken for a text.
+fn is_too_large(value: &str) -> bool {
+    let digits = value.trim().trim_start_matches(['+', '-']).replace('_', "");
+    !digits.is_empty()
+        && digits.chars().all(|c| c.is_ascii_digit())
+        && value.trim().parse::<Value>().is_err()
+        && digits.trim_start_matches('0').len() > 18
 }
 
 /// Sets the value, keeping the comment and spaces around the one it replaces.
@@ -152,14 +185,14 @@ fn check_path(keys: &[Key], path: &str) -> Result<(), Refusal> {
             ),
             ["system"] => ("[system]".to_owned(), &super::system::KEYS),
             ["method"] => ("[method]".to_owned(), &method::KEYS),
-            ["run"] => ("[run]".to_owned(), &["initial", "steps", "record", "out"]),
-            ["run", "record"] => ("record".to_owned(), &["every", "observables"]),
+            ["run"] => ("[run]".to_owned(), &run::KEYS),
+            ["run", "record"] => ("record".to_owned(), &run::RECORD_KEYS),
             ["ensemble"] => ("[ensemble]".to_owned(), &ensemble::KEYS),
             ["ensemble", "record"] => ("record".to_owned(), &ensemble::RECORD_KEYS),
             ["system", "parameters" | "families" | "bracket" | "casimirs"]
             | [
                 "method",
-                "realization" | "dynamics" | "composition" | "stepper",
+                "realization" | "dynamics" | "composition" | "stepper" | method::CHOSEN_AT,
             ]
             | ["run", "initial"]
             | ["ensemble", "initial" | "parameters"]

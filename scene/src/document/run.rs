@@ -19,9 +19,30 @@ pub enum InitialSpec {
 pub struct RecordSpec {
     /// Every how many steps a sample is kept; at least 1.
     pub every: u64,
-    /// Observables by name; energy and all Casimirs unless the scene says otherwise.
-    pub observables: Vec<Located<String>>,
+    /// Observables; energy and all Casimirs unless the scene says otherwise.
+    pub observables: Vec<ObservableSpec>,
+    /// The coordinates that are recorded, by names and slices; where not said, all of a small system.
+    pub states: Option<Vec<Located<String>>>,
 }
+
+/// One observable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObservableSpec {
+    /// What its column is called, where the scene gives it a name.
+    pub name: Option<Located<String>>,
+    /// `energy`, a Casimir's name, or a formula of the state.
+    pub formula: Located<String>,
+}
+
+impl ObservableSpec {
+    /// The heading of its column.
+    pub fn heading(&self) -> &str {
+        &self.name.as_ref().unwrap_or(&self.formula).value
+    }
+}
+
+/// In `states`, every coordinate.
+pub(crate) const ALL_STATES: &str = "all";
 
 /// The `[run]` table.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,7 +58,7 @@ pub struct RunSection {
 }
 
 pub(super) const KEYS: [&str; 4] = ["initial", "steps", "record", "out"];
-pub(super) const RECORD_KEYS: [&str; 2] = ["every", "observables"];
+pub(super) const RECORD_KEYS: [&str; 3] = ["every", "observables", "states"];
 
 /// Reads `[run]`; `system` fixes the dimension and the default observables.
 pub(super) fn read_run(
@@ -101,6 +122,7 @@ fn read_record(
         return Some(RecordSpec {
             every: 1,
             observables: read_observables(None, &table.place, system, problems)?,
+            states: None,
         });
     };
     let record = item.table("record", "a table", problems)?;
@@ -110,24 +132,59 @@ fn read_record(
         None => Some(1),
     };
     let observables = read_observables(Some(&record), &table.place, system, problems);
+    let states = match record.get("states") {
+        Some(one) if one.is_string() => one.string(problems).map(|one| Some(vec![one])),
+        Some(list) => {
+            let expected = "\"all\" or a list such as [\"q[0]\", \"q[::100]\", \"p\"]";
+            list.list_of(expected, problems, Item::string).map(Some)
+        }
+        None => Some(None),
+    };
     Some(RecordSpec {
         every: every?,
         observables: observables?,
+        states: states?,
     })
 }
 
-/// The names in a `record` table; energy and every Casimir where it gives none.
+/// The observables of a `record` table; energy and every Casimir where it gives none.
 pub(super) fn read_observables(
     record: Option<&Table<'_>>,
     section: &Place,
     system: Option<&SystemSection>,
     problems: &mut Problems,
-) -> Option<Vec<Located<String>>> {
+) -> Option<Vec<ObservableSpec>> {
     if let Some(list) = record.and_then(|record| record.get("observables")) {
-        return list.list_of("a list of names", problems, Item::string);
+        let entries = list.list_of("a list of names and formulas", problems, read_observable)?;
+        return Some(entries.concat());
     }
     let energy = Located::new("energy".to_owned(), section.clone());
     let casimirs = system.into_iter().flat_map(|system| &system.casimirs);
     let names = casimirs.map(|(name, _)| name.clone());
-    Some(std::iter::once(energy).chain(names).collect())
+    let formulas = std::iter::once(energy).chain(names);
+    Some(formulas.map(unnamed).collect())
+}
+
+fn unnamed(formula: Located<String>) -> ObservableSpec {
+    ObservableSpec {
+        name: None,
+        formula,
+    }
+}
+
+/// A name or a formula, or formulas by the names of their columns.
+fn read_observable(item: &Item<'_>, problems: &mut Problems) -> Option<Vec<ObservableSpec>> {
+    if !item.is_table() {
+        return item.string(problems).map(|one| vec![unnamed(one)]);
+    }
+    let pairs = item.pairs(
+        "a formula, or { name = \"formula\" }",
+        problems,
+        Item::formula,
+    )?;
+    let named = pairs.into_iter().map(|(name, formula)| ObservableSpec {
+        name: Some(name),
+        formula,
+    });
+    Some(named.collect())
 }

@@ -90,6 +90,11 @@ impl SceneDocument {
                     Source::Scene => (1, problem.place.span.start),
                     Source::Library(_) => (2, problem.place.span.start),
                 });
+                // The text is then not that of the file.
+                let name = match overrides.is_empty() {
+                    true => name,
+                    false => format!("{name} with --set"),
+                };
                 Err(SceneErrors {
                     name,
                     text,
@@ -155,7 +160,8 @@ fn without_consequences(problems: Vec<SceneProblem>) -> Vec<SceneProblem> {
         .collect();
     let is_consequence = |problem: &SceneProblem| match &problem.cause {
         SceneProblemCause::MissingKey { table, key, .. } => {
-            let stands_for = |k: &str| k == key || (k == "time-step" && key == "epsilon");
+            let stands_for =
+                |k: &str| k == key || (["epsilon", "h"].contains(&k) && key == "time-step");
             misspelled.iter().any(|(t, k)| t == table && stands_for(k))
         }
         _ => false,

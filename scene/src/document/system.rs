@@ -1,5 +1,6 @@
 //! The `[system]` table: the Poisson manifold and the Hamiltonian.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use toml::de::DeTable;
@@ -336,7 +337,7 @@ fn choose<T: Copy>(
 }
 
 fn check_names(system: &SystemSection, problems: &mut Problems) {
-    let mut seen: Vec<&str> = Vec::new();
+    let mut seen: HashSet<&str> = HashSet::new();
     let declared = system
         .variables
         .iter()
@@ -349,6 +350,7 @@ fn check_names(system: &SystemSection, problems: &mut Problems) {
                 .map(|(name, _)| ("parameter", name)),
         );
     for (kind, name) in declared {
+        let is_new = seen.insert(&name.value);
         let mut letters = name.value.chars();
         let begins_well = letters
             .next()
@@ -362,7 +364,7 @@ fn check_names(system: &SystemSection, problems: &mut Problems) {
                 },
                 name.place(),
             );
-        } else if seen.contains(&name.value.as_str()) {
+        } else if !is_new {
             problems.push(
                 SceneProblemCause::Duplicate {
                     name: name.value.clone(),
@@ -370,7 +372,6 @@ fn check_names(system: &SystemSection, problems: &mut Problems) {
                 name.place(),
             );
         }
-        seen.push(&name.value);
     }
 }
 

@@ -32,7 +32,8 @@ pub(super) struct Record {
     windows: Vec<f64>,
     /// The invariants at the initial states.
     initial: Vec<f64>,
-    /// Last states and parameters, lane after lane.
+    /// Initial states, last states and parameters, lane after lane.
+    pub initial_states: Vec<Vec<f64>>,
     pub states: Vec<Vec<f64>>,
     pub parameters: Vec<Vec<f64>>,
     failures: Vec<Option<MemberFailure>>,
@@ -126,6 +127,7 @@ impl<'a> Block<'a> {
                 samples: vec![0.0; shape.times * shape.observables * lanes],
                 windows: vec![0.0; shape.windows * shape.invariants * lanes],
                 initial: Vec::new(),
+                initial_states: states.clone(),
                 states,
                 parameters,
                 failures,
@@ -280,11 +282,20 @@ impl Record {
         row.step_by(self.lanes).copied()
     }
 
+    /// The largest deviation of each invariant of a lane.
+    pub fn largest_deviations(&self, lane: usize) -> impl Iterator<Item = f64> + '_ {
+        let invariants = self.initial.len() / self.lanes;
+        let own = self.windows.iter().skip(lane).step_by(self.lanes);
+        (0..invariants).map(move |at| {
+            let windows = own.clone().skip(at).step_by(invariants);
+            windows.fold(0.0, |largest: f64, deviation| largest.max(*deviation))
+        })
+    }
+
     /// Takes the members in, one after the other.
     pub fn fold(&mut self, into: &mut Reductions) {
         into.add_work(self.statistics);
         let lanes = self.lanes;
-        let mut largest = vec![0.0_f64; into.whole.len()];
         for lane in 0..lanes {
             into.members += 1;
             if let Some(failure) = self.failures[lane].clone() {
@@ -296,16 +307,12 @@ impl Record {
             for (at, summary) in into.summaries.iter_mut().enumerate() {
                 summary.push(own(&self.samples, at), member);
             }
-            largest.fill(0.0);
             for (at, window) in into.windows.iter_mut().enumerate() {
-                let deviation = own(&self.windows, at);
-                window.push(deviation, member);
-                let place = at % largest.len();
-                largest[place] = largest[place].max(deviation);
+                window.push(own(&self.windows, at), member);
             }
-            for (at, deviation) in largest.iter().enumerate() {
+            for (at, deviation) in self.largest_deviations(lane).enumerate() {
                 let initial = own(&self.initial, at);
-                into.whole[at].push(*deviation, member);
+                into.whole[at].push(deviation, member);
                 into.initial[at].push(initial, member);
                 if initial != 0.0 {
                     into.relative[at].push(deviation / initial.abs(), member);

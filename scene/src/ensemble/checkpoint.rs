@@ -7,10 +7,12 @@ use leafwise_core::SolverStatistics;
 
 use super::quantiles::Sketch;
 use super::statistics::{Deviation, MemberFailure, Reductions, Summary};
-use crate::run::{CHECKPOINT, Reader, RunError, Writer, replace};
+use crate::run::{
+    CHECKPOINT, NOT_WHOLE, Reader, RunError, Vouched, Writer, replace, sealed, unsealed,
+};
 
 /// The file begins with this: name and format version.
-const MAGIC: &[u8; 8] = b"leafens1";
+const MAGIC: &[u8; 8] = b"leafens2";
 
 /// A count that is not known.
 const UNKNOWN: u64 = u64::MAX;
@@ -24,8 +26,8 @@ pub(super) struct Checkpoint {
     pub members: u64,
     /// Seconds of integration so far.
     pub wall_seconds: f64,
-    /// Bytes of the file of last states.
-    pub stored_bytes: u64,
+    /// The beginning of the file of last states that holds them.
+    pub vouched: Vouched,
     /// The members taken in so far.
     pub reductions: Reductions,
 }
@@ -40,20 +42,19 @@ impl Checkpoint {
     pub fn read(directory: &Path) -> Result<Self, RunError> {
         let path = directory.join(CHECKPOINT);
         let bytes = fs::read(&path).map_err(RunError::resuming(&path))?;
-        Self::decode(&bytes).ok_or_else(|| RunError::Damaged {
+        Self::decode(&bytes).map_err(|reason| RunError::Damaged {
             file: path,
-            reason: "it is not a whole checkpoint of an ensemble".to_owned(),
+            reason: reason.to_owned(),
         })
     }
 
-    /// The magic number, then every number in 8 bytes, least significant first; lists behind their
-    /// length.
+    /// Every number in 8 bytes, least significant first, lists behind their length; [`sealed`].
     fn encode(&self) -> Vec<u8> {
         let mut out = Writer(MAGIC.to_vec());
         out.whole(self.fingerprint);
         out.whole(self.members);
         out.number(self.wall_seconds);
-        out.whole(self.stored_bytes);
+        out.vouched(&self.vouched);
         let all = &self.reductions;
         out.whole(all.members);
         out.whole(all.failed);
@@ -88,14 +89,17 @@ impl Checkpoint {
                 out.number(deviation.sum);
             }
         }
-        out.0
+        sealed(out)
     }
 
-    /// `None` unless the bytes are exactly one checkpoint.
-    fn decode(bytes: &[u8]) -> Option<Self> {
-        let mut from = Reader(bytes.strip_prefix(MAGIC)?);
+    /// The bytes of exactly one checkpoint; what is wrong with any other.
+    fn decode(bytes: &[u8]) -> Result<Self, &'static str> {
+        Self::content(unsealed(bytes, MAGIC)?).ok_or(NOT_WHOLE)
+    }
+
+    fn content(mut from: Reader<'_>) -> Option<Self> {
         let (fingerprint, total) = (from.whole()?, from.whole()?);
-        let (wall_seconds, stored_bytes) = (from.number()?, from.whole()?);
+        let (wall_seconds, vouched) = (from.number()?, from.vouched()?);
         let (members, failed) = (from.whole()?, from.whole()?);
         let statistics = SolverStatistics {
             steps: from.whole()?,
@@ -130,7 +134,7 @@ impl Checkpoint {
             fingerprint,
             members: total,
             wall_seconds,
-            stored_bytes,
+            vouched,
             reductions: Reductions {
                 members,
                 failed,
@@ -229,14 +233,17 @@ mod tests {
             fingerprint: 5,
             members: 10_000,
             wall_seconds: 1.5,
-            stored_bytes: 99,
+            vouched: Vouched {
+                bytes: 99,
+                sha256: [3; 32],
+            },
             reductions,
         };
         let bytes = checkpoint.encode();
-        assert_eq!(Checkpoint::decode(&bytes), Some(checkpoint));
+        assert_eq!(Checkpoint::decode(&bytes), Ok(checkpoint));
         for cut in [0, 7, 8, 40, bytes.len() / 2, bytes.len() - 1] {
-            assert_eq!(Checkpoint::decode(&bytes[..cut]), None, "{cut} bytes");
+            assert!(Checkpoint::decode(&bytes[..cut]).is_err(), "{cut} bytes");
         }
-        assert_eq!(Checkpoint::decode(&[bytes, vec![0]].concat()), None);
+        assert!(Checkpoint::decode(&[bytes, vec![0]].concat()).is_err());
     }
 }

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::channel;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::thread::Builder;
 use std::time::{Duration, Instant};
 
 use leafwise_core::BuildError;
@@ -50,6 +51,8 @@ pub(super) struct Session<'a> {
     pub reductions: Reductions,
     pub store: FinalStore,
     pub wall: Duration,
+    /// Threads that the members were stepped on.
+    pub threads: usize,
 }
 
 impl Session<'_> {
@@ -69,28 +72,34 @@ impl Session<'_> {
         let (next, taken) = (AtomicU64::new(0), AtomicU64::new(0));
         let (sender, receiver) = channel::<(u64, Result<Option<Record>, BuildError>)>();
         let ensemble = self.ensemble;
-        let most_waiting = (workforce.threads.get() * WAITING) as u64;
-        let work = || loop {
+        let most_waiting = (workforce.threads.get().saturating_mul(WAITING)) as u64;
+        let next_block = || {
             let block = next.fetch_add(1, Ordering::Relaxed);
-            let Some((first, lanes)) = blocks.at(block) else {
-                return;
-            };
+            let (first, lanes) = blocks.at(block)?;
             // Blocks far ahead of the slowest wait, so that few are held in memory.
-            while block > taken.load(Ordering::Relaxed) + most_waiting {
+            while block > taken.load(Ordering::Relaxed).saturating_add(most_waiting) {
                 if signals.stop.load(Ordering::Relaxed) {
-                    return;
+                    return None;
                 }
                 std::thread::sleep(Duration::from_millis(1));
             }
-            let record = block::run(ensemble, first, lanes, &signals);
-            let is_over = !matches!(record, Ok(Some(_)));
-            if sender.clone().send((block, record)).is_err() || is_over {
-                return;
+            Some((block, block::run(ensemble, first, lanes, &signals)))
+        };
+        let work = || {
+            while let Some((block, record)) = next_block() {
+                let is_over = !matches!(record, Ok(Some(_)));
+                if sender.clone().send((block, record)).is_err() || is_over {
+                    return;
+                }
             }
         };
         std::thread::scope(|scope| {
-            let threads = 0..workforce.threads.get();
-            let workers: Vec<_> = threads.map(|_| scope.spawn(work)).collect();
+            // As many as there are blocks, and as many as the system grants; without any, blocks are
+            // stepped here.
+            let threads = 0..blocks.count().min(workforce.threads.get() as u64);
+            let spawn = |_| Builder::new().spawn_scoped(scope, work).ok();
+            let workers: Vec<_> = threads.map_while(spawn).collect();
+            self.threads = workers.len().max(1);
             let mut waiting = BTreeMap::new();
             let (mut at, started) = (0, Instant::now());
             let before = self.wall;
@@ -103,7 +112,12 @@ impl Session<'_> {
                 if progress.is_interrupted() {
                     break Ok(RunOutcome::Interrupted);
                 }
-                match receiver.recv_timeout(SHOW_EVERY) {
+                let received = if workers.is_empty() {
+                    next_block().ok_or(RecvTimeoutError::Disconnected)
+                } else {
+                    receiver.recv_timeout(SHOW_EVERY)
+                };
+                match received {
                     Ok((block, Ok(Some(record)))) => {
                         waiting.insert(block, record);
                         is_stuck = false;
@@ -124,8 +138,10 @@ impl Session<'_> {
                 }
                 self.wall = before + started.elapsed();
                 progress.show(&Status {
-                    steps: from * steps + signals.steps.load(Ordering::Relaxed),
-                    total: members * steps,
+                    steps: from
+                        .saturating_mul(steps)
+                        .saturating_add(signals.steps.load(Ordering::Relaxed)),
+                    total: members.saturating_mul(steps),
                     time: ensemble.time(steps),
                     energy_drift: self.reductions.whole.first().map_or(0.0, |d| d.maximum),
                 });
@@ -154,7 +170,7 @@ impl Session<'_> {
             fingerprint: self.ensemble.population.fingerprint(),
             members: self.ensemble.population.members(),
             wall_seconds: self.wall.as_secs_f64(),
-            stored_bytes: self.store.sync()?,
+            vouched: self.store.sync()?,
             reductions: self.reductions.clone(),
         })
     }

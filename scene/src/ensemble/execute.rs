@@ -1,15 +1,16 @@
 //! From a composed ensemble to a complete run directory.
 
-use std::fs;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use super::advice::measured;
 use super::checkpoint::Checkpoint;
 use super::drive::{Session, Workforce};
 use super::plan::ComposedEnsemble;
 use super::statistics::Reductions;
-use super::store::FinalStore;
+use super::store::{FinalStore, has_begun_at_most};
 use super::{page, tables};
+use crate::advice::Advice;
 use crate::compose::SceneChecks;
 use crate::document::SceneDocument;
 use crate::report::render_ensemble;
@@ -29,6 +30,12 @@ pub struct EnsembleReport {
     pub wall_seconds: f64,
     /// The member an earlier session had come to.
     pub resumed_at: Option<u64>,
+    /// Whether it had come to its end before: nothing was computed or written.
+    pub is_repeated: bool,
+    /// Threads that members were stepped on: fewer than asked for where the system grants no more.
+    pub threads: usize,
+    /// What to change in the scene, as the members have shown.
+    pub advice: Vec<Advice>,
     /// The run directory.
     pub directory: PathBuf,
 }
@@ -55,7 +62,8 @@ pub fn default_ensemble_directory(document: &SceneDocument) -> PathBuf {
 }
 
 /// Checks the scene, then steps all members and reduces them into a directory; an unfinished ensemble
-/// of the same scene is resumed, to the same bits as without interruption.
+/// of the same scene is resumed, to the same bits as without interruption, and a finished one reported
+/// again.
 ///
 /// # Errors
 /// As [`run`](crate::run::run).
@@ -78,59 +86,86 @@ pub fn run_ensemble(
         plugins: &plugins(composed),
     };
     let directory = RunDirectory::open(&options.directory, &asked, options.force)?;
-    let started = directory.unfinished.clone();
-    let resumed = match started {
-        Some(_) => Some(resume(ensemble, &directory)?),
+    let held = directory.held.as_ref();
+    let resumed = match held {
+        Some(_) => resume(ensemble, &directory)?,
         None => None,
     };
-    let resumed_at = resumed
-        .as_ref()
-        .map(|checkpoint| checkpoint.reductions.members);
-    let store = FinalStore::open(
-        ensemble,
-        &directory.path,
-        resumed.as_ref().map(|checkpoint| checkpoint.stored_bytes),
-    )?;
-    let (reductions, wall_seconds) = match resumed {
-        Some(checkpoint) => (checkpoint.reductions, checkpoint.wall_seconds),
-        None => (Reductions::new(ensemble.shape()), 0.0),
-    };
-    let mut session = Session {
-        ensemble,
-        reductions,
-        store,
-        wall: Duration::try_from_secs_f64(wall_seconds).unwrap_or_default(),
-    };
+    let resumed_at = resumed.as_ref().map(|session| session.reductions.members);
+    let is_done = held.is_some_and(|held| held.is_done);
+    if is_done && let Some(session) = resumed {
+        let mut report = EnsembleReport {
+            outcome: RunOutcome::Done,
+            wall_seconds: session.wall.as_secs_f64(),
+            reductions: session.reductions,
+            resumed_at: None,
+            is_repeated: true,
+            threads: session.threads,
+            advice: Vec::new(),
+            directory: directory.path.clone(),
+        };
+        report.advice = measured(document, ensemble, &report);
+        return Ok(report);
+    }
     let command = &options.command;
+    let started = held.map(|held| held.started.clone());
     let beginning = Beginning::new(kind, document, composed, &checks, command, started);
-    replace(&directory.path.join(SCENE), document.text.as_bytes())?;
-    session.checkpoint()?.write(&directory.path)?;
     beginning.write_running(&directory.path)?;
+    replace(&directory.path.join(SCENE), document.text.as_bytes())?;
+    let mut session = match resumed {
+        Some(mut session) => {
+            session.store.go_on()?;
+            session
+        }
+        None => Session {
+            ensemble,
+            reductions: Reductions::new(ensemble.shape()),
+            store: FinalStore::create(ensemble, &directory.path)?,
+            wall: Duration::ZERO,
+            threads: 0,
+        },
+    };
+    session.checkpoint()?.write(&directory.path)?;
     let save = &mut |checkpoint: &Checkpoint| checkpoint.write(&directory.path);
     let outcome = session.drive(workforce, progress, save)?;
     session.checkpoint()?.write(&directory.path)?;
-    let report = EnsembleReport {
+    let mut report = EnsembleReport {
         outcome,
         wall_seconds: session.wall.as_secs_f64(),
         reductions: session.reductions,
         resumed_at,
+        is_repeated: false,
+        threads: session.threads,
+        advice: Vec::new(),
         directory: directory.path.clone(),
     };
+    // Who interrupts an ensemble wants it to end.
+    if report.outcome != RunOutcome::Interrupted {
+        report.advice = measured(document, ensemble, &report);
+    }
     tables::write(ensemble, &report)?;
     let data = page::data(document, ensemble, &report, &options.command);
-    let path = directory.path.join(REPORT);
-    fs::write(&path, render_ensemble(&data)?).map_err(RunError::io(&path))?;
+    let page = render_ensemble(&data)?;
+    replace(&directory.path.join(REPORT), page.as_bytes())?;
     let mut ending = tables::ending(ensemble, &report);
     ending["outcome"] = outcome_word(&report.outcome).into();
     beginning.write_end(&directory.path, ending)?;
     Ok(report)
 }
 
-/// The checkpoint of an unfinished ensemble, which must be of these members.
-fn resume(ensemble: &ComposedEnsemble, directory: &RunDirectory) -> Result<Checkpoint, RunError> {
+/// An ensemble as its checkpoint has it, which must be of these members; `None` where it was killed
+/// before the first, and begins anew.
+fn resume<'a>(
+    ensemble: &'a ComposedEnsemble,
+    directory: &RunDirectory,
+) -> Result<Option<Session<'a>>, RunError> {
+    let file = directory.path.join(crate::run::CHECKPOINT);
+    if !file.exists() && has_begun_at_most(ensemble, &directory.path) {
+        return Ok(None);
+    }
     let checkpoint = Checkpoint::read(&directory.path)?;
     let damaged = |reason: &str| RunError::Damaged {
-        file: directory.path.join(crate::run::CHECKPOINT),
+        file,
         reason: reason.to_owned(),
     };
     let population = &ensemble.population;
@@ -148,5 +183,11 @@ fn resume(ensemble: &ComposedEnsemble, directory: &RunDirectory) -> Result<Check
     {
         return Err(damaged("it is of another ensemble"));
     }
-    Ok(checkpoint)
+    Ok(Some(Session {
+        ensemble,
+        store: FinalStore::resume(ensemble, &directory.path, &checkpoint.vouched)?,
+        wall: Duration::try_from_secs_f64(checkpoint.wall_seconds).unwrap_or_default(),
+        reductions: checkpoint.reductions,
+        threads: 0,
+    }))
 }

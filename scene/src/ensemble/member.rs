@@ -5,7 +5,7 @@ use toml_edit::{Array, DocumentMut, InlineTable, Item, Value};
 
 use super::plan::ComposedEnsemble;
 use super::population::NO_LEAF;
-use crate::document::SceneDocument;
+use crate::document::{CHOSEN_AT, SceneDocument};
 
 /// Why a member has no scene.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -34,7 +34,8 @@ pub enum MemberError {
 }
 
 /// The scene's text with one member's initial state and parameters, and without `[ensemble]`: an
-/// ordinary run of it is the member's trajectory, to the bit.
+/// ordinary run of it is the member's trajectory, to the bit. All members step by one method, whose parts
+/// chose what they are made of at the scene's own parameters: `[method] chosen-at` keeps their values.
 ///
 /// # Errors
 /// [`MemberError`].
@@ -60,9 +61,24 @@ pub fn member_scene(
     let initial: Array = state.iter().copied().collect();
     run.ok_or_else(|| missing("run"))?
         .insert("initial", Item::Value(Value::Array(initial)));
+    let declared = ensemble.run.system.parameters();
+    let varied = ensemble.population.varied();
+    if !varied.is_empty() && ensemble.run.system.expressions().is_some() {
+        let method = scene.get_mut("method").and_then(Item::as_table_like_mut);
+        let method = method.ok_or_else(|| missing("method"))?;
+        let table = method
+            .entry(CHOSEN_AT)
+            .or_insert(Item::Value(Value::InlineTable(InlineTable::new())));
+        let chosen = table.as_table_like_mut();
+        let chosen = chosen.ok_or_else(|| rewrite(format!("`{CHOSEN_AT}` is not a table")))?;
+        for parameter in varied.iter().map(|at| &declared[*at]) {
+            if !chosen.contains_key(&parameter.name) {
+                chosen.insert(&parameter.name, Item::Value(Value::from(parameter.value)));
+            }
+        }
+    }
     let system = scene.get_mut("system").and_then(Item::as_table_like_mut);
     let system = system.ok_or_else(|| missing("system"))?;
-    let declared = ensemble.run.system.parameters();
     for at in ensemble.population.varied() {
         let table = system
             .entry("parameters")

@@ -3,6 +3,7 @@
 use super::execute::EnsembleReport;
 use super::plan::ComposedEnsemble;
 use super::tables::summaries;
+use crate::advice::lines;
 use crate::document::SceneDocument;
 use crate::report::{Band, EnsembleData, InvariantSeries, Outcome};
 use crate::run::{PROGRAM_VERSION, RunOutcome, file_name, method_lines, short, title};
@@ -106,6 +107,7 @@ pub(super) fn data(
         scene_name: file_name(&document.name),
         scene_text: document.text.clone(),
         outcome,
+        advice: lines(&report.advice),
         facts,
         method: method_lines(&ensemble.run),
         parts: ensemble.quantiles.clone(),

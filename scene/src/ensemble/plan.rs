@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use leafwise_core::Registry;
+use leafwise_expression::Expression;
 
 use super::observers::Functions;
 use super::population::Population;
 use super::statistics::Shape;
-use crate::compose::{ComposedRun, Observable, Refusal, Stepping, compose};
+use crate::compose::{ComposedRun, DENSE_LIMIT, Observable, Refusal, Stepping, compose};
 use crate::document::{EnsembleSection, FinalStates, SceneDocument};
 
 /// Windows of steps over which the invariants' deviations are taken, at most.
@@ -66,9 +67,12 @@ pub fn compose_ensemble(
     };
     if let Stepping::Lattice(_) = &run.method {
         return Err(refuse(
-            "an ensemble of long lattices is not offered: they step by templates, one at a time"
-                .to_owned(),
-            "shorten the lattice",
+            format!(
+                "an ensemble of lattices of more than {DENSE_LIMIT} coordinates is not offered, and this one has {}: \
+                 they step by templates, one at a time",
+                run.dimension()
+            ),
+            "shorten the lattice, or run its members one by one: leafwise run SCENE --set …",
         ));
     }
     let population = Population::of(document, ensemble, &run, directory)?;
@@ -94,11 +98,16 @@ pub fn compose_ensemble(
         columns.push(match observable {
             Observable::Invariant { index, .. } => Column::Invariant(*index),
             Observable::Formula { expression, .. } => {
-                expressions.push(expression);
+                expressions.push(expression.clone());
+                Column::Formula(expressions.len() - 1)
+            }
+            Observable::Coordinate { index, .. } => {
+                expressions.push(Expression::Variable(*index));
                 Column::Formula(expressions.len() - 1)
             }
         });
     }
+    let expressions: Vec<&Expression> = expressions.iter().collect();
     let formulas = Functions::formulas(&run.system, &expressions).map_err(without_code)?;
     let invariants = Functions::invariants(&run.system).map_err(without_code)?;
     Ok(ComposedEnsemble {

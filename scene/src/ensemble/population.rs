@@ -1,10 +1,9 @@
 //! The members: their initial states and parameters.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use leafwise_core::runge_kutta::SmoothMap;
-use leafwise_core::solver::iteration::Verdict;
+use leafwise_core::solver::judge::Verdict;
 use leafwise_core::solver::{CorrectionSize, DenseFactors, LinearIteration};
 
 use super::random::Random;
@@ -13,6 +12,7 @@ use crate::compose::{ComposedRun, Refusal};
 use crate::document::{
     Distribution, EnsembleSection, InitialDraw, Located, ParameterDraw, SceneDocument,
 };
+use crate::input::read_text;
 
 /// Budget of the way onto a leaf.
 const MOST_EVALUATIONS: usize = 50;
@@ -69,7 +69,7 @@ impl Population {
                     center.copy_from_slice(given);
                 }
                 if matches!(distribution, Distribution::Leaf(_)) {
-                    invariants = Some(leaves(document, ensemble, run)?);
+                    invariants = Some(leaves(document, ensemble, run, &center)?);
                 }
                 Start::Drawn(distribution.clone())
             }
@@ -90,10 +90,7 @@ impl Population {
                 Some((at, draw.value.clone()))
             })
             .collect();
-        let sizes = draws.iter().map(|(_, draw)| match draw {
-            ParameterDraw::Grid(values) => values.len() as u64,
-            _ => 1,
-        });
+        let sizes = draws.iter().map(|(_, draw)| draw.points());
         let points = sizes.fold(1, u64::saturating_mul);
         let members = members(document, ensemble, rows, points)?;
         Ok(Self {
@@ -136,17 +133,19 @@ impl Population {
         let mut place = member % self.points;
         for (at, draw) in self.draws.iter().rev() {
             let random = || Random::new(self.seed, member, 1 + *at as u32);
+            let count = draw.points();
+            let point = place % count;
+            place /= count;
             parameters[*at] = match draw {
                 ParameterDraw::Uniform(from, to) => {
                     let s = random().uniform();
                     from * (1.0 - s) + to * s
                 }
                 ParameterDraw::Normal(mean, deviation) => mean + deviation * random().normal(),
-                ParameterDraw::Grid(values) => {
-                    let count = values.len() as u64;
-                    let value = values[(place % count) as usize];
-                    place /= count;
-                    value
+                ParameterDraw::Values(values) => values[point as usize],
+                ParameterDraw::Range(from, to, _) => {
+                    let s = point as f64 / (count - 1) as f64;
+                    from * (1.0 - s) + to * s
                 }
             };
         }
@@ -240,22 +239,102 @@ fn onto_leaf(
     }
 }
 
+/// The corank of Π at a point, and how many of the declared Casimirs are independent there; `None` where
+/// they have no value.
+fn ranks(run: &ComposedRun, invariants: &SmoothMap, x: &[f64]) -> Option<(usize, usize)> {
+    let d = x.len();
+    let parameters = run.system.parameter_values();
+    let numbers = run.system.numbers().ok()?;
+    let mut numbers = numbers.worker(&parameters);
+    let mut tensor = vec![0.0; d * d];
+    for (k, column) in tensor.chunks_exact_mut(d).enumerate() {
+        let mut unit = vec![0.0; d];
+        unit[k] = 1.0;
+        numbers.tensor(x, &unit, column).ok()?;
+    }
+    let mut map = invariants.evaluator(&parameters, 1.0, 1.0);
+    let mut rows = vec![0.0; invariants.outputs() * d];
+    let mut values = vec![0.0; invariants.outputs()];
+    map.value(x, &mut values).ok()?;
+    map.jacobian(x, &mut rows).ok()?;
+    Some((d - rank(tensor, d), rank(rows.split_off(d), d)))
+}
+
+/// Entries below this part of what they were formed from are round-off.
+const ROUND_OFF: f64 = 1e-11;
+
+/// The rank of a matrix with rows of `width` numbers, whatever the units of its rows and columns: both are
+/// scaled to 1, then eliminated with the largest entry that is left as pivot.
+fn rank(mut matrix: Vec<f64>, width: usize) -> usize {
+    let height = matrix.len() / width;
+    for _ in 0..4 {
+        for row in matrix.chunks_exact_mut(width) {
+            let most = row.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+            if most > 0.0 {
+                row.iter_mut().for_each(|value| *value /= most);
+            }
+        }
+        for column in 0..width {
+            let entries = (0..height).map(|row| matrix[row * width + column].abs());
+            let most = entries.fold(0.0, f64::max);
+            if most > 0.0 {
+                (0..height).for_each(|row| matrix[row * width + column] /= most);
+            }
+        }
+    }
+    let mut rows: Vec<Vec<f64>> = matrix.chunks_exact(width).map(<[f64]>::to_vec).collect();
+    let mut rank = 0;
+    while !rows.is_empty() {
+        let entries = rows.iter().enumerate().flat_map(|(i, row)| {
+            let entries = row.iter().enumerate();
+            entries.map(move |(j, value)| (value.abs(), i, j))
+        });
+        let largest = entries.fold(
+            (0.0, 0, 0),
+            |most, entry| if entry.0 > most.0 { entry } else { most },
+        );
+        let (size, i, j) = largest;
+        if size <= ROUND_OFF {
+            break;
+        }
+        let pivot = rows.swap_remove(i);
+        for row in &mut rows {
+            let factor = row[j] / pivot[j];
+            row.iter_mut()
+                .zip(&pivot)
+                .for_each(|(value, p)| *value -= factor * p);
+            row[j] = 0.0;
+        }
+        rank += 1;
+    }
+    rank
+}
+
 fn leaves(
     document: &SceneDocument,
     ensemble: &EnsembleSection,
     run: &ComposedRun,
+    center: &[f64],
 ) -> Result<SmoothMap, Refusal> {
     let place = ensemble.initial.as_ref().map(Located::place);
     let refuse = |message: String| {
         let place = place.as_ref().unwrap_or(&ensemble.place);
-        let help = Some("draw from a ball instead".to_owned());
-        Box::new(document.diagnostic(place, message, "here", help))
+        let help =
+            "declare the missing Casimirs, draw from a ball, or start on another leaf".to_owned();
+        Box::new(document.diagnostic(place, message, "here", Some(help)))
     };
     let map = run
         .system
         .invariants_map()
         .map_err(|error| refuse(error.to_string()))?;
     if map.has_jacobian() && map.outputs() > 1 {
+        let ranks = ranks(run, &map, center);
+        if let Some((corank, independent)) = ranks.filter(|(corank, own)| corank > own) {
+            return Err(refuse(format!(
+                "the leaf through the center has {corank} equations, the corank of the tensor there, and \
+                 {independent} independent Casimirs are declared: what they fix is more than the leaf"
+            )));
+        }
         return Ok(map);
     }
     Err(refuse(
@@ -267,7 +346,7 @@ fn leaves(
 fn states(
     document: &SceneDocument,
     ensemble: &EnsembleSection,
-    path: &PathBuf,
+    path: &Path,
     names: &[String],
 ) -> Result<Vec<f64>, Refusal> {
     let refuse = |message: String| {
@@ -277,13 +356,38 @@ fn states(
                     line or without, or a JSON list of lists";
         Box::new(document.diagnostic(place, message, "this file", Some(help.to_owned())))
     };
-    let text = fs::read_to_string(path)
+    let text = read_text(path)
         .map_err(|error| refuse(format!("cannot read {}: {error}", path.display())))?;
     read_states(&text, names).map_err(|reason| refuse(format!("{}: {reason}", path.display())))
 }
 
-/// The number of members, checked against the rows of a file and the points of a grid.
+/// Members of an ensemble, at most: more than a machine steps in years, so that a slip of the keyboard
+/// is told as one.
+const MOST_MEMBERS: u64 = 1_000_000_000_000;
+
+/// The number of members, checked against [`MOST_MEMBERS`].
 fn members(
+    document: &SceneDocument,
+    ensemble: &EnsembleSection,
+    rows: Option<u64>,
+    points: u64,
+) -> Result<u64, Refusal> {
+    let members = asked_members(document, ensemble, rows, points)?;
+    if members <= MOST_MEMBERS {
+        return Ok(members);
+    }
+    let given = ensemble.members.as_ref().map(Located::place);
+    let place = given.as_ref().unwrap_or(&ensemble.place);
+    Err(Box::new(document.diagnostic(
+        place,
+        format!("{members} members, at most {MOST_MEMBERS} are taken"),
+        "here",
+        Some("take a coarser grid, or `members` drawn at random".to_owned()),
+    )))
+}
+
+/// The number of members, checked against the rows of a file and the points of a grid.
+fn asked_members(
     document: &SceneDocument,
     ensemble: &EnsembleSection,
     rows: Option<u64>,
@@ -318,7 +422,8 @@ fn members(
         ));
     }
     if !wanted.is_multiple_of(points) {
-        let (below, above) = (wanted / points * points, wanted.div_ceil(points) * points);
+        let below = wanted / points * points;
+        let above = wanted.div_ceil(points).saturating_mul(points);
         let nearest = if below == 0 {
             format!("{above}")
         } else {

@@ -6,6 +6,8 @@
 /// The first thing wrong, and in which row or column.
 pub(super) fn read_states(text: &str, names: &[String]) -> Result<Vec<f64>, String> {
     let d = names.len();
+    // A byte order mark, as spreadsheets write it.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let (columns, rows) = if text.trim_start().starts_with('[') {
         let rows: Result<Vec<Vec<f64>>, _> = serde_json::from_str(text);
         let rows = rows.map_err(|error| format!("not a JSON list of lists of numbers: {error}"))?;
@@ -71,17 +73,20 @@ fn places(columns: &[String], names: &[String]) -> Result<Vec<usize>, String> {
 /// Names of columns where there is a line of them, and the rows.
 type Table = (Option<Vec<String>>, Vec<Vec<f64>>);
 
-/// Rows of numbers between commas, semicolons or spaces behind an optional line of names; empty
+/// Rows of numbers between commas, semicolons or blanks behind an optional line of names; empty
 /// lines and lines that begin with # are left out.
 fn read_csv(text: &str) -> Result<Table, String> {
     let lines = text.lines().zip(1..);
     let lines = lines.filter(|(line, _)| !line.trim().is_empty() && !line.starts_with('#'));
     let (mut columns, mut rows) = (None, Vec::new());
     for (at, (line, number)) in lines.enumerate() {
-        let cells: Vec<&str> = line
-            .split([',', ';', ' ', '\t'])
-            .filter(|cell| !cell.is_empty())
-            .collect();
+        let cells = cells(line);
+        if let Some(empty) = cells.iter().position(|cell| cell.is_empty()) {
+            let column = empty + 1;
+            return Err(format!(
+                "line {number} has an empty cell in column {column}, where a number is missing: {line}"
+            ));
+        }
         let row: Result<Vec<f64>, _> = cells.iter().map(|cell| cell.parse::<f64>()).collect();
         // A line without any number is one of names; one with some is a row with a slip in it.
         let is_named = at == 0 && cells.iter().all(|cell| cell.parse::<f64>().is_err());
@@ -95,6 +100,22 @@ fn read_csv(text: &str) -> Result<Table, String> {
         }
     }
     Ok((columns, rows))
+}
+
+/// The cells of a line: between commas where it has one, else between semicolons, else between tabs,
+/// else between spaces. Only of spaces are several one.
+fn cells(line: &str) -> Vec<&str> {
+    let line = line.trim_matches(' ');
+    match [',', ';', '\t']
+        .into_iter()
+        .find(|mark| line.contains(*mark))
+    {
+        Some(mark) => line
+            .split(mark)
+            .map(|cell| cell.trim_matches(' '))
+            .collect(),
+        None => line.split_whitespace().collect(),
+    }
 }
 
 #[cfg(test)]
@@ -111,6 +132,9 @@ mod tests {
         for text in [
             "x1,x2\n1,2.5\n\n-3e-4,0\n",
             "# two states\n1 2.5\n-0.0003\t0",
+            "\u{feff}x1, x2\r\n1 , 2.5\r\n-3e-4,0\r\n",
+            "\u{feff} [[1, 2.5], [-0.0003, 0]]",
+            "  1   2.5 \n -3e-4  0",
             "\"x1\";\"x2\"\n1;2.5\n-3e-4;0",
             "[[1, 2.5], [-0.0003, 0]]",
         ] {
@@ -123,6 +147,13 @@ mod tests {
             ("x1,x2", "it has no row"),
             ("", "it has no row"),
             ("1,inf", "not a finite number"),
+            ("1,,2", "line 1 has an empty cell in column 2"),
+            ("x1,x2\n,4,5", "line 2 has an empty cell in column 1"),
+            ("1,2\n3,4,", "line 2 has an empty cell in column 3"),
+            ("1;;2", "empty cell in column 2"),
+            ("1\t\t2", "empty cell in column 2"),
+            ("x1,,x2\n1,2", "line 1 has an empty cell in column 2"),
+            ("1,5;2,5", "line 1 is not"),
             ("[[1, 2], 3]", "not a JSON list"),
         ] {
             let error = read(text).expect_err(text);

@@ -7,8 +7,9 @@ use serde_json::{Map, Value, json};
 use super::execute::EnsembleReport;
 use super::plan::ComposedEnsemble;
 use super::statistics::{Deviation, Summary};
+use crate::csv::{Headings, text_cell};
 use crate::json::{json_number, json_numbers};
-use crate::run::{FAILURES, RunError, STATISTICS, WINDOWS, quoted, replace};
+use crate::run::{FAILURES, RunError, STATISTICS, WINDOWS, replace};
 
 /// Writes `statistics.csv`, `windows.csv` and, where members failed, `failures.csv`.
 pub(super) fn write(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Result<(), RunError> {
@@ -37,7 +38,7 @@ fn statistics(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> String {
             text,
             "{:?},{},{},{},{:?},{:?},{:?},{},{:?},{}",
             ensemble.time(steps),
-            quoted(name),
+            text_cell(name),
             summary.count,
             summary.undefined,
             summary.mean,
@@ -71,11 +72,14 @@ pub(super) fn summaries<'a>(
 /// is, and the members' mean.
 fn windows(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> String {
     let names = ensemble.invariant_names();
-    let mut text = String::from("t_end");
+    let mut headings = Headings::default();
+    headings.push("t_end", "time");
     for name in &names {
-        let _ = write!(text, ",{name},{name}_member,{name}_mean");
+        for heading in ["", "_member", "_mean"] {
+            headings.push(&format!("{name}{heading}"), "invariant");
+        }
     }
-    text.push('\n');
+    let mut text = headings.line();
     let rows = report.reductions.windows.chunks_exact(names.len());
     for (steps, row) in ensemble.window_ends().into_iter().zip(rows) {
         let _ = write!(text, "{:?}", ensemble.time(steps));
@@ -90,17 +94,18 @@ fn windows(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> String {
 }
 
 fn failures(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> String {
-    let mut columns = ["member", "step", "t", "message"]
-        .map(str::to_owned)
-        .to_vec();
-    columns.extend(ensemble.run.names());
-    let mut text = columns.join(",") + "\n";
+    let mut headings = Headings::default();
+    headings.extend(["member", "step", "t", "message"], "of the failure");
+    headings.extend(ensemble.run.names(), "variable");
+    let mut text = headings.line();
     for failure in &report.reductions.failures {
-        let message = format!("\"{}\"", failure.message.replace('"', "\"\""));
         let _ = write!(
             text,
-            "{},{},{:?},{message}",
-            failure.member, failure.step, failure.time
+            "{},{},{:?},{}",
+            failure.member,
+            failure.step,
+            failure.time,
+            text_cell(&failure.message)
         );
         for value in &failure.state {
             let _ = write!(text, ",{value:?}");

@@ -246,8 +246,124 @@ fn an_interrupted_ensemble_resumes_to_the_same_bits() {
         Manifest::read(&pieces).expect("a manifest").kind,
         Kind::Ensemble
     );
-    let again = attempt(&document, &pieces, workforce(1, 1), &mut Quiet);
-    assert!(matches!(again, Err(RunError::Ended { .. })), "{again:?}");
+    // Its end is told again, and nothing is written.
+    let manifest = fs::read(pieces.join("manifest.json")).expect("a manifest");
+    let again = attempt(&document, &pieces, workforce(1, 1), &mut Quiet).expect("the end");
+    assert!(again.is_repeated && again.outcome == RunOutcome::Done);
+    assert!(again.reductions == resumed.reductions);
+    assert_eq!(
+        fs::read(pieces.join("manifest.json")).expect("a manifest"),
+        manifest
+    );
+}
+
+#[test]
+fn a_changed_checkpoint_or_state_of_an_ensemble_is_refused() {
+    let small = "members = 3\ninitial = { ball = 0.2 }\nfinal-states = \"csv\"\n\
+                 record = { observables = [\"x1\"] }";
+    let document = scene(METHODS[0], small);
+    let ensemble = composed(&document);
+    let root = tempfile::tempdir().expect("a directory");
+    let path = root.path();
+    let run = || {
+        let (options, one) = (options(path), workforce(1, 8));
+        run_ensemble(&document, &ensemble, &options, one, &mut Quiet)
+    };
+    run().expect("an ensemble");
+    for (file, step) in [("checkpoint.bin", 7), ("final_states.csv", 1)] {
+        let good = fs::read(path.join(file)).expect(file);
+        for at in (0..good.len()).step_by(step) {
+            let mut flipped = good.clone();
+            flipped[at] ^= 1;
+            fs::write(path.join(file), &flipped).expect("writable");
+            let error = run().expect_err("damage");
+            let text = error.to_string();
+            assert!(matches!(error, RunError::Damaged { .. }), "{text}");
+            assert!(text.contains(file) && text.contains("--force"), "{text}");
+        }
+        fs::write(path.join(file), &good).expect("writable");
+    }
+    assert!(run().expect("as it was").is_repeated);
+}
+
+/// Every column of the last states has a heading of its own, and holds what it says.
+#[test]
+fn last_states_stand_beside_initial_ones_and_drifts() {
+    let document = scene(
+        METHODS[0],
+        &ENSEMBLE.replace("\"x1*x2\"", "\"x1\", \"I2*x2\""),
+    );
+    let ensemble = composed(&document);
+    let root = tempfile::tempdir().expect("a directory");
+    attempt(&document, root.path(), workforce(2, 16), &mut Quiet).expect("an ensemble");
+    let table = fs::read_to_string(root.path().join("final_states.csv")).expect("states");
+    let mut lines = table.lines();
+    assert_eq!(
+        lines.next(),
+        Some(
+            "member,outcome,I2,I3,x1,x2,x3,energy,x1 (observable),I2*x2,x1_initial,x2_initial,\
+             x3_initial,energy_drift,spin_drift"
+        )
+    );
+    for (member, line) in (0..).zip(lines) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let number = |at: usize| -> f64 { cells[at].parse().expect("a number") };
+        assert_eq!((number(8), number(9)), (number(4), number(2) * number(5)));
+        let (state, _) = ensemble.population.draw(member).expect("a state");
+        assert_eq!([number(10), number(11), number(12)], state[..]);
+        // The member by itself, at every step.
+        let text = member_scene(&document, &ensemble, member).expect("a scene");
+        let alone = SceneDocument::parse("member.toml", &text, &NoLibrary).expect("a scene");
+        let run = compose(&alone, &Registry::with_builtin()).expect("a run");
+        let mut integrator = run.integrator();
+        let mut invariants = run.invariants().expect("code");
+        let (mut first, mut now, mut largest) = ([0.0; 2], [0.0; 2], [0.0_f64; 2]);
+        invariants.evaluate(integrator.state(), &mut first);
+        for _ in 0..run.plan.steps {
+            integrator.step().expect("a step");
+            invariants.evaluate(integrator.state(), &mut now);
+            for at in 0..2 {
+                largest[at] = largest[at].max((now[at] - first[at]).abs());
+            }
+        }
+        assert_eq!([number(13), number(14)], largest, "member {member}");
+    }
+}
+
+/// Points of a grid are not held in memory.
+#[test]
+fn a_grid_larger_than_memory_is_refused_by_its_number_and_read_by_place() {
+    let grid = |more: &str| {
+        let ranges =
+            "{ I1 = { range = [1, 2, 100_000_000] }, I2 = { range = [1, 3, 100_000_001] } }";
+        let document = scene(METHODS[0], &format!("parameters = {ranges}\n{more}"));
+        compose_ensemble(&document, &Registry::with_builtin(), Path::new(""))
+    };
+    let refusal = grid("").err().expect("too many");
+    assert!(
+        refusal
+            .message
+            .contains("10000000100000000 members, at most"),
+        "{}",
+        refusal.message
+    );
+    let refusal = grid("members = 7").err().expect("not the grid");
+    assert!(
+        refusal.message.contains("do not fill the grid"),
+        "{}",
+        refusal.message
+    );
+    let document = scene(
+        METHODS[0],
+        "parameters = { I1 = { range = [1, 2, 100_000_001] } }",
+    );
+    let registry = Registry::with_builtin();
+    let ensemble = compose_ensemble(&document, &registry, Path::new("")).expect("an ensemble");
+    let drawn = |member| ensemble.population.draw(member).expect("a state").1[0];
+    assert_eq!(
+        [drawn(0), drawn(50_000_000), drawn(100_000_000)],
+        [1.0, 1.5, 2.0]
+    );
 }
 
 #[test]
@@ -327,6 +443,42 @@ fn members_are_where_their_distribution_has_them() {
     }
     assert_ne!(states("{ normal = 0.1 }")[0], states("{ normal = 0.1 }")[1]);
     assert_eq!(states("{ normal = 0.1 }")[7], states("{ normal = 0.1 }")[7]);
+}
+
+/// {x, y} = 1 on four coordinates has corank 2; one Casimir does not fix a leaf, z and w do, and neither
+/// units nor a function of them change that.
+#[test]
+fn a_leaf_needs_as_many_casimirs_as_the_corank() {
+    let registry = Registry::with_builtin();
+    for (casimirs, independent) in [
+        ("z = \"z\"", Some(1)),
+        ("z = \"z\", square = \"z^2 + 1e30*z\"", Some(1)),
+        ("z = \"z\", w = \"1e-30*w\"", None),
+    ] {
+        let text = format!(
+            "[system]\nvariables = [\"x\", \"y\", \"z\", \"w\"]\nbracket = {{ \"x,y\" = \"1e20\" }}\n\
+             hamiltonian = \"x^2 + y^2\"\ncasimirs = {{ {casimirs} }}\n[method]\nstepper = \"rk4\"\n\
+             time-step = 1e-22\n[run]\ninitial = [1, 2, 3, 4]\nsteps = 1\n[ensemble]\nmembers = 3\n\
+             initial = {{ leaf = 0.1 }}\n"
+        );
+        let document = SceneDocument::parse("scene.toml", &text, &NoLibrary).expect("a scene");
+        let composed = compose_ensemble(&document, &registry, Path::new(""));
+        match (composed, independent) {
+            (Ok(ensemble), None) => {
+                let (state, _) = ensemble.population.draw(1).expect("a state");
+                assert!((state[2] - 3.0).abs() < 1e-15 && (state[3] - 4.0).abs() < 1e-15);
+            }
+            (Err(refusal), Some(count)) => {
+                let message = &refusal.message;
+                let said = format!("{count} independent Casimirs");
+                assert!(
+                    message.contains("has 2 equations") && message.contains(&said),
+                    "{message}"
+                );
+            }
+            (composed, _) => panic!("{casimirs}: {}", composed.is_ok()),
+        }
+    }
 }
 
 #[test]

@@ -125,15 +125,23 @@ fn linear_ticks(low: f64, high: f64, count: usize) -> Ticks {
     let rough = (high - low) / count.max(1) as f64;
     let decade = libm::floor(libm::log10(rough));
     let unit = libm::pow(10.0, decade);
-    let step = [1.0, 2.0, 5.0, 10.0]
-        .into_iter()
-        .map(|nice| nice * unit)
-        .find(|step| *step >= rough * 0.999)
-        .unwrap_or(10.0 * unit);
-    let (first, last) = (
-        libm::ceil(low / step - 1e-9),
-        libm::floor(high / step + 1e-9),
-    );
+    let ends = |step: f64| {
+        (
+            libm::ceil(low / step - 1e-9),
+            libm::floor(high / step + 1e-9),
+        )
+    };
+    let steps = [0.2, 0.5, 1.0, 2.0, 5.0, 10.0].map(|nice| nice * unit);
+    let mut chosen = steps.len() - 1;
+    if let Some(at) = (2..steps.len()).find(|at| steps[*at] >= rough * 0.999) {
+        chosen = at;
+    }
+    // One label alone is no scale.
+    while chosen > 0 && ends(steps[chosen]).1 - ends(steps[chosen]).0 < 1.0 {
+        chosen -= 1;
+    }
+    let step = steps[chosen];
+    let (first, last) = ends(step);
     let magnitude = low.abs().max(high.abs());
     let exponent = libm::floor(libm::log10(magnitude)) as i32;
     let shift = if (-3..5).contains(&exponent) {
@@ -242,6 +250,14 @@ mod tests {
             .into_iter()
             .map(|(_, text)| text)
             .collect()
+    }
+
+    #[test]
+    fn an_axis_has_more_than_one_label() {
+        for half in [0.31, 1.9, 2.4, 3.9, 4.9, 9.7] {
+            let labels = texts(Axis::linear([-half, half], 0.0), 3);
+            assert!(labels.len() >= 2, "{half}: {labels:?}");
+        }
     }
 
     #[test]

@@ -27,6 +27,8 @@ pub struct ReportData {
     pub logarithmic_time: bool,
     /// Energy at the recorded states.
     pub energy: Option<TimeSeries>,
+    /// Recorded formulas by their names.
+    pub observables: Vec<(String, TimeSeries)>,
     /// The recorded states to draw.
     pub trajectory: Option<Trajectory>,
     /// Solver evaluations a step.

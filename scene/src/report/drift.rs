@@ -1,7 +1,7 @@
 //! How far the invariants strayed, on a logarithmic axis.
 
 use super::axis::{Axis, Frame};
-use super::canvas::{ALARM, AXIS, Anchor, Canvas, SERIES, TEXT};
+use super::canvas::{ALARM, AXIS, Canvas, SERIES};
 use super::data::InvariantSeries;
 use super::decimate::maxima;
 use super::error::ReportError;
@@ -42,8 +42,10 @@ pub(super) fn drift_figure(
         "time t",
         "|I(t) − I(0)|, maximum over every step",
     );
-    draw_round_off(&mut canvas, &frame, invariants);
     let mut notes = Vec::new();
+    if draw_round_off(&mut canvas, &frame, invariants) {
+        notes.push("Dashed: 2⁻⁵² max |I(0)|, the round-off of the largest invariant.".to_owned());
+    }
     let mut zeros = 0;
     for (index, series) in invariants.iter().enumerate() {
         zeros += zeros_of(series);
@@ -139,7 +141,7 @@ fn draw_series(
 }
 
 /// The rounding of the largest invariant's value, ε|I(0)|, where it lies on the axis.
-fn draw_round_off(canvas: &mut Canvas, frame: &Frame, invariants: &[InvariantSeries]) {
+fn draw_round_off(canvas: &mut Canvas, frame: &Frame, invariants: &[InvariantSeries]) -> bool {
     let largest = invariants
         .iter()
         .map(|series| series.reference.abs())
@@ -148,16 +150,10 @@ fn draw_round_off(canvas: &mut Canvas, frame: &Frame, invariants: &[InvariantSer
     let level = largest * f64::EPSILON;
     let fraction = frame.y.fraction(level);
     if fraction <= 0.0 || fraction >= 1.0 {
-        return;
+        return false;
     }
     let [left, _, right, _] = frame.edges;
     let (_, y) = frame.point(0.0, level);
     canvas.dashes((left, y), (right, y), AXIS, 1.0);
-    canvas.label_in(
-        "2⁻⁵² max |I(0)|",
-        (right - 4.0, y - 9.0),
-        Anchor::End,
-        TEXT,
-        11.0,
-    );
+    true
 }

@@ -7,7 +7,7 @@ use super::drift::drift_figure;
 use super::error::ReportError;
 use super::figure::Figure;
 use super::html::{escape, number};
-use super::page::{banner, head, reproduction, two_columns};
+use super::page::{advice, banner, head, reproduction, two_columns};
 
 /// What the page of an ensemble is made from.
 #[derive(Clone, Debug, Default)]
@@ -24,6 +24,8 @@ pub struct EnsembleData {
     pub scene_text: String,
     /// How it ended.
     pub outcome: Outcome,
+    /// What to change in the scene: what was measured, and the line to write instead.
+    pub advice: Vec<(String, String)>,
     /// Label and value for each line of the summary.
     pub facts: Vec<(String, String)>,
     /// Label and text for each line about the method.
@@ -74,12 +76,13 @@ impl Band {
 pub fn render_ensemble(data: &EnsembleData) -> Result<String, ReportError> {
     let mut page = head(&data.title, &data.scene_name, &data.version);
     page.push_str(&banner(&data.outcome));
+    page.push_str(&advice(&data.advice));
     page.push_str(&format!("<h2>Summary</h2>\n{}", two_columns(&data.facts)));
     page.push_str(&format!("<h2>At the end</h2>\n{}", table(data)));
     page.push_str("<h2>Figures</h2>\n<div class=\"figures\">\n");
     let mut figures = Vec::new();
     for band in data.bands.iter().filter(|band| band.times.len() > 1) {
-        figures.push(band_figure(band)?.html());
+        figures.push(band_figure(band, &data.parts)?.html());
     }
     for pair in figures.chunks(2) {
         page.push_str(&format!("<div class=\"pair\">\n{}</div>\n", pair.concat()));
@@ -157,7 +160,7 @@ fn table(data: &EnsembleData) -> String {
 }
 
 /// Mean, one standard deviation about it, and the range.
-fn band_figure(band: &Band) -> Result<Figure, ReportError> {
+fn band_figure(band: &Band, parts: &[f64]) -> Result<Figure, ReportError> {
     let (width, height) = (480.0, 226.0);
     let x = Axis::linear(band.times.iter().copied(), 0.0);
     let ends = band.ranges.iter().flat_map(|range| [range.0, range.1]);
@@ -182,14 +185,31 @@ fn band_figure(band: &Band) -> Result<Figure, ReportError> {
         .zip(means)
         .map(|(t, mean)| at(*t, *mean))
         .collect();
+    for part in 0..parts.len() {
+        let quantile = |k: usize| band.quantiles[k].get(part).map(|q| at(band.times[k], *q));
+        let line: Vec<_> = (0..band.times.len()).filter_map(quantile).collect();
+        canvas.path(&line, SERIES[1], 1.0);
+    }
     canvas.path(&line, SERIES[0], 1.6);
+    let percentages: Vec<String> = parts
+        .iter()
+        .map(|p| format!("{}%", number(100.0 * p, 4)))
+        .collect();
+    let quantiles = match percentages.as_slice() {
+        [] => String::new(),
+        some => format!(
+            " Thin lines, from below: the quantiles {}.",
+            some.join(", ")
+        ),
+    };
     Ok(Figure {
         title: band.name.clone(),
         svg: canvas.finish(&format!("{} over time, over the members", band.name))?,
         legend: Vec::new(),
-        caption: "The members' mean (line), one standard deviation about it (dark band) and \
-                  their range (light band)."
-            .to_owned(),
+        caption: format!(
+            "The members' mean (line), one standard deviation about it (dark band) and their range (light \
+             band).{quantiles}"
+        ),
         notes: Vec::new(),
     })
 }

@@ -48,6 +48,18 @@ pub(super) fn energy_figure(energy: &TimeSeries) -> Result<Figure, ReportError> 
     })
 }
 
+/// A recorded formula over time.
+pub(super) fn observable_figure(name: &str, series: &TimeSeries) -> Result<Figure, ReportError> {
+    let (svg, notes) = history(series, name, "An observable over time", Dense::Envelope)?;
+    Ok(Figure {
+        title: name.to_owned(),
+        svg,
+        legend: Vec::new(),
+        caption: format!("{name} at the recorded states."),
+        notes,
+    })
+}
+
 /// Solver evaluations a step over time.
 pub(super) fn solver_figure(solver: &TimeSeries) -> Result<Figure, ReportError> {
     let (svg, notes) = history(

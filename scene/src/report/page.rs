@@ -4,10 +4,13 @@ use super::data::{InvariantSeries, Outcome, ReportData, Trajectory};
 use super::drift::drift_figure;
 use super::error::ReportError;
 use super::figure::Figure;
-use super::history::{energy_figure, solver_figure};
+use super::history::{energy_figure, observable_figure, solver_figure};
 use super::html::{escape, number};
 use super::lattice::lattice_figures;
 use super::orbit::orbit_figure;
+
+/// Recorded formulas that are drawn.
+const MOST_OBSERVABLES: usize = 8;
 
 /// The report as one HTML page: no scripts, nothing fetched, light and dark.
 ///
@@ -60,11 +63,11 @@ pub(super) fn head(title: &str, scene_name: &str, version: &str) -> String {
 }
 
 /// What to change in the scene.
-fn advice(advice: &[(String, String)]) -> String {
+pub(super) fn advice(advice: &[(String, String)]) -> String {
     let section = |(message, change): &(String, String)| {
         format!(
             "<section class=\"banner advice\"><strong>Warning</strong> <span>{}</span>\
-             <p>Write under <code>[method]</code>: <code>{}</code></p></section>\n",
+             <p>Change: <code>{}</code></p></section>\n",
             escape(message),
             escape(change)
         )
@@ -209,6 +212,9 @@ fn figures(data: &ReportData) -> Result<String, ReportError> {
     }
     if let Some(energy) = &data.energy {
         small.push(energy_figure(energy)?);
+    }
+    for (name, series) in data.observables.iter().take(MOST_OBSERVABLES) {
+        small.push(observable_figure(name, series)?);
     }
     if let Some(solver) = &data.solver {
         small.push(solver_figure(solver)?);

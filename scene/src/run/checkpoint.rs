@@ -1,12 +1,14 @@
 //! Everything later steps depend on, in one file that is replaced atomically.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 
 use leafwise_core::SolverStatistics;
 use leafwise_core::integrator::Checkpoint as IntegratorState;
+use sha2::{Digest, Sha256};
 
+use super::appended::{Vouched, create_anew};
 use super::error::RunError;
 use super::invariants::Windows;
 use super::samples;
@@ -16,7 +18,7 @@ use super::snapshots::Snapshots;
 pub(crate) const FILE: &str = "checkpoint.bin";
 
 /// The file begins with this: name and format version.
-const MAGIC: &[u8; 8] = b"leafwis3";
+const MAGIC: &[u8; 8] = b"leafwis4";
 
 /// A count that is not known.
 const UNKNOWN: u64 = u64::MAX;
@@ -30,12 +32,14 @@ pub(super) struct Checkpoint {
     pub statistics: SolverStatistics,
     /// Seconds of integration so far.
     pub wall_seconds: f64,
-    /// Bytes of `samples.csv`.
-    pub sample_bytes: u64,
+    /// The beginning of `samples.csv` that holds them.
+    pub vouched: Vouched,
     /// Samples recorded.
     pub samples: u64,
     /// The step after which the last sample was recorded.
     pub last_sample: Option<u64>,
+    /// For each formula, the samples at which it has no finite value.
+    pub undefined: Vec<u64>,
     /// Invariants over windows.
     pub windows: Windows,
     /// Fields of a long lattice.
@@ -54,7 +58,7 @@ pub(crate) fn replace(path: &Path, content: &[u8]) -> Result<(), RunError> {
 }
 
 fn write_whole(path: &Path, content: &[u8]) -> io::Result<()> {
-    let mut file = File::create(path)?;
+    let mut file = create_anew(path)?;
     file.write_all(content)?;
     file.sync_data()
 }
@@ -67,8 +71,8 @@ impl Checkpoint {
 
     /// Reads the checkpoint of an unfinished run, `None` where it was killed before the first: at most
     /// its initial state is recorded then, and it begins anew.
-    pub fn of_unfinished(directory: &Path) -> Result<Option<Self>, RunError> {
-        if !directory.join(FILE).exists() && samples::has_begun_at_most(directory) {
+    pub fn of_unfinished(directory: &Path, header: &str) -> Result<Option<Self>, RunError> {
+        if !directory.join(FILE).exists() && samples::has_begun_at_most(directory, header) {
             return Ok(None);
         }
         Self::read(directory).map(Some)
@@ -78,14 +82,13 @@ impl Checkpoint {
     pub fn read(directory: &Path) -> Result<Self, RunError> {
         let path = directory.join(FILE);
         let bytes = fs::read(&path).map_err(RunError::resuming(&path))?;
-        Self::decode(&bytes).ok_or_else(|| RunError::Damaged {
+        Self::decode(&bytes).map_err(|reason| RunError::Damaged {
             file: path,
-            reason: "it is not a whole checkpoint of this program".to_owned(),
+            reason: reason.to_owned(),
         })
     }
 
-    /// The magic number, then every number in 8 bytes, least significant first; lists behind their
-    /// length.
+    /// Every number in 8 bytes, least significant first, lists behind their length; [`sealed`].
     fn encode(&self) -> Vec<u8> {
         let mut out = Writer(MAGIC.to_vec());
         out.whole(self.integrator.steps);
@@ -102,29 +105,29 @@ impl Checkpoint {
             out.whole(count);
         }
         out.number(self.wall_seconds);
-        out.whole(self.sample_bytes);
+        out.vouched(&self.vouched);
         out.whole(self.samples);
         out.whole(self.last_sample.unwrap_or(UNKNOWN));
+        out.wholes(&self.undefined);
         out.list(&self.windows.initial);
         out.whole(self.windows.width);
         out.whole(self.windows.filled);
         out.list(&self.windows.current);
         out.list(&self.windows.maxima);
-        out.whole(self.windows.evaluations.len() as u64);
-        self.windows
-            .evaluations
-            .iter()
-            .for_each(|count| out.whole(*count));
+        out.wholes(&self.windows.evaluations);
         out.whole(self.snapshots.every);
         out.whole(self.snapshots.seen);
         out.list(&self.snapshots.times);
         out.list(&self.snapshots.values);
-        out.0
+        sealed(out)
     }
 
-    /// `None` unless the bytes are exactly one checkpoint.
-    fn decode(bytes: &[u8]) -> Option<Self> {
-        let mut from = Reader(bytes.strip_prefix(MAGIC)?);
+    /// The bytes of exactly one checkpoint; what is wrong with any other.
+    fn decode(bytes: &[u8]) -> Result<Self, &'static str> {
+        Self::content(unsealed(bytes, MAGIC)?).ok_or(NOT_WHOLE)
+    }
+
+    fn content(mut from: Reader<'_>) -> Option<Self> {
         let integrator = IntegratorState {
             steps: from.whole()?,
             state: from.list()?,
@@ -138,8 +141,9 @@ impl Checkpoint {
             most_evaluations: from.whole()?,
             failures: from.whole()?,
         };
-        let (wall_seconds, sample_bytes, samples) = (from.number()?, from.whole()?, from.whole()?);
+        let (wall_seconds, vouched, samples) = (from.number()?, from.vouched()?, from.whole()?);
         let last_sample = Some(from.whole()?).filter(|step| *step != UNKNOWN);
+        let undefined = from.wholes()?;
         let windows = Windows {
             initial: from.list()?,
             width: from.whole()?,
@@ -164,13 +168,39 @@ impl Checkpoint {
             integrator,
             statistics,
             wall_seconds,
-            sample_bytes,
+            vouched,
             samples,
             last_sample,
+            undefined,
             windows,
             snapshots,
         })
     }
+}
+
+/// Why a checkpoint is refused whose digest fits.
+pub(crate) const NOT_WHOLE: &str = "it is not a whole checkpoint";
+
+/// Bytes of a SHA-256.
+const DIGEST: usize = 32;
+
+/// The content of a file with the digest of all of it at the end: no bit of it changes unseen.
+pub(crate) fn sealed(Writer(mut content): Writer) -> Vec<u8> {
+    let digest = Sha256::digest(&content);
+    content.extend_from_slice(&digest);
+    content
+}
+
+/// What stands behind the name and format version of a file that was [`sealed`].
+pub(crate) fn unsealed<'a>(bytes: &'a [u8], magic: &[u8; 8]) -> Result<Reader<'a>, &'static str> {
+    let (content, digest) = bytes.split_last_chunk::<DIGEST>().ok_or(NOT_WHOLE)?;
+    let Some(numbers) = content.strip_prefix(magic) else {
+        return Err("it is not a checkpoint in the format of this version");
+    };
+    if Sha256::digest(content)[..] != digest[..] {
+        return Err("it is not what was written: it was changed since, or damaged");
+    }
+    Ok(Reader(numbers))
 }
 
 /// Numbers as bytes, 8 each.
@@ -188,6 +218,16 @@ impl Writer {
     pub(crate) fn list(&mut self, values: &[f64]) {
         self.whole(values.len() as u64);
         values.iter().for_each(|value| self.number(*value));
+    }
+
+    pub(crate) fn wholes(&mut self, values: &[u64]) {
+        self.whole(values.len() as u64);
+        values.iter().for_each(|value| self.whole(*value));
+    }
+
+    pub(crate) fn vouched(&mut self, vouched: &Vouched) {
+        self.whole(vouched.bytes);
+        self.0.extend_from_slice(&vouched.sha256);
     }
 
     /// A text as so many whole numbers, its bytes in eights, filled up with zeros.
@@ -236,8 +276,18 @@ impl Reader<'_> {
         (0..self.length()?).map(|_| self.number()).collect()
     }
 
-    fn wholes(&mut self) -> Option<Vec<u64>> {
+    pub(crate) fn wholes(&mut self) -> Option<Vec<u64>> {
         (0..self.length()?).map(|_| self.whole()).collect()
+    }
+
+    pub(crate) fn vouched(&mut self) -> Option<Vouched> {
+        let bytes = self.whole()?;
+        let (sha256, rest) = self.0.split_first_chunk::<DIGEST>()?;
+        self.0 = rest;
+        Some(Vouched {
+            bytes,
+            sha256: *sha256,
+        })
     }
 }
 
@@ -263,9 +313,13 @@ mod tests {
                 failures: 0,
             },
             wall_seconds: 0.25,
-            sample_bytes: 1 << 40,
+            vouched: Vouched {
+                bytes: 1 << 40,
+                sha256: [7; 32],
+            },
             samples: 77,
             last_sample: Some(4998),
+            undefined: vec![0, 3],
             windows,
             snapshots: Snapshots {
                 every: 2,
@@ -285,14 +339,31 @@ mod tests {
     }
 
     #[test]
+    fn every_flipped_bit_is_refused() {
+        let mut small = example();
+        small.windows = Windows::new(&[1.0, -0.0]);
+        let good = small.encode();
+        for bit in 0..8 * good.len() {
+            let mut flipped = good.clone();
+            flipped[bit / 8] ^= 1 << (bit % 8);
+            assert!(Checkpoint::decode(&flipped).is_err(), "bit {bit}");
+        }
+    }
+
+    #[test]
     fn a_cut_or_lengthened_checkpoint_is_refused() {
         let bytes = example().encode();
         for cut in [0, 7, 8, 15, 100, bytes.len() - 1] {
-            assert_eq!(Checkpoint::decode(&bytes[..cut]), None, "{cut} bytes");
+            assert!(Checkpoint::decode(&bytes[..cut]).is_err(), "{cut} bytes");
         }
-        assert_eq!(Checkpoint::decode(&[bytes.clone(), vec![0]].concat()), None);
-        let mut long_list = bytes.clone();
+        assert!(Checkpoint::decode(&[bytes.clone(), vec![0]].concat()).is_err());
+        // With a digest that fits.
+        let content = bytes[..bytes.len() - DIGEST].to_vec();
+        let mut long_list = content.clone();
         long_list[16..24].copy_from_slice(&u64::MAX.to_le_bytes());
-        assert_eq!(Checkpoint::decode(&long_list), None);
+        for other in [long_list, [content.clone(), vec![0]].concat()] {
+            assert_eq!(Checkpoint::decode(&sealed(Writer(other))), Err(NOT_WHOLE));
+        }
+        assert!(Checkpoint::decode(&sealed(Writer(content))).is_ok());
     }
 }

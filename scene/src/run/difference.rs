@@ -10,12 +10,30 @@ const MOST_CHANGES: usize = 12;
 /// Values by dotted keys, in the order they are written.
 type Entries = Vec<(String, String)>;
 
-/// The keys whose values differ, each as `key: before → after`; empty when two texts are the same
+/// A key whose value differs, or something of the whole scene without one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Change {
+    /// The dotted key.
+    pub key: Option<String>,
+    /// For the reader: `key: before → after`.
+    pub text: String,
+}
+
+impl Change {
+    fn of(key: &str, before: &str, after: &str) -> Self {
+        Self {
+            key: Some(key.to_owned()),
+            text: format!("{key}: {before} → {after}"),
+        }
+    }
+}
+
+/// The keys whose values differ; empty when two texts are the same
 /// scene but for comments and spaces, `None` when one is not TOML.
 ///
 /// Values are compared as they are written: 0.1 and 0.10 differ, since decimals are exact. The
 /// order of keys counts, because that of variables, families and Casimirs does.
-pub(super) fn changed_keys(before: &str, after: &str) -> Option<Vec<String>> {
+pub(super) fn changed_keys(before: &str, after: &str) -> Option<Vec<Change>> {
     let (before, after) = (entries(before)?, entries(after)?);
     if before == after {
         return Some(Vec::new());
@@ -26,27 +44,29 @@ pub(super) fn changed_keys(before: &str, after: &str) -> Option<Vec<String>> {
     for (key, value) in &before {
         match new.get(key) {
             Some(given) if given == value => {}
-            Some(given) => changes.push(format!("{key}: {value} → {given}")),
-            None => changes.push(format!("{key}: {value} → not given")),
+            Some(given) => changes.push(Change::of(key, value, given)),
+            None => changes.push(Change::of(key, value, "not given")),
         }
     }
     for (key, value) in after.iter().filter(|(key, _)| !old.contains_key(key)) {
-        changes.push(format!("{key}: not given → {value}"));
+        changes.push(Change::of(key, "not given", value));
     }
     if changes.is_empty() {
-        changes.push("the keys stand in another order".to_owned());
+        changes.push(Change {
+            key: None,
+            text: "the keys stand in another order".to_owned(),
+        });
     }
     Some(changes)
 }
 
 /// Changes as lines of a message.
-pub(super) fn listed(mut changes: Vec<String>) -> String {
-    let more = changes.len().saturating_sub(MOST_CHANGES);
-    changes.truncate(MOST_CHANGES);
-    if more > 0 {
-        changes.push(format!("… and {more} more"));
+pub(super) fn listed(changes: &[Change]) -> String {
+    let shown = changes.iter().take(MOST_CHANGES);
+    let mut lines: Vec<String> = shown.map(|change| format!("  {}", change.text)).collect();
+    if let Some(more) = changes.len().checked_sub(MOST_CHANGES + 1) {
+        lines.push(format!("  … and {} more", more + 1));
     }
-    let lines: Vec<String> = changes.iter().map(|line| format!("  {line}")).collect();
     lines.join("\n")
 }
 
@@ -92,15 +112,21 @@ fn written(value: &Value) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{changed_keys, listed};
+    use super::{Change, changed_keys, listed};
+
+    fn texts(before: &str, after: &str) -> Option<Vec<String>> {
+        let changes = changed_keys(before, after)?;
+        Some(changes.into_iter().map(|change| change.text).collect())
+    }
 
     #[test]
     fn changes_are_keys_with_both_values() {
         let before = "[method]\nepsilon = 0.1 # small\nh = 2\n[run]\ninitial = [1, 2]\n";
         let after = "[method]\nepsilon = 0.2\n[run]\ninitial = [1,\n 3]\nsteps = 5\n";
         let changes = changed_keys(before, after).expect("two scenes");
+        assert_eq!(changes[0].key.as_deref(), Some("method.epsilon"));
         assert_eq!(
-            changes,
+            texts(before, after).expect("two scenes"),
             [
                 "method.epsilon: 0.1 → 0.2",
                 "method.h: 2 → not given",
@@ -117,7 +143,7 @@ mod tests {
         assert_eq!(changed_keys(before, other), Some(Vec::new()));
         let exchanged = "[a]\nw = 1\nx = { y = [1, 2], z = \"t\" }\n";
         assert_eq!(
-            changed_keys(before, exchanged),
+            texts(before, exchanged),
             Some(vec!["the keys stand in another order".to_owned()])
         );
         assert_eq!(changed_keys(before, "[a"), None);
@@ -125,7 +151,8 @@ mod tests {
 
     #[test]
     fn a_long_list_is_cut() {
-        let lines = listed((0..20).map(|k| k.to_string()).collect());
+        let change = |k: u32| Change::of(&k.to_string(), "0", "1");
+        let lines = listed(&(0..20).map(change).collect::<Vec<_>>());
         assert_eq!(lines.lines().count(), 13);
         assert!(lines.ends_with("… and 8 more"));
     }

@@ -1,13 +1,14 @@
 //! The run directory: start afresh, resume, or refuse.
 
-use std::fs::{self, File, TryLockError};
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::checkpoint;
-use super::difference::{changed_keys, listed};
+use super::difference::{Change, changed_keys, listed};
 use super::error::RunError;
 use super::manifest::{self, Kind, Manifest, PROGRAM_VERSION, PluginRecord};
-use super::samples;
+use super::{samples, states};
 use crate::document::SceneDocument;
 use crate::ensemble::store;
 
@@ -33,13 +34,13 @@ pub fn default_directory(document: &SceneDocument) -> PathBuf {
     Path::new("runs").join(stem(document))
 }
 
-/// The scene file's name without its extension.
+/// The scene file's name without its extension; `scene` where that is no name for a folder.
 pub(crate) fn stem(document: &SceneDocument) -> String {
-    let stem = Path::new(&document.name).file_stem();
-    stem.map_or_else(
-        || "scene".to_owned(),
-        |stem| stem.to_string_lossy().into_owned(),
-    )
+    let stem = Path::new(&document.name).file_stem().unwrap_or_default();
+    match stem.to_string_lossy().as_ref() {
+        "" | "." | ".." => "scene".to_owned(),
+        stem => stem.to_owned(),
+    }
 }
 
 /// A run that wants a directory.
@@ -53,12 +54,23 @@ pub(crate) struct Asked<'a> {
     pub plugins: &'a [PluginRecord],
 }
 
+/// A run of the same scene and inputs that a directory holds.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Held {
+    /// When it was begun.
+    pub started: String,
+    /// Whether it has come to its end.
+    pub is_done: bool,
+    /// Whether the number of steps is the same too.
+    pub has_same_steps: bool,
+}
+
 /// A directory that this program writes to, until dropped.
 pub(crate) struct RunDirectory {
     /// Where it is.
     pub path: PathBuf,
-    /// When the unfinished run that it holds was begun.
-    pub unfinished: Option<String>,
+    /// The run that it holds, to be continued or told again.
+    pub held: Option<Held>,
     /// The lock ends with the file.
     _lock: File,
 }
@@ -66,71 +78,81 @@ pub(crate) struct RunDirectory {
 impl RunDirectory {
     /// Takes hold of `path` for a run.
     ///
-    /// A directory without a run in it must be empty. With `force` the run it holds is removed:
-    /// only the files that a run writes.
+    /// A directory without the manifest of a run must be empty: nothing else tells that its files are
+    /// ours. With `force` the run it holds is removed: only the files that a run of its kind writes.
     pub fn open(path: &Path, run: &Asked<'_>, force: bool) -> Result<Self, RunError> {
-        let is_ours = path.join(LOCK).exists() || path.join(manifest::FILE).exists();
-        let is_empty = match fs::read_dir(path) {
-            Ok(mut entries) => entries.next().is_none(),
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => true,
-            Err(error) => return Err(RunError::io(path)(error)),
+        // No path at all is the folder where the program runs.
+        let path = if path.as_os_str().is_empty() {
+            Path::new(".")
+        } else {
+            path
         };
-        if !is_ours && !is_empty {
+        if Manifest::read(path).is_none() && !holds_nothing(path)? {
             return Err(RunError::Foreign {
                 directory: path.to_owned(),
             });
         }
-        let stored = Manifest::read(path);
-        if let Some(stored) = stored.as_ref().filter(|_| !force) {
-            refuse_other(path, stored, run)?;
-        }
         fs::create_dir_all(path).map_err(RunError::io(path))?;
-        let lock_path = path.join(LOCK);
-        let lock = File::create(&lock_path).map_err(RunError::io(&lock_path))?;
-        match lock.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => {
-                return Err(RunError::Busy {
-                    directory: path.to_owned(),
-                });
-            }
-            Err(TryLockError::Error(error)) => return Err(RunError::io(&lock_path)(error)),
-        }
-        let unfinished = match stored {
-            Some(stored) if !force => Some(stored.started),
+        let lock = lock(path)?;
+        let stored = Manifest::read(path);
+        let held = match &stored {
+            Some(stored) if !force => Some(held(path, stored, run)?),
             _ => None,
         };
-        if unfinished.is_none() {
-            remove_run(path)?;
+        if let (Some(stored), None) = (&stored, &held) {
+            remove_run(path, stored.kind)?;
         }
         Ok(Self {
             path: path.to_owned(),
-            unfinished,
+            held,
             _lock: lock,
         })
     }
 }
 
-/// Refuses a directory whose run has ended or is of another scene; other comments and other
-/// spaces are the same scene.
-fn refuse_other(path: &Path, stored: &Manifest, run: &Asked<'_>) -> Result<(), RunError> {
-    let Asked {
-        kind,
-        scene,
-        plugins,
-    } = *run;
+/// Whether a directory is absent, or has no more in it than a run that was killed before it had a
+/// manifest.
+fn holds_nothing(path: &Path) -> Result<bool, RunError> {
+    let entries = match fs::read_dir(path) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(true),
+        Err(error) => return Err(RunError::io(path)(error)),
+    };
+    for entry in entries {
+        let name = entry.map_err(RunError::io(path))?.file_name();
+        if name != LOCK && name != manifest::UNFINISHED_FILE {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
+/// Keeps other programs out until the file is dropped.
+fn lock(path: &Path) -> Result<File, RunError> {
+    let file = path.join(LOCK);
+    let mut options = OpenOptions::new();
+    let opened = options.write(true).create(true).truncate(false).open(&file);
+    let lock = opened.map_err(RunError::io(&file))?;
+    match lock.try_lock() {
+        Ok(()) => Ok(lock),
+        Err(TryLockError::WouldBlock) => Err(RunError::Busy {
+            directory: path.to_owned(),
+        }),
+        Err(TryLockError::Error(error)) => Err(RunError::io(&file)(error)),
+    }
+}
+
+/// The run of a directory, refused where it has failed or is another one. Other comments and other
+/// spaces are the same scene; another number of steps is the same run of one trajectory.
+fn held(path: &Path, stored: &Manifest, run: &Asked<'_>) -> Result<Held, RunError> {
     let directory = path.to_owned();
-    if stored.kind != kind {
+    if stored.kind != run.kind {
         let other = stored.kind.words();
         return Err(RunError::OtherKind { directory, other });
     }
-    if !stored.is_unfinished() {
-        let ended = if stored.outcome == "failed" {
-            "failed"
-        } else {
-            "finished"
-        };
-        return Err(RunError::Ended { directory, ended });
+    let is_done = stored.outcome == "done";
+    if !is_done && !stored.is_unfinished() {
+        return Err(RunError::Failed { directory });
     }
     if stored.version != PROGRAM_VERSION {
         return Err(RunError::VersionChanged {
@@ -138,21 +160,25 @@ fn refuse_other(path: &Path, stored: &Manifest, run: &Asked<'_>) -> Result<(), R
             version: stored.version.clone(),
         });
     }
-    let file = path.join(SCENE);
-    let before = fs::read_to_string(&file).map_err(RunError::resuming(&file))?;
-    let Some(changes) = changed_keys(&before, scene) else {
-        return Err(RunError::Damaged {
-            file,
-            reason: "it is not a whole scene".to_owned(),
-        });
-    };
-    if !changes.is_empty() {
-        return Err(RunError::SceneChanged {
-            directory,
-            difference: listed(changes),
+    let changes = changes(path, run.scene)?;
+    let is_steps =
+        |change: &Change| run.kind == Kind::Run && change.key.as_deref() == Some("run.steps");
+    if !changes.iter().all(is_steps) {
+        let difference = listed(&changes);
+        return Err(if is_done {
+            RunError::Ended {
+                directory,
+                difference,
+            }
+        } else {
+            RunError::SceneChanged {
+                directory,
+                difference,
+            }
         });
     }
-    let is_used = |before: &&PluginRecord| plugins.iter().any(|now| now.sha256 == before.sha256);
+    let is_used =
+        |before: &&PluginRecord| run.plugins.iter().any(|now| now.sha256 == before.sha256);
     if let Some(changed) = stored.plugins.iter().find(|before| !is_used(before)) {
         return Err(RunError::PluginChanged {
             directory,
@@ -160,27 +186,58 @@ fn refuse_other(path: &Path, stored: &Manifest, run: &Asked<'_>) -> Result<(), R
             sha256: changed.sha256.clone(),
         });
     }
-    Ok(())
+    Ok(Held {
+        started: stored.started.clone(),
+        is_done,
+        has_same_steps: changes.is_empty(),
+    })
 }
 
-/// Removes the files that a run writes, and nothing else.
-fn remove_run(path: &Path) -> Result<(), RunError> {
-    for name in [
-        manifest::FILE,
-        checkpoint::FILE,
-        SCENE,
-        samples::FILE,
-        WINDOWS,
-        FINAL_STATE,
-        REPORT,
-        STATISTICS,
-        FAILURES,
-        store::CSV,
-        store::BINARY,
-    ] {
+/// What differs between the scene that a directory holds and another; nothing where the run was
+/// killed before it had written any file but the manifest.
+fn changes(path: &Path, scene: &str) -> Result<Vec<Change>, RunError> {
+    let file = path.join(SCENE);
+    let before = match fs::read_to_string(&file) {
+        Err(error) if error.kind() == ErrorKind::NotFound && has_only_a_manifest(path) => {
+            return Ok(Vec::new());
+        }
+        read => read.map_err(RunError::resuming(&file))?,
+    };
+    changed_keys(&before, scene).ok_or_else(|| RunError::Damaged {
+        file,
+        reason: "it is not a whole scene".to_owned(),
+    })
+}
+
+fn has_only_a_manifest(path: &Path) -> bool {
+    let files = files(Kind::Run).chain(files(Kind::Ensemble));
+    let mut others = files.filter(|name| *name != manifest::FILE);
+    !others.any(|name| path.join(name).exists())
+}
+
+/// The files that a run writes.
+fn files(kind: Kind) -> impl Iterator<Item = &'static str> {
+    let common = [manifest::FILE, checkpoint::FILE, SCENE, WINDOWS, REPORT];
+    let own: &[&str] = match kind {
+        Kind::Run => &[
+            samples::FILE,
+            samples::UNPUBLISHED,
+            states::FILE,
+            FINAL_STATE,
+        ],
+        Kind::Ensemble => &[STATISTICS, FAILURES, store::CSV, store::BINARY],
+    };
+    common.into_iter().chain(own.iter().copied())
+}
+
+/// Removes the files that a run of a kind writes, and nothing else; the manifest last, which tells
+/// whose they are.
+fn remove_run(path: &Path, kind: Kind) -> Result<(), RunError> {
+    let (first, last): (Vec<_>, Vec<_>) = files(kind).partition(|name| *name != manifest::FILE);
+    for name in first.into_iter().chain(last) {
         let file = path.join(name);
         match fs::remove_file(&file) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            Err(error) if error.kind() != ErrorKind::NotFound => {
                 return Err(RunError::io(file)(error));
             }
             _ => {}

@@ -17,17 +17,41 @@ pub enum RunError {
     /// The tensor is not Poisson, or a Casimir is not one.
     #[error("{0}")]
     Refused(Refusal),
-    /// The directory holds a run that has ended.
+    /// The directory holds a run that has failed.
     #[error(
-        "{} holds a run that has {ended}; run again with --force to replace it, or with --out DIR \
+        "{} holds a run that has failed; run again with --force to replace it, or with --out DIR \
          to write elsewhere",
+        directory.display()
+    )]
+    Failed {
+        /// The run directory.
+        directory: PathBuf,
+    },
+    /// The directory holds a finished run of another scene.
+    #[error(
+        "{} holds a run that has finished, of a different scene:\n{difference}\nrun again with --force \
+         to replace it, or with --out DIR to write elsewhere",
         directory.display()
     )]
     Ended {
         /// The run directory.
         directory: PathBuf,
-        /// How: "finished", "failed".
-        ended: &'static str,
+        /// The keys that differ, each with the stored value and the given one.
+        difference: String,
+    },
+    /// The directory holds a run that has gone further than the scene asks.
+    #[error(
+        "{} holds a run of the same scene that has made {made} steps, and {asked} are asked for; write \
+         elsewhere with --out DIR, or replace it with --force",
+        directory.display()
+    )]
+    Shortened {
+        /// The run directory.
+        directory: PathBuf,
+        /// The steps it has made.
+        made: u64,
+        /// The steps of the scene.
+        asked: u64,
     },
     /// The directory holds an unfinished run of another scene.
     #[error(
@@ -80,7 +104,8 @@ pub enum RunError {
     },
     /// The directory holds something else.
     #[error(
-        "{} exists and is not a run directory; choose another with --out DIR",
+        "{} exists and is not a run directory: it holds files, and no manifest.json of a run that can \
+         be read; choose another with --out DIR",
         directory.display()
     )]
     Foreign {
@@ -95,7 +120,8 @@ pub enum RunError {
     },
     /// A file of an unfinished run that cannot be continued.
     #[error(
-        "{} cannot be resumed from: {reason}; run again with --force to start over",
+        "{} cannot be resumed from: {reason}; run again with --force to start over, or with --out DIR \
+         to keep what is there",
         file.display()
     )]
     Damaged {
@@ -170,7 +196,9 @@ impl RunError {
     pub fn is_usage(&self) -> bool {
         matches!(
             self,
-            Self::Ended { .. }
+            Self::Failed { .. }
+                | Self::Ended { .. }
+                | Self::Shortened { .. }
                 | Self::SceneChanged { .. }
                 | Self::VersionChanged { .. }
                 | Self::PluginChanged { .. }

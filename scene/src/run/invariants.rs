@@ -36,7 +36,7 @@ impl Functions {
                     .observables
                     .iter()
                     .filter_map(|observable| match observable {
-                        Observable::Invariant { .. } => None,
+                        Observable::Invariant { .. } | Observable::Coordinate { .. } => None,
                         Observable::Formula { expression, .. } => Some(expression),
                     })
                     .collect();

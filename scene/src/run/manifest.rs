@@ -10,18 +10,24 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use super::checkpoint::replace;
+use super::directory::FINAL_STATE;
 use super::error::RunError;
 use super::outcome::{RunOutcome, RunReport};
 use super::time::now;
-use crate::compose::{ComposedRun, PartChoice, SceneChecks, TensorShape, tensor_shape};
+use super::{samples, states};
+use crate::compose::{ComposedRun, PartChoice, SceneChecks, StateSlice, TensorShape, tensor_shape};
 use crate::document::SceneDocument;
 use crate::json::{json_number, json_numbers};
 
 /// The version that is written into manifests and reports.
 pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// The file's name in the run directory.
+/// What a manifest says of the program.
+const PROGRAM: &str = "leafwise";
+
+/// The file's name in the run directory, and before it has it.
 pub(super) const FILE: &str = "manifest.json";
+pub(super) const UNFINISHED_FILE: &str = "manifest.new";
 
 /// What a directory holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
@@ -47,6 +53,8 @@ impl Kind {
 /// What of a stored manifest decides whether a run is resumed.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 pub struct Manifest {
+    /// `leafwise`.
+    pub program: String,
     /// The version of the program that began the run.
     pub version: String,
     /// `running`, `done`, `interrupted` or `failed`.
@@ -77,10 +85,11 @@ pub struct PluginRecord {
 }
 
 impl Manifest {
-    /// The manifest of a directory; `None` when there is none that can be read.
+    /// The manifest of a directory; `None` when there is none of this program that can be read.
     pub fn read(directory: &Path) -> Option<Self> {
         let text = fs::read_to_string(directory.join(FILE)).ok()?;
-        serde_json::from_str(&text).ok()
+        let manifest: Self = serde_json::from_str(&text).ok()?;
+        (manifest.program == PROGRAM).then_some(manifest)
     }
 
     /// Whether the run can go on.
@@ -140,13 +149,17 @@ impl Beginning {
         };
         let shape: TensorShape = tensor_shape(&run.system);
         let fields = json!({
-            "program": "leafwise",
+            "program": PROGRAM,
             "kind": kind,
             "version": PROGRAM_VERSION,
             "command": command,
             "scene": document.name,
             "library": document.fragment.as_ref().map(|(id, _)| id),
             "dimension": run.dimension(),
+            "variables": variables(run),
+            "parameters": parameters(run),
+            "initial": (run.dimension() <= MOST_WRITTEN).then(|| json_numbers(&run.plan.initial)),
+            "states": (kind == Kind::Run).then(|| recorded_states(run)),
             "tensor": shape.to_string(),
             "checks": { "jacobi": verdict_word(checks.jacobi.verdict), "casimirs": casimirs },
             "system": run.plan.system.as_ref().map(|c| part(c, run)),
@@ -184,18 +197,6 @@ impl Beginning {
 
     /// Writes the manifest of a run of one trajectory that has ended.
     pub fn write_ended(&self, report: &RunReport, map: &dyn StepMap) -> Result<(), RunError> {
-        let drift: Map<String, Value> = report
-            .invariants
-            .iter()
-            .map(|invariant| {
-                let entry = json!({
-                    "initial": json_number(invariant.initial),
-                    "maximum": json_number(invariant.maximum),
-                    "relative": invariant.relative().map(json_number),
-                });
-                (invariant.name.clone(), entry)
-            })
-            .collect();
         let mut ending = json!({
             "outcome": outcome_word(&report.outcome),
             "steps": report.steps,
@@ -208,10 +209,17 @@ impl Beginning {
                 "most_evaluations": report.statistics.most_evaluations,
                 "failures": report.statistics.failures,
             },
-            "drift": drift,
+            "drift": report.drift_json(),
+            "invariants": report.invariants_json(),
             "machine_code": machine_code(map),
             "warnings": report.advice,
         });
+        if let Some(Value::Object(states)) = self.fields.get("states") {
+            let mut states = states.clone();
+            let width = states["shape"][1].clone();
+            states["shape"] = json!([report.samples, width]);
+            ending["states"] = Value::Object(states);
+        }
         if let RunOutcome::Failed(failure) = &report.outcome {
             ending["failure"] = json!({
                 "message": failure.message, "step": failure.step,
@@ -221,6 +229,53 @@ impl Beginning {
         }
         self.write_end(&report.directory, ending)
     }
+}
+
+/// Names, or numbers of a state, that a manifest writes out at most.
+const MOST_WRITTEN: usize = 1024;
+
+/// The coordinates' names, or the families with their lengths where there are too many.
+fn variables(run: &ComposedRun) -> Value {
+    if run.dimension() <= MOST_WRITTEN {
+        return json!(run.names());
+    }
+    let families = run.plan.families.iter();
+    families
+        .map(|(name, length)| (name.clone(), json!(length)))
+        .collect::<Map<String, Value>>()
+        .into()
+}
+
+fn parameters(run: &ComposedRun) -> Value {
+    let parameters = run.system.parameters().iter();
+    parameters
+        .map(|parameter| (parameter.name.clone(), json_number(parameter.value)))
+        .collect::<Map<String, Value>>()
+        .into()
+}
+
+/// Where the recorded states are: the file, its columns or the slices they come from, and its shape.
+fn recorded_states(run: &ComposedRun) -> Value {
+    let recorded = &run.plan.states;
+    let width = recorded.width();
+    let file = match recorded.are_in_samples() {
+        _ if width == 0 => None,
+        true => Some(samples::FILE),
+        false => Some(states::FILE),
+    };
+    let slice = |slice: &StateSlice| {
+        json!({
+            "name": slice.name, "first": slice.first, "step": slice.step, "count": slice.count,
+        })
+    };
+    let slices: Vec<Value> = recorded.slices.iter().map(slice).collect();
+    json!({
+        "file": file,
+        "shape": [0, width],
+        "columns": (width <= MOST_WRITTEN).then(|| recorded.names()),
+        "slices": slices,
+        "last": (!recorded.is_whole_in_samples()).then_some(FINAL_STATE),
+    })
 }
 
 /// A part as chosen.

@@ -4,6 +4,8 @@
 //! - `drive`: the step loop;
 //! - `invariants`: energy and Casimirs at every step, their maxima over windows;
 //! - `samples`: recorded states, appended to `samples.csv`;
+//! - `appended`: a file that only grows, with a digest;
+//! - `states`: recorded states too wide for `samples.csv`;
 //! - `snapshots`: fields of long lattices, thinned out for the report;
 //! - `checkpoint`: everything later steps depend on, written atomically;
 //! - `manifest`: what was run, with what, and how it ended;
@@ -13,6 +15,7 @@
 //! - `progress`: what a program shows meanwhile;
 //! - `outcome`, `error`: how a run ends.
 
+mod appended;
 mod checkpoint;
 mod difference;
 mod directory;
@@ -25,12 +28,16 @@ mod outcome;
 mod progress;
 mod samples;
 mod snapshots;
+mod states;
 mod summary;
 #[cfg(test)]
 mod tests;
 mod time;
 
-pub(crate) use checkpoint::{FILE as CHECKPOINT, Reader, Writer, replace};
+pub(crate) use appended::{Appended, Vouched};
+pub(crate) use checkpoint::{
+    FILE as CHECKPOINT, NOT_WHOLE, Reader, Writer, replace, sealed, unsealed,
+};
 pub use directory::default_directory;
 pub(crate) use directory::{
     Asked, FAILURES, REPORT, RunDirectory, SCENE, STATISTICS, WINDOWS, stem,
@@ -41,5 +48,4 @@ pub(crate) use manifest::{Beginning, outcome_word, plugins};
 pub use manifest::{Kind, Manifest, PROGRAM_VERSION, PluginRecord};
 pub use outcome::{Failure, InvariantDrift, RunOutcome, RunReport};
 pub use progress::{Progress, Quiet, Status};
-pub(crate) use samples::quoted;
 pub(crate) use summary::{file_name, method_lines, short, title};

@@ -2,9 +2,13 @@
 
 use std::path::PathBuf;
 
-use leafwise_core::{SolverStatistics, StepError};
+use leafwise_core::{PartKind, SolverStatistics, StepError};
+
+use serde_json::{Value, json};
 
 use crate::advice::Advice;
+use crate::compose::PartChoice;
+use crate::json::json_number;
 
 /// A step that could not be taken, or a state outside the formulas' domain.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +40,23 @@ impl Failure {
             state: state.to_vec(),
             hint: hint.to_owned(),
         }
+    }
+
+    /// What to try with these parts: a stepper has no realization whose order could be raised.
+    pub(super) fn of_parts(&mut self, parts: &[PartChoice]) {
+        let Some(stepper) = parts.iter().find(|part| part.kind == PartKind::Stepper) else {
+            return;
+        };
+        let has_tolerance = stepper
+            .parameters
+            .iter()
+            .any(|(name, _)| *name == "tolerance");
+        let instead = match has_tolerance {
+            true => "reduce its tolerance or epsilon*h",
+            false => "reduce epsilon*h",
+        };
+        let of_a_realization = "reduce epsilon*h or raise the realization's order";
+        self.hint = self.hint.replace(of_a_realization, instead);
     }
 
     /// An invariant that has no value at the state after `steps` steps: no further step is taken.
@@ -112,6 +133,8 @@ pub struct RunReport {
     pub samples: u64,
     /// The step an earlier session had come to.
     pub resumed_at: Option<u64>,
+    /// Whether it had come to its end before: nothing was computed or written.
+    pub is_repeated: bool,
     /// What to change in the scene.
     pub advice: Vec<Advice>,
     /// The run directory.
@@ -119,6 +142,25 @@ pub struct RunReport {
 }
 
 impl RunReport {
+    /// The largest deviations by the invariants' names: `drift` of `run --json` and of the manifest.
+    pub fn drift_json(&self) -> Value {
+        let entry = |i: &InvariantDrift| (i.name.clone(), json_number(i.maximum));
+        Value::Object(self.invariants.iter().map(entry).collect())
+    }
+
+    /// Initial value, largest deviation and relative one by the invariants' names: `invariants` of both.
+    pub fn invariants_json(&self) -> Value {
+        let entry = |invariant: &InvariantDrift| {
+            let entry = json!({
+                "initial": json_number(invariant.initial),
+                "maximum": json_number(invariant.maximum),
+                "relative": invariant.relative().map(json_number),
+            });
+            (invariant.name.clone(), entry)
+        };
+        Value::Object(self.invariants.iter().map(entry).collect())
+    }
+
     /// The page to open in a browser.
     pub fn report(&self) -> PathBuf {
         self.directory.join("report.html")

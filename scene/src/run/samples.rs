@@ -1,161 +1,116 @@
 //! Recorded states, appended to `samples.csv`.
 
 use std::fmt::Write as _;
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Seek, SeekFrom};
+use std::path::Path;
 
+use super::appended::{Appended, Vouched};
 use super::error::RunError;
 
-/// States of more coordinates than this are not written out at every sample.
-pub(super) const WIDEST_STATE: usize = 64;
-
-/// Rows are handed to the operating system when this many bytes wait.
-const BATCH: usize = 1 << 16;
-
-/// The file's name in the run directory.
+/// The file's name in the run directory, and before it is published.
 pub(super) const FILE: &str = "samples.csv";
+pub(super) const UNPUBLISHED: &str = "samples.new";
 
 /// The writer of `samples.csv`: a header, then one row for each sample, shortest decimals that
 /// read back as the same doubles.
 pub(super) struct Samples {
-    path: PathBuf,
-    file: File,
-    waiting: String,
-    bytes: u64,
+    file: Appended,
+    row: String,
     count: u64,
 }
 
 impl Samples {
     /// A new file with its header, which takes its name when it is
     /// [`published`](Self::publish).
-    pub fn create(directory: &Path, columns: &[String]) -> Result<Self, RunError> {
-        let path = directory.join(FILE);
-        let file = File::create(unpublished(&path)).map_err(RunError::io(&path))?;
-        let mut samples = Self {
-            path,
+    pub fn create(directory: &Path, header: &str) -> Result<Self, RunError> {
+        let mut file = Appended::create(&directory.join(UNPUBLISHED))?;
+        file.push(header.as_bytes())?;
+        Ok(Self {
             file,
-            waiting: String::new(),
-            bytes: 0,
+            row: String::new(),
             count: 0,
-        };
-        let header: Vec<String> = columns.iter().map(|column| quoted(column)).collect();
-        samples.waiting.push_str(&header.join(","));
-        samples.waiting.push('\n');
-        Ok(samples)
+        })
     }
 
     /// Hands all rows to the disk and gives the file its name, in the place of one with the same rows
     /// that a session left which was killed before its first checkpoint.
-    pub fn publish(&mut self) -> Result<(), RunError> {
-        self.sync()?;
-        fs::rename(unpublished(&self.path), &self.path).map_err(RunError::io(&self.path))
+    pub fn publish(&mut self, directory: &Path) -> Result<(), RunError> {
+        self.file.sync()?;
+        self.file.rename(&directory.join(FILE))
     }
 
-    /// The file of an earlier session, to be continued after the `bytes` that its checkpoint vouches
-    /// for.
-    ///
-    /// Whole rows behind them stay: the same steps write the same bytes over them, so that a sample
-    /// once on disk is there at every moment, however often the run is killed.
-    pub fn resume(directory: &Path, bytes: u64, count: u64) -> Result<Self, RunError> {
-        let path = directory.join(FILE);
-        let mut file = OpenOptions::new()
-            .read(true)
-            .write(true)
-            .open(&path)
-            .map_err(RunError::resuming(&path))?;
-        let length = file.metadata().map_err(RunError::io(&path))?.len();
-        if length < bytes {
-            return Err(RunError::Damaged {
-                file: path,
-                reason: format!("it has {length} bytes where the checkpoint counts {bytes}"),
-            });
-        }
-        let whole_rows = |file: &mut File| -> io::Result<()> {
-            let mut rest = Vec::new();
-            file.seek(SeekFrom::Start(bytes))?;
-            file.read_to_end(&mut rest)?;
-            let end = rest.iter().rposition(|byte| *byte == b'\n');
-            file.set_len(bytes + end.map_or(0, |at| at as u64 + 1))?;
-            file.seek(SeekFrom::Start(bytes)).map(|_| ())
-        };
-        whole_rows(&mut file).map_err(RunError::io(&path))?;
+    /// The file of an earlier session, to be continued behind the rows that its checkpoint counts.
+    pub fn resume(directory: &Path, vouched: &Vouched, count: u64) -> Result<Self, RunError> {
         Ok(Self {
-            path,
-            file,
-            waiting: String::new(),
-            bytes,
+            file: Appended::resume(&directory.join(FILE), vouched)?,
+            row: String::new(),
             count,
         })
     }
 
+    /// Prepares the file of an earlier session for more rows.
+    ///
+    /// Whole rows behind the checkpoint stay where the plan is the same: its steps write the same
+    /// bytes over them, so that a sample once on disk is there at every moment, however often the
+    /// run is killed. Where the plan is longer, the last of them may be one that only the end of
+    /// the shorter run asked for.
+    pub fn go_on(&mut self, has_same_plan: bool) -> Result<(), RunError> {
+        self.file.cut(has_same_plan)
+    }
+
     /// Appends one row.
     pub fn push(&mut self, time: f64, state: &[f64], observables: &[f64]) -> Result<(), RunError> {
+        self.row.clear();
         // Writing to a string cannot fail.
-        let _ = write!(self.waiting, "{time:?}");
+        let _ = write!(self.row, "{time:?}");
         for value in state.iter().chain(observables) {
-            let _ = write!(self.waiting, ",{value:?}");
+            let _ = write!(self.row, ",{value:?}");
         }
-        self.waiting.push('\n');
+        self.row.push('\n');
         self.count += 1;
-        if self.waiting.len() >= BATCH {
-            self.flush()
-        } else {
-            Ok(())
-        }
+        self.file.push(self.row.as_bytes())
     }
 
     /// Hands all rows to the operating system: they survive this program.
     pub fn flush(&mut self) -> Result<(), RunError> {
-        self.file
-            .write_all(self.waiting.as_bytes())
-            .map_err(RunError::io(&self.path))?;
-        self.bytes += self.waiting.len() as u64;
-        self.waiting.clear();
-        Ok(())
+        self.file.flush()
     }
 
     /// Hands all rows to the disk: they survive the machine.
-    pub fn sync(&mut self) -> Result<(), RunError> {
-        self.flush()?;
-        self.file.sync_data().map_err(RunError::io(&self.path))
+    pub fn sync(&mut self) -> Result<Vouched, RunError> {
+        self.file.sync()
     }
 
     /// Ends the file after the last row pushed.
     pub fn end(&mut self) -> Result<(), RunError> {
-        self.flush()?;
-        self.file
-            .set_len(self.bytes)
-            .and_then(|()| self.file.sync_data())
-            .map_err(RunError::io(&self.path))
+        self.file.end()
     }
 
-    /// Bytes handed over, and rows pushed.
-    pub fn position(&self) -> (u64, u64) {
-        (self.bytes, self.count)
+    /// Rows pushed.
+    pub fn count(&self) -> u64 {
+        self.count
     }
-}
-
-fn unpublished(path: &Path) -> PathBuf {
-    path.with_extension("new")
 }
 
 /// Whether a directory holds no sample but the first: what a session leaves that was killed before its
 /// first checkpoint.
-pub(super) fn has_begun_at_most(directory: &Path) -> bool {
-    match File::open(directory.join(FILE)) {
-        Ok(file) => BufReader::new(file).lines().take(3).count() <= 2,
+pub(super) fn has_begun_at_most(directory: &Path, header: &str) -> bool {
+    match rows_behind(directory, header) {
+        Ok(lines) => lines.take(2).count() <= 1,
         Err(_) => !directory.join(FILE).exists(),
     }
 }
 
 /// The first `count` rows of `samples.csv` as numbers, every `stride`-th and the last.
-pub(super) fn read(directory: &Path, count: u64, stride: usize) -> io::Result<Vec<Vec<f64>>> {
+pub(super) fn read(
+    directory: &Path,
+    header: &str,
+    count: u64,
+    stride: usize,
+) -> io::Result<Vec<Vec<f64>>> {
     let count = usize::try_from(count).unwrap_or(usize::MAX);
-    let mut lines = BufReader::new(File::open(directory.join(FILE))?)
-        .lines()
-        .skip(1)
-        .take(count);
+    let mut lines = rows_behind(directory, header)?.take(count);
     let parse = |line: &str| -> Vec<f64> {
         line.split(',')
             .map(|cell| cell.parse().unwrap_or(f64::NAN))
@@ -177,11 +132,37 @@ pub(super) fn read(directory: &Path, count: u64, stride: usize) -> io::Result<Ve
     Ok(rows)
 }
 
-/// A heading, in quotes where it holds a comma or a quote.
-pub(crate) fn quoted(column: &str) -> String {
-    if column.contains([',', '"']) {
-        format!("\"{}\"", column.replace('"', "\"\""))
-    } else {
-        column.to_owned()
+/// The lines behind the headings, which may themselves be several lines.
+fn rows_behind(directory: &Path, header: &str) -> io::Result<io::Lines<BufReader<File>>> {
+    let mut file = File::open(directory.join(FILE))?;
+    file.seek(SeekFrom::Start(header.len() as u64))?;
+    Ok(BufReader::new(file).lines())
+}
+
+/// For each of `columns` columns from `start` on, the time of its first value that is not finite, in the
+/// first `count` rows of `samples.csv`.
+pub(super) fn first_undefined(
+    directory: &Path,
+    header: &str,
+    count: u64,
+    start: usize,
+    columns: usize,
+) -> io::Result<Vec<Option<f64>>> {
+    let count = usize::try_from(count).unwrap_or(usize::MAX);
+    let mut found = vec![None; columns];
+    for line in rows_behind(directory, header)?.take(count) {
+        let line = line?;
+        // No other cell has such letters.
+        if !line.contains("NaN") && !line.contains("inf") {
+            continue;
+        }
+        let time = line.split(',').next().and_then(|t| t.parse().ok());
+        for (first, cell) in found.iter_mut().zip(line.split(',').skip(start)) {
+            let is_finite = cell.parse::<f64>().is_ok_and(f64::is_finite);
+            if first.is_none() && !is_finite {
+                *first = time;
+            }
+        }
     }
+    Ok(found)
 }

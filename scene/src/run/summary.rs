@@ -2,20 +2,23 @@
 
 use std::io;
 
-use super::drive::Session;
+use super::drive::{Session, header};
 use super::error::RunError;
 use super::invariants::Functions;
-use super::manifest::PROGRAM_VERSION;
+use super::manifest::{PROGRAM_VERSION, plugins};
 use super::outcome::{RunOutcome, RunReport};
-use super::samples::{self, WIDEST_STATE};
+use super::samples;
 use super::snapshots::spacing;
-use crate::advice::MOST_STATES;
-use crate::compose::{ComposedRun, tensor_shape};
+use crate::advice::{Advice, EnergyError, MOST_STATES, lines};
+use crate::compose::{ComposedRun, Observable, WIDEST_STATE, tensor_shape};
 use crate::document::SceneDocument;
 use crate::report::{Ellipsoid, InvariantSeries, Outcome, ReportData, TimeSeries, Trajectory};
 
 /// The most samples that a report is drawn from.
 const MOST_ROWS: u64 = 50_000;
+
+/// The most states that tell how far an orbit reaches.
+const MOST_ORBIT_STATES: u64 = 1000;
 
 /// Runs of more steps than this are drawn over a logarithmic time axis.
 const LONG_RUN: u64 = 200_000;
@@ -31,11 +34,10 @@ pub(super) fn report_data(
     let stride = usize::try_from(report.samples.div_ceil(MOST_ROWS))
         .unwrap_or(1)
         .max(1);
-    let rows = samples::read(&report.directory, report.samples, stride)
+    let rows = samples::read(&report.directory, &header(run), report.samples, stride)
         .map_err(RunError::io(&report.directory))?;
     let times: Vec<f64> = rows.iter().map(|row| row[0]).collect();
-    let d = run.dimension();
-    let width = if d <= WIDEST_STATE { d } else { 0 };
+    let width = columns_of_states(run);
     let column = |at: usize| -> Vec<f64> {
         rows.iter()
             .map(|row| row.get(at).copied().unwrap_or(f64::NAN))
@@ -45,7 +47,9 @@ pub(super) fn report_data(
         .plan
         .observables
         .iter()
-        .position(|o| o.name() == "energy");
+        .position(|o| matches!(o, Observable::Invariant { index: 0, .. }));
+    let formulas = run.plan.observables.iter().enumerate();
+    let formulas = formulas.filter(|(_, o)| !matches!(o, Observable::Invariant { .. }));
     let windows = session.windows();
     let time_step = run.plan.epsilon * run.plan.h;
     let ends: Vec<f64> = windows
@@ -77,11 +81,7 @@ pub(super) fn report_data(
         scene_text: document.text.clone(),
         outcome: outcome(run, report),
         method: method_lines(run),
-        advice: report
-            .advice
-            .iter()
-            .map(|advice| (advice.message.clone(), advice.change.clone()))
-            .collect(),
+        advice: lines(&report.advice),
         facts: facts(run, report),
         invariants,
         logarithmic_time: report.steps > LONG_RUN,
@@ -89,7 +89,16 @@ pub(super) fn report_data(
             times: times.clone(),
             values: column(1 + width + at),
         }),
-        trajectory: trajectory(run, session, times, &rows, width),
+        observables: formulas
+            .map(|(at, observable)| {
+                let series = TimeSeries {
+                    times: times.clone(),
+                    values: column(1 + width + at),
+                };
+                (observable.name().to_owned(), series)
+            })
+            .collect(),
+        trajectory: trajectory(run, session, times.clone(), &rows, width),
         solver: (!solver.times.is_empty()).then_some(solver),
     })
 }
@@ -98,15 +107,67 @@ pub(super) fn report_data(
 pub(super) fn states(run: &ComposedRun, report: &RunReport) -> io::Result<Vec<Vec<f64>>> {
     let d = run.dimension();
     let mut states = vec![run.plan.initial.clone(), report.final_state.clone()];
-    if d <= WIDEST_STATE {
+    if run.plan.states.is_whole_in_samples() {
         let stride = report.samples.div_ceil(MOST_STATES as u64 - 2).max(1);
         let stride = usize::try_from(stride).unwrap_or(usize::MAX);
-        let rows = samples::read(&report.directory, report.samples, stride)?;
+        let rows = samples::read(&report.directory, &header(run), report.samples, stride)?;
         states.extend(rows.iter().skip(1).map(|row| row[1..=d].to_vec()));
     }
     states.dedup();
     states.truncate(MOST_STATES);
     Ok(states)
+}
+
+/// An energy kept badly, judged along the recorded orbit.
+pub(super) fn energy_error(
+    document: &SceneDocument,
+    run: &ComposedRun,
+    report: &RunReport,
+) -> io::Result<Option<Advice>> {
+    let Some(energy) = report.invariants.first() else {
+        return Ok(None);
+    };
+    let error = EnergyError {
+        parameters: &run.system.parameter_values(),
+        initial: energy.initial,
+        largest: energy.maximum,
+        whose: "",
+    };
+    if !error.is_notable() {
+        return Ok(None);
+    }
+    let d = run.dimension();
+    let mut states = Vec::new();
+    if run.plan.states.is_whole_in_samples() {
+        let stride = report.samples.div_ceil(MOST_ORBIT_STATES).max(1);
+        let stride = usize::try_from(stride).unwrap_or(usize::MAX);
+        let rows = samples::read(&report.directory, &header(run), report.samples, stride)?;
+        states.extend(rows.iter().map(|row| row[1..=d].to_vec()));
+    }
+    Ok(error.advice(document, run, &states))
+}
+
+/// The observables that have no finite value somewhere, each with the first time.
+pub(super) fn first_undefined(
+    run: &ComposedRun,
+    report: &RunReport,
+) -> io::Result<Vec<(String, f64)>> {
+    let start = 1 + columns_of_states(run);
+    let observables = &run.plan.observables;
+    let (header, count) = (header(run), observables.len());
+    let times = samples::first_undefined(&report.directory, &header, report.samples, start, count)?;
+    let named = observables.iter().zip(times);
+    Ok(named
+        .filter_map(|(observable, time)| Some((observable.name().to_owned(), time?)))
+        .collect())
+}
+
+/// Columns of `samples.csv` between the time and the observables.
+fn columns_of_states(run: &ComposedRun) -> usize {
+    match run.plan.states.are_in_samples() {
+        true => run.plan.states.width(),
+        false => 0,
+    }
 }
 
 /// A path's last part.
@@ -184,6 +245,19 @@ pub(crate) fn method_lines(run: &ComposedRun) -> Vec<(String, String)> {
         ),
         line("Tensor", tensor_shape(&run.system).to_string()),
     ]);
+    lines.extend(plugins(run).into_iter().map(|library| {
+        let parts: Vec<String> = library.parts.keys().cloned().collect();
+        line(
+            "Library",
+            format!(
+                "{}: {} {}, sha256 {}",
+                parts.join(", "),
+                library.path.display(),
+                library.version,
+                library.sha256
+            ),
+        )
+    }));
     lines.extend(
         method
             .costs()
@@ -257,8 +331,9 @@ fn trajectory(
     rows: &[Vec<f64>],
     width: usize,
 ) -> Option<Trajectory> {
-    if width == 0 {
-        let geometry = run.method.lattice()?;
+    let is_whole = run.plan.states.is_whole_in_samples();
+    let lattice = run.method.lattice();
+    if let Some(geometry) = lattice.filter(|_| run.dimension() > WIDEST_STATE) {
         let snapshots = session.snapshots();
         return Some(Trajectory::Lattice {
             name: geometry.families.first()?.0.clone(),
@@ -267,10 +342,10 @@ fn trajectory(
             fields: snapshots.fields(),
         });
     }
-    if rows.is_empty() {
+    if rows.is_empty() || width == 0 {
         return None;
     }
-    if let Some((name, length)) = run.plan.families.first() {
+    if let Some((name, length)) = run.plan.families.first().filter(|_| is_whole) {
         let singles = width
             - run
                 .plan
@@ -289,11 +364,38 @@ fn trajectory(
             fields,
         });
     }
+    let names = run.plan.states.names();
+    if let Some(places) = first_body(&names) {
+        let point = |row: &Vec<f64>| places.iter().map(|at| row[1 + at]).collect();
+        return Some(Trajectory::Orbit {
+            names: places.iter().map(|at| names[*at].clone()).collect(),
+            times,
+            points: rows.iter().map(point).collect(),
+            leaf: None,
+        });
+    }
     Some(Trajectory::Orbit {
-        names: run.system.variables().to_vec(),
+        names,
         times,
         points: rows.iter().map(|row| row[1..=width].to_vec()).collect(),
-        leaf: leaf(run),
+        leaf: is_whole.then(|| leaf(run)).flatten(),
+    })
+}
+
+/// Of several bodies with coordinates such as x0, x1, …, y0, y1, … those of the first: x0 and y0, and z0
+/// where there is one.
+fn first_body(names: &[String]) -> Option<Vec<usize>> {
+    let first = names.first()?;
+    let body = first.strip_prefix('x')?;
+    let place = |name: String| names.iter().position(|known| *known == name);
+    let second = place(format!("y{body}"))?;
+    let third = place(format!("z{body}"));
+    let is_alone = names.len() <= 3 || body.is_empty();
+    (!is_alone).then(|| {
+        [Some(0), Some(second), third]
+            .into_iter()
+            .flatten()
+            .collect()
     })
 }
 

@@ -7,7 +7,7 @@ use leafwise::trade::{Comparison, Measured, Point};
 use super::json::structure;
 
 const HEADINGS: &str = "method,order,structure,steps,time_step,tolerance,operations,evaluations,\
-                        wall_seconds,wall_spread,repetitions,error,relative_error,at_floor,\
+                        wall_seconds,wall_spread,repetitions,error,relative_error,end_error,at_floor,\
                         energy_drift,casimir_drift,tensor_defect,poisson,front,poisson_front,\
                         wall_front,failure\n";
 
@@ -36,11 +36,11 @@ pub(super) fn text(comparison: &Comparison) -> String {
 fn outcome(point: &Point) -> String {
     match &point.outcome {
         Ok(measured) => cells(measured).join(","),
-        Err(failure) => format!("{}{}", ",".repeat(15), quoted(&failure.to_string())),
+        Err(failure) => format!("{}{}", ",".repeat(16), quoted(&failure.to_string())),
     }
 }
 
-fn cells(measured: &Measured) -> [String; 16] {
+fn cells(measured: &Measured) -> [String; 17] {
     let wall = measured.wall;
     let or_empty = |value: Option<f64>| value.map_or_else(String::new, number);
     [
@@ -53,9 +53,10 @@ fn cells(measured: &Measured) -> [String; 16] {
         wall.map_or_else(String::new, |wall| wall.repetitions.to_string()),
         number(measured.error),
         number(measured.relative_error),
+        number(measured.end_error),
         measured.at_floor.to_string(),
         number(measured.energy_drift),
-        number(measured.casimir_drift),
+        or_empty(measured.casimir_drift),
         or_empty(measured.tensor_defect),
         measured.is_poisson.to_string(),
         measured.front.all.to_string(),

@@ -50,6 +50,7 @@ pub(in crate::commands) fn reference(reference: &Reference) -> Value {
         "state": json_numbers(&reference.state),
         "error": json_number(reference.error),
         "floor": json_number(reference.floor()),
+        "errors": reference.judged().words(),
         "methods": reference.methods,
     })
 }
@@ -84,7 +85,10 @@ fn point_json(comparison: &Comparison, point: &Point) -> Value {
     });
     let fields = match &point.outcome {
         Ok(measured) => measured_json(measured),
-        Err(failure) => json!({ "failure": failure.to_string() }),
+        Err(failure) => json!({
+            "failure": failure.to_string(),
+            "over_budget": failure.is_over_budget(),
+        }),
     };
     if let (Value::Object(object), Value::Object(fields)) = (&mut object, fields) {
         object.extend(fields);
@@ -105,9 +109,10 @@ pub(in crate::commands) fn measured_json(measured: &Measured) -> Value {
         "wall_seconds": wall,
         "error": json_number(measured.error),
         "relative_error": json_number(measured.relative_error),
+        "end_error": json_number(measured.end_error),
         "at_floor": measured.at_floor,
         "energy_drift": json_number(measured.energy_drift),
-        "casimir_drift": json_number(measured.casimir_drift),
+        "casimir_drift": measured.casimir_drift.map(json_number),
         "tensor_defect": measured.tensor_defect.map(json_number),
         "poisson": measured.is_poisson,
         "front": {

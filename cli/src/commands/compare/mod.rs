@@ -11,7 +11,7 @@ use leafwise::core::Registry;
 use leafwise::scene::document::MethodTable;
 use leafwise::scene::{SceneChecks, SceneDocument};
 use leafwise::trade::{
-    Bench, CompareOptions, Comparison, Grid, compare, comparison_figures, comparison_page,
+    Bench, CompareOptions, Comparison, Grid, Judged, compare, comparison_figures, comparison_page,
     parse_method,
 };
 
@@ -48,7 +48,10 @@ pub fn execute(
     }
     let mut bar = Steps::new("reference solution", console.is_terminal);
     let comparison = compare(&bench, &options, &mut |method, at, count| {
-        bar.show(method, at, count);
+        match count {
+            0 => bar.say(format!("forming {method}")),
+            _ => bar.show(method, at, count),
+        }
         !is_raised(interrupt)
     });
     bar.finish();
@@ -89,6 +92,7 @@ fn options(arguments: &CompareArguments, registry: &Registry) -> Result<CompareO
         steps: arguments.steps.as_deref().map(Grid::parse).transpose()?,
         budget: arguments.budget.map(|budget| budget as u64),
         repetitions: arguments.repeat,
+        judged: Judged::at_the_end(arguments.at_end),
     })
 }
 
@@ -108,7 +112,8 @@ fn warn(comparison: &Comparison, options: &CompareOptions, console: &mut Console
     if let Some(horizon) = &comparison.horizon {
         let word = console.warning_word();
         console.prose(&format!(
-            "{word} the end state is known to {:.1e} of {:.1e} only: {horizon}",
+            "{word} the state {} is known to {:.1e} of {:.1e} only: {horizon}",
+            comparison.reference.judged().words(),
             comparison.reference.error,
             comparison.reference.norm()
         ));
@@ -153,6 +158,9 @@ fn command(arguments: &CompareArguments) -> String {
     let file = arguments.scene.scene.file_name();
     let file = file.map(|name| name.to_string_lossy().into_owned());
     let mut command = format!("leafwise compare {}", file.unwrap_or_default());
+    if arguments.at_end {
+        command.push_str(" --at-end");
+    }
     let mut option = |name: &str, value: Option<String>| {
         if let Some(value) = value.filter(|value| !value.is_empty()) {
             command.push_str(&format!(" {name} {value}"));

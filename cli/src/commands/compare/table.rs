@@ -21,8 +21,9 @@ const HEADINGS: [&str; 9] = [
 pub(super) fn print(comparison: &Comparison, all: bool, console: &mut Console<'_>) {
     let reference = &comparison.reference;
     console.result(&format!(
-        "to t = {}, errors against {}",
+        "to t = {}, errors {} against {}",
         short(comparison.time),
+        reference.judged().words(),
         reference.methods.join(" and ")
     ));
     console.result(&format!(
@@ -64,15 +65,18 @@ pub(super) fn print(comparison: &Comparison, all: bool, console: &mut Console<'_
         "front: * no method is cheaper and more accurate; P no Poisson map is, {}",
         comparison.cost
     ));
-    let failed = comparison
+    let failures = comparison
         .points
         .iter()
-        .filter(|p| p.outcome.is_err())
-        .count();
+        .filter_map(|p| p.outcome.as_ref().err());
+    let (stopped, failed): (Vec<_>, Vec<_>) = failures.partition(|f| f.is_over_budget());
     console.result(&format!(
-        "{} points of {} methods, {failed} of them failed{}",
+        "{} points of {} methods: {} stopped, beyond {:.1e} operations; {} failed{}",
         comparison.points.len(),
         comparison.methods.len(),
+        stopped.len(),
+        comparison.budget as f64,
+        failed.len(),
         if all { "" } else { "; --all shows every one" }
     ));
     if all && !comparison.refused.is_empty() {
@@ -97,7 +101,7 @@ fn nothing_to_show(comparison: &Comparison) -> &'static str {
         .filter_map(|p| p.outcome.as_ref().ok());
     let costs: Vec<Option<f64>> = measured.map(|m| comparison.cost.of(m)).collect();
     if comparison.horizon.is_some() {
-        "  the end state is not known: no run can be judged by it"
+        "  the state is not known well enough: no run can be judged by it"
     } else if !costs.is_empty() && costs.iter().all(Option::is_none) {
         "  no run's cost is known: --repeat 3 measures times"
     } else {
@@ -133,7 +137,9 @@ fn measured_cells(measured: &Measured) -> [String; 6] {
             .map_or_else(|| "-".to_owned(), |count| format!("{:.2e}", count as f64)),
         format!("{floor}{:.1e}", measured.error),
         format!("{:.1e}", measured.energy_drift),
-        format!("{:.1e}", measured.casimir_drift),
+        measured
+            .casimir_drift
+            .map_or_else(|| "-".to_owned(), |drift| format!("{drift:.1e}")),
         measured
             .tensor_defect
             .map_or_else(|| "-".to_owned(), |defect| format!("{defect:.1e}")),

@@ -1,189 +1,113 @@
-//! `leafwise plugin check`: a library tried, and its parts measured against what they declare.
+//! `leafwise plugin check`: the process that waits for the one that measures.
+//!
+//! A library may end, crash or stop the process that calls it at any moment: what was measured counts
+//! where that process says that it came to its end.
 
-use std::path::Path;
+use std::ffi::OsString;
+use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::thread;
+use std::time::Duration;
 
-use leafwise::conformance::{Conformance, Finding, conformance};
-use leafwise::plugins::{LoadedPlugin, PluginRequest};
-use leafwise::scene::json::json_number;
-use leafwise::verify::Judgement;
-use serde_json::{Value, json};
+use leafwise::plugins::Refusal;
 
-use crate::arguments::{PluginArguments, PluginCheckArguments};
+use crate::arguments::PluginCheckArguments;
 use crate::console::Console;
-use crate::failure::{Failure, exit};
-use crate::plugins::Parts;
-use crate::table::words;
+use crate::failure::Failure;
 
-/// Tries the library in a process of its own, loads it, and measures every part; returns the exit code.
+/// What the measuring process writes at its end, before its exit code.
+const COMPLETED: &str = "leafwise-plugin-check: ";
+
+/// A part is measured within seconds; what says nothing for so long hangs.
+const SILENCE: Duration = Duration::from_secs(600);
+
+/// The last line of the process that measures.
+pub fn completed(code: u8) -> String {
+    format!("{COMPLETED}{code}")
+}
+
+/// Measures in a process of its own, whose lines are passed on; returns its exit code.
 ///
 /// # Errors
-/// [`Failure::Plugin`] where the library is refused.
+/// [`Failure::Plugin`] where that process did not come to its end.
 pub fn execute(
     arguments: &PluginCheckArguments,
-    plugins: &PluginArguments,
+    given: &[OsString],
     console: &mut Console<'_>,
 ) -> Result<u8, Failure> {
-    let mut parts = Parts::new(plugins)?;
-    let plugin = parts.load(&PluginRequest::new(&arguments.path), Path::new("."))?;
-    if !arguments.json {
-        head(&plugin).iter().for_each(|line| console.result(line));
-    }
-    let mut reports = Vec::with_capacity(plugin.declaration.parts.len());
-    for (declared, tried) in plugin.declaration.parts.iter().zip(&plugin.tried) {
-        let report = conformance(&parts.registry, declared.id())?;
-        if !arguments.json {
-            console.result(&format!(
-                "\n{}, a {}",
-                declared.id(),
-                declared.kind().noun()
-            ));
-            body(&report, tried)
-                .iter()
-                .for_each(|line| console.result(line));
-        }
-        reports.push((report, tried));
-    }
-    let broken = count(&reports, Judgement::NotMet);
-    if arguments.json {
-        console.json(&object(&plugin, &reports, broken == 0));
-    } else {
-        console.result("");
-        verdict(&reports, broken)
-            .iter()
-            .for_each(|line| console.result(line));
-    }
-    Ok(if broken == 0 {
-        exit::DONE
-    } else {
-        exit::CHECK_FAILED
-    })
-}
-
-fn count(reports: &[(Conformance, &Vec<String>)], judgement: Judgement) -> usize {
-    let findings = reports.iter().flat_map(|(report, _)| &report.findings);
-    findings.filter(|f| f.judgement == judgement).count()
-}
-
-/// What the library says of itself.
-fn head(plugin: &LoadedPlugin) -> Vec<String> {
-    let declaration = &plugin.declaration;
-    let mut rows = vec![
-        vec![
-            "  plugin".to_owned(),
-            format!("{} {}", declaration.id, declaration.version),
-        ],
-        vec!["  sha256".to_owned(), plugin.sha256.clone()],
-        vec!["  ABI".to_owned(), declaration.abi.clone()],
-    ];
-    let optional = [
-        ("  licence", &declaration.license),
-        ("  toolchain", &declaration.toolchain),
-    ];
-    for (label, said) in optional {
-        if let Some(said) = said {
-            rows.push(vec![label.to_owned(), said.clone()]);
+    let refused = |refusal: Refusal| Failure::plugin(refusal.of(&arguments.path), None);
+    let own = std::env::current_exe().unwrap_or_default();
+    let mut child = start(own, given).map_err(|refusal| refused(*refusal))?;
+    let lines = child.stdout.take().map(lines_of);
+    let mut kept = Vec::new();
+    let mut code = None;
+    let mut is_silent = false;
+    while let Some(lines) = &lines {
+        match lines.recv_timeout(SILENCE) {
+            Ok(line) => match line.strip_prefix(COMPLETED) {
+                Some(own) => code = own.parse::<u8>().ok(),
+                None if arguments.json => kept.push(line),
+                None => console.result(&line),
+            },
+            Err(error) => {
+                is_silent = error == std::sync::mpsc::RecvTimeoutError::Timeout;
+                break;
+            }
         }
     }
-    let mut lines = vec![plugin.path.display().to_string()];
-    lines.extend(words(&rows));
-    lines
-}
-
-/// The contract, then what was measured, problem by problem.
-fn body(report: &Conformance, tried: &[String]) -> Vec<String> {
-    let mut rows = vec![contract(tried)];
-    rows.extend(report.findings.iter().map(row));
-    words(&rows)
-}
-
-/// What the library would have been refused for.
-fn contract(tried: &[String]) -> Vec<String> {
-    let (mark, on) = if tried.is_empty() {
-        (
-            "-",
-            "it serves no problem that it could be called on".to_owned(),
-        )
-    } else {
-        ("ok", format!("on {}", tried.join(", ")))
-    };
-    vec![
-        format!("  {mark}"),
-        "calls: finite, repeatable, alone as in a batch, nothing else written".to_owned(),
-        on,
-    ]
-}
-
-fn row(finding: &Finding) -> Vec<String> {
-    let mark = match finding.judgement {
-        Judgement::Met => "ok",
-        Judgement::NotMet => "FAILS",
-        Judgement::Undecided => "?",
-        Judgement::Open => "-",
-    };
-    let place = match finding.path {
-        Some(path) => format!("{} ({path})", finding.problem),
-        None => finding.problem.clone(),
-    };
-    vec![
-        format!("  {mark}"),
-        finding.quantity.clone(),
-        format!("{}: {}", place, finding.found),
-    ]
-}
-
-fn verdict(reports: &[(Conformance, &Vec<String>)], broken: usize) -> Vec<String> {
-    let all: usize = reports
-        .iter()
-        .map(|(report, _)| report.findings.len())
-        .sum();
-    let mut lines = vec![match broken {
-        0 => format!("nothing that is declared is broken ({all} measurements)"),
-        1 => format!("one of {all} measurements contradicts what is declared"),
-        many => format!("{many} of {all} measurements contradict what is declared"),
-    }];
-    let undecided = count(reports, Judgement::Undecided);
-    if undecided > 0 {
-        lines.push(format!(
-            "{undecided} with a `?` decide nothing: too few errors lie between round-off and the \
-             range where powers of the step rule"
-        ));
+    if is_silent {
+        // A process that has ended meanwhile needs no end.
+        drop(child.kill());
     }
-    lines
+    let ended = child.wait();
+    if let Some(code) = code {
+        if !kept.is_empty() {
+            console.verbatim(&kept.join("\n"));
+        }
+        return Ok(code);
+    }
+    Err(refused(Refusal::NotMeasured {
+        how: how(is_silent, ended.ok()),
+    }))
 }
 
-fn object(plugin: &LoadedPlugin, reports: &[(Conformance, &Vec<String>)], is_met: bool) -> Value {
-    let declaration = &plugin.declaration;
-    let parts: Vec<Value> = reports
-        .iter()
-        .map(|(report, tried)| {
-            let findings: Vec<Value> = report.findings.iter().map(finding).collect();
-            json!({
-                "id": report.part.name,
-                "kind": report.part.kind,
-                "met": report.is_met(),
-                "tried_on": tried,
-                "findings": findings,
+/// The same command in a process that measures.
+fn start(own: PathBuf, given: &[OsString]) -> Result<Child, Box<Refusal>> {
+    Command::new(&own)
+        .arg("--measures-here")
+        .args(given.iter().skip(1))
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .spawn()
+        .map_err(|error| {
+            Box::new(Refusal::ProbeNotStarted {
+                message: format!("{}: {error}", own.display()),
             })
         })
-        .collect();
-    json!({
-        "outcome": if is_met { "met" } else { "not met" },
-        "plugin": {
-            "path": plugin.path, "sha256": plugin.sha256, "id": declaration.id,
-            "version": declaration.version, "abi": declaration.abi,
-        },
-        "parts": parts,
-    })
 }
 
-fn finding(finding: &Finding) -> Value {
-    json!({
-        "problem": finding.problem,
-        "path": finding.path,
-        "quantity": finding.quantity,
-        "found": finding.found,
-        "value": finding.value.map(json_number),
-        "bound": finding.bound.map(json_number),
-        "judgement": finding.judgement,
-    })
+/// The lines of a pipe, each as soon as it is there.
+fn lines_of(pipe: impl std::io::Read + Send + 'static) -> Receiver<String> {
+    let (sender, receiver) = channel();
+    thread::spawn(move || {
+        for line in BufReader::new(pipe).split(b'\n').map_while(Result::ok) {
+            if sender
+                .send(String::from_utf8_lossy(&line).into_owned())
+                .is_err()
+            {
+                return;
+            }
+        }
+    });
+    receiver
+}
+
+fn how(is_silent: bool, status: Option<ExitStatus>) -> String {
+    match status {
+        _ if is_silent => format!("said nothing for {} s", SILENCE.as_secs()),
+        Some(status) => format!("ended with {status}"),
+        None => "ended".to_owned(),
+    }
 }

@@ -24,6 +24,7 @@ pub(super) fn object(found: &Found<'_>) -> Value {
         "time": json_number(found.bench.time()),
         "asked": {
             "error": asked.error.map(json_number),
+            "errors": found.tuner.reference().judged().words(),
             "energy": asked.energy.map(json_number),
             "casimir": asked.casimirs.map(json_number),
             "relative": asked.relative,
@@ -41,7 +42,11 @@ pub(super) fn object(found: &Found<'_>) -> Value {
         "runs": tuning.runs,
         "costs_in": found.tuner.cost().word(),
         "spent": tuning.spent,
-        "written": found.written,
+        "written": found.written.is_some(),
+        "written_run": found.written.as_ref().map(|scene| json!({
+            "steps": scene.run.steps.value,
+            "every": scene.run.record.every,
+        })),
     })
 }
 

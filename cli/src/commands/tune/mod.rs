@@ -3,14 +3,13 @@
 mod json;
 mod text;
 
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::fs;
 
 use leafwise::core::Registry;
 use leafwise::scene::SceneDocument;
 use leafwise::scene::document::MethodTable;
 use leafwise::trade::{
-    Bench, Recommendation, Tolerances, TradeError, TuneOptions, Tuner, Tuning, parse_method,
+    Bench, Judged, Recommendation, Stage, Tolerances, TuneOptions, Tuner, Tuning, parse_method,
 };
 
 use super::compare::check;
@@ -18,8 +17,7 @@ use crate::arguments::{PluginArguments, TuneArguments};
 use crate::bar::Steps;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
-use crate::files::{check_writable, replace};
-use crate::interrupt::is_raised;
+use crate::files::{check_writable, replace_unchanged};
 use crate::plugins::Parts;
 
 /// What there is to print.
@@ -30,8 +28,8 @@ struct Found<'a> {
     tuning: &'a Tuning,
     /// Whether the cheapest of all methods was asked for.
     any: bool,
-    /// Whether it stands in the scene now.
-    written: bool,
+    /// The scene in which it stands now.
+    written: Option<SceneDocument>,
 }
 
 impl Found<'_> {
@@ -55,7 +53,6 @@ pub fn execute(
     arguments: &TuneArguments,
     plugins: &PluginArguments,
     console: &mut Console<'_>,
-    interrupt: &Arc<AtomicBool>,
 ) -> Result<u8, Failure> {
     let asked = Tolerances {
         error: arguments.error,
@@ -70,6 +67,12 @@ pub fn execute(
         ));
     }
     let mut parts = Parts::new(plugins)?;
+    let file = &arguments.scene.scene;
+    let before = if arguments.write {
+        fs::read(file).unwrap_or_default()
+    } else {
+        Vec::new()
+    };
     let document = parts.scene(&arguments.scene)?;
     let options = options(arguments, &parts.registry)?;
     let library = parts.library();
@@ -77,40 +80,53 @@ pub fn execute(
     check(&document, &bench)?;
     asked.check(&bench)?;
     if arguments.write {
-        check_writable(&arguments.scene.scene)?;
+        check_writable(file)?;
     }
-    let mut bar = Steps::unmeasured("methods and reference solution", console.is_terminal);
-    let tuner = Tuner::new(&bench, &options)?;
-    let tuning = tuner.tune(&asked, &mut |method, runs| {
-        bar.tick(method, runs);
-        !is_raised(interrupt)
+    let mut bar = Steps::unmeasured("methods", console.is_terminal);
+    let mut show = |stage: Stage<'_>| match stage {
+        Stage::Building { method } => bar.say(format!("forming {method}")),
+        Stage::Reference => bar.say("reference solution".to_owned()),
+        Stage::Running { method, runs } => bar.tick(method, runs),
+    };
+    // Nothing is there to be saved: an interruption ends the program at once, wherever it is.
+    let tuner = Tuner::new(&bench, &options, &mut show)?;
+    let tuning = tuner.tune(&asked, &mut |stage| {
+        show(stage);
+        true
     });
     bar.finish();
-    let tuning = match tuning {
-        Err(TradeError::Interrupted) => {
-            console.prose("interrupted: nothing was written");
-            return Ok(exit::INTERRUPTED);
-        }
-        other => other?,
-    };
+    let tuning = tuning?;
     let mut found = Found {
         document: &document,
         bench: &bench,
         tuner: &tuner,
         tuning: &tuning,
         any: arguments.any,
-        written: false,
+        written: None,
     };
+    let mut is_changed = false;
     if arguments.write
         && let Some(recommended) = found.recommended()
     {
-        replace(&arguments.scene.scene, &rewritten(&found, recommended)?)?;
-        found.written = true;
+        let text = rewritten(&found, recommended)?;
+        let written = SceneDocument::parse(&document.name, &text, &library)
+            .map_err(|error| Failure::usage(error.to_string(), "write the method by hand"))?;
+        is_changed = !replace_unchanged(file, &before, &text)?;
+        found.written = (!is_changed).then_some(written);
     }
     if arguments.json {
         console.json(&json::object(&found));
     } else {
         text::print(&found, console);
+    }
+    if is_changed {
+        console.prose(&format!(
+            "{} {} was changed meanwhile, and is left as it is\n  = help: write the method found into it by \
+             hand, or run the command again",
+            console.error_word(),
+            file.display()
+        ));
+        return Ok(exit::RUN_FAILED);
     }
     Ok(match found.recommended() {
         Some(_) => exit::DONE,
@@ -127,6 +143,7 @@ fn options(arguments: &TuneArguments, registry: &Registry) -> Result<TuneOptions
         with: read(&arguments.with)?,
         only: read(&arguments.only)?,
         budget: arguments.budget.map(|budget| budget as u64),
+        judged: Judged::at_the_end(arguments.at_end),
     })
 }
 

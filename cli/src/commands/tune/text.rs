@@ -1,6 +1,6 @@
 //! What was found, at the terminal.
 
-use leafwise::trade::{Cost, Limit, Reached, Recommendation, RunnerUp, Tolerances};
+use leafwise::trade::{Cost, Judged, Limit, Reached, Recommendation, RunnerUp, Tolerances};
 
 use super::Found;
 use crate::console::Console;
@@ -12,7 +12,7 @@ pub(super) fn print(found: &Found<'_>, console: &mut Console<'_>) {
     console.result(&format!(
         "asked to t = {}: {}",
         short(bench.time()),
-        asked(&tuning.asked)
+        asked(&tuning.asked, reference.judged())
     ));
     console.result(&format!(
         "errors against {}; their own is {:.1e}",
@@ -45,10 +45,11 @@ pub(super) fn print(found: &Found<'_>, console: &mut Console<'_>) {
     }
 }
 
-fn asked(asked: &Tolerances) -> String {
+fn asked(asked: &Tolerances, judged: Judged) -> String {
     let relative = if asked.relative { "relative " } else { "" };
+    let error = format!("error {}", judged.words());
     let parts = [
-        ("error", asked.error),
+        (error.as_str(), asked.error),
         ("energy", asked.energy),
         ("Casimirs", asked.casimirs),
     ];
@@ -82,16 +83,25 @@ fn print_found(found: &Found<'_>, recommended: &Recommendation, console: &mut Co
     }
     print_runners_up(found, console);
     console.result(recommended.method.text(recommended.time_step).trim_end());
-    console.result(&format!(
-        "[run]\nsteps       = {}",
-        recommended.setting.steps
-    ));
-    console.result("");
-    console.result(&if found.written {
-        format!("written into {}", found.document.name)
-    } else {
-        "--write puts it into the scene".to_owned()
-    });
+    match &found.written {
+        None => {
+            console.result(&format!(
+                "[run]\nsteps       = {}",
+                recommended.setting.steps
+            ));
+            console.result("");
+            console.result("--write puts it into the scene");
+        }
+        Some(written) => {
+            let (now, before) = (&written.run, &found.document.run);
+            console.result(&format!("[run]\nsteps       = {}", now.steps.value));
+            if now.record.every != before.record.every {
+                console.result(&format!("record      = {{ every = {} }}", now.record.every));
+            }
+            console.result("");
+            console.result(&format!("written into {}", found.document.name));
+        }
+    }
 }
 
 /// Predicted and measured, line by line.
@@ -105,10 +115,13 @@ fn measured(found: &Found<'_>, recommended: &Recommendation) -> Vec<Vec<String>>
     let mut rows = vec![
         vec![String::new(), "predicted".to_owned(), "measured".to_owned()],
         row("error", predicted.map(|p| p.error), number(measured.error)),
-        row("energy", None, number(measured.energy_drift)),
     ];
-    if found.bench.invariants().len() > 1 {
-        rows.push(row("Casimirs", None, number(measured.casimir_drift)));
+    if found.tuner.reference().judged() == Judged::AtEveryStep {
+        rows.push(row("  at the end", None, number(measured.end_error)));
+    }
+    rows.push(row("energy", None, number(measured.energy_drift)));
+    if let Some(drift) = measured.casimir_drift {
+        rows.push(row("Casimirs", None, number(drift)));
     }
     rows.push(row(
         found.tuner.cost().word(),
@@ -124,14 +137,12 @@ fn measured(found: &Found<'_>, recommended: &Recommendation) -> Vec<Vec<String>>
 /// The cheapest of all beside the cheapest Poisson map.
 fn beside(recommended: &Recommendation, any: &Recommendation) -> String {
     let ratio = recommended.measured.cost() as f64 / any.measured.cost().max(1) as f64;
+    let casimirs = any.measured.casimir_drift;
+    let casimirs = casimirs.map_or_else(String::new, |drift| format!(", Casimirs {drift:.1e}"));
     format!(
         "the cheapest of all, not a Poisson map: {}, {}: {ratio:.1} times cheaper, error {:.1e}, \
-         energy {:.1e}, Casimirs {:.1e}; --any takes it",
-        any.name,
-        any.setting,
-        any.measured.error,
-        any.measured.energy_drift,
-        any.measured.casimir_drift
+         energy {:.1e}{casimirs}; --any takes it",
+        any.name, any.setting, any.measured.error, any.measured.energy_drift,
     )
 }
 
@@ -177,8 +188,9 @@ fn print_missed(found: &Found<'_>, console: &mut Console<'_>) {
             lines.iter().for_each(|line| console.result(line));
         }
         (None, Some(Limit::Reference)) => console.result(&format!(
-            "  the end state itself is known to {:.1e} only: {}",
+            "  the state itself is known to {:.1e} {} only: {}",
             found.tuner.reference().error,
+            found.tuner.reference().judged().words(),
             match &tuning.horizon {
                 Some(horizon) => horizon.to_string(),
                 None => advice(Limit::Reference).to_owned(),

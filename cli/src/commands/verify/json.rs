@@ -13,6 +13,7 @@ pub(super) fn object(survey: &Survey, seconds: f64) -> Value {
             json!({
                 "problem": row.problem,
                 "map": row.map,
+        "is_own": row.is_own,
                 "met": row.is_met(),
                 "declared": { "order": row.declared_order, "structure": row.declared_structure },
                 "measured": row.measured.as_ref().map(measured),
@@ -52,6 +53,7 @@ fn measured(measured: &Measured) -> Value {
         "structure": order(measured.structure),
         "time_step": json_number(measured.time_step),
         "too_large": measured.too_large,
+        "broken_solve": measured.broken_solve,
         "tensor_defect": measured.tensor_defect.map(json_number),
         "self_adjointness": json_number(measured.self_adjointness),
         "casimir_drift": json_number(measured.casimir_drift),

@@ -1,11 +1,10 @@
 //! Rows as they are measured.
 
-use std::time::Duration;
-
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use leafwise::verify::{Progress, Refused, Row};
 
 use super::row::{HEADINGS, cells, line};
+use crate::bar::tick_steadily;
 use crate::console::Console;
 
 /// Prints rows on standard output, unless one JSON object is asked for, and tells on standard error
@@ -53,7 +52,7 @@ impl Progress for Live<'_, '_> {
         self.bar.set_length(combinations as u64);
         self.bar.set_position(0);
         self.bar.set_message(name.to_owned());
-        self.bar.enable_steady_tick(Duration::from_millis(250));
+        tick_steadily(&self.bar);
         if self.bar.is_hidden() {
             self.console.prose(&format!(
                 "measuring {combinations} combinations on {name} ..."

@@ -46,13 +46,15 @@ pub(super) fn cells(row: &Row) -> Vec<String> {
     }
     let note = match (&row.failure, &row.measured) {
         (Some(failure), _) => format!(": every step fails: {failure}"),
-        (None, Some(measured)) => match &measured.too_large {
-            Some(_) => format!(" (from a step of {} on)", measured.time_step),
-            None => String::new(),
+        (None, Some(measured)) => match (&measured.broken_solve, &measured.too_large) {
+            (Some(broken), _) => format!(": {broken}"),
+            (None, Some(_)) => format!(" (from a step of {} on)", measured.time_step),
+            (None, None) => String::new(),
         },
         (None, None) => String::new(),
     };
-    cells.push(format!("{}{note}", row.map));
+    let own = if row.is_own { " (own)" } else { "" };
+    cells.push(format!("{}{own}{note}", row.map));
     cells
 }
 

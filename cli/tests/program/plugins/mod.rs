@@ -8,6 +8,7 @@ mod checks;
 mod numbers;
 mod page;
 mod refusals;
+mod wrong;
 
 use std::path::Path;
 use std::process::Command;

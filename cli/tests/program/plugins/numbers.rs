@@ -1,11 +1,10 @@
 //! Runs, comparisons and measurements on parts of plugins.
 
 use std::fs;
-use std::process::Stdio;
 
 use super::build::{Workshop, rust_example};
-use super::{command, leafwise, scene};
-use crate::support::{Place, wait_for};
+use super::{leafwise, scene};
+use crate::support::Place;
 
 /// A system in C, a realization in Rust, the program's own dynamics: they run, and do what they declare.
 #[test]
@@ -13,8 +12,9 @@ fn parts_of_two_libraries_run_and_pass_verify() {
     let (here, workshop) = (Place::new(), Workshop::new());
     let system = workshop.compile("../../../examples/c/gyrostat");
     let realization = rust_example();
+    let of_others = workshop.compile("motions");
     let text = scene(
-        &[&system, &realization],
+        &[&system, &realization, &of_others],
         "library = \"example-c/gyrostat\"\nparameters = { rotor = 0.25 }",
         "realization = { name = \"example/so3-rodrigues\", path = \"numbers\" }\n\
          dynamics = { name = \"hamilton-jacobi\", order = 2 }",
@@ -59,6 +59,26 @@ fn parts_of_two_libraries_run_and_pass_verify() {
         assert_eq!(row["measured"]["judgements"]["structure"], "met", "{row:#}");
         assert_eq!(row["measured"]["judgements"]["order"], "met", "{row:#}");
     }
+    // Formulas of another tensor or motion do not fit, and break no declaration.
+    let fits_not = |part: &str, reason: &str| {
+        json["refused"]
+            .as_array()
+            .expect("combinations")
+            .iter()
+            .any(|entry| {
+                entry["combination"]
+                    .as_str()
+                    .is_some_and(|name| name.contains(part))
+                    && entry["reason"]
+                        .as_str()
+                        .is_some_and(|why| why.contains(reason))
+            })
+    };
+    assert!(fits_not(
+        "motions/log-canonical",
+        "it realizes another tensor"
+    ));
+    assert!(fits_not("motions/turn", "it follows another motion"));
     // What does not fit is told in full here, and a reason at a time to a reader.
     let refused = json["refused"].as_array().expect("combinations");
     let lacking = |entry: &&serde_json::Value| {
@@ -238,18 +258,14 @@ fn a_run_is_not_continued_with_another_file_of_a_plugin() {
     let system = "library = \"formulas/pendulum\"";
     let method = "realization = \"auto\"\ndynamics = { name = \"hamilton-jacobi\", order = 2 }";
     let text = scene(&[&library], system, method, "[1, 0]");
-    let text = text.replace("steps = 200", "steps = 20000000\nrecord = { every = 1000 }");
     here.write("scene.toml", &text);
-    let mut child = command(&here, &["run", "scene.toml"])
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("the program starts");
-    // Written behind the first checkpoint.
-    let manifest = here.path("runs/scene/manifest.json");
-    wait_for(|| manifest.exists(), "the manifest");
-    child.kill().expect("killed");
-    child.wait().expect("an end");
+    let said = leafwise(&here, &["run", "scene.toml"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    // What a kill behind the last checkpoint leaves.
+    let manifest = here.read("runs/scene/manifest.json");
+    assert!(manifest.contains("\"outcome\": \"done\""));
+    let running = manifest.replace("\"outcome\": \"done\"", "\"outcome\": \"running\"");
+    here.write("runs/scene/manifest.json", &running);
     let first = fs::read(&library).expect("the library");
     let other = workshop.compile_with("formulas", &["-O1"]);
     assert_ne!(fs::read(other).expect("the library"), first);

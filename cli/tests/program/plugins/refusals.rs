@@ -122,9 +122,9 @@ fn a_truncated_library_does_not_end_the_program() {
 #[test]
 fn plugins_can_be_forbidden() {
     let (here, workshop) = (Place::new(), Workshop::new());
-    let library = workshop.compile("still");
+    let library = workshop.compile("steps");
     let system = "library = \"rigid-body\"";
-    let method = "stepper = \"gallery/still\"";
+    let method = "stepper = \"steps/heun\"";
     here.write(
         "scene.toml",
         &scene(&[&library], system, method, "[1, 3, 3]"),
@@ -153,6 +153,8 @@ fn bad_arguments_of_the_plugin_commands_are_told_apart() {
     here.write("notes.txt", "just some text");
     here.write("text.so", "just some text");
     here.write("empty.so", "");
+    // Only the search path says what a bare name means.
+    fs::copy(&library, here.path("libplanted.so")).expect("a writable folder");
     fs::create_dir(here.path("folder")).expect("a writable folder");
     for (arguments, code, text) in [
         (
@@ -189,6 +191,16 @@ fn bad_arguments_of_the_plugin_commands_are_told_apart() {
             "plugin missing: no folder of the search path holds it: ",
         ),
         (&["check", "folder"], 4, "something of that name lies here"),
+        (
+            &["check", "libplanted.so"],
+            4,
+            "something of that name lies here, where nothing is searched for: give a path with a `/`",
+        ),
+        (
+            &["probe", good, "--no-plugins"],
+            4,
+            "plugins are switched off",
+        ),
         (
             &["check", "notes.txt"],
             4,
@@ -290,9 +302,9 @@ fn names_are_looked_for_in_the_search_path_and_read_without_being_run() {
 #[test]
 fn a_scene_may_say_which_file_it_means() {
     let (here, workshop) = (Place::new(), Workshop::new());
-    let library = workshop.compile("still");
+    let library = workshop.compile("steps");
     let with = |sha256: &str| {
-        let method = "stepper = \"gallery/still\"";
+        let method = "stepper = \"steps/heun\"";
         let text = scene(&[], "library = \"rigid-body\"", method, "[1, 3, 3]");
         let plugin = format!(
             "[{{ path = {:?}, sha256 = \"{sha256}\" }}]",

@@ -112,7 +112,7 @@ fn a_scene_reads_as_written_and_keeps_the_order_of_its_text() {
         .record
         .observables
         .iter()
-        .map(|name| name.value.as_str())
+        .map(ObservableSpec::heading)
         .collect();
     assert_eq!(observables, ["energy", "spin"]);
     assert_eq!(scene.plugins[0].path.value, "libextra.so");

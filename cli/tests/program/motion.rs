@@ -1,0 +1,145 @@
+//! What a scene's motion is: `check` and `run --explain` print ẋ, and a sign that turns time round is told.
+
+use crate::support::{BODY, Place};
+
+const PENDULUM: &str = r#"[system]
+variables   = ["q", "p"]
+parameters  = { g = 9.81 }
+bracket     = { "q,p" = "-1" }
+hamiltonian = "p^2/2 - g*cos(q)"
+[method]
+stepper   = "splitting"
+time-step = 0.01
+[run]
+initial = [1, 0]
+steps   = 10
+"#;
+
+const CHARGE: &str = r#"[system]
+variables   = ["x", "y", "z", "vx", "vy", "vz"]
+bracket     = { magnetic-field = ["0", "0", "1 + 0.1*x"] }
+convention  = "{H,x}"
+hamiltonian = "(vx^2 + vy^2 + vz^2)/2"
+[method]
+stepper   = "dop853"
+time-step = 0.1
+[run]
+initial = [0, 0, 0, 1, 0, 0]
+steps   = 1
+"#;
+
+#[test]
+fn check_prints_the_motion_of_every_variable() {
+    let here = Place::with(BODY);
+    let said = here.leafwise(&["check", "scene.toml"]);
+    let lines: Vec<&str> = said.out.lines().map(str::trim).collect();
+    let expected = [
+        "Motion, x' = {H, x}:",
+        "x1'  = (1/I2 - 1/I3)*x2*x3",
+        "x2'  = (-1/I1 + 1/I3)*x1*x3",
+        "x3'  = (1/I1 - 1/I2)*x1*x2",
+    ];
+    assert!(lines.ends_with(&expected), "{}", said.out);
+    let json = here.leafwise(&["check", "scene.toml", "--json"]).json();
+    assert_eq!(json["motion"]["x1"], "(1/I2 - 1/I3)*x2*x3");
+    let said = here.leafwise(&["run", "scene.toml", "--explain"]);
+    said.says(&expected);
+}
+
+#[test]
+fn the_motion_of_a_lattice_is_that_of_a_site() {
+    let chain = "[system]\nfamilies = { q = 400, p = 400 }\n\
+                 bracket = { \"q[i],p[i]\" = \"-1\" }\nboundary = \"periodic\"\n\
+                 hamiltonian = \"sum(i, p[i]^2/2 + (q[i+1] - q[i])^2/2)\"\n[method]\n\
+                 realization = \"auto\"\ndynamics = \"auto\"\ntime-step = 0.1\n[run]\nsteps = 1\n\
+                 initial = { \"q[i]\" = \"sin(2*pi*i/N)\", \"p[i]\" = \"0\" }\n";
+    let here = Place::with(chain);
+    let json = here.leafwise(&["check", "scene.toml", "--json"]).json();
+    let motion = json["motion"].as_object().expect("an object");
+    assert_eq!(motion.keys().collect::<Vec<_>>(), ["q[i]", "p[i]"]);
+    assert_eq!(motion["q[i]"], "p[i]");
+    assert_eq!(motion["p[i]"], "q[i-1] - 2*q[i] + q[i+1]");
+}
+
+/// x'' = v × B: after one step of 0.1 the charge is where a Taylor series of its motion puts it.
+#[test]
+fn a_charge_turns_as_physics_has_it_under_both_conventions() {
+    for convention in ["{H,x}", "{x,H}"] {
+        let here = Place::with(&CHARGE.replace("{H,x}", convention));
+        let json = here.leafwise(&["run", "scene.toml", "--json"]).json();
+        let state: Vec<f64> = json["final_state"]
+            .as_array()
+            .expect("a list")
+            .iter()
+            .filter_map(serde_json::Value::as_f64)
+            .collect();
+        // vx' = vy (1 + x/10), vy' = −vx (1 + x/10) from v = (1, 0, 0): x = t − t³/6 + O(t⁴),
+        // y = −t²/2 − t³/60 + O(t⁴), vx = 1 − t²/2 − O(t³), vy = −t − t²/20 + O(t³).
+        let t = 0.1;
+        let expected = [t - t * t * t / 6.0, -t * t / 2.0 - t * t * t / 60.0];
+        for (value, expected) in state.iter().zip(expected) {
+            assert!(
+                (value - expected).abs() < t * t * t * t,
+                "{convention}: {state:?}"
+            );
+        }
+        assert!(
+            (state[4] + t + t * t / 20.0).abs() < t * t * t,
+            "{convention}: {state:?}"
+        );
+        let said = here.leafwise(&["check", "scene.toml"]);
+        for line in ["x'   = vx", "vx'  = vy + 0.1*vy*x", "vy'  = -vx - 0.1*vx*x"] {
+            let found = said.out.lines().any(|other| same_terms(other, line));
+            assert!(found, "{line}\n{}", said.out);
+        }
+    }
+}
+
+/// Whether two lines have the same factors and terms, in any order.
+fn same_terms(a: &str, b: &str) -> bool {
+    let sorted = |line: &str| {
+        let mut letters: Vec<char> = line.chars().filter(|c| !c.is_whitespace()).collect();
+        letters.sort_unstable();
+        letters
+    };
+    a.split('=').next().map(str::trim) == b.split('=').next().map(str::trim)
+        && sorted(a) == sorted(b)
+}
+
+#[test]
+fn the_old_key_is_refused_with_the_new_one_and_its_force() {
+    let here = Place::with(&CHARGE.replace("magnetic-field", "magnetic"));
+    let said = here.leafwise(&["check", "scene.toml"]);
+    assert_eq!(said.code, Some(3), "{}", said.err);
+    said.says(&[
+        "`magnetic` is now `magnetic-field`",
+        "v' = v × B",
+        "v' = -v × B",
+        "negate B",
+    ]);
+}
+
+#[test]
+fn hamiltons_equations_that_run_backwards_are_told() {
+    let here = Place::with(PENDULUM);
+    let said = here.leafwise(&["check", "scene.toml"]);
+    assert!(said.out.contains("q'  = p"), "{}", said.out);
+    assert!(!said.err.contains("warning"), "{}", said.err);
+    for (bracket, convention, other) in [("1", "{H,x}", "{x,H}"), ("-1", "{x,H}", "{H,x}")] {
+        let scene = PENDULUM.replace(
+            "\"q,p\" = \"-1\" }",
+            &format!("\"q,p\" = \"{bracket}\" }}\nconvention = \"{convention}\""),
+        );
+        let here = Place::with(&scene);
+        let said = here.leafwise(&["check", "scene.toml"]);
+        assert!(said.out.contains("q'  = -p"), "{}", said.out);
+        let change = format!("convention = \"{other}\"");
+        said.says(&["backwards in time", &change]);
+        let said = here.leafwise(&["run", "scene.toml"]);
+        said.says(&["backwards in time", &change]);
+        // The change is the cure.
+        let cured = Place::with(&scene.replace(convention, other));
+        let said = cured.leafwise(&["check", "scene.toml"]);
+        assert!(!said.err.contains("backwards"), "{}", said.err);
+    }
+}

@@ -1,0 +1,140 @@
+//! ẋ as formulas to read.
+
+use leafwise_core::lattice::LatticeGeometry;
+use leafwise_core::{SystemFormulas, system::Parameter};
+use leafwise_expression::{Arithmetic, Expression, Graph, Ring};
+
+use super::run::ComposedRun;
+use super::stepping::Stepping;
+
+/// Products of terms up to which ẋ is expanded.
+const MOST_PRODUCTS: u64 = 100_000;
+
+/// Parts of a formula that is still worth reading.
+const MOST_PARTS: usize = 2_000;
+
+/// How far a formula may be from the code of ẋ, relative to the largest component: expanded far from
+/// its zero it cancels, and is then no help.
+const AGREEMENT: f64 = 1e-9;
+
+/// ẋ, to be read.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Motion {
+    /// A formula for each variable, `None` for one too long to be read.
+    Formulas(Vec<(String, Option<String>)>),
+    /// The same for one site of a lattice, its neighbours named `x[i+1]`.
+    Site(Vec<(String, Option<String>)>),
+    /// A system of numbers: the values at the initial state.
+    Values(Vec<(String, f64)>),
+}
+
+impl Motion {
+    /// ẋ of a composed run; `None` where it has no value at the initial state.
+    pub fn of(run: &ComposedRun) -> Option<Self> {
+        let code = field_at(run)?;
+        let Some(system) = run.system.expressions() else {
+            let names = run.system.variables().iter().cloned();
+            return Some(Self::Values(names.zip(code).collect()));
+        };
+        let Stepping::Lattice(lattice) = &run.method else {
+            let coordinates: Vec<usize> = (0..system.dimension()).collect();
+            let names = system.variables().to_vec();
+            let formulas = formulas(system, &run.near, &code, &coordinates, &names);
+            return Some(Self::Formulas(formulas));
+        };
+        let geometry = lattice.base.map().proxy_geometry();
+        let site = geometry.length() / 2;
+        let offsets = geometry.offsets();
+        let families = offsets.iter().zip(&geometry.families);
+        let coordinates: Vec<usize> = families
+            .filter(|(_, (_, length))| site < *length)
+            .map(|(offset, _)| offset + site)
+            .collect();
+        let names = names_about(geometry, site);
+        let formulas = formulas(system, &run.near, &code, &coordinates, &names);
+        Some(Self::Site(formulas))
+    }
+}
+
+/// The coordinates' names as seen from a site: `x[i]`, `x[i+1]`, ….
+fn names_about(geometry: &LatticeGeometry, here: usize) -> Vec<String> {
+    let name = |coordinate: usize| {
+        let (family, site) = geometry.locate(coordinate);
+        let family = &geometry.families[family].0;
+        match geometry.shift(here, site) {
+            0 => format!("{family}[i]"),
+            shift => format!("{family}[i{shift:+}]"),
+        }
+    };
+    (0..geometry.dimension()).map(name).collect()
+}
+
+/// X_H at a state near the initial one, by the code that steppers use.
+fn field_at(run: &ComposedRun) -> Option<Vec<f64>> {
+    let field = run.system.field_values().ok()?;
+    let mut value = vec![0.0; run.system.dimension()];
+    let mut evaluator = field.evaluator(&run.system.parameter_values(), 1.0, 1.0);
+    evaluator.value(&run.near, &mut value).ok()?;
+    Some(value)
+}
+
+/// ẋ of some coordinates: the shorter of the expanded formula and the code written out, where it has
+/// the value of the code.
+fn formulas(
+    system: &SystemFormulas,
+    x: &[f64],
+    code: &[f64],
+    coordinates: &[usize],
+    names: &[String],
+) -> Vec<(String, Option<String>)> {
+    let parameters: Vec<String> = system.parameters().iter().map(name_of).collect();
+    let values = system.parameter_values();
+    let scale = code.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let candidates = [expanded(system, coordinates), as_code(system, coordinates)];
+    let text = |at: usize, coordinate: usize| {
+        let candidates = candidates.iter().flatten();
+        candidates
+            .filter_map(|formulas| formulas[at].as_ref())
+            .filter(|formula| {
+                let difference = formula.evaluate(x, &values) - code[coordinate];
+                difference.is_nan() || difference.abs() <= AGREEMENT * scale
+            })
+            .map(|formula| formula.written(names, &parameters))
+            .min_by_key(String::len)
+    };
+    let rows = coordinates.iter().enumerate();
+    rows.map(|(at, &coordinate)| (names[coordinate].clone(), text(at, coordinate)))
+        .collect()
+}
+
+fn name_of(parameter: &Parameter) -> String {
+    parameter.name.clone()
+}
+
+/// −Π ∇H in the exact ring.
+fn expanded(system: &SystemFormulas, coordinates: &[usize]) -> Option<Vec<Option<Expression>>> {
+    let d = system.dimension();
+    let mut ring = Ring::limited(d, MOST_PRODUCTS);
+    let x: Vec<_> = (0..d).map(|i| ring.variable(i)).collect();
+    let energy = system.hamiltonian();
+    let energy = energy.evaluate_in(&mut ring, &mut |_, at| Ok(x[at].clone()));
+    let gradient = ring.gradient(&energy.ok()?).ok()?;
+    let field = system.apply_tensor(&mut ring, &x, &gradient).ok()?;
+    if ring.refusal().is_some() {
+        return None;
+    }
+    let formula = |&at: &usize| {
+        let component = ring.negate(&field[at]);
+        (component.terms().len() <= MOST_PARTS).then(|| ring.formula(&component))
+    };
+    Some(coordinates.iter().map(formula).collect())
+}
+
+/// The same as code, its shared parts written out.
+fn as_code(system: &SystemFormulas, coordinates: &[usize]) -> Option<Vec<Option<Expression>>> {
+    let mut graph = Graph::new();
+    let x: Vec<_> = (0..system.dimension()).map(|i| graph.input(i)).collect();
+    let field = system.vector_field(&mut graph, &x).ok()?;
+    let formula = |&at: &usize| graph.formula(&field[at], MOST_PARTS);
+    Some(coordinates.iter().map(formula).collect())
+}
