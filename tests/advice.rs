@@ -144,9 +144,6 @@ fn steps_near_the_edge_of_a_truncated_chart_are_told() {
     for order in [2, 3] {
         assert_eq!(of_kind(&text(order, "0.8"), AdviceKind::Chart), None);
     }
-    // Inside the chart, where the series is far from its limit.
-    let found = of_kind(&text(4, "1.4"), AdviceKind::RealizationDefect).expect("a warning");
-    assert_eq!(found.change, "time-step = 0.7");
 }
 
 #[test]
@@ -246,6 +243,27 @@ fn stages_that_no_step_feels_are_told() {
         "{a:?} {b:?}"
     );
     assert_eq!(of_kind(&text(3, "0.2"), AdviceKind::Stages), None);
+}
+
+/// A body that turns by 1.6 a unit of time: the midpoint rule errs by (t·1.6)²/12 of the motion.
+#[test]
+fn a_step_that_is_too_long_for_its_order_is_told() {
+    for (method, time_step) in [
+        ("stepper = \"implicit-midpoint\"", 1.4),
+        ("stepper = \"splitting\"", 1.4),
+        (
+            "realization = \"auto\"\ndynamics = { name = \"hamilton-jacobi\", order = 2 }",
+            1.0,
+        ),
+    ] {
+        let mut text = body(&format!("{method}\ntime-step = {time_step:?}"));
+        let mut halvings = 0;
+        while let Some(found) = of_kind(&text, AdviceKind::CoarseStep) {
+            text = changed(&text, &found);
+            halvings += 1;
+        }
+        assert!((1..=3).contains(&halvings), "{halvings}: {text}");
+    }
 }
 
 #[test]

@@ -220,3 +220,45 @@ fn a_false_casimir_is_refused_with_the_row_that_fails() {
         (Verdict::Violated, &[0][..])
     );
 }
+
+/// Jac(x, y, z) = {z, f(y)} = −f′(y) for {x, y} = f(y), {y, z} = 1; the last row of Π∇C is f′ too.
+fn is_proved(f: &str) -> [bool; 2] {
+    let names = ["x", "y", "z"];
+    let bracket = [("x,y", f), ("y,z", "1")];
+    let tensor = from_formulas(&names, &[], &bracket, "x", &[]);
+    let jacobi = check_jacobi(&tensor, &[], &[1.0, 5.0, 1.0]).expect("code");
+    let casimirs = [("C", f)];
+    let system = from_formulas(&names, &[], &[("y,z", "-1")], "z", &casimirs);
+    let casimir = check_casimir(&system, 0, &[], &[1.0, 5.0, 1.0]).expect("code");
+    [jacobi, casimir].map(|check| check.verdict == Verdict::Proved)
+}
+
+#[test]
+fn false_claims_with_quotients_by_laurent_sums_are_not_proved() {
+    assert_eq!(is_proved("1/(1 - 2/y) + y/(2*(1 + y))"), [false; 2]);
+    assert_eq!(is_proved("1/(1 - 2/y) - y/(y - 2)"), [true; 2]);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(256))]
+
+    /// What takes two values at two points is not constant, whatever its normal form.
+    #[test]
+    fn a_function_that_is_not_constant_is_not_proved_constant(
+        numbers in prop::array::uniform6(1..6_i64),
+        powers in prop::array::uniform4(-3..4_i64),
+    ) {
+        let [a, b, c, d, e, g] = numbers;
+        let [i, j, k, l] = powers;
+        let f = format!("{a}/({b} + {c}*y^({i}) - y^({j})/9) - {d}*y^({k})/({e}*y^({l}) + {g})");
+        let value = |y: f64| {
+            let power = |n: i64| libm::pow(y, n as f64);
+            let [a, b, c, d, e, g] = numbers.map(|n| n as f64);
+            a / (b + c * power(i) - power(j) / 9.0) - d * power(k) / (e * power(l) + g)
+        };
+        let values = [1.1, 1.7, 2.9].map(value);
+        let spread = (values[0] - values[1]).abs().max((values[0] - values[2]).abs());
+        prop_assume!(spread > 1e-9 && spread.is_finite());
+        prop_assert_eq!(is_proved(&f), [false; 2], "{}", f);
+    }
+}

@@ -61,6 +61,7 @@ families! {
     an_orbit_that_underflows_stays_positive: "underflow",
     high_orders_agree_with_closed_forms: "orders",
     any_dimension_serves: "dimensions",
+    narrow_waves_and_fine_steps_are_solved: "lattices",
     chaotic_orbits_are_reversible: "chaos",
     a_casimir_drifts_like_a_random_walk: "long",
 }

@@ -320,7 +320,7 @@ fn the_seventh_coefficient_of_the_rigid_body_has_its_value() {
             .factors()
             .iter()
             .fold(constant, |product, &(symbol, exponent)| {
-                &product * &point[usize::from(symbol)].powi(exponent.into())
+                &product * &point[symbol as usize].powi(exponent.into())
             });
     }
     assert_eq!(value, Rational::new(69_204_901, 265_781_250));

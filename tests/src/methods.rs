@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use leafwise::core::{
-    Integrator, Method, PartParameters, PoissonSystem, RealizationData, Registry, StepError,
-    StepMap,
+    BuildError, Integrator, Method, PartParameters, PoissonSystem, RealizationData, Registry,
+    StepError, StepMap,
 };
 
 /// `karasev-truncated` of order n.
@@ -24,12 +24,23 @@ pub fn realization(system: &PoissonSystem, order: i64) -> Arc<dyn RealizationDat
 /// # Panics
 /// When a part refuses.
 pub fn method(system: &PoissonSystem, n: i64, m: i64) -> Method {
+    compose(system, n, m).expect("the parts fit")
+}
+
+/// The same, or its refusal.
+///
+/// # Errors
+/// Where the parts do not fit the system.
+///
+/// # Panics
+/// When a part refuses its order.
+pub fn compose(system: &PoissonSystem, n: i64, m: i64) -> Result<Method, BuildError> {
     let dynamics = Registry::with_builtin()
         .dynamics("hamilton-jacobi")
         .expect("a built-in dynamic approximation")
         .build(&PartParameters::new().with("order", m))
         .expect("a dynamic approximation of this order");
-    Method::compose(system, realization(system, n), dynamics).expect("the parts fit")
+    Method::compose(system, realization(system, n), dynamics)
 }
 
 /// The state after `steps` steps of size `epsilon`·`h` from `initial`.
