@@ -144,6 +144,9 @@ fn steps_near_the_edge_of_a_truncated_chart_are_told() {
     for order in [2, 3] {
         assert_eq!(of_kind(&text(order, "0.8"), AdviceKind::Chart), None);
     }
+    // Inside the chart, where the series is far from its limit.
+    let found = of_kind(&text(4, "1.4"), AdviceKind::RealizationDefect).expect("a warning");
+    assert_eq!(found.change, "time-step = 0.7");
 }
 
 #[test]

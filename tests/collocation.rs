@@ -13,6 +13,8 @@ use leafwise::core::{
     Accuracy, Ends, Integrator, Method, PartParameters, PoissonSystem, RealizationData, Registry,
     realization_worker,
 };
+use leafwise::prelude::{ProblemLibrary, SceneDocument};
+use leafwise::scene::compose;
 use leafwise_tests::library;
 use leafwise_tests::numbers::{distance, largest};
 use leafwise_tests::orders::measure;
@@ -104,6 +106,39 @@ fn the_bracket_defect_has_slope_2q() {
                 "{id} q = {q}: {slope}: {points:?}"
             );
         }
+    }
+}
+
+/// Y' = 1 + Y² of mean 0 is tan(s − ½): about the middle the field is even, and every second Legendre
+/// coefficient vanishes. So it is for a coordinate that is small beside another.
+#[test]
+fn a_field_that_is_even_about_the_middle_takes_the_nodes_it_needs() {
+    for (bracket, size) in [
+        (r#"{ "q,p" = "1 + q^2" }"#, 1.0),
+        (r#"{ "q,p" = "1e-4*(1 + 1e8*q^2)", "r,s" = "1" }"#, 1e-4),
+    ] {
+        let variables = if size == 1.0 { "q p" } else { "q p r s" };
+        let variables: Vec<&str> = variables.split(' ').collect();
+        let d = variables.len();
+        let text = format!(
+            "[system]\nvariables = {variables:?}\nbracket = {bracket}\nhamiltonian = \"p^2/2\"\n\
+             [method]\nrealization = \"karasev-collocated\"\n\
+             dynamics = {{ name = \"hamilton-jacobi\", order = 2 }}\ntime-step = 0.1\n\
+             [run]\ninitial = {:?}\nsteps = 1\n",
+            vec![0.0; d]
+        );
+        let document = SceneDocument::parse("even", &text, &ProblemLibrary).expect("a scene");
+        let run = compose(&document, &Registry::with_builtin()).expect("a run");
+        let realization = collocated(&run.system, 0);
+        let mut worker = realization_worker(realization.as_ref(), &[], 1.0).expect("maps on T*M");
+        let z: Vec<f64> = (0..2 * d)
+            .map(|at| f64::from(u8::from(at >= d && at % 2 == 1)))
+            .collect();
+        let mut ends = Ends::new(d);
+        worker.ends(&z, &mut ends).expect("in the chart");
+        let exact = size * libm::tan(0.5);
+        let error = (ends.offset[0].abs() - exact).abs();
+        assert!(error <= 16.0 * f64::EPSILON * exact, "{bracket}: {error:e}");
     }
 }
 

@@ -217,7 +217,7 @@ pub fn survey(
     Ok(survey)
 }
 
-/// work(0), work(1), … on several threads, handed over in this order.
+/// work(0), work(1), … on several threads, as far as the machine grants any, handed over in this order.
 fn in_order<T: Send>(
     count: usize,
     threads: usize,
@@ -227,16 +227,23 @@ fn in_order<T: Send>(
     let next = AtomicUsize::new(0);
     let (sender, receiver) = mpsc::channel();
     std::thread::scope(|scope| {
-        for _ in 0..threads.min(count) {
+        let granted = (0..threads.min(count)).filter(|_| {
             let (sender, next) = (sender.clone(), &next);
-            scope.spawn(move || {
+            let worker = move || {
                 loop {
                     let at = next.fetch_add(1, Ordering::Relaxed);
                     if at >= count || sender.send((at, work(at))).is_err() {
                         return;
                     }
                 }
-            });
+            };
+            std::thread::Builder::new()
+                .spawn_scoped(scope, worker)
+                .is_ok()
+        });
+        if granted.count() == 0 {
+            (0..count).map(work).for_each(take);
+            return;
         }
         drop(sender);
         let mut early = BTreeMap::new();

@@ -4,9 +4,8 @@ use super::chart::half_the_step;
 use super::probe::Probe;
 use super::{Advice, AdviceKind, number};
 
-/// Brackets that are wrong by this part of their terms are no approximation of the tensor; the terms are twice as
-/// large as the brackets at least.
-const HARDLY: f64 = 5e-3;
+/// Brackets that are wrong by this part are no approximation of the tensor.
+const HARDLY: f64 = 1e-2;
 
 pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
     let n = probe.truncation_order()?;

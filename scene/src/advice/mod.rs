@@ -172,12 +172,12 @@ fn about_the_method(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>])
     ]
     .iter()
     .filter_map(|advice| advice(&mut probe))
-    .chain(coarse)
     .collect();
     // Beside a better realization or a smaller step it would say the same again.
     if advice.is_empty() {
         advice.extend(defect::advice(&mut probe));
     }
+    advice.extend(coarse);
     advice
 }
 

@@ -107,7 +107,7 @@ impl<'a> Probe<'a> {
         for place in &self.places {
             let (x, p) = place.solution.point.split_at(place.x.len());
             let error = instrument.measure(epsilon, x, p).ok()?;
-            largest = largest.max(error.relative.source);
+            largest = largest.max(error.source / error.scale);
         }
         Some(largest)
     }

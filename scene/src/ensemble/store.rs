@@ -109,10 +109,7 @@ impl FinalStore {
     pub fn sync(&mut self) -> Result<Vouched, RunError> {
         match &mut self.file {
             Some(file) => file.sync(),
-            None => Ok(Vouched {
-                bytes: 0,
-                sha256: [0; 32],
-            }),
+            None => Ok(Vouched::NOTHING),
         }
     }
 }

@@ -20,6 +20,41 @@ pub(crate) struct Vouched {
     pub sha256: [u8; 32],
 }
 
+impl Vouched {
+    /// Nothing of a file.
+    pub const NOTHING: Self = Self {
+        bytes: 0,
+        sha256: [0; 32],
+    };
+
+    /// So many bytes with this digest.
+    pub fn of(bytes: u64, digest: &Sha256) -> Self {
+        Self {
+            bytes,
+            sha256: digest.clone().finalize().into(),
+        }
+    }
+
+    /// Reads these bytes again, of a file that stands at their beginning; their digest, to be continued.
+    pub fn read_again(&self, file: &mut File, path: &Path) -> Result<Sha256, RunError> {
+        let counted = self.bytes;
+        let (bytes, digest) = read_digest(file, counted).map_err(RunError::io(path))?;
+        let reason = if bytes < counted {
+            format!("it has {bytes} bytes where the checkpoint counts {counted}")
+        } else if <[u8; 32]>::from(digest.clone().finalize()) != self.sha256 {
+            format!(
+                "its first {counted} bytes are not those that were written: it was changed since, or damaged"
+            )
+        } else {
+            return Ok(digest);
+        };
+        Err(RunError::Damaged {
+            file: path.to_owned(),
+            reason,
+        })
+    }
+}
+
 /// A file that rows are appended to, with a digest of all that was written.
 pub(crate) struct Appended {
     path: PathBuf,
@@ -53,32 +88,17 @@ impl Appended {
     /// The file of an earlier session, to be continued behind what its checkpoint counts. Nothing in it is
     /// changed before [`cut`](Self::cut) or the first byte.
     pub fn resume(path: &Path, vouched: &Vouched) -> Result<Self, RunError> {
-        let damaged = |reason: String| RunError::Damaged {
-            file: path.to_owned(),
-            reason,
-        };
         let mut file = OpenOptions::new()
             .read(true)
             .write(true)
             .open(path)
             .map_err(RunError::resuming(path))?;
-        let (bytes, digest) = read_digest(&mut file, vouched.bytes).map_err(RunError::io(path))?;
-        let counted = vouched.bytes;
-        if bytes < counted {
-            return Err(damaged(format!(
-                "it has {bytes} bytes where the checkpoint counts {counted}"
-            )));
-        }
-        if <[u8; 32]>::from(digest.clone().finalize()) != vouched.sha256 {
-            return Err(damaged(format!(
-                "its first {counted} bytes are not those that were written: it was changed since, or damaged"
-            )));
-        }
+        let digest = vouched.read_again(&mut file, path)?;
         Ok(Self {
             path: path.to_owned(),
             file,
             waiting: Vec::new(),
-            bytes,
+            bytes: vouched.bytes,
             digest,
         })
     }
@@ -125,10 +145,15 @@ impl Appended {
     pub fn sync(&mut self) -> Result<Vouched, RunError> {
         self.flush()?;
         self.file.sync_data().map_err(RunError::io(&self.path))?;
-        Ok(Vouched {
-            bytes: self.bytes,
-            sha256: self.digest.clone().finalize().into(),
-        })
+        Ok(Vouched::of(self.bytes, &self.digest))
+    }
+
+    /// Makes sure that the file ends with the bytes that wait.
+    ///
+    /// # Errors
+    /// [`RunError::Damaged`] where it does not.
+    pub fn confirm_end(&mut self) -> Result<(), RunError> {
+        ends_with(&mut self.file, &self.path, self.bytes, &self.waiting)
     }
 
     /// Ends the file behind the last byte pushed.
@@ -146,6 +171,26 @@ impl Appended {
         self.path = path.to_owned();
         Ok(())
     }
+}
+
+/// Refuses a file that has other bytes than `expected` behind its first `start`.
+pub(super) fn ends_with(
+    file: &mut File,
+    path: &Path,
+    start: u64,
+    expected: &[u8],
+) -> Result<(), RunError> {
+    let mut rest = Vec::new();
+    file.seek(SeekFrom::Start(start))
+        .and_then(|_| file.take(expected.len() as u64 + 1).read_to_end(&mut rest))
+        .map_err(RunError::io(path))?;
+    if rest == expected {
+        return Ok(());
+    }
+    Err(RunError::Damaged {
+        file: path.to_owned(),
+        reason: "its end is not the run's last row: it was changed since, or damaged".to_owned(),
+    })
 }
 
 /// How many of a file's first `count` bytes there are, and their digest.

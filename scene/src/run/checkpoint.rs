@@ -18,7 +18,7 @@ use super::snapshots::Snapshots;
 pub(crate) const FILE: &str = "checkpoint.bin";
 
 /// The file begins with this: name and format version.
-const MAGIC: &[u8; 8] = b"leafwis4";
+const MAGIC: &[u8; 8] = b"leafwis5";
 
 /// A count that is not known.
 const UNKNOWN: u64 = u64::MAX;
@@ -34,6 +34,8 @@ pub(super) struct Checkpoint {
     pub wall_seconds: f64,
     /// The beginning of `samples.csv` that holds them.
     pub vouched: Vouched,
+    /// The beginning of what `states.npy` holds behind its header, if there is one.
+    pub states: Vouched,
     /// Samples recorded.
     pub samples: u64,
     /// The step after which the last sample was recorded.
@@ -106,6 +108,7 @@ impl Checkpoint {
         }
         out.number(self.wall_seconds);
         out.vouched(&self.vouched);
+        out.vouched(&self.states);
         out.whole(self.samples);
         out.whole(self.last_sample.unwrap_or(UNKNOWN));
         out.wholes(&self.undefined);
@@ -141,7 +144,8 @@ impl Checkpoint {
             most_evaluations: from.whole()?,
             failures: from.whole()?,
         };
-        let (wall_seconds, vouched, samples) = (from.number()?, from.vouched()?, from.whole()?);
+        let (wall_seconds, vouched, states) = (from.number()?, from.vouched()?, from.vouched()?);
+        let samples = from.whole()?;
         let last_sample = Some(from.whole()?).filter(|step| *step != UNKNOWN);
         let undefined = from.wholes()?;
         let windows = Windows {
@@ -169,6 +173,7 @@ impl Checkpoint {
             statistics,
             wall_seconds,
             vouched,
+            states,
             samples,
             last_sample,
             undefined,
@@ -317,6 +322,7 @@ mod tests {
                 bytes: 1 << 40,
                 sha256: [7; 32],
             },
+            states: Vouched::NOTHING,
             samples: 77,
             last_sample: Some(4998),
             undefined: vec![0, 3],

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use leafwise_core::{Integrator, SolverStatistics};
 
+use super::appended::Vouched;
 use super::checkpoint::Checkpoint;
 use super::directory::RunDirectory;
 use super::error::RunError;
@@ -85,7 +86,11 @@ impl<'a> Session<'a> {
         let samples = Samples::resume(&directory.path, vouched, count)?;
         let mut session = Self::new(run, directory, checkpoint_every, samples)?;
         if let Some(width) = wide(run) {
-            session.states = Some(StateTable::resume(&directory.path, width, count)?);
+            session.states = Some(StateTable::resume(
+                &directory.path,
+                width,
+                &checkpoint.states,
+            )?);
         }
         session
             .integrator
@@ -172,12 +177,19 @@ impl<'a> Session<'a> {
     }
 
     /// Takes up the end of a run that has come to it before; no file is changed.
+    ///
+    /// # Errors
+    /// [`RunError::Damaged`] where a file does not end with the run's last row.
     pub fn repeat_end(&mut self) -> Result<(), RunError> {
-        // The row waits, and is never handed over: the file has it, and so has that of states.
+        // The row waits, and is never handed over: the files have it.
         if let Some(states) = &mut self.states {
             states.freeze();
         }
-        self.record()
+        self.record()?;
+        self.states
+            .as_mut()
+            .map_or(Ok(()), StateTable::confirm_end)?;
+        self.samples.confirm_end()
     }
 
     /// Steps to the end of the plan, to a failure, or until interrupted.
@@ -304,13 +316,14 @@ impl<'a> Session<'a> {
     }
 
     fn checkpoint(&mut self) -> Result<(), RunError> {
-        self.states.as_mut().map_or(Ok(()), StateTable::sync)?;
+        let states = self.states.as_mut().map(StateTable::sync).transpose()?;
         let vouched = self.samples.sync()?;
         let checkpoint = Checkpoint {
             integrator: self.integrator.checkpoint(),
             statistics: self.statistics(),
             wall_seconds: self.wall.as_secs_f64(),
             vouched,
+            states: states.unwrap_or(Vouched::NOTHING),
             samples: self.samples.count(),
             last_sample: self.last_sample,
             undefined: self.undefined.clone(),

@@ -87,6 +87,11 @@ impl Samples {
         self.file.end()
     }
 
+    /// Refuses a file that does not end with the row that waits, if one does.
+    pub fn confirm_end(&mut self) -> Result<(), RunError> {
+        self.file.confirm_end()
+    }
+
     /// Rows pushed.
     pub fn count(&self) -> u64 {
         self.count

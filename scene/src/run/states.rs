@@ -1,10 +1,12 @@
 //! Recorded states too wide for `samples.csv`, as `states.npy`.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{Seek, SeekFrom, Write};
+use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use super::appended::create_anew;
+use sha2::{Digest, Sha256};
+
+use super::appended::{Vouched, create_anew, ends_with};
 use super::error::RunError;
 
 /// The file's name in the run directory.
@@ -26,6 +28,8 @@ pub(super) struct StateTable {
     /// Rows handed over, and rows that the header counts.
     rows: u64,
     counted: u64,
+    /// Of the rows handed over.
+    digest: Sha256,
     /// Nothing is appended any more.
     is_frozen: bool,
 }
@@ -49,47 +53,57 @@ impl StateTable {
             waiting: Vec::new(),
             rows: 0,
             counted: 0,
+            digest: Sha256::new(),
             is_frozen: false,
         })
     }
 
-    /// The file of an earlier session, to be continued behind the `rows` that its checkpoint vouches for.
+    /// The file of an earlier session, to be continued behind the rows that its checkpoint vouches for.
     /// Whole rows behind them stay: the same steps write the same bytes over them.
-    pub fn resume(directory: &Path, width: usize, rows: u64) -> Result<Self, RunError> {
+    pub fn resume(directory: &Path, width: usize, vouched: &Vouched) -> Result<Self, RunError> {
         let path = directory.join(FILE);
         let mut file = OpenOptions::new()
             .read(true)
             .write(true)
             .open(&path)
             .map_err(RunError::resuming(&path))?;
-        let length = file.metadata().map_err(RunError::io(&path))?.len();
-        let row = 8 * width as u64;
-        let present = length.saturating_sub(HEADER as u64) / row;
-        if present < rows {
+        let rows = vouched.bytes / (8 * width as u64);
+        let mut head = [0; HEADER];
+        let counts = file
+            .read_exact(&mut head)
+            .ok()
+            .and_then(|()| counted(&head));
+        // Rows are counted before a checkpoint vouches for them.
+        let Some(counted) = counts.filter(|k| *k >= rows && header(*k, width) == head) else {
             return Err(RunError::Damaged {
                 file: path,
-                reason: format!("it has {present} rows where the checkpoint counts {rows}"),
+                reason: format!("its header is not that of {rows} rows or more of {width} numbers"),
             });
-        }
-        let start = HEADER as u64 + rows * row;
-        file.seek(SeekFrom::Start(start))
-            .map_err(RunError::io(&path))?;
+        };
+        let digest = vouched.read_again(&mut file, &path)?;
         Ok(Self {
             path,
             file,
             width,
             waiting: Vec::new(),
             rows,
-            // The header counts no more rows than are there, and is not set back.
-            counted: present,
+            counted,
+            digest,
             is_frozen: false,
         })
     }
 
     /// Prepares the file of an earlier session for more rows. Where the plan is longer, the last of those
-    /// behind the checkpoint may be one that only the end of the shorter run asked for: they go.
+    /// behind the checkpoint may be one that only the end of the shorter run asked for: they go. So do
+    /// all where a machine went down with the header on its disk and the rows not.
     pub fn go_on(&mut self, has_same_plan: bool) -> Result<(), RunError> {
-        if has_same_plan {
+        let length = self
+            .file
+            .metadata()
+            .map_err(RunError::io(&self.path))?
+            .len();
+        let present = length.saturating_sub(HEADER as u64) / (8 * self.width as u64);
+        if has_same_plan && self.counted <= present {
             return Ok(());
         }
         self.count(self.rows)?;
@@ -103,6 +117,22 @@ impl StateTable {
         self.is_frozen = true;
     }
 
+    /// Makes sure that the file ends with the rows that wait, and counts them.
+    ///
+    /// # Errors
+    /// [`RunError::Damaged`] where it does not.
+    pub fn confirm_end(&mut self) -> Result<(), RunError> {
+        let rows = self.rows + (self.waiting.len() / (8 * self.width)) as u64;
+        if self.counted != rows {
+            return Err(RunError::Damaged {
+                file: self.path.clone(),
+                reason: format!("its header counts {} rows of {rows}", self.counted),
+            });
+        }
+        let start = self.length();
+        ends_with(&mut self.file, &self.path, start, &self.waiting)
+    }
+
     /// The bytes of the header and of the rows handed over.
     fn length(&self) -> u64 {
         HEADER as u64 + 8 * self.width as u64 * self.rows
@@ -110,11 +140,8 @@ impl StateTable {
 
     /// Appends one row.
     pub fn push(&mut self, row: impl Iterator<Item = f64>) -> Result<(), RunError> {
-        if self.is_frozen {
-            return Ok(());
-        }
         row.for_each(|value| self.waiting.extend_from_slice(&value.to_le_bytes()));
-        match self.waiting.len() >= BATCH {
+        match self.waiting.len() >= BATCH && !self.is_frozen {
             true => self.flush(),
             false => Ok(()),
         }
@@ -126,6 +153,7 @@ impl StateTable {
         self.file
             .write_all(&self.waiting)
             .map_err(RunError::io(&self.path))?;
+        self.digest.update(&self.waiting);
         self.waiting.clear();
         self.rows += written;
         if self.rows > self.counted {
@@ -134,10 +162,11 @@ impl StateTable {
         Ok(())
     }
 
-    /// Hands all rows to the disk.
-    pub fn sync(&mut self) -> Result<(), RunError> {
+    /// Hands all rows to the disk; returns what a checkpoint may count of the bytes behind the header.
+    pub fn sync(&mut self) -> Result<Vouched, RunError> {
         self.flush()?;
-        self.file.sync_data().map_err(RunError::io(&self.path))
+        self.file.sync_data().map_err(RunError::io(&self.path))?;
+        Ok(Vouched::of(self.length() - HEADER as u64, &self.digest))
     }
 
     /// Ends the file after the last row pushed.
@@ -176,11 +205,18 @@ fn header(rows: u64, width: usize) -> [u8; HEADER] {
     header
 }
 
+/// The rows that a header counts.
+fn counted(header: &[u8; HEADER]) -> Option<u64> {
+    let text = std::str::from_utf8(&header[10..]).ok()?;
+    let (_, shape) = text.split_once("'shape': (")?;
+    shape.split_once(',')?.0.parse().ok()
+}
+
 #[cfg(test)]
 mod tests {
     use std::fs;
 
-    use super::{FILE, HEADER, StateTable};
+    use super::{FILE, HEADER, StateTable, Vouched};
 
     fn rows(bytes: &[u8]) -> Vec<f64> {
         let values = bytes[HEADER..].chunks_exact(8);
@@ -207,21 +243,51 @@ mod tests {
         assert!(values[1].is_sign_negative());
     }
 
+    /// Rows of three; what a checkpoint vouches for after two of them, and after all.
+    fn five_rows(directory: &std::path::Path) -> [Vouched; 2] {
+        let mut table = StateTable::create(directory, 3).expect("a file");
+        let mut vouched = [Vouched::NOTHING; 2];
+        for k in 0..5 {
+            let row = (0..3).map(|i| f64::from(10 * k + i));
+            table.push(row).expect("a row");
+            vouched[usize::from(k > 1)] = table.sync().expect("written");
+        }
+        table.end().expect("the end");
+        vouched
+    }
+
+    #[test]
+    fn a_flipped_bit_in_any_byte_is_refused() {
+        let root = tempfile::tempdir().expect("a directory");
+        let path = root.path().join(FILE);
+        let [_, all] = five_rows(root.path());
+        let good = fs::read(&path).expect("a file");
+        for at in 0..good.len() {
+            let mut flipped = good.clone();
+            flipped[at] ^= 1 << (at % 8);
+            fs::write(&path, &flipped).expect("writable");
+            let resumed = StateTable::resume(root.path(), 3, &all);
+            assert!(
+                resumed.and_then(|mut table| table.confirm_end()).is_err(),
+                "byte {at}"
+            );
+            assert!(fs::read(&path).expect("a file") == flipped, "byte {at}");
+        }
+        fs::write(&path, &good).expect("writable");
+        let mut whole = StateTable::resume(root.path(), 3, &all).expect("as it was");
+        whole.confirm_end().expect("as it was");
+    }
+
     #[test]
     fn rows_behind_the_checkpoint_stay_until_the_same_are_written_over_them() {
         let root = tempfile::tempdir().expect("a directory");
         let path = root.path().join(FILE);
-        let mut whole = StateTable::create(root.path(), 3).expect("a file");
-        for k in 0..5 {
-            whole
-                .push((0..3).map(|i| f64::from(10 * k + i)))
-                .expect("a row");
-        }
-        whole.end().expect("the end");
+        let [two, all] = five_rows(root.path());
         let expected = fs::read(&path).expect("a file");
         // Killed in the midst of the fifth row, with a checkpoint after the second.
-        fs::write(&path, &expected[..expected.len() - 5]).expect("writable");
-        let mut again = StateTable::resume(root.path(), 3, 2).expect("a file");
+        let killed = &expected[..expected.len() - 5];
+        fs::write(&path, killed).expect("writable");
+        let mut again = StateTable::resume(root.path(), 3, &two).expect("a file");
         for k in 2..5 {
             assert!(fs::read(&path).expect("a file").len() >= expected.len() - 5);
             again
@@ -231,6 +297,7 @@ mod tests {
         }
         again.end().expect("the end");
         assert!(fs::read(&path).expect("a file") == expected);
-        assert!(StateTable::resume(root.path(), 3, 6).is_err());
+        fs::write(&path, killed).expect("writable");
+        assert!(StateTable::resume(root.path(), 3, &all).is_err());
     }
 }

@@ -48,8 +48,6 @@ pub(super) struct Convergence {
     /// How many corrections in a row did not shrink.
     stuck: u32,
     pub(super) evaluations: u32,
-    /// Whether the solve ended with the whole state at round-off while a small component was not.
-    pub(super) is_round_off: bool,
 }
 
 impl Convergence {
@@ -64,7 +62,6 @@ impl Convergence {
             seen: 0.0,
             stuck: 0,
             evaluations: 0,
-            is_round_off: false,
         }
     }
 
@@ -76,7 +73,6 @@ impl Convergence {
         self.spread = f64::INFINITY;
         self.stuck = 0;
         self.evaluations = 0;
-        self.is_round_off = false;
         match distance {
             Some(distance) if self.chords(distance, self.first, most_chords) => {
                 self.distance = distance;
@@ -118,8 +114,8 @@ impl Convergence {
         let is_done = size <= LARGEST_REMAINDER
             || is_observed && SAFETY * remainder <= LARGEST_REMAINDER
             || is_stuck && size <= noise;
-        self.is_round_off = !is_done && self.stuck >= 2 && norm() <= NORMWISE_ROUND_OFF;
-        if is_done || self.is_round_off {
+        // A small component may be the round-off of larger ones.
+        if is_done || self.stuck >= 2 && norm() <= NORMWISE_ROUND_OFF {
             return Next::Done;
         }
         self.distance += size;

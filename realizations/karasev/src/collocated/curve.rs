@@ -16,6 +16,12 @@ const MOST_ITERATIONS: usize = 40;
 /// Budget of Newton's method.
 const MOST_NEWTON: usize = 30;
 
+/// The trailing Legendre coefficient, relative, whose square is round-off.
+const SHORT_TAIL: f64 = 1e-9;
+
+/// A component of V smaller than this part of the largest is measured as if it were as large.
+const LEAST_COMPONENT: f64 = 1e-5;
+
 /// The curve at q nodes, and V there.
 pub(super) struct Curve {
     pub(super) rule: CollocationRule,
@@ -123,14 +129,48 @@ impl Curve {
         epsilon * sum
     }
 
-    /// The size of the last Legendre coefficient of V over that of V itself: where its square is
-    /// below round-off, more nodes change nothing.
-    pub(super) fn tail(&self) -> f64 {
-        let size = largest(&self.values);
-        let last = (0..self.dimension)
-            .map(|i| self.combination(1.0, &self.rule.last, i).abs())
-            .fold(0.0, larger);
-        if size == 0.0 { 0.0 } else { last / size }
+    /// The last Legendre coefficient c_{q−1} of V over V itself, the largest of a component: where its
+    /// square is below round-off, more nodes change nothing.
+    ///
+    /// By symmetry it may vanish where the next does not: with c_m like ρᵐ, c_{q−2}^((q−1)/(q−2)) is as
+    /// large. A component counts at least as a part of the largest, whose round-off it may be.
+    fn tail(&self) -> f64 {
+        let (d, q) = (self.dimension, self.rule.points());
+        let size = |i: usize| {
+            let own = self.values.iter().skip(i).step_by(d);
+            own.fold(0.0, |m, v| larger(m, v.abs()))
+        };
+        let whole = largest(&self.values);
+        let coefficient = |which: usize| {
+            let of = |i: usize| {
+                let scale = larger(size(i), LEAST_COMPONENT * whole);
+                self.combination(1.0, &self.rule.last[which], i).abs() / scale
+            };
+            (0..d).map(of).fold(0.0, larger)
+        };
+        if whole == 0.0 {
+            return 0.0;
+        }
+        let (q, before) = (q as f64, coefficient(0));
+        larger(coefficient(1), libm::pow(before, (q - 1.0) / (q - 2.0)))
+    }
+
+    /// Takes another node where an automatic choice of up to `most` asks for it; whether it did.
+    ///
+    /// # Errors
+    /// [`StepError::LeftChart`] where there are no more.
+    pub(super) fn refine(&mut self, most: Option<usize>) -> Result<bool, StepError> {
+        let Some(most) = most else { return Ok(false) };
+        let (points, tail) = (self.rule.points(), self.tail());
+        // A tail that is no number is not short.
+        if tail <= SHORT_TAIL {
+            return Ok(false);
+        }
+        if points >= most {
+            return Err(StepError::LeftChart { ratio: tail });
+        }
+        self.set_points(points + 1);
+        Ok(true)
     }
 
     /// Whether evaluations are so dear that fewer of them pay for Anderson's acceleration.

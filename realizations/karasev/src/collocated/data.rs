@@ -30,7 +30,7 @@ pub struct CollocatedKarasev {
 
 /// Where the automatic choice starts, and where it gives up: the curve is then too long for its
 /// chart.
-pub(super) const FEWEST_POINTS: usize = 2;
+pub(super) const FEWEST_POINTS: usize = 3;
 const MOST_POINTS: usize = 24;
 
 impl CollocatedKarasev {

@@ -17,7 +17,7 @@ use nalgebra::DMatrix;
 
 use super::curve::Curve;
 use super::data::CollocatedKarasev;
-use super::worker::{CollocatedWorker, SHORT_TAIL};
+use super::worker::CollocatedWorker;
 
 /// Budget of one step.
 const MOST_EVALUATIONS: usize = 100;
@@ -246,13 +246,8 @@ impl FusedTrajectory {
     ) -> Result<(), StepError> {
         loop {
             self.solve(x, low, evaluations)?;
-            let (points, tail) = (self.curve.rule.points(), self.curve.tail());
-            match self.most_points {
-                // A tail that is no number is not short.
-                Some(_) if tail <= SHORT_TAIL => break,
-                Some(most) if points < most => self.curve.set_points(points + 1),
-                Some(_) => return Err(StepError::LeftChart { ratio: tail }),
-                None => break,
+            if !self.curve.refine(self.most_points)? {
+                break;
             }
         }
         for (i, increment) in increment.iter_mut().enumerate() {

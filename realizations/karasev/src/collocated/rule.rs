@@ -16,8 +16,9 @@ pub struct CollocationRule {
     pub matrix: Vec<f64>,
     /// W_k(1) = −W_{q+1−k}(0).
     pub end: Vec<f64>,
-    /// (2q−1) b_k P_{q−1}(ξ_k): the last Legendre coefficient of nodal values.
-    pub last: Vec<f64>,
+    /// (2m+1) b_k P_m(ξ_k) for m = q−2 and m = q−1, nothing below m = 0: the last Legendre coefficients
+    /// of nodal values.
+    pub last: [Vec<f64>; 2],
     /// 1 − c_j = ½ − Σ_k A_jk.
     pub remaining: Vec<f64>,
 }
@@ -46,15 +47,21 @@ impl CollocationRule {
             .iter()
             .flat_map(|row| (0..q).map(|k| integral(row, k)))
             .collect();
+        let coefficient = |m: usize| {
+            let of = |k: usize| (2.0 * m as f64 + 1.0) * rule.weights[k] * basis[k][m];
+            (0..q).map(of).collect()
+        };
+        let last = [
+            q.checked_sub(2).map_or(vec![0.0; q], coefficient),
+            coefficient(q - 1),
+        ];
         let end = at(1.0);
         let rows = matrix.chunks_exact(q);
         Self {
             remaining: rows.map(|row| 0.5 - row.iter().sum::<f64>()).collect(),
             matrix,
             end: (0..q).map(|k| integral(&end, k)).collect(),
-            last: (0..q)
-                .map(|k| (2.0 * q as f64 - 1.0) * rule.weights[k] * basis[k][q - 1])
-                .collect(),
+            last,
             weights: rule.weights,
         }
     }

@@ -6,9 +6,6 @@ use super::curve::Curve;
 use super::data::FEWEST_POINTS;
 use super::tangent::CurveTangent;
 
-/// The trailing Legendre coefficient, relative, whose square is round-off.
-pub(super) const SHORT_TAIL: f64 = 1e-9;
-
 /// One thread's evaluator.
 pub(super) struct CollocatedWorker {
     curve: Curve,
@@ -45,14 +42,8 @@ impl CollocatedWorker {
         let (x, p) = self.z.split_at(self.z.len() / 2);
         loop {
             self.curve.solve(self.epsilon, x, p)?;
-            let points = self.curve.rule.points();
-            let tail = self.curve.tail();
-            match self.most_points {
-                // A tail that is no number is not short.
-                Some(_) if tail <= SHORT_TAIL => return Ok(()),
-                Some(most) if points < most => self.curve.set_points(points + 1),
-                Some(_) => return Err(StepError::LeftChart { ratio: tail }),
-                None => return Ok(()),
+            if !self.curve.refine(self.most_points)? {
+                return Ok(());
             }
         }
     }
