@@ -202,11 +202,12 @@ impl StageSolve {
         let correction = self.correct(coefficients);
         let size = correction.component();
         if let Means::Newton { last, contracts } = &mut self.means {
-            self.watch.take(correction.wanders(*last));
+            self.watch.take_correction(&correction);
             *contracts = size <= SLOW * *last;
             *last = size;
         }
         if self.iteration.judge_correction(&correction)? == Verdict::Converged {
+            self.watch.take_end(&correction);
             return Ok(Some(self.iteration.evaluations()));
         }
         Ok(None)
@@ -305,6 +306,7 @@ impl StageSolve {
                 let change = self.displacements[i * n + c].abs() + round_off.abs();
                 let scale = self.start[c].abs() + self.allowed.scale(change);
                 size.take(correction[c], scale);
+                size.take_way(self.displacements[i * n + c], scale);
             }
         }
         size

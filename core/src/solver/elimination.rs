@@ -95,7 +95,7 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
         singular
     }
 
-    /// Whether every pivot of a lane lies between 1/2 and 2, rows as they stand. A change of units,
+    /// Whether every pivot of a lane lies between 3/4 and 4/3, rows as they stand. A change of units,
     /// S⁻¹AS with S diagonal, does not change the pivots.
     #[inline(always)]
     pub(crate) fn is_near_identity<const D: usize>(&self, lane: usize) -> bool {
@@ -208,10 +208,10 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
     }
 }
 
-/// Whether a pivot, or its reciprocal, lies between 1/2 and 2.
+/// Whether a pivot lies between 3/4 and 4/3.
 #[inline(always)]
 fn is_near_one(pivot: f64) -> bool {
-    pivot > 0.5 && pivot < 2.0
+    pivot > 0.75 && pivot < 4.0 / 3.0
 }
 
 /// Elimination without exchanges; `true` where partial pivoting would have made none either.
@@ -284,7 +284,7 @@ mod tests {
     /// By the formula for 2 × 2, in units that force exchanges or do not.
     #[test]
     fn the_sign_of_the_determinant_and_nearness_do_not_depend_on_units() {
-        let entries = [-3.0_f64, -1.0, -0.4, 0.0, 0.4, 1.0, 3.0];
+        let entries = [-3.0_f64, -1.0, -0.2, 0.0, 0.2, 1.0, 3.0];
         let mut counts = [0, 0];
         for at in 0..7_usize.pow(4) {
             let [a, b, c, d] = std::array::from_fn(|k| entries[at / 7_usize.pow(k as u32) % 7]);
@@ -292,7 +292,7 @@ mod tests {
             if determinant.abs() < 1e-12 {
                 continue;
             }
-            let near = |pivot: f64| pivot > 0.5 && pivot < 2.0;
+            let near = |pivot: f64| pivot > 0.75 && pivot < 4.0 / 3.0;
             let is_near = near(a) && near(d - b * c / a);
             for unit in [1.0, libm::exp2(40.0), libm::exp2(-40.0)] {
                 let mut factors = Factors::<1>::new(2);

@@ -142,6 +142,7 @@ pub struct CorrectionSize {
     component: f64,
     largest: f64,
     state: f64,
+    way: f64,
 }
 
 impl CorrectionSize {
@@ -153,15 +154,19 @@ impl CorrectionSize {
         self.state = larger(self.state, scale);
     }
 
+    /// Takes in how far a component moved so far, against the same scale.
+    pub fn take_way(&mut self, way: f64, scale: f64) {
+        self.way = larger(self.way, relative(way, scale));
+    }
+
+    /// The largest relative way of a component, at most 1.
+    pub fn way(&self) -> f64 {
+        self.way
+    }
+
     /// The largest relative correction of a component, at most 1; NaN where one is not finite.
     pub fn component(&self) -> f64 {
         self.component
-    }
-
-    /// Whether it leaves open to which solution it leads: it is no round-off, and not half of the one
-    /// before, of `last` in its largest component.
-    pub fn wanders(&self, last: f64) -> bool {
-        self.component >= 0.5 * last && self.component > WANDERING && self.norm() > WANDERING
     }
 
     /// The largest correction over the largest scale.
@@ -183,12 +188,16 @@ const WATCHED: u32 = 64;
 
 /// Whether it is plain that a solve is on the branch that begins at the state.
 ///
-/// It is where Jacobians are near the identity and corrections halve, as in small steps. Elsewhere a
-/// [`Branch`](super::Branch) is to be followed.
-#[derive(Clone, Copy, Debug, Default)]
+/// It is where Jacobians are near the identity, corrections halve and the start, extrapolated from the
+/// steps before, met the solution up to half of the way from the state: in small steps but the first.
+/// Elsewhere a [`Branch`](super::Branch) is to be followed.
+#[derive(Clone, Copy, Debug)]
 pub struct Watch {
     wanders: bool,
     steps: u32,
+    /// The first correction and the last one.
+    first: f64,
+    last: f64,
 }
 
 impl Watch {
@@ -196,6 +205,8 @@ impl Watch {
     pub const NEW: Self = Self {
         wanders: false,
         steps: 0,
+        first: f64::INFINITY,
+        last: f64::INFINITY,
     };
 
     /// Begins a step.
@@ -203,6 +214,7 @@ impl Watch {
     pub fn begin(&mut self) {
         self.wanders = self.steps > 0;
         self.steps = self.steps.saturating_sub(1);
+        (self.first, self.last) = (f64::INFINITY, f64::INFINITY);
     }
 
     /// Takes in whether something is not plain.
@@ -212,6 +224,32 @@ impl Watch {
             self.wanders = true;
             self.steps = WATCHED;
         }
+    }
+
+    /// Takes in a correction. It leaves open to which solution it leads where it is no round-off, and
+    /// not half of the one before in its largest component.
+    pub fn take_correction(&mut self, correction: &CorrectionSize) {
+        let size = correction.component;
+        let falls = size < 0.5 * self.last || size <= WANDERING || correction.norm() <= WANDERING;
+        self.take(!falls);
+        if self.first.is_infinite() {
+            self.first = size;
+        }
+        self.last = size;
+    }
+
+    /// Takes in that a solve is done, by its last correction.
+    pub fn take_end(&mut self, correction: &CorrectionSize) {
+        self.take_start(self.first, correction.way);
+    }
+
+    /// Takes in how far a solve's start was off, and how far from the state its solution is. A start
+    /// that missed half of the way may have met a solution by chance: y = x itself may nearly be one
+    /// where terms of different orders in the step cancel.
+    #[inline(always)]
+    pub fn take_start(&mut self, off: f64, way: f64) {
+        let is_foreseen = off <= 0.5 * way || off <= WANDERING;
+        self.wanders |= !is_foreseen;
     }
 
     /// Whether the step is not plain.

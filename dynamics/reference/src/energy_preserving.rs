@@ -352,7 +352,6 @@ impl StepEquation for EnergyPreserving {
         let (d, t) = (self.start.len(), self.time_step.abs());
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         let mut allowed = Allowed::new(largest(&self.start) + t * largest(&self.slopes));
-        let mut last = f64::INFINITY;
         loop {
             self.evaluate_stages()?;
             self.linear += self.work;
@@ -371,10 +370,11 @@ impl StepEquation for EnergyPreserving {
                 *slope += correction;
                 let scale = self.start[at % d].abs() + allowed.scale(t * self.reaches[at]);
                 size.take(t * correction, scale);
+                size.take_way(t * *slope, scale);
             }
-            self.watch.take(size.wanders(last));
-            last = size.component();
+            self.watch.take_correction(&size);
             if iteration.judge_correction(&size)? == Verdict::Converged {
+                self.watch.take_end(&size);
                 return Ok(iteration.evaluations());
             }
         }

@@ -168,7 +168,6 @@ impl StepEquation for SphericalMidpoint {
         let t = self.time_step;
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         let mut allowed = Allowed::new(largest(&self.start) + largest(&self.change));
-        let mut last = f64::INFINITY;
         loop {
             self.evaluate_middle()?;
             allowed.take(largest(&self.values) * t.abs());
@@ -189,10 +188,11 @@ impl StepEquation for SphericalMidpoint {
                 let sensitivity = reach(&self.jacobian[c * d..][..d], &self.middle);
                 let scale = self.start[c].abs() + allowed.scale(t * sensitivity);
                 size.take(self.correction[c], scale);
+                size.take_way(self.change[c], scale);
             }
-            self.watch.take(size.wanders(last));
-            last = size.component();
+            self.watch.take_correction(&size);
             if iteration.judge_correction(&size)? == Verdict::Converged {
+                self.watch.take_end(&size);
                 return Ok(iteration.evaluations());
             }
         }

@@ -134,12 +134,30 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
     fn step(&mut self) {
         self.start();
         self.iterate();
+        self.watch_starts();
         for w in 0..W {
             if self.lanes[w].watch.wanders() || self.outcome[w].is_err() {
                 self.settle(w);
             }
         }
         self.finish();
+    }
+
+    /// Looks whether the starts foresaw the solutions.
+    #[inline(always)]
+    fn watch_starts(&mut self) {
+        let d = dimension::<D>(self.dimension);
+        let (x, y) = (&self.x.as_ref()[..d], &self.y.as_ref()[..d]);
+        let scale = &self.scale.as_ref()[..d];
+        let mut way = [0.0_f64; W];
+        for i in 0..d {
+            for w in 0..W {
+                way[w] = larger(way[w], relative(y[i][w] - x[i][w], scale[i][w]));
+            }
+        }
+        for (lane, way) in self.lanes.iter_mut().zip(way) {
+            lane.watch.take_start(lane.convergence.first, way);
+        }
     }
 
     /// Until every lane is done.

@@ -43,7 +43,6 @@ pub(super) struct Solve {
     factors: DenseFactors,
     iteration: LinearIteration,
     allowed: Allowed,
-    last: f64,
     pub(super) watch: Watch,
     anderson: Anderson,
     /// Operations of the products and solves.
@@ -63,7 +62,6 @@ impl Solve {
             factors: DenseFactors::new(d),
             iteration: LinearIteration::new(MOST_EVALUATIONS),
             allowed: Allowed::new(0.0),
-            last: f64::INFINITY,
             watch: Watch::NEW,
             anderson: Anderson::new(d),
             linear: 0,
@@ -93,7 +91,7 @@ impl Solve {
         self.anderson.clear();
         self.iteration = LinearIteration::new(MOST_EVALUATIONS);
         self.allowed = Allowed::new(largest(x) + largest(&self.displacement));
-        (self.last, self.is_last) = (f64::INFINITY, false);
+        self.is_last = false;
     }
 
     /// Takes in the ends at y, base, offset and increment, and for Newton's method D(β̂∘L), and corrects
@@ -137,12 +135,13 @@ impl Solve {
         for i in 0..d {
             correction.take(self.residual[i], self.scales[i]);
             self.y[i] += self.residual[i];
+            correction.take_way(self.y[i] - x[i], self.scales[i]);
         }
-        self.watch.take(correction.wanders(self.last));
-        self.last = correction.component();
+        self.watch.take_correction(&correction);
         if self.iteration.judge_correction(&correction)? != Verdict::Converged {
             return Ok(Progress::Iterates);
         }
+        self.watch.take_end(&correction);
         // The increment varies with y far more than the residual does: without its tangent the last
         // correction enters by one more evaluation.
         self.is_last = means != Means::Newton && self.residual.iter().any(|r| *r != 0.0);

@@ -7,7 +7,9 @@
 use std::sync::Arc;
 
 use leafwise_core::solver::judge::{Verdict, Watch, is_between};
-use leafwise_core::solver::{Branch, Extrapolation, Lanes, LinearIteration, Trajectory};
+use leafwise_core::solver::{
+    Branch, CorrectionSize, Extrapolation, Lanes, LinearIteration, Trajectory,
+};
 use leafwise_core::{
     BuildError, CodeOneForm, Ends, LagrangianBisection, MapProperties, OneFormWorker,
     PoissonSystem, RealizationData, RealizationWorker, StepError, StepMap, Stepper,
@@ -373,6 +375,13 @@ impl Trajectory for FusedTrajectory {
         self.watch.begin();
         self.extrapolation.predict(self.start.as_chunks_mut().0);
         let mut solved = self.resolve(x, low, increment, evaluations);
+        let mut miss = CorrectionSize::default();
+        for (i, displacement) in self.displacement.iter().enumerate() {
+            let scale = x[i].abs() + increment[i].abs();
+            miss.take(displacement - self.start[i], scale);
+            miss.take_way(*displacement, scale);
+        }
+        self.watch.take_start(miss.component(), miss.way());
         if solved.is_err() || self.watch.wanders() {
             if self.curve.has_slopes() && self.form.has_jacobian() {
                 solved = self.settle(solved, (x, low), increment, evaluations);
