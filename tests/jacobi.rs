@@ -84,6 +84,37 @@ fn a_casimir_that_needs_a_relation_of_parameters_fails_without_it() {
     assert!(check.residual > 1e-4, "a change of 1 % shows: {check:?}");
 }
 
+/// {x_i, x_j} = ±x_i x_j for all of 80 coordinates, in 82 160 linked triples; the last entry with a factor.
+fn coupled(factor: &str) -> PoissonSystem {
+    let names: Vec<String> = (0..80).map(|i| format!("x{i}")).collect();
+    let pairs = (0..80_usize).flat_map(|i| (i + 1..80).map(move |j| (i, j)));
+    let bracket: Vec<(String, String)> = pairs
+        .map(|(i, j)| {
+            let sign = if i * j % 3 == 0 { "-" } else { "" };
+            let factor = if (i, j) == (78, 79) { factor } else { "1" };
+            (format!("x{i},x{j}"), format!("{sign}{factor}*x{i}*x{j}"))
+        })
+        .collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let bracket = bracket
+        .iter()
+        .map(|(pair, entry)| (pair.as_str(), entry.as_str()));
+    from_formulas(&names, &[], &bracket.collect::<Vec<_>>(), "x0", &[])
+}
+
+/// A factor that depends on another coordinate breaks the identity.
+#[test]
+fn more_triples_than_are_looked_at_one_by_one_are_looked_at_together() {
+    let near: Vec<f64> = (0..80).map(|i| 1.0 + f64::from(i % 7) / 8.0).collect();
+    let verdict = |factor: &str| {
+        check_jacobi(&coupled(factor), &[], &near)
+            .expect("code")
+            .verdict
+    };
+    assert_eq!(verdict("1"), Verdict::NumericallyZero);
+    assert_eq!(verdict("(1 + x0/1000)"), Verdict::Violated);
+}
+
 const SE3: [&str; 6] = ["l1", "l2", "l3", "p1", "p2", "p3"];
 
 /// {l_i, l_j} = −l_k, {l_i, p_j} = −p_k over cyclic (i, j, k), with the sign of the paper's so(3)*.

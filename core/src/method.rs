@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::{Graph, Kernel, StepSize, Term};
+use leafwise_expression::{AlgebraError, Graph, Kernel, StepSize, Term};
 
 use crate::code_workers::{CodeBisection, CodeRealization, realization_worker};
 use crate::dynamics::{BisectionWorker, Correction, DynamicApproximation, LagrangianBisection};
@@ -33,6 +33,9 @@ pub struct MethodWorkers {
     /// y ↦ L(y).
     pub points: Box<dyn BisectionWorker>,
 }
+
+/// Operations of the longest step that is compiled: some seconds to form, and milliseconds a step.
+const MOST_NODES: usize = 1 << 20;
 
 /// How a step is computed.
 #[derive(Clone)]
@@ -118,13 +121,23 @@ impl Method {
         };
         let path = match (realization.code(), bisection.code()) {
             (Some(ends), Some(points)) if dynamics.correction() == Correction::Bisection => {
-                let mut graph = Graph::new();
+                let mut graph = Graph::limited(MOST_NODES);
                 let y: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
                 let epsilon = graph.step_size(StepSize::Epsilon);
                 let h = graph.step_size(StepSize::H);
                 let z = points.point(&mut graph, &epsilon, &h, &y)?;
                 let ends = ends.source_and_target(&mut graph, &epsilon, &z)?;
-                Path::Code(NewtonKernel::compile(&mut graph, &ends, parameters)?)
+                let kernel = graph.unless_refused(()).map_err(BuildError::from);
+                let kernel =
+                    kernel.and_then(|()| NewtonKernel::compile(&mut graph, &ends, parameters));
+                Path::Code(kernel.map_err(|error| match error {
+                    BuildError::Algebra(too_long @ AlgebraError::CodeTooLong { .. }) => {
+                        missing(&format!(
+                            "{too_long}; take lower orders, or a stepper such as rk4 or splitting"
+                        ))
+                    }
+                    other => other,
+                })?)
             }
             (code, points) => {
                 let probe = system.parameter_values();

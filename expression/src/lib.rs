@@ -24,6 +24,7 @@ pub mod expression;
 pub mod graph;
 pub mod kernel;
 pub mod rational;
+mod reach;
 pub mod series;
 pub mod syntax;
 mod vector;

@@ -46,8 +46,12 @@ pub(super) const ROUND_OFF: f64 = 1e-11;
 /// Samples of an identity that the algebra does not decide.
 const SAMPLES: usize = 8;
 
+/// Triples of coordinates up to which Jacobi's identity is looked at one by one: some seconds.
+const MOST_TRIPLES: usize = 1 << 16;
+
 /// Jacobi's identity Σ_cyc Σ_l Π_il ∂_l Π_jk = 0 for every triple that nonzero entries link; of a
-/// system of numbers sampled, for linear functions of all coordinates.
+/// system of numbers, and where more than 65 536 triples are linked, sampled for linear functions of
+/// all coordinates.
 ///
 /// # Errors
 /// [`BuildError::Algebra`] where an entry has no code at all.
@@ -59,8 +63,12 @@ pub fn check_jacobi(
     if let Some(opaque) = system.opaque() {
         return Ok(numeric_identity::jacobi(opaque, parameters, near));
     }
-    let system = system.formulas("the check of Jacobi's identity")?;
-    let triples = linked_triples(system);
+    let formulas = system.formulas("the check of Jacobi's identity")?;
+    let Some(triples) = linked_triples(formulas) else {
+        let numbers = system.without_formulas("the check of Jacobi's identity")?;
+        return check_jacobi(&numbers, parameters, near);
+    };
+    let system = formulas;
     let components = |arithmetic: &mut dyn FnMut(&[usize]) -> Result<(), BuildError>| {
         triples.iter().try_for_each(|triple| arithmetic(triple))
     };
@@ -228,8 +236,9 @@ fn casimir_terms<A: Arithmetic>(
     Ok(terms)
 }
 
-/// The triples i < j < k for which some term Π_il ∂_l Π_jk is not structurally zero.
-fn linked_triples(system: &SystemFormulas) -> BTreeSet<Vec<usize>> {
+/// The triples i < j < k for which some term Π_il ∂_l Π_jk is not structurally zero; `None` for more
+/// than [`MOST_TRIPLES`].
+fn linked_triples(system: &SystemFormulas) -> Option<BTreeSet<Vec<usize>>> {
     let mut neighbours = vec![BTreeSet::new(); system.dimension()];
     for &(i, j) in system.tensor().keys() {
         neighbours[i].insert(j);
@@ -246,9 +255,12 @@ fn linked_triples(system: &SystemFormulas) -> BTreeSet<Vec<usize>> {
                     triples.insert(triple);
                 }
             }
+            if triples.len() > MOST_TRIPLES {
+                return None;
+            }
         }
     }
-    triples
+    Some(triples)
 }
 
 /// Deterministic states around `near`: up to 20 % away in each coordinate, signs kept.

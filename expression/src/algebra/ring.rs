@@ -8,6 +8,7 @@ use super::polynomial::{Coefficient, CoefficientRing, Polynomial};
 use crate::arithmetic::{AlgebraError, Arithmetic, function_derivative};
 use crate::expression::Function;
 use crate::rational::Rational;
+use crate::reach::Reach;
 
 /// ℚ(parameters)[x₁^±, …, x_d^±, generators]: Laurent polynomials in the state variables and in
 /// adjoined functions of the state ([`Generator`]), closed under ∂/∂xᵢ.
@@ -18,6 +19,8 @@ use crate::rational::Rational;
 pub struct Ring {
     variables: usize,
     generators: Vec<Generator>,
+    /// The variables that each generator depends on.
+    reaches: Vec<Reach>,
     pub(super) symbols: FxHashMap<Generator, Symbol>,
     atoms: Vec<Atom>,
     atom_symbols: FxHashMap<Atom, Symbol>,
@@ -42,6 +45,7 @@ impl Ring {
         Self {
             variables,
             generators: Vec::new(),
+            reaches: Vec::new(),
             symbols: FxHashMap::default(),
             atoms: Vec::new(),
             atom_symbols: FxHashMap::default(),
@@ -126,8 +130,10 @@ impl Ring {
                 | Generator::Root(..)
                 | Generator::Function(Function::Cos | Function::Cosh, _)
         );
+        let reach = self.reach_of(generator.argument());
         self.symbols.insert(generator.clone(), symbol);
         self.generators.push(generator);
+        self.reaches.push(reach);
         symbol
     }
 
@@ -138,6 +144,20 @@ impl Ring {
             self.atoms.push(atom);
         }
         Coefficient::symbol(symbol)
+    }
+
+    /// The variables that a polynomial depends on.
+    fn reach_of(&self, f: &Polynomial) -> Reach {
+        let symbols = f.terms().iter().flat_map(|(m, _)| m.factors());
+        let reaches: Vec<Reach> = symbols
+            .map(
+                |&(symbol, _)| match (symbol as usize).checked_sub(self.variables) {
+                    None => Reach::variable(symbol),
+                    Some(at) => self.reaches[at].clone(),
+                },
+            )
+            .collect();
+        Reach::union(&reaches)
     }
 
     /// ∂f/∂x_v.
@@ -154,15 +174,18 @@ impl Ring {
         let mut plain = Vec::new();
         for (monomial, coefficient) in f.terms() {
             for &(symbol, exponent) in monomial.factors() {
-                let rest = monomial.shifted(symbol, -1);
-                let factor = coefficient.scaled(&Rational::from_integer(exponent.into()));
+                let rest = || monomial.shifted(symbol, -1);
+                let factor = || coefficient.scaled(&Rational::from_integer(exponent.into()));
                 if symbol as usize == variable {
-                    plain.push((rest, factor));
-                } else if symbol as usize >= self.variables {
+                    plain.push((rest(), factor()));
+                } else if (symbol as usize)
+                    .checked_sub(self.variables)
+                    .is_some_and(|at| self.reaches[at].may_contain(variable as u32))
+                {
                     let inner = self.generator_derivative(symbol, variable)?;
                     if !inner.is_zero() {
                         self.spend(inner.terms().len());
-                        parts.push((Rational::one(), self.times_term(&inner, &rest, &factor)));
+                        parts.push((Rational::one(), self.times_term(&inner, &rest(), &factor())));
                     }
                 }
             }

@@ -2,20 +2,36 @@
 
 use super::node::{Graph, Node, Operation, Term, Tier};
 use crate::arithmetic::{AlgebraError, Arithmetic, function_derivative};
+use crate::reach::Reach;
 
 impl Graph {
     /// ∂(term)/∂(input), shared with everything already in the graph.
     ///
     /// # Errors
-    /// [`AlgebraError`] when the derivative of a function does not exist.
+    /// [`AlgebraError`] when the derivative of a function does not exist, or past the graph's limit.
     pub fn derivative(&mut self, term: &Term, input: usize) -> Result<Term, AlgebraError> {
         let input = u32::try_from(input).expect("fewer than 2^32 inputs");
         let inner = self.node_derivative(term.node, input)?;
-        Ok(self.scale(&term.scale, &inner))
+        let derivative = self.scale(&term.scale, &inner);
+        self.unless_refused(derivative)
+    }
+
+    /// Whether the derivative of a node by an input may be other than 0.
+    fn may_depend(&mut self, node: Node, input: u32) -> bool {
+        while self.reaches.len() <= node.index() {
+            let next = Node(self.reaches.len() as u32);
+            let reach = match *self.operation(next) {
+                Operation::Input(index) => Reach::variable(index),
+                _ if self.tier(next) != Tier::Step => Reach::nothing(),
+                _ => Reach::union(self.operands(next).iter().map(|n| &self.reaches[n.index()])),
+            };
+            self.reaches.push(reach);
+        }
+        self.reaches[node.index()].may_contain(input)
     }
 
     fn node_derivative(&mut self, node: Node, input: u32) -> Result<Term, AlgebraError> {
-        if self.tier(node) != Tier::Step {
+        if !self.may_depend(node, input) {
             return Ok(self.zero());
         }
         if let Operation::Input(index) = *self.operation(node) {
@@ -28,34 +44,39 @@ impl Graph {
         if let Some(known) = self.derivatives.get(&(node, input)) {
             return Ok(known.clone());
         }
-        let result = match self.operation(node).clone() {
+        let result = match self.operation(node) {
             Operation::One
             | Operation::Pi
             | Operation::Parameter(_)
             | Operation::StepSize(_)
             | Operation::Input(_) => self.zero(),
             Operation::Sum(terms) => {
+                let reaches = &self.reaches;
+                let depends = |n: &Node| reaches[n.index()].may_contain(input);
+                let terms = terms.iter().filter(|(_, inner)| depends(inner));
+                let terms: Vec<_> = terms.cloned().collect();
                 let mut parts = Vec::with_capacity(terms.len());
-                for (scale, inner) in &terms {
-                    parts.push((scale.clone(), self.node_derivative(*inner, input)?));
+                for (scale, inner) in terms {
+                    parts.push((scale, self.node_derivative(inner, input)?));
                 }
                 self.combine(&parts)
             }
             Operation::Scale(scale, inner) => {
+                let (scale, inner) = (scale.clone(), *inner);
                 let inner = self.node_derivative(inner, input)?;
                 self.scale(&scale, &inner)
             }
-            Operation::Product(a, b) => {
+            &Operation::Product(a, b) => {
                 let da = self.node_derivative(a, input)?;
                 let db = self.node_derivative(b, input)?;
                 let left = self.multiply(&da, &Term::of(b));
                 let right = self.multiply(&Term::of(a), &db);
                 self.add(&left, &right)
             }
-            Operation::Reciprocal(a)
+            &(Operation::Reciprocal(a)
             | Operation::Function(_, a)
             | Operation::Analytic(_, _, a)
-            | Operation::Power(a, _) => {
+            | Operation::Power(a, _)) => {
                 let inner = self.node_derivative(a, input)?;
                 if self.is_zero(&inner) {
                     inner

@@ -6,6 +6,7 @@ use crate::analytic::AnalyticFunction;
 use crate::arithmetic::{AlgebraError, Arithmetic};
 use crate::expression::Function;
 use crate::rational::Rational;
+use crate::reach::Reach;
 
 /// A node of a [`Graph`]; nodes are numbered so that operands come before their uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -95,6 +96,8 @@ pub struct Graph {
     tiers: Vec<Tier>,
     known: FxHashMap<Operation, Node>,
     pub(crate) derivatives: FxHashMap<(Node, u32), Term>,
+    /// The inputs that each node depends on, of the first nodes: as far as derivatives were asked for.
+    pub(super) reaches: Vec<Reach>,
     /// The most nodes before it refuses.
     most: usize,
     refusal: Option<AlgebraError>,
@@ -119,6 +122,7 @@ impl Graph {
             tiers: vec![Tier::Constant],
             known,
             derivatives: FxHashMap::default(),
+            reaches: Vec::new(),
             most: usize::MAX,
             refusal: None,
         }
@@ -130,6 +134,17 @@ impl Graph {
         Self {
             most,
             ..Self::new()
+        }
+    }
+
+    /// `result`, unless the limit was reached on the way to it.
+    ///
+    /// # Errors
+    /// [`AlgebraError::CodeTooLong`].
+    pub fn unless_refused<T>(&self, result: T) -> Result<T, AlgebraError> {
+        match &self.refusal {
+            None => Ok(result),
+            Some(reason) => Err(reason.clone()),
         }
     }
 

@@ -21,6 +21,9 @@ pub(super) struct SceneLattice<'a> {
 /// The largest dimension of a lattice that is written out for a stepper without sweeps.
 pub(super) const STEPPER_LIMIT: usize = 1024;
 
+/// What a run of a lattice keeps at least: the state with its low parts and earlier increments, and stages.
+const NUMBERS_A_COORDINATE: usize = 12;
+
 /// A lattice that every formula of a scene is tried on before anything is built.
 const TRIAL_LENGTH: usize = 9;
 
@@ -47,6 +50,7 @@ impl<'a> SceneLattice<'a> {
             )));
         }
         let geometry = geometry(document);
+        has_room(document, geometry.dimension())?;
         Ok(Some(Self { document, geometry }))
     }
 
@@ -98,6 +102,28 @@ impl<'a> SceneLattice<'a> {
             .chain(recorded)
             .collect()
     }
+}
+
+/// Asks for the memory of a run at once, so that too long a lattice is an error here and not the end of
+/// the program in the middle of it.
+fn has_room(document: &SceneDocument, coordinates: usize) -> Result<(), Refusal> {
+    let numbers = coordinates.saturating_mul(NUMBERS_A_COORDINATE);
+    let mut room: Vec<f64> = Vec::new();
+    let Err(_) = room.try_reserve_exact(numbers) else {
+        return Ok(());
+    };
+    let gigabytes = numbers as f64 * size_of::<f64>() as f64 / 1e9;
+    let first = document.system.families.first();
+    let place = first.map_or_else(|| document.system.bracket.place(), |(name, _)| name.place());
+    Err(Box::new(document.diagnostic(
+        &place,
+        format!(
+            "a lattice of {coordinates} coordinates takes {gigabytes:.1} gigabytes of memory at least, more than \
+             there is"
+        ),
+        "here",
+        Some("shorten the lattice".to_owned()),
+    )))
 }
 
 /// The families of a scene at their true lengths.
