@@ -1,0 +1,40 @@
+//! The checks on random inputs of a fixed seed. `LEAFWISE_FUZZ_SEED` draws others, `LEAFWISE_FUZZ_CASES`
+//! so many times as many.
+
+use leafwise_fuzz_checks::source::random_bytes;
+use leafwise_fuzz_checks::{Reached, formulas, kernels};
+
+fn from_environment(name: &str, usual: u64) -> u64 {
+    match std::env::var(name) {
+        Ok(text) => text.parse().expect("a whole number"),
+        Err(_) => usual,
+    }
+}
+
+/// `cases` inputs of `length` bytes, of which `share` percent at least reach the comparison.
+fn holds(check: fn(&[u8]) -> Result<Reached, String>, cases: u64, length: usize, share: u64) {
+    let seed = from_environment("LEAFWISE_FUZZ_SEED", 1);
+    let cases = cases * from_environment("LEAFWISE_FUZZ_CASES", 1);
+    let mut compared = 0;
+    for index in 0..cases {
+        match check(&random_bytes(seed, index, length)) {
+            Ok(Reached::Comparison) => compared += 1,
+            Ok(Reached::Refusal) => {}
+            Err(failure) => panic!("seed {seed}, input {index}: {failure}"),
+        }
+    }
+    assert!(
+        100 * compared >= share * cases,
+        "{compared} of {cases} inputs reached the comparison"
+    );
+}
+
+#[test]
+fn values_and_gradients_are_those_of_dual_numbers() {
+    holds(formulas::check, 4000, 256, 50);
+}
+
+#[test]
+fn kernels_have_the_same_bits_however_they_run() {
+    holds(kernels::check, 600, 1500, 90);
+}
