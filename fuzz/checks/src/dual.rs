@@ -173,6 +173,11 @@ fn derivatives(function: Function, x: f64, g: f64) -> (f64, f64) {
 }
 
 impl Tree {
+    /// f(x).
+    pub fn value(&self, x: &[f64]) -> f64 {
+        self.dual(x).value()
+    }
+
     /// f(x) and ∇f(x).
     pub fn dual(&self, x: &[f64]) -> Dual {
         let d = x.len();

@@ -1,19 +1,31 @@
 //! Checks of the program on inputs made from bytes: the same for fuzzers and for property tests.
 //!
-//! Each module has a `check(bytes)` that panics nowhere and returns what went wrong, with the input:
+//! Each of these modules has a `check(bytes)` that returns what went wrong, with the input:
 //!
 //! - [`formulas`]: values and gradients against dual numbers;
 //! - [`kernels`]: interpreter, machine code and lanes, to the bit;
+//! - [`scenes`]: random scenes take a few steps;
 //!
 //! They draw their inputs by
 //!
 //! - [`source`]: choices and numbers from bytes;
 //! - [`tree`]: formulas; [`dual`]: their values and gradients with error bounds;
+//! - [`tensor`], [`method`], [`scene`]: brackets, methods and whole scenes.
+//!
+//! [`judge`] tells of a random scene whether its result is right, by the independent solution of [`reference`].
+
+use std::sync::Mutex;
 
 pub mod dual;
 pub mod formulas;
+pub mod judge;
 pub mod kernels;
+pub mod method;
+pub mod reference;
+pub mod scene;
+pub mod scenes;
 pub mod source;
+pub mod tensor;
 pub mod tree;
 
 /// How far an input came.
@@ -24,3 +36,6 @@ pub enum Reached {
     /// Results were compared.
     Comparison,
 }
+
+/// Held by whoever sets how kernels run in the whole process.
+static EXECUTION: Mutex<()> = Mutex::new(());

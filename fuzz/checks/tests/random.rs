@@ -2,7 +2,7 @@
 //! so many times as many.
 
 use leafwise_fuzz_checks::source::random_bytes;
-use leafwise_fuzz_checks::{Reached, formulas, kernels};
+use leafwise_fuzz_checks::{Reached, formulas, kernels, scenes};
 
 fn from_environment(name: &str, usual: u64) -> u64 {
     match std::env::var(name) {
@@ -37,4 +37,9 @@ fn values_and_gradients_are_those_of_dual_numbers() {
 #[test]
 fn kernels_have_the_same_bits_however_they_run() {
     holds(kernels::check, 600, 1500, 90);
+}
+
+#[test]
+fn scenes_step_to_finite_states_or_say_why_not() {
+    holds(scenes::check, 300, 400, 50);
 }

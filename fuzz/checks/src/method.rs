@@ -1,0 +1,141 @@
+//! Methods: realizations with dynamics, steppers, compositions of either.
+
+use crate::source::Source;
+use crate::tensor::{Family, Tensor};
+
+/// The lines of a scene's `[method]`, but the step: mostly what suits the tensor.
+pub fn method(source: &mut Source<'_>, tensor: &Tensor) -> String {
+    let mut text = match source.below(2) {
+        0 => format!("stepper = {}\n", stepper(source, tensor)),
+        _ => {
+            let realization = realization(source, tensor);
+            format!(
+                "realization = {realization}\ndynamics = {}\n",
+                dynamics(source)
+            )
+        }
+    };
+    if source.chance(80) {
+        let name = source.pick(&COMPOSITIONS);
+        text.push_str(&format!("composition = \"{name}\"\n"));
+    }
+    text
+}
+
+/// Every composition.
+pub const COMPOSITIONS: [&str; 10] = [
+    "blanes-moan-4",
+    "blanes-moan-6",
+    "kahan-li-10",
+    "kahan-li-6",
+    "kahan-li-8",
+    "sofroniou-spaletta-10",
+    "suzuki-4",
+    "suzuki-umeno-8",
+    "triple-jump",
+    "yoshida-6",
+];
+
+/// Every realization.
+pub const REALIZATIONS: [&str; 9] = [
+    "karasev-truncated",
+    "karasev-collocated",
+    "constant",
+    "darboux-magnetic",
+    "lie-poisson",
+    "log-canonical",
+    "so3-cayley",
+    "so3-exponential",
+    "so3-group",
+];
+
+/// Every stepper.
+pub const STEPPERS: [&str; 9] = [
+    "gauss",
+    "dop853",
+    "dormand-prince45",
+    "energy-preserving",
+    "implicit-midpoint",
+    "projection",
+    "rk4",
+    "spherical-midpoint",
+    "splitting",
+];
+
+fn realization(source: &mut Source<'_>, tensor: &Tensor) -> String {
+    let suited: &[&str] = match tensor.family {
+        Family::Rotations => &["so3-cayley", "so3-exponential", "so3-group", "lie-poisson"],
+        Family::Linear => &["lie-poisson"],
+        Family::LogCanonical => &["log-canonical"],
+        Family::Constant => &["constant"],
+        Family::Magnetic => &["karasev-truncated", "darboux-magnetic"],
+        Family::General => &["karasev-truncated"],
+    };
+    let name = match source.below(8) {
+        0 => return "\"auto\"".to_owned(),
+        1 => source.pick(&REALIZATIONS),
+        2 => "karasev-collocated",
+        3 | 4 => "karasev-truncated",
+        _ => source.pick(suited),
+    };
+    match name {
+        "karasev-truncated" => format!("{{ name = \"{name}\", order = {} }}", 1 + source.below(6)),
+        "karasev-collocated" if source.chance(64) => {
+            format!("{{ name = \"{name}\", points = {} }}", 1 + source.below(8))
+        }
+        _ => format!("\"{name}\""),
+    }
+}
+
+fn dynamics(source: &mut Source<'_>) -> String {
+    match source.below(8) {
+        0 => "\"auto\"".to_owned(),
+        1 | 2 => {
+            let integrator = source.pick(&["gauss", "stormer-verlet", "implicit-midpoint"]);
+            let stages = match integrator {
+                "gauss" => format!(", stages = {}", 1 + source.below(4)),
+                _ => String::new(),
+            };
+            let correction = if source.chance(64) {
+                "none"
+            } else {
+                "bisection"
+            };
+            format!(
+                "{{ name = \"collective\", integrator = \"{integrator}\"{stages}, correction = \"{correction}\" }}"
+            )
+        }
+        _ => {
+            let order = 2 * (1 + source.below(3));
+            let hamiltonian = if source.chance(40) {
+                "energy-casimir"
+            } else {
+                "given"
+            };
+            format!(
+                "{{ name = \"hamilton-jacobi\", order = {order}, hamiltonian = \"{hamiltonian}\" }}"
+            )
+        }
+    }
+}
+
+fn stepper(source: &mut Source<'_>, tensor: &Tensor) -> String {
+    let name = match (source.below(4), tensor.family) {
+        (0, _) => "splitting",
+        (1, Family::Rotations) => "spherical-midpoint",
+        _ => source.pick(&STEPPERS),
+    };
+    match name {
+        "gauss" => format!("{{ name = \"gauss\", stages = {} }}", 1 + source.below(5)),
+        "energy-preserving" => format!("{{ name = \"{name}\", order = {} }}", source.pick(&[2, 4])),
+        "projection" => format!(
+            "{{ name = \"{name}\", base = \"{}\" }}",
+            source.pick(&["rk4", "gauss"])
+        ),
+        "dop853" | "dormand-prince45" => {
+            let tolerance = source.pick(&[1e-4, 1e-8, 1e-12]);
+            format!("{{ name = \"{name}\", tolerance = {tolerance:?} }}")
+        }
+        _ => format!("\"{name}\""),
+    }
+}
