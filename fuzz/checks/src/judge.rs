@@ -35,6 +35,9 @@ pub enum Verdict {
 /// An error below this part of the state is the method's accuracy, whatever its order.
 const ACCURATE: f64 = 1e-9;
 
+/// An error of so many tolerances is an adaptive stepper's own: each of its substeps adds one.
+const TOLERANCES: f64 = 1e3;
+
 /// An error above this part of the motion is gross: the step says nothing of the flow.
 const GROSS: f64 = 0.5;
 
@@ -162,7 +165,10 @@ fn doubt(scene: &RandomScene, run: &ComposedRun, end_state: &[f64]) -> Option<St
         .map(|x| largest(x, &scene.initial))
         .fold(0.0, f64::max);
     let error = largest(end_state, last);
-    if error <= ACCURATE * motion.max(1e-3) || error <= 64.0 * f64::EPSILON {
+    if error <= TOLERANCES * scene.tolerance
+        || error <= ACCURATE * motion.max(1e-3)
+        || error <= 64.0 * f64::EPSILON
+    {
         return None;
     }
     let [half, quarter] = [2, 4].map(|parts| match end(run, parts) {
@@ -223,7 +229,7 @@ fn failure(error: &StepError) -> &'static str {
 /// The message's first words, without what is quoted and without numbers: messages of one kind are one.
 fn kind(message: &str) -> String {
     let outside: String = message.split('`').step_by(2).collect::<Vec<_>>().join("…");
-    let words = outside.split_whitespace().take(9);
+    let words = outside.split_whitespace().take(7);
     let plain = words.map(|word| {
         let has_digit = word.chars().any(|c| c.is_ascii_digit());
         if has_digit { "#" } else { word }

@@ -4,7 +4,11 @@
 //!
 //! - [`formulas`]: values and gradients against dual numbers;
 //! - [`kernels`]: interpreter, machine code and lanes, to the bit;
+//! - [`documents`]: scene texts, arbitrary and mutated;
 //! - [`scenes`]: random scenes take a few steps;
+//! - [`lattices`]: the same on long lattices;
+//! - [`states`]: files of initial states;
+//! - [`resumed`]: an interrupted run with one file changed.
 //!
 //! They draw their inputs by
 //!
@@ -16,15 +20,19 @@
 
 use std::sync::Mutex;
 
+pub mod documents;
 pub mod dual;
 pub mod formulas;
 pub mod judge;
 pub mod kernels;
+pub mod lattices;
 pub mod method;
 pub mod reference;
+pub mod resumed;
 pub mod scene;
 pub mod scenes;
 pub mod source;
+pub mod states;
 pub mod tensor;
 pub mod tree;
 

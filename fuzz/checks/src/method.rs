@@ -3,15 +3,26 @@
 use crate::source::Source;
 use crate::tensor::{Family, Tensor};
 
-/// The lines of a scene's `[method]`, but the step: mostly what suits the tensor.
-pub fn method(source: &mut Source<'_>, tensor: &Tensor) -> String {
+/// A scene's method.
+#[derive(Clone, Debug)]
+pub struct Method {
+    /// The lines of `[method]`, but the step.
+    pub text: String,
+    /// The tolerance of a stepper that has one, else 0.
+    pub tolerance: f64,
+}
+
+/// A method, mostly one that suits the tensor.
+pub fn method(source: &mut Source<'_>, tensor: &Tensor) -> Method {
+    let mut tolerance = 0.0;
     let mut text = match source.below(2) {
-        0 => format!("stepper = {}\n", stepper(source, tensor)),
+        0 => format!("stepper = {}\n", stepper(source, tensor, &mut tolerance)),
         _ => {
             let realization = realization(source, tensor);
+            let most = if tensor.names.len() > 3 { 2 } else { 3 };
             format!(
                 "realization = {realization}\ndynamics = {}\n",
-                dynamics(source)
+                dynamics(source, most)
             )
         }
     };
@@ -19,7 +30,7 @@ pub fn method(source: &mut Source<'_>, tensor: &Tensor) -> String {
         let name = source.pick(&COMPOSITIONS);
         text.push_str(&format!("composition = \"{name}\"\n"));
     }
-    text
+    Method { text, tolerance }
 }
 
 /// Every composition.
@@ -79,7 +90,13 @@ fn realization(source: &mut Source<'_>, tensor: &Tensor) -> String {
         _ => source.pick(suited),
     };
     match name {
-        "karasev-truncated" => format!("{{ name = \"{name}\", order = {} }}", 1 + source.below(6)),
+        "karasev-truncated" => {
+            let most = if tensor.names.len() > 3 { 3 } else { 6 };
+            format!(
+                "{{ name = \"{name}\", order = {} }}",
+                1 + source.below(most)
+            )
+        }
         "karasev-collocated" if source.chance(64) => {
             format!("{{ name = \"{name}\", points = {} }}", 1 + source.below(8))
         }
@@ -87,7 +104,8 @@ fn realization(source: &mut Source<'_>, tensor: &Tensor) -> String {
     }
 }
 
-fn dynamics(source: &mut Source<'_>) -> String {
+/// Orders to 2·`most`: series are dear where coordinates are many.
+fn dynamics(source: &mut Source<'_>, most: usize) -> String {
     match source.below(8) {
         0 => "\"auto\"".to_owned(),
         1 | 2 => {
@@ -106,7 +124,7 @@ fn dynamics(source: &mut Source<'_>) -> String {
             )
         }
         _ => {
-            let order = 2 * (1 + source.below(3));
+            let order = 2 * (1 + source.below(most));
             let hamiltonian = if source.chance(40) {
                 "energy-casimir"
             } else {
@@ -119,7 +137,7 @@ fn dynamics(source: &mut Source<'_>) -> String {
     }
 }
 
-fn stepper(source: &mut Source<'_>, tensor: &Tensor) -> String {
+fn stepper(source: &mut Source<'_>, tensor: &Tensor, tolerance: &mut f64) -> String {
     let name = match (source.below(4), tensor.family) {
         (0, _) => "splitting",
         (1, Family::Rotations) => "spherical-midpoint",
@@ -133,7 +151,7 @@ fn stepper(source: &mut Source<'_>, tensor: &Tensor) -> String {
             source.pick(&["rk4", "gauss"])
         ),
         "dop853" | "dormand-prince45" => {
-            let tolerance = source.pick(&[1e-4, 1e-8, 1e-12]);
+            *tolerance = source.pick(&[1e-4, 1e-8, 1e-12]);
             format!("{{ name = \"{name}\", tolerance = {tolerance:?} }}")
         }
         _ => format!("\"{name}\""),

@@ -20,6 +20,8 @@ pub struct RandomScene {
     pub initial: Vec<f64>,
     /// εh.
     pub time_step: f64,
+    /// The tolerance of its stepper, 0 where it has none.
+    pub tolerance: f64,
 }
 
 /// How many steps a scene takes.
@@ -41,6 +43,7 @@ impl RandomScene {
             hamiltonian,
             initial,
             time_step: 0.0,
+            tolerance: 0.0,
         };
         let tame = libm::log(EXTREME / TAME);
         let relative = EXTREME * libm::exp(-tame * source.between(0.0, 1.0));
@@ -48,7 +51,8 @@ impl RandomScene {
         let step = if step.is_finite() { step } else { 0.1 };
         scene.time_step = format!("{step:.2e}").parse().unwrap_or(0.1);
         let method = method(source, &scene.tensor);
-        scene.text = scene.written(&method);
+        scene.tolerance = method.tolerance;
+        scene.text = scene.written(&method.text);
         scene
     }
 

@@ -2,7 +2,9 @@
 //! so many times as many.
 
 use leafwise_fuzz_checks::source::random_bytes;
-use leafwise_fuzz_checks::{Reached, formulas, kernels, scenes};
+use leafwise_fuzz_checks::{
+    Reached, documents, formulas, kernels, lattices, resumed, scenes, states,
+};
 
 fn from_environment(name: &str, usual: u64) -> u64 {
     match std::env::var(name) {
@@ -42,4 +44,24 @@ fn kernels_have_the_same_bits_however_they_run() {
 #[test]
 fn scenes_step_to_finite_states_or_say_why_not() {
     holds(scenes::check, 300, 400, 50);
+}
+
+#[test]
+fn lattices_step_to_the_same_bits_however_they_run() {
+    holds(lattices::check, 60, 100, 50);
+}
+
+#[test]
+fn texts_of_scenes_are_read_or_refused_at_their_place() {
+    holds(documents::check, 300, 700, 90);
+}
+
+#[test]
+fn files_of_states_are_read_or_refused() {
+    holds(states::check, 500, 60, 90);
+}
+
+#[test]
+fn a_changed_run_directory_resumes_to_the_same_result_or_is_refused_untouched() {
+    holds(resumed::check, 100, 40, 90);
 }

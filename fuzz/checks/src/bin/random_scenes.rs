@@ -115,7 +115,8 @@ fn main() -> ExitCode {
     let registry = Registry::with_builtin();
     if let Some((seed, index)) = given.replay {
         let scene = scene(seed, index);
-        println!("{}\n{:?}", scene.text, judge(&scene, &registry));
+        println!("{}", scene.text);
+        println!("{:?}", judge(&scene, &registry));
         return ExitCode::SUCCESS;
     }
     let (next, tally, started) = (
