@@ -93,7 +93,7 @@ fn read(text: &str) -> Result<Reached, String> {
     match SceneDocument::parse("scene.toml", text, &ProblemLibrary) {
         Err(errors) => errors.diagnostics().iter().try_for_each(has_place)?,
         Ok(document) => {
-            if is_large(&document) {
+            if document.system.dimension() > crate::LARGEST {
                 return Ok(Reached::Refusal);
             }
             match compose(&document, &Registry::with_builtin()) {
@@ -103,9 +103,4 @@ fn read(text: &str) -> Result<Reached, String> {
         }
     }
     Ok(Reached::Comparison)
-}
-
-/// Whether building it takes long for its size alone.
-fn is_large(document: &SceneDocument) -> bool {
-    document.system.dimension() > 64
 }

@@ -139,19 +139,3 @@ fn evaluated(graph: &Graph, outputs: &[Term], x: &[f64]) -> Vec<f64> {
     kernel.evaluate(&mut workspace, x, &mut values);
     values
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use leafwise::expression::Function;
-
-    /// The derivative is a product of three powers far from 1.
-    #[test]
-    fn a_derivative_through_nested_powers_is_right() {
-        let inner = Tree::Variable(0).times(-1.06);
-        let inner = Tree::Sum(vec![(false, Tree::Number(2.74)), (true, inner)]);
-        let power = Tree::Power(inner.into(), 7, 3).shifted(26.8).to(-3);
-        let tree = power.under(Function::Atan);
-        assert_eq!(compare(&tree, &[1.24, 0.0, 0.0]), Ok(Reached::Comparison));
-    }
-}

@@ -47,3 +47,6 @@ pub enum Reached {
 
 /// Held by whoever sets how kernels run in the whole process.
 static EXECUTION: Mutex<()> = Mutex::new(());
+
+/// Systems of more coordinates than this take long to build for their size alone.
+const LARGEST: usize = 400;

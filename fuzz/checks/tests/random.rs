@@ -13,8 +13,23 @@ fn from_environment(name: &str, usual: u64) -> u64 {
     }
 }
 
-/// `cases` inputs of `length` bytes, of which `share` percent at least reach the comparison.
-fn holds(check: fn(&[u8]) -> Result<Reached, String>, cases: u64, length: usize, share: u64) {
+/// The seeds of the check called `name`, then `cases` inputs of `length` bytes, of which `share` percent at least
+/// reach the comparison.
+fn holds(
+    name: &str,
+    check: fn(&[u8]) -> Result<Reached, String>,
+    cases: u64,
+    length: usize,
+    share: u64,
+) {
+    let folder = format!("{}/../seeds/{name}", env!("CARGO_MANIFEST_DIR"));
+    for seed in std::fs::read_dir(folder).expect("seeds") {
+        let path = seed.expect("a seed").path();
+        let bytes = std::fs::read(&path).expect("a seed");
+        if let Err(failure) = check(&bytes) {
+            panic!("{}: {failure}", path.display());
+        }
+    }
     let seed = from_environment("LEAFWISE_FUZZ_SEED", 1);
     let cases = cases * from_environment("LEAFWISE_FUZZ_CASES", 1);
     let mut compared = 0;
@@ -33,35 +48,35 @@ fn holds(check: fn(&[u8]) -> Result<Reached, String>, cases: u64, length: usize,
 
 #[test]
 fn values_and_gradients_are_those_of_dual_numbers() {
-    holds(formulas::check, 4000, 256, 50);
+    holds("formulas", formulas::check, 4000, 256, 50);
 }
 
 #[test]
 fn kernels_have_the_same_bits_however_they_run() {
-    holds(kernels::check, 600, 1500, 90);
+    holds("kernels", kernels::check, 600, 1500, 90);
 }
 
 #[test]
 fn scenes_step_to_finite_states_or_say_why_not() {
-    holds(scenes::check, 300, 400, 50);
+    holds("scenes", scenes::check, 300, 400, 50);
 }
 
 #[test]
 fn lattices_step_to_the_same_bits_however_they_run() {
-    holds(lattices::check, 60, 100, 50);
+    holds("lattices", lattices::check, 60, 100, 50);
 }
 
 #[test]
 fn texts_of_scenes_are_read_or_refused_at_their_place() {
-    holds(documents::check, 300, 700, 90);
+    holds("documents", documents::check, 300, 700, 90);
 }
 
 #[test]
 fn files_of_states_are_read_or_refused() {
-    holds(states::check, 500, 60, 90);
+    holds("states", states::check, 500, 60, 90);
 }
 
 #[test]
 fn a_changed_run_directory_resumes_to_the_same_result_or_is_refused_untouched() {
-    holds(resumed::check, 100, 40, 90);
+    holds("resumed", resumed::check, 100, 40, 90);
 }
