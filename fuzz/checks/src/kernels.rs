@@ -86,6 +86,9 @@ fn compiled(trees: &[Tree]) -> Option<Kernel> {
 
 fn evaluated(kernel: &Kernel, how: Execution, lanes: usize, states: &[f64]) -> Vec<u64> {
     let mut workspace = kernel.workspace_for(lanes, how);
+    // Where the platform has a compiler, machine code is what is compared.
+    let is_asked = how == Execution::Compiled && how.describe() == "machine code";
+    assert_eq!(workspace.is_compiled(), is_asked, "how a kernel runs");
     let ones = vec![1.0; lanes];
     kernel.prepare(&mut workspace, &[], &ones, &ones);
     let mut values = vec![0.0; kernel.outputs() * lanes];

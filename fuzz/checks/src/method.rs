@@ -27,7 +27,13 @@ pub fn method(source: &mut Source<'_>, tensor: &Tensor) -> Method {
         }
     };
     if source.chance(80) {
-        let name = source.pick(&COMPOSITIONS);
+        // The first two need the factors of a splitting.
+        let has_factors = text.contains("splitting") || source.chance(16);
+        let name = source.pick(if has_factors {
+            &COMPOSITIONS
+        } else {
+            &COMPOSITIONS[2..]
+        });
         text.push_str(&format!("composition = \"{name}\"\n"));
     }
     Method { text, tolerance }
@@ -99,6 +105,10 @@ fn realization(source: &mut Source<'_>, tensor: &Tensor) -> String {
         }
         "karasev-collocated" if source.chance(64) => {
             format!("{{ name = \"{name}\", points = {} }}", 1 + source.below(8))
+        }
+        "darboux-magnetic" => {
+            let potential = tensor.potential.as_deref().unwrap_or("0; 0");
+            format!("{{ name = \"{name}\", potential = \"{potential}\" }}")
         }
         _ => format!("\"{name}\""),
     }

@@ -37,6 +37,8 @@ pub struct Tensor {
     pub casimirs: Vec<Tree>,
     /// Whether ẋ = {x, H}, not {H, x}.
     pub is_textbook: bool,
+    /// A vector potential, of a magnetic field.
+    pub potential: Option<String>,
     /// Whether coordinates keep their signs and begin positive.
     pub is_positive: bool,
 }
@@ -104,6 +106,7 @@ fn made(
         entries,
         casimirs,
         is_textbook: false,
+        potential: None,
         is_positive: false,
     }
 }
@@ -238,6 +241,11 @@ fn magnetic(source: &mut Source<'_>) -> Tensor {
         true => vec!["x", "y", "vx", "vy"],
         false => vec!["x", "y", "z", "vx", "vy", "vz"],
     };
+    let along_y = format!("({a:?})*x + ({b:?})*x^2/2");
+    tensor.potential = Some(match is_plane {
+        true => format!("0; {along_y}"),
+        false => format!("-y^3/3; {along_y}; 0"),
+    });
     tensor.written = written;
     tensor.is_textbook = true;
     tensor

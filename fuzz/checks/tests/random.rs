@@ -48,22 +48,22 @@ fn holds(
 
 #[test]
 fn values_and_gradients_are_those_of_dual_numbers() {
-    holds("formulas", formulas::check, 4000, 256, 50);
+    holds("formulas", formulas::check, 1500, 256, 50);
 }
 
 #[test]
 fn kernels_have_the_same_bits_however_they_run() {
-    holds("kernels", kernels::check, 600, 1500, 90);
+    holds("kernels", kernels::check, 3000, 1500, 90);
 }
 
 #[test]
 fn scenes_step_to_finite_states_or_say_why_not() {
-    holds("scenes", scenes::check, 300, 400, 50);
+    holds("scenes", scenes::check, 60, 400, 50);
 }
 
 #[test]
 fn lattices_step_to_the_same_bits_however_they_run() {
-    holds("lattices", lattices::check, 60, 100, 50);
+    holds("lattices", lattices::check, 100, 100, 50);
 }
 
 #[test]
@@ -73,7 +73,7 @@ fn texts_of_scenes_are_read_or_refused_at_their_place() {
 
 #[test]
 fn files_of_states_are_read_or_refused() {
-    holds("states", states::check, 500, 60, 90);
+    holds("states", states::check, 2000, 60, 90);
 }
 
 #[test]

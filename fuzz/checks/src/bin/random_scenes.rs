@@ -18,6 +18,9 @@ use leafwise_fuzz_checks::source::{Source, random_bytes};
 /// Enough for every choice of a scene.
 const BYTES: usize = 1024;
 
+/// Seconds after which a scene is told as slow.
+const SLOW: f64 = 10.0;
+
 struct Arguments {
     count: u64,
     seed: u64,
@@ -81,6 +84,9 @@ impl Tally {
             other => other,
         };
         self.verdicts.entry(verdict).or_insert((0, index)).0 += 1;
+        if seconds > SLOW {
+            println!("slow {index}: {seconds:.1} s");
+        }
         self.slowest.push((seconds, index));
         self.slowest.sort_by(|a, b| b.0.total_cmp(&a.0));
         self.slowest.truncate(5);
