@@ -177,11 +177,13 @@ fn doubt(scene: &RandomScene, run: &ComposedRun, end_state: &[f64]) -> Option<St
     });
     let history =
         format!("errors {error:.1e}, {half:.1e}, {quarter:.1e} of a motion of {motion:.1e}");
-    if !(error <= GROSS * motion) {
+    let is_part_of_motion = error <= GROSS * motion;
+    if !is_part_of_motion {
         return Some(format!("a gross error: {history}"));
     }
     let is_small = quarter <= ACCURATE;
-    if !(is_small || quarter <= FALLS * error) {
+    let falls = quarter <= FALLS * error;
+    if !is_small && !falls {
         return Some(format!("an error that does not fall: {history}"));
     }
     None
@@ -205,7 +207,8 @@ fn broken_promise(scene: &RandomScene, run: &ComposedRun, end: &[f64]) -> Option
         };
         let size = sizes(&before, &scene.initial) + sizes(&after, end);
         let drift = (before.value() - after.value()).abs();
-        if !(drift <= DRIFT * size) {
+        let is_kept = drift <= DRIFT * size;
+        if !is_kept {
             return Some(format!(
                 "a Casimir drifts by {:.1e} of its terms",
                 drift / size

@@ -37,8 +37,9 @@ pub fn solution(
             let size = |at: usize| x[at].abs().max(1e-6 * widest[at]).max(1e-300);
             let worst = (0..x.len()).map(|at| error[at].abs() / size(at));
             let worst = worst.fold(0.0, |m: f64, e| if e > m || e.is_nan() { e } else { m });
-            let factor = (TOLERANCE / worst.max(1e-30)).powf(1.0 / 13.0);
-            if !(worst <= 8.0 * TOLERANCE) {
+            let factor = libm::pow(TOLERANCE / worst.max(1e-30), 1.0 / 13.0);
+            let is_taken = worst <= 8.0 * TOLERANCE;
+            if !is_taken {
                 step = trial
                     * if factor.is_finite() {
                         (0.9 * factor).clamp(0.1, 0.8)
