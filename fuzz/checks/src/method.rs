@@ -149,7 +149,8 @@ fn dynamics(source: &mut Source<'_>, most: usize) -> String {
 
 fn stepper(source: &mut Source<'_>, tensor: &Tensor, tolerance: &mut f64) -> String {
     let name = match (source.below(4), tensor.family) {
-        (0, _) => "splitting",
+        // Of a general tensor hardly any piece has a flow, and it takes long to see that.
+        (0, family) if family != Family::General => "splitting",
         (1, Family::Rotations) => "spherical-midpoint",
         _ => source.pick(&STEPPERS),
     };
