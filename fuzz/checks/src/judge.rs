@@ -1,0 +1,241 @@
+//! Is a random scene's result right, refused, warned of, or silently wrong?
+//!
+//! A result is *confirmed* when an independent solution agrees with it, or when its error against that
+//! solution is part of the motion only and falls as the step is halved twice. Where it is not, the
+//! program must have refused, failed or warned. Whoever promises a Poisson map keeps the Casimirs and, where
+//! the tensor does, the signs.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use leafwise::ProblemLibrary;
+use leafwise::core::{Integrator, Registry, StepError, Structure};
+use leafwise::scene::run::{Quiet, run};
+use leafwise::scene::{
+    AdviceKind, ComposedRun, RunOptions, RunOutcome, SceneChecks, SceneDocument, compose,
+};
+
+use crate::reference::solution;
+use crate::scene::{RandomScene, STEPS};
+
+/// What became of a scene; each with its kind.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verdict {
+    /// Refused before the first step.
+    Refused(String),
+    /// A step failed with a typed error.
+    Failed(String),
+    /// Not confirmed, and the report warns.
+    Warned(String),
+    /// Right.
+    Confirmed,
+    /// Neither refused nor warned of, and not confirmed.
+    Suspicious(String),
+}
+
+/// An error below this part of the state is the method's accuracy, whatever its order.
+const ACCURATE: f64 = 1e-9;
+
+/// An error of so many tolerances is an adaptive stepper's own: each of its substeps adds one.
+const TOLERANCES: f64 = 1e3;
+
+/// An error above this part of the motion is gross: the step says nothing of the flow.
+const GROSS: f64 = 0.5;
+
+/// What an error falls by at least over two halvings: of order 1, the lowest there is, by 4.
+const FALLS: f64 = 0.4;
+
+/// What a promised Casimir may drift by, relative to its terms.
+const DRIFT: f64 = 1e-9;
+
+/// Judges a scene; a panic is suspicious.
+pub fn judge(scene: &RandomScene, registry: &Registry) -> Verdict {
+    let judged = catch_unwind(AssertUnwindSafe(|| judged(scene, registry)));
+    judged.unwrap_or_else(|_| Verdict::Suspicious("it panics".to_owned()))
+}
+
+fn judged(scene: &RandomScene, registry: &Registry) -> Verdict {
+    let document = match SceneDocument::parse("scene.toml", &scene.text, &ProblemLibrary) {
+        Ok(document) => document,
+        Err(errors) => {
+            let first = errors
+                .diagnostics()
+                .first()
+                .map(|first| kind(&first.message));
+            return Verdict::Refused(first.unwrap_or_default());
+        }
+    };
+    let composed = match compose(&document, registry) {
+        Ok(composed) => composed,
+        Err(refusal) => return Verdict::Refused(kind(&refusal.message)),
+    };
+    let checks = match SceneChecks::of(&composed.system, &composed.near) {
+        Ok(checks) => checks,
+        Err(error) => return Verdict::Refused(kind(&error.to_string())),
+    };
+    if let Some(refusal) = checks.refusal(&document, &composed.system, false) {
+        return Verdict::Suspicious(format!("a true tensor is refused: {}", refusal.message));
+    }
+    let end = match end(&composed, 1) {
+        Ok(end) => end,
+        Err(error) => return Verdict::Failed(failure(&error).to_owned()),
+    };
+    let Some(doubt) = doubt(scene, &composed, &end) else {
+        return Verdict::Confirmed;
+    };
+    reported(&document, &composed, registry, doubt)
+}
+
+/// What the program itself says of a result that is in doubt.
+fn reported(
+    document: &SceneDocument,
+    composed: &ComposedRun,
+    registry: &Registry,
+    doubt: String,
+) -> Verdict {
+    let folder = match tempfile::tempdir() {
+        Ok(folder) => folder,
+        Err(error) => return Verdict::Refused(format!("no folder: {error}")),
+    };
+    let options = RunOptions {
+        directory: folder.path().join("run"),
+        force: false,
+        allow_non_poisson: false,
+        command: String::new(),
+        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
+    };
+    let report = match run(document, composed, registry, &options, &mut Quiet) {
+        Ok(report) => report,
+        Err(error) => return Verdict::Refused(kind(&error.to_string())),
+    };
+    if let RunOutcome::Failed(failure) = report.outcome {
+        return Verdict::Failed(kind(&failure.message));
+    }
+    let warns = |kind: &AdviceKind| {
+        matches!(
+            kind,
+            AdviceKind::CoarseStep
+                | AdviceKind::EnergyError
+                | AdviceKind::Chart
+                | AdviceKind::SeveralSolutions
+                | AdviceKind::RealizationDefect
+        )
+    };
+    let kinds = report.advice.iter().map(|advice| advice.kind);
+    let kinds: Vec<String> = kinds
+        .filter(warns)
+        .map(|kind| format!("{kind:?}"))
+        .collect();
+    match kinds.is_empty() {
+        true => Verdict::Suspicious(doubt),
+        false => Verdict::Warned(kinds.join(" + ")),
+    }
+}
+
+/// The state after the scene's time, with `parts` steps in place of each.
+fn end(run: &ComposedRun, parts: u32) -> Result<Vec<f64>, StepError> {
+    let values = run.system.parameter_values();
+    let (plan, map) = (&run.plan, run.method.map());
+    let h = plan.h / f64::from(parts);
+    let mut integrator = Integrator::new(map, &values, plan.epsilon, h, &plan.initial);
+    for _ in 0..STEPS * parts as usize {
+        integrator.step()?;
+    }
+    Ok(integrator.state().to_vec())
+}
+
+/// Why a result is not confirmed, if it is not.
+fn doubt(scene: &RandomScene, run: &ComposedRun, end_state: &[f64]) -> Option<String> {
+    if let Some(broken) = broken_promise(scene, run, end_state) {
+        return Some(broken);
+    }
+    let mut widest: Vec<f64> = scene.initial.iter().map(|x| x.abs()).collect();
+    let field = |x: &[f64]| scene.field(x);
+    let states = solution(&field, &scene.initial, scene.time_step, STEPS, &mut widest);
+    let Some(states) = states else {
+        return Some("the motion cannot be followed to the end".to_owned());
+    };
+    let least = 1e-6 * widest.iter().fold(0.0_f64, |m, x| m.max(*x));
+    let largest = |a: &[f64], b: &[f64]| {
+        let apart = (0..a.len()).map(|i| (a[i] - b[i]).abs() / widest[i].max(least));
+        apart.fold(0.0_f64, |m, e| if e > m || e.is_nan() { e } else { m })
+    };
+    let last = &states[STEPS];
+    let motion = states
+        .iter()
+        .map(|x| largest(x, &scene.initial))
+        .fold(0.0, f64::max);
+    let error = largest(end_state, last);
+    if error <= TOLERANCES * scene.tolerance
+        || error <= ACCURATE * motion.max(1e-3)
+        || error <= 64.0 * f64::EPSILON
+    {
+        return None;
+    }
+    let [half, quarter] = [2, 4].map(|parts| match end(run, parts) {
+        Ok(end) => largest(&end, last),
+        Err(_) => f64::NAN,
+    });
+    let history =
+        format!("errors {error:.1e}, {half:.1e}, {quarter:.1e} of a motion of {motion:.1e}");
+    let is_part_of_motion = error <= GROSS * motion;
+    if !is_part_of_motion {
+        return Some(format!("a gross error: {history}"));
+    }
+    let is_small = quarter <= ACCURATE;
+    let falls = quarter <= FALLS * error;
+    if !is_small && !falls {
+        return Some(format!("an error that does not fall: {history}"));
+    }
+    None
+}
+
+/// A Casimir or a sign that an exact Poisson map has not kept.
+fn broken_promise(scene: &RandomScene, run: &ComposedRun, end: &[f64]) -> Option<String> {
+    let map = run.method.map();
+    if map.properties().structure != Structure::Exact {
+        return None;
+    }
+    let tensor = &scene.tensor;
+    if tensor.is_positive && end.iter().any(|x| *x <= 0.0) {
+        return Some(format!("a sign is lost by a map that keeps it: {end:?}"));
+    }
+    for casimir in &tensor.casimirs {
+        let (before, after) = (casimir.dual(&scene.initial), casimir.dual(end));
+        let sizes = |dual: &crate::dual::Dual, x: &[f64]| -> f64 {
+            let terms = x.iter().enumerate().map(|(i, x)| (dual.slope(i) * x).abs());
+            terms.sum::<f64>() + dual.value().abs()
+        };
+        let size = sizes(&before, &scene.initial) + sizes(&after, end);
+        let drift = (before.value() - after.value()).abs();
+        let is_kept = drift <= DRIFT * size;
+        if !is_kept {
+            return Some(format!(
+                "a Casimir drifts by {:.1e} of its terms",
+                drift / size
+            ));
+        }
+    }
+    None
+}
+
+fn failure(error: &StepError) -> &'static str {
+    match error {
+        StepError::NoConvergence { .. } => "no convergence",
+        StepError::LeftChart { .. } => "left the chart",
+        StepError::OtherBranch { .. } => "another branch",
+        StepError::LostSign { .. } => "lost sign",
+        StepError::NonFinite { .. } => "not finite",
+        _ => "another failure",
+    }
+}
+
+/// The message's first words, without what is quoted and without numbers: messages of one kind are one.
+fn kind(message: &str) -> String {
+    let outside: String = message.split('`').step_by(2).collect::<Vec<_>>().join("…");
+    let words = outside.split_whitespace().take(7);
+    let plain = words.map(|word| {
+        let has_digit = word.chars().any(|c| c.is_ascii_digit());
+        if has_digit { "#" } else { word }
+    });
+    plain.collect::<Vec<_>>().join(" ")
+}

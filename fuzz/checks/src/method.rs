@@ -1,0 +1,170 @@
+//! Methods: realizations with dynamics, steppers, compositions of either.
+
+use crate::source::Source;
+use crate::tensor::{Family, Tensor};
+
+/// A scene's method.
+#[derive(Clone, Debug)]
+pub struct Method {
+    /// The lines of `[method]`, but the step.
+    pub text: String,
+    /// The tolerance of a stepper that has one, else 0.
+    pub tolerance: f64,
+}
+
+/// A method, mostly one that suits the tensor.
+pub fn method(source: &mut Source<'_>, tensor: &Tensor) -> Method {
+    let mut tolerance = 0.0;
+    let mut text = match source.below(2) {
+        0 => format!("stepper = {}\n", stepper(source, tensor, &mut tolerance)),
+        _ => {
+            let realization = realization(source, tensor);
+            let most = if tensor.names.len() > 3 { 2 } else { 3 };
+            format!(
+                "realization = {realization}\ndynamics = {}\n",
+                dynamics(source, most)
+            )
+        }
+    };
+    if source.chance(80) {
+        // The first two need the factors of a splitting.
+        let has_factors = text.contains("splitting") || source.chance(16);
+        let name = source.pick(if has_factors {
+            &COMPOSITIONS
+        } else {
+            &COMPOSITIONS[2..]
+        });
+        text.push_str(&format!("composition = \"{name}\"\n"));
+    }
+    Method { text, tolerance }
+}
+
+/// Every composition.
+pub const COMPOSITIONS: [&str; 10] = [
+    "blanes-moan-4",
+    "blanes-moan-6",
+    "kahan-li-10",
+    "kahan-li-6",
+    "kahan-li-8",
+    "sofroniou-spaletta-10",
+    "suzuki-4",
+    "suzuki-umeno-8",
+    "triple-jump",
+    "yoshida-6",
+];
+
+/// Every realization.
+pub const REALIZATIONS: [&str; 9] = [
+    "karasev-truncated",
+    "karasev-collocated",
+    "constant",
+    "darboux-magnetic",
+    "lie-poisson",
+    "log-canonical",
+    "so3-cayley",
+    "so3-exponential",
+    "so3-group",
+];
+
+/// Every stepper.
+pub const STEPPERS: [&str; 9] = [
+    "gauss",
+    "dop853",
+    "dormand-prince45",
+    "energy-preserving",
+    "implicit-midpoint",
+    "projection",
+    "rk4",
+    "spherical-midpoint",
+    "splitting",
+];
+
+fn realization(source: &mut Source<'_>, tensor: &Tensor) -> String {
+    let suited: &[&str] = match tensor.family {
+        Family::Rotations => &["so3-cayley", "so3-exponential", "so3-group", "lie-poisson"],
+        Family::Linear => &["lie-poisson"],
+        Family::LogCanonical => &["log-canonical"],
+        Family::Constant => &["constant"],
+        Family::Magnetic => &["karasev-truncated", "darboux-magnetic"],
+        Family::General => &["karasev-truncated"],
+    };
+    let name = match source.below(8) {
+        0 => return "\"auto\"".to_owned(),
+        1 => source.pick(&REALIZATIONS),
+        2 => "karasev-collocated",
+        3 | 4 => "karasev-truncated",
+        _ => source.pick(suited),
+    };
+    match name {
+        "karasev-truncated" => {
+            let most = if tensor.names.len() > 3 { 3 } else { 6 };
+            format!(
+                "{{ name = \"{name}\", order = {} }}",
+                1 + source.below(most)
+            )
+        }
+        "karasev-collocated" if source.chance(64) => {
+            format!("{{ name = \"{name}\", points = {} }}", 1 + source.below(8))
+        }
+        "darboux-magnetic" => {
+            let potential = tensor.potential.as_deref().unwrap_or("0; 0");
+            format!("{{ name = \"{name}\", potential = \"{potential}\" }}")
+        }
+        _ => format!("\"{name}\""),
+    }
+}
+
+/// Orders to 2·`most`: series are dear where coordinates are many.
+fn dynamics(source: &mut Source<'_>, most: usize) -> String {
+    match source.below(8) {
+        0 => "\"auto\"".to_owned(),
+        1 | 2 => {
+            let integrator = source.pick(&["gauss", "stormer-verlet", "implicit-midpoint"]);
+            let stages = match integrator {
+                "gauss" => format!(", stages = {}", 1 + source.below(4)),
+                _ => String::new(),
+            };
+            let correction = if source.chance(64) {
+                "none"
+            } else {
+                "bisection"
+            };
+            format!(
+                "{{ name = \"collective\", integrator = \"{integrator}\"{stages}, correction = \"{correction}\" }}"
+            )
+        }
+        _ => {
+            let order = 2 * (1 + source.below(most));
+            let hamiltonian = if source.chance(40) {
+                "energy-casimir"
+            } else {
+                "given"
+            };
+            format!(
+                "{{ name = \"hamilton-jacobi\", order = {order}, hamiltonian = \"{hamiltonian}\" }}"
+            )
+        }
+    }
+}
+
+fn stepper(source: &mut Source<'_>, tensor: &Tensor, tolerance: &mut f64) -> String {
+    let name = match (source.below(4), tensor.family) {
+        // Of a general tensor hardly any piece has a flow, and it takes long to see that.
+        (0, family) if family != Family::General => "splitting",
+        (1, Family::Rotations) => "spherical-midpoint",
+        _ => source.pick(&STEPPERS),
+    };
+    match name {
+        "gauss" => format!("{{ name = \"gauss\", stages = {} }}", 1 + source.below(5)),
+        "energy-preserving" => format!("{{ name = \"{name}\", order = {} }}", source.pick(&[2, 4])),
+        "projection" => format!(
+            "{{ name = \"{name}\", base = \"{}\" }}",
+            source.pick(&["rk4", "gauss"])
+        ),
+        "dop853" | "dormand-prince45" => {
+            *tolerance = source.pick(&[1e-4, 1e-8, 1e-12]);
+            format!("{{ name = \"{name}\", tolerance = {tolerance:?} }}")
+        }
+        _ => format!("\"{name}\""),
+    }
+}
