@@ -1,28 +1,20 @@
-//! Executable memory that holds one compiled kernel.
+//! One compiled kernel.
 
 use std::fmt;
-use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::Instant;
-
-use cranelift_codegen::isa::OwnedTargetIsa;
-use cranelift_codegen::settings::{self, Configurable};
-use cranelift_frontend::FunctionBuilderContext;
-use cranelift_jit::{JITBuilder, JITModule};
-use cranelift_module::{Linkage, Module, default_libcall_names};
 
 #[cfg(all(target_arch = "x86_64", not(windows)))]
 use super::avx;
+#[cfg(any(target_arch = "aarch64", windows, leafwise_portable))]
 use super::portable;
 use super::program::Program;
-use super::registers::{Plan, is_call};
+#[cfg(all(target_arch = "x86_64", not(windows)))]
+use super::registers::is_call;
 use crate::analytic::AnalyticFunction;
 use crate::kernel::code::{Code, Instruction};
 
 /// The largest program in bytes of slots: offsets have 31 bits.
 const MOST_BYTES: usize = 1 << 30;
-
-/// The largest program for Cranelift in operations: its time grows faster than they do.
-const MOST_PORTABLE: usize = 20_000;
 
 /// What writes machine code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,19 +23,53 @@ pub(super) enum Backend {
     #[cfg(all(target_arch = "x86_64", not(windows)))]
     Avx(avx::Width),
     /// Cranelift.
+    #[cfg(any(target_arch = "aarch64", windows, leafwise_portable))]
     Portable,
 }
 
 impl Backend {
-    /// The fastest for so many lanes on this machine.
-    pub(super) fn best(lanes: usize) -> Self {
+    /// The fastest for so many lanes on this machine, `None` where none serves it.
+    pub(super) fn best(lanes: usize) -> Option<Self> {
         #[cfg(all(target_arch = "x86_64", not(windows)))]
         if let Some(width) = avx::Width::best(lanes) {
-            return Self::Avx(width);
+            return Some(Self::Avx(width));
         }
         let _ = lanes;
-        Self::Portable
+        #[cfg(any(target_arch = "aarch64", windows, leafwise_portable))]
+        if portable::is_available() {
+            return Some(Self::Portable);
+        }
+        None
     }
+
+    fn write(
+        self,
+        program: &Program,
+        lanes: usize,
+        functions: &[AnalyticFunction],
+    ) -> Option<Written> {
+        match self {
+            #[cfg(all(target_arch = "x86_64", not(windows)))]
+            Self::Avx(width) => avx::write(program, lanes, width, functions),
+            #[cfg(any(target_arch = "aarch64", windows, leafwise_portable))]
+            Self::Portable => portable::write(program, lanes, functions),
+        }
+    }
+}
+
+/// Memory with a function in it, freed on drop.
+pub(super) trait Executable: Send + Sync {
+    /// Where the function starts: `fn(slots, scratch)` in the platform's C convention.
+    fn start(&self) -> *const u8;
+}
+
+/// What a backend makes of a program.
+pub(super) struct Written {
+    pub(super) memory: Box<dyn Executable>,
+    /// The length of the code.
+    pub(super) bytes: usize,
+    /// How many numbers of scratch memory it needs.
+    pub(super) scratch: usize,
 }
 
 /// `fn(slots, scratch)`.
@@ -56,8 +82,8 @@ pub(in crate::kernel) struct MachineCode {
     scratch: usize,
     bytes: usize,
     seconds: f64,
-    /// Owns the memory that `entry` points into; freed on drop.
-    module: Mutex<Option<JITModule>>,
+    /// What `entry` points into.
+    _memory: Box<dyn Executable>,
     /// The functions whose addresses stand in the code.
     _functions: Box<[AnalyticFunction]>,
 }
@@ -65,12 +91,12 @@ pub(in crate::kernel) struct MachineCode {
 impl MachineCode {
     /// Whether this machine has a compiler.
     pub(in crate::kernel) fn is_available() -> bool {
-        host().is_some()
+        Backend::best(1).is_some()
     }
 
     /// Compiles `code` for `lanes` lanes; `None` where the platform cannot or forbids it.
     pub(in crate::kernel) fn compile(code: &Code, lanes: usize) -> Option<Self> {
-        let backend = match Backend::best(lanes) {
+        let backend = match Backend::best(lanes)? {
             #[cfg(all(target_arch = "x86_64", not(windows)))]
             Backend::Avx(width) if code.instructions.iter().any(is_call) => {
                 Backend::Avx(width.with_calls(lanes))
@@ -85,8 +111,10 @@ impl MachineCode {
     pub(in crate::kernel) fn evaluations_to_pay(lanes: usize) -> u64 {
         match Backend::best(lanes) {
             #[cfg(all(target_arch = "x86_64", not(windows)))]
-            Backend::Avx(_) => 256,
-            Backend::Portable => 4096,
+            Some(Backend::Avx(_)) => 256,
+            #[cfg(any(target_arch = "aarch64", windows, leafwise_portable))]
+            Some(Backend::Portable) => 4096,
+            None => u64::MAX,
         }
     }
 
@@ -94,9 +122,7 @@ impl MachineCode {
     pub(super) fn compile_by(backend: Backend, code: &Code, lanes: usize) -> Option<Self> {
         let start = Instant::now();
         let slots = code.slots.checked_mul(lanes)?;
-        if slots * size_of::<f64>() > MOST_BYTES
-            || backend == Backend::Portable && code.instructions.len() > MOST_PORTABLE
-        {
+        if slots * size_of::<f64>() > MOST_BYTES {
             return None;
         }
         let functions: Box<[AnalyticFunction]> = code
@@ -107,29 +133,24 @@ impl MachineCode {
                 _ => None,
             })
             .collect();
-        let program = Program::new(code);
-        let isa = host()?;
-        let mut module = JITModule::new(JITBuilder::with_isa(isa, default_libcall_names()));
-        let written = write(&mut module, backend, &program, lanes, &functions);
-        let Some(Written {
-            address,
+        let Written {
+            memory,
             bytes,
             scratch,
-        }) = written
-        else {
-            // SAFETY: no function of the module is known to anyone.
-            unsafe { module.free_memory() };
+        } = backend.write(&Program::new(code), lanes, &functions)?;
+        #[cfg(test)]
+        if REFUSES.get() {
             return None;
-        };
+        }
         // SAFETY: every backend writes a function of this signature in the platform's C convention.
-        let entry = unsafe { std::mem::transmute::<*const u8, Entry>(address) };
+        let entry = unsafe { std::mem::transmute::<*const u8, Entry>(memory.start()) };
         Some(Self {
             entry,
             slots,
             scratch,
             bytes,
             seconds: start.elapsed().as_secs_f64(),
-            module: Mutex::new(Some(module)),
+            _memory: memory,
             _functions: functions,
         })
     }
@@ -165,21 +186,6 @@ impl MachineCode {
     }
 }
 
-impl Drop for MachineCode {
-    fn drop(&mut self) {
-        let module = self
-            .module
-            .get_mut()
-            .unwrap_or_else(PoisonError::into_inner)
-            .take();
-        if let Some(module) = module {
-            // SAFETY: `entry` is private and called only through a reference to `self`, of which
-            // there is none any more.
-            unsafe { module.free_memory() }
-        }
-    }
-}
-
 impl fmt::Debug for MachineCode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("MachineCode")
@@ -188,95 +194,8 @@ impl fmt::Debug for MachineCode {
     }
 }
 
-/// A function in executable memory.
-struct Written {
-    address: *const u8,
-    bytes: usize,
-    scratch: usize,
-}
-
-/// Writes the program into executable memory.
-fn write(
-    module: &mut JITModule,
-    backend: Backend,
-    program: &Program,
-    lanes: usize,
-    functions: &[AnalyticFunction],
-) -> Option<Written> {
-    let mut context = module.make_context();
-    let signature = portable::signature(module.isa());
-    let id = module
-        .declare_function("kernel", Linkage::Local, &signature)
-        .ok()?;
-    let (bytes, scratch) = match backend {
-        #[cfg(all(target_arch = "x86_64", not(windows)))]
-        Backend::Avx(width) => {
-            let plan = Plan::new(program, width.registers() - 1);
-            let bytes = avx::assemble(program, &plan, lanes, width, functions);
-            module
-                .define_function_bytes(id, CACHE_LINE, &bytes, &[])
-                .ok()?;
-            (bytes.len(), avx::scratch_len(&plan, width))
-        }
-        Backend::Portable => {
-            let plan = Plan::new(program, portable::REGISTERS);
-            context.func.signature = signature;
-            portable::emit(
-                program,
-                &plan,
-                lanes,
-                functions,
-                module.isa(),
-                &mut context.func,
-                &mut FunctionBuilderContext::new(),
-            );
-            module.define_function(id, &mut context).ok()?;
-            let bytes = context
-                .compiled_code()
-                .map_or(0, |code| code.code_buffer().len());
-            (bytes, portable::scratch_len(&plan, lanes))
-        }
-    };
-    #[cfg(test)]
-    if REFUSES.get() {
-        return None;
-    }
-    module.finalize_definitions().ok()?;
-    Some(Written {
-        address: module.get_finalized_function(id),
-        bytes,
-        scratch,
-    })
-}
-
 #[cfg(test)]
 thread_local! {
     /// Makes this thread's compilations fail where memory becomes executable, which a platform may forbid.
     pub(super) static REFUSES: std::cell::Cell<bool> = const { std::cell::Cell::new(false) };
-}
-
-/// Where code starts.
-const CACHE_LINE: u64 = 64;
-
-/// The compiler for this machine, `None` where there is none.
-fn host() -> Option<OwnedTargetIsa> {
-    static HOST: OnceLock<Option<OwnedTargetIsa>> = OnceLock::new();
-    HOST.get_or_init(|| {
-        let mut flags = settings::builder();
-        for (name, value) in [
-            ("opt_level", "none"),
-            ("regalloc_algorithm", "backtracking"),
-            ("enable_verifier", "false"),
-            ("enable_alias_analysis", "false"),
-            ("unwind_info", "false"),
-            ("probestack_strategy", "inline"),
-            ("use_colocated_libcalls", "false"),
-            ("is_pic", "false"),
-        ] {
-            flags.set(name, value).ok()?;
-        }
-        let builder = cranelift_native::builder().ok()?;
-        builder.finish(settings::Flags::new(flags)).ok()
-    })
-    .clone()
 }

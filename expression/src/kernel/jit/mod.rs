@@ -2,13 +2,14 @@
 //!
 //! A program's operations are put in order ([`program`]), its loads and stores planned
 //! ([`registers`]), and the steps written as machine code: by our own assembler where there is AVX
-//! ([`avx`]: it compiles in microseconds and takes four or eight lanes an instruction), elsewhere
-//! by Cranelift ([`portable`]).
+//! ([`avx`]: it compiles in microseconds and takes four or eight lanes an instruction), on ARM and
+//! Windows by Cranelift (`portable`).
 
 #[cfg(all(target_arch = "x86_64", not(windows)))]
 mod avx;
 mod functions;
 mod machine;
+#[cfg(any(target_arch = "aarch64", windows, leafwise_portable))]
 mod portable;
 mod program;
 mod registers;

@@ -122,7 +122,9 @@ fn code(choices: &[Choice], outputs: &[usize]) -> Code {
 }
 
 fn backends(lanes: usize) -> Vec<Backend> {
-    let mut backends = vec![Backend::Portable];
+    let mut backends = Vec::new();
+    #[cfg(any(target_arch = "aarch64", windows, leafwise_portable))]
+    backends.push(Backend::Portable);
     #[cfg(all(target_arch = "x86_64", not(windows)))]
     {
         let widths = [Width::One, Width::Two, Width::Four, Width::Eight];

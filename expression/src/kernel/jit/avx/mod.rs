@@ -1,8 +1,40 @@
 //! Machine code for x86-64 with AVX: registers as planned, one number, two, four or eight an
-//! instruction, without the compiler's allocation of registers.
+//! instruction, without a compiler's allocation of registers.
 
 mod assembler;
 mod emit;
 
+use memmap2::{Mmap, MmapMut};
+
 pub(super) use assembler::Width;
-pub(super) use emit::{assemble, scratch_len};
+
+use super::machine::{Executable, Written};
+use super::program::Program;
+use super::registers::Plan;
+use crate::analytic::AnalyticFunction;
+
+/// Writes the program into executable memory, `width` of the `lanes` lanes at a time; `None` where the
+/// platform forbids it.
+pub(super) fn write(
+    program: &Program,
+    lanes: usize,
+    width: Width,
+    functions: &[AnalyticFunction],
+) -> Option<Written> {
+    let plan = Plan::new(program, width.registers() - 1);
+    let code = emit::assemble(program, &plan, lanes, width, functions);
+    let mut memory = MmapMut::map_anon(code.len()).ok()?;
+    memory.copy_from_slice(&code);
+    Some(Written {
+        memory: Box::new(memory.make_exec().ok()?),
+        bytes: code.len(),
+        scratch: emit::scratch_len(&plan, width),
+    })
+}
+
+/// Written, then executable, never both.
+impl Executable for Mmap {
+    fn start(&self) -> *const u8 {
+        self.as_ptr()
+    }
+}

@@ -9,12 +9,12 @@ use cranelift_codegen::ir::{
 use cranelift_codegen::isa::TargetIsa;
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 
-use super::functions;
-use super::program::{Operation, Program, Source};
-use super::registers::{Home, Plan, Step};
 use crate::analytic::AnalyticFunction;
 use crate::expression::Function;
 use crate::kernel::code::Instruction;
+use crate::kernel::jit::functions;
+use crate::kernel::jit::program::{Operation, Program, Source};
+use crate::kernel::jit::registers::{Home, Plan, Step};
 
 const NUMBER: i64 = size_of::<f64>() as i64;
 
