@@ -414,7 +414,12 @@ proptest! {
             let stiffness = 0.25 * t * t;
             let equation = y + stiffness * potential.1(y) - q - 0.5 * t * p;
             let size = 1.0 + y.abs() + (stiffness * potential.1(y)).abs() + stiffness * potential.2(y).abs() * y.abs();
-            prop_assert!(equation.abs() <= 1e-13 * size, "{next:?} leaves {equation:e}");
+            // An iteration without Jacobians ends where corrections of 64 ulps no longer shrink.
+            let reached = q.abs() + y.abs() + t * (p.abs() + next[1].abs());
+            let stalled = (1.0 + stiffness * potential.2(y).abs()) * reached;
+            let ulps = if method == 2 { 64.0 } else { 0.0 };
+            let bound = 1e-13 * size + ulps * f64::EPSILON * stalled;
+            prop_assert!(equation.abs() <= bound, "{next:?} leaves {equation:e}");
             let momentum = p - t * potential.1(y);
             prop_assert!((next[1] - momentum).abs() <= 1e-13 * size * (1.0 + t), "{next:?}, {momentum}");
             let is_continued = expected.is_some_and(|(other, _)| (y - other).abs() <= 1e-6 * size);

@@ -366,7 +366,7 @@ fn tune_says_what_it_found_beside_and_what_keeps_it() {
     );
     let said = tune(&["--error", "1e-18"], 5);
     assert!(said.out.contains("ask for less"), "{}", said.out);
-    let said = tune(&["--error", "1e-7", "--budget", "2e4", "--json"], 5);
+    let said = tune(&["--error", "1e-7", "--budget", "3e4", "--json"], 5);
     assert_eq!(said.json()["outcome"], "not found");
     assert_eq!(said.json()["nearest"]["limit"], "budget");
     tune(&[], 2).says(&["nothing is asked"]);

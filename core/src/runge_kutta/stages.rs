@@ -147,12 +147,13 @@ impl StageSolver {
             nothing,
             ..
         } = self;
-        let own = &mut trajectories[at];
+        let own = &trajectories[at];
         // What the displacements are measured against is z, in the room of the matrix.
         let sizes = &mut matrix[..all];
         for (row, size) in sizes.iter_mut().enumerate() {
             *size = own.start()[row % n];
         }
+        let is_solved = taken[at].outcome.is_ok();
         let path = {
             let (stages, slopes) = (&mut stages[..all], &mut slopes[..all]);
             let jacobians = &mut jacobians[..all * n];
@@ -172,9 +173,10 @@ impl StageSolver {
                     what: "a correction of the stages",
                 })
             };
-            branch.follow(nothing, sizes, &mut taken[at].evaluations, evaluate)
+            let found = is_solved.then_some(own.displacements());
+            let spent = &mut taken[at].evaluations;
+            branch.follow(nothing, sizes, found, spent, evaluate)
         };
-        let is_solved = taken[at].outcome.is_ok();
         match path {
             Ok(()) if is_solved && self.branch.ends_at(self.trajectories[at].displacements()) => {}
             Ok(()) => {

@@ -26,7 +26,7 @@ const MOST_CORRECTIONS: usize = 12;
 /// method alone may jump to another, on which the map is not near the flow, and which one it takes may
 /// depend on earlier steps.
 ///
-/// Where steps of other lengths are not at hand, F_s = F − (1 − s) F(u₀) is followed: a path that ends at
+/// Over the graph of a one-form θ that of sθ will do. Where neither is at hand, F_s = F − (1 − s) F(u₀) is followed: a path that ends at
 /// the same solution where the determinants of both families stay positive between them.
 #[derive(Clone, Debug)]
 pub struct Branch {
@@ -59,7 +59,8 @@ impl Branch {
 
     /// Goes the path from `start` to its [`end`](Self::end). `evaluate` writes −F_s(u) and DF_s(u),
     /// row-major, for s and u. `sizes` is what the unknowns are measured against, beside the way that
-    /// they came. Counts the evaluations.
+    /// they came. Where a solution was `found` at s = 1 and the way by s = 1/2 leads to it, that will do.
+    /// Counts the evaluations.
     ///
     /// # Errors
     /// [`StepError::OtherBranch`] where DF becomes singular on the way; the error of `evaluate` where
@@ -68,6 +69,7 @@ impl Branch {
         &mut self,
         start: &[f64],
         sizes: &[f64],
+        found: Option<&[f64]>,
         evaluations: &mut u64,
         mut evaluate: impl FnMut(f64, &[f64], &mut [f64], &mut [f64]) -> Result<(), StepError>,
     ) -> Result<(), StepError> {
@@ -76,6 +78,12 @@ impl Branch {
             *evaluations += 1;
             evaluate(s, u, residual, jacobian)
         };
+        self.take_scale(start, sizes);
+        if let Some(found) = found
+            && self.confirm(start, found, &mut counted).is_ok()
+        {
+            return Ok(());
+        }
         let (mut reached, mut part) = (0.0, 1.0);
         loop {
             let goal = reached + part;
@@ -91,6 +99,26 @@ impl Branch {
                 Err(Some(error)) => return Err(error),
             }
         }
+    }
+
+    /// From the start to the solution that was found at s = 1, by that at s = 1/2.
+    fn confirm(
+        &mut self,
+        start: &[f64],
+        found: &[f64],
+        evaluate: &mut impl FnMut(f64, &[f64], &mut [f64], &mut [f64]) -> Result<(), StepError>,
+    ) -> Result<(), Option<StepError>> {
+        let confirmed = self.correct(0.5, evaluate).and_then(|()| {
+            for (u, start) in self.point.iter_mut().zip(start) {
+                *u += *u - start;
+            }
+            self.correct(1.0, evaluate)
+        });
+        if confirmed.is_ok() && self.ends_at(found) {
+            return Ok(());
+        }
+        self.point.copy_from_slice(start);
+        confirmed.and(Err(None))
     }
 
     /// From the solution at `reached` to that at `goal`, at once and by way of the middle. Where the
@@ -186,7 +214,7 @@ mod tests {
     /// y + a sin y = x, the implicit midpoint rule of a pendulum with a = t²/4: from y = x.
     fn pendulum(a: f64, x: f64) -> Result<f64, StepError> {
         let mut branch = Branch::new(1);
-        let found = branch.follow(&[x], &[x], &mut 0, |s, y, residual, jacobian| {
+        let found = branch.follow(&[x], &[x], None, &mut 0, |s, y, residual, jacobian| {
             let a = a * s * s;
             residual[0] = x - y[0] - a * libm::sin(y[0]);
             jacobian[0] = 1.0 + a * libm::cos(y[0]);
@@ -226,7 +254,7 @@ mod tests {
         for k in 1..=100 {
             let a = 0.02 * f64::from(k);
             let mut branch = Branch::new(1);
-            let found = branch.follow(&[x], &[x], &mut 0, |s, y, residual, jacobian| {
+            let found = branch.follow(&[x], &[x], None, &mut 0, |s, y, residual, jacobian| {
                 residual[0] = x - y[0] + s * a * y[0] * y[0];
                 jacobian[0] = 1.0 - 2.0 * s * a * y[0];
                 Ok(())
@@ -273,6 +301,7 @@ mod tests {
         let found = branch.follow(
             &[1.0, 2.0],
             &[1.0, 2.0],
+            None,
             &mut evaluations,
             |s, y, residual, jacobian| {
                 let a = s * a;

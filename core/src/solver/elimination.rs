@@ -95,7 +95,7 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
         singular
     }
 
-    /// Whether every pivot of a lane lies between 3/4 and 4/3, rows as they stand. A change of units,
+    /// Whether every pivot of a lane lies between 1/2 and 2, rows as they stand. A change of units,
     /// S⁻¹AS with S diagonal, does not change the pivots.
     #[inline(always)]
     pub(crate) fn is_near_identity<const D: usize>(&self, lane: usize) -> bool {
@@ -208,10 +208,10 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
     }
 }
 
-/// Whether a pivot lies between 3/4 and 4/3.
+/// Whether a pivot lies between 1/2 and 2.
 #[inline(always)]
 fn is_near_one(pivot: f64) -> bool {
-    pivot > 0.75 && pivot < 4.0 / 3.0
+    pivot > 0.5 && pivot < 2.0
 }
 
 /// Elimination without exchanges; `true` where partial pivoting would have made none either.
@@ -292,7 +292,7 @@ mod tests {
             if determinant.abs() < 1e-12 {
                 continue;
             }
-            let near = |pivot: f64| pivot > 0.75 && pivot < 4.0 / 3.0;
+            let near = |pivot: f64| pivot > 0.5 && pivot < 2.0;
             let is_near = near(a) && near(d - b * c / a);
             for unit in [1.0, libm::exp2(40.0), libm::exp2(-40.0)] {
                 let mut factors = Factors::<1>::new(2);

@@ -51,6 +51,7 @@ impl Connected {
         let path = self.branch.follow(
             &self.nothing,
             sizes,
+            solved.is_ok().then_some(&self.found[..]),
             &mut spent,
             |part, point, residual, matrix| {
                 equation.unknowns().copy_from_slice(point);

@@ -96,9 +96,8 @@ fn read(text: &str) -> Result<Reached, String> {
             if document.system.dimension() > crate::LARGEST {
                 return Ok(Reached::Refusal);
             }
-            match compose(&document, &Registry::with_builtin()) {
-                Err(refusal) => has_place(&refusal)?,
-                Ok(_) => {}
+            if let Err(refusal) = compose(&document, &Registry::with_builtin()) {
+                has_place(&refusal)?;
             }
         }
     }

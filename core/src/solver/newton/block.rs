@@ -434,9 +434,13 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             kernel.prepare(full, parameters, &[epsilon; W], &[part * h; W]);
         };
         let (mut spent, mut prepared) = (0, 1.0);
-        let path = self
-            .branch
-            .follow(from, from, &mut spent, |part, point, residual, jacobian| {
+        let found = self.outcome[w].is_ok().then_some(&self.found[..]);
+        let path = self.branch.follow(
+            from,
+            from,
+            found,
+            &mut spent,
+            |part, point, residual, jacobian| {
                 if part != prepared {
                     prepare(full, part);
                     prepared = part;
@@ -460,7 +464,8 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                 }
                 let (first, last) = rest[2 * d * d..].split_at((rest.len() - 2 * d * d) / 2);
                 inside_chart(guard_ratio(first, last)[w])
-            });
+            },
+        );
         if prepared != 1.0 {
             prepare(full, 1.0);
         }
@@ -476,8 +481,16 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         match path {
             Ok(()) if is_found => {}
             Ok(()) => {
-                let before = self.lanes[w].convergence.evaluations;
-                self.lanes[w].next = self.lanes[w].convergence.start(None, 0);
+                // What the other solution told, of sizes and convergence, says nothing of this one.
+                let lane = &mut self.lanes[w];
+                let before = lane.convergence.evaluations;
+                lane.convergence = Convergence::new();
+                lane.next = lane.convergence.start(None, 0);
+                let change = |x: &[f64], end: &[f64]| {
+                    let pairs = x.iter().zip(end);
+                    pairs.fold(0.0, |m, (x, y)| larger(m, x.abs() + (y - x).abs()))
+                };
+                lane.allowed = Allowed::new(change(&self.from, self.branch.end()));
                 self.outcome[w] = Ok(());
                 self.iterate();
                 self.lanes[w].convergence.evaluations += before;

@@ -154,7 +154,8 @@ impl Workers {
                     })
                 };
             let spent = &mut taken[at].evaluations;
-            match self.branch.follow(state, state, spent, evaluate) {
+            let found = is_solved.then_some(&own.y[..]);
+            match self.branch.follow(state, state, found, spent, evaluate) {
                 Ok(()) if is_solved && self.branch.ends_at(&own.y) => return,
                 Ok(()) => own.begin_at(state, self.branch.end()),
                 Err(error) => {

@@ -166,8 +166,6 @@ struct Path {
     target: Vec<f64>,
     change: Vec<f64>,
     slope: Vec<f64>,
-    /// x − β̂ at x, of which less and less is left.
-    first: Vec<f64>,
 }
 
 impl Path {
@@ -180,15 +178,15 @@ impl Path {
             target: vec![0.0; 2 * d * d],
             change: vec![0.0; 2 * d * d],
             slope: vec![0.0; d * d],
-            first: vec![0.0; d],
         }
     }
 
-    /// The mean on the branch that begins at x.
+    /// The mean on the branch that begins at x: of L = graph sθ, from s = 0.
     fn follow(
         &mut self,
         form: &mut dyn OneFormWorker,
         (x, low): (&[f64], &[f64]),
+        found: Option<&[f64]>,
         evaluations: &mut u64,
     ) -> Result<(), StepError> {
         let d = x.len();
@@ -200,40 +198,38 @@ impl Path {
             target,
             change,
             slope,
-            first,
         } = self;
-        let mut has_begun = false;
-        branch.follow(x, x, evaluations, |part, centre, residual, jacobian| {
-            let (mean, p) = z.split_at_mut(d);
-            mean.copy_from_slice(centre);
-            form.value(centre, p)?;
-            form.jacobian(centre, slope)?;
-            worker.ends(z, ends)?;
-            worker.tangents(target, change)?;
-            for i in 0..d {
-                residual[i] = (x[i] - ends.base[i]) - ends.offset[i] + low[i];
-                let (by_x, by_p) = target[i * 2 * d..][..2 * d].split_at(d);
-                for j in 0..d {
-                    // D(β̂∘L) = ∂x + ∂p Dθ on L = graph θ.
-                    let through: f64 = (0..d).map(|k| by_p[k] * slope[k * d + j]).sum();
-                    jacobian[i * d + j] = by_x[j] + through;
+        branch.follow(
+            x,
+            x,
+            found,
+            evaluations,
+            |part, centre, residual, jacobian| {
+                let (mean, p) = z.split_at_mut(d);
+                mean.copy_from_slice(centre);
+                form.value(centre, p)?;
+                form.jacobian(centre, slope)?;
+                p.iter_mut().for_each(|p| *p *= part);
+                worker.ends(z, ends)?;
+                worker.tangents(target, change)?;
+                for i in 0..d {
+                    residual[i] = (x[i] - ends.base[i]) - ends.offset[i] + low[i];
+                    let (by_x, by_p) = target[i * 2 * d..][..2 * d].split_at(d);
+                    for j in 0..d {
+                        // D(β̂∘L) = ∂x + ∂p s Dθ on L = graph sθ.
+                        let through: f64 = (0..d).map(|k| by_p[k] * slope[k * d + j]).sum();
+                        jacobian[i * d + j] = by_x[j] + part * through;
+                    }
                 }
-            }
-            if !has_begun {
-                first.copy_from_slice(residual);
-                has_begun = true;
-            }
-            for (residual, first) in residual.iter_mut().zip(first.iter()) {
-                *residual -= (1.0 - part) * first;
-            }
-            let mut values = residual.iter().chain(jacobian.iter());
-            if values.all(|value| value.is_finite()) {
-                return Ok(());
-            }
-            Err(StepError::NonFinite {
-                what: "a Newton correction",
-            })
-        })
+                let mut values = residual.iter().chain(jacobian.iter());
+                if values.all(|value| value.is_finite()) {
+                    return Ok(());
+                }
+                Err(StepError::NonFinite {
+                    what: "a Newton correction",
+                })
+            },
+        )
     }
 }
 
@@ -295,7 +291,8 @@ impl FusedTrajectory {
             Box::new(Path::new(worker, x.len()))
         });
         path.worker.restore(&[self.curve.rule.points() as f64]);
-        let followed = path.follow(self.form.as_mut(), (x, low), evaluations);
+        let found = solved.is_ok().then_some(&self.centre[..]);
+        let followed = path.follow(self.form.as_mut(), (x, low), found, evaluations);
         let outcome = match (followed, solved) {
             (Ok(()), Ok(())) if path.branch.ends_at(&self.centre) => Ok(()),
             (Ok(()), _) => {
