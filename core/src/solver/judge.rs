@@ -421,6 +421,10 @@ impl LinearIteration {
             return Ok(Verdict::Converged);
         }
         if self.evaluations >= self.most {
+            // Slow, as near a fold, but within round-off by now.
+            if larger(size, components.remainder()) <= ULPS {
+                return Ok(Verdict::Converged);
+            }
             return Err(StepError::NoConvergence {
                 evaluations: self.evaluations,
                 correction: size,
@@ -454,6 +458,26 @@ mod tests {
             // The rate is observed with the rounding of two sizes, magnified by 1/(1 − r).
             let bound = LARGEST_REMAINDER * (1.0 + 8.0 * f64::EPSILON / (1.0 - rate));
             assert!(remainder <= bound, "rate {rate}: {remainder:e}");
+        }
+    }
+
+    /// Where the budget is spent, what is left counts: a rate of 1/2 comes to round-off, one of 9/10 not.
+    #[test]
+    fn a_spent_budget_is_no_failure_within_round_off() {
+        for (rate, ends) in [(0.45, true), (0.9, false)] {
+            let mut iteration = LinearIteration::new(50);
+            let judged: Vec<_> = powers(rate)
+                .take(50)
+                .map(|size| iteration.judge(size))
+                .collect();
+            let (last, before) = judged.split_last().expect("fifty");
+            assert!(
+                before
+                    .iter()
+                    .all(|verdict| *verdict == Ok(Verdict::Continue)),
+                "{rate}"
+            );
+            assert_eq!(*last == Ok(Verdict::Converged), ends, "{rate}: {last:?}");
         }
     }
 

@@ -96,7 +96,8 @@ fn newton_converges_over_code_and_over_numbers() {
             work.evaluations_per_step(),
             work.most_evaluations
         );
-        assert!(work.most_evaluations <= 10, "{name}: {work:?}");
+        // The first step takes as many again to confirm its solution by that of half the step.
+        assert!(work.most_evaluations <= 20, "{name}: {work:?}");
         // Evaluations without a Jacobian count for what they cost.
         let newton = match map.newton() {
             Some(newton) => {
