@@ -107,7 +107,8 @@ fn newton_converges_over_code_and_over_numbers() {
             None => work.evaluations_per_step(),
         };
         println!("{name}: {newton:.2} of Newton's evaluations a step");
-        assert!(newton <= 3.0, "{name}: {newton}");
+        // Three, and one more in the mean where steps are long (sl2) and their solutions confirmed.
+        assert!(newton <= 4.0, "{name}: {newton}");
     }
 }
 
