@@ -16,7 +16,7 @@
 //! - [`tree`]: formulas; [`dual`]: their values and gradients with error bounds;
 //! - [`tensor`], [`method`], [`scene`]: brackets, methods and whole scenes.
 //!
-//! [`judge`] tells of a random scene whether its result is right, by the independent solution of [`reference`].
+//! [`judge`] tells of a random scene whether its result is right, by the independent solution of [`mod@reference`].
 
 use std::sync::Mutex;
 
