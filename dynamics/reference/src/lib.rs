@@ -4,7 +4,7 @@
 //! preserves: most are not Poisson maps. All take εh as the time step of ẋ = X_H(x) = −Π(x) ∇H(x).
 //!
 //! - [`rk4`]: the classical Runge–Kutta method.
-//! - [`dop853`]: Dormand and Prince's pair of order 8(5,3), adaptive inside a step.
+//! - `dop853`: Dormand and Prince's pair of order 8(5,3), adaptive inside a step.
 //! - [`dormand_prince45`]: their pair of order 5(4), as `ode45`.
 //! - [`implicit_midpoint`], [`gauss`]: symplectic for tensors that are constant on each leaf.
 //! - [`energy_preserving`]: Cohen and Hairer's methods of order 2 and 4.
