@@ -190,6 +190,16 @@ pub enum StepError {
         /// Which, from 1.
         coordinate: usize,
     },
+    /// A denominator of the equations of motion changed its sign in one step: the flow does not cross
+    /// its pole.
+    #[error(
+        "the step crosses a pole of the equations of motion, where {denominator} = 0: the flow does not; \
+         reduce the time step"
+    )]
+    Pole {
+        /// The denominator, or one of its factors.
+        denominator: String,
+    },
     /// A diagnostic asked for the tangent of a map that offers none.
     #[error("the map offers no exact tangent, so its tensor defect cannot be measured")]
     NoTangent,

@@ -64,5 +64,7 @@ pub use realization::{
 };
 pub use registry::{Part, Registry, RegistryError};
 pub use side_by_side::SideBySide;
-pub use solver::{MapProperties, Observe, SolverStatistics, StepMap, Stepper, Structure};
+pub use solver::{
+    MapProperties, Observe, SolverStatistics, StepMap, Stepper, Structure, WithoutPoles,
+};
 pub use system::{Convention, PoissonSystem, SystemFormulas, SystemNumbers};

@@ -9,8 +9,8 @@ use crate::dynamics::{BisectionWorker, Correction, DynamicApproximation, Lagrang
 use crate::error::BuildError;
 use crate::realization::{Accuracy, RealizationData, RealizationWorker};
 use crate::solver::{
-    KeptSigns, Lanes, MapProperties, NewtonKernel, NewtonStepper, StepMap, Stepper, Structure,
-    Workers, kept_signs,
+    Checked, KeptSigns, Lanes, MakeCheck, MapProperties, NewtonKernel, NewtonStepper, Poles,
+    StepMap, Stepper, Structure, Workers, kept_signs,
 };
 use crate::system::PoissonSystem;
 
@@ -24,6 +24,8 @@ pub struct Method {
     path: Path,
     /// Coordinates whose sign every step keeps.
     kept_signs: Vec<usize>,
+    /// What no step crosses.
+    poles: Option<Arc<Poles>>,
 }
 
 /// A method's two parts as numbers, for fixed parameters, ε and h.
@@ -85,6 +87,7 @@ impl Method {
             let path = Path::Fused(Arc::from(fused?));
             return Ok(Self {
                 kept_signs: kept_by(system, properties),
+                poles: Poles::of(system)?.map(Arc::new),
                 realization,
                 dynamics,
                 bisection,
@@ -173,6 +176,7 @@ impl Method {
         let properties = properties_of(realization.as_ref(), dynamics.as_ref());
         Ok(Self {
             kept_signs: kept_by(system, properties),
+            poles: Poles::of(system)?.map(Arc::new),
             realization,
             dynamics,
             bisection,
@@ -355,9 +359,13 @@ impl StepMap for Method {
                 ))
             }
         };
-        if self.kept_signs.is_empty() {
-            return stepper;
+        let stepper = match self.kept_signs.as_slice() {
+            [] => stepper,
+            signs => Checked::new(stepper, Box::new(KeptSigns(signs.to_vec()))),
+        };
+        match &self.poles {
+            None => stepper,
+            Some(poles) => Checked::new(stepper, Arc::clone(poles).make(lanes, parameters)),
         }
-        Box::new(KeptSigns::new(stepper, self.kept_signs.clone()))
     }
 }

@@ -1,10 +1,8 @@
 //! Comparisons: the reference is as good as it says, fronts are fronts, failures are rows.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::scene;
+use crate::scenes::scene;
 use leafwise::ProblemLibrary;
 use leafwise::core::registry::StepperPart;
 use leafwise::core::{

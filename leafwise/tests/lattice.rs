@@ -1,10 +1,8 @@
 //! A long lattice steps by templates exactly as one that is written out site by site.
 
-mod chain;
-
 use std::sync::Arc;
 
-use chain::Chain;
+use crate::chain::Chain;
 use leafwise::core::lattice::{LatticeMap, LatticeMethod, LatticeObservables};
 use leafwise::core::solver::{Observe, StepMap};
 use leafwise::core::{BuildError, Integrator, Method, PartParameters, Registry};

@@ -1,10 +1,8 @@
 //! Splitting of a long lattice by sweeps over its sites.
 
-mod chain;
-
 use std::sync::Arc;
 
-use chain::Chain;
+use crate::chain::Chain;
 use leafwise::composition::{Composed, Scheme};
 use leafwise::core::lattice::LatticeMap;
 use leafwise::core::solver::{StepMap, Stepper, Structure};

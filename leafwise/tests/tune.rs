@@ -1,8 +1,6 @@
 //! The tuner: what it recommends holds what is asked, and compare's grid has nothing much cheaper.
 
-mod common;
-
-use common::scene;
+use crate::scenes::scene;
 use leafwise::ProblemLibrary;
 use leafwise::core::Registry;
 use leafwise::prelude::compose;

@@ -1,6 +1,5 @@
 //! Measurements judge declarations: right ones hold, and one order more than the truth is caught.
 
-#[path = "verify/units.rs"]
 mod units;
 
 use std::num::NonZeroUsize;

@@ -196,11 +196,7 @@ fn summary(
         lines.extend(drift_table(ensemble, report));
     }
     lines.push(String::new());
-    lines.push(format!(
-        "  solver   {:.2} evaluations a step, at most {}",
-        all.statistics.evaluations_per_step(),
-        all.statistics.most_evaluations
-    ));
+    lines.push(format!("  solver   {}", all.statistics.summary()));
     let threads = match report.threads {
         0 => String::new(),
         1 => " on 1 thread".to_owned(),

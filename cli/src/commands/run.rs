@@ -221,11 +221,7 @@ fn summary(
     lines.extend(numbers(&rows));
     lines.push(String::new());
     let rate = report.steps as f64 / report.wall_seconds.max(1e-9);
-    lines.push(format!(
-        "  solver   {:.2} evaluations a step, at most {}",
-        report.statistics.evaluations_per_step(),
-        report.statistics.most_evaluations
-    ));
+    lines.push(format!("  solver   {}", report.statistics.summary()));
     lines.push(format!(
         "  time     {}, {} steps a second",
         duration(report.wall_seconds),
@@ -320,6 +316,7 @@ fn report_json(report: &RunReport) -> Value {
             "evaluations_per_step": report.statistics.evaluations_per_step(),
             "operations_per_step": report.statistics.operations_per_step(),
             "failures": report.statistics.failures,
+            "rounded": report.statistics.rounded,
         },
         "warnings": report.advice,
         "run_directory": report.directory.display().to_string(),

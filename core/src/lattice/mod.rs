@@ -15,7 +15,9 @@
 //! - [`map`](mod@map): step maps of long lattices.
 //! - [`method`](mod@method): realization and dynamics combined over a lattice.
 //! - `stepper`: the linear iteration for β̂(L(y)) = x.
+//! - `sites`: numbers of every site.
 //! - [`observables`]: sums over sites.
+//! - `poles`: what no step crosses.
 
 pub mod cells;
 pub mod geometry;
@@ -23,7 +25,9 @@ pub mod locality;
 pub mod map;
 pub mod method;
 pub mod observables;
+mod poles;
 pub mod program;
+mod sites;
 pub mod stages;
 mod stencil;
 mod stepper;
@@ -34,5 +38,6 @@ pub use locality::local_reach;
 pub use map::LatticeMap;
 pub use method::{LatticeMethod, LatticeSource};
 pub use observables::LatticeObservables;
+pub(crate) use poles::LatticePoles;
 pub use program::{Fields, LatticeProgram, Prepared, Proxy};
 pub use stages::{Field, RealizationStages, StageBuilder, StageEnds};

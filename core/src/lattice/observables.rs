@@ -5,8 +5,8 @@ use std::ops::Range;
 use leafwise_expression::{Expression, Graph, Term};
 
 use super::method::LatticeSource;
-use super::program::{LatticeProgram, LatticeWorker, Proxy};
-use super::stages::{Field, StageBuilder};
+use super::program::LatticeWorker;
+use super::sites::SiteNumbers;
 use crate::error::BuildError;
 use crate::solver::Observe;
 
@@ -19,18 +19,12 @@ pub struct SiteDensity {
     pub site: Expression,
 }
 
-/// The longest reach of a density.
-const REACH: usize = 8;
-
 /// Evaluates sums over sites in O(N), with a compensated sum in the order of the sites.
 #[derive(Clone, Debug)]
 pub struct LatticeObservables {
-    program: LatticeProgram,
+    densities: SiteNumbers,
     worker: LatticeWorker,
-    state: Field,
-    densities: Vec<Field>,
     constants: Vec<f64>,
-    sites: usize,
 }
 
 impl LatticeObservables {
@@ -44,94 +38,51 @@ impl LatticeObservables {
         parameters: &[f64],
         selection: Range<usize>,
     ) -> Result<Self, BuildError> {
-        let geometry = source.geometry();
-        let shorter = geometry
-            .families
-            .iter()
-            .map(|f| geometry.length() - f.1)
-            .max()
-            .unwrap_or(0);
-        let width = REACH + shorter;
-        let length = 2 * width + 3;
-        let (proxy, width) = if geometry.length() <= length {
-            (geometry.clone(), 0)
-        } else {
-            (geometry.resized(length), width)
-        };
-        let mut builder = StageBuilder::new(proxy.dimension());
-        let (state, x) = builder.unwritten();
-        let mut columns: Vec<Vec<Term>> = Vec::new();
         let mut constants = Vec::new();
-        for site in 0..proxy.length() {
-            let mut densities = source.densities(&proxy, site)?;
+        let mut of_site = |proxy: &_, site: usize, graph: &mut Graph, x: &[Term]| {
+            let mut densities = source.densities(proxy, site)?;
             densities.truncate(selection.end);
             densities.drain(..selection.start.min(densities.len()));
-            columns.resize(densities.len(), Vec::new());
             if site == 0 {
                 constants = densities
                     .iter()
                     .map(|d| d.constant.evaluate(&[], parameters))
                     .collect();
             }
-            for (column, density) in columns.iter_mut().zip(&densities) {
-                column.push(code(&mut builder.graph, &density.site, &x)?);
-            }
-        }
-        // A density stands in the place of the longest family, one number a site.
-        let longest = proxy
-            .families
-            .iter()
-            .position(|f| f.1 == proxy.length())
-            .unwrap_or(0);
-        let start = proxy.offsets()[longest];
-        let densities = columns
-            .into_iter()
-            .map(|column| {
-                let mut values = x.clone();
-                values[start..start + column.len()].clone_from_slice(&column);
-                builder.output(values)
+            let mut terms = densities.iter();
+            terms.try_fold(Vec::new(), |mut terms, density| {
+                terms.push(code(graph, &density.site, x)?);
+                Ok(terms)
             })
-            .collect();
-        builder.finish_stage();
-        let program = LatticeProgram::compile(
-            geometry,
-            Proxy {
-                geometry: &proxy,
-                width,
-            },
-            &builder,
-            parameters.len(),
-        )?;
-        let worker = program.worker(parameters, 1.0, 1.0);
+        };
+        let densities = SiteNumbers::compile(source.geometry(), parameters.len(), &mut of_site)?;
         Ok(Self {
-            program,
-            worker,
-            state,
+            worker: densities.worker(parameters),
             densities,
             constants,
-            sites: geometry.length(),
         })
     }
 }
 
-fn code(graph: &mut Graph, density: &Expression, x: &[Term]) -> Result<Term, BuildError> {
+/// A density as code.
+pub(super) fn code(
+    graph: &mut Graph,
+    density: &Expression,
+    x: &[Term],
+) -> Result<Term, BuildError> {
     Ok(density.evaluate_in(graph, &mut |_, at| Ok(x[at].clone()))?)
 }
 
 impl Observe for LatticeObservables {
     fn observables(&self) -> usize {
-        self.densities.len()
+        self.constants.len()
     }
 
     fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
-        self.worker.field_mut(self.state).copy_from_slice(state);
-        self.program.run(&mut self.worker);
-        let start = self.program.longest_start();
-        for ((value, field), constant) in
-            values.iter_mut().zip(&self.densities).zip(&self.constants)
-        {
-            let terms = &self.worker.field(*field)[start..start + self.sites];
-            *value = compensated_sum(*constant, terms);
+        let state = state.iter().copied();
+        self.densities.evaluate(&mut self.worker, state);
+        for (number, (value, constant)) in values.iter_mut().zip(&self.constants).enumerate() {
+            *value = compensated_sum(*constant, self.densities.of_sites(&self.worker, number));
         }
     }
 }

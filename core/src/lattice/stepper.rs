@@ -28,6 +28,7 @@ pub(super) struct LatticeTrajectory {
     extrapolation: Extrapolation,
     displacement: Vec<f64>,
     evaluations: u64,
+    is_rounded: bool,
 }
 
 impl LatticeTrajectory {
@@ -47,6 +48,7 @@ impl LatticeTrajectory {
             extrapolation: Extrapolation::new(dimension, EXTRAPOLATION),
             displacement: vec![0.0; dimension],
             evaluations: 0,
+            is_rounded: false,
         }
     }
 }
@@ -96,6 +98,7 @@ impl LatticeTrajectory {
                 });
             }
             if verdict == Verdict::Converged {
+                self.is_rounded = iteration.is_rounded();
                 if !is_between(x, y, change) {
                     return Err(StepError::OtherBranch { reached: 0.0 });
                 }
@@ -123,6 +126,10 @@ impl Trajectory for LatticeTrajectory {
         // The extrapolated start may have led astray.
         self.extrapolation.clear(0);
         self.solve(x, low, increment, evaluations)
+    }
+
+    fn is_rounded(&self) -> bool {
+        self.is_rounded
     }
 
     fn solution(&self) -> Option<&[f64]> {

@@ -61,7 +61,7 @@ pub(super) struct StageSolve {
     /// z.
     start: Vec<f64>,
     stage: Vec<f64>,
-    iteration: LinearIteration,
+    pub(super) iteration: LinearIteration,
     allowed: Allowed,
     pub(super) watch: Watch,
     means: Means,

@@ -92,6 +92,7 @@ impl StageSolver {
             Taken {
                 evaluations,
                 outcome,
+                ..
             },
         ] = taken;
         outcome.map(|()| evaluations as usize)
@@ -253,6 +254,7 @@ impl StageSolver {
                     Ok(None) => return true,
                     Ok(Some(evaluations)) => {
                         taken.evaluations += evaluations as u64;
+                        taken.is_rounded = trajectory.iteration.is_rounded();
                         trajectory.change(&self.coefficients, &mut changes[at * n..][..n]);
                         return false;
                     }

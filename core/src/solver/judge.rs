@@ -365,6 +365,7 @@ pub struct LinearIteration {
     whole: Sizes,
     evaluations: usize,
     most: usize,
+    rounded: bool,
 }
 
 impl LinearIteration {
@@ -375,7 +376,13 @@ impl LinearIteration {
             whole: Sizes::NONE,
             evaluations: 0,
             most,
+            rounded: false,
         }
+    }
+
+    /// Whether it ended as a whole alone: a component still changed.
+    pub fn is_rounded(&self) -> bool {
+        self.rounded
     }
 
     /// Evaluations so far.
@@ -417,6 +424,7 @@ impl LinearIteration {
         let rest_is_round_off = components.since_progress >= 2
             && norm <= NORMWISE_ROUND_OFF
             && (whole.is_negligible() || whole.is_round_off());
+        self.rounded = rest_is_round_off && !is_done;
         if is_done || rest_is_round_off {
             return Ok(Verdict::Converged);
         }
@@ -540,6 +548,7 @@ mod tests {
                 let whole = libm::pow(0.1, f64::from(k));
                 size.take(whole.max(f64::EPSILON / 4.0), 1.0);
                 size.take(cycle[k as usize % 2] * 1e-20, 1e-20);
+                assert!(!iteration.is_rounded());
                 if iteration.judge_correction(&size) == Ok(Verdict::Converged) {
                     ended = Some(k);
                     break;
@@ -547,6 +556,7 @@ mod tests {
             }
             let ended = ended.expect("it ends");
             assert!((16..=20).contains(&ended), "after {ended}");
+            assert!(iteration.is_rounded());
         }
     }
 
@@ -561,6 +571,7 @@ mod tests {
             size.take(1e-20, 1e-20);
             if iteration.judge_correction(&size) == Ok(Verdict::Converged) {
                 assert!(4.0 * whole <= 1.001 * LARGEST_REMAINDER, "{whole:e}");
+                assert!(iteration.is_rounded());
                 break;
             }
         }

@@ -21,6 +21,10 @@ pub trait Trajectory: Send {
         increment: &mut [f64],
         evaluations: &mut u64,
     ) -> Result<(), StepError>;
+    /// Whether the last step counts as [`SolverStatistics::rounded`].
+    fn is_rounded(&self) -> bool {
+        false
+    }
     /// The solution y of β̂(L(y)) = x of the last step, `None` for a map without a bisection.
     fn solution(&self) -> Option<&[f64]> {
         None
@@ -85,6 +89,8 @@ pub trait Lockstep: Send {
 pub struct Taken {
     /// Its evaluations.
     pub evaluations: u64,
+    /// Whether it counts as [`SolverStatistics::rounded`].
+    pub is_rounded: bool,
     /// Why it could not be taken.
     pub outcome: Result<(), StepError>,
 }
@@ -93,6 +99,7 @@ impl Taken {
     /// Nothing yet.
     pub const NOTHING: Self = Self {
         evaluations: 0,
+        is_rounded: false,
         outcome: Ok(()),
     };
 
@@ -111,6 +118,7 @@ impl<T: Trajectory> Lockstep for Alone<T> {
     fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
         let taken = &mut taken[0];
         taken.outcome = self.0.step(x, low, increment, &mut taken.evaluations);
+        taken.is_rounded = self.0.is_rounded();
     }
 
     fn solution(&self, _: usize) -> Option<&[f64]> {
@@ -253,6 +261,7 @@ fn step<T: Lockstep>(
             own.fill(0.0);
         }
         statistics.count(taken.evaluations, taken.outcome.is_ok());
+        statistics.rounded += u64::from(taken.is_rounded && taken.outcome.is_ok());
     }
 }
 

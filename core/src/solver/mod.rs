@@ -2,6 +2,7 @@
 
 mod anderson;
 mod branch;
+mod checked;
 mod elimination;
 mod explicit;
 mod extrapolation;
@@ -9,20 +10,26 @@ pub mod judge;
 mod lanes;
 mod linear;
 mod newton;
+pub mod poles;
 mod properties;
 mod signs;
+mod statistics;
 mod workers;
 
 pub use anderson::Anderson;
 pub use branch::Branch;
+pub(crate) use checked::{Checked, MakeCheck, StepCheck};
 pub use explicit::ExplicitMap;
 pub use extrapolation::Extrapolation;
 pub use judge::{CorrectionSize, LinearIteration};
 pub use lanes::{Alone, Lanes, Lockstep, Taken, Trajectory};
 pub use linear::{DenseFactors, elimination_operations, substitution_operations};
 pub use newton::{NewtonKernel, NewtonStepper};
+pub(crate) use poles::is_pole;
+pub use poles::{Poles, WithoutPoles};
 pub use properties::{MapProperties, Structure};
 pub(crate) use signs::{KeptSigns, kept_signs};
+pub use statistics::SolverStatistics;
 pub(crate) use workers::Workers;
 
 use std::sync::Arc;
@@ -117,73 +124,4 @@ pub trait Observe: Send {
     fn observables(&self) -> usize;
     /// Writes their values at a state.
     fn evaluate(&mut self, state: &[f64], values: &mut [f64]);
-}
-
-/// Work of a solver since it was made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SolverStatistics {
-    /// Steps taken, summed over lanes.
-    pub steps: u64,
-    /// Evaluations of the step kernel, summed over lanes.
-    pub evaluations: u64,
-    /// Operations of all kernels, weighted as [`OperationCount::work`] says, and of the linear
-    /// algebra around them: eliminations, substitutions, sums over stages or nodes. Norms,
-    /// extrapolation and the compensated sum, a few operations a coordinate and step, are left
-    /// out. `None` when a part does not count its own.
-    ///
-    /// [`OperationCount::work`]: leafwise_expression::OperationCount::work
-    pub operations: Option<u64>,
-    /// The most evaluations one step took.
-    pub most_evaluations: u64,
-    /// Steps that failed.
-    pub failures: u64,
-}
-
-impl Default for SolverStatistics {
-    /// No work.
-    fn default() -> Self {
-        Self {
-            steps: 0,
-            evaluations: 0,
-            operations: Some(0),
-            most_evaluations: 0,
-            failures: 0,
-        }
-    }
-}
-
-impl SolverStatistics {
-    /// Counts a step, its evaluations and its outcome.
-    pub fn count(&mut self, evaluations: u64, succeeded: bool) {
-        self.steps += 1;
-        self.evaluations += evaluations;
-        self.most_evaluations = self.most_evaluations.max(evaluations);
-        self.failures += u64::from(!succeeded);
-    }
-
-    /// Counts a step of each of so many lanes, of equal numbers of evaluations, that succeeded.
-    pub fn count_all(&mut self, lanes: u64, evaluations: u64) {
-        self.steps += lanes;
-        self.evaluations += lanes * evaluations;
-        self.most_evaluations = self.most_evaluations.max(evaluations);
-    }
-
-    /// The mean number of operations a step, `None` when a part does not count its own.
-    pub fn operations_per_step(&self) -> Option<f64> {
-        let operations = self.operations? as f64;
-        Some(if self.steps == 0 {
-            0.0
-        } else {
-            operations / self.steps as f64
-        })
-    }
-
-    /// The mean number of evaluations a step.
-    pub fn evaluations_per_step(&self) -> f64 {
-        if self.steps == 0 {
-            0.0
-        } else {
-            self.evaluations as f64 / self.steps as f64
-        }
-    }
 }

@@ -2,7 +2,7 @@
 
 use leafwise_expression::{Arithmetic, Ring};
 
-use super::{SolverStatistics, Stepper};
+use super::checked::StepCheck;
 use crate::error::StepError;
 use crate::system::PoissonSystem;
 
@@ -36,35 +36,14 @@ pub(crate) fn kept_signs(system: &PoissonSystem) -> Vec<usize> {
     (0..formulas.dimension()).filter(|i| vanishes(*i)).collect()
 }
 
-/// A stepper that refuses steps in which one of these coordinates loses its sign.
-pub(crate) struct KeptSigns {
-    stepper: Box<dyn Stepper>,
-    coordinates: Vec<usize>,
-    failures: u64,
-}
+/// Each of these coordinates keeps its sign.
+pub(crate) struct KeptSigns(pub(crate) Vec<usize>);
 
-impl KeptSigns {
-    pub(crate) fn new(stepper: Box<dyn Stepper>, coordinates: Vec<usize>) -> Self {
-        Self {
-            stepper,
-            coordinates,
-            failures: 0,
-        }
-    }
-}
-
-impl Stepper for KeptSigns {
-    fn increment(
-        &mut self,
-        x: &[f64],
-        low: &[f64],
-        increment: &mut [f64],
-        outcome: &mut [Result<(), StepError>],
-    ) {
-        self.stepper.increment(x, low, increment, outcome);
+impl StepCheck for KeptSigns {
+    fn check(&mut self, x: &[f64], increment: &[f64], outcome: &mut [Result<(), StepError>]) {
         let lanes = outcome.len();
         for (lane, outcome) in outcome.iter_mut().enumerate() {
-            let lost = self.coordinates.iter().find(|i| {
+            let lost = self.0.iter().find(|i| {
                 let at = *i * lanes + lane;
                 let (x, next) = (x[at], x[at] + increment[at]);
                 let part = if x > 0.0 { next } else { -next };
@@ -74,38 +53,7 @@ impl Stepper for KeptSigns {
                 *outcome = Err(StepError::LostSign {
                     coordinate: coordinate + 1,
                 });
-                let own = increment.iter_mut().skip(lane).step_by(lanes);
-                own.for_each(|value| *value = 0.0);
-                self.failures += 1;
             }
         }
-    }
-
-    fn solution(&self, lane: usize) -> Option<Vec<f64>> {
-        self.stepper.solution(lane)
-    }
-
-    fn tangent(&mut self, lane: usize) -> Option<Vec<f64>> {
-        self.stepper.tangent(lane)
-    }
-
-    fn restart(&mut self) {
-        self.stepper.restart();
-    }
-
-    fn statistics(&self) -> SolverStatistics {
-        let statistics = self.stepper.statistics();
-        SolverStatistics {
-            failures: statistics.failures + self.failures,
-            ..statistics
-        }
-    }
-
-    fn memory(&self) -> Vec<f64> {
-        self.stepper.memory()
-    }
-
-    fn restore(&mut self, memory: &[f64]) -> Result<(), usize> {
-        self.stepper.restore(memory)
     }
 }

@@ -6,11 +6,9 @@
 //! p·α(x, p) = p·x, and with a = α(x, P/2) the critical value is crit_a [h H(a) − a·P]: the
 //! bisection is the graph of h dH. The same holds of every truncation.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{distance, karasev, method, run};
+use crate::common::{distance, karasev, method, run};
 use leafwise_collective::SymplecticIntegrator;
 use leafwise_core::{Correction, Method};
 use leafwise_hamilton_jacobi::HamiltonJacobi;
@@ -19,8 +17,8 @@ use leafwise_hamilton_jacobi::HamiltonJacobi;
 #[test]
 fn the_corrected_midpoint_is_hamilton_jacobi_of_order_two() {
     let cases = [
-        (common::rigid_body(), [1.0, 1.5, -0.7]),
-        (common::lotka_volterra(), [1.0, 1.9, 0.5]),
+        (crate::common::rigid_body(), [1.0, 1.5, -0.7]),
+        (crate::common::lotka_volterra(), [1.0, 1.9, 0.5]),
     ];
     for (system, start) in cases {
         for n in [1, 2, 3, 6] {

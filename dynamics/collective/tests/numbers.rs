@@ -1,10 +1,10 @@
 //! Over a realization that computes numbers: the same maps, and what is missing is said.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{Cayley, INTEGRATORS, Rotations, distance, lotka_volterra, method, rigid_body, run};
+use crate::common::{
+    Cayley, INTEGRATORS, Rotations, distance, lotka_volterra, method, rigid_body, run,
+};
 use leafwise_collective::{Collective, SymplecticIntegrator};
 use leafwise_core::diagnostics::TensorDefect;
 use leafwise_core::{
@@ -145,7 +145,7 @@ fn a_resumed_run_over_collocation_has_the_same_bits() {
         let mut through = map.stepper(1, &[], 1.0, 0.2);
         let mut x = [1.0, 1.9, 0.5];
         for _ in 0..10 {
-            common::advance(through.as_mut(), &mut x);
+            crate::common::advance(through.as_mut(), &mut x);
         }
         let mut resumed = map.stepper(1, &[], 1.0, 0.2);
         resumed
@@ -153,8 +153,8 @@ fn a_resumed_run_over_collocation_has_the_same_bits() {
             .expect("a memory of this map");
         let mut y = x;
         for _ in 0..10 {
-            common::advance(through.as_mut(), &mut x);
-            common::advance(resumed.as_mut(), &mut y);
+            crate::common::advance(through.as_mut(), &mut x);
+            crate::common::advance(resumed.as_mut(), &mut y);
         }
         assert_eq!(x.map(f64::to_bits), y.map(f64::to_bits), "{integrator}");
     }
@@ -169,7 +169,7 @@ fn operations_over_numbers_are_counted() {
     let gauss = SymplecticIntegrator::Gauss(2);
     let map = method(&system, &realization, gauss, Correction::Bisection);
     let mut stepper = map.stepper(1, &[], 1.0, 0.1);
-    common::advance(stepper.as_mut(), &mut [1.0, 1.9, 0.5]);
+    crate::common::advance(stepper.as_mut(), &mut [1.0, 1.9, 0.5]);
     let operations = stepper.statistics().operations.expect("counted");
     assert!(operations > 10_000, "{operations}");
 }

@@ -5,9 +5,9 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
-mod common;
-
-use common::{INTEGRATORS, LOTKA_VOLTERRA_FLOW, RIGID_BODY_FLOW, distance, karasev, method, run};
+use crate::common::{
+    INTEGRATORS, LOTKA_VOLTERRA_FLOW, RIGID_BODY_FLOW, distance, karasev, method, run,
+};
 use leafwise_core::diagnostics::fit_slope;
 use leafwise_core::{Correction, PoissonSystem};
 
@@ -48,11 +48,11 @@ fn measured_orders(name: &str, system: &PoissonSystem, flow: ([f64; 3], [f64; 3]
 
 #[test]
 fn the_order_is_the_integrators_on_the_rigid_body() {
-    measured_orders("rigid body", &common::rigid_body(), RIGID_BODY_FLOW);
+    measured_orders("rigid body", &crate::common::rigid_body(), RIGID_BODY_FLOW);
 }
 
 #[test]
 fn the_order_is_the_integrators_on_a_periodic_lotka_volterra() {
-    let system = common::lotka_volterra();
+    let system = crate::common::lotka_volterra();
     measured_orders("Lotka-Volterra", &system, LOTKA_VOLTERRA_FLOW);
 }

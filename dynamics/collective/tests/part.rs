@@ -1,10 +1,8 @@
 //! The part `collective`: parameters, refusals, failures, checkpoints.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{Cayley, advance, karasev, lotka_volterra, method, rigid_body};
+use crate::common::{Cayley, advance, karasev, lotka_volterra, method, rigid_body};
 use leafwise_collective::{Collective, SymplecticIntegrator};
 use leafwise_core::{
     Accuracy, BuildError, Correction, DynamicApproximation, Integrator, Method, PartParameters,
@@ -117,7 +115,7 @@ fn a_realization_without_a_chart_is_refused() {
 fn a_step_without_a_solution_is_a_typed_error() {
     let realization: Arc<dyn RealizationData> = Arc::new(Cayley);
     let system = rigid_body();
-    for integrator in common::INTEGRATORS {
+    for integrator in crate::common::INTEGRATORS {
         let map = method(&system, &realization, integrator, Correction::Bisection);
         let mut run = Integrator::new(&map, &[], 1.0, 30.0, &[1.0, 3.0, 3.0]);
         let error = run.step().expect_err("a step far too large");
@@ -153,7 +151,7 @@ fn a_state_outside_the_hamiltonians_domain_is_a_typed_error() {
 fn a_resumed_run_has_the_same_bits() {
     let system = lotka_volterra();
     let realization = karasev(&system, 4);
-    for integrator in common::INTEGRATORS {
+    for integrator in crate::common::INTEGRATORS {
         for correction in [Correction::Bisection, Correction::None] {
             let map = method(&system, &realization, integrator, correction);
             let mut x = [1.0, 1.9, 0.5];

@@ -5,11 +5,9 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{Cayley, INTEGRATORS, Rotations, distance, karasev, method, run};
+use crate::common::{Cayley, INTEGRATORS, Rotations, distance, karasev, method, run};
 use leafwise_collective::SymplecticIntegrator;
 use leafwise_core::diagnostics::{TensorDefect, fit_slope};
 use leafwise_core::{Correction, Method, PoissonSystem, RealizationData};
@@ -33,7 +31,7 @@ fn defect(system: &PoissonSystem, method: &Method, t: f64, x: &[f64]) -> (f64, f
 /// size, and the solve multiplies round-off by its condition, near 1: 64 u of the tensor is generous.
 #[test]
 fn the_correction_makes_the_map_poisson() {
-    let system = common::rigid_body();
+    let system = crate::common::rigid_body();
     println!("tensor defect of one step, so(3)*, Cayley chart, from {START:?}");
     println!(
         "{:20} {:>6} {:>12} {:>12}",
@@ -61,7 +59,7 @@ fn the_correction_makes_the_map_poisson() {
 /// One step's defect is O(t^{m+1}), and on so(3)* one order better.
 #[test]
 fn the_uncorrected_map_is_poisson_to_the_integrators_order() {
-    let (rigid, lv) = (common::rigid_body(), common::lotka_volterra());
+    let (rigid, lv) = (crate::common::rigid_body(), crate::common::lotka_volterra());
     let cases = [
         ("rigid body", &rigid, cayley(), START, 0.4),
         ("Lotka-Volterra", &lv, karasev(&lv, 10), BOUNDED, 0.1),
@@ -91,7 +89,7 @@ fn the_uncorrected_map_is_poisson_to_the_integrators_order() {
 /// is O(t^{n+1}), and better by one where n is odd, since β̂ and α̂ differ by a reflection.
 #[test]
 fn over_a_truncated_realization_the_defect_is_the_realizations() {
-    let system = common::lotka_volterra();
+    let system = crate::common::lotka_volterra();
     for n in 1..=4 {
         let realization = karasev(&system, n);
         let integrator = SymplecticIntegrator::Gauss(4);
@@ -110,7 +108,7 @@ fn over_a_truncated_realization_the_defect_is_the_realizations() {
 /// t‖x‖‖∇H‖, rounded to a few ulps without a preferred sign: √1000 · 0.05 · 16 u.
 #[test]
 fn the_corrected_map_keeps_the_casimir() {
-    let system = common::rigid_body();
+    let system = crate::common::rigid_body();
     let square = |x: &[f64]| x.iter().map(|v| v * v).sum::<f64>();
     for integrator in INTEGRATORS {
         let corrected = method(&system, &cayley(), integrator, Correction::Bisection);
@@ -125,7 +123,7 @@ fn the_corrected_map_keeps_the_casimir() {
 /// by the round-off of a step.
 #[test]
 fn a_realization_with_a_chart_gives_the_same_map() {
-    let system = common::rigid_body();
+    let system = crate::common::rigid_body();
     let rotations: Arc<dyn RealizationData> = Arc::new(Rotations);
     for integrator in INTEGRATORS {
         for correction in [Correction::Bisection, Correction::None] {
@@ -150,7 +148,7 @@ fn a_realization_with_a_chart_gives_the_same_map() {
 /// self-adjoint. The corrected implicit midpoint is the exception, see `midpoint.rs`.
 #[test]
 fn the_maps_are_not_self_adjoint() {
-    let (rigid, lv) = (common::rigid_body(), common::lotka_volterra());
+    let (rigid, lv) = (crate::common::rigid_body(), crate::common::lotka_volterra());
     let cases = [
         ("rigid body", &rigid, cayley(), START),
         ("Lotka-Volterra", &lv, karasev(&lv, 8), BOUNDED),

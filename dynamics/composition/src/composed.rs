@@ -215,7 +215,8 @@ impl Stepper for ComposedStepper {
     }
 
     /// Steps and failures are those of whole steps; evaluations are summed over the stages, and so
-    /// is the largest number, which then bounds that of one step.
+    /// is the largest number, which then bounds that of one step. Rounded steps are those of the stage
+    /// that has most.
     fn statistics(&self) -> SolverStatistics {
         let stages = self.stages.iter().map(|stage| stage.statistics());
         stages.fold(
@@ -228,6 +229,7 @@ impl Stepper for ComposedStepper {
                 operations: sum.operations.zip(stage.operations).map(|(a, b)| a + b),
                 evaluations: sum.evaluations + stage.evaluations,
                 most_evaluations: sum.most_evaluations + stage.most_evaluations,
+                rounded: sum.rounded.max(stage.rounded),
                 ..sum
             },
         )

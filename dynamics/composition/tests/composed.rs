@@ -5,11 +5,9 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{distance, gauss, largest, observe, rigid_body, run, step};
+use crate::common::{distance, gauss, largest, observe, rigid_body, run, step};
 use leafwise_composition::{Composed, Scheme};
 use leafwise_core::diagnostics::{TensorDefect, fit_slope};
 use leafwise_core::registry::Registry;

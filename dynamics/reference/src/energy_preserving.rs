@@ -75,6 +75,7 @@ struct EnergyPreserving {
     /// Whether it is not plain that K is the solution that is connected with a step of size 0; room
     /// for the path to that.
     watch: Watch,
+    is_rounded: bool,
     connected: Option<Box<Connected>>,
     /// For systems without derivatives.
     anderson: Option<Anderson>,
@@ -167,6 +168,7 @@ impl EnergyPreserving {
             correction: vec![0.0; size],
             scales: vec![0.0; size],
             watch: Watch::NEW,
+            is_rounded: false,
             connected: is_exact.then(|| Box::new(Connected::new(size))),
             anderson: (!is_exact).then(|| Anderson::new(size)),
             linear: 0,
@@ -316,6 +318,7 @@ impl EnergyPreserving {
                 size.take(t * self.correction[at], self.scales[at]);
             }
             if iteration.judge_correction(&size)? == Verdict::Converged {
+                self.is_rounded = iteration.is_rounded();
                 // The energy is kept as far as K is −Π(U) W: once more, without acceleration.
                 self.evaluate_stages()?;
                 self.linear += self.work;
@@ -374,6 +377,7 @@ impl StepEquation for EnergyPreserving {
             }
             self.watch.take_correction(&size);
             if iteration.judge_correction(&size)? == Verdict::Converged {
+                self.is_rounded = iteration.is_rounded();
                 self.watch.take_end(&size);
                 return Ok(iteration.evaluations());
             }
@@ -412,6 +416,10 @@ impl OneStep for EnergyPreserving {
             *increment = self.time_step * sum;
         }
         Ok(evaluations)
+    }
+
+    fn is_rounded(&self) -> bool {
+        self.is_rounded
     }
 
     fn operations(&self) -> Option<u64> {

@@ -11,6 +11,10 @@ pub(crate) trait OneStep: Send {
     /// Operations so far, as [`Trajectory::operations`] counts them; `None` over a system that
     /// does not count.
     fn operations(&self) -> Option<u64>;
+    /// As [`Trajectory::is_rounded`].
+    fn is_rounded(&self) -> bool {
+        false
+    }
     /// DΦ at the x of the last step, `None` where it is not offered.
     fn tangent(&mut self) -> Option<DMatrix<f64>> {
         None
@@ -89,6 +93,10 @@ impl Trajectory for Lane {
     ) -> Result<(), StepError> {
         *evaluations += self.0.increment(x, increment)? as u64;
         Ok(())
+    }
+
+    fn is_rounded(&self) -> bool {
+        self.0.is_rounded()
     }
 
     fn tangent(&mut self) -> Option<Vec<f64>> {

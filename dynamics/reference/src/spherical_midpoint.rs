@@ -56,6 +56,7 @@ struct SphericalMidpoint {
     linear: u64,
     /// Whether it is not plain that D is the solution that begins at 0; room for the path to that.
     watch: Watch,
+    is_rounded: bool,
     connected: Option<Box<Connected>>,
     sizes: Vec<f64>,
 }
@@ -79,6 +80,7 @@ impl SphericalMidpoint {
             correction: room(),
             linear: 0,
             watch: Watch::NEW,
+            is_rounded: false,
             connected: Some(Box::new(Connected::new(d))),
             sizes: room(),
         }
@@ -192,6 +194,7 @@ impl StepEquation for SphericalMidpoint {
             }
             self.watch.take_correction(&size);
             if iteration.judge_correction(&size)? == Verdict::Converged {
+                self.is_rounded = iteration.is_rounded();
                 self.watch.take_end(&size);
                 return Ok(iteration.evaluations());
             }
@@ -218,6 +221,10 @@ impl OneStep for SphericalMidpoint {
         let evaluations = solved?;
         increment.copy_from_slice(&self.change);
         Ok(evaluations)
+    }
+
+    fn is_rounded(&self) -> bool {
+        self.is_rounded
     }
 
     fn operations(&self) -> Option<u64> {

@@ -5,9 +5,7 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
-mod common;
-
-use common::{
+use crate::common::{
     LOTKA_VOLTERRA_FLOW, RIGID_BODY_FLOW, distance, heavy_top, lotka_volterra, map, none, parts,
     rigid_body, run,
 };

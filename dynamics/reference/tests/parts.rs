@@ -1,8 +1,8 @@
 //! The parts: parameters, refusals, failures, checkpoints, lanes.
 
-mod common;
-
-use common::{lotka_volterra, map, none, parts, pendulum, rigid_body, spins, system, try_map};
+use crate::common::{
+    lotka_volterra, map, none, parts, pendulum, rigid_body, spins, system, try_map,
+};
 use leafwise_core::{BuildError, Convention, Integrator, StepError, Stepper};
 
 #[test]
@@ -49,7 +49,7 @@ fn the_spherical_midpoint_refuses_other_tensors() {
             3,
             &[((1, 2), "x1*x3"), ((1, 3), "-x1*x2"), ((2, 3), "x1^2")],
         ),
-        common::heavy_top(),
+        crate::common::heavy_top(),
     ];
     for other in others {
         let error = try_map("spherical-midpoint", &other, &none()).err();

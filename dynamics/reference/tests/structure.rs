@@ -5,11 +5,9 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{
+use crate::common::{
     distance, drift, heavy_top, lotka_volterra, map, none, orbit, parts, pendulum, rigid_body, run,
     spins,
 };

@@ -5,9 +5,7 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
-mod common;
-
-use common::{Problem, distance, gauss, largest, library, step, toda, volterra};
+use crate::common::{Problem, distance, gauss, largest, library, step, toda, volterra};
 use leafwise_core::diagnostics::TensorDefect;
 use leafwise_core::{BuildError, StepMap};
 use leafwise_splitting::Splitting;

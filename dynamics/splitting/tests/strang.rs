@@ -5,11 +5,9 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{Problem, distance, gauss, largest, library, observe, run, step, volterra};
+use crate::common::{Problem, distance, gauss, largest, library, observe, run, step, volterra};
 use leafwise_composition::{Composed, Scheme};
 use leafwise_core::diagnostics::{TensorDefect, fit_slope};
 use leafwise_core::registry::Registry;

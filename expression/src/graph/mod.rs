@@ -1,5 +1,6 @@
 //! Straight-line code as a graph: shared nodes, exact constants, exact derivatives.
 
+mod denominators;
 mod derivative;
 mod factor;
 mod formula;

@@ -224,6 +224,7 @@ fn failure(error: &StepError) -> &'static str {
         StepError::LeftChart { .. } => "left the chart",
         StepError::OtherBranch { .. } => "another branch",
         StepError::LostSign { .. } => "lost sign",
+        StepError::Pole { .. } => "pole",
         StepError::NonFinite { .. } => "not finite",
         _ => "another failure",
     }

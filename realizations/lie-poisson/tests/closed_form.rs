@@ -1,8 +1,6 @@
 //! The closed form in code beside the partial fractions in numbers.
 
-mod common;
-
-use common::{ALGEBRAS, algebra};
+use crate::common::{ALGEBRAS, algebra};
 use leafwise_core::realization::{Ends, RealizationWorker};
 use leafwise_core::{RealizationData, StepError, realization_worker};
 use leafwise_karasev::CollocatedKarasev;

@@ -5,11 +5,9 @@
     reason = "measured numbers are shown with --nocapture"
 )]
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{ALGEBRAS, algebra};
+use crate::common::{ALGEBRAS, algebra};
 use leafwise_core::diagnostics::fit_slope;
 use leafwise_core::{BuildError, PoissonSystem, RealizationData, StepError};
 use leafwise_karasev::TruncatedKarasev;

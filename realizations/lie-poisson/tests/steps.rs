@@ -5,11 +5,9 @@
     reason = "measured numbers are shown with --nocapture"
 )]
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{ALGEBRAS, algebra};
+use crate::common::{ALGEBRAS, algebra};
 use leafwise_collective::{Collective, SymplecticIntegrator};
 use leafwise_core::{Correction, Method, PoissonSystem, RealizationData, StepError, StepMap};
 use leafwise_lie_poisson::LiePoisson;

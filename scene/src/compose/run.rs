@@ -6,6 +6,7 @@ use leafwise_core::lattice::{LatticeMethod, LatticeObservables};
 use leafwise_core::system::SystemInvariants;
 use leafwise_core::{
     BuildError, Integrator, Method, Observe, Origin, PartKind, PoissonSystem, Registry, StepMap,
+    WithoutPoles,
 };
 
 use super::Refusal;
@@ -225,6 +226,7 @@ fn compose_written(system: &PoissonSystem, parts: Parts) -> Result<Stepping, Bui
         None => base,
         Some((composition, given)) => composition.build(base, &given)?,
     };
+    let map = WithoutPoles::of(system, map)?;
     Ok(Stepping::Map(MapStepping { map, method }))
 }
 
@@ -250,16 +252,18 @@ fn compose_lattice(
             unreachable!("a long lattice is stepped by sweeps")
         }
     };
-    let composition = match parts.composition {
-        None => None,
-        Some((part, given)) => Some(part.build(base.shared(), &given)?),
+    let is_composed = parts.composition.is_some();
+    let map = match parts.composition {
+        None => base.shared(),
+        Some((part, given)) => part.build(base.shared(), &given)?,
     };
     let values = trial.parameter_values();
     let invariants = trial.casimir_names().len() + 1;
     Ok(LatticeStepping {
         invariants: LatticeObservables::new(lattice, &values, 0..invariants)?,
         formulas: LatticeObservables::new(lattice, &values, invariants..usize::MAX)?,
-        composition,
+        stepped: WithoutPoles::of_lattice(lattice, values.len(), map)?,
+        is_composed,
         base,
     })
 }

@@ -65,8 +65,10 @@ impl LatticeBase {
 pub struct LatticeStepping {
     /// What is stepped, or composed.
     pub base: LatticeBase,
-    /// A composition of it, which is then stepped.
-    pub composition: Option<Arc<dyn StepMap>>,
+    /// What is stepped: that or a composition of it, with poles not crossed.
+    pub stepped: Arc<dyn StepMap>,
+    /// Whether it is a composition.
+    pub is_composed: bool,
     /// Energy and Casimirs.
     pub invariants: LatticeObservables,
     /// Formulas of the state that the scene records.
@@ -79,10 +81,7 @@ impl Stepping {
         match self {
             Self::Written(method) => method.as_ref(),
             Self::Map(stepping) => stepping.map.as_ref(),
-            Self::Lattice(lattice) => match &lattice.composition {
-                Some(composition) => composition.as_ref(),
-                None => lattice.base.map(),
-            },
+            Self::Lattice(lattice) => lattice.stepped.as_ref(),
         }
     }
 
@@ -118,7 +117,7 @@ impl Stepping {
         };
         let is_composed = match self {
             Self::Map(stepping) => stepping.method.is_some(),
-            Self::Lattice(lattice) => lattice.composition.is_some(),
+            Self::Lattice(lattice) => lattice.is_composed,
             Self::Written(_) => false,
         };
         if is_composed {

@@ -12,7 +12,7 @@ use crate::run::{
 };
 
 /// The file begins with this: name and format version.
-const MAGIC: &[u8; 8] = b"leafens2";
+const MAGIC: &[u8; 8] = b"leafens3";
 
 /// A count that is not known.
 const UNKNOWN: u64 = u64::MAX;
@@ -64,6 +64,7 @@ impl Checkpoint {
             all.statistics.operations.unwrap_or(UNKNOWN),
             all.statistics.most_evaluations,
             all.statistics.failures,
+            all.statistics.rounded,
         ] {
             out.whole(count);
         }
@@ -107,6 +108,7 @@ impl Checkpoint {
             operations: Some(from.whole()?).filter(|count| *count != UNKNOWN),
             most_evaluations: from.whole()?,
             failures: from.whole()?,
+            rounded: from.whole()?,
         };
         let mut failures = Vec::new();
         for _ in 0..from.length()? {

@@ -48,13 +48,7 @@ pub(super) fn data(
                 report.rate()
             ),
         ),
-        line(
-            "Solver",
-            format!(
-                "{:.2} evaluations a step",
-                all.statistics.evaluations_per_step()
-            ),
-        ),
+        line("Solver", all.statistics.summary()),
         line("Data", report.directory.display().to_string()),
     ];
     let names = ensemble.observables();

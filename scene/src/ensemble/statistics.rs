@@ -188,12 +188,7 @@ impl Reductions {
     }
 
     pub(super) fn add_work(&mut self, work: SolverStatistics) {
-        let sum = &mut self.statistics;
-        sum.steps += work.steps;
-        sum.evaluations += work.evaluations;
-        sum.operations = sum.operations.zip(work.operations).map(|(a, b)| a + b);
-        sum.most_evaluations = sum.most_evaluations.max(work.most_evaluations);
-        sum.failures += work.failures;
+        self.statistics = self.statistics.and(work);
     }
 
     pub(super) fn push_failure(&mut self, failure: MemberFailure) {

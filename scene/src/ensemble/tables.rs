@@ -157,6 +157,7 @@ pub fn ending(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Value {
             "evaluations_per_step": all.statistics.evaluations_per_step(),
             "operations_per_step": all.statistics.operations_per_step(),
             "failures": all.statistics.failures,
+            "rounded": all.statistics.rounded,
         },
         "drift": drift,
         "statistics": statistics,

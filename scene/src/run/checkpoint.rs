@@ -18,7 +18,7 @@ use super::snapshots::Snapshots;
 pub(crate) const FILE: &str = "checkpoint.bin";
 
 /// The file begins with this: name and format version.
-const MAGIC: &[u8; 8] = b"leafwis5";
+const MAGIC: &[u8; 8] = b"leafwis6";
 
 /// A count that is not known.
 const UNKNOWN: u64 = u64::MAX;
@@ -103,6 +103,7 @@ impl Checkpoint {
             self.statistics.operations.unwrap_or(UNKNOWN),
             self.statistics.most_evaluations,
             self.statistics.failures,
+            self.statistics.rounded,
         ] {
             out.whole(count);
         }
@@ -143,6 +144,7 @@ impl Checkpoint {
             operations: Some(from.whole()?).filter(|count| *count != UNKNOWN),
             most_evaluations: from.whole()?,
             failures: from.whole()?,
+            rounded: from.whole()?,
         };
         let (wall_seconds, vouched, states) = (from.number()?, from.vouched()?, from.vouched()?);
         let samples = from.whole()?;
@@ -316,6 +318,7 @@ mod tests {
                 operations: None,
                 most_evaluations: 7,
                 failures: 0,
+                rounded: 3,
             },
             wall_seconds: 0.25,
             vouched: Vouched {

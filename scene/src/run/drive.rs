@@ -335,14 +335,7 @@ impl<'a> Session<'a> {
 
     /// The solver's work, earlier sessions included.
     pub fn statistics(&self) -> SolverStatistics {
-        let (before, now) = (self.before, self.integrator.statistics());
-        SolverStatistics {
-            steps: before.steps + now.steps,
-            evaluations: before.evaluations + now.evaluations,
-            operations: before.operations.zip(now.operations).map(|(a, b)| a + b),
-            most_evaluations: before.most_evaluations.max(now.most_evaluations),
-            failures: before.failures + now.failures,
-        }
+        self.before.and(self.integrator.statistics())
     }
 
     /// Where the run stands.

@@ -208,6 +208,7 @@ impl Beginning {
                 "evaluations_per_step": report.statistics.evaluations_per_step(),
                 "most_evaluations": report.statistics.most_evaluations,
                 "failures": report.statistics.failures,
+                "rounded": report.statistics.rounded,
             },
             "drift": report.drift_json(),
             "invariants": report.invariants_json(),

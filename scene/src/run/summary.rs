@@ -272,14 +272,7 @@ fn facts(run: &ComposedRun, report: &RunReport) -> Vec<(String, String)> {
     let mut facts = vec![
         ("Steps".to_owned(), report.steps.to_string()),
         ("Time reached".to_owned(), short(report.time)),
-        (
-            "Solver".to_owned(),
-            format!(
-                "{:.2} evaluations a step, at most {}",
-                statistics.evaluations_per_step(),
-                statistics.most_evaluations
-            ),
-        ),
+        ("Solver".to_owned(), statistics.summary()),
         (
             "Integration".to_owned(),
             format!(

@@ -599,6 +599,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Trajectories for Bl
             *outcome = std::mem::replace(&mut self.outcome[w], Ok(()));
             let lane = &self.lanes[w];
             statistics.count(lane.convergence.evaluations.into(), outcome.is_ok());
+            statistics.rounded += u64::from(lane.convergence.rounded && outcome.is_ok());
             jacobians += u64::from(lane.jacobians);
         }
         jacobians

@@ -48,6 +48,8 @@ pub(super) struct Convergence {
     /// How many corrections in a row did not shrink.
     stuck: u32,
     pub(super) evaluations: u32,
+    /// Whether the solve ended as a whole alone.
+    pub(super) rounded: bool,
 }
 
 impl Convergence {
@@ -62,6 +64,7 @@ impl Convergence {
             seen: 0.0,
             stuck: 0,
             evaluations: 0,
+            rounded: false,
         }
     }
 
@@ -73,6 +76,7 @@ impl Convergence {
         self.spread = f64::INFINITY;
         self.stuck = 0;
         self.evaluations = 0;
+        self.rounded = false;
         match distance {
             Some(distance) if self.chords(distance, self.first, most_chords) => {
                 self.distance = distance;
@@ -114,8 +118,12 @@ impl Convergence {
         let is_done = size <= LARGEST_REMAINDER
             || is_observed && SAFETY * remainder <= LARGEST_REMAINDER
             || is_stuck && size <= noise;
+        if is_done {
+            return Next::Done;
+        }
         // A small component may be the round-off of larger ones.
-        if is_done || self.stuck >= 2 && norm() <= NORMWISE_ROUND_OFF {
+        if self.stuck >= 2 && norm() <= NORMWISE_ROUND_OFF {
+            self.rounded = true;
             return Next::Done;
         }
         self.distance += size;

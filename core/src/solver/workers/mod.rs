@@ -225,6 +225,7 @@ impl Lockstep for Workers {
             if is_open {
                 self.settle(at, (x, low), increment, taken);
             }
+            taken[at].is_rounded = self.trajectories[at].iteration.is_rounded();
             if taken[at].outcome.is_ok() {
                 self.trajectories[at].record();
             }

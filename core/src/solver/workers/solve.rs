@@ -41,7 +41,7 @@ pub(super) struct Solve {
     residual: Vec<f64>,
     scales: Vec<f64>,
     factors: DenseFactors,
-    iteration: LinearIteration,
+    pub(super) iteration: LinearIteration,
     allowed: Allowed,
     pub(super) watch: Watch,
     anderson: Anderson,

@@ -1,7 +1,5 @@
 //! Systems, realizations and runs shared by the claims.
 
-#![allow(dead_code, reason = "each test binary uses its own part of this")]
-
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

@@ -1,7 +1,5 @@
 //! Systems from formulas, and an oracle of order 12 that shares nothing with the methods.
 
-#![allow(dead_code, reason = "each test file uses a part of it")]
-
 use leafwise_core::system::{Casimir, Parameter};
 use leafwise_core::{Convention, PoissonSystem, StepError, StepMap, Stepper};
 use leafwise_expression::Expression;

@@ -1,7 +1,5 @@
 //! Systems, maps and runs shared by the claims.
 
-#![allow(dead_code, reason = "each test binary uses its own part of this")]
-
 use std::sync::Arc;
 
 use leafwise_core::system::Casimir;

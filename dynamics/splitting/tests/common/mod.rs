@@ -1,7 +1,5 @@
 //! Systems of the problem library as strings, so that pieces can be systems of their own.
 
-#![allow(dead_code, unused_imports, reason = "each test file uses a part of it")]
-
 #[path = "../../../composition/tests/common/mod.rs"]
 mod oracle;
 

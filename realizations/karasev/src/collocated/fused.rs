@@ -128,6 +128,7 @@ impl StepMap for FusedStep {
                 p: vec![0.0; d],
                 start: vec![0.0; d],
                 watch: Watch::NEW,
+                is_rounded: false,
                 path: None,
             }
         }))
@@ -153,6 +154,7 @@ struct FusedTrajectory {
     start: Vec<f64>,
     /// Not plain where the plain iteration converges slowly or not at all.
     watch: Watch,
+    is_rounded: bool,
     /// Room for the path to that, made when it is first asked for.
     path: Option<Box<Path>>,
 }
@@ -352,6 +354,7 @@ impl FusedTrajectory {
             self.linear += (2 * q * d) as u64;
             self.form.value(&self.centre, &mut self.p)?;
             if iteration.judge_correction(&size)? == Verdict::Converged {
+                self.is_rounded = iteration.is_rounded();
                 self.watch.take(iteration.evaluations() > PLAIN_EVALUATIONS);
                 // V lags one correction behind.
                 *evaluations += 1;
@@ -392,6 +395,10 @@ impl Trajectory for FusedTrajectory {
         self.extrapolation
             .record(self.displacement.as_chunks_mut().0, &[true]);
         Ok(())
+    }
+
+    fn is_rounded(&self) -> bool {
+        self.is_rounded
     }
 
     fn solution(&self) -> Option<&[f64]> {

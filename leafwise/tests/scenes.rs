@@ -1,7 +1,5 @@
 //! Scenes for the claims.
 
-#![allow(dead_code, reason = "each test binary uses its own part of this")]
-
 use leafwise::ProblemLibrary;
 use leafwise::scene::SceneDocument;
 

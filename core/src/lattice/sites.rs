@@ -1,0 +1,109 @@
+//! Numbers of every site of a lattice.
+
+use leafwise_expression::{Graph, Term};
+
+use super::geometry::LatticeGeometry;
+use super::program::{LatticeProgram, LatticeWorker, Proxy};
+use super::stages::{Field, StageBuilder};
+use crate::error::BuildError;
+
+/// The longest reach of a number.
+const REACH: usize = 8;
+
+/// Functions of the state around a site, evaluated at every site in O(N).
+#[derive(Clone, Debug)]
+pub(super) struct SiteNumbers {
+    program: LatticeProgram,
+    state: Field,
+    numbers: Vec<Field>,
+    sites: usize,
+}
+
+impl SiteNumbers {
+    /// Compiles what `numbers` writes for each site of a proxy lattice, as many terms each, from the
+    /// proxy's coordinates, which are the graph's first inputs.
+    ///
+    /// # Errors
+    /// [`BuildError::NotLocal`] when a number reaches further than 8 sites; those of `numbers`.
+    pub(super) fn compile(
+        geometry: &LatticeGeometry,
+        parameters: usize,
+        numbers: &mut dyn FnMut(
+            &LatticeGeometry,
+            usize,
+            &mut Graph,
+            &[Term],
+        ) -> Result<Vec<Term>, BuildError>,
+    ) -> Result<Self, BuildError> {
+        let families = geometry.families.iter();
+        let shorter = families.map(|f| geometry.length() - f.1).max().unwrap_or(0);
+        let width = REACH + shorter;
+        let length = 2 * width + 3;
+        let (proxy, width) = if geometry.length() <= length {
+            (geometry.clone(), 0)
+        } else {
+            (geometry.resized(length), width)
+        };
+        let mut builder = StageBuilder::new(proxy.dimension());
+        let (state, x) = builder.unwritten();
+        let mut columns: Vec<Vec<Term>> = Vec::new();
+        for site in 0..proxy.length() {
+            let terms = numbers(&proxy, site, &mut builder.graph, &x)?;
+            columns.resize(terms.len(), Vec::new());
+            for (column, term) in columns.iter_mut().zip(terms) {
+                column.push(term);
+            }
+        }
+        // A number stands in the place of the longest family, one a site.
+        let mut families = proxy.families.iter();
+        let longest = families.position(|f| f.1 == proxy.length()).unwrap_or(0);
+        let start = proxy.offsets()[longest];
+        let columns = columns.into_iter().map(|column| {
+            let mut values = x.clone();
+            values[start..start + column.len()].clone_from_slice(&column);
+            builder.output(values)
+        });
+        let numbers = columns.collect();
+        builder.finish_stage();
+        let proxy = Proxy {
+            geometry: &proxy,
+            width,
+        };
+        Ok(Self {
+            program: LatticeProgram::compile(geometry, proxy, &builder, parameters)?,
+            state,
+            numbers,
+            sites: geometry.length(),
+        })
+    }
+
+    /// The number of sites.
+    pub(super) fn sites(&self) -> usize {
+        self.sites
+    }
+
+    /// Room to evaluate them.
+    pub(super) fn worker(&self, parameters: &[f64]) -> LatticeWorker {
+        self.program.worker(parameters, 1.0, 1.0)
+    }
+
+    /// Evaluates them at a state.
+    pub(super) fn evaluate(
+        &self,
+        worker: &mut LatticeWorker,
+        state: impl ExactSizeIterator<Item = f64>,
+    ) {
+        let field = worker.field_mut(self.state);
+        field
+            .iter_mut()
+            .zip(state)
+            .for_each(|(to, value)| *to = value);
+        self.program.run(worker);
+    }
+
+    /// One of them at every site, after an evaluation.
+    pub(super) fn of_sites<'a>(&self, worker: &'a LatticeWorker, number: usize) -> &'a [f64] {
+        let start = self.program.longest_start();
+        &worker.field(self.numbers[number])[start..][..self.sites]
+    }
+}

@@ -1,0 +1,92 @@
+//! Steps that are looked at before they are handed out.
+
+use std::sync::Arc;
+
+use super::{SolverStatistics, Stepper};
+use crate::error::StepError;
+
+/// What a step from x to x + Δ must fulfil beyond its own equations.
+pub(crate) trait StepCheck: Send {
+    /// Replaces the outcome of each lane whose finished step does not fulfil it. Arrays are those of
+    /// [`Stepper::increment`].
+    fn check(&mut self, x: &[f64], increment: &[f64], outcome: &mut [Result<(), StepError>]);
+}
+
+/// What makes checks of so many lanes with these parameters, a structure of arrays.
+pub(crate) trait MakeCheck: Send + Sync {
+    fn make(self: Arc<Self>, lanes: usize, parameters: &[f64]) -> Box<dyn StepCheck>;
+}
+
+/// A stepper that refuses steps by a check.
+pub(crate) struct Checked {
+    stepper: Box<dyn Stepper>,
+    check: Box<dyn StepCheck>,
+    failures: u64,
+}
+
+impl Checked {
+    pub(crate) fn new(stepper: Box<dyn Stepper>, check: Box<dyn StepCheck>) -> Box<dyn Stepper> {
+        Box::new(Self {
+            stepper,
+            check,
+            failures: 0,
+        })
+    }
+
+    fn failed(outcome: &[Result<(), StepError>]) -> usize {
+        outcome.iter().filter(|outcome| outcome.is_err()).count()
+    }
+}
+
+impl Stepper for Checked {
+    fn increment(
+        &mut self,
+        x: &[f64],
+        low: &[f64],
+        increment: &mut [f64],
+        outcome: &mut [Result<(), StepError>],
+    ) {
+        self.stepper.increment(x, low, increment, outcome);
+        let before = Self::failed(outcome);
+        self.check.check(x, increment, outcome);
+        let refused = Self::failed(outcome) - before;
+        if refused == 0 {
+            return;
+        }
+        self.failures += refused as u64;
+        for row in increment.chunks_exact_mut(outcome.len()) {
+            let lanes = row.iter_mut().zip(outcome.iter());
+            lanes
+                .filter(|(_, outcome)| outcome.is_err())
+                .for_each(|(value, _)| *value = 0.0);
+        }
+    }
+
+    fn solution(&self, lane: usize) -> Option<Vec<f64>> {
+        self.stepper.solution(lane)
+    }
+
+    fn tangent(&mut self, lane: usize) -> Option<Vec<f64>> {
+        self.stepper.tangent(lane)
+    }
+
+    fn restart(&mut self) {
+        self.stepper.restart();
+    }
+
+    fn statistics(&self) -> SolverStatistics {
+        let statistics = self.stepper.statistics();
+        SolverStatistics {
+            failures: statistics.failures + self.failures,
+            ..statistics
+        }
+    }
+
+    fn memory(&self) -> Vec<f64> {
+        self.stepper.memory()
+    }
+
+    fn restore(&mut self, memory: &[f64]) -> Result<(), usize> {
+        self.stepper.restore(memory)
+    }
+}

@@ -1,0 +1,6 @@
+//! Claims about the baselines, a module each.
+
+mod common;
+mod orders;
+mod parts;
+mod structure;

@@ -1,0 +1,5 @@
+//! Claims about splittings, a module each.
+
+mod common;
+mod splits;
+mod strang;

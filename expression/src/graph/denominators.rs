@@ -1,0 +1,129 @@
+//! Where straight-line code may have poles.
+
+use std::collections::BTreeSet;
+
+use super::node::{Graph, Node, Operation, Term, Tier};
+use crate::arithmetic::{AlgebraError, Arithmetic};
+use crate::expression::Function;
+
+impl Graph {
+    /// The state-dependent factors of all denominators in these terms that are not of one sign by their form: a pole
+    /// of odd or even order lies where one of them changes its sign. The denominator of tan is cos.
+    /// Factors such as q₁² + q₂² vanish without a change of sign, and are left out.
+    ///
+    /// # Errors
+    /// [`AlgebraError`] where the code grows beyond the graph's limit.
+    pub fn denominators(&mut self, terms: &[Term]) -> Result<Vec<Term>, AlgebraError> {
+        let mut open = Vec::new();
+        let mut angles = Vec::new();
+        let mut parts: Vec<Node> = terms.iter().map(|term| term.node).collect();
+        let mut met: BTreeSet<Node> = parts.iter().copied().collect();
+        while let Some(node) = parts.pop() {
+            match *self.operation(node) {
+                Operation::Reciprocal(a) | Operation::Power(a, _) => open.push(a),
+                Operation::Function(Function::Tan, a) => angles.push(a),
+                _ => {}
+            }
+            let operands = self.operands(node).into_iter();
+            parts.extend(operands.filter(|operand| met.insert(*operand)));
+        }
+        for angle in angles {
+            open.push(self.apply(Function::Cos, &Term::of(angle))?.node);
+        }
+        let never_negative = self.never_negative();
+        let mut seen = BTreeSet::new();
+        let mut factors = BTreeSet::new();
+        while let Some(node) = open.pop() {
+            if self.tier(node) != Tier::Step || !seen.insert(node) {
+                continue;
+            }
+            match *self.operation(node) {
+                Operation::Product(a, b) => open.extend([a, b]),
+                Operation::Scale(_, a)
+                | Operation::Reciprocal(a)
+                | Operation::Power(a, _)
+                | Operation::Function(Function::Sqrt, a) => open.push(a),
+                _ if never_negative[node.index()] => {}
+                _ => {
+                    factors.insert(node);
+                }
+            }
+        }
+        self.unless_refused(factors.into_iter().map(Term::of).collect())
+    }
+
+    /// Whether the form of each node says that it is never negative where it has a value.
+    fn never_negative(&self) -> Vec<bool> {
+        let mut known: Vec<bool> = Vec::with_capacity(self.len());
+        for at in 0..self.len() {
+            let node = Node(u32::try_from(at).expect("fewer than 2^32 nodes"));
+            let is = |a: &Node| known[a.index()];
+            known.push(match self.operation(node) {
+                Operation::One | Operation::Pi | Operation::Power(..) => true,
+                Operation::Function(function, _) => {
+                    matches!(function, Function::Exp | Function::Cosh | Function::Sqrt)
+                }
+                Operation::Sum(terms) => terms.iter().all(|(c, a)| !c.is_negative() && is(a)),
+                Operation::Scale(c, a) => !c.is_negative() && is(a),
+                Operation::Product(a, b) => a == b || (is(a) && is(b)),
+                Operation::Reciprocal(a) => is(a),
+                Operation::Parameter(_)
+                | Operation::StepSize(_)
+                | Operation::Input(_)
+                | Operation::Analytic(..) => false,
+            });
+        }
+        known
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::syntax::{Formula, Scope};
+
+    fn of(formula: &str) -> Vec<String> {
+        let names = ["x", "y", "z"].map(str::to_owned);
+        let parameters = ["a".to_owned()];
+        let scope = Scope::new()
+            .with_variables(&names)
+            .with_parameters(&parameters);
+        let formula = Formula::parse(formula).unwrap();
+        let expression = formula.resolve(&scope, None).unwrap().unwrap();
+        let mut graph = Graph::new();
+        let inputs: Vec<Term> = (0..3).map(|at| graph.input(at)).collect();
+        let term = expression
+            .evaluate_in(&mut graph, &mut |_, at| Ok(inputs[at].clone()))
+            .unwrap();
+        let denominators = graph.denominators(&[term]).unwrap();
+        let written = |term: &Term| {
+            graph
+                .formula(term, 100)
+                .unwrap()
+                .written(&names, &parameters)
+        };
+        denominators.iter().map(written).collect()
+    }
+
+    #[test]
+    fn factors_that_change_their_sign_are_named() {
+        assert_eq!(of("1/(x - a)"), ["x - a"]);
+        assert_eq!(of("y/(x*(y - 2)^3)"), ["x", "y - 2"]);
+        assert_eq!(of("1/sqrt((x - y)^2)"), ["x - y"]);
+        assert_eq!(of("tan(3*x)"), ["cos(3*x)"]);
+        assert_eq!(of("x^(-12) + 1/(1 + 1/z)"), ["x", "1/z + 1", "z"]);
+    }
+
+    #[test]
+    fn what_is_of_one_sign_is_left_out() {
+        for formula in [
+            "1/sqrt(x^2 + y^2)",
+            "1/(1 + exp(x))",
+            "x/(2 + cosh(y)*z^4)",
+            "ln(x)/a",
+            "x^2 + y",
+        ] {
+            assert!(of(formula).is_empty(), "{formula}: {:?}", of(formula));
+        }
+    }
+}

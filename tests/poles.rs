@@ -1,0 +1,139 @@
+//! No step crosses a pole of the equations of motion; places where they stay finite are crossed.
+
+use leafwise::core::StepError;
+use leafwise::prelude::{ProblemLibrary, Registry, SceneDocument};
+use leafwise::scene::{ComposedRun, compose};
+use proptest::prelude::*;
+use proptest::sample::select;
+
+const METHODS: [&str; 8] = [
+    r#"stepper = "splitting""#,
+    r#"stepper = "rk4""#,
+    r#"stepper = { name = "gauss", order = 4 }"#,
+    r#"stepper = { name = "energy-preserving", order = 4 }"#,
+    r#"stepper = "implicit-midpoint""#,
+    r#"stepper = "dop853""#,
+    "stepper = \"splitting\"\ncomposition = \"triple-jump\"",
+    r#"dynamics = { name = "hamilton-jacobi", order = 2 }"#,
+];
+
+fn scene(hamiltonian: &str, method: &str, step: f64, initial: [f64; 2]) -> ComposedRun {
+    let [q, p] = initial;
+    let text = format!(
+        "[system]\nvariables = [\"q\", \"p\"]\nconvention = \"{{x,H}}\"\nbracket = \"canonical\"\n\
+         hamiltonian = \"{hamiltonian}\"\n[method]\n{method}\ntime-step = {step:?}\n\
+         [run]\ninitial = [{q:?}, {p:?}]\nsteps = 20\n"
+    );
+    compose_text(&text)
+}
+
+fn compose_text(text: &str) -> ComposedRun {
+    let document = SceneDocument::parse("scene", text, &ProblemLibrary)
+        .unwrap_or_else(|errors| panic!("{errors}\n{text}"));
+    compose(&document, &Registry::with_builtin())
+        .unwrap_or_else(|refusal| panic!("{refusal}\n{text}"))
+}
+
+/// The positions until a step is refused, and why it was.
+fn positions(run: &ComposedRun) -> (Vec<f64>, Option<StepError>) {
+    let mut integrator = run.integrator();
+    let mut positions = vec![integrator.state()[0]];
+    for _ in 0..run.plan.steps {
+        if let Err(error) = integrator.step() {
+            return (positions, Some(error));
+        }
+        positions.push(integrator.state()[0]);
+    }
+    (positions, None)
+}
+
+#[test]
+fn a_pole_in_the_way_of_an_explicit_step_is_named() {
+    for (hamiltonian, denominator) in [
+        ("p^2/2 + 1/(q - 2)^2", "q - 2"),
+        ("p^2/2 - ln((2 - q)^2)", "-q + 2"),
+        ("p^2/2 + tan(q - 1/2)^2", "cos(q - 1/2)"),
+        ("p^2/2 + 1/q^12 - 1/q^6", "q"),
+    ] {
+        let run = scene(hamiltonian, METHODS[0], 0.5, [1.5, 5.0]);
+        let run = match denominator {
+            "q" => scene(hamiltonian, METHODS[0], 0.5, [1.5, -5.0]),
+            _ => run,
+        };
+        let (_, error) = positions(&run);
+        let named = StepError::Pole {
+            denominator: denominator.to_owned(),
+        };
+        assert_eq!(error, Some(named), "{hamiltonian}");
+    }
+}
+
+#[test]
+fn places_without_a_pole_are_crossed() {
+    for hamiltonian in [
+        "p^2/2 + sin(q)/q",
+        "p^2/2 + (q^2 - 1)/(q - 1)",
+        "p^2/2 + sqrt(q^2)",
+        "p^2/2 + (1 - cos(q))/q^2",
+        "p^2/2 + 1/q - cos(q)/q",
+        "p^2/2 + (q^2)^(3/4)",
+    ] {
+        let run = scene(hamiltonian, METHODS[0], 0.37, [3.0, -4.0]);
+        let (positions, error) = positions(&run);
+        assert_eq!(error, None, "{hamiltonian}");
+        assert!(
+            positions.iter().any(|q| *q < 0.0),
+            "{hamiltonian}: {positions:?}"
+        );
+    }
+}
+
+proptest! {
+    /// Energy p²/2 + k/(q − c)ⁿ, k > 0, keeps the motion on one side of c, if n is even or q > c.
+    #[test]
+    fn a_repelled_particle_stays_on_its_side(
+        method in select(METHODS.to_vec()),
+        even in any::<bool>(),
+        centre in -2.0..2.0_f64,
+        start in 0.05..3.0_f64,
+        velocity in 0.1..20.0_f64,
+        strength in -3.0..1.0_f64,
+        step in -2.5..0.7_f64,
+    ) {
+        let strength = libm::exp2(strength * 3.4);
+        let step = libm::exp2(step * 3.4);
+        let power = if even { 2 } else { 1 };
+        let run = scene(
+            &format!("p^2/2 + {strength:?}/(q - ({centre:?}))^{power}"),
+            method,
+            step,
+            [centre + start, -velocity],
+        );
+        let (positions, _) = positions(&run);
+        for q in &positions {
+            prop_assert!(*q > centre, "{positions:?}");
+        }
+    }
+}
+
+/// Neighbours on a line that repel each other pass only over the pole of 1/(x[i+1] − x[i])².
+#[test]
+fn neighbours_of_a_long_chain_do_not_pass_each_other() {
+    let scene = |coupling: &str, speed: f64| {
+        let text = format!(
+            "[system]\nfamilies = {{ u = 600, p = 600 }}\nconvention = \"{{x,H}}\"\nbracket = \"canonical\"\n\
+             hamiltonian = \"sum(i, p[i]^2/2 + {coupling})\"\n[method]\nstepper = \"splitting\"\n\
+             time-step = 0.5\n[run]\ninitial = {{ u = \"0\", p = \"{speed:?}*sin(2*pi*i/N)\" }}\nsteps = 40\n"
+        );
+        compose_text(&text)
+    };
+    let repelling = "1/(1 + u[i+1] - u[i])^2";
+    let (_, error) = positions(&scene(repelling, 0.1));
+    assert_eq!(error, None);
+    let (_, error) = positions(&scene(repelling, 300.0));
+    let error = error.expect("they meet");
+    assert!(matches!(error, StepError::Pole { .. }), "{error}");
+    let soft = "1/(1 + (u[i+1] - u[i])^2)";
+    let (_, error) = positions(&scene(soft, 300.0));
+    assert_eq!(error, None);
+}
