@@ -361,11 +361,11 @@ impl StepMap for Method {
         };
         let stepper = match self.kept_signs.as_slice() {
             [] => stepper,
-            signs => Checked::new(stepper, Box::new(KeptSigns(signs.to_vec()))),
+            signs => Checked::boxed(stepper, Box::new(KeptSigns(signs.to_vec()))),
         };
         match &self.poles {
             None => stepper,
-            Some(poles) => Checked::new(stepper, Arc::clone(poles).make(lanes, parameters)),
+            Some(poles) => Checked::boxed(stepper, Arc::clone(poles).make(lanes, parameters)),
         }
     }
 }

@@ -10,6 +10,10 @@ use crate::error::BuildError;
 /// The longest reach of a number.
 const REACH: usize = 8;
 
+/// Writes the numbers of a site of a lattice from the lattice's coordinates.
+pub(super) type OfSite<'a> =
+    dyn FnMut(&LatticeGeometry, usize, &mut Graph, &[Term]) -> Result<Vec<Term>, BuildError> + 'a;
+
 /// Functions of the state around a site, evaluated at every site in O(N).
 #[derive(Clone, Debug)]
 pub(super) struct SiteNumbers {
@@ -28,12 +32,7 @@ impl SiteNumbers {
     pub(super) fn compile(
         geometry: &LatticeGeometry,
         parameters: usize,
-        numbers: &mut dyn FnMut(
-            &LatticeGeometry,
-            usize,
-            &mut Graph,
-            &[Term],
-        ) -> Result<Vec<Term>, BuildError>,
+        numbers: &mut OfSite<'_>,
     ) -> Result<Self, BuildError> {
         let families = geometry.families.iter();
         let shorter = families.map(|f| geometry.length() - f.1).max().unwrap_or(0);

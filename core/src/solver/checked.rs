@@ -25,7 +25,7 @@ pub(crate) struct Checked {
 }
 
 impl Checked {
-    pub(crate) fn new(stepper: Box<dyn Stepper>, check: Box<dyn StepCheck>) -> Box<dyn Stepper> {
+    pub(crate) fn boxed(stepper: Box<dyn Stepper>, check: Box<dyn StepCheck>) -> Box<dyn Stepper> {
         Box::new(Self {
             stepper,
             check,

@@ -250,6 +250,6 @@ impl StepMap for WithoutPoles {
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
         let stepper = self.map.stepper(lanes, parameters, epsilon, h);
-        Checked::new(stepper, Arc::clone(&self.poles).make(lanes, parameters))
+        Checked::boxed(stepper, Arc::clone(&self.poles).make(lanes, parameters))
     }
 }

@@ -1,5 +1,6 @@
 //! Systems of the problem library as strings, so that pieces can be systems of their own.
 
+#[allow(dead_code, reason = "the claims about compositions use all of it")]
 #[path = "../../../composition/tests/common/mod.rs"]
 mod oracle;
 
