@@ -104,7 +104,7 @@ impl CodeRealization {
         space: usize,
         parameters: usize,
     ) -> Result<Self, BuildError> {
-        let mut graph = Graph::new();
+        let mut graph = Graph::compilable();
         let z: Vec<Term> = (0..space).map(|i| graph.input(i)).collect();
         let epsilon = graph.step_size(StepSize::Epsilon);
         let code = code.source_and_target(&mut graph, &epsilon, &z)?;
@@ -131,6 +131,7 @@ impl CodeRealization {
                 outputs.push(graph.derivative(&code.increment[i], k)?);
             }
         }
+        graph.unless_refused(())?;
         let tangents = Kernel::compile(&graph, &outputs, parameters, space);
         Ok(Self {
             ends: Arc::new(ends),
@@ -283,7 +284,7 @@ impl CodeBisection {
         space: usize,
         parameters: usize,
     ) -> Result<Self, BuildError> {
-        let mut graph = Graph::new();
+        let mut graph = Graph::compilable();
         let y: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
         let epsilon = graph.step_size(StepSize::Epsilon);
         let h = graph.step_size(StepSize::H);
@@ -294,6 +295,7 @@ impl CodeBisection {
                 outputs.push(graph.derivative(&coordinate, j)?);
             }
         }
+        graph.unless_refused(())?;
         let kernel = Kernel::compile(&graph, &outputs, parameters, d);
         Ok(Self {
             kernel: Arc::new(kernel),

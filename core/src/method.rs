@@ -36,9 +36,6 @@ pub struct MethodWorkers {
     pub points: Box<dyn BisectionWorker>,
 }
 
-/// Operations of the longest step that is compiled: some seconds to form, and milliseconds a step.
-const MOST_NODES: usize = 1 << 20;
-
 /// How a step is computed.
 #[derive(Clone)]
 enum Path {
@@ -124,7 +121,7 @@ impl Method {
         };
         let path = match (realization.code(), bisection.code()) {
             (Some(ends), Some(points)) if dynamics.correction() == Correction::Bisection => {
-                let mut graph = Graph::limited(MOST_NODES);
+                let mut graph = Graph::compilable();
                 let y: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
                 let epsilon = graph.step_size(StepSize::Epsilon);
                 let h = graph.step_size(StepSize::H);

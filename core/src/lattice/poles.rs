@@ -36,14 +36,16 @@ impl LatticePoles {
             let mut squares = graph.zero();
             if let Some(energy) = densities.first() {
                 let energy = code(graph, &energy.site, x)?;
-                let gradient = graph.gradient(&energy, x.len())?;
-                for factor in graph.denominators(&gradient)? {
-                    product = graph.multiply(&product, &factor);
-                    has_poles = true;
+                let factors = graph.denominators(std::slice::from_ref(&energy))?;
+                for factor in &factors {
+                    product = graph.multiply(&product, factor);
                 }
-                for slope in gradient {
-                    let square = graph.multiply(&slope, &slope);
-                    squares = graph.add(&squares, &square);
+                if !factors.is_empty() {
+                    has_poles = true;
+                    for slope in graph.gradient(&energy, x.len())? {
+                        let square = graph.multiply(&slope, &slope);
+                        squares = graph.add(&squares, &square);
+                    }
                 }
             }
             Ok(vec![product, squares])

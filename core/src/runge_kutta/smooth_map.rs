@@ -134,6 +134,7 @@ impl SmoothMap {
                 entries.push(graph.derivative(output, k)?);
             }
         }
+        graph.unless_refused(())?;
         let compiled = Kernel::compile(graph, &entries, parameters, inputs);
         if let Source::Kernels { jacobian, .. } = &mut map.source {
             *jacobian = Some(Arc::new(compiled));

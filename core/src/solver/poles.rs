@@ -48,13 +48,19 @@ impl Poles {
             return Ok(None);
         };
         let (d, parameters) = (system.dimension(), system.parameters().len());
-        let mut graph = Graph::new();
+        let mut graph = Graph::compilable();
         let x: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
-        let field = formulas.vector_field(&mut graph, &x)?;
-        let denominators = graph.denominators(&field)?;
+        let functions = std::iter::once(formulas.hamiltonian()).chain(formulas.tensor().values());
+        let mut terms = Vec::with_capacity(1 + formulas.tensor().len());
+        for function in functions {
+            terms.push(function.evaluate_in(&mut graph, &mut |_, at| Ok(x[at].clone()))?);
+        }
+        let denominators = graph.denominators(&terms)?;
         if denominators.is_empty() {
             return Ok(None);
         }
+        let field = formulas.vector_field(&mut graph, &x)?;
+        graph.unless_refused(())?;
         let names = system.parameters().iter().map(|p| p.name.clone());
         let names: Vec<String> = names.collect();
         let written = |term: &Term| match graph.formula(term, MOST_PARTS) {

@@ -32,7 +32,7 @@ impl CompiledNumbers {
     pub fn compile(system: &SystemFormulas) -> Result<Self, BuildError> {
         let d = system.dimension();
         let parameters = system.parameters().len();
-        let mut graph = Graph::new();
+        let mut graph = Graph::compilable();
         let inputs: Vec<Term> = (0..3 * d).map(|i| graph.input(i)).collect();
         let (y, v, w) = (&inputs[..d], &inputs[d..2 * d], &inputs[2 * d..]);
         let graph = &mut graph;
@@ -54,6 +54,7 @@ impl CompiledNumbers {
         }
         let tensor_tangent = along(graph, &applied, w)?;
         let hessian = along(graph, &gradient, v)?;
+        graph.unless_refused(())?;
         let kernel = |outputs: &[Term], vectors: usize| {
             Arc::new(Kernel::compile(graph, outputs, parameters, vectors * d))
         };

@@ -34,6 +34,7 @@ impl PoissonSystem {
             Definition::Formulas(system) => {
                 let (mut graph, x) = inputs(system.dimension());
                 let field = system.vector_field(&mut graph, &x)?;
+                graph.unless_refused(())?;
                 let parameters = system.parameters().len();
                 Ok(SmoothMap::compile_values(
                     &graph,
@@ -98,7 +99,7 @@ impl PoissonSystem {
 }
 
 fn inputs(count: usize) -> (Graph, Vec<Term>) {
-    let mut graph = Graph::new();
+    let mut graph = Graph::compilable();
     let inputs = (0..count).map(|i| graph.input(i)).collect();
     (graph, inputs)
 }

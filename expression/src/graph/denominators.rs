@@ -7,20 +7,22 @@ use crate::arithmetic::{AlgebraError, Arithmetic};
 use crate::expression::Function;
 
 impl Graph {
-    /// The state-dependent factors of all denominators in these terms that are not of one sign by their form: a pole
-    /// of odd or even order lies where one of them changes its sign. The denominator of tan is cos.
-    /// Factors such as q₁² + q₂² vanish without a change of sign, and are left out.
+    /// The state-dependent factors of denominators, and of arguments of ln, in these terms that are not of one
+    /// sign by their form: a pole of the terms or their derivatives lies where one of them changes its
+    /// sign. The denominator of tan is cos. Factors such as q₁² + q₂² vanish without a change of sign, and
+    /// behind x in √x, x^(1/3) or ln x no value is: they are left out.
     ///
     /// # Errors
     /// [`AlgebraError`] where the code grows beyond the graph's limit.
     pub fn denominators(&mut self, terms: &[Term]) -> Result<Vec<Term>, AlgebraError> {
         let mut open = Vec::new();
-        let mut angles = Vec::new();
+        let (mut angles, mut inner) = (Vec::new(), Vec::new());
         let mut parts: Vec<Node> = terms.iter().map(|term| term.node).collect();
         let mut met: BTreeSet<Node> = parts.iter().copied().collect();
         while let Some(node) = parts.pop() {
             match *self.operation(node) {
-                Operation::Reciprocal(a) | Operation::Power(a, _) => open.push(a),
+                Operation::Reciprocal(a) => open.push(a),
+                Operation::Power(a, _) | Operation::Function(Function::Ln, a) => inner.push(a),
                 Operation::Function(Function::Tan, a) => angles.push(a),
                 _ => {}
             }
@@ -31,6 +33,7 @@ impl Graph {
             open.push(self.apply(Function::Cos, &Term::of(angle))?.node);
         }
         let never_negative = self.never_negative();
+        open.extend(inner.iter().filter(|a| never_negative[a.index()]));
         let mut seen = BTreeSet::new();
         let mut factors = BTreeSet::new();
         while let Some(node) = open.pop() {
@@ -39,10 +42,10 @@ impl Graph {
             }
             match *self.operation(node) {
                 Operation::Product(a, b) => open.extend([a, b]),
-                Operation::Scale(_, a)
-                | Operation::Reciprocal(a)
-                | Operation::Power(a, _)
-                | Operation::Function(Function::Sqrt, a) => open.push(a),
+                Operation::Scale(_, a) | Operation::Reciprocal(a) => open.push(a),
+                Operation::Power(a, _) | Operation::Function(Function::Sqrt, a) => {
+                    open.extend(never_negative[a.index()].then_some(a));
+                }
                 _ if never_negative[node.index()] => {}
                 _ => {
                     factors.insert(node);
@@ -112,6 +115,7 @@ mod tests {
         assert_eq!(of("1/sqrt((x - y)^2)"), ["x - y"]);
         assert_eq!(of("tan(3*x)"), ["cos(3*x)"]);
         assert_eq!(of("x^(-12) + 1/(1 + 1/z)"), ["x", "1/z + 1", "z"]);
+        assert_eq!(of("ln((x - y)^2) + (z^2)^(-1.25)"), ["x - y", "z"]);
     }
 
     #[test]
@@ -121,6 +125,7 @@ mod tests {
             "1/(1 + exp(x))",
             "x/(2 + cosh(y)*z^4)",
             "ln(x)/a",
+            "1/sqrt(x) + (y - 1)^(-1.5)",
             "x^2 + y",
         ] {
             assert!(of(formula).is_empty(), "{formula}: {:?}", of(formula));

@@ -137,6 +137,12 @@ impl Graph {
         }
     }
 
+    /// The same for as many nodes as a kernel is compiled of, 2²⁰: more take seconds to form and
+    /// milliseconds to evaluate.
+    pub fn compilable() -> Self {
+        Self::limited(1 << 20)
+    }
+
     /// `result`, unless the limit was reached on the way to it.
     ///
     /// # Errors
