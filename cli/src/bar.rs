@@ -17,6 +17,17 @@ pub fn tick_steadily(bar: &ProgressBar) {
     }
 }
 
+/// What `build` makes; a line with the time it takes is drawn meanwhile, if `is_shown`.
+pub fn while_building<T>(is_shown: bool, build: impl FnOnce() -> T) -> T {
+    let line = Steps::new("building: from formulas to code", is_shown);
+    if let Ok(style) = ProgressStyle::with_template("  {spinner} {elapsed}  {msg}") {
+        line.0.set_style(style);
+    }
+    let built = build();
+    line.finish();
+    built
+}
+
 /// Shows a run on the terminal and stops it when asked to.
 pub struct Bar {
     bar: ProgressBar,

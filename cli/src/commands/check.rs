@@ -9,6 +9,7 @@ use serde_json::{Map, Value, json};
 use super::motion;
 use super::run::print_advice;
 use crate::arguments::{CheckArguments, PluginArguments};
+use crate::bar::while_building;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
 use crate::plugins::Parts;
@@ -25,9 +26,12 @@ pub fn execute(
 ) -> Result<u8, Failure> {
     let mut parts = Parts::new(plugins)?;
     let document = parts.scene(&arguments.scene)?;
-    let composed = compose(&document, &parts.registry)?;
+    let is_shown = console.is_terminal;
+    let composed = while_building(is_shown, || compose(&document, &parts.registry))?;
     let names = composed.system.variables();
-    let checks = SceneChecks::of(&composed.system, &composed.near)?;
+    let checks = while_building(is_shown, || {
+        SceneChecks::of(&composed.system, &composed.near)
+    })?;
     let mut rows = vec![vec![
         "  Jacobi identity".to_owned(),
         describe(&checks.jacobi, "triple", names),

@@ -16,7 +16,7 @@ use serde_json::json;
 
 use super::run::{Told, drift, integrate, method_line, print_advice, repeating};
 use crate::arguments::{EnsembleArguments, PluginArguments};
-use crate::bar::Bar;
+use crate::bar::{Bar, while_building};
 use crate::console::Console;
 use crate::failure::{Failure, exit};
 use crate::plugins::Parts;
@@ -131,7 +131,7 @@ fn execute_member(
     console: &mut Console<'_>,
     interrupt: &Arc<AtomicBool>,
 ) -> Result<u8, Failure> {
-    let composed = compose(scene, &parts.registry)?;
+    let composed = while_building(console.is_terminal, || compose(scene, &parts.registry))?;
     let file = Path::new(&scene.name);
     let directory = arguments.out.clone();
     let options = RunOptions {

@@ -10,6 +10,7 @@ use leafwise::scene::json::{json_number, json_numbers};
 use serde_json::{Map, Value, json};
 
 use crate::arguments::{EvaluateArguments, PluginArguments};
+use crate::bar::while_building;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
 use crate::plugins::Parts;
@@ -89,7 +90,7 @@ pub fn execute(
 ) -> Result<u8, Failure> {
     let mut parts = Parts::new(plugins)?;
     let document = parts.scene(&arguments.scene)?;
-    let run = compose(&document, &parts.registry)?;
+    let run = while_building(console.is_terminal, || compose(&document, &parts.registry))?;
     let Some(method) = run.method.written() else {
         if run.method.lattice().is_none() {
             return Err(Failure::usage(

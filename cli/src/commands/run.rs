@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 
 use super::explain::explain;
 use crate::arguments::{PluginArguments, RunArguments, SceneArguments};
-use crate::bar::Bar;
+use crate::bar::{Bar, while_building};
 use crate::console::Console;
 use crate::failure::{Failure, exit};
 use crate::plugins::Parts;
@@ -42,7 +42,7 @@ pub fn execute(
     let start = Instant::now();
     let mut parts = Parts::new(plugins)?;
     let document = parts.scene(&arguments.scene)?;
-    let composed = compose(&document, &parts.registry)?;
+    let composed = while_building(console.is_terminal, || compose(&document, &parts.registry))?;
     if arguments.explain {
         for line in explain(&composed, start)? {
             console.prose(&line);
