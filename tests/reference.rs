@@ -1,7 +1,7 @@
 //! Every value of `data/reference.json`, computed elsewhere at 120 digits by two independent
 //! programs, through the public interface.
 //!
-//! Each claim prints its largest error; `cargo test --test reference -- --nocapture` shows them.
+//! Each claim prints its largest error; `cargo test --test claims reference -- --nocapture` shows them.
 
 #![allow(
     clippy::print_stdout,
