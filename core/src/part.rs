@@ -136,7 +136,45 @@ pub struct PartInfo {
     pub literature: &'static str,
     /// Its parameters.
     pub parameters: &'static [ParameterInfo],
+    /// Where the values of a loaded part may come from, the preferred way first: `expressions`,
+    /// `numbers`. Where there are two, its parameter `path` names one of them.
+    #[serde(skip)]
+    pub paths: &'static [&'static str],
 }
+
+impl PartInfo {
+    /// Nothing said: what a part does not mention, as in `..PartInfo::of(PartKind::Realization)`.
+    pub const fn of(kind: PartKind) -> Self {
+        Self {
+            name: "",
+            kind,
+            summary: "",
+            declares: "",
+            domain: "",
+            literature: "",
+            parameters: &[],
+            paths: &[],
+        }
+    }
+
+    /// Where the values of a loaded part come from, for manifests; `None` for built-in parts and
+    /// for parameters that it does not have.
+    pub fn path(&self, given: &PartParameters) -> Option<&'static str> {
+        match self.paths {
+            [] => None,
+            [only] => Some(only),
+            both => given.word(self, PATH, both).ok(),
+        }
+    }
+
+    /// Whether it is formulas that a library declares and nothing else.
+    pub fn is_formulas_alone(&self) -> bool {
+        self.paths == ["expressions"]
+    }
+}
+
+/// The parameter by which a scene asks a part with several [paths](PartInfo::paths) for one of them.
+pub const PATH: &str = "path";
 
 /// The parameters a scene gives to a part.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -2,171 +2,16 @@
 //! what is loaded at run time.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::dynamics::DynamicApproximation;
 use crate::error::BuildError;
-use crate::lattice::{LatticeMap, LatticeSource};
 use crate::origin::Origin;
-use crate::part::{PartInfo, PartKind, PartParameters};
-use crate::realization::RealizationData;
-use crate::solver::StepMap;
-use crate::system::PoissonSystem;
+use crate::part::{PartInfo, PartKind};
 
-/// A Poisson system that can be built from parameters.
-pub trait SystemPart: Send + Sync {
-    /// What it declares.
-    fn info(&self) -> &'static PartInfo;
-    /// The system (M, π, H).
-    ///
-    /// # Errors
-    /// [`BuildError`] when a parameter is out of range.
-    fn build(&self, parameters: &PartParameters) -> Result<PoissonSystem, BuildError>;
-    /// The text of a scene's `[system]` table, for a system given by formulas.
-    fn fragment(&self) -> Option<&str> {
-        None
-    }
-    /// Whether it can compute values without formulas.
-    fn has_numbers(&self) -> bool {
-        self.fragment().is_none()
-    }
-    /// Where the values of a loaded part come from, for manifests: `expressions` or `numbers`.
-    fn path(&self, parameters: &PartParameters) -> Option<&'static str> {
-        let _ = parameters;
-        None
-    }
-}
-
-/// A realization that can be built for a system.
-pub trait RealizationPart: Send + Sync {
-    /// What it declares.
-    fn info(&self) -> &'static PartInfo;
-    /// Realization data R̂_ε of the system's (M, επ).
-    ///
-    /// # Errors
-    /// [`BuildError`] when a parameter is out of range or the tensor does not fit.
-    fn build(
-        &self,
-        system: &PoissonSystem,
-        parameters: &PartParameters,
-    ) -> Result<Arc<dyn RealizationData>, BuildError>;
-    /// Where the values of a loaded part come from, for manifests: `expressions` or `numbers`.
-    fn path(&self, parameters: &PartParameters) -> Option<&'static str> {
-        let _ = parameters;
-        None
-    }
-}
-
-/// A dynamic approximation that can be built from parameters.
-pub trait DynamicsPart: Send + Sync {
-    /// What it declares.
-    fn info(&self) -> &'static PartInfo;
-    /// The dynamic approximation, not yet bound to a system.
-    ///
-    /// # Errors
-    /// [`BuildError::Parameter`] when a parameter is out of range.
-    fn build(
-        &self,
-        parameters: &PartParameters,
-    ) -> Result<Arc<dyn DynamicApproximation>, BuildError>;
-    /// Where the values of a loaded part come from, for manifests: `expressions` or `numbers`.
-    fn path(&self, parameters: &PartParameters) -> Option<&'static str> {
-        let _ = parameters;
-        None
-    }
-}
-
-/// A step map that needs no realization.
-pub trait StepperPart: Send + Sync {
-    /// What it declares.
-    fn info(&self) -> &'static PartInfo;
-    /// The step map of a system.
-    ///
-    /// # Errors
-    /// [`BuildError`] when a parameter is out of range or the system does not fit.
-    fn build(
-        &self,
-        system: &PoissonSystem,
-        parameters: &PartParameters,
-    ) -> Result<Arc<dyn StepMap>, BuildError>;
-    /// Where the values of a loaded part come from, for manifests: `expressions` or `numbers`.
-    fn path(&self, parameters: &PartParameters) -> Option<&'static str> {
-        let _ = parameters;
-        None
-    }
-    /// The step map of a long lattice, as sweeps over its sites.
-    ///
-    /// # Errors
-    /// [`BuildError::DoesNotFit`] where the part has no such form, for this lattice or for any;
-    /// otherwise as [`build`](Self::build).
-    fn build_on_lattice(
-        &self,
-        source: &dyn LatticeSource,
-        parameters: &PartParameters,
-    ) -> Result<Arc<dyn LatticeMap>, BuildError> {
-        let _ = (source, parameters);
-        Err(BuildError::DoesNotFit {
-            part: self.info().name,
-            reason: "it has no form that sweeps over the sites of a long lattice".to_owned(),
-        })
-    }
-}
-
-/// A composition of step maps.
-pub trait CompositionPart: Send + Sync {
-    /// What it declares.
-    fn info(&self) -> &'static PartInfo;
-    /// The composition of `base`.
-    ///
-    /// # Errors
-    /// [`BuildError::NotComposable`] when `base` lacks the symmetry the composition needs.
-    fn build(
-        &self,
-        base: Arc<dyn StepMap>,
-        parameters: &PartParameters,
-    ) -> Result<Arc<dyn StepMap>, BuildError>;
-}
-
-/// A part of any kind.
-#[derive(Clone)]
-pub enum Part {
-    /// A system.
-    System(Arc<dyn SystemPart>),
-    /// A realization.
-    Realization(Arc<dyn RealizationPart>),
-    /// A dynamic approximation.
-    Dynamics(Arc<dyn DynamicsPart>),
-    /// A step map.
-    Stepper(Arc<dyn StepperPart>),
-    /// A composition.
-    Composition(Arc<dyn CompositionPart>),
-}
-
-impl Part {
-    /// What it declares.
-    pub fn info(&self) -> &'static PartInfo {
-        match self {
-            Self::System(part) => part.info(),
-            Self::Realization(part) => part.info(),
-            Self::Dynamics(part) => part.info(),
-            Self::Stepper(part) => part.info(),
-            Self::Composition(part) => part.info(),
-        }
-    }
-
-    /// What it is.
-    pub fn kind(&self) -> PartKind {
-        match self {
-            Self::System(_) => PartKind::System,
-            Self::Realization(_) => PartKind::Realization,
-            Self::Dynamics(_) => PartKind::Dynamics,
-            Self::Stepper(_) => PartKind::Stepper,
-            Self::Composition(_) => PartKind::Composition,
-        }
-    }
-}
+pub use crate::parts::{
+    CompositionPart, DynamicsPart, Part, RealizationPart, StepperPart, SystemPart,
+};
 
 /// A part of a crate that is linked into the program; see [`built_in!`](crate::built_in).
 #[derive(Clone, Copy, Debug)]
@@ -185,14 +30,13 @@ pub use inventory;
 inventory::collect!(BuiltIn);
 
 /// Makes a part of this crate one of [`Registry::with_builtin`]:
-/// `built_in!(Realization, expression)`, with the variant of [`Part`](crate::registry::Part) and the
-/// value that implements its trait.
+/// `built_in!(RealizationPart::new(&INFO, build))`.
 #[macro_export]
 macro_rules! built_in {
-    ($kind:ident, $part:expr) => {
+    ($part:expr) => {
         $crate::registry::inventory::submit! {
             $crate::registry::BuiltIn {
-                make: || $crate::registry::Part::$kind(::std::sync::Arc::new($part)),
+                make: || $crate::registry::Part::from($part),
                 package: env!("CARGO_PKG_NAME"),
                 version: env!("CARGO_PKG_VERSION"),
             }
@@ -323,9 +167,9 @@ impl Registry {
     ///
     /// # Errors
     /// [`BuildError::UnknownPart`] with the nearest name.
-    pub fn system(&self, name: &str) -> Result<Arc<dyn SystemPart>, BuildError> {
+    pub fn system(&self, name: &str) -> Result<SystemPart, BuildError> {
         match self.part(name) {
-            Some(Part::System(part)) => Ok(Arc::clone(part)),
+            Some(Part::System(part)) => Ok(part.clone()),
             _ => Err(self.unknown(PartKind::System, name)),
         }
     }
@@ -334,9 +178,9 @@ impl Registry {
     ///
     /// # Errors
     /// [`BuildError::UnknownPart`] with the nearest name.
-    pub fn realization(&self, name: &str) -> Result<Arc<dyn RealizationPart>, BuildError> {
+    pub fn realization(&self, name: &str) -> Result<RealizationPart, BuildError> {
         match self.part(name) {
-            Some(Part::Realization(part)) => Ok(Arc::clone(part)),
+            Some(Part::Realization(part)) => Ok(part.clone()),
             _ => Err(self.unknown(PartKind::Realization, name)),
         }
     }
@@ -345,9 +189,9 @@ impl Registry {
     ///
     /// # Errors
     /// [`BuildError::UnknownPart`] with the nearest name.
-    pub fn dynamics(&self, name: &str) -> Result<Arc<dyn DynamicsPart>, BuildError> {
+    pub fn dynamics(&self, name: &str) -> Result<DynamicsPart, BuildError> {
         match self.part(name) {
-            Some(Part::Dynamics(part)) => Ok(Arc::clone(part)),
+            Some(Part::Dynamics(part)) => Ok(part.clone()),
             _ => Err(self.unknown(PartKind::Dynamics, name)),
         }
     }
@@ -356,9 +200,9 @@ impl Registry {
     ///
     /// # Errors
     /// [`BuildError::UnknownPart`] with the nearest name.
-    pub fn stepper(&self, name: &str) -> Result<Arc<dyn StepperPart>, BuildError> {
+    pub fn stepper(&self, name: &str) -> Result<StepperPart, BuildError> {
         match self.part(name) {
-            Some(Part::Stepper(part)) => Ok(Arc::clone(part)),
+            Some(Part::Stepper(part)) => Ok(part.clone()),
             _ => Err(self.unknown(PartKind::Stepper, name)),
         }
     }
@@ -367,9 +211,9 @@ impl Registry {
     ///
     /// # Errors
     /// [`BuildError::UnknownPart`] with the nearest name.
-    pub fn composition(&self, name: &str) -> Result<Arc<dyn CompositionPart>, BuildError> {
+    pub fn composition(&self, name: &str) -> Result<CompositionPart, BuildError> {
         match self.part(name) {
-            Some(Part::Composition(part)) => Ok(Arc::clone(part)),
+            Some(Part::Composition(part)) => Ok(part.clone()),
             _ => Err(self.unknown(PartKind::Composition, name)),
         }
     }

@@ -1,7 +1,5 @@
 //! Systems by name, as a scene's `library = "…"` asks for them.
 
-use std::sync::Arc;
-
 use leafwise_core::part::PartKind;
 use leafwise_core::registry::{Registry, SystemPart};
 use leafwise_scene::SceneLibrary;
@@ -39,7 +37,7 @@ impl SceneLibrary for ProblemLibrary {
 /// The problem library, and the systems of a registry: those of plugins.
 #[derive(Clone)]
 pub struct SystemLibrary {
-    parts: Vec<Arc<dyn SystemPart>>,
+    parts: Vec<SystemPart>,
 }
 
 impl SystemLibrary {
@@ -54,26 +52,25 @@ impl SystemLibrary {
         }
     }
 
-    fn find(&self, id: &str) -> Option<&Arc<dyn SystemPart>> {
-        self.parts.iter().find(|part| part.info().name == id)
+    fn find(&self, id: &str) -> Option<&SystemPart> {
+        self.parts.iter().find(|part| part.info.name == id)
     }
 }
 
 impl SceneLibrary for SystemLibrary {
     fn fragment(&self, id: &str) -> Option<&str> {
         match self.find(id) {
-            Some(part) => part.fragment(),
+            Some(part) => part.fragment.as_deref(),
             None => ProblemLibrary.fragment(id),
         }
     }
 
-    fn part(&self, id: &str) -> Option<Arc<dyn SystemPart>> {
-        let part = self.find(id).filter(|part| part.has_numbers());
-        part.map(Arc::clone)
+    fn part(&self, id: &str) -> Option<&SystemPart> {
+        self.find(id).filter(|part| part.has_numbers())
     }
 
     fn ids(&self) -> Vec<&str> {
-        let own = self.parts.iter().map(|part| part.info().name);
+        let own = self.parts.iter().map(|part| part.info.name);
         own.chain(ProblemLibrary.ids()).collect()
     }
 }

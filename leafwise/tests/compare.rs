@@ -2,14 +2,10 @@
 
 mod common;
 
-use std::sync::Arc;
-
 use common::scene;
 use leafwise::ProblemLibrary;
 use leafwise::core::registry::StepperPart;
-use leafwise::core::{
-    BuildError, Origin, Part, PartInfo, PartParameters, PoissonSystem, Registry, StepMap, Structure,
-};
+use leafwise::core::{Origin, PartInfo, Registry, Structure};
 use leafwise::scene::SceneDocument;
 use leafwise::trade::{
     Bench, CompareOptions, Comparison, Cost, Grid, Judged, Knob, Reference, TradeError,
@@ -380,24 +376,6 @@ fn compare_knows_every_method_that_tune_knows() {
     assert_eq!(measured.casimir_drift, None);
 }
 
-/// A stepper under another name.
-struct Named(&'static PartInfo);
-
-impl StepperPart for Named {
-    fn info(&self) -> &'static PartInfo {
-        self.0
-    }
-    fn build(
-        &self,
-        system: &PoissonSystem,
-        parameters: &PartParameters,
-    ) -> Result<Arc<dyn StepMap>, BuildError> {
-        Registry::with_builtin()
-            .stepper("splitting")?
-            .build(system, parameters)
-    }
-}
-
 /// Parts of plugins are named `plugin/part`; only behind a composition does a `/` stand for more.
 #[test]
 fn parts_with_a_slash_in_their_name_can_be_named() {
@@ -405,11 +383,14 @@ fn parts_with_a_slash_in_their_name_can_be_named() {
     let info = PartInfo {
         name: "acme/strang",
         parameters: &[],
-        ..*registry.stepper("splitting").expect("built in").info()
+        ..*registry.stepper("splitting").expect("built in").info
     };
-    let part = Part::Stepper(Arc::new(Named(Box::leak(Box::new(info)))));
+    let part = StepperPart::new(Box::leak(Box::new(info)), |system, parameters| {
+        let registry = Registry::with_builtin();
+        registry.stepper("splitting")?.build(system, parameters)
+    });
     let origin = Origin::built_in("a test", "1");
-    registry.register(part, origin).expect("a new name");
+    registry.register(part.into(), origin).expect("a new name");
     let read = |text: &str| parse_method(text, &registry).map(|method| method.to_string());
     assert_eq!(read("acme/strang").expect("a stepper"), "acme/strang");
     let composed = read("suzuki-4/acme/strang").expect("a composition of it");

@@ -9,15 +9,15 @@ use leafwise_core::{BuildError, PoissonSystem, StepMap};
 use crate::adaptive::{Pair, TOLERANCE, adaptive_map};
 use crate::dop853_coefficients::{FIFTH_ORDER_ERROR, MATRIX, THIRD_ORDER_ERROR, WEIGHTS};
 
-pub(crate) static INFO: PartInfo = PartInfo {
+static INFO: PartInfo = PartInfo {
     name: "dop853",
-    kind: PartKind::Stepper,
     summary: "Dormand-Prince 8(5,3), explicit, adaptive inside each step of epsilon*h",
     declares: "order 8 before the tolerance takes over; not a Poisson map; not self-adjoint",
     domain: "any system, of formulas or of numbers",
     literature: "Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.5; \
                  coefficients of dop853.f (Hairer, Wanner 1994)",
     parameters: &[TOLERANCE],
+    ..PartInfo::of(PartKind::Stepper)
 };
 
 static PAIR: Pair = Pair {
@@ -29,20 +29,11 @@ static PAIR: Pair = Pair {
     first_same_as_last: false,
 };
 
-struct Part;
-
-impl StepperPart for Part {
-    fn info(&self) -> &'static PartInfo {
-        &INFO
-    }
-
-    fn build(
-        &self,
-        system: &PoissonSystem,
-        parameters: &PartParameters,
-    ) -> Result<Arc<dyn StepMap>, BuildError> {
-        adaptive_map(&INFO, &PAIR, system, parameters)
-    }
+fn build(
+    system: &PoissonSystem,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn StepMap>, BuildError> {
+    adaptive_map(&INFO, &PAIR, system, parameters)
 }
 
-leafwise_core::built_in!(Stepper, Part);
+leafwise_core::built_in!(StepperPart::new(&INFO, build));

@@ -9,9 +9,8 @@ use leafwise_core::{BuildError, PoissonSystem, StepMap};
 
 use crate::implicit::gauss_map;
 
-pub(crate) static INFO: PartInfo = PartInfo {
+static INFO: PartInfo = PartInfo {
     name: "gauss",
-    kind: PartKind::Stepper,
     summary: "collocation at s Gauss nodes",
     declares: "order 2s; self-adjoint; a Poisson map where the tensor is constant or depends \
                on coordinates alone that rest; keeps quadratic \
@@ -20,6 +19,7 @@ pub(crate) static INFO: PartInfo = PartInfo {
     literature: "J. C. Butcher, Math. Comp. 18 (1964); Hairer, Lubich, Wanner, Geometric \
                  Numerical Integration, sections II.1.3 and VI.4",
     parameters: &[STAGES],
+    ..PartInfo::of(PartKind::Stepper)
 };
 
 /// The parameter `stages`.
@@ -49,22 +49,13 @@ pub(crate) fn stages(
         })
 }
 
-struct Part;
-
-impl StepperPart for Part {
-    fn info(&self) -> &'static PartInfo {
-        &INFO
-    }
-
-    fn build(
-        &self,
-        system: &PoissonSystem,
-        parameters: &PartParameters,
-    ) -> Result<Arc<dyn StepMap>, BuildError> {
-        let stages = stages(&INFO, parameters)?;
-        let description = format!("{} s = {stages}", INFO.name);
-        gauss_map(system, Tableau::gauss(stages), description)
-    }
+fn build(
+    system: &PoissonSystem,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn StepMap>, BuildError> {
+    let stages = stages(&INFO, parameters)?;
+    let description = format!("{} s = {stages}", INFO.name);
+    gauss_map(system, Tableau::gauss(stages), description)
 }
 
-leafwise_core::built_in!(Stepper, Part);
+leafwise_core::built_in!(StepperPart::new(&INFO, build));

@@ -55,7 +55,7 @@ pub(super) fn of_plugins(registry: &Registry) -> Vec<Problem> {
     systems
         .filter(|info| info.kind == PartKind::System)
         .filter_map(|info| registry.system(info.name).ok())
-        .filter_map(|part| of_part(registry, part.as_ref(), &PartParameters::new()).ok()?)
+        .filter_map(|part| of_part(registry, &part, &PartParameters::new()).ok()?)
         .collect()
 }
 
@@ -65,7 +65,7 @@ pub(super) fn of_plugins(registry: &Registry) -> Vec<Problem> {
 /// [`BuildError`] of the part.
 pub(super) fn of_part(
     registry: &Registry,
-    part: &dyn SystemPart,
+    part: &SystemPart,
     parameters: &PartParameters,
 ) -> Result<Option<Problem>, BuildError> {
     let system = part.build(parameters)?;
@@ -75,7 +75,7 @@ pub(super) fn of_part(
     });
     Ok(found.map(|(initial, time_step)| Problem {
         own: None,
-        name: part.info().name.to_owned(),
+        name: part.info.name.to_owned(),
         system,
         initial,
         time_step,

@@ -29,18 +29,14 @@ impl Chosen {
 /// system they are meant.
 fn check_formulas(
     part: &'static PartInfo,
-    path: Option<&str>,
     problem: &Problem,
     map: &dyn StepMap,
 ) -> Result<(), BuildError> {
-    let has_functions = part
-        .parameters
-        .iter()
-        .any(|parameter| parameter.name == "path");
-    if path != Some("expressions") || has_functions {
-        return Ok(());
+    if part.is_formulas_alone() {
+        check_first_order(part.name, &problem.system, map, 1.0, &problem.initial)
+    } else {
+        Ok(())
     }
-    check_first_order(part.name, &problem.system, map, 1.0, &problem.initial)
 }
 
 /// Whether a part comes from a library.
@@ -111,13 +107,11 @@ impl Candidate {
                     check_tensor(realization.name, system, &built, &problem.initial)?;
                 }
                 let part = registry.dynamics(dynamics.name)?;
-                let path = part.path(&dynamics.parameters);
-                check_formulas(part.info(), path, problem, map.as_ref())?;
+                check_formulas(part.info, problem, map.as_ref())?;
             }
             Self::Stepper(stepper) => {
                 let part = registry.stepper(stepper.name)?;
-                let path = part.path(&stepper.parameters);
-                check_formulas(part.info(), path, problem, map.as_ref())?;
+                check_formulas(part.info, problem, map.as_ref())?;
             }
             Self::Composition(_) => {}
         }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::lattice::LatticeMap;
-use leafwise_core::part::{ParameterDefault, ParameterSetting, PartInfo, PartKind};
+use leafwise_core::part::{PATH, ParameterDefault, ParameterSetting, PartInfo, PartKind};
 use leafwise_core::registry::CompositionPart;
 use leafwise_core::{
     BuildError, DynamicApproximation, Origin, PartParameters, PoissonSystem, RealizationData,
@@ -80,7 +80,7 @@ impl PartChoice {
 /// What the scene's method is built of.
 pub(super) struct Parts {
     pub base: Base,
-    pub composition: Option<(Arc<dyn CompositionPart>, PartParameters)>,
+    pub composition: Option<(CompositionPart, PartParameters)>,
     pub choices: Vec<PartChoice>,
 }
 
@@ -140,8 +140,8 @@ pub(super) fn parts(
             let part = registry
                 .composition(request.name())
                 .map_err(|_| request.unknown(PartKind::Composition, registry))?;
-            let given = request.parameters(part.info())?;
-            choices.push(request.choice(part.info(), &given, None, registry));
+            let given = request.parameters(part.info)?;
+            choices.push(request.choice(part.info, &given, None, registry));
             Some((part, given))
         }
     };
@@ -156,7 +156,7 @@ pub(super) fn parts(
 pub(super) fn system_choice(document: &SceneDocument, registry: &Registry) -> Option<PartChoice> {
     let library = document.system.library.as_ref()?;
     let part = registry.system(&library.value).ok()?;
-    let info = part.info();
+    let info = part.info;
     let (given, path) = match &document.system.numbers {
         Some(numbers) => (numbers.given.clone(), "numbers"),
         None => {
@@ -168,14 +168,10 @@ pub(super) fn system_choice(document: &SceneDocument, registry: &Registry) -> Op
             (values.fold(PartParameters::new(), with), "expressions")
         }
     };
-    let shown = info
-        .parameters
-        .iter()
-        .filter(|p| p.name != "path")
-        .map(|p| {
-            let value = given.setting(info, p.name);
-            (p.name, value.unwrap_or_else(|_| p.default.into()))
-        });
+    let shown = info.parameters.iter().filter(|p| p.name != PATH).map(|p| {
+        let value = given.setting(info, p.name);
+        (p.name, value.unwrap_or_else(|_| p.default.into()))
+    });
     Some(PartChoice {
         kind: info.kind,
         name: info.name,
@@ -199,7 +195,7 @@ fn stepper(
     let part = registry
         .stepper(request.name())
         .map_err(|_| request.unknown(PartKind::Stepper, registry))?;
-    let given = request.parameters(part.info())?;
+    let given = request.parameters(part.info)?;
     let refused = |error| request.refused(&error);
     let base = match lattice {
         None => Base::Stepper(part.build(system, &given).map_err(refused)?),
@@ -222,7 +218,7 @@ fn stepper(
             }
         },
     };
-    choices.push(request.choice(part.info(), &given, part.path(&given), registry));
+    choices.push(request.choice(part.info, &given, part.info.path(&given), registry));
     Ok(base)
 }
 
@@ -246,11 +242,11 @@ fn pair(
     let part = registry
         .dynamics(request.name())
         .map_err(|_| request.unknown(PartKind::Dynamics, registry))?;
-    let given = request.parameters(part.info())?;
+    let given = request.parameters(part.info)?;
     let dynamics = part
         .build(&given)
         .map_err(|error| request.refused(&error))?;
-    let dynamics_choice = request.choice(part.info(), &given, part.path(&given), registry);
+    let dynamics_choice = request.choice(part.info, &given, part.info.path(&given), registry);
 
     let order = i64::try_from(dynamics.order()).unwrap_or(DEFAULT_DYNAMICS_ORDER);
     let request = Request::new(
@@ -272,7 +268,7 @@ fn pair(
     let part = registry
         .realization(request.name())
         .map_err(|_| request.unknown(PartKind::Realization, registry))?;
-    let given = request.parameters(part.info())?;
+    let given = request.parameters(part.info)?;
     let realization = part.build(system, &given).map_err(|error| {
         let mut refusal = request.refused(&error);
         if matches!(error, BuildError::DoesNotFit { .. }) {
@@ -281,7 +277,7 @@ fn pair(
         }
         refusal
     })?;
-    choices.push(request.choice(part.info(), &given, part.path(&given), registry));
+    choices.push(request.choice(part.info, &given, part.info.path(&given), registry));
     choices.push(dynamics_choice);
     Ok(Base::Pair(realization, dynamics))
 }
@@ -347,7 +343,7 @@ pub(crate) fn exact_realization(
         if is_long && realization.stages().is_none() {
             return None;
         }
-        let info = part.info();
+        let info = part.info;
         let parameters = info
             .parameters
             .iter()

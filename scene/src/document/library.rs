@@ -1,7 +1,5 @@
 //! Where `library = "…"` is looked up.
 
-use std::sync::Arc;
-
 use leafwise_core::registry::SystemPart;
 
 /// A collection of named scene fragments, each a TOML text with a `[system]` table.
@@ -10,7 +8,7 @@ pub trait SceneLibrary {
     fn fragment(&self, id: &str) -> Option<&str>;
 
     /// The system with this id as a part, where it can compute numbers without formulas.
-    fn part(&self, id: &str) -> Option<Arc<dyn SystemPart>> {
+    fn part(&self, id: &str) -> Option<&SystemPart> {
         let _ = id;
         None
     }

@@ -3,13 +3,14 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
+use leafwise_core::part::PATH;
 use toml::de::DeTable;
 
 use super::bracket::{BracketSpec, read_bracket};
 use super::error::SceneProblemCause;
 use super::library::SceneLibrary;
 use super::located::{Located, Number, Place, Source};
-use super::numbers::{NumbersSystem, PATH, asks_for_numbers, read_numbers};
+use super::numbers::{NumbersSystem, asks_for_numbers, read_numbers};
 use super::reader::{Item, Problems, Table};
 use super::suggest::nearest;
 
@@ -114,7 +115,7 @@ pub(super) fn read_system(
     if let Some(part) = &part
         && (fragment_text.is_none() || asks_for_numbers(table, problems))
     {
-        return read_numbers(table, &id, part.as_ref(), problems);
+        return read_numbers(table, &id, part, problems);
     }
     let Some(text) = fragment_text else {
         let ids = library.ids();

@@ -2,8 +2,7 @@
 
 use std::fmt::Write as _;
 
-use leafwise_core::part::{ParameterSetting, PartInfo};
-use leafwise_core::registry::SystemPart;
+use leafwise_core::part::{PATH, ParameterSetting, PartInfo};
 use leafwise_core::{BuildError, PartParameters, PoissonSystem};
 use leafwise_scene::SceneDocument;
 use leafwise_scene::compose::instantiate;
@@ -12,7 +11,6 @@ use super::keys::refused;
 use crate::declaration::PartDeclaration;
 use crate::error::Refusal;
 use crate::foreign::own_settings;
-use crate::handshake::PATH;
 
 /// Keys of the table that stand alone; the others are `families.…`, `bracket.…`, `casimirs.…`.
 const SINGLE: [&str; 4] = ["variables", "hamiltonian", "convention", "boundary"];
@@ -159,7 +157,7 @@ pub(crate) struct FormulaSystemPart {
     info: &'static PartInfo,
     declaration: PartDeclaration,
     /// The table with the default parameters.
-    fragment: String,
+    pub(crate) fragment: String,
 }
 
 impl FormulaSystemPart {
@@ -173,18 +171,8 @@ impl FormulaSystemPart {
             declaration: declaration.clone(),
         })
     }
-}
 
-impl SystemPart for FormulaSystemPart {
-    fn info(&self) -> &'static PartInfo {
-        self.info
-    }
-
-    fn fragment(&self) -> Option<&str> {
-        Some(&self.fragment)
-    }
-
-    fn build(&self, parameters: &PartParameters) -> Result<PoissonSystem, BuildError> {
+    pub(crate) fn build(&self, parameters: &PartParameters) -> Result<PoissonSystem, BuildError> {
         let settings = own_settings(self.info, parameters)?;
         let unfit = |reason: String| BuildError::DoesNotFit {
             part: self.info.name,

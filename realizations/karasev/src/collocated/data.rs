@@ -2,18 +2,37 @@
 
 use std::sync::Arc;
 
+use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
+use leafwise_core::registry::RealizationPart;
 use leafwise_core::{
     Accuracy, BuildError, LagrangianBisection, MapProperties, PoissonSystem, RealizationData,
     RealizationWorker, SourceSeries, StepMap,
 };
-
 use leafwise_expression::Kernel;
 
 use super::curve::Curve;
-use super::field::Field;
+use super::field::{Field, NAME};
 use super::fused::{FusedStep, OneForm};
-use super::worker::CollocatedWorker;
+use super::worker::{CollocatedWorker, FEWEST_POINTS};
 use crate::series::KarasevSeries;
+
+static INFO: PartInfo = PartInfo {
+    name: NAME,
+    summary: "Karasev's realization by collocation at Gauss nodes: numerically exact, any tensor",
+    declares: "exact to round-off with points = 0 (as many nodes as the step needs); with q nodes \
+               the bracket defect is O(epsilon^(2q)); self-adjoint",
+    domain: "where the curve of the step can be resolved by 24 nodes; any tensor, of formulas or \
+             of numbers",
+    literature: "Cabrera, Martin de Diego, Vaquero, Approximating Symplectic Realizations, \
+                 section 3.2, remark on other approximations; M. V. Karasev, Math. USSR Izv. 28 \
+                 (1987)",
+    parameters: &[ParameterInfo {
+        name: "points",
+        summary: "the number q of Gauss nodes, 1 to 24; 0: as many as the step needs",
+        default: ParameterDefault::Integer(0),
+    }],
+    ..PartInfo::of(PartKind::Realization)
+};
 
 /// K_ε = (S ⊂ T*M, ω_M, α_ε, β_ε, σ) by collocation at q Gauss nodes, for any tensor with values
 /// of Π(y)p; its tangents where the tensor has first derivatives.
@@ -28,9 +47,7 @@ pub struct CollocatedKarasev {
     series: Option<KarasevSeries>,
 }
 
-/// Where the automatic choice starts, and where it gives up: the curve is then too long for its
-/// chart.
-pub(super) const FEWEST_POINTS: usize = 3;
+/// Where the automatic choice gives up: the curve is then too long for its chart.
 const MOST_POINTS: usize = 24;
 
 impl CollocatedKarasev {
@@ -86,11 +103,8 @@ impl RealizationData for CollocatedKarasev {
 
     fn describe(&self) -> String {
         match self.points {
-            None => format!(
-                "{} (as many nodes as needed)",
-                crate::register::COLLOCATED.name
-            ),
-            Some(q) => format!("{} q = {q}", crate::register::COLLOCATED.name),
+            None => format!("{NAME} (as many nodes as needed)"),
+            Some(q) => format!("{NAME} q = {q}"),
         }
     }
 
@@ -124,3 +138,26 @@ impl RealizationData for CollocatedKarasev {
         Some(fused.map(|fused| Box::new(fused) as Box<dyn StepMap>))
     }
 }
+
+fn build(
+    system: &PoissonSystem,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn RealizationData>, BuildError> {
+    let points = parameters.get(&INFO, "points")?;
+    if !(0..=24).contains(&points) {
+        return Err(BuildError::Parameter {
+            part: INFO.name,
+            parameter: "points".to_owned(),
+            value: points.to_string(),
+            expected: "the number of nodes lies in 1 to 24; 0 leaves it open".to_owned(),
+        });
+    }
+    let points = if points == 0 {
+        None
+    } else {
+        Some(points as usize)
+    };
+    Ok(Arc::new(CollocatedKarasev::new(system, points)?))
+}
+
+leafwise_core::built_in!(RealizationPart::new(&INFO, build));
