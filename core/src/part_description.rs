@@ -51,13 +51,13 @@ impl PartDescription {
             .collect();
         Box::leak(Box::new(PartInfo {
             name: self.name.leak(),
-            kind: self.kind,
             summary: self.summary.leak(),
             declares: self.declares.leak(),
             domain: self.domain.leak(),
             literature: self.literature.leak(),
             parameters: parameters.leak(),
             paths,
+            ..PartInfo::of(self.kind)
         }))
     }
 }

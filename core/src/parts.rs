@@ -205,6 +205,10 @@ impl StepperPart {
 pub struct CompositionPart {
     /// What it declares.
     pub info: &'static PartInfo,
+    /// Its order over a base of order 2.
+    pub order: usize,
+    /// Whether its base must come apart into a map of order 1 and its adjoint.
+    pub takes_factors: bool,
     make: Arc<MakeComposition>,
 }
 
@@ -212,6 +216,8 @@ impl CompositionPart {
     /// A composition that `make` makes of a step map.
     pub fn new(
         info: &'static PartInfo,
+        order: usize,
+        takes_factors: bool,
         make: impl Fn(Arc<dyn StepMap>, &PartParameters) -> Result<Arc<dyn StepMap>, BuildError>
         + Send
         + Sync
@@ -219,6 +225,8 @@ impl CompositionPart {
     ) -> Self {
         Self {
             info,
+            order,
+            takes_factors,
             make: Arc::new(make),
         }
     }

@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use crate::error::BuildError;
 use crate::origin::Origin;
-use crate::part::{PartInfo, PartKind};
+use crate::part::{Auto, Family, PartInfo, PartKind, PartParameters};
 
 pub use crate::parts::{
     CompositionPart, DynamicsPart, Part, RealizationPart, StepperPart, SystemPart,
@@ -40,6 +40,9 @@ macro_rules! built_in {
                 package: env!("CARGO_PKG_NAME"),
                 version: env!("CARGO_PKG_VERSION"),
             }
+        }
+        $crate::registry::inventory::submit! {
+            $crate::part::Declared(|| $crate::registry::Part::from($part).info())
         }
     };
 }
@@ -152,6 +155,63 @@ impl Registry {
         let mut listing: Vec<_> = entries.map(|e| (e.part.info(), &e.origin)).collect();
         listing.sort_by_key(|(info, _)| info.kind);
         listing
+    }
+
+    /// The exact realizations that a choice left open tries, and why each is taken.
+    pub fn exact_realizations(&self) -> Vec<(&'static PartInfo, &'static str)> {
+        let mut exact: Vec<(u32, &'static PartInfo, &'static str)> = self
+            .parts()
+            .into_iter()
+            .filter_map(|info| match info.auto {
+                Some(Auto::Exact { rank, reason }) => Some((rank, info, reason)),
+                _ => None,
+            })
+            .collect();
+        exact.sort_by_key(|(rank, ..)| *rank);
+        exact
+            .into_iter()
+            .map(|(_, info, reason)| (info, reason))
+            .collect()
+    }
+
+    /// The realization or the dynamic approximation that serves every system, to an order.
+    ///
+    /// # Errors
+    /// [`BuildError::UnknownPart`] where there is none.
+    pub fn of_order(&self, kind: PartKind) -> Result<&'static PartInfo, BuildError> {
+        let mut parts = self.parts().into_iter();
+        parts
+            .find(|info| info.kind == kind && info.is_of_order())
+            .ok_or_else(|| self.unknown(kind, "auto"))
+    }
+
+    /// The parts of a kind that comparisons try, the first ones first.
+    pub fn compared(&self, kind: PartKind) -> Vec<&'static PartInfo> {
+        let rank = |info: &&PartInfo| info.compared.map(|compared| compared.rank);
+        let mut parts = self.parts();
+        parts.retain(|info| info.kind == kind && info.compared.is_some());
+        parts.sort_by_key(rank);
+        parts
+    }
+
+    /// The steppers of a family that comparisons try, the first ones first.
+    pub fn family(&self, family: Family) -> Vec<&'static PartInfo> {
+        let mut parts = self.compared(PartKind::Stepper);
+        parts.retain(|info| info.family == Some(family));
+        parts
+    }
+
+    /// The stepper of a family that errors are measured against, with its settings.
+    ///
+    /// # Errors
+    /// [`BuildError::UnknownPart`] where there is none.
+    pub fn reference(&self, family: Family) -> Result<(StepperPart, PartParameters), BuildError> {
+        let found = self.family(family).into_iter().find_map(|info| {
+            let settings = info.reference?;
+            Some((info.name, PartParameters::of(settings)))
+        });
+        let (name, given) = found.ok_or_else(|| self.unknown(PartKind::Stepper, "reference"))?;
+        Ok((self.stepper(name)?, given))
     }
 
     /// Where the part of this name comes from.

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{
+    Compared, ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters, ServesNumbers,
+};
 use leafwise_core::registry::DynamicsPart;
 use leafwise_core::runge_kutta::PartitionedTableau;
 use leafwise_core::{
@@ -46,6 +48,54 @@ static INFO: PartInfo = PartInfo {
                       Poisson; none: start at the state itself, as in the paper",
             default: ParameterDefault::Text("bisection"),
         },
+    ],
+    serves_numbers: Some(ServesNumbers { rank: 2, limit: "" }),
+    compared: Some(Compared {
+        rank: 1,
+        settings: &[
+            &[("stages", ParameterDefault::Integer(2))],
+            &[("stages", ParameterDefault::Integer(3))],
+        ],
+    }),
+    surveyed: &[
+        &[
+            ("integrator", ParameterDefault::Text("stormer-verlet")),
+            ("correction", ParameterDefault::Text("bisection")),
+        ],
+        &[
+            ("integrator", ParameterDefault::Text("gauss")),
+            ("stages", ParameterDefault::Integer(1)),
+            ("correction", ParameterDefault::Text("bisection")),
+        ],
+        &[
+            ("integrator", ParameterDefault::Text("gauss")),
+            ("stages", ParameterDefault::Integer(2)),
+            ("correction", ParameterDefault::Text("bisection")),
+        ],
+        &[
+            ("integrator", ParameterDefault::Text("gauss")),
+            ("stages", ParameterDefault::Integer(3)),
+            ("correction", ParameterDefault::Text("bisection")),
+        ],
+        &[
+            ("integrator", ParameterDefault::Text("stormer-verlet")),
+            ("correction", ParameterDefault::Text("none")),
+        ],
+        &[
+            ("integrator", ParameterDefault::Text("gauss")),
+            ("stages", ParameterDefault::Integer(1)),
+            ("correction", ParameterDefault::Text("none")),
+        ],
+        &[
+            ("integrator", ParameterDefault::Text("gauss")),
+            ("stages", ParameterDefault::Integer(2)),
+            ("correction", ParameterDefault::Text("none")),
+        ],
+        &[
+            ("integrator", ParameterDefault::Text("gauss")),
+            ("stages", ParameterDefault::Integer(3)),
+            ("correction", ParameterDefault::Text("none")),
+        ],
     ],
     ..PartInfo::of(PartKind::Dynamics)
 };

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{PartInfo, PartKind};
+use leafwise_core::part::{Compared, PartInfo, PartKind};
 use leafwise_core::registry::CompositionPart;
 
 use crate::coefficients;
@@ -13,10 +13,16 @@ const DOMAIN: &str = "any self-adjoint step map; some stages step backwards in t
 const DOMAIN_OF_FACTORS: &str = "a step map that comes apart into a map of order 1 and its adjoint: splitting; some of them step backwards in time";
 
 fn part(scheme: Scheme) -> CompositionPart {
-    CompositionPart::new(scheme.info, move |base, parameters| {
-        parameters.refuse_unknown(scheme.info)?;
-        Ok(Arc::new(Composed::new(base, scheme)?))
-    })
+    let takes_factors = scheme.takes_factors();
+    CompositionPart::new(
+        scheme.info,
+        scheme.order,
+        takes_factors,
+        move |base, given| {
+            given.refuse_unknown(scheme.info)?;
+            Ok(Arc::new(Composed::new(base, scheme)?))
+        },
+    )
 }
 
 impl Scheme {
@@ -49,6 +55,7 @@ static TRIPLE_JUMP: Scheme = Scheme {
         declares: "order 4 over a self-adjoint map of order 2 (3 stages a step); self-adjoint; Poisson as the map is",
         domain: DOMAIN,
         literature: "Yoshida, Construction of higher order symplectic integrators (1990); Forest, Ruth (1990); Creutz, Gocksch (1989); Suzuki (1990)",
+        compared: Some(Compared::at(5)),
         ..PartInfo::of(PartKind::Composition)
     },
     order: 4,
@@ -63,6 +70,7 @@ static SUZUKI_4: Scheme = Scheme {
         declares: "order 4 over a self-adjoint map of order 2 (5 stages a step); self-adjoint; Poisson as the map is",
         domain: DOMAIN,
         literature: "Suzuki, Fractal decomposition of exponential operators (1990)",
+        compared: Some(Compared::at(1)),
         ..PartInfo::of(PartKind::Composition)
     },
     order: 4,
@@ -77,6 +85,7 @@ static YOSHIDA_6: Scheme = Scheme {
         declares: "order 6 over a self-adjoint map of order 2 (7 stages a step); self-adjoint; Poisson as the map is",
         domain: DOMAIN,
         literature: "Yoshida, Construction of higher order symplectic integrators (1990), table 1",
+        compared: Some(Compared::at(6)),
         ..PartInfo::of(PartKind::Composition)
     },
     order: 6,
@@ -91,6 +100,7 @@ static KAHAN_LI_6: Scheme = Scheme {
         declares: "order 6 over a self-adjoint map of order 2 (9 stages a step); self-adjoint; Poisson as the map is",
         domain: DOMAIN,
         literature: "Kahan, Li, Composition constants for raising the orders of unconventional schemes for ordinary differential equations (1997), s9odr6a",
+        compared: Some(Compared::at(2)),
         ..PartInfo::of(PartKind::Composition)
     },
     order: 6,
@@ -105,6 +115,8 @@ static KAHAN_LI_8: Scheme = Scheme {
         declares: "order 8 over a self-adjoint map of order 2 (17 stages a step); self-adjoint; Poisson as the map is",
         domain: DOMAIN,
         literature: "Kahan, Li (1997), s17odr8a",
+        compared: Some(Compared::at(7)),
+        reference: Some(&[]),
         ..PartInfo::of(PartKind::Composition)
     },
     order: 8,
@@ -119,6 +131,7 @@ static SUZUKI_UMENO_8: Scheme = Scheme {
         declares: "order 8 over a self-adjoint map of order 2 (15 stages a step); self-adjoint; Poisson as the map is",
         domain: DOMAIN,
         literature: "Suzuki, Umeno (1993); McLachlan, On the numerical integration of ordinary differential equations by symmetric composition methods (1995)",
+        compared: Some(Compared::at(3)),
         ..PartInfo::of(PartKind::Composition)
     },
     order: 8,
@@ -133,6 +146,7 @@ static KAHAN_LI_10: Scheme = Scheme {
         declares: "order 10 over a self-adjoint map of order 2 (31 stages a step); self-adjoint; Poisson as the map is",
         domain: DOMAIN,
         literature: "Kahan, Li (1997), s31odr10a",
+        compared: Some(Compared::at(8)),
         ..PartInfo::of(PartKind::Composition)
     },
     order: 10,
@@ -147,6 +161,8 @@ static SOFRONIOU_SPALETTA_10: Scheme = Scheme {
         declares: "order 10 over a self-adjoint map of order 2 (35 stages a step); self-adjoint; Poisson as the map is",
         domain: DOMAIN,
         literature: "Sofroniou, Spaletta, Derivation of symmetric composition constants for symmetric integrators (2005)",
+        compared: Some(Compared::at(4)),
+        reference: Some(&[]),
         ..PartInfo::of(PartKind::Composition)
     },
     order: 10,
@@ -161,6 +177,7 @@ static BLANES_MOAN_4: Scheme = Scheme {
         declares: "order 4 over splitting (6 stages a step); self-adjoint; Poisson as the map is",
         domain: DOMAIN_OF_FACTORS,
         literature: "Blanes, Moan, Practical symplectic partitioned Runge-Kutta and Runge-Kutta-Nystrom methods, J. Comput. Appl. Math. 142 (2002), S6; as a composition: McLachlan (1995)",
+        compared: Some(Compared::at(9)),
         ..PartInfo::of(PartKind::Composition)
     },
     order: 4,
@@ -175,6 +192,7 @@ static BLANES_MOAN_6: Scheme = Scheme {
         declares: "order 6 over splitting (10 stages a step); self-adjoint; Poisson as the map is",
         domain: DOMAIN_OF_FACTORS,
         literature: "Blanes, Moan (2002), S10",
+        compared: Some(Compared::at(10)),
         ..PartInfo::of(PartKind::Composition)
     },
     order: 6,

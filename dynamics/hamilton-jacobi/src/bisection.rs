@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{
+    Auto, ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters, ServesNumbers,
+};
 use leafwise_core::registry::DynamicsPart;
 use leafwise_core::{
     BuildError, DynamicApproximation, GraphOfDifferential, LagrangianBisection, PoissonSystem,
@@ -35,6 +37,17 @@ static INFO: PartInfo = PartInfo {
                       the smallest coefficients, the same motion with a shorter series",
             default: ParameterDefault::Text(GIVEN),
         },
+    ],
+    auto: Some(Auto::OfOrder),
+    serves_numbers: Some(ServesNumbers {
+        rank: 1,
+        limit: "of order 2",
+    }),
+    surveyed: &[
+        &[("order", ParameterDefault::Integer(2))],
+        &[("order", ParameterDefault::Integer(4))],
+        &[("order", ParameterDefault::Integer(6))],
+        &[("order", ParameterDefault::Integer(8))],
     ],
     ..PartInfo::of(PartKind::Dynamics)
 };

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{Compared, Family, PartInfo, PartKind, PartParameters, ServesNumbers};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::{BuildError, PoissonSystem, StepMap};
 
@@ -17,6 +17,10 @@ static INFO: PartInfo = PartInfo {
     literature: "Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.5; \
                  coefficients of dop853.f (Hairer, Wanner 1994)",
     parameters: &[TOLERANCE],
+    family: Some(Family::Explicit),
+    serves_numbers: Some(ServesNumbers { rank: 2, limit: "" }),
+    compared: Some(Compared::at(3)),
+    reference: Some(&[]),
     ..PartInfo::of(PartKind::Stepper)
 };
 

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{Compared, Family, PartInfo, PartKind, PartParameters, ServesNumbers};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::{BuildError, PoissonSystem, StepMap};
 
@@ -18,6 +18,9 @@ static INFO: PartInfo = PartInfo {
                  Math. 6 (1980); Hairer, Norsett, Wanner, Solving Ordinary Differential Equations \
                  I, table II.5.2",
     parameters: &[TOLERANCE],
+    family: Some(Family::Explicit),
+    serves_numbers: Some(ServesNumbers { rank: 3, limit: "" }),
+    compared: Some(Compared::at(4)),
     ..PartInfo::of(PartKind::Stepper)
 };
 

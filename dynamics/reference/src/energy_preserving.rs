@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{
+    ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters, ServesNumbers,
+};
 use leafwise_core::quadrature::{GaussLegendre, legendre};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator, Tableau};
@@ -31,6 +33,11 @@ static INFO: PartInfo = PartInfo {
         summary: "the order, 2 or 4: one or two stages",
         default: ParameterDefault::Integer(2),
     }],
+    serves_numbers: Some(ServesNumbers { rank: 6, limit: "" }),
+    surveyed: &[
+        &[("order", ParameterDefault::Integer(2))],
+        &[("order", ParameterDefault::Integer(4))],
+    ],
     ..PartInfo::of(PartKind::Stepper)
 };
 

@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{
+    Compared, Family, ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters,
+    ServesNumbers,
+};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::Tableau;
 use leafwise_core::{BuildError, PoissonSystem, StepMap};
@@ -19,6 +22,22 @@ static INFO: PartInfo = PartInfo {
     literature: "J. C. Butcher, Math. Comp. 18 (1964); Hairer, Lubich, Wanner, Geometric \
                  Numerical Integration, sections II.1.3 and VI.4",
     parameters: &[STAGES],
+    family: Some(Family::Implicit),
+    serves_numbers: Some(ServesNumbers { rank: 5, limit: "" }),
+    compared: Some(Compared {
+        rank: 7,
+        settings: &[
+            &[("stages", ParameterDefault::Integer(2))],
+            &[("stages", ParameterDefault::Integer(3))],
+        ],
+    }),
+    reference: Some(&[("stages", ParameterDefault::Integer(8))]),
+    surveyed: &[
+        &[("stages", ParameterDefault::Integer(1))],
+        &[("stages", ParameterDefault::Integer(2))],
+        &[("stages", ParameterDefault::Integer(3))],
+        &[("stages", ParameterDefault::Integer(4))],
+    ],
     ..PartInfo::of(PartKind::Stepper)
 };
 

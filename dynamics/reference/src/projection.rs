@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{
+    ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters, ServesNumbers,
+};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMapEvaluator, Tableau};
 use leafwise_core::solver::judge::{Verdict, larger, reach, relative};
@@ -29,6 +31,11 @@ static INFO: PartInfo = PartInfo {
             default: ParameterDefault::Text("rk4"),
         },
         STAGES,
+    ],
+    serves_numbers: Some(ServesNumbers { rank: 7, limit: "" }),
+    surveyed: &[
+        &[("base", ParameterDefault::Text("rk4"))],
+        &[("base", ParameterDefault::Text("gauss"))],
     ],
     ..PartInfo::of(PartKind::Stepper)
 };

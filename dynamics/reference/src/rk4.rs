@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{Compared, Family, PartInfo, PartKind, PartParameters, ServesNumbers};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
 use leafwise_core::solver::{Lockstep, Taken};
@@ -18,6 +18,9 @@ static INFO: PartInfo = PartInfo {
     domain: "any system, of formulas or of numbers",
     literature: "W. Kutta, Z. Math. Phys. 46 (1901); Hairer, Norsett, Wanner, Solving Ordinary \
                  Differential Equations I, table II.1.2",
+    family: Some(Family::Explicit),
+    serves_numbers: Some(ServesNumbers { rank: 1, limit: "" }),
+    compared: Some(Compared::at(5)),
     ..PartInfo::of(PartKind::Stepper)
 };
 

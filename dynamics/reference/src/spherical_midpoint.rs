@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{Compared, Family, PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
 use leafwise_core::solver::judge::{Allowed, Verdict, Watch, largest, reach};
@@ -26,6 +26,8 @@ static INFO: PartInfo = PartInfo {
     literature: "R. McLachlan, K. Modin, O. Verdier, Symplectic integrators for spin systems, \
                  Phys. Rev. E 89 (2014); A minimal-variable symplectic integrator on spheres, \
                  Math. Comp. 86 (2017)",
+    family: Some(Family::Poisson),
+    compared: Some(Compared::at(2)),
     ..PartInfo::of(PartKind::Stepper)
 };
 

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use leafwise_core::lattice::{LatticeMap, LatticeSource};
-use leafwise_core::part::{PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{Compared, Family, PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::solver::{ExplicitMap, MapProperties, StepMap, Stepper, Structure};
 use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
@@ -26,6 +26,9 @@ static INFO: PartInfo = PartInfo {
     literature: "Strang, On the construction and comparison of difference schemes (1968); \
                  McLachlan, Quispel, Splitting methods, Acta Numerica 11 (2002); Hairer, Lubich, \
                  Wanner, Geometric Numerical Integration, section VII.4.2",
+    family: Some(Family::Splitting),
+    compared: Some(Compared::at(1)),
+    reference: Some(&[]),
     ..PartInfo::of(PartKind::Stepper)
 };
 

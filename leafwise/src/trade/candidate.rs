@@ -77,6 +77,12 @@ impl<'a> Bench<'a> {
         self.registry
     }
 
+    /// The part of a kind that serves every system, to this order.
+    pub(super) fn of_order(&self, kind: PartKind, order: usize) -> PartUse {
+        let part = self.registry.of_order(kind);
+        PartUse::named(part.map_or("auto", |info| info.name)).with("order", order as i64)
+    }
+
     /// Where systems named by a scene are looked up.
     pub fn library(&self) -> &dyn SceneLibrary {
         self.library

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::lattice::{RealizationStages, StageBuilder, StageEnds};
-use leafwise_core::part::{PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{Auto, PartInfo, PartKind, PartParameters};
 use leafwise_core::realization::{
     Accuracy, RealizationCode, RealizationData, SourceSeries, SourceTarget,
 };
@@ -22,6 +22,10 @@ static INFO: PartInfo = PartInfo {
     literature: "A. Weinstein, The local structure of Poisson manifolds, J. Differential Geom. 18 \
                  (1983); K. Feng, Difference schemes for Hamiltonian formalism and symplectic \
                  geometry, J. Comput. Math. 4 (1986)",
+    auto: Some(Auto::Exact {
+        rank: 1,
+        reason: "the tensor is constant: a closed form",
+    }),
     ..PartInfo::of(PartKind::Realization)
 };
 

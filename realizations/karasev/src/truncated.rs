@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use leafwise_core::lattice::RealizationStages;
-use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{
+    Auto, ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters,
+};
 use leafwise_core::realization::{
     Accuracy, RealizationCode, RealizationData, SourceSeries, SourceTarget,
 };
@@ -15,7 +17,7 @@ use crate::curve::KarasevCurve;
 use crate::series::KarasevSeries;
 
 static INFO: PartInfo = PartInfo {
-    name: "karasev-truncated",
+    name: TruncatedKarasev::NAME,
     summary: "Karasev's realization truncated after epsilon^n, for any Poisson tensor",
     declares: "order n: the realization error is O(epsilon^(n+1)); self-adjoint",
     domain: "a neighbourhood of p = 0 where the series decays; any tensor the formulas can say",
@@ -26,6 +28,15 @@ static INFO: PartInfo = PartInfo {
         summary: "the truncation order n, 1 to 40",
         default: ParameterDefault::Integer(4),
     }],
+    auto: Some(Auto::OfOrder),
+    surveyed: &[
+        &[("order", ParameterDefault::Integer(1))],
+        &[("order", ParameterDefault::Integer(2))],
+        &[("order", ParameterDefault::Integer(3))],
+        &[("order", ParameterDefault::Integer(4))],
+        &[("order", ParameterDefault::Integer(6))],
+        &[("order", ParameterDefault::Integer(8))],
+    ],
     ..PartInfo::of(PartKind::Realization)
 };
 
@@ -45,6 +56,9 @@ pub struct TruncatedKarasev {
 }
 
 impl TruncatedKarasev {
+    /// The part's name.
+    pub const NAME: &str = "karasev-truncated";
+
     /// The realization data of order n ≥ 1.
     ///
     /// # Errors

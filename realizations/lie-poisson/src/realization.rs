@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{Auto, PartInfo, PartKind, PartParameters};
 use leafwise_core::realization::{
     Accuracy, RealizationCode, RealizationData, RealizationWorker, SourceSeries,
 };
@@ -24,6 +24,10 @@ static INFO: PartInfo = PartInfo {
              size below 128",
     literature: "M. V. Karasev, Math. USSR Izv. 28 (1987); J. E. Marsden, T. S. Ratiu, \
                  Introduction to Mechanics and Symmetry (1999), chapter 13",
+    auto: Some(Auto::Exact {
+        rank: 4,
+        reason: "the tensor is linear: matrix functions of the coadjoint map",
+    }),
     ..PartInfo::of(PartKind::Realization)
 };
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::lattice::{RealizationStages, StageBuilder, StageEnds};
-use leafwise_core::part::{PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{Auto, PartInfo, PartKind, PartParameters};
 use leafwise_core::realization::{
     Accuracy, RealizationCode, RealizationData, SourceSeries, SourceTarget,
 };
@@ -22,6 +22,10 @@ static INFO: PartInfo = PartInfo {
     domain: "all points where the exponentials are finite; a_ij of numbers and parameters",
     literature: "S. Li, D. Rupel, Symplectic groupoids for cluster manifolds, arXiv:1807.03450 \
                  (2018)",
+    auto: Some(Auto::Exact {
+        rank: 2,
+        reason: "the tensor is log-canonical: a closed form",
+    }),
     ..PartInfo::of(PartKind::Realization)
 };
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{PartInfo, PartKind};
+use leafwise_core::part::{Auto, PartInfo, PartKind};
 use leafwise_core::realization::{
     Accuracy, RealizationCode, RealizationData, SourceSeries, SourceTarget,
 };
@@ -21,6 +21,10 @@ static EXPONENTIAL: PartInfo = PartInfo {
     declares: "exact; self-adjoint",
     domain: "{x1,x2} = -a x3 cyclic with constant a of either sign; eps*|a|*|p| < 2 pi, checked",
     literature: LITERATURE,
+    auto: Some(Auto::Exact {
+        rank: 3,
+        reason: "the tensor is that of so(3)*: a closed form",
+    }),
     ..PartInfo::of(PartKind::Realization)
 };
 

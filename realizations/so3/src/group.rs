@@ -27,6 +27,11 @@ static INFO: PartInfo = PartInfo {
         summary: "the chart of rotations about the section: cayley or exponential",
         default: ParameterDefault::Text("cayley"),
     }],
+    points_are_pairs: false,
+    surveyed: &[
+        &[("chart", ParameterDefault::Text("cayley"))],
+        &[("chart", ParameterDefault::Text("exponential"))],
+    ],
     ..PartInfo::of(PartKind::Realization)
 };
 

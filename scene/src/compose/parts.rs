@@ -18,9 +18,7 @@ use crate::document::{
     Located, Number, ParameterValue, PartSpec, Place, SceneDocument, Source, nearest,
 };
 
-/// What stands in for a part the scene leaves open.
-const DEFAULT_REALIZATION: &str = "karasev-truncated";
-const DEFAULT_DYNAMICS: &str = "hamilton-jacobi";
+/// The order of the dynamics that a scene leaves open.
 const DEFAULT_DYNAMICS_ORDER: i64 = 4;
 /// What values alone allow.
 const ORDER_OF_NUMBERS: i64 = 2;
@@ -236,7 +234,7 @@ fn pair(
     let request = Request::new(
         document,
         document.method.dynamics.as_ref(),
-        DEFAULT_DYNAMICS,
+        of_order(registry, PartKind::Dynamics),
         order,
     );
     let part = registry
@@ -252,7 +250,7 @@ fn pair(
     let request = Request::new(
         document,
         document.method.realization.as_ref(),
-        DEFAULT_REALIZATION,
+        of_order(registry, PartKind::Realization),
         order,
     );
     let is_open = request.named().is_none() && !request.has_parameters();
@@ -310,40 +308,19 @@ pub(super) fn what_fits(
     }
 }
 
-/// The exact realizations that a choice left open tries, the cheapest first, and why each is taken.
-const EXACT: [(&str, &str); 5] = [
-    ("constant", "the tensor is constant: a closed form"),
-    (
-        "log-canonical",
-        "the tensor is log-canonical: a closed form",
-    ),
-    (
-        "so3-exponential",
-        "the tensor is that of so(3)*: a closed form",
-    ),
-    (
-        "lie-poisson",
-        "the tensor is linear: matrix functions of the coadjoint map",
-    ),
-    (
-        "karasev-collocated",
-        "the tensor has no closed form here: collocation, exact to round-off",
-    ),
-];
-
 /// The cheapest exact realization that fits the tensor; on a long lattice, one that can be swept.
 pub(crate) fn exact_realization(
     system: &PoissonSystem,
     registry: &Registry,
     is_long: bool,
 ) -> Option<(Arc<dyn RealizationData>, PartChoice)> {
-    EXACT.iter().find_map(|(name, reason)| {
-        let part = registry.realization(name).ok()?;
+    let mut exact = registry.exact_realizations().into_iter();
+    exact.find_map(|(info, reason)| {
+        let part = registry.realization(info.name).ok()?;
         let realization = part.build(system, &PartParameters::new()).ok()?;
         if is_long && realization.stages().is_none() {
             return None;
         }
-        let info = part.info;
         let parameters = info
             .parameters
             .iter()
@@ -360,6 +337,11 @@ pub(crate) fn exact_realization(
         };
         Some((realization, choice))
     })
+}
+
+/// The part that stands in for one that the scene leaves open, where no exact one fits.
+fn of_order(registry: &Registry, kind: PartKind) -> &'static str {
+    registry.of_order(kind).map_or("auto", |info| info.name)
 }
 
 /// What the scene asks of one part.

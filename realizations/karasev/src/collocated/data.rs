@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{
+    Auto, ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters, ServesNumbers,
+};
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{
     Accuracy, BuildError, LagrangianBisection, MapProperties, PoissonSystem, RealizationData,
@@ -31,6 +33,17 @@ static INFO: PartInfo = PartInfo {
         summary: "the number q of Gauss nodes, 1 to 24; 0: as many as the step needs",
         default: ParameterDefault::Integer(0),
     }],
+    auto: Some(Auto::Exact {
+        rank: 5,
+        reason: "the tensor has no closed form here: collocation, exact to round-off",
+    }),
+    serves_numbers: Some(ServesNumbers { rank: 1, limit: "" }),
+    surveyed: &[
+        &[("points", ParameterDefault::Integer(0))],
+        &[("points", ParameterDefault::Integer(1))],
+        &[("points", ParameterDefault::Integer(2))],
+        &[("points", ParameterDefault::Integer(3))],
+    ],
     ..PartInfo::of(PartKind::Realization)
 };
 
