@@ -2,6 +2,7 @@
 
 use serde::de::DeserializeOwned;
 
+use crate::part::part;
 use crate::{About, Defaults, SystemError};
 
 /// One system of the library.
@@ -82,11 +83,14 @@ impl LibrarySystem {
 
 macro_rules! library {
     ($($id:literal),* $(,)?) => {
-        [$(LibrarySystem { id: $id, text: include_str!(concat!("../library/", $id, ".toml")) }),*]
+        static LIBRARY: [LibrarySystem; 12] = [$(
+            LibrarySystem { id: $id, text: include_str!(concat!("../library/", $id, ".toml")) }
+        ),*];
+        $(leafwise_core::built_in!(part($id));)*
     };
 }
 
-static LIBRARY: [LibrarySystem; 12] = library![
+library![
     "gradient",
     "heavy-top",
     "lotka-volterra",

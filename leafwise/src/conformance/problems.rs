@@ -2,7 +2,7 @@
 
 use leafwise_core::registry::SystemPart;
 use leafwise_core::{BuildError, PartKind, PartParameters, PoissonSystem, Registry, StepError};
-use leafwise_scene::{NoLibrary, SceneDocument};
+use leafwise_scene::SceneDocument;
 
 use crate::verify::Problem;
 
@@ -35,7 +35,8 @@ const CANONICAL: [(&str, &str); 2] = [
 /// The problems of the library, and those of plugins.
 pub(super) fn all(registry: &Registry) -> Vec<Problem> {
     let canonical = CANONICAL.into_iter().map(|(name, text)| {
-        let document = SceneDocument::parse(name, text, &NoLibrary).expect("a scene of this file");
+        let document =
+            SceneDocument::parse(name, text, &Registry::empty()).expect("a scene of this file");
         Problem::of_scene(&document).expect("a system of this file")
     });
     let library = LIBRARY
@@ -51,7 +52,7 @@ pub(super) fn all(registry: &Registry) -> Vec<Problem> {
 pub(super) fn of_plugins(registry: &Registry) -> Vec<Problem> {
     let systems = registry.parts().into_iter();
     systems
-        .filter(|info| info.kind == PartKind::System)
+        .filter(|info| info.kind == PartKind::System && !info.paths.is_empty())
         .filter_map(|info| registry.system(info.name).ok())
         .filter_map(|part| of_part(&part, &PartParameters::new()).ok()?)
         .collect()

@@ -7,7 +7,6 @@ use leafwise_scene::{SceneDocument, compose};
 use toml::{Table, Value};
 
 use super::case::{Case, Outcome, StressError, StressOptions, Tally};
-use crate::library::ProblemLibrary;
 
 pub(super) const CASES: [Case; 2] = [
     Case {
@@ -174,7 +173,7 @@ fn numbers(_: &StressOptions) -> Result<Outcome, StressError> {
     let mut fields = 0;
     let mut seen = Vec::new();
     for text in scenes() {
-        let document = SceneDocument::parse("case", &text, &ProblemLibrary)?;
+        let document = SceneDocument::parse("case", &text, &Registry::with_builtin())?;
         compose(&document, &Registry::with_builtin()).map_err(StressError::Refused)?;
         let scene = Value::Table(text.parse::<Table>().unwrap_or_default());
         let mut paths = Vec::new();
@@ -208,7 +207,7 @@ fn numbers(_: &StressOptions) -> Result<Outcome, StressError> {
 
 /// Whether reading or composing refuses it, in words.
 fn is_refused(text: &str) -> bool {
-    match SceneDocument::parse("case", text, &ProblemLibrary) {
+    match SceneDocument::parse("case", text, &Registry::with_builtin()) {
         Err(errors) => !errors.to_string().is_empty(),
         Ok(document) => compose(&document, &Registry::with_builtin()).is_err(),
     }
@@ -260,7 +259,8 @@ fn replace(value: &mut Value, path: &[String], number: f64) {
 
 fn parameters(_: &StressOptions) -> Result<Outcome, StressError> {
     let mut tally = Tally::default();
-    for part in Registry::with_builtin().parts() {
+    let parts = Registry::with_builtin().parts().into_iter();
+    for part in parts.filter(|part| part.kind != PartKind::System) {
         let numeric = part.parameters.iter().filter(|parameter| {
             matches!(
                 parameter.default,

@@ -8,8 +8,6 @@ use leafwise_core::{BuildError, Integrator, PoissonSystem, Registry, StepError, 
 use leafwise_scene::compose::Stepping;
 use leafwise_scene::{Refusal, SceneDocument, compose, compose_system};
 
-use crate::library::ProblemLibrary;
-
 /// A problem that step maps are measured on.
 #[derive(Clone, Debug)]
 pub struct Problem {
@@ -92,7 +90,7 @@ impl Problem {
              steps = 1\n",
             defaults.time_step
         );
-        let document = SceneDocument::parse(id, &text, &ProblemLibrary)?;
+        let document = SceneDocument::parse(id, &text, &Registry::with_builtin())?;
         Self::of_scene(&document)
     }
 

@@ -155,6 +155,8 @@ pub(super) fn system_choice(document: &SceneDocument, registry: &Registry) -> Op
     let library = document.system.library.as_ref()?;
     let part = registry.system(&library.value).ok()?;
     let info = part.info;
+    // A built-in system is a text like the scene's own.
+    info.paths.first()?;
     let (given, path) = match &document.system.numbers {
         Some(numbers) => (numbers.given.clone(), "numbers"),
         None => {

@@ -6,10 +6,11 @@ use std::sync::Arc;
 use leafwise_core::part_description::PartDescription;
 use leafwise_core::{PartKind, PartParameters, PoissonSystem, RealizationData};
 use leafwise_plugin_abi::{LW_FLAG_COTANGENT_CHART, LW_FLAG_EXACT, LW_FLAG_REVERSIBLE};
+use leafwise_scene::compose::system_of_fragment;
 
 use crate::declaration::{Dimensions, Flags, PartDeclaration};
 use crate::foreign::Lent;
-use crate::formulas::{FormulaRealizationPart, system_of_fragment};
+use crate::formulas::FormulaRealizationPart;
 use crate::host::HostSystem;
 
 /// A system with an exact realization.
