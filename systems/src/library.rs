@@ -2,7 +2,6 @@
 
 use serde::de::DeserializeOwned;
 
-use crate::part::part;
 use crate::{About, Defaults, SystemError};
 
 /// One system of the library.
@@ -82,28 +81,14 @@ impl LibrarySystem {
 }
 
 macro_rules! library {
-    ($($id:literal),* $(,)?) => {
+    ($($id:literal),*) => {
         static LIBRARY: [LibrarySystem; 12] = [$(
             LibrarySystem { id: $id, text: include_str!(concat!("../library/", $id, ".toml")) }
         ),*];
-        $(leafwise_core::built_in!(part($id));)*
     };
 }
 
-library![
-    "gradient",
-    "heavy-top",
-    "lotka-volterra",
-    "lotka-volterra-periodic",
-    "magnetic",
-    "point-vortices",
-    "rigid-body",
-    "se3",
-    "so4",
-    "three-wave",
-    "toda",
-    "volterra-lattice",
-];
+of_each_system!(library);
 
 /// Every system of the library, sorted by id.
 pub fn all() -> &'static [LibrarySystem] {

@@ -20,7 +20,7 @@ static INFOS: LazyLock<Vec<&'static PartInfo>> = LazyLock::new(|| {
 });
 
 /// The system with this id, one of the library.
-pub(crate) fn part(id: &str) -> SystemPart {
+fn part(id: &str) -> SystemPart {
     let mut systems = all().iter().zip(INFOS.iter());
     let found = systems.find(|(system, _)| system.id == id);
     let (system, info) = found.expect("an id of the library");
@@ -81,3 +81,11 @@ fn build(
     system_of_fragment(info.name, &text)
         .map_err(|(key, problem)| unfit(format!("{key}: {problem}")))
 }
+
+macro_rules! parts {
+    ($($id:literal),*) => {
+        $(leafwise_core::built_in!(part($id));)*
+    };
+}
+
+of_each_system!(parts);

@@ -20,11 +20,16 @@ pub fn serves_numbers() -> String {
         serving.sort();
         serving.into_iter().map(|(_, text)| text).collect()
     };
+    let [realizations, dynamics, steppers] =
+        [PartKind::Realization, PartKind::Dynamics, PartKind::Stepper].map(all);
+    if realizations.is_empty() || dynamics.is_empty() || steppers.is_empty() {
+        return "nothing that is linked into this program".to_owned();
+    }
     format!(
         "{} with {}, and the steppers {}",
-        all(PartKind::Realization).join(" or "),
-        all(PartKind::Dynamics).join(" or with "),
-        all(PartKind::Stepper).join(", ")
+        realizations.join(" or "),
+        dynamics.join(" or with "),
+        steppers.join(", ")
     )
 }
 

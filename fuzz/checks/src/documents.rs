@@ -89,13 +89,14 @@ fn read(text: &str) -> Result<Reached, String> {
         }
         Err(format!("an error without a place: {diagnostic:?}"))
     };
-    match SceneDocument::parse("scene.toml", text, &Registry::with_builtin()) {
+    let registry = Registry::with_builtin();
+    match SceneDocument::parse("scene.toml", text, &registry) {
         Err(errors) => errors.diagnostics().iter().try_for_each(has_place)?,
         Ok(document) => {
             if document.system.dimension() > crate::LARGEST {
                 return Ok(Reached::Refusal);
             }
-            if let Err(refusal) = compose(&document, &Registry::with_builtin()) {
+            if let Err(refusal) = compose(&document, &registry) {
                 has_place(&refusal)?;
             }
         }

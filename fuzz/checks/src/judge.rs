@@ -53,8 +53,7 @@ pub fn judge(scene: &RandomScene, registry: &Registry) -> Verdict {
 }
 
 fn judged(scene: &RandomScene, registry: &Registry) -> Verdict {
-    let document = match SceneDocument::parse("scene.toml", &scene.text, &Registry::with_builtin())
-    {
+    let document = match SceneDocument::parse("scene.toml", &scene.text, registry) {
         Ok(document) => document,
         Err(errors) => {
             let first = errors

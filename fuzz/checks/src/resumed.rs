@@ -105,9 +105,9 @@ impl Runs {
     }
 
     fn made() -> Result<Self, String> {
-        let document = SceneDocument::parse("scene.toml", SCENE, &Registry::with_builtin());
-        let document = document.map_err(|errors| errors.to_string())?;
         let registry = Registry::with_builtin();
+        let document = SceneDocument::parse("scene.toml", SCENE, &registry);
+        let document = document.map_err(|errors| errors.to_string())?;
         let composed = compose(&document, &registry).map_err(|refusal| refusal.to_string())?;
         let mut runs = Self {
             document,

@@ -27,13 +27,13 @@ pub fn check(bytes: &[u8]) -> Result<Reached, String> {
 /// # Errors
 /// What is wrong.
 pub fn same_bits(text: &str, steps: usize) -> Result<Reached, String> {
-    let Ok(document) = SceneDocument::parse("scene.toml", text, &Registry::with_builtin()) else {
+    let registry = Registry::with_builtin();
+    let Ok(document) = SceneDocument::parse("scene.toml", text, &registry) else {
         return Ok(Reached::Refusal);
     };
     if document.system.dimension() > crate::LARGEST {
         return Ok(Reached::Refusal);
     }
-    let registry = Registry::with_builtin();
     let Ok(run) = compose(&document, &registry) else {
         return Ok(Reached::Refusal);
     };

@@ -43,7 +43,7 @@ pub(super) fn run_table(steps: u64) -> String {
 
 /// A scene's text, ready to run.
 pub(super) fn composed(text: &str, registry: &Registry) -> Result<ComposedRun, ReproduceError> {
-    let document = SceneDocument::parse("figure", text, &Registry::with_builtin())?;
+    let document = SceneDocument::parse("figure", text, registry)?;
     compose(&document, registry).map_err(ReproduceError::Refused)
 }
 

@@ -172,9 +172,10 @@ fn numbers(_: &StressOptions) -> Result<Outcome, StressError> {
     let mut tally = Tally::default();
     let mut fields = 0;
     let mut seen = Vec::new();
+    let registry = Registry::with_builtin();
     for text in scenes() {
-        let document = SceneDocument::parse("case", &text, &Registry::with_builtin())?;
-        compose(&document, &Registry::with_builtin()).map_err(StressError::Refused)?;
+        let document = SceneDocument::parse("case", &text, &registry)?;
+        compose(&document, &registry).map_err(StressError::Refused)?;
         let scene = Value::Table(text.parse::<Table>().unwrap_or_default());
         let mut paths = Vec::new();
         walk(&scene, &mut Vec::new(), &mut seen, &mut paths);
@@ -207,9 +208,10 @@ fn numbers(_: &StressOptions) -> Result<Outcome, StressError> {
 
 /// Whether reading or composing refuses it, in words.
 fn is_refused(text: &str) -> bool {
-    match SceneDocument::parse("case", text, &Registry::with_builtin()) {
+    let registry = Registry::with_builtin();
+    match SceneDocument::parse("case", text, &registry) {
         Err(errors) => !errors.to_string().is_empty(),
-        Ok(document) => compose(&document, &Registry::with_builtin()).is_err(),
+        Ok(document) => compose(&document, &registry).is_err(),
     }
 }
 

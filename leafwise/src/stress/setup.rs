@@ -35,8 +35,9 @@ pub(super) fn pair(
 
 /// A scene's text, ready to run.
 pub(super) fn composed(text: &str) -> Result<ComposedRun, StressError> {
-    let document = SceneDocument::parse("case", text, &Registry::with_builtin())?;
-    compose(&document, &Registry::with_builtin()).map_err(StressError::Refused)
+    let registry = Registry::with_builtin();
+    let document = SceneDocument::parse("case", text, &registry)?;
+    compose(&document, &registry).map_err(StressError::Refused)
 }
 
 /// A system from the text of its `[system]` table, from `initial`.

@@ -17,6 +17,7 @@ pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
     if !of_order.is_ok_and(is_of_order) || m <= 2 || m <= n {
         return None;
     }
+    let name = probe.dynamics.name;
     let places = &probe.places;
     let own: Vec<_> = places
         .iter()
@@ -38,13 +39,13 @@ pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
     (enough < m).then(|| Advice {
         kind: AdviceKind::DynamicsOrder,
         message: format!(
-            "hamilton-jacobi of order {m} over {} of order {n}: its terms after order {enough} \
+            "{name} of order {m} over {} of order {n}: its terms after order {enough} \
              change a step by at most {}, and cutting the realization off changes it by {}",
             probe.realization.name,
             number(lost),
             number(error)
         ),
-        change: format!("dynamics = {{ name = \"hamilton-jacobi\", order = {enough} }}"),
+        change: format!("dynamics = {{ name = \"{name}\", order = {enough} }}"),
     })
 }
 

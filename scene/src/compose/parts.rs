@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::lattice::LatticeMap;
-use leafwise_core::part::{PATH, ParameterDefault, ParameterSetting, PartInfo, PartKind};
+use leafwise_core::part::{Family, PATH, ParameterDefault, ParameterSetting, PartInfo, PartKind};
 use leafwise_core::registry::CompositionPart;
 use leafwise_core::{
     BuildError, DynamicApproximation, Origin, PartParameters, PoissonSystem, RealizationData,
@@ -301,7 +301,13 @@ pub(super) fn what_fits(
         .filter(|name| matches!(fits(name), Ok(true)))
         .collect();
     match (names.as_slice(), is_long) {
-        ([], _) => "a stepper such as splitting may stand in place of both".to_owned(),
+        ([], _) => {
+            let splits = registry.family(Family::Splitting);
+            let such_as = splits
+                .first()
+                .map_or(String::new(), |part| format!(" such as {}", part.name));
+            format!("a stepper{such_as} may stand in place of both")
+        }
         (names, true) => format!(
             "these can be swept over a long lattice: {}",
             names.join(", ")

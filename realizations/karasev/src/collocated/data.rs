@@ -10,12 +10,11 @@ use leafwise_core::{
     Accuracy, BuildError, LagrangianBisection, MapProperties, PoissonSystem, RealizationData,
     RealizationWorker, SourceSeries, StepMap,
 };
-use leafwise_expression::Kernel;
 
-use super::curve::Curve;
+use super::collocation::Collocation;
 use super::field::{Field, NAME};
 use super::fused::{FusedStep, OneForm};
-use super::worker::{CollocatedWorker, FEWEST_POINTS};
+use super::worker::CollocatedWorker;
 use crate::series::KarasevSeries;
 
 static INFO: PartInfo = PartInfo {
@@ -54,20 +53,12 @@ static INFO: PartInfo = PartInfo {
 /// defect is at round-off for the step at hand.
 #[derive(Clone, Debug)]
 pub struct CollocatedKarasev {
-    field: Field,
-    points: Option<usize>,
+    collocation: Collocation,
     /// Where the tensor is a formula.
     series: Option<KarasevSeries>,
 }
 
-/// Where the automatic choice gives up: the curve is then too long for its chart.
-const MOST_POINTS: usize = 24;
-
 impl CollocatedKarasev {
-    pub(super) fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
-        self.field.kernels()
-    }
-
     /// The realization at `points` nodes, or at as many as the step needs.
     ///
     /// # Errors
@@ -75,47 +66,33 @@ impl CollocatedKarasev {
     pub fn new(system: &PoissonSystem, points: Option<usize>) -> Result<Self, BuildError> {
         let formulas = system.expressions();
         Ok(Self {
-            field: Field::of(system)?,
-            points,
+            collocation: Collocation {
+                field: Field::of(system)?,
+                points,
+            },
             series: formulas.map(|formulas| KarasevSeries::new(formulas.clone())),
         })
-    }
-
-    pub(super) fn curve(&self, parameters: &[f64]) -> Curve {
-        Curve::new(
-            &self.field,
-            parameters,
-            self.points.unwrap_or(FEWEST_POINTS),
-        )
-    }
-
-    pub(super) fn most_points(&self) -> Option<usize> {
-        if self.points.is_some() {
-            None
-        } else {
-            Some(MOST_POINTS)
-        }
     }
 }
 
 impl RealizationData for CollocatedKarasev {
     fn dimension(&self) -> usize {
-        self.field.dimension
+        self.collocation.dimension()
     }
 
     fn space_dimension(&self) -> usize {
-        2 * self.field.dimension
+        2 * self.collocation.dimension()
     }
 
     fn accuracy(&self) -> Accuracy {
-        match self.points {
+        match self.collocation.points {
             None => Accuracy::Exact,
             Some(q) => Accuracy::Order(2 * q - 1),
         }
     }
 
     fn describe(&self) -> String {
-        match self.points {
+        match self.collocation.points {
             None => format!("{NAME} (as many nodes as needed)"),
             Some(q) => format!("{NAME} q = {q}"),
         }
@@ -133,9 +110,9 @@ impl RealizationData for CollocatedKarasev {
     }
 
     fn worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationWorker>> {
-        let curve = self.curve(parameters);
-        let d = self.field.dimension;
-        let worker = CollocatedWorker::new(curve, epsilon, self.most_points(), d);
+        let curve = self.collocation.curve(parameters);
+        let (most, d) = (self.collocation.most_points(), self.dimension());
+        let worker = CollocatedWorker::new(curve, epsilon, most, d);
         Some(Box::new(worker))
     }
 
@@ -147,7 +124,9 @@ impl RealizationData for CollocatedKarasev {
     ) -> Option<Result<Box<dyn StepMap>, BuildError>> {
         // Only the graph of a one-form says p at x̂.
         let form = OneForm::of(system, &bisection)?;
-        let fused = form.map(|form| FusedStep::new(self, form, properties));
+        let describe = format!("{} + Hamilton-Jacobi, fused", self.describe());
+        let collocation = self.collocation.clone();
+        let fused = form.map(|form| FusedStep::new(collocation, describe, form, properties));
         Some(fused.map(|fused| Box::new(fused) as Box<dyn StepMap>))
     }
 }
