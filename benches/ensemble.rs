@@ -8,7 +8,6 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use leafwise::ProblemLibrary;
 use leafwise::core::{Registry, SideBySide};
 use leafwise::scene::SceneDocument;
 use leafwise::scene::ensemble::{ComposedEnsemble, Workforce, compose_ensemble, run_ensemble};
@@ -37,7 +36,8 @@ fn scene(method: &str, time_step: f64) -> String {
 
 fn composed(method: &str, time_step: f64) -> (SceneDocument, ComposedEnsemble) {
     let text = scene(method, time_step);
-    let document = SceneDocument::parse("bench.toml", &text, &ProblemLibrary).expect("a scene");
+    let document =
+        SceneDocument::parse("bench.toml", &text, &Registry::with_builtin()).expect("a scene");
     let ensemble = compose_ensemble(&document, &Registry::with_builtin(), Path::new(""));
     (document, ensemble.expect("an ensemble"))
 }

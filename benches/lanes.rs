@@ -6,7 +6,6 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use leafwise::ProblemLibrary;
 use leafwise::core::Registry;
 use leafwise::expression::{
     Arithmetic, Execution, Function, Graph, Kernel, StepSize, Term, elementary,
@@ -32,7 +31,8 @@ const LANES: [usize; 9] = [1, 2, 4, 8, 12, 16, 32, 64, 128];
 /// y ↦ dŜ(y) of order 8: products and sums.
 fn differential() -> Kernel {
     let text = scene(RIGID_BODY.0, RIGID_BODY.1, 6, 8, 0.1);
-    let document = SceneDocument::parse("bench.toml", &text, &ProblemLibrary).expect("a scene");
+    let document =
+        SceneDocument::parse("bench.toml", &text, &Registry::with_builtin()).expect("a scene");
     let run = compose(&document, &Registry::with_builtin()).expect("a method");
     let method = run.method.written().expect("a method written out");
     let mut graph = Graph::new();
@@ -55,7 +55,8 @@ fn field() -> (Vec<f64>, Kernel) {
         2,
         0.1,
     );
-    let document = SceneDocument::parse("bench.toml", &text, &ProblemLibrary).expect("a scene");
+    let document =
+        SceneDocument::parse("bench.toml", &text, &Registry::with_builtin()).expect("a scene");
     let run = compose(&document, &Registry::with_builtin()).expect("a method");
     let formulas = run.system.formulas("a bench").expect("formulas");
     let kernel = formulas.vector_field_kernel().expect("a field");

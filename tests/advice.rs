@@ -1,7 +1,6 @@
 //! A scene that asks for more than it uses, or for less than it needs, is told so, with the line to
 //! write instead; that line mends it. Scenes that deserve no warning get none.
 
-use leafwise::ProblemLibrary;
 use leafwise::core::Structure;
 use leafwise::prelude::*;
 use leafwise::scene::advice::{Advice, AdviceKind, advise, states_ahead};
@@ -19,7 +18,7 @@ fn body(method: &str) -> String {
 }
 
 fn composed(text: &str) -> ComposedRun {
-    let document = SceneDocument::parse("scene", text, &ProblemLibrary).expect("a scene");
+    let document = SceneDocument::parse("scene", text, &Registry::with_builtin()).expect("a scene");
     compose(&document, &Registry::with_builtin()).expect("a run")
 }
 
@@ -39,7 +38,7 @@ fn changed(text: &str, advice: &Advice) -> String {
         (format!("method.{key}"), value.to_owned())
     };
     let overrides: Vec<_> = advice.change.lines().map(line).collect();
-    let changed = SceneDocument::parse_with("scene", text, &overrides, &ProblemLibrary);
+    let changed = SceneDocument::parse_with("scene", text, &overrides, &Registry::with_builtin());
     changed.expect("a scene").text
 }
 

@@ -7,7 +7,7 @@ use leafwise::core::part::PartKind;
 use leafwise::core::solver::Observe;
 use leafwise::core::{Integrator, Method, PartParameters, Registry, StepMap};
 use leafwise::expression::Execution;
-use leafwise::prelude::{ProblemLibrary, SceneDocument};
+use leafwise::prelude::SceneDocument;
 use leafwise::scene;
 use leafwise::scene::compose::Stepping;
 use leafwise_tests::{Problem, library};
@@ -117,7 +117,8 @@ fn lattices_and_observers() {
                  [method]\nrealization = { name = \"karasev-truncated\", order = 2 }\n\
                  dynamics = { name = \"hamilton-jacobi\", order = 2 }\ntime-step = 0.05\n\
                  [run]\ninitial = { \"x[i]\" = \"1 + 0.1*sin(2*pi*i/N)\" }\nsteps = 1\n";
-    let document = SceneDocument::parse("lattice.toml", text, &ProblemLibrary).expect("a scene");
+    let document =
+        SceneDocument::parse("lattice.toml", text, &Registry::with_builtin()).expect("a scene");
     let run = scene::compose(&document, &Registry::with_builtin()).expect("a method");
     let Stepping::Lattice(lattice) = &run.method else {
         panic!("a long lattice steps by templates");

@@ -3,7 +3,7 @@
 //! `LEAFWISE_SWEEP` sets the number of random scenes of each test, 48 otherwise.
 
 use leafwise::core::{Integrator, StepError};
-use leafwise::prelude::{ProblemLibrary, Registry, SceneDocument};
+use leafwise::prelude::{Registry, SceneDocument};
 use leafwise::scene::{ComposedRun, compose};
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -14,7 +14,7 @@ fn cases() -> u32 {
 }
 
 fn scene(text: &str) -> ComposedRun {
-    let document = SceneDocument::parse("scene", text, &ProblemLibrary).expect("a scene");
+    let document = SceneDocument::parse("scene", text, &Registry::with_builtin()).expect("a scene");
     compose(&document, &Registry::with_builtin())
         .unwrap_or_else(|refusal| panic!("{refusal}\n{text}"))
 }

@@ -19,6 +19,7 @@ mod opaque_steppers;
 mod orders;
 mod paper;
 mod paper_slopes;
+mod part_names;
 mod poles;
 mod reference;
 mod stress;

@@ -13,7 +13,7 @@ use leafwise::core::{
     Accuracy, Ends, Integrator, Method, PartParameters, PoissonSystem, RealizationData, Registry,
     realization_worker,
 };
-use leafwise::prelude::{ProblemLibrary, SceneDocument};
+use leafwise::prelude::SceneDocument;
 use leafwise::scene::compose;
 use leafwise_tests::library;
 use leafwise_tests::numbers::{distance, largest};
@@ -127,7 +127,8 @@ fn a_field_that_is_even_about_the_middle_takes_the_nodes_it_needs() {
              [run]\ninitial = {:?}\nsteps = 1\n",
             vec![0.0; d]
         );
-        let document = SceneDocument::parse("even", &text, &ProblemLibrary).expect("a scene");
+        let document =
+            SceneDocument::parse("even", &text, &Registry::with_builtin()).expect("a scene");
         let run = compose(&document, &Registry::with_builtin()).expect("a run");
         let realization = collocated(&run.system, 0);
         let mut worker = realization_worker(realization.as_ref(), &[], 1.0).expect("maps on T*M");

@@ -3,7 +3,6 @@
 
 use std::sync::Mutex;
 
-use leafwise::ProblemLibrary;
 use leafwise::core::Registry;
 use leafwise::expression::{
     AnalyticFunction, Arithmetic, Execution, Function, Graph, Kernel, Rational, Term,
@@ -147,7 +146,8 @@ proptest! {
 /// The states of 10⁴ steps, folded into one number bit by bit, and the last state.
 fn steps(text: &str, execution: Execution) -> (u64, Vec<u64>) {
     execution.set_default_of_process();
-    let document = SceneDocument::parse("test.toml", text, &ProblemLibrary).expect("a scene");
+    let document =
+        SceneDocument::parse("test.toml", text, &Registry::with_builtin()).expect("a scene");
     let run = compose(&document, &Registry::with_builtin()).expect("a method");
     let mut integrator = run.integrator();
     let mut digest = 0_u64;
@@ -223,7 +223,8 @@ fn the_manifest_says_what_was_compiled() {
     let root = tempfile::tempdir().expect("a directory");
     for execution in [Execution::Interpreted, Execution::Adaptive] {
         execution.set_default_of_process();
-        let document = SceneDocument::parse("top.toml", text, &ProblemLibrary).expect("a scene");
+        let document =
+            SceneDocument::parse("top.toml", text, &Registry::with_builtin()).expect("a scene");
         let registry = Registry::with_builtin();
         let composed = compose(&document, &registry).expect("a method");
         let options = RunOptions {

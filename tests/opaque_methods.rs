@@ -6,7 +6,7 @@ use std::sync::Arc;
 use leafwise::core::diagnostics::measure_drift;
 use leafwise::core::part::PartKind;
 use leafwise::core::system::SystemInvariants;
-use leafwise::core::system::numbers::SERVES_NUMBERS;
+use leafwise::core::system::numbers::serves_numbers;
 use leafwise::core::{
     BuildError, DynamicApproximation, Integrator, Method, PartParameters, PoissonSystem,
     RealizationData, Registry, StepMap,
@@ -193,8 +193,9 @@ fn parts_that_need_formulas_say_so_and_what_serves_instead() {
             error.to_string(),
             format!(
                 "{} needs formulas of the system, and test/numbers offers only numbers; what serves \
-                 it: {SERVES_NUMBERS}",
-                info.name
+                 it: {}",
+                info.name,
+                serves_numbers()
             )
         );
     }
@@ -203,7 +204,8 @@ fn parts_that_need_formulas_say_so_and_what_serves_instead() {
 #[test]
 fn what_refusals_name_is_what_serves() {
     let system = opaque::with_derivatives(&library("rigid-body").system);
-    let words: Vec<&str> = SERVES_NUMBERS
+    let serving = serves_numbers();
+    let words: Vec<&str> = serving
         .split(|c: char| !c.is_alphanumeric() && c != '-')
         .collect();
     for info in Registry::with_builtin().parts() {
@@ -226,7 +228,8 @@ fn hamilton_jacobi_above_order_two_needs_formulas() {
         refused.to_string(),
         format!(
             "hamilton-jacobi needs formulas of the system for an order above 2, and test/values \
-             offers only numbers; what serves it: {SERVES_NUMBERS}"
+             offers only numbers; what serves it: {}",
+            serves_numbers()
         )
     );
 }

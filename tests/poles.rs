@@ -1,7 +1,7 @@
 //! No step crosses a pole of the equations of motion; places where they stay finite are crossed.
 
 use leafwise::core::StepError;
-use leafwise::prelude::{ProblemLibrary, Registry, SceneDocument};
+use leafwise::prelude::{Registry, SceneDocument};
 use leafwise::scene::{ComposedRun, compose};
 use proptest::prelude::*;
 use proptest::sample::select;
@@ -28,10 +28,10 @@ fn scene(hamiltonian: &str, method: &str, step: f64, initial: [f64; 2]) -> Compo
 }
 
 fn compose_text(text: &str) -> ComposedRun {
-    let document = SceneDocument::parse("scene", text, &ProblemLibrary)
+    let registry = Registry::with_builtin();
+    let document = SceneDocument::parse("scene", text, &registry)
         .unwrap_or_else(|errors| panic!("{errors}\n{text}"));
-    compose(&document, &Registry::with_builtin())
-        .unwrap_or_else(|refusal| panic!("{refusal}\n{text}"))
+    compose(&document, &registry).unwrap_or_else(|refusal| panic!("{refusal}\n{text}"))
 }
 
 /// The positions until a step is refused, and why it was.

@@ -2,7 +2,6 @@
 
 pub mod rotations;
 
-use leafwise::ProblemLibrary;
 use leafwise::core::Registry;
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
 
@@ -59,7 +58,8 @@ pub const PERIODIC_LOTKA_VOLTERRA: (&str, &str) = ("lotka-volterra-periodic", "[
 /// # Panics
 /// When the scene is not valid: a defect of the bench.
 pub fn composed(text: &str) -> ComposedRun {
-    let document = SceneDocument::parse("bench.toml", text, &ProblemLibrary).expect("a scene");
+    let document =
+        SceneDocument::parse("bench.toml", text, &Registry::with_builtin()).expect("a scene");
     compose(&document, &Registry::with_builtin()).expect("a method")
 }
 

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use leafwise::SystemLibrary;
 use leafwise::core::Registry;
 use leafwise::plugins::{
     LoadedPlugin, Loader, PluginError, PluginRequest, ProbeCommand, SearchPath,
@@ -74,11 +73,6 @@ impl Parts {
         self.loader.search()
     }
 
-    /// Systems by name: the problem library, and those of the plugins.
-    pub fn library(&self) -> SystemLibrary {
-        SystemLibrary::of(&self.registry)
-    }
-
     /// Reads a scene, after loading the plugins that it names.
     ///
     /// # Errors
@@ -103,7 +97,7 @@ impl Parts {
             text,
             overrides,
         } = text;
-        SceneDocument::parse_with(&name, &text, &overrides, &self.library())
+        SceneDocument::parse_with(&name, &text, &overrides, &self.registry)
             .map_err(|errors| Failure::Scene(errors.diagnostics()))
     }
 }

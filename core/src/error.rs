@@ -123,7 +123,7 @@ pub enum BuildError {
         /// What the part would need.
         missing: &'static str,
         /// The parts that need no more than the system has.
-        instead: &'static str,
+        instead: String,
     },
     /// Two parts that cannot be combined.
     #[error("{dynamics} cannot be combined with {realization}: {reason}")]

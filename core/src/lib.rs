@@ -35,6 +35,7 @@ pub mod one_form;
 pub mod origin;
 pub mod part;
 pub mod part_description;
+mod parts;
 pub mod quadrature;
 pub mod realization;
 pub mod registry;

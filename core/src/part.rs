@@ -119,6 +119,64 @@ impl From<ParameterDefault> for ParameterSetting {
     }
 }
 
+/// Values for some of a part's parameters.
+pub type Settings = &'static [(&'static str, ParameterDefault)];
+
+/// What a choice left open takes a realization or a dynamic approximation for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Auto {
+    /// Exact where it fits: of those that fit the lowest rank is taken.
+    Exact {
+        /// Cheap ones come first.
+        rank: u32,
+        /// Why it is taken where it fits.
+        reason: &'static str,
+    },
+    /// What remains: it serves every system, to the order that its parameter `order` names.
+    OfOrder,
+}
+
+/// Steppers that are compared and advised alike.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// Poisson maps by exact flows: a step comes apart into a map of order 1 and its adjoint.
+    Splitting,
+    /// Other Poisson maps.
+    Poisson,
+    /// Explicit Runge–Kutta methods.
+    Explicit,
+    /// Implicit Runge–Kutta methods, which solve dense systems.
+    Implicit,
+}
+
+/// How comparisons use a part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Compared {
+    /// Lower ranks of a kind are tried first.
+    pub rank: u32,
+    /// The settings it is tried with.
+    pub settings: &'static [Settings],
+}
+
+impl Compared {
+    /// At its defaults.
+    pub const fn at(rank: u32) -> Self {
+        Self {
+            rank,
+            settings: &[&[]],
+        }
+    }
+}
+
+/// How a part serves systems of numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ServesNumbers {
+    /// Lower ranks of a kind are named first.
+    pub rank: u32,
+    /// What it is limited to, behind its name: `of order 2`.
+    pub limit: &'static str,
+}
+
 /// What a part declares about itself.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PartInfo {
@@ -136,7 +194,78 @@ pub struct PartInfo {
     pub literature: &'static str,
     /// Its parameters.
     pub parameters: &'static [ParameterInfo],
+    /// Where the values of a loaded part may come from, the preferred way first: `expressions`,
+    /// `numbers`. Where there are two, its parameter `path` names one of them.
+    #[serde(skip)]
+    pub paths: &'static [&'static str],
+    /// Whether a choice left open may take it.
+    #[serde(skip)]
+    pub auto: Option<Auto>,
+    /// Whether points of S are pairs (x, p), for a realization.
+    #[serde(skip)]
+    pub points_are_pairs: bool,
+    /// What it is akin to, for a stepper.
+    #[serde(skip)]
+    pub family: Option<Family>,
+    /// Whether it needs no formulas of the system.
+    #[serde(skip)]
+    pub serves_numbers: Option<ServesNumbers>,
+    /// Whether comparisons try it by themselves.
+    #[serde(skip)]
+    pub compared: Option<Compared>,
+    /// The settings at which it is one of the methods that errors are measured against.
+    #[serde(skip)]
+    pub reference: Option<Settings>,
+    /// The settings that a full survey tries; its defaults alone where there are none.
+    #[serde(skip)]
+    pub surveyed: &'static [Settings],
 }
+
+impl PartInfo {
+    /// Nothing said: what a part does not mention, as in `..PartInfo::of(PartKind::Realization)`.
+    pub const fn of(kind: PartKind) -> Self {
+        Self {
+            name: "",
+            kind,
+            summary: "",
+            declares: "",
+            domain: "",
+            literature: "",
+            parameters: &[],
+            paths: &[],
+            auto: None,
+            points_are_pairs: true,
+            family: None,
+            serves_numbers: None,
+            compared: None,
+            reference: None,
+            surveyed: &[],
+        }
+    }
+
+    /// Whether it serves every system to the order that its parameter `order` names.
+    pub fn is_of_order(&self) -> bool {
+        self.auto == Some(Auto::OfOrder)
+    }
+
+    /// Where the values of a loaded part come from, for manifests; `None` for built-in parts and
+    /// for parameters that it does not have.
+    pub fn path(&self, given: &PartParameters) -> Option<&'static str> {
+        match self.paths {
+            [] => None,
+            [only] => Some(only),
+            both => given.word(self, PATH, both).ok(),
+        }
+    }
+
+    /// Whether it is formulas that a library declares and nothing else.
+    pub fn is_formulas_alone(&self) -> bool {
+        self.paths == ["expressions"]
+    }
+}
+
+/// The parameter by which a scene asks a part with several [paths](PartInfo::paths) for one of them.
+pub const PATH: &str = "path";
 
 /// The parameters a scene gives to a part.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -148,6 +277,21 @@ impl PartParameters {
     /// No parameter: every default.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// These values.
+    pub fn of(settings: Settings) -> Self {
+        let settings = settings.iter();
+        settings.fold(Self::new(), |given, (name, value)| {
+            given.with(*name, *value)
+        })
+    }
+
+    /// The values by name.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &ParameterSetting)> {
+        self.values
+            .iter()
+            .map(|(name, value)| (name.as_str(), value))
     }
 
     /// The same with one more.
@@ -229,6 +373,18 @@ impl PartParameters {
         }
     }
 }
+
+/// The parts of the crates that are linked into the program, by what they declare.
+pub fn linked() -> impl Iterator<Item = &'static PartInfo> {
+    inventory::iter::<Declared>().map(|declared| (declared.0)())
+}
+
+/// What a linked part declares; see [`built_in!`](crate::built_in).
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct Declared(pub fn() -> &'static PartInfo);
+
+inventory::collect!(Declared);
 
 fn unknown_parameter(info: &PartInfo, parameter: &str) -> BuildError {
     let names: Vec<_> = info.parameters.iter().map(|p| p.name).collect();

@@ -33,9 +33,9 @@ pub struct ParameterDescription {
 }
 
 impl PartDescription {
-    /// The same for as long as the program runs: loaded libraries are never unloaded, and neither
-    /// is what they say of themselves. Call it once a part.
-    pub fn leak(self) -> &'static PartInfo {
+    /// The same for as long as the program runs, with the [`PartInfo::paths`] of its values: loaded
+    /// libraries are never unloaded, and neither is what they say of themselves. Call it once a part.
+    pub fn leak(self, paths: &'static [&'static str]) -> &'static PartInfo {
         let parameters: Vec<ParameterInfo> = self
             .parameters
             .into_iter()
@@ -51,12 +51,13 @@ impl PartDescription {
             .collect();
         Box::leak(Box::new(PartInfo {
             name: self.name.leak(),
-            kind: self.kind,
             summary: self.summary.leak(),
             declares: self.declares.leak(),
             domain: self.domain.leak(),
             literature: self.literature.leak(),
             parameters: parameters.leak(),
+            paths,
+            ..PartInfo::of(self.kind)
         }))
     }
 }

@@ -2,171 +2,16 @@
 //! what is loaded at run time.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::dynamics::DynamicApproximation;
 use crate::error::BuildError;
-use crate::lattice::{LatticeMap, LatticeSource};
 use crate::origin::Origin;
-use crate::part::{PartInfo, PartKind, PartParameters};
-use crate::realization::RealizationData;
-use crate::solver::StepMap;
-use crate::system::PoissonSystem;
+use crate::part::{Auto, Family, PartInfo, PartKind, PartParameters};
 
-/// A Poisson system that can be built from parameters.
-pub trait SystemPart: Send + Sync {
-    /// What it declares.
-    fn info(&self) -> &'static PartInfo;
-    /// The system (M, π, H).
-    ///
-    /// # Errors
-    /// [`BuildError`] when a parameter is out of range.
-    fn build(&self, parameters: &PartParameters) -> Result<PoissonSystem, BuildError>;
-    /// The text of a scene's `[system]` table, for a system given by formulas.
-    fn fragment(&self) -> Option<&str> {
-        None
-    }
-    /// Whether it can compute values without formulas.
-    fn has_numbers(&self) -> bool {
-        self.fragment().is_none()
-    }
-    /// Where the values of a loaded part come from, for manifests: `expressions` or `numbers`.
-    fn path(&self, parameters: &PartParameters) -> Option<&'static str> {
-        let _ = parameters;
-        None
-    }
-}
-
-/// A realization that can be built for a system.
-pub trait RealizationPart: Send + Sync {
-    /// What it declares.
-    fn info(&self) -> &'static PartInfo;
-    /// Realization data R̂_ε of the system's (M, επ).
-    ///
-    /// # Errors
-    /// [`BuildError`] when a parameter is out of range or the tensor does not fit.
-    fn build(
-        &self,
-        system: &PoissonSystem,
-        parameters: &PartParameters,
-    ) -> Result<Arc<dyn RealizationData>, BuildError>;
-    /// Where the values of a loaded part come from, for manifests: `expressions` or `numbers`.
-    fn path(&self, parameters: &PartParameters) -> Option<&'static str> {
-        let _ = parameters;
-        None
-    }
-}
-
-/// A dynamic approximation that can be built from parameters.
-pub trait DynamicsPart: Send + Sync {
-    /// What it declares.
-    fn info(&self) -> &'static PartInfo;
-    /// The dynamic approximation, not yet bound to a system.
-    ///
-    /// # Errors
-    /// [`BuildError::Parameter`] when a parameter is out of range.
-    fn build(
-        &self,
-        parameters: &PartParameters,
-    ) -> Result<Arc<dyn DynamicApproximation>, BuildError>;
-    /// Where the values of a loaded part come from, for manifests: `expressions` or `numbers`.
-    fn path(&self, parameters: &PartParameters) -> Option<&'static str> {
-        let _ = parameters;
-        None
-    }
-}
-
-/// A step map that needs no realization.
-pub trait StepperPart: Send + Sync {
-    /// What it declares.
-    fn info(&self) -> &'static PartInfo;
-    /// The step map of a system.
-    ///
-    /// # Errors
-    /// [`BuildError`] when a parameter is out of range or the system does not fit.
-    fn build(
-        &self,
-        system: &PoissonSystem,
-        parameters: &PartParameters,
-    ) -> Result<Arc<dyn StepMap>, BuildError>;
-    /// Where the values of a loaded part come from, for manifests: `expressions` or `numbers`.
-    fn path(&self, parameters: &PartParameters) -> Option<&'static str> {
-        let _ = parameters;
-        None
-    }
-    /// The step map of a long lattice, as sweeps over its sites.
-    ///
-    /// # Errors
-    /// [`BuildError::DoesNotFit`] where the part has no such form, for this lattice or for any;
-    /// otherwise as [`build`](Self::build).
-    fn build_on_lattice(
-        &self,
-        source: &dyn LatticeSource,
-        parameters: &PartParameters,
-    ) -> Result<Arc<dyn LatticeMap>, BuildError> {
-        let _ = (source, parameters);
-        Err(BuildError::DoesNotFit {
-            part: self.info().name,
-            reason: "it has no form that sweeps over the sites of a long lattice".to_owned(),
-        })
-    }
-}
-
-/// A composition of step maps.
-pub trait CompositionPart: Send + Sync {
-    /// What it declares.
-    fn info(&self) -> &'static PartInfo;
-    /// The composition of `base`.
-    ///
-    /// # Errors
-    /// [`BuildError::NotComposable`] when `base` lacks the symmetry the composition needs.
-    fn build(
-        &self,
-        base: Arc<dyn StepMap>,
-        parameters: &PartParameters,
-    ) -> Result<Arc<dyn StepMap>, BuildError>;
-}
-
-/// A part of any kind.
-#[derive(Clone)]
-pub enum Part {
-    /// A system.
-    System(Arc<dyn SystemPart>),
-    /// A realization.
-    Realization(Arc<dyn RealizationPart>),
-    /// A dynamic approximation.
-    Dynamics(Arc<dyn DynamicsPart>),
-    /// A step map.
-    Stepper(Arc<dyn StepperPart>),
-    /// A composition.
-    Composition(Arc<dyn CompositionPart>),
-}
-
-impl Part {
-    /// What it declares.
-    pub fn info(&self) -> &'static PartInfo {
-        match self {
-            Self::System(part) => part.info(),
-            Self::Realization(part) => part.info(),
-            Self::Dynamics(part) => part.info(),
-            Self::Stepper(part) => part.info(),
-            Self::Composition(part) => part.info(),
-        }
-    }
-
-    /// What it is.
-    pub fn kind(&self) -> PartKind {
-        match self {
-            Self::System(_) => PartKind::System,
-            Self::Realization(_) => PartKind::Realization,
-            Self::Dynamics(_) => PartKind::Dynamics,
-            Self::Stepper(_) => PartKind::Stepper,
-            Self::Composition(_) => PartKind::Composition,
-        }
-    }
-}
+pub use crate::parts::{
+    CompositionPart, DynamicsPart, Part, RealizationPart, StepperPart, SystemPart,
+};
 
 /// A part of a crate that is linked into the program; see [`built_in!`](crate::built_in).
 #[derive(Clone, Copy, Debug)]
@@ -185,17 +30,19 @@ pub use inventory;
 inventory::collect!(BuiltIn);
 
 /// Makes a part of this crate one of [`Registry::with_builtin`]:
-/// `built_in!(Realization, expression)`, with the variant of [`Part`](crate::registry::Part) and the
-/// value that implements its trait.
+/// `built_in!(RealizationPart::new(&INFO, build))`.
 #[macro_export]
 macro_rules! built_in {
-    ($kind:ident, $part:expr) => {
+    ($part:expr) => {
         $crate::registry::inventory::submit! {
             $crate::registry::BuiltIn {
-                make: || $crate::registry::Part::$kind(::std::sync::Arc::new($part)),
+                make: || $crate::registry::Part::from($part),
                 package: env!("CARGO_PKG_NAME"),
                 version: env!("CARGO_PKG_VERSION"),
             }
+        }
+        $crate::registry::inventory::submit! {
+            $crate::part::Declared(|| $crate::registry::Part::from($part).info())
         }
     };
 }
@@ -310,6 +157,63 @@ impl Registry {
         listing
     }
 
+    /// The exact realizations that a choice left open tries, and why each is taken.
+    pub fn exact_realizations(&self) -> Vec<(&'static PartInfo, &'static str)> {
+        let mut exact: Vec<(u32, &'static PartInfo, &'static str)> = self
+            .parts()
+            .into_iter()
+            .filter_map(|info| match info.auto {
+                Some(Auto::Exact { rank, reason }) => Some((rank, info, reason)),
+                _ => None,
+            })
+            .collect();
+        exact.sort_by_key(|(rank, ..)| *rank);
+        exact
+            .into_iter()
+            .map(|(_, info, reason)| (info, reason))
+            .collect()
+    }
+
+    /// The realization or the dynamic approximation that serves every system, to an order.
+    ///
+    /// # Errors
+    /// [`BuildError::UnknownPart`] where there is none.
+    pub fn of_order(&self, kind: PartKind) -> Result<&'static PartInfo, BuildError> {
+        let mut parts = self.parts().into_iter();
+        parts
+            .find(|info| info.kind == kind && info.is_of_order())
+            .ok_or_else(|| self.unknown(kind, "auto"))
+    }
+
+    /// The parts of a kind that comparisons try, the first ones first.
+    pub fn compared(&self, kind: PartKind) -> Vec<&'static PartInfo> {
+        let rank = |info: &&PartInfo| info.compared.map(|compared| compared.rank);
+        let mut parts = self.parts();
+        parts.retain(|info| info.kind == kind && info.compared.is_some());
+        parts.sort_by_key(rank);
+        parts
+    }
+
+    /// The steppers of a family that comparisons try, the first ones first.
+    pub fn family(&self, family: Family) -> Vec<&'static PartInfo> {
+        let mut parts = self.compared(PartKind::Stepper);
+        parts.retain(|info| info.family == Some(family));
+        parts
+    }
+
+    /// The stepper of a family that errors are measured against, with its settings.
+    ///
+    /// # Errors
+    /// [`BuildError::UnknownPart`] where there is none.
+    pub fn reference(&self, family: Family) -> Result<(StepperPart, PartParameters), BuildError> {
+        let found = self.family(family).into_iter().find_map(|info| {
+            let settings = info.reference?;
+            Some((info.name, PartParameters::of(settings)))
+        });
+        let (name, given) = found.ok_or_else(|| self.unknown(PartKind::Stepper, "reference"))?;
+        Ok((self.stepper(name)?, given))
+    }
+
     /// Where the part of this name comes from.
     pub fn origin(&self, name: &str) -> Option<&Origin> {
         self.entries.get(name).map(|entry| &entry.origin)
@@ -323,9 +227,9 @@ impl Registry {
     ///
     /// # Errors
     /// [`BuildError::UnknownPart`] with the nearest name.
-    pub fn system(&self, name: &str) -> Result<Arc<dyn SystemPart>, BuildError> {
+    pub fn system(&self, name: &str) -> Result<SystemPart, BuildError> {
         match self.part(name) {
-            Some(Part::System(part)) => Ok(Arc::clone(part)),
+            Some(Part::System(part)) => Ok(part.clone()),
             _ => Err(self.unknown(PartKind::System, name)),
         }
     }
@@ -334,9 +238,9 @@ impl Registry {
     ///
     /// # Errors
     /// [`BuildError::UnknownPart`] with the nearest name.
-    pub fn realization(&self, name: &str) -> Result<Arc<dyn RealizationPart>, BuildError> {
+    pub fn realization(&self, name: &str) -> Result<RealizationPart, BuildError> {
         match self.part(name) {
-            Some(Part::Realization(part)) => Ok(Arc::clone(part)),
+            Some(Part::Realization(part)) => Ok(part.clone()),
             _ => Err(self.unknown(PartKind::Realization, name)),
         }
     }
@@ -345,9 +249,9 @@ impl Registry {
     ///
     /// # Errors
     /// [`BuildError::UnknownPart`] with the nearest name.
-    pub fn dynamics(&self, name: &str) -> Result<Arc<dyn DynamicsPart>, BuildError> {
+    pub fn dynamics(&self, name: &str) -> Result<DynamicsPart, BuildError> {
         match self.part(name) {
-            Some(Part::Dynamics(part)) => Ok(Arc::clone(part)),
+            Some(Part::Dynamics(part)) => Ok(part.clone()),
             _ => Err(self.unknown(PartKind::Dynamics, name)),
         }
     }
@@ -356,9 +260,9 @@ impl Registry {
     ///
     /// # Errors
     /// [`BuildError::UnknownPart`] with the nearest name.
-    pub fn stepper(&self, name: &str) -> Result<Arc<dyn StepperPart>, BuildError> {
+    pub fn stepper(&self, name: &str) -> Result<StepperPart, BuildError> {
         match self.part(name) {
-            Some(Part::Stepper(part)) => Ok(Arc::clone(part)),
+            Some(Part::Stepper(part)) => Ok(part.clone()),
             _ => Err(self.unknown(PartKind::Stepper, name)),
         }
     }
@@ -367,9 +271,9 @@ impl Registry {
     ///
     /// # Errors
     /// [`BuildError::UnknownPart`] with the nearest name.
-    pub fn composition(&self, name: &str) -> Result<Arc<dyn CompositionPart>, BuildError> {
+    pub fn composition(&self, name: &str) -> Result<CompositionPart, BuildError> {
         match self.part(name) {
-            Some(Part::Composition(part)) => Ok(Arc::clone(part)),
+            Some(Part::Composition(part)) => Ok(part.clone()),
             _ => Err(self.unknown(PartKind::Composition, name)),
         }
     }

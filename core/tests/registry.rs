@@ -1,26 +1,19 @@
 //! The registry holds built-in and loaded parts alike, one a name.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use leafwise_core::part::{ParameterSetting, PartInfo, PartKind};
 use leafwise_core::part_description::{ParameterDescription, PartDescription};
 use leafwise_core::registry::SystemPart;
 use leafwise_core::{
-    BuildError, Convention, Origin, Part, PartParameters, PoissonSystem, Registry, RegistryError,
+    Convention, Origin, Part, PartParameters, PoissonSystem, Registry, RegistryError,
 };
 use leafwise_expression::{Expression, Rational};
 
 /// A canonical pair with H = k q²/2, k a parameter of the part.
-struct Spring(&'static PartInfo);
-
-impl SystemPart for Spring {
-    fn info(&self) -> &'static PartInfo {
-        self.0
-    }
-
-    fn build(&self, parameters: &PartParameters) -> Result<PoissonSystem, BuildError> {
-        let k = parameters.get(self.0, "stiffness")?;
+fn spring(info: &'static PartInfo) -> Part {
+    let make = move |parameters: &PartParameters| {
+        let k = parameters.get(info, "stiffness")?;
         let square = Expression::Product(vec![
             Expression::Constant(Rational::new(k, 2)),
             Expression::Variable(0),
@@ -34,7 +27,8 @@ impl SystemPart for Spring {
             Vec::new(),
             Convention::HamiltonianFirst,
         )
-    }
+    };
+    SystemPart::new(info, make).into()
 }
 
 fn description(name: &str, kind: PartKind) -> &'static PartInfo {
@@ -51,7 +45,7 @@ fn description(name: &str, kind: PartKind) -> &'static PartInfo {
             default: ParameterSetting::Integer(3),
         }],
     }
-    .leak()
+    .leak(&[])
 }
 
 fn library() -> Origin {
@@ -66,10 +60,7 @@ fn library() -> Origin {
 #[test]
 fn a_loaded_part_is_found_and_built_as_any_other() {
     let mut registry = Registry::empty();
-    let part = Part::System(Arc::new(Spring(description(
-        "acme/spring",
-        PartKind::System,
-    ))));
+    let part = spring(description("acme/spring", PartKind::System));
     registry.register(part, library()).expect("a fresh name");
     let system = registry
         .system("acme/spring")
@@ -91,13 +82,18 @@ fn a_loaded_part_is_found_and_built_as_any_other() {
 #[test]
 fn a_name_is_taken_once_whatever_its_kind() {
     let mut registry = Registry::empty();
-    let spring = |name| Part::System(Arc::new(Spring(description(name, PartKind::System))));
     let origin = Origin::built_in("acme", "0.1.0");
     registry
-        .register(spring("acme/spring"), origin.clone())
+        .register(
+            spring(description("acme/spring", PartKind::System)),
+            origin.clone(),
+        )
         .expect("a fresh name");
     let refused = registry
-        .register(spring("acme/spring"), library())
+        .register(
+            spring(description("acme/spring", PartKind::System)),
+            library(),
+        )
         .expect_err("a name that is taken");
     assert_eq!(
         refused,
@@ -124,7 +120,7 @@ fn a_part_is_registered_as_what_it_declares() {
     let mut registry = Registry::empty();
     let info = description("acme/spring", PartKind::Stepper);
     let refused = registry
-        .register(Part::System(Arc::new(Spring(info))), library())
+        .register(spring(info), library())
         .expect_err("another kind");
     assert_eq!(
         refused.to_string(),
@@ -137,10 +133,7 @@ fn a_part_is_registered_as_what_it_declares() {
 #[test]
 fn an_unknown_name_suggests_one_of_its_kind() {
     let mut registry = Registry::empty();
-    let part = Part::System(Arc::new(Spring(description(
-        "acme/spring",
-        PartKind::System,
-    ))));
+    let part = spring(description("acme/spring", PartKind::System));
     registry.register(part, library()).expect("a fresh name");
     let Err(error) = registry.system("acme/sprig") else {
         panic!("no such part");

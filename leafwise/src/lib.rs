@@ -6,7 +6,6 @@
 //! - [`systems`]: the problem library.
 //! - [`plugins`]: parts of third parties from shared libraries.
 //! - [`scene`]: scene files, composed, run and reported.
-//! - [`library`]: the problem library as a scene's source of systems.
 //! - [`conformance`]: is one part, built-in or of a plugin, what it declares?
 //! - [`verify`]: what every part really does, measured against what it declares.
 //! - [`trade`]: cost against accuracy, measured on a scene.
@@ -15,7 +14,6 @@
 //! - [`prelude`]: what most programs need.
 
 pub mod conformance;
-pub mod library;
 pub mod prelude;
 pub mod reproduce;
 pub mod stress;
@@ -38,8 +36,6 @@ pub use leafwise_scene as scene;
 pub use leafwise_so3 as so3;
 pub use leafwise_splitting as splitting;
 pub use leafwise_systems as systems;
-
-pub use library::{ProblemLibrary, SystemLibrary};
 
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]

@@ -5,5 +5,3 @@ pub use leafwise_core::{
     StepMap,
 };
 pub use leafwise_scene::{ComposedRun, SceneDiagnostic, SceneDocument, compose};
-
-pub use crate::library::{ProblemLibrary, SystemLibrary};

@@ -1,13 +1,8 @@
 //! Comparisons: the reference is as good as it says, fronts are fronts, failures are rows.
 
-use std::sync::Arc;
-
 use crate::scenes::scene;
-use leafwise::ProblemLibrary;
 use leafwise::core::registry::StepperPart;
-use leafwise::core::{
-    BuildError, Origin, Part, PartInfo, PartParameters, PoissonSystem, Registry, StepMap, Structure,
-};
+use leafwise::core::{Origin, PartInfo, Registry, Structure};
 use leafwise::scene::SceneDocument;
 use leafwise::trade::{
     Bench, CompareOptions, Comparison, Cost, Grid, Judged, Knob, Reference, TradeError,
@@ -17,7 +12,7 @@ use serde_json::Value;
 
 fn comparison(document: &SceneDocument, options: &CompareOptions) -> Comparison {
     let registry = Registry::with_builtin();
-    let bench = Bench::new(document, &registry, &ProblemLibrary, None).expect("a bench");
+    let bench = Bench::new(document, &registry, None).expect("a bench");
     compare(&bench, options, &mut |_, _, _| true).expect("a comparison")
 }
 
@@ -45,7 +40,7 @@ fn the_reference_is_as_near_to_the_flow_as_it_says() {
         };
         let (id, initial) = (flow["system"].as_str().expect("a name"), list("initial"));
         let document = scene(id, &format!("{initial:?}"), 0.1, 10);
-        let bench = Bench::new(&document, &registry, &ProblemLibrary, None).expect("a bench");
+        let bench = Bench::new(&document, &registry, None).expect("a bench");
         let reference = Reference::compute(&bench, Judged::AtTheEnd).expect("a reference");
         let error = distance(&reference.state, &list("final"));
         let round_off = 4.0 * f64::EPSILON * reference.norm();
@@ -199,7 +194,7 @@ fn a_lattice_of_64_sites_is_compared_by_sweeps_and_written_out() {
         "[system]\nlibrary = \"volterra-lattice\"\nfamilies = { x = 64 }\n\
          [method]\nrealization = \"auto\"\ndynamics = { name = \"hamilton-jacobi\", order = 2 }\n\
          time-step = 0.1\n[run]\ninitial = { \"x[i]\" = \"1 + 0.1*sin(2*pi*i/N)\" }\nsteps = 50\n",
-        &ProblemLibrary,
+        &Registry::with_builtin(),
     );
     let options = only(&[
         "auto+hamilton-jacobi:4",
@@ -229,7 +224,8 @@ fn a_lattice_of_64_sites_is_compared_by_sweeps_and_written_out() {
 fn nothing_stands_on_a_front_against_a_reference_that_is_not_known() {
     let file = format!("{}/../scenes/magnetic.toml", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(file).expect("a scene");
-    let document = SceneDocument::parse("magnetic.toml", &text, &ProblemLibrary).expect("a scene");
+    let document =
+        SceneDocument::parse("magnetic.toml", &text, &Registry::with_builtin()).expect("a scene");
     let options = CompareOptions {
         steps: Some(Grid::parse("10000,20000").expect("a list")),
         budget: Some(1_000_000_000),
@@ -251,7 +247,7 @@ fn nothing_stands_on_a_front_against_a_reference_that_is_not_known() {
 fn methods_that_were_asked_for_and_do_not_fit_are_an_error_where_none_is_left() {
     let document = scene("rigid-body", "[1, 3, 3]", 0.2, 50);
     let registry = Registry::with_builtin();
-    let bench = Bench::new(&document, &registry, &ProblemLibrary, None).expect("a bench");
+    let bench = Bench::new(&document, &registry, None).expect("a bench");
     let error = |options: &CompareOptions| match compare(&bench, options, &mut |_, _, _| true) {
         Err(error @ TradeError::NoMethods { .. }) => error.to_string(),
         other => panic!("{other:?}"),
@@ -275,11 +271,11 @@ fn methods_that_were_asked_for_and_do_not_fit_are_an_error_where_none_is_left() 
 fn a_comparison_over_no_time_is_refused() {
     let document = scene("rigid-body", "[1, 3, 3]", 0.2, 0);
     let registry = Registry::with_builtin();
-    let bench = Bench::new(&document, &registry, &ProblemLibrary, None);
+    let bench = Bench::new(&document, &registry, None);
     assert!(matches!(bench.err(), Some(TradeError::NoTime { .. })));
-    let bench = Bench::new(&document, &registry, &ProblemLibrary, Some(1e300));
+    let bench = Bench::new(&document, &registry, Some(1e300));
     assert!(matches!(bench.err(), Some(TradeError::TooLong { .. })));
-    let bench = Bench::new(&document, &registry, &ProblemLibrary, Some(-3.0)).expect("backward");
+    let bench = Bench::new(&document, &registry, Some(-3.0)).expect("backward");
     assert_eq!((bench.time(), bench.steps()), (-3.0, 15));
 }
 
@@ -344,7 +340,7 @@ fn an_adaptive_method_is_varied_by_its_tolerance_unless_that_is_given() {
 fn compare_knows_every_method_that_tune_knows() {
     let document = scene("magnetic", "[1.0, 0.5, -0.5, 0.3, 0.2, 0.4]", 0.1, 20);
     let registry = Registry::with_builtin();
-    let bench = Bench::new(&document, &registry, &ProblemLibrary, None).expect("a bench");
+    let bench = Bench::new(&document, &registry, None).expect("a bench");
     let options = CompareOptions {
         budget: Some(1),
         ..CompareOptions::default()
@@ -378,24 +374,6 @@ fn compare_knows_every_method_that_tune_knows() {
     assert_eq!(measured.casimir_drift, None);
 }
 
-/// A stepper under another name.
-struct Named(&'static PartInfo);
-
-impl StepperPart for Named {
-    fn info(&self) -> &'static PartInfo {
-        self.0
-    }
-    fn build(
-        &self,
-        system: &PoissonSystem,
-        parameters: &PartParameters,
-    ) -> Result<Arc<dyn StepMap>, BuildError> {
-        Registry::with_builtin()
-            .stepper("splitting")?
-            .build(system, parameters)
-    }
-}
-
 /// Parts of plugins are named `plugin/part`; only behind a composition does a `/` stand for more.
 #[test]
 fn parts_with_a_slash_in_their_name_can_be_named() {
@@ -403,11 +381,14 @@ fn parts_with_a_slash_in_their_name_can_be_named() {
     let info = PartInfo {
         name: "acme/strang",
         parameters: &[],
-        ..*registry.stepper("splitting").expect("built in").info()
+        ..*registry.stepper("splitting").expect("built in").info
     };
-    let part = Part::Stepper(Arc::new(Named(Box::leak(Box::new(info)))));
+    let part = StepperPart::new(Box::leak(Box::new(info)), |system, parameters| {
+        let registry = Registry::with_builtin();
+        registry.stepper("splitting")?.build(system, parameters)
+    });
     let origin = Origin::built_in("a test", "1");
-    registry.register(part, origin).expect("a new name");
+    registry.register(part.into(), origin).expect("a new name");
     let read = |text: &str| parse_method(text, &registry).map(|method| method.to_string());
     assert_eq!(read("acme/strang").expect("a stepper"), "acme/strang");
     let composed = read("suzuki-4/acme/strang").expect("a composition of it");

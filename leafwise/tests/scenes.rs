@@ -1,6 +1,6 @@
 //! Scenes for the claims.
 
-use leafwise::ProblemLibrary;
+use leafwise::core::Registry;
 use leafwise::scene::SceneDocument;
 
 /// A system of the library from a state, with the paper's method for the rigid body.
@@ -11,5 +11,5 @@ pub fn scene(id: &str, initial: &str, time_step: f64, steps: u64) -> SceneDocume
          dynamics = {{ name = \"hamilton-jacobi\", order = 2 }}\n\
          time-step = {time_step:?}\n[run]\ninitial = {initial}\nsteps = {steps}\n"
     );
-    SceneDocument::parse(&format!("{id}.toml"), &text, &ProblemLibrary).expect("a scene")
+    SceneDocument::parse(&format!("{id}.toml"), &text, &Registry::with_builtin()).expect("a scene")
 }

@@ -1,7 +1,6 @@
 //! The tuner: what it recommends holds what is asked, and compare's grid has nothing much cheaper.
 
 use crate::scenes::scene;
-use leafwise::ProblemLibrary;
 use leafwise::core::Registry;
 use leafwise::prelude::compose;
 use leafwise::scene::SceneDocument;
@@ -49,8 +48,8 @@ fn is_cheapest(
 
 /// The scene as it would be written, stepped by itself.
 fn rerun(found: &Recommendation, registry: &Registry) -> Vec<f64> {
-    let document =
-        SceneDocument::parse("tuned.toml", &found.scene, &ProblemLibrary).expect("a scene");
+    let document = SceneDocument::parse("tuned.toml", &found.scene, &Registry::with_builtin())
+        .expect("a scene");
     let run = compose(&document, registry).expect("a run");
     let mut integrator = run.integrator();
     (0..run.plan.steps).for_each(|_| integrator.step().expect("a step"));
@@ -63,7 +62,7 @@ fn tuned_at_1e_4_and_1e_8(document: &SceneDocument) {
 
 fn tuned_over(document: &SceneDocument, time: Option<f64>) {
     let registry = Registry::with_builtin();
-    let bench = Bench::new(document, &registry, &ProblemLibrary, time).expect("a bench");
+    let bench = Bench::new(document, &registry, time).expect("a bench");
     let comparison = compare(&bench, &CompareOptions::default(), &mut |_, _, _| true);
     let comparison = comparison.expect("a comparison");
     let tuner = Tuner::new(&bench, &TuneOptions::default(), &mut |_| ()).expect("methods");
@@ -147,7 +146,7 @@ fn lattice(sites: usize, steps: u64) -> SceneDocument {
          dynamics = {{ name = \"hamilton-jacobi\", order = 2 }}\ntime-step = 0.1\n[run]\n\
          initial = {{ \"x[i]\" = \"1 + 0.1*sin(2*pi*i/N)\" }}\nsteps = {steps}\n"
     );
-    SceneDocument::parse("lattice.toml", &text, &ProblemLibrary).expect("a scene")
+    SceneDocument::parse("lattice.toml", &text, &Registry::with_builtin()).expect("a scene")
 }
 
 #[test]
@@ -161,7 +160,7 @@ fn of_the_gallery(name: &str, overrides: &[(&str, &str)]) -> SceneDocument {
     let text = std::fs::read_to_string(file).expect("a scene");
     let owned = |(key, value): &(&str, &str)| ((*key).to_owned(), (*value).to_owned());
     let overrides: Vec<_> = overrides.iter().map(owned).collect();
-    SceneDocument::parse_with(name, &text, &overrides, &ProblemLibrary).expect("a scene")
+    SceneDocument::parse_with(name, &text, &overrides, &Registry::with_builtin()).expect("a scene")
 }
 
 #[test]
@@ -194,7 +193,7 @@ fn a_lattice_of_64_sites_is_tuned_to_the_end_of_its_scene() {
 fn invariants_are_held_at_every_step_and_cost_what_they_cost() {
     let document = scene("rigid-body", "[1, 3, 3]", 0.2, 100);
     let registry = Registry::with_builtin();
-    let bench = Bench::new(&document, &registry, &ProblemLibrary, None).expect("a bench");
+    let bench = Bench::new(&document, &registry, None).expect("a bench");
     let tuner = Tuner::new(&bench, &TuneOptions::default(), &mut |_| ()).expect("methods");
     let loose = tune(&tuner, asked(1e-4));
     let held = tune(
@@ -233,7 +232,7 @@ fn invariants_are_held_at_every_step_and_cost_what_they_cost() {
 fn what_cannot_be_held_says_what_keeps_it() {
     let document = scene("rigid-body", "[1, 3, 3]", 0.2, 10);
     let registry = Registry::with_builtin();
-    let bench = Bench::new(&document, &registry, &ProblemLibrary, None).expect("a bench");
+    let bench = Bench::new(&document, &registry, None).expect("a bench");
     let only = |text: &str, budget: Option<u64>| {
         let options = TuneOptions {
             only: vec![parse_method(text, &registry).expect("a method")],
@@ -288,9 +287,10 @@ fn the_growth_of_a_small_change_is_the_flows() {
                 hamiltonian = \"q*p\"\n[method]\nrealization = \"auto\"\n\
                 dynamics = { name = \"hamilton-jacobi\", order = 4 }\ntime-step = 0.1\n[run]\n\
                 initial = [1, 1]\nsteps = 100\n";
-    let document = SceneDocument::parse("saddle.toml", text, &ProblemLibrary).expect("a scene");
+    let document =
+        SceneDocument::parse("saddle.toml", text, &Registry::with_builtin()).expect("a scene");
     let registry = Registry::with_builtin();
-    let bench = Bench::new(&document, &registry, &ProblemLibrary, None).expect("a bench");
+    let bench = Bench::new(&document, &registry, None).expect("a bench");
     let reference = Reference::compute(&bench, Judged::AtTheEnd).expect("a reference");
     let growth = reference.horizon(&bench, 1e-9).growth.expect("followed");
     let expected = libm::sqrt((libm::exp(20.0) + libm::exp(-20.0)) / 2.0);
@@ -307,7 +307,7 @@ fn the_growth_of_a_small_change_is_the_flows() {
 fn a_motion_that_cannot_be_followed_is_told_with_its_growth_and_the_time_to_take() {
     let document = of_the_gallery("magnetic.toml", &[]);
     let registry = Registry::with_builtin();
-    let bench = Bench::new(&document, &registry, &ProblemLibrary, None).expect("a bench");
+    let bench = Bench::new(&document, &registry, None).expect("a bench");
     let options = TuneOptions {
         only: vec![parse_method("kahan-li-8/splitting", &registry).expect("a method")],
         ..TuneOptions::default()
@@ -341,7 +341,7 @@ fn casimirs_are_not_asked_of_a_scene_without_any() {
     let initial = "[1.0, 0.5, -0.5, 0.3, 0.2, 0.4]";
     let document = scene("magnetic", initial, 0.1, 10);
     let registry = Registry::with_builtin();
-    let bench = Bench::new(&document, &registry, &ProblemLibrary, None).expect("a bench");
+    let bench = Bench::new(&document, &registry, None).expect("a bench");
     let held = Tolerances {
         casimirs: Some(1e-12),
         ..asked(1e-4)
@@ -360,7 +360,7 @@ fn casimirs_are_not_asked_of_a_scene_without_any() {
 fn a_search_repeats_and_can_be_ended() {
     let document = scene("lotka-volterra-periodic", "[1, 1.9, 0.5]", 0.05, 60);
     let registry = Registry::with_builtin();
-    let bench = Bench::new(&document, &registry, &ProblemLibrary, None).expect("a bench");
+    let bench = Bench::new(&document, &registry, None).expect("a bench");
     let methods = ["auto+hamilton-jacobi:4", "kahan-li-6/splitting", "dop853"];
     let options = TuneOptions {
         only: methods
@@ -420,9 +420,10 @@ fn what_is_asked_of_a_kepler_orbit_holds_at_every_step() {
          stepper = \"splitting\"\ntime-step = 0.01\n[run]\n\
          initial = [{PERIHELION:?}, 0, 0, {SPEED:?}]\nsteps = 1608\n"
     );
-    let document = SceneDocument::parse("kepler.toml", &text, &ProblemLibrary).expect("a scene");
+    let document =
+        SceneDocument::parse("kepler.toml", &text, &Registry::with_builtin()).expect("a scene");
     let registry = Registry::with_builtin();
-    let bench = Bench::new(&document, &registry, &ProblemLibrary, None).expect("a bench");
+    let bench = Bench::new(&document, &registry, None).expect("a bench");
     let error = 1e-6;
     let largest = |judged: Judged| {
         let options = TuneOptions {
@@ -434,7 +435,7 @@ fn what_is_asked_of_a_kepler_orbit_holds_at_every_step() {
         };
         let tuner = Tuner::new(&bench, &options, &mut |_| ()).expect("methods");
         let found = tune(&tuner, asked(error)).poisson.expect("a Poisson map");
-        let tuned = SceneDocument::parse("tuned.toml", &found.scene, &ProblemLibrary);
+        let tuned = SceneDocument::parse("tuned.toml", &found.scene, &Registry::with_builtin());
         let run = compose(&tuned.expect("a scene"), &registry).expect("a run");
         let mut integrator = run.integrator();
         let mut largest = 0.0_f64;

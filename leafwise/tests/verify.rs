@@ -5,7 +5,6 @@ mod units;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 
-use leafwise::ProblemLibrary;
 use leafwise::core::{
     MapProperties, Method, Origin, Part, PartParameters, Registry, SolverStatistics, StepError,
     StepMap, Stepper, Structure,
@@ -266,7 +265,7 @@ fn gauss_methods_are_poisson_maps_where_the_tensor_depends_on_what_rests() {
              hamiltonian = \"p^2/2 + q^4/4 + q^2/2 + z*q\"\n[method]\nstepper = \"gauss\"\n\
              time-step = 0.1\n[run]\ninitial = [0.5, 0.7, 1.3]\nsteps = 1\n"
         );
-        let document = SceneDocument::parse("leaves.toml", &text, &ProblemLibrary);
+        let document = SceneDocument::parse("leaves.toml", &text, &Registry::with_builtin());
         Problem::of_scene(&document.expect("a scene")).expect("a problem")
     };
     let registry = Registry::with_builtin();
@@ -307,7 +306,8 @@ fn gauss_methods_are_poisson_maps_where_the_tensor_depends_on_what_rests() {
 fn a_scene_is_verified_with_its_own_method() {
     let text = "[system]\nlibrary = \"rigid-body\"\n[method]\nstepper = \"splitting\"\n\
                 composition = \"kahan-li-6\"\ntime-step = 0.1\n[run]\ninitial = [1, 3, 3]\nsteps = 1\n";
-    let document = SceneDocument::parse("own.toml", text, &ProblemLibrary).expect("a scene");
+    let document =
+        SceneDocument::parse("own.toml", text, &Registry::with_builtin()).expect("a scene");
     let registry = Registry::with_builtin();
     let problem = Problem::of_scene(&document).and_then(|p| p.with_own(&document, &registry));
     let problem = problem.expect("a problem");

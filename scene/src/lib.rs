@@ -26,10 +26,10 @@ pub use compose::{ComposedRun, ComposedSystem, Refusal, SceneChecks, compose, co
 pub use diagnostic::{SceneDiagnostic, formula_span, string_content};
 pub use document::{
     Boundary, BracketSpec, Convention, Distribution, EnsembleSection, FinalStates, InitialDraw,
-    InitialSpec, Located, MethodParts, MethodSection, MethodTable, NoLibrary, Number,
-    NumbersSystem, ParameterDraw, ParameterValue, PartSpec, PartUse, Place, PluginSpec, RecordSpec,
-    RewriteError, RunSection, SceneDocument, SceneErrors, SceneLibrary, SceneProblem,
-    SceneProblemCause, Source, StepSpec, SystemSection,
+    InitialSpec, Located, MethodParts, MethodSection, MethodTable, Number, NumbersSystem,
+    ParameterDraw, ParameterValue, PartSpec, PartUse, Place, PluginSpec, RecordSpec, RewriteError,
+    RunSection, SceneDocument, SceneErrors, SceneProblem, SceneProblemCause, Source, StepSpec,
+    SystemSection,
 };
 pub use report::{ComparisonData, ReportData, ReportError, render_comparison, render_report};
 pub use run::{Progress, RunError, RunOptions, RunOutcome, RunReport};

@@ -17,13 +17,19 @@
 //!
 //! - [`about`](About): title, summary, literature and orbit of a system.
 //! - [`defaults`](Defaults): the initial state and time step to start from.
+//! - `ids`: their ids.
 //! - [`library`](LibrarySystem): the systems by id.
+//! - `part`: the systems as parts of the registry.
 //! - [`error`](SystemError): what may be wrong with a text.
+
+#[macro_use]
+mod ids;
 
 mod about;
 mod defaults;
 mod error;
 mod library;
+mod part;
 
 pub use about::{About, Reference};
 pub use defaults::Defaults;

@@ -81,25 +81,14 @@ impl LibrarySystem {
 }
 
 macro_rules! library {
-    ($($id:literal),* $(,)?) => {
-        [$(LibrarySystem { id: $id, text: include_str!(concat!("../library/", $id, ".toml")) }),*]
+    ($($id:literal),*) => {
+        static LIBRARY: [LibrarySystem; 12] = [$(
+            LibrarySystem { id: $id, text: include_str!(concat!("../library/", $id, ".toml")) }
+        ),*];
     };
 }
 
-static LIBRARY: [LibrarySystem; 12] = library![
-    "gradient",
-    "heavy-top",
-    "lotka-volterra",
-    "lotka-volterra-periodic",
-    "magnetic",
-    "point-vortices",
-    "rigid-body",
-    "se3",
-    "so4",
-    "three-wave",
-    "toda",
-    "volterra-lattice",
-];
+of_each_system!(library);
 
 /// Every system of the library, sorted by id.
 pub fn all() -> &'static [LibrarySystem] {

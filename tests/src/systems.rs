@@ -1,7 +1,7 @@
 //! Poisson systems of the library by id, or from a few formulas: the way a scene takes.
 
 use leafwise::core::PoissonSystem;
-use leafwise::prelude::{ProblemLibrary, SceneDocument};
+use leafwise::prelude::{Registry, SceneDocument};
 use leafwise::scene::compose_system;
 use leafwise::systems::find;
 use toml::{Table, Value};
@@ -95,8 +95,9 @@ fn compose(
         ("run".to_owned(), Value::from(run)),
     ]);
     let text = toml::to_string(&scene).expect("tables have a text");
-    let document = SceneDocument::parse_with("claim.toml", &text, overrides, &ProblemLibrary)
-        .unwrap_or_else(|errors| panic!("{errors}\n{text}"));
+    let document =
+        SceneDocument::parse_with("claim.toml", &text, overrides, &Registry::with_builtin())
+            .unwrap_or_else(|errors| panic!("{errors}\n{text}"));
     let composed = compose_system(&document)
         .unwrap_or_else(|refusal| panic!("{}: {refusal:?}\n{text}", document.name));
     (composed.system, composed.initial)

@@ -39,13 +39,16 @@ pub fn execute(
     let name = arguments.name.as_str();
     let registry = Parts::new(plugins)?.registry;
     let mut found: Vec<(Vec<String>, Value)> = Vec::new();
+    // A system of the library is described by its text.
+    let system = leafwise::systems::find(name);
     let mut listing = registry.listing().into_iter();
-    if let Some((info, origin)) = listing.find(|(info, _)| info.name == name) {
+    let found_part = listing.find(|(info, _)| info.name == name);
+    if let Some((info, origin)) = found_part.filter(|_| system.is_none()) {
         let mut object = json!(info);
         object["origin"] = json!(origin);
         found.push((part(info, origin), object));
     }
-    if let Some(system) = leafwise::systems::find(name) {
+    if let Some(system) = system {
         let text = system_text(system);
         found.push(text.map_err(|error| Failure::usage(error.to_string(), "report this"))?);
     }
@@ -77,7 +80,6 @@ pub fn execute(
 
 fn unknown(name: &str, registry: &Registry) -> Failure {
     let mut known: Vec<&str> = registry.parts().iter().map(|info| info.name).collect();
-    known.extend(leafwise::systems::all().iter().map(|system| system.id));
     known.extend(LIE_ALGEBRAS.iter().map(|algebra| algebra.name));
     let help = match nearest(name, known.iter().copied()) {
         Some(near) => format!("did you mean `{near}`?"),

@@ -118,7 +118,7 @@ fn member_document(
     })?;
     let stem = Path::new(&document.name).file_stem().unwrap_or_default();
     let file = format!("{}-member-{member}.toml", stem.to_string_lossy());
-    SceneDocument::parse(&file, &text, &parts.library())
+    SceneDocument::parse(&file, &text, &parts.registry)
         .map_err(|errors| Failure::Scene(errors.diagnostics()))
 }
 

@@ -282,7 +282,7 @@ fn evaluate(
         .plan
         .parts
         .iter()
-        .filter(|part| part.name == "karasev-truncated")
+        .filter(|part| part.name == TruncatedKarasev::NAME)
         .flat_map(|part| &part.parameters)
         .find(|(name, _)| *name == "order")
         .and_then(|(_, order)| match order {

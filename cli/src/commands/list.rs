@@ -112,15 +112,11 @@ fn entries(kind: Kind, registry: &Registry) -> Vec<Entry> {
     };
     let version = env!("CARGO_PKG_VERSION");
     match kind {
-        Kind::Systems => leafwise::systems::all()
-            .iter()
-            .map(|system| Entry {
-                name: system.id.to_owned(),
-                summary: system.about().map(|about| about.title).unwrap_or_default(),
-                origin: Origin::built_in("leafwise-systems", version),
-            })
-            .chain(parts(PartKind::System))
-            .collect(),
+        Kind::Systems => {
+            let mut systems = parts(PartKind::System);
+            systems.sort_by_key(|system| matches!(system.origin, Origin::Library { .. }));
+            systems
+        }
         Kind::Realizations => parts(PartKind::Realization),
         Kind::Dynamics => parts(PartKind::Dynamics),
         Kind::Steppers => parts(PartKind::Stepper),

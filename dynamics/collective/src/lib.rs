@@ -10,7 +10,6 @@
 //! - [`stormer_verlet`], [`implicit_midpoint`], [`gauss`]: the integrators Σ_h, one a file.
 //! - [`bisection`]: y ↦ Σ_h(σ(y)) as a Lagrangian bisection.
 //! - [`collective`]: [`Collective`], the dynamic approximation.
-//! - `register`: the part `collective`.
 
 pub mod bisection;
 pub mod collective;
@@ -18,7 +17,6 @@ pub mod gauss;
 pub mod hamiltonian;
 pub mod implicit_midpoint;
 pub mod numbers;
-mod register;
 pub mod stormer_verlet;
 
 pub use collective::{Collective, SymplecticIntegrator};

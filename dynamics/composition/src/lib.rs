@@ -10,13 +10,13 @@
 //! - [`coefficients`]: the γ_i or α_i of each scheme, with their sources.
 //! - [`scheme`]: a scheme: its order, its coefficients, what it declares.
 //! - [`composed`]: the composition as a step map.
-//! - `register`: the parts `triple-jump`, `suzuki-4`, `yoshida-6`, `kahan-li-6`, `kahan-li-8`,
+//! - `schemes`: the parts `triple-jump`, `suzuki-4`, `yoshida-6`, `kahan-li-6`, `kahan-li-8`,
 //!   `suzuki-umeno-8`, `kahan-li-10`, `sofroniou-spaletta-10`, `blanes-moan-4`, `blanes-moan-6`.
 
 pub mod coefficients;
 pub mod composed;
-mod register;
 pub mod scheme;
+mod schemes;
 
 pub use composed::Composed;
 pub use scheme::Scheme;

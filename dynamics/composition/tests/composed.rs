@@ -337,7 +337,7 @@ fn a_map_without_factors_is_refused_where_they_are_needed() {
     let registry = Registry::with_builtin();
     for (name, orders) in [("blanes-moan-4", "order 4"), ("blanes-moan-6", "order 6")] {
         let part = registry.composition(name).expect("a built-in composition");
-        assert!(part.info().declares.starts_with(orders));
+        assert!(part.info.declares.starts_with(orders));
         let refusal = part.build(base(&system, 4, 2), &PartParameters::new());
         let message = refusal.err().expect("no factors").to_string();
         assert!(

@@ -2,14 +2,62 @@
 
 use std::sync::Arc;
 
+use leafwise_core::part::{
+    Auto, ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters, ServesNumbers,
+};
+use leafwise_core::registry::DynamicsPart;
 use leafwise_core::{
     BuildError, DynamicApproximation, GraphOfDifferential, LagrangianBisection, PoissonSystem,
     RealizationData,
 };
 
+use crate::coefficients::NAME;
 use crate::coefficients::first_order;
 use crate::form::shortest;
 use crate::numbers::GraphOfEnergy;
+
+static INFO: PartInfo = PartInfo {
+    name: NAME,
+    summary: "graph of dS, S the truncated solution of the Hamilton-Jacobi equation",
+    declares: "order m (even); self-adjoint; exactly Poisson over an exact realization",
+    domain: "realizations with a cotangent chart; Hamiltonians the formulas can say, of order 2 \
+             also systems of numbers",
+    literature: "Cabrera, Martin de Diego, Vaquero, Approximating Symplectic Realizations, \
+                 section 4.2; Ferraro, de Leon, Marrero, Martin de Diego, Vaquero, On the \
+                 geometry of the Hamilton-Jacobi equation and generating functions (2017)",
+    parameters: &[
+        ParameterInfo {
+            name: "order",
+            summary: "the order m in h, even, 2 to 20: S_1, S_3, ..., S_(m-1)",
+            default: ParameterDefault::Integer(2),
+        },
+        ParameterInfo {
+            name: HAMILTONIAN,
+            summary: "\"given\": H; \"energy-casimir\": H less the multiples of Casimirs that leave \
+                      the smallest coefficients, the same motion with a shorter series",
+            default: ParameterDefault::Text(GIVEN),
+        },
+    ],
+    auto: Some(Auto::OfOrder),
+    serves_numbers: Some(ServesNumbers {
+        rank: 1,
+        limit: "of order 2",
+    }),
+    surveyed: &[
+        &[("order", ParameterDefault::Integer(2))],
+        &[("order", ParameterDefault::Integer(4))],
+        &[("order", ParameterDefault::Integer(6))],
+        &[("order", ParameterDefault::Integer(8))],
+    ],
+    ..PartInfo::of(PartKind::Dynamics)
+};
+
+const HAMILTONIAN: &str = "hamiltonian";
+const GIVEN: &str = "given";
+const ENERGY_CASIMIR: &str = "energy-casimir";
+
+/// S_19 is the last coefficient that is formed.
+const LARGEST_ORDER: i64 = 20;
 
 /// The Hamilton–Jacobi approximation of even order m (paper, section 4.2 and Algorithm 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +94,7 @@ impl HamiltonJacobi {
                 ),
             };
             return Err(BuildError::Parameter {
-                part: crate::register::INFO.name,
+                part: INFO.name,
                 parameter: "order".to_owned(),
                 value: order.to_string(),
                 expected,
@@ -71,10 +119,10 @@ impl HamiltonJacobi {
         if self.hamiltonian == Hamiltonian::Given {
             return Ok(None);
         }
-        let formulas = system.formulas(crate::register::INFO.name)?;
+        let formulas = system.formulas(INFO.name)?;
         let shorter = formulas.energy_casimir()?;
         let shorter = shorter.ok_or_else(|| BuildError::DoesNotFit {
-            part: crate::register::INFO.name,
+            part: INFO.name,
             reason:
                 "no multiple of its Casimirs leaves a Hamiltonian with smaller coefficients: take \
                      hamiltonian = \"given\""
@@ -99,7 +147,7 @@ impl DynamicApproximation for HamiltonJacobi {
             Hamiltonian::Given => "",
             Hamiltonian::EnergyCasimir => " of an energy-Casimir function",
         };
-        format!("{} m = {}{of}", crate::register::INFO.name, self.order)
+        format!("{} m = {}{of}", INFO.name, self.order)
     }
 
     fn bisection(
@@ -112,7 +160,7 @@ impl DynamicApproximation for HamiltonJacobi {
         if let Some(opaque) = system.opaque() {
             if self.order > 2 {
                 let missing = "formulas of the system for an order above 2";
-                return Err(opaque.not_offered(crate::register::INFO.name, missing));
+                return Err(opaque.not_offered(INFO.name, missing));
             }
             let graph = GraphOfEnergy::new(system, realization, &self.describe())?;
             return Ok(Arc::new(graph));
@@ -136,3 +184,24 @@ impl DynamicApproximation for HamiltonJacobi {
         Ok(Arc::new(graph))
     }
 }
+
+fn build(parameters: &PartParameters) -> Result<Arc<dyn DynamicApproximation>, BuildError> {
+    let order = parameters.get(&INFO, "order")?;
+    if !(0..=LARGEST_ORDER).contains(&order) {
+        return Err(BuildError::Parameter {
+            part: INFO.name,
+            parameter: "order".to_owned(),
+            value: order.to_string(),
+            expected: format!("the order m is even and lies in 2 to {LARGEST_ORDER}"),
+        });
+    }
+    let hamiltonian = match parameters.word(&INFO, HAMILTONIAN, &[GIVEN, ENERGY_CASIMIR])? {
+        ENERGY_CASIMIR => Hamiltonian::EnergyCasimir,
+        _ => Hamiltonian::Given,
+    };
+    Ok(Arc::new(
+        HamiltonJacobi::new(order as usize)?.of(hamiltonian),
+    ))
+}
+
+leafwise_core::built_in!(DynamicsPart::new(&INFO, build));

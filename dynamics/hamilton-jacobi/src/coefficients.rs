@@ -10,6 +10,9 @@ use leafwise_expression::{
     AlgebraError, Arithmetic, DifferentialAlgebra, Graph, Polynomial, Rational, Ring, Term,
 };
 
+/// The part's name.
+pub(crate) const NAME: &str = "hamilton-jacobi";
+
 /// Ŝ with S_1, S_3, …, S_{m−1} at ε = 1 for an even order m (paper, section 4.2), expanded. Even
 /// coefficients vanish by Proposition 1 and are not formed.
 ///
@@ -104,7 +107,7 @@ fn odd_coefficients<A: DifferentialAlgebra, S: SourceSeriesIn<A> + ?Sized>(
 /// [`BuildError::Algebra`] where the Hamiltonian is outside the exact algebra,
 /// [`BuildError::NotOffered`] for a system of numbers.
 pub fn first_order(system: &PoissonSystem) -> Result<Generating, BuildError> {
-    let system = system.formulas(crate::register::INFO.name)?;
+    let system = system.formulas(NAME)?;
     let mut ring = Ring::new(system.dimension());
     let (coefficients, gradients) = energy(system, &mut ring)?;
     let function = GeneratingFunction {
@@ -191,7 +194,7 @@ fn for_each_coefficient<A: DifferentialAlgebra, S: SourceSeriesIn<A> + ?Sized>(
     algebra: &mut A,
     mut take: impl FnMut(&mut A, usize, A::Element) -> Result<Option<Vec<A::Element>>, BuildError>,
 ) -> Result<(), BuildError> {
-    let system = system.formulas(crate::register::INFO.name)?;
+    let system = system.formulas(NAME)?;
     let d = system.dimension();
     // What grows past a limit says at which order it does.
     let too_long = |l: usize| {
@@ -199,7 +202,7 @@ fn for_each_coefficient<A: DifferentialAlgebra, S: SourceSeriesIn<A> + ?Sized>(
             AlgebraError::ExpansionTooLong
             | AlgebraError::CodeTooLong { .. }
             | AlgebraError::NumberTooLong => BuildError::NotMade {
-                part: crate::register::INFO.name,
+                part: NAME,
                 reason: format!(
                     "the coefficient S_{l} of its series grows too long ({error}): take order {} or \
                      less, and a composition such as suzuki-umeno-8 for a higher one",

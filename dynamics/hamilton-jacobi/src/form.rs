@@ -9,6 +9,7 @@ use leafwise_core::realization::SourceSeries;
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::{Graph, Kernel, StepSize, Term};
 
+use crate::coefficients::NAME;
 use crate::coefficients::{agrees, generating_code, within};
 
 /// Expansions of so many products of terms, with so few monomials in dŜ, are taken as they are: the
@@ -29,7 +30,7 @@ pub(crate) fn shortest(
     series: &dyn SourceSeries,
     order: usize,
 ) -> Result<Generating, BuildError> {
-    let formulas = system.formulas(crate::register::INFO.name)?;
+    let formulas = system.formulas(NAME)?;
     let first = within(system, series, order, FEW_PRODUCTS)?;
     let code = generating_code(system, series, order)?;
     if let Some(function) = first.as_ref().filter(|f| monomials(f) <= FEW_MONOMIALS) {

@@ -8,13 +8,11 @@
 //! - `form`: which of the two.
 //! - [`numbers`]: graph(h dH) for systems of numbers.
 //! - [`bisection`]: graph(dŜ) as a Lagrangian bisection.
-//! - `register`: the part `hamilton-jacobi`.
 
 pub mod bisection;
 pub mod coefficients;
 mod form;
 pub mod numbers;
-mod register;
 
 pub use bisection::{HamiltonJacobi, Hamiltonian};
 pub use coefficients::generating_function;

@@ -2,22 +2,26 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{Compared, Family, PartInfo, PartKind, PartParameters, ServesNumbers};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::{BuildError, PoissonSystem, StepMap};
 
 use crate::adaptive::{Pair, TOLERANCE, adaptive_map};
 use crate::dop853_coefficients::{FIFTH_ORDER_ERROR, MATRIX, THIRD_ORDER_ERROR, WEIGHTS};
 
-pub(crate) static INFO: PartInfo = PartInfo {
+static INFO: PartInfo = PartInfo {
     name: "dop853",
-    kind: PartKind::Stepper,
     summary: "Dormand-Prince 8(5,3), explicit, adaptive inside each step of epsilon*h",
     declares: "order 8 before the tolerance takes over; not a Poisson map; not self-adjoint",
     domain: "any system, of formulas or of numbers",
     literature: "Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.5; \
                  coefficients of dop853.f (Hairer, Wanner 1994)",
     parameters: &[TOLERANCE],
+    family: Some(Family::Explicit),
+    serves_numbers: Some(ServesNumbers { rank: 2, limit: "" }),
+    compared: Some(Compared::at(3)),
+    reference: Some(&[]),
+    ..PartInfo::of(PartKind::Stepper)
 };
 
 static PAIR: Pair = Pair {
@@ -29,20 +33,11 @@ static PAIR: Pair = Pair {
     first_same_as_last: false,
 };
 
-struct Part;
-
-impl StepperPart for Part {
-    fn info(&self) -> &'static PartInfo {
-        &INFO
-    }
-
-    fn build(
-        &self,
-        system: &PoissonSystem,
-        parameters: &PartParameters,
-    ) -> Result<Arc<dyn StepMap>, BuildError> {
-        adaptive_map(&INFO, &PAIR, system, parameters)
-    }
+fn build(
+    system: &PoissonSystem,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn StepMap>, BuildError> {
+    adaptive_map(&INFO, &PAIR, system, parameters)
 }
 
-leafwise_core::built_in!(Stepper, Part);
+leafwise_core::built_in!(StepperPart::new(&INFO, build));

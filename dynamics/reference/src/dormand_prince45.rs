@@ -3,15 +3,14 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{Compared, Family, PartInfo, PartKind, PartParameters, ServesNumbers};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::{BuildError, PoissonSystem, StepMap};
 
 use crate::adaptive::{Pair, Row, TOLERANCE, adaptive_map};
 
-pub(crate) static INFO: PartInfo = PartInfo {
+static INFO: PartInfo = PartInfo {
     name: "dormand-prince45",
-    kind: PartKind::Stepper,
     summary: "Dormand-Prince 5(4), explicit, adaptive inside each step of epsilon*h: as ode45",
     declares: "order 5 before the tolerance takes over; not a Poisson map; not self-adjoint",
     domain: "any system, of formulas or of numbers",
@@ -19,6 +18,10 @@ pub(crate) static INFO: PartInfo = PartInfo {
                  Math. 6 (1980); Hairer, Norsett, Wanner, Solving Ordinary Differential Equations \
                  I, table II.5.2",
     parameters: &[TOLERANCE],
+    family: Some(Family::Explicit),
+    serves_numbers: Some(ServesNumbers { rank: 3, limit: "" }),
+    compared: Some(Compared::at(4)),
+    ..PartInfo::of(PartKind::Stepper)
 };
 
 /// a_ij; the last row is b_i, so that the last stage stands at the new state.
@@ -71,23 +74,14 @@ static PAIR: Pair = Pair {
     first_same_as_last: true,
 };
 
-struct Part;
-
-impl StepperPart for Part {
-    fn info(&self) -> &'static PartInfo {
-        &INFO
-    }
-
-    fn build(
-        &self,
-        system: &PoissonSystem,
-        parameters: &PartParameters,
-    ) -> Result<Arc<dyn StepMap>, BuildError> {
-        adaptive_map(&INFO, &PAIR, system, parameters)
-    }
+fn build(
+    system: &PoissonSystem,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn StepMap>, BuildError> {
+    adaptive_map(&INFO, &PAIR, system, parameters)
 }
 
-leafwise_core::built_in!(Stepper, Part);
+leafwise_core::built_in!(StepperPart::new(&INFO, build));
 
 #[cfg(test)]
 mod tests {

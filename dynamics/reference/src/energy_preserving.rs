@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{
+    ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters, ServesNumbers,
+};
 use leafwise_core::quadrature::{GaussLegendre, legendre};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator, Tableau};
@@ -17,9 +19,8 @@ use nalgebra::DMatrix;
 use crate::connected::{Connected, StepEquation};
 use crate::one_step::{Make, OneStep, ReferenceMap};
 
-pub(crate) static INFO: PartInfo = PartInfo {
+static INFO: PartInfo = PartInfo {
     name: "energy-preserving",
-    kind: PartKind::Stepper,
     summary: "collocation with averaged gradients: the energy is kept to round-off",
     declares: "order 2 or 4; self-adjoint; keeps H and quadratic Casimirs; not a Poisson map; \
                exact tangent",
@@ -32,6 +33,12 @@ pub(crate) static INFO: PartInfo = PartInfo {
         summary: "the order, 2 or 4: one or two stages",
         default: ParameterDefault::Integer(2),
     }],
+    serves_numbers: Some(ServesNumbers { rank: 6, limit: "" }),
+    surveyed: &[
+        &[("order", ParameterDefault::Integer(2))],
+        &[("order", ParameterDefault::Integer(4))],
+    ],
+    ..PartInfo::of(PartKind::Stepper)
 };
 
 /// Nodes of the averages: exact to degree 31.
@@ -463,45 +470,36 @@ impl OneStep for EnergyPreserving {
     }
 }
 
-struct Part;
-
-impl StepperPart for Part {
-    fn info(&self) -> &'static PartInfo {
-        &INFO
-    }
-
-    fn build(
-        &self,
-        system: &PoissonSystem,
-        parameters: &PartParameters,
-    ) -> Result<Arc<dyn StepMap>, BuildError> {
-        let order = parameters.get(&INFO, "order")?;
-        let stages = match order {
-            2 => 1,
-            4 => 2,
-            _ => {
-                return Err(BuildError::Parameter {
-                    part: INFO.name,
-                    parameter: "order".to_owned(),
-                    value: order.to_string(),
-                    expected: "the order is 2 or 4".to_owned(),
-                });
-            }
-        };
-        let maps = [system.tensor_map()?, system.gradient_map()?];
-        Ok(Arc::new(ReferenceMap {
-            dimension: system.dimension(),
-            properties: MapProperties {
-                order: 2 * stages,
-                structure: Structure::None,
-                self_adjoint: Some(true),
-            },
-            description: format!("{} order = {order}", INFO.name),
-            make: Make::Apart(Box::new(move |parameters, time_step| {
-                Box::new(EnergyPreserving::new(&maps, stages, parameters, time_step))
-            })),
-        }))
-    }
+fn build(
+    system: &PoissonSystem,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn StepMap>, BuildError> {
+    let order = parameters.get(&INFO, "order")?;
+    let stages = match order {
+        2 => 1,
+        4 => 2,
+        _ => {
+            return Err(BuildError::Parameter {
+                part: INFO.name,
+                parameter: "order".to_owned(),
+                value: order.to_string(),
+                expected: "the order is 2 or 4".to_owned(),
+            });
+        }
+    };
+    let maps = [system.tensor_map()?, system.gradient_map()?];
+    Ok(Arc::new(ReferenceMap {
+        dimension: system.dimension(),
+        properties: MapProperties {
+            order: 2 * stages,
+            structure: Structure::None,
+            self_adjoint: Some(true),
+        },
+        description: format!("{} order = {order}", INFO.name),
+        make: Make::Apart(Box::new(move |parameters, time_step| {
+            Box::new(EnergyPreserving::new(&maps, stages, parameters, time_step))
+        })),
+    }))
 }
 
-leafwise_core::built_in!(Stepper, Part);
+leafwise_core::built_in!(StepperPart::new(&INFO, build));

@@ -2,16 +2,18 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{
+    Compared, Family, ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters,
+    ServesNumbers,
+};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::Tableau;
 use leafwise_core::{BuildError, PoissonSystem, StepMap};
 
 use crate::implicit::gauss_map;
 
-pub(crate) static INFO: PartInfo = PartInfo {
+static INFO: PartInfo = PartInfo {
     name: "gauss",
-    kind: PartKind::Stepper,
     summary: "collocation at s Gauss nodes",
     declares: "order 2s; self-adjoint; a Poisson map where the tensor is constant or depends \
                on coordinates alone that rest; keeps quadratic \
@@ -20,6 +22,23 @@ pub(crate) static INFO: PartInfo = PartInfo {
     literature: "J. C. Butcher, Math. Comp. 18 (1964); Hairer, Lubich, Wanner, Geometric \
                  Numerical Integration, sections II.1.3 and VI.4",
     parameters: &[STAGES],
+    family: Some(Family::Implicit),
+    serves_numbers: Some(ServesNumbers { rank: 5, limit: "" }),
+    compared: Some(Compared {
+        rank: 7,
+        settings: &[
+            &[("stages", ParameterDefault::Integer(2))],
+            &[("stages", ParameterDefault::Integer(3))],
+        ],
+    }),
+    reference: Some(&[("stages", ParameterDefault::Integer(8))]),
+    surveyed: &[
+        &[("stages", ParameterDefault::Integer(1))],
+        &[("stages", ParameterDefault::Integer(2))],
+        &[("stages", ParameterDefault::Integer(3))],
+        &[("stages", ParameterDefault::Integer(4))],
+    ],
+    ..PartInfo::of(PartKind::Stepper)
 };
 
 /// The parameter `stages`.
@@ -49,22 +68,13 @@ pub(crate) fn stages(
         })
 }
 
-struct Part;
-
-impl StepperPart for Part {
-    fn info(&self) -> &'static PartInfo {
-        &INFO
-    }
-
-    fn build(
-        &self,
-        system: &PoissonSystem,
-        parameters: &PartParameters,
-    ) -> Result<Arc<dyn StepMap>, BuildError> {
-        let stages = stages(&INFO, parameters)?;
-        let description = format!("{} s = {stages}", INFO.name);
-        gauss_map(system, Tableau::gauss(stages), description)
-    }
+fn build(
+    system: &PoissonSystem,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn StepMap>, BuildError> {
+    let stages = stages(&INFO, parameters)?;
+    let description = format!("{} s = {stages}", INFO.name);
+    gauss_map(system, Tableau::gauss(stages), description)
 }
 
-leafwise_core::built_in!(Stepper, Part);
+leafwise_core::built_in!(StepperPart::new(&INFO, build));

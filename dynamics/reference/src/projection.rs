@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{
+    ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters, ServesNumbers,
+};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMapEvaluator, Tableau};
 use leafwise_core::solver::judge::{Verdict, larger, reach, relative};
@@ -15,9 +17,8 @@ use crate::one_step::{Make, OneStep, ReferenceMap};
 use crate::rk4::Rk4;
 use crate::singular::SingularSystem;
 
-pub(crate) static INFO: PartInfo = PartInfo {
+static INFO: PartInfo = PartInfo {
     name: "projection",
-    kind: PartKind::Stepper,
     summary: "a Runge-Kutta step, then the nearest state with the energy and Casimirs of before",
     declares: "the order of its base, 4 or 2s; keeps H and the Casimirs; not a Poisson map; not \
                self-adjoint",
@@ -31,6 +32,12 @@ pub(crate) static INFO: PartInfo = PartInfo {
         },
         STAGES,
     ],
+    serves_numbers: Some(ServesNumbers { rank: 7, limit: "" }),
+    surveyed: &[
+        &[("base", ParameterDefault::Text("rk4"))],
+        &[("base", ParameterDefault::Text("gauss"))],
+    ],
+    ..PartInfo::of(PartKind::Stepper)
 };
 
 /// Budget of one projection.
@@ -168,51 +175,42 @@ impl OneStep for Projection {
     }
 }
 
-struct Part;
-
-impl StepperPart for Part {
-    fn info(&self) -> &'static PartInfo {
-        &INFO
+fn build(
+    system: &PoissonSystem,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn StepMap>, BuildError> {
+    let base = parameters.word(&INFO, "base", &["rk4", "gauss"])?;
+    let stages = stages(&INFO, parameters)?;
+    let (order, tableau) = match base {
+        "gauss" => (2 * stages, Some(Tableau::gauss(stages))),
+        _ => (4, None),
+    };
+    let (field, invariants) = (system.field_map()?, system.invariants_map()?);
+    if let (false, Some(system)) = (invariants.has_jacobian(), system.opaque()) {
+        return Err(system.not_offered(INFO.name, "the gradients of the Casimirs"));
     }
-
-    fn build(
-        &self,
-        system: &PoissonSystem,
-        parameters: &PartParameters,
-    ) -> Result<Arc<dyn StepMap>, BuildError> {
-        let base = parameters.word(&INFO, "base", &["rk4", "gauss"])?;
-        let stages = stages(&INFO, parameters)?;
-        let (order, tableau) = match base {
-            "gauss" => (2 * stages, Some(Tableau::gauss(stages))),
-            _ => (4, None),
-        };
-        let (field, invariants) = (system.field_map()?, system.invariants_map()?);
-        if let (false, Some(system)) = (invariants.has_jacobian(), system.opaque()) {
-            return Err(system.not_offered(INFO.name, "the gradients of the Casimirs"));
-        }
-        Ok(Arc::new(ReferenceMap {
-            dimension: system.dimension(),
-            properties: MapProperties {
-                order,
-                structure: Structure::None,
-                self_adjoint: Some(false),
-            },
-            description: match tableau {
-                None => format!("{} of {base}", INFO.name),
-                Some(_) => format!("{} of {base} s = {stages}", INFO.name),
-            },
-            make: Make::Apart(Box::new(move |parameters, time_step| {
-                let base: Box<dyn Lockstep> = match tableau.clone() {
-                    None => Box::new(Rk4::new(&field, parameters, time_step, 1)),
-                    Some(tableau) => Box::new(ImplicitRungeKutta::new(
-                        &field, tableau, parameters, time_step, 1,
-                    )),
-                };
-                let invariants = invariants.evaluator(parameters, 1.0, 1.0);
-                Box::new(Projection::new(base, invariants))
-            })),
-        }))
-    }
+    Ok(Arc::new(ReferenceMap {
+        dimension: system.dimension(),
+        properties: MapProperties {
+            order,
+            structure: Structure::None,
+            self_adjoint: Some(false),
+        },
+        description: match tableau {
+            None => format!("{} of {base}", INFO.name),
+            Some(_) => format!("{} of {base} s = {stages}", INFO.name),
+        },
+        make: Make::Apart(Box::new(move |parameters, time_step| {
+            let base: Box<dyn Lockstep> = match tableau.clone() {
+                None => Box::new(Rk4::new(&field, parameters, time_step, 1)),
+                Some(tableau) => Box::new(ImplicitRungeKutta::new(
+                    &field, tableau, parameters, time_step, 1,
+                )),
+            };
+            let invariants = invariants.evaluator(parameters, 1.0, 1.0);
+            Box::new(Projection::new(base, invariants))
+        })),
+    }))
 }
 
-leafwise_core::built_in!(Stepper, Part);
+leafwise_core::built_in!(StepperPart::new(&INFO, build));

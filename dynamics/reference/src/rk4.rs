@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{Compared, Family, PartInfo, PartKind, PartParameters, ServesNumbers};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
 use leafwise_core::solver::{Lockstep, Taken};
@@ -11,15 +11,17 @@ use nalgebra::DMatrix;
 
 use crate::one_step::{Make, ReferenceMap, row_major};
 
-pub(crate) static INFO: PartInfo = PartInfo {
+static INFO: PartInfo = PartInfo {
     name: "rk4",
-    kind: PartKind::Stepper,
     summary: "the classical Runge-Kutta method, explicit",
     declares: "order 4; not a Poisson map; not self-adjoint; exact tangent up to 256 variables",
     domain: "any system, of formulas or of numbers",
     literature: "W. Kutta, Z. Math. Phys. 46 (1901); Hairer, Norsett, Wanner, Solving Ordinary \
                  Differential Equations I, table II.1.2",
-    parameters: &[],
+    family: Some(Family::Explicit),
+    serves_numbers: Some(ServesNumbers { rank: 1, limit: "" }),
+    compared: Some(Compared::at(5)),
+    ..PartInfo::of(PartKind::Stepper)
 };
 
 /// Beyond this dimension no tangent is offered: its matrix takes longer to compile than a run.
@@ -125,37 +127,28 @@ impl Lockstep for Rk4 {
     }
 }
 
-struct Part;
-
-impl StepperPart for Part {
-    fn info(&self) -> &'static PartInfo {
-        &INFO
-    }
-
-    fn build(
-        &self,
-        system: &PoissonSystem,
-        parameters: &PartParameters,
-    ) -> Result<Arc<dyn StepMap>, BuildError> {
-        parameters.refuse_unknown(&INFO)?;
-        let field = if system.dimension() <= LARGEST_TANGENT {
-            system.field_map()?
-        } else {
-            system.field_values()?
-        };
-        Ok(Arc::new(ReferenceMap {
-            dimension: system.dimension(),
-            properties: MapProperties {
-                order: 4,
-                structure: Structure::None,
-                self_adjoint: Some(false),
-            },
-            description: INFO.name.to_owned(),
-            make: Make::Together(Box::new(move |parameters, time_step, count| {
-                Box::new(Rk4::new(&field, parameters, time_step, count))
-            })),
-        }))
-    }
+fn build(
+    system: &PoissonSystem,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn StepMap>, BuildError> {
+    parameters.refuse_unknown(&INFO)?;
+    let field = if system.dimension() <= LARGEST_TANGENT {
+        system.field_map()?
+    } else {
+        system.field_values()?
+    };
+    Ok(Arc::new(ReferenceMap {
+        dimension: system.dimension(),
+        properties: MapProperties {
+            order: 4,
+            structure: Structure::None,
+            self_adjoint: Some(false),
+        },
+        description: INFO.name.to_owned(),
+        make: Make::Together(Box::new(move |parameters, time_step, count| {
+            Box::new(Rk4::new(&field, parameters, time_step, count))
+        })),
+    }))
 }
 
-leafwise_core::built_in!(Stepper, Part);
+leafwise_core::built_in!(StepperPart::new(&INFO, build));

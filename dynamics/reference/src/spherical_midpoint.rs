@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{Compared, Family, PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
 use leafwise_core::solver::judge::{Allowed, Verdict, Watch, largest, reach};
@@ -18,16 +18,17 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 use crate::connected::{Connected, StepEquation};
 use crate::one_step::{Make, OneStep, ReferenceMap};
 
-pub(crate) static INFO: PartInfo = PartInfo {
+static INFO: PartInfo = PartInfo {
     name: "spherical-midpoint",
-    kind: PartKind::Stepper,
     summary: "x+ = x + t X(|x| (x + x+)/|x + x+|), triple by triple",
     declares: "order 2; self-adjoint; exactly Poisson; keeps every |x|; exact tangent",
     domain: "products of so(3)*: triples with {x1,x2} = c x3 and cyclic, c constant",
     literature: "R. McLachlan, K. Modin, O. Verdier, Symplectic integrators for spin systems, \
                  Phys. Rev. E 89 (2014); A minimal-variable symplectic integrator on spheres, \
                  Math. Comp. 86 (2017)",
-    parameters: &[],
+    family: Some(Family::Poisson),
+    compared: Some(Compared::at(2)),
+    ..PartInfo::of(PartKind::Stepper)
 };
 
 /// Operations of a triple's middle and its derivatives, the two roots weighted.
@@ -326,34 +327,25 @@ fn check_triples(system: &SystemFormulas) -> Result<(), BuildError> {
     }
 }
 
-struct Part;
-
-impl StepperPart for Part {
-    fn info(&self) -> &'static PartInfo {
-        &INFO
-    }
-
-    fn build(
-        &self,
-        system: &PoissonSystem,
-        parameters: &PartParameters,
-    ) -> Result<Arc<dyn StepMap>, BuildError> {
-        parameters.refuse_unknown(&INFO)?;
-        check_triples(system.formulas(INFO.name)?)?;
-        let field = system.field_map()?;
-        Ok(Arc::new(ReferenceMap {
-            dimension: system.dimension(),
-            properties: MapProperties {
-                order: 2,
-                structure: Structure::Exact,
-                self_adjoint: Some(true),
-            },
-            description: INFO.name.to_owned(),
-            make: Make::Apart(Box::new(move |parameters, time_step| {
-                Box::new(SphericalMidpoint::new(&field, parameters, time_step))
-            })),
-        }))
-    }
+fn build(
+    system: &PoissonSystem,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn StepMap>, BuildError> {
+    parameters.refuse_unknown(&INFO)?;
+    check_triples(system.formulas(INFO.name)?)?;
+    let field = system.field_map()?;
+    Ok(Arc::new(ReferenceMap {
+        dimension: system.dimension(),
+        properties: MapProperties {
+            order: 2,
+            structure: Structure::Exact,
+            self_adjoint: Some(true),
+        },
+        description: INFO.name.to_owned(),
+        make: Make::Apart(Box::new(move |parameters, time_step| {
+            Box::new(SphericalMidpoint::new(&field, parameters, time_step))
+        })),
+    }))
 }
 
-leafwise_core::built_in!(Stepper, Part);
+leafwise_core::built_in!(StepperPart::new(&INFO, build));

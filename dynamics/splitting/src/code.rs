@@ -7,9 +7,8 @@ use crate::entire::{
     EXPONENTIAL_MINUS_1, EXPONENTIAL_MINUS_1_MIRRORED, PHI_1, SINE, STUMPFF_1, STUMPFF_2, VERSINE,
 };
 use crate::flow::Motion;
-use crate::piece::Piece;
+use crate::piece::{LieSeries, Piece};
 use crate::rates::multiples;
-use crate::rounding::LieSeries;
 use crate::schedule::Flow;
 
 /// x(t) − x for the flow of a piece from the state `x` over the time `time`, coordinate by

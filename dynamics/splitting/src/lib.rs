@@ -17,7 +17,6 @@
 //! - `factor`: its factors χ and χ*, the flows' product in one order and its adjoint.
 //! - [`lattice`]: the same on long lattices, by sweeps.
 //! - `rates`, `display`: rates that are multiples of one, elements of the ring as text.
-//! - `register`: the part `splitting`.
 
 pub mod code;
 mod display;
@@ -28,7 +27,6 @@ pub mod lattice;
 pub mod piece;
 pub mod pieces;
 mod rates;
-mod register;
 mod rounding;
 pub mod schedule;
 pub mod splitting;

@@ -3,11 +3,31 @@
 use std::sync::Arc;
 
 use leafwise_core::SystemFormulas;
-use leafwise_expression::{AlgebraError, Arithmetic, Expression, Polynomial, Rational, Ring};
+use leafwise_expression::{
+    AlgebraError, Arithmetic, Expression, Graph, Polynomial, Rational, Ring, Term,
+};
 
 use crate::flow::{CoordinateFlow, Motion, coordinate_flow, variables};
-use crate::pieces::Atom;
-use crate::rounding::LieSeries;
+
+/// The part's name.
+pub(crate) const NAME: &str = "splitting";
+
+/// A term of the Hamiltonian with its field.
+pub(crate) struct Atom {
+    pub(crate) hamiltonian: Polynomial,
+    /// The same as it is written.
+    pub(crate) formula: Expression,
+    pub(crate) field: Vec<(usize, Polynomial)>,
+}
+
+/// Dx_i, D²x_i, … of each coordinate under a piece, as code of the formulas: nothing is expanded.
+#[derive(Clone, Debug)]
+pub(crate) struct LieSeries {
+    /// The code; its inputs are the coordinates.
+    pub(crate) graph: Graph,
+    /// As many terms as the coordinate's motion is made of.
+    pub(crate) terms: Vec<Vec<Term>>,
+}
 
 /// The tensor in exact algebra, by rows.
 pub(crate) struct Tensor {

@@ -5,15 +5,7 @@ use leafwise_core::{BuildError, SystemFormulas};
 use leafwise_expression::{Arithmetic, Expression, Polynomial, Rational, Ring};
 
 use crate::display::Names;
-use crate::piece::{Piece, Tensor};
-
-/// A term of the Hamiltonian with its field.
-pub(crate) struct Atom {
-    pub(crate) hamiltonian: Polynomial,
-    /// The same as it is written.
-    pub(crate) formula: Expression,
-    pub(crate) field: Vec<(usize, Polynomial)>,
-}
+use crate::piece::{Atom, NAME, Piece, Tensor};
 
 /// H = Σ H_i (up to Casimirs) with an exact flow of each H_i.
 ///
@@ -133,7 +125,7 @@ fn refusal(
 ) -> BuildError {
     let names = Names { system, ring };
     BuildError::DoesNotFit {
-        part: crate::register::INFO.name,
+        part: NAME,
         reason: format!(
             "its Hamiltonian does not split: under the term `{}` alone the motion of {} is neither \
              polynomial in time, nor exponential, nor a rotation",

@@ -6,37 +6,27 @@ use leafwise_expression::graph::lift;
 use leafwise_expression::{AlgebraError, Arithmetic, Graph, Polynomial, Rational, Ring, Term};
 
 use crate::flow::Motion;
-use crate::piece::Piece;
+use crate::piece::{LieSeries, NAME, Piece};
 
-/// Dx_i, D²x_i, … of each coordinate under a piece, as code of the formulas: nothing is expanded.
-#[derive(Clone, Debug)]
-pub(crate) struct LieSeries {
-    /// The code; its inputs are the coordinates.
-    pub(crate) graph: Graph,
-    /// As many terms as the coordinate's motion is made of.
-    pub(crate) terms: Vec<Vec<Term>>,
-}
-
-impl LieSeries {
-    fn new(system: &SystemFormulas, piece: &Piece) -> Result<Self, AlgebraError> {
-        let (mut graph, x) = inputs(system);
-        let field = field_of(&mut graph, system, piece, &x)?;
-        let mut terms = Vec::with_capacity(x.len());
-        for (first, flow) in field.iter().zip(piece.flows()) {
-            let mut series = vec![first.clone(); length(&flow.motion).min(1)];
-            while series.len() < length(&flow.motion) {
-                let last = series[series.len() - 1].clone();
-                let mut sum = Vec::new();
-                for &j in &flow.reads {
-                    let slope = graph.derivative(&last, j)?;
-                    sum.push((Rational::one(), graph.multiply(&field[j], &slope)));
-                }
-                series.push(graph.combine(&sum));
+/// The series of a piece's flows.
+fn lie_series(system: &SystemFormulas, piece: &Piece) -> Result<LieSeries, AlgebraError> {
+    let (mut graph, x) = inputs(system);
+    let field = field_of(&mut graph, system, piece, &x)?;
+    let mut terms = Vec::with_capacity(x.len());
+    for (first, flow) in field.iter().zip(piece.flows()) {
+        let mut series = vec![first.clone(); length(&flow.motion).min(1)];
+        while series.len() < length(&flow.motion) {
+            let last = series[series.len() - 1].clone();
+            let mut sum = Vec::new();
+            for &j in &flow.reads {
+                let slope = graph.derivative(&last, j)?;
+                sum.push((Rational::one(), graph.multiply(&field[j], &slope)));
             }
-            terms.push(series);
+            series.push(graph.combine(&sum));
         }
-        Ok(Self { graph, terms })
+        terms.push(series);
     }
+    Ok(LieSeries { graph, terms })
 }
 
 fn inputs(system: &SystemFormulas) -> (Graph, Vec<Term>) {
@@ -149,7 +139,7 @@ pub(crate) fn settled(
 ) -> Result<Vec<Piece>, BuildError> {
     let refusal = || {
         BuildError::DoesNotFit {
-        part: crate::register::INFO.name,
+        part: NAME,
         reason: "about the initial state the terms of its flows cancel when its Hamiltonian is \
                  expanded, and nothing is left but round-off: take coordinates about the place where \
                  the motion is, such as y = q - 10, or gauss, collective or hamilton-jacobi, which \
@@ -159,7 +149,7 @@ pub(crate) fn settled(
     };
     let mut all = Vec::with_capacity(pieces.len());
     for piece in pieces {
-        let series = LieSeries::new(system, &piece)?;
+        let series = lie_series(system, &piece)?;
         let mut graph = series.graph.clone();
         let (_, x) = inputs(system);
         let (mut made, mut expected) = (Vec::new(), Vec::new());

@@ -2,6 +2,9 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use leafwise_core::lattice::{LatticeMap, LatticeSource};
+use leafwise_core::part::{Compared, Family, PartInfo, PartKind, PartParameters};
+use leafwise_core::registry::StepperPart;
 use leafwise_core::solver::{ExplicitMap, MapProperties, StepMap, Stepper, Structure};
 use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::{Arithmetic, Graph, Kernel, OperationCount, Ring, StepSize, Term};
@@ -9,11 +12,25 @@ use leafwise_expression::{Arithmetic, Graph, Kernel, OperationCount, Ring, StepS
 use crate::code::product_increment;
 use crate::display::Names;
 use crate::factor::{Factor, Splits, evaluations};
-use crate::piece::Piece;
+use crate::lattice::LatticeSplitting;
+use crate::piece::{NAME, Piece};
 use crate::pieces::find_pieces;
-use crate::register::INFO;
 use crate::rounding::settled;
 use crate::schedule::{STRANG, passes};
+
+static INFO: PartInfo = PartInfo {
+    name: NAME,
+    summary: "Strang's product of exact flows of the Hamiltonian's pieces, found from the formulas",
+    declares: "order 2; self-adjoint; exactly Poisson; explicit",
+    domain: "Hamiltonians whose terms have flows that are polynomial, exponential or rotations",
+    literature: "Strang, On the construction and comparison of difference schemes (1968); \
+                 McLachlan, Quispel, Splitting methods, Acta Numerica 11 (2002); Hairer, Lubich, \
+                 Wanner, Geometric Numerical Integration, section VII.4.2",
+    family: Some(Family::Splitting),
+    compared: Some(Compared::at(1)),
+    reference: Some(&[]),
+    ..PartInfo::of(PartKind::Stepper)
+};
 
 /// φ¹_{t/2} ∘ … ∘ φʳ_t ∘ … ∘ φ¹_{t/2}, t = εh, over exact flows of the pieces of H: explicit, of order
 /// 2, self-adjoint, a Poisson map that keeps every Casimir (G. Strang, SIAM Journal on Numerical
@@ -217,3 +234,21 @@ impl Splits for Splitting {
         self.product(parts).stepper(lanes, parameters, epsilon, h)
     }
 }
+
+fn build(
+    system: &PoissonSystem,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn StepMap>, BuildError> {
+    parameters.refuse_unknown(&INFO)?;
+    Ok(Arc::new(Splitting::new(system)?))
+}
+
+fn build_on_lattice(
+    source: &dyn LatticeSource,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn LatticeMap>, BuildError> {
+    parameters.refuse_unknown(&INFO)?;
+    Ok(Arc::new(LatticeSplitting::new(source)?))
+}
+
+leafwise_core::built_in!(StepperPart::new(&INFO, build).with_sweeps(build_on_lattice));

@@ -1,6 +1,5 @@
 //! Scene texts, arbitrary and mutated: parsing and composing never panic, and every error has a place.
 
-use leafwise::ProblemLibrary;
 use leafwise::core::Registry;
 use leafwise::scene::{SceneDiagnostic, SceneDocument, compose};
 
@@ -90,13 +89,14 @@ fn read(text: &str) -> Result<Reached, String> {
         }
         Err(format!("an error without a place: {diagnostic:?}"))
     };
-    match SceneDocument::parse("scene.toml", text, &ProblemLibrary) {
+    let registry = Registry::with_builtin();
+    match SceneDocument::parse("scene.toml", text, &registry) {
         Err(errors) => errors.diagnostics().iter().try_for_each(has_place)?,
         Ok(document) => {
             if document.system.dimension() > crate::LARGEST {
                 return Ok(Reached::Refusal);
             }
-            if let Err(refusal) = compose(&document, &Registry::with_builtin()) {
+            if let Err(refusal) = compose(&document, &registry) {
                 has_place(&refusal)?;
             }
         }

@@ -7,7 +7,6 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use leafwise::ProblemLibrary;
 use leafwise::core::{Integrator, Registry, StepError, Structure};
 use leafwise::scene::run::{Quiet, run};
 use leafwise::scene::{
@@ -54,7 +53,7 @@ pub fn judge(scene: &RandomScene, registry: &Registry) -> Verdict {
 }
 
 fn judged(scene: &RandomScene, registry: &Registry) -> Verdict {
-    let document = match SceneDocument::parse("scene.toml", &scene.text, &ProblemLibrary) {
+    let document = match SceneDocument::parse("scene.toml", &scene.text, registry) {
         Ok(document) => document,
         Err(errors) => {
             let first = errors

@@ -7,7 +7,6 @@ use std::path::Path;
 use std::sync::OnceLock;
 use std::time::Duration;
 
-use leafwise::ProblemLibrary;
 use leafwise::core::Registry;
 use leafwise::scene::run::{Progress, Quiet, Status, run};
 use leafwise::scene::{ComposedRun, RunOptions, RunOutcome, SceneDocument, compose};
@@ -106,9 +105,9 @@ impl Runs {
     }
 
     fn made() -> Result<Self, String> {
-        let document = SceneDocument::parse("scene.toml", SCENE, &ProblemLibrary);
-        let document = document.map_err(|errors| errors.to_string())?;
         let registry = Registry::with_builtin();
+        let document = SceneDocument::parse("scene.toml", SCENE, &registry);
+        let document = document.map_err(|errors| errors.to_string())?;
         let composed = compose(&document, &registry).map_err(|refusal| refusal.to_string())?;
         let mut runs = Self {
             document,

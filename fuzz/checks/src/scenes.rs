@@ -1,6 +1,5 @@
 //! Random scenes take a few steps: finite states or a typed failure, the same bits by machine code.
 
-use leafwise::ProblemLibrary;
 use leafwise::core::{Integrator, Registry, StepMap};
 use leafwise::expression::Execution;
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
@@ -28,13 +27,13 @@ pub fn check(bytes: &[u8]) -> Result<Reached, String> {
 /// # Errors
 /// What is wrong.
 pub fn same_bits(text: &str, steps: usize) -> Result<Reached, String> {
-    let Ok(document) = SceneDocument::parse("scene.toml", text, &ProblemLibrary) else {
+    let registry = Registry::with_builtin();
+    let Ok(document) = SceneDocument::parse("scene.toml", text, &registry) else {
         return Ok(Reached::Refusal);
     };
     if document.system.dimension() > crate::LARGEST {
         return Ok(Reached::Refusal);
     }
-    let registry = Registry::with_builtin();
     let Ok(run) = compose(&document, &registry) else {
         return Ok(Reached::Refusal);
     };

@@ -2,7 +2,6 @@
 
 use std::fs;
 
-use leafwise::ProblemLibrary;
 use leafwise::core::Registry;
 use leafwise::scene::SceneDocument;
 use leafwise::scene::ensemble::compose_ensemble;
@@ -66,12 +65,10 @@ fn read(content: &[u8], rows: Option<&[f64]>) -> Result<Reached, String> {
     let io = |error: std::io::Error| error.to_string();
     let folder = tempfile::tempdir().map_err(io)?;
     fs::write(folder.path().join("states"), content).map_err(io)?;
-    let document = SceneDocument::parse("scene.toml", SCENE, &ProblemLibrary)
+    let registry = Registry::with_builtin();
+    let document = SceneDocument::parse("scene.toml", SCENE, &registry)
         .map_err(|errors| errors.to_string())?;
-    match (
-        compose_ensemble(&document, &Registry::with_builtin(), folder.path()),
-        rows,
-    ) {
+    match (compose_ensemble(&document, &registry, folder.path()), rows) {
         (Ok(ensemble), Some(rows)) => {
             let members = ensemble.population.members() as usize;
             match members * 2 == rows.len() {

@@ -12,17 +12,6 @@ use super::finding::{Finding, Place};
 use super::parameters;
 use crate::verify::{Judgement, Problem, measure};
 
-/// Realizations that dynamic approximations are tried over: on each problem the first that fits, so
-/// that the bisection's own order is seen, and one whose points are not pairs (x, p).
-const EXACT: [&str; 4] = [
-    "constant",
-    "log-canonical",
-    "so3-exponential",
-    "lie-poisson",
-];
-const OF_ANY_TENSOR: &str = "karasev-collocated";
-const NOT_PAIRS: &str = "so3-group";
-
 /// Lanes that are stepped together, and steps of which every bit is compared.
 const LANES: usize = 16;
 const STEPS: usize = 20;
@@ -54,7 +43,8 @@ pub(super) fn examine_stepper(
     Ok(())
 }
 
-/// A dynamic approximation over realizations of every problem.
+/// A dynamic approximation over realizations of every problem: the first exact one that fits, so that the
+/// bisection's own order is seen, and those whose points are not pairs (x, p).
 ///
 /// # Errors
 /// [`BuildError`] where it is not in the registry.
@@ -77,9 +67,12 @@ pub(super) fn examine_dynamics(
             let dynamics = offered.build(&parameters(part, path));
             Method::compose(&problem.system, realization.ok()?, dynamics.ok()?).ok()
         };
-        let exact = EXACT.iter().find_map(|name| over(name));
-        let first = exact.or_else(|| over(OF_ANY_TENSOR));
-        for method in first.into_iter().chain(over(NOT_PAIRS)) {
+        let exact = registry.exact_realizations().into_iter();
+        let first = exact.filter_map(|(info, _)| over(info.name)).next();
+        let parts = registry.parts().into_iter();
+        let others = parts.filter(|part| !part.points_are_pairs);
+        let others = others.filter_map(|part| over(part.name));
+        for method in first.into_iter().chain(others) {
             let over = format!(" over {}", method.realization().describe());
             examine(registry, place, &over, problem, &method, findings);
         }

@@ -12,7 +12,7 @@ mod problems;
 mod realizations;
 mod systems;
 
-use leafwise_core::part::{ParameterDefault, PartInfo};
+use leafwise_core::part::{PATH, PartInfo};
 use leafwise_core::{BuildError, PartKind, PartParameters, Registry};
 
 use crate::verify::Judgement;
@@ -63,7 +63,8 @@ pub fn conformance(registry: &Registry, name: &str) -> Result<Conformance, Build
     let own = problems::of_plugins(registry);
     for path in paths(part) {
         // Formulas of a map alone do not say for which systems they are meant.
-        let problems = if is_formulas_alone(registry, part)? {
+        let is_map = matches!(part.kind, PartKind::Dynamics | PartKind::Stepper);
+        let problems = if is_map && part.is_formulas_alone() {
             &own
         } else {
             &all
@@ -85,32 +86,11 @@ pub fn conformance(registry: &Registry, name: &str) -> Result<Conformance, Build
     Ok(Conformance { part, findings })
 }
 
-/// Whether a dynamic approximation or a step map of a plugin is formulas and nothing else.
-fn is_formulas_alone(registry: &Registry, part: &PartInfo) -> Result<bool, BuildError> {
-    if paths(part).len() > 1 {
-        return Ok(false);
-    }
-    let parameters = PartParameters::new();
-    let path = match part.kind {
-        PartKind::Dynamics => registry.dynamics(part.name)?.path(&parameters),
-        PartKind::Stepper => registry.stepper(part.name)?.path(&parameters),
-        _ => None,
-    };
-    Ok(path == Some("expressions"))
-}
-
-/// The parameter by which a part with formulas and functions is asked for one of them.
-const PATH: &str = "path";
-
 /// The ways in which a part computes values, where it has several.
 fn paths(part: &PartInfo) -> Vec<Option<&'static str>> {
-    let has_both = part.parameters.iter().any(|parameter| {
-        parameter.name == PATH && matches!(parameter.default, ParameterDefault::Text(_))
-    });
-    if has_both {
-        vec![Some("expressions"), Some("numbers")]
-    } else {
-        vec![None]
+    match part.paths {
+        [] | [_] => vec![None],
+        several => several.iter().copied().map(Some).collect(),
     }
 }
 

@@ -1,10 +1,8 @@
 //! What parts are tried on.
 
 use leafwise_core::registry::SystemPart;
-use leafwise_core::{
-    BuildError, Integrator, PartKind, PartParameters, PoissonSystem, Registry, StepError,
-};
-use leafwise_scene::{NoLibrary, SceneDocument};
+use leafwise_core::{BuildError, PartKind, PartParameters, PoissonSystem, Registry, StepError};
+use leafwise_scene::SceneDocument;
 
 use crate::verify::Problem;
 
@@ -37,7 +35,8 @@ const CANONICAL: [(&str, &str); 2] = [
 /// The problems of the library, and those of plugins.
 pub(super) fn all(registry: &Registry) -> Vec<Problem> {
     let canonical = CANONICAL.into_iter().map(|(name, text)| {
-        let document = SceneDocument::parse(name, text, &NoLibrary).expect("a scene of this file");
+        let document =
+            SceneDocument::parse(name, text, &Registry::empty()).expect("a scene of this file");
         Problem::of_scene(&document).expect("a system of this file")
     });
     let library = LIBRARY
@@ -53,9 +52,9 @@ pub(super) fn all(registry: &Registry) -> Vec<Problem> {
 pub(super) fn of_plugins(registry: &Registry) -> Vec<Problem> {
     let systems = registry.parts().into_iter();
     systems
-        .filter(|info| info.kind == PartKind::System)
+        .filter(|info| info.kind == PartKind::System && !info.paths.is_empty())
         .filter_map(|info| registry.system(info.name).ok())
-        .filter_map(|part| of_part(registry, part.as_ref(), &PartParameters::new()).ok()?)
+        .filter_map(|part| of_part(&part, &PartParameters::new()).ok()?)
         .collect()
 }
 
@@ -64,18 +63,17 @@ pub(super) fn of_plugins(registry: &Registry) -> Vec<Problem> {
 /// # Errors
 /// [`BuildError`] of the part.
 pub(super) fn of_part(
-    registry: &Registry,
-    part: &dyn SystemPart,
+    part: &SystemPart,
     parameters: &PartParameters,
 ) -> Result<Option<Problem>, BuildError> {
     let system = part.build(parameters)?;
     let found = states(system.dimension()).into_iter().find_map(|initial| {
-        let time_step = time_step(registry, &system, &initial).ok()?;
+        let time_step = time_step(&system, &initial).ok()?;
         Some((initial, time_step))
     });
     Ok(found.map(|(initial, time_step)| Problem {
         own: None,
-        name: part.info().name.to_owned(),
+        name: part.info.name.to_owned(),
         system,
         initial,
         time_step,
@@ -107,27 +105,22 @@ fn states(d: usize) -> Vec<Vec<f64>> {
 const MOVE: f64 = 0.05;
 
 /// A power of two in which a state moves by about a twentieth of itself; an eighth where it rests.
-fn time_step(
-    registry: &Registry,
-    system: &PoissonSystem,
-    initial: &[f64],
-) -> Result<f64, StepError> {
-    const TINY: f64 = 1e-6;
+fn time_step(system: &PoissonSystem, initial: &[f64]) -> Result<f64, StepError> {
     const MOST: f64 = 0.125;
-    let map = registry
-        .stepper("rk4")
-        .and_then(|part| part.build(system, &PartParameters::new()));
-    let Ok(map) = map else {
+    let Ok(field) = system.field_values() else {
         return Ok(MOST);
     };
-    let values = system.parameter_values();
-    let mut integrator = Integrator::new(map.as_ref(), &values, 1.0, TINY, initial);
-    integrator.step()?;
-    let length = |v: &mut dyn Iterator<Item = f64>| v.map(|v| v * v).sum::<f64>();
-    let moved = integrator.state().iter().zip(initial).map(|(a, b)| a - b);
-    let moved = length(&mut { moved });
-    let size = length(&mut initial.iter().copied());
-    let speed = libm::sqrt(moved / size) / TINY;
+    let mut velocity = vec![0.0; initial.len()];
+    field
+        .evaluator(&system.parameter_values(), 1.0, 1.0)
+        .value(initial, &mut velocity)?;
+    if velocity.iter().any(|v| !v.is_finite()) {
+        return Err(StepError::NonFinite {
+            what: "the vector field",
+        });
+    }
+    let length = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>();
+    let speed = libm::sqrt(length(&velocity) / length(initial));
     let exponent = libm::floor(libm::log2(MOVE / speed));
     Ok(if exponent.is_finite() {
         libm::exp2(exponent).min(MOST)

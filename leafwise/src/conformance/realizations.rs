@@ -52,7 +52,7 @@ pub(super) fn examine(
         if fits.is_err() {
             others += 1;
             // Functions are told the system and may refuse it; formulas alone cannot.
-            if offered.path(&given) == Some("numbers") {
+            if offered.info.path(&given) == Some("numbers") {
                 let quantity = "accepts only tensors that it realizes";
                 findings.push(place.holds(quantity, fits.err().map(|error| error.to_string())));
             }

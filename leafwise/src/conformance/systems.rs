@@ -32,7 +32,7 @@ pub(super) fn examine(
             path,
             problem: "itself",
         };
-        match of_part(registry, system.as_ref(), &parameters(part, path))? {
+        match of_part(&system, &parameters(part, path))? {
             Some(problem) => {
                 alone(place, &problem, findings)?;
                 problems.push(problem);

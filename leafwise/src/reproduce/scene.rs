@@ -4,7 +4,6 @@ use leafwise_core::Registry;
 use leafwise_scene::{ComposedRun, SceneDocument, compose};
 
 use super::error::ReproduceError;
-use crate::library::ProblemLibrary;
 
 /// K-HJ of order 2 over the truncated realization, from (1, 3, 3).
 pub(super) struct FigureScene {
@@ -44,7 +43,7 @@ pub(super) fn run_table(steps: u64) -> String {
 
 /// A scene's text, ready to run.
 pub(super) fn composed(text: &str, registry: &Registry) -> Result<ComposedRun, ReproduceError> {
-    let document = SceneDocument::parse("figure", text, &ProblemLibrary)?;
+    let document = SceneDocument::parse("figure", text, registry)?;
     compose(&document, registry).map_err(ReproduceError::Refused)
 }
 

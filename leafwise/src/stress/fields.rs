@@ -7,7 +7,6 @@ use leafwise_scene::{SceneDocument, compose};
 use toml::{Table, Value};
 
 use super::case::{Case, Outcome, StressError, StressOptions, Tally};
-use crate::library::ProblemLibrary;
 
 pub(super) const CASES: [Case; 2] = [
     Case {
@@ -173,9 +172,10 @@ fn numbers(_: &StressOptions) -> Result<Outcome, StressError> {
     let mut tally = Tally::default();
     let mut fields = 0;
     let mut seen = Vec::new();
+    let registry = Registry::with_builtin();
     for text in scenes() {
-        let document = SceneDocument::parse("case", &text, &ProblemLibrary)?;
-        compose(&document, &Registry::with_builtin()).map_err(StressError::Refused)?;
+        let document = SceneDocument::parse("case", &text, &registry)?;
+        compose(&document, &registry).map_err(StressError::Refused)?;
         let scene = Value::Table(text.parse::<Table>().unwrap_or_default());
         let mut paths = Vec::new();
         walk(&scene, &mut Vec::new(), &mut seen, &mut paths);
@@ -208,9 +208,10 @@ fn numbers(_: &StressOptions) -> Result<Outcome, StressError> {
 
 /// Whether reading or composing refuses it, in words.
 fn is_refused(text: &str) -> bool {
-    match SceneDocument::parse("case", text, &ProblemLibrary) {
+    let registry = Registry::with_builtin();
+    match SceneDocument::parse("case", text, &registry) {
         Err(errors) => !errors.to_string().is_empty(),
-        Ok(document) => compose(&document, &Registry::with_builtin()).is_err(),
+        Ok(document) => compose(&document, &registry).is_err(),
     }
 }
 
@@ -260,7 +261,8 @@ fn replace(value: &mut Value, path: &[String], number: f64) {
 
 fn parameters(_: &StressOptions) -> Result<Outcome, StressError> {
     let mut tally = Tally::default();
-    for part in Registry::with_builtin().parts() {
+    let parts = Registry::with_builtin().parts().into_iter();
+    for part in parts.filter(|part| part.kind != PartKind::System) {
         let numeric = part.parameters.iter().filter(|parameter| {
             matches!(
                 parameter.default,

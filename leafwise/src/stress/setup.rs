@@ -4,7 +4,6 @@ use leafwise_core::{Method, PartParameters, PoissonSystem, Registry};
 use leafwise_scene::{ComposedRun, SceneDocument, compose};
 
 use super::case::StressError;
-use crate::library::ProblemLibrary;
 use crate::verify::Problem;
 
 /// u, half a unit in the last place of 1.
@@ -36,8 +35,9 @@ pub(super) fn pair(
 
 /// A scene's text, ready to run.
 pub(super) fn composed(text: &str) -> Result<ComposedRun, StressError> {
-    let document = SceneDocument::parse("case", text, &ProblemLibrary)?;
-    compose(&document, &Registry::with_builtin()).map_err(StressError::Refused)
+    let registry = Registry::with_builtin();
+    let document = SceneDocument::parse("case", text, &registry)?;
+    compose(&document, &registry).map_err(StressError::Refused)
 }
 
 /// A system from the text of its `[system]` table, from `initial`.
@@ -45,7 +45,7 @@ pub(super) fn problem(system: &str, initial: &[f64]) -> Result<Problem, StressEr
     let text = format!(
         "[system]\n{system}\n[method]\ntime-step = 0.1\n[run]\ninitial = {initial:?}\nsteps = 1\n"
     );
-    let document = SceneDocument::parse("case", &text, &ProblemLibrary)?;
+    let document = SceneDocument::parse("case", &text, &Registry::with_builtin())?;
     Ok(Problem::of_scene(&document)?)
 }
 

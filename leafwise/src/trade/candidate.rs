@@ -6,7 +6,7 @@ use std::fmt;
 use leafwise_core::part::{ParameterDefault, ParameterInfo, ParameterSetting, PartKind};
 use leafwise_core::{MapProperties, Registry};
 use leafwise_scene::document::{MethodParts, MethodTable, PartUse};
-use leafwise_scene::{ComposedRun, SceneDocument, SceneLibrary, compose};
+use leafwise_scene::{ComposedRun, SceneDocument, compose};
 
 use super::error::TradeError;
 
@@ -20,7 +20,6 @@ const MOST_STEPS: f64 = (1_u64 << 40) as f64;
 pub struct Bench<'a> {
     document: &'a SceneDocument,
     registry: &'a Registry,
-    library: &'a dyn SceneLibrary,
     own: ComposedRun,
     time: f64,
     steps: u64,
@@ -35,7 +34,6 @@ impl<'a> Bench<'a> {
     pub fn new(
         document: &'a SceneDocument,
         registry: &'a Registry,
-        library: &'a dyn SceneLibrary,
         time: Option<f64>,
     ) -> Result<Self, TradeError> {
         let own = compose(document, registry)?;
@@ -52,7 +50,6 @@ impl<'a> Bench<'a> {
         Ok(Self {
             document,
             registry,
-            library,
             own,
             time,
             steps,
@@ -64,7 +61,7 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// Those of [`Bench::new`].
     pub fn over(&self, time: f64) -> Result<Self, TradeError> {
-        Self::new(self.document, self.registry, self.library, Some(time))
+        Self::new(self.document, self.registry, Some(time))
     }
 
     /// The scene.
@@ -77,9 +74,10 @@ impl<'a> Bench<'a> {
         self.registry
     }
 
-    /// Where systems named by a scene are looked up.
-    pub fn library(&self) -> &dyn SceneLibrary {
-        self.library
+    /// The part of a kind that serves every system, to this order.
+    pub(super) fn of_order(&self, kind: PartKind, order: usize) -> PartUse {
+        let part = self.registry.of_order(kind);
+        PartUse::named(part.map_or("auto", |info| info.name)).with("order", order as i64)
     }
 
     /// The scene with its own method.
@@ -153,7 +151,7 @@ impl<'a> Bench<'a> {
         let text = method
             .write_into(&self.document.text, time_step, steps)
             .map_err(|error| error.to_string())?;
-        let document = SceneDocument::parse(&self.document.name, &text, self.library)
+        let document = SceneDocument::parse(&self.document.name, &text, self.registry)
             .map_err(|error| error.to_string())?;
         compose(&document, self.registry).map_err(|refusal| refusal.line())
     }

@@ -2,7 +2,7 @@
 
 use leafwise_core::Accuracy;
 use leafwise_core::dynamics::Generating;
-use leafwise_core::part::{ParameterSetting, PartKind};
+use leafwise_core::part::{Family, ParameterSetting, PartInfo, PartKind, Settings};
 use leafwise_scene::compose::Stepping;
 use leafwise_scene::document::{MethodParts, MethodTable, PartUse};
 
@@ -28,20 +28,6 @@ const MOST_WORK: u64 = 16;
 
 /// Implicit steppers solve dense systems: beyond this dimension they are not tried.
 const LARGEST_DENSE: usize = 96;
-
-/// The compositions with their orders (Hairer, Lubich, Wanner, *Geometric Numerical Integration*,
-/// section V.3.2), and those of splitting alone.
-const COMPOSITIONS: [(&str, i64); 8] = [
-    ("suzuki-4", 4),
-    ("kahan-li-6", 6),
-    ("suzuki-umeno-8", 8),
-    ("sofroniou-spaletta-10", 10),
-    ("triple-jump", 4),
-    ("yoshida-6", 6),
-    ("kahan-li-8", 8),
-    ("kahan-li-10", 10),
-];
-const COMPOSITIONS_OF_FACTORS: [&str; 2] = ["blanes-moan-4", "blanes-moan-6"];
 
 /// What the catalogue is made for.
 pub(super) struct Catalogue<'a> {
@@ -95,17 +81,18 @@ impl Catalogue<'_> {
         if let Some(realization) = cheapest {
             let made = self.hamiltonians()[0];
             for order in [2, 4] {
-                let base = MethodTable::pair(realization.clone(), made.hamilton_jacobi(order));
-                self.compositions(&base, order);
+                let dynamics = made.hamilton_jacobi(self.bench, order);
+                let base = MethodTable::pair(realization.clone(), dynamics);
+                self.compositions(&base, order, false);
             }
         }
-        for stepper in ["splitting", "spherical-midpoint"] {
-            let base = MethodTable::stepper(PartUse::named(stepper));
-            if self.add(base.clone()) {
-                self.compositions(&base, 2);
-                if stepper == "splitting" {
-                    for name in COMPOSITIONS_OF_FACTORS {
-                        self.add(base.clone().composed(PartUse::named(name)));
+        for family in [Family::Splitting, Family::Poisson] {
+            for stepper in self.bench.registry().family(family) {
+                let base = MethodTable::stepper(PartUse::named(stepper.name));
+                if self.add(base.clone()) {
+                    self.compositions(&base, 2, false);
+                    if family == Family::Splitting {
+                        self.compositions(&base, 2, true);
                     }
                 }
             }
@@ -147,7 +134,7 @@ impl Catalogue<'_> {
 
     /// The exact realization that a scene with `realization = "auto"` takes.
     fn cheapest(&mut self) -> Option<PartUse> {
-        let method = MethodTable::pair(PartUse::named("auto"), hamilton_jacobi(2));
+        let method = MethodTable::pair(PartUse::named("auto"), hamilton_jacobi(self.bench, 2));
         let candidate = self.build(&method).ok()?;
         let MethodParts::Pair { realization, .. } = candidate.method.parts else {
             return None;
@@ -168,7 +155,7 @@ impl Catalogue<'_> {
         let parts = self.bench.registry().parts().into_iter();
         let names = parts.filter(|p| p.kind == PartKind::Realization);
         for part in names.map(|p| PartUse::named(p.name)) {
-            let method = MethodTable::pair(part.clone(), hamilton_jacobi(2));
+            let method = MethodTable::pair(part.clone(), hamilton_jacobi(self.bench, 2));
             let built = self.build(&method);
             if built.is_ok_and(|built| accuracy(&built) == Some(Accuracy::Exact)) {
                 realizations.push(part);
@@ -199,7 +186,7 @@ impl Catalogue<'_> {
     /// Hamilton–Jacobi of rising orders: those asked for, or until dS is too long.
     fn rising_orders(&mut self, realization: &PartUse, made: Made) {
         let of_order = |order: usize| {
-            MethodTable::pair(realization.clone(), made.hamilton_jacobi(order as i64))
+            MethodTable::pair(realization.clone(), made.hamilton_jacobi(self.bench, order))
         };
         if let Some(orders) = self.orders {
             for order in orders.iter().filter(|m| m.is_multiple_of(2)) {
@@ -228,8 +215,8 @@ impl Catalogue<'_> {
     fn truncations(&mut self) {
         let mut of_order_two = None;
         for order in ORDERS {
-            let realization = PartUse::named("karasev-truncated").with("order", order as i64);
-            let method = MethodTable::pair(realization, hamilton_jacobi(order as i64));
+            let realization = self.bench.of_order(PartKind::Realization, order);
+            let method = MethodTable::pair(realization, hamilton_jacobi(self.bench, order));
             let built = self.build(&method);
             let is_long = self.is_long(&built, &mut of_order_two);
             self.add_built(method, built);
@@ -254,38 +241,44 @@ impl Catalogue<'_> {
     }
 
     fn collective(&mut self, realization: &PartUse) {
-        for stages in [2, 3] {
-            let dynamics = PartUse::named("collective").with("stages", stages);
+        let parts = self.bench.registry().compared(PartKind::Dynamics);
+        for dynamics in parts.into_iter().flat_map(compared) {
             self.add(MethodTable::pair(realization.clone(), dynamics));
         }
     }
 
-    /// Compositions of a base; those that do not raise its order are left out.
-    fn compositions(&mut self, base: &MethodTable, order: i64) {
-        for (name, raised) in COMPOSITIONS {
-            if raised > order {
-                self.add(base.clone().composed(PartUse::named(name)));
+    /// Compositions of a base, or of its factors; those that do not raise its order are left out.
+    fn compositions(&mut self, base: &MethodTable, order: usize, of_factors: bool) {
+        let registry = self.bench.registry();
+        let parts = registry.compared(PartKind::Composition).into_iter();
+        for part in parts.filter_map(|info| registry.composition(info.name).ok()) {
+            if part.order > order && part.takes_factors == of_factors {
+                self.add(base.clone().composed(PartUse::named(part.info.name)));
             }
         }
     }
 
     fn baselines(&mut self) {
-        let mut baselines = vec![
-            PartUse::named("dop853"),
-            PartUse::named("dormand-prince45"),
-            PartUse::named("rk4"),
-        ];
-        if self.bench.own().dimension() <= LARGEST_DENSE {
-            baselines.extend([
-                PartUse::named("implicit-midpoint"),
-                PartUse::named("gauss").with("stages", 2),
-                PartUse::named("gauss").with("stages", 3),
-            ]);
+        let is_small = self.bench.own().dimension() <= LARGEST_DENSE;
+        let mut baselines = self.bench.registry().family(Family::Explicit);
+        if is_small {
+            baselines.extend(self.bench.registry().family(Family::Implicit));
         }
-        for baseline in baselines {
+        for baseline in baselines.into_iter().flat_map(compared) {
             self.add(MethodTable::stepper(baseline));
         }
     }
+}
+
+/// A part with each of the settings at which it is compared.
+fn compared(part: &PartInfo) -> Vec<PartUse> {
+    let settings = part.compared.map_or(&[][..], |compared| compared.settings);
+    let of = |settings: &Settings| {
+        let named = PartUse::named(part.name);
+        let settings = settings.iter();
+        settings.fold(named, |part, (name, value)| part.with(name, *value))
+    };
+    settings.iter().map(of).collect()
 }
 
 /// What a Hamilton–Jacobi series is made from.
@@ -296,16 +289,17 @@ enum Made {
 }
 
 impl Made {
-    fn hamilton_jacobi(self, order: i64) -> PartUse {
+    fn hamilton_jacobi(self, bench: &Bench<'_>, order: usize) -> PartUse {
+        let part = hamilton_jacobi(bench, order);
         match self {
-            Self::OfH => hamilton_jacobi(order),
-            Self::OfEnergyCasimir => hamilton_jacobi(order).with("hamiltonian", "energy-casimir"),
+            Self::OfH => part,
+            Self::OfEnergyCasimir => part.with("hamiltonian", "energy-casimir"),
         }
     }
 }
 
-fn hamilton_jacobi(order: i64) -> PartUse {
-    PartUse::named("hamilton-jacobi").with("order", order)
+fn hamilton_jacobi(bench: &Bench<'_>, order: usize) -> PartUse {
+    bench.of_order(PartKind::Dynamics, order)
 }
 
 /// The same part with the same parameters where both give them.

@@ -1,7 +1,8 @@
 //! Work–precision: every method over a grid of settings.
 
-use leafwise_core::Structure;
-use leafwise_scene::document::MethodTable;
+use leafwise_core::part::Family;
+use leafwise_core::{Registry, Structure};
+use leafwise_scene::document::{MethodParts, MethodTable};
 
 use super::candidate::{Bench, Candidate, Knob, Setting};
 use super::catalogue::{Entry, catalogue};
@@ -52,6 +53,8 @@ pub struct ComparedMethod {
     pub knob: Knob,
     /// Whether it is the scene's own.
     pub is_own: bool,
+    /// What its stepper is akin to, where it has one that says so.
+    pub family: Option<Family>,
 }
 
 /// A method at one setting.
@@ -147,6 +150,7 @@ pub fn compare(
         }));
         methods.push(ComparedMethod {
             is_own: own.as_ref() == Some(&candidate.method),
+            family: family(bench.registry(), &candidate.method),
             name: candidate.name,
             order: candidate.properties.order,
             structure: candidate.properties.structure,
@@ -330,5 +334,13 @@ fn mark_fronts(points: &mut [Point], reference: &Reference, cost: Cost) {
                 wall: wall[at],
             };
         }
+    }
+}
+
+/// What a method's stepper is akin to.
+fn family(registry: &Registry, method: &MethodTable) -> Option<Family> {
+    match &method.parts {
+        MethodParts::Stepper(stepper) => registry.stepper(&stepper.name).ok()?.info.family,
+        MethodParts::Pair { .. } => None,
     }
 }

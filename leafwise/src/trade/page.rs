@@ -1,11 +1,12 @@
 //! A comparison as the data of a page.
 
-use leafwise_scene::document::{MethodParts, MethodTable};
+use leafwise_core::part::Family;
+use leafwise_scene::document::MethodParts;
 use leafwise_scene::report::{ComparisonData, Curve, CurvePoint, Plot};
 use leafwise_scene::run::PROGRAM_VERSION;
 use leafwise_scene::{ReportError, SceneDocument, render_comparison};
 
-use super::compare::{Comparison, Point};
+use super::compare::{ComparedMethod, Comparison, Point};
 use super::measured::{Cost, Measured};
 use super::reference::Judged;
 
@@ -150,11 +151,7 @@ fn curves(comparison: &Comparison) -> Vec<Curve> {
     let methods = comparison.methods.iter().enumerate();
     let mut curves: Vec<(usize, Curve)> = methods
         .map(|(at, method)| {
-            let family = if method.is_own {
-                5
-            } else {
-                family(&method.method)
-            };
+            let family = if method.is_own { 5 } else { family(method) };
             let is_shown = method.is_own || on_front(at);
             let curve = Curve {
                 name: method.name.clone(),
@@ -176,16 +173,14 @@ fn curves(comparison: &Comparison) -> Vec<Curve> {
 }
 
 /// The place in [`FAMILIES`].
-fn family(method: &MethodTable) -> usize {
-    match (&method.parts, &method.composition) {
-        (MethodParts::Pair { .. }, None) => 0,
-        (MethodParts::Pair { .. }, Some(_)) => 1,
-        (MethodParts::Stepper(stepper), composition) => match stepper.name.as_str() {
-            "splitting" | "spherical-midpoint" => 2,
-            "rk4" | "dop853" | "dormand-prince45" => 3,
-            _ if composition.is_some() => 2,
-            _ => 4,
-        },
+fn family(compared: &ComparedMethod) -> usize {
+    let is_composed = compared.method.composition.is_some();
+    match (&compared.method.parts, compared.family) {
+        (MethodParts::Pair { .. }, _) => usize::from(is_composed),
+        (_, Some(Family::Splitting | Family::Poisson)) => 2,
+        (_, Some(Family::Explicit)) => 3,
+        _ if is_composed => 2,
+        _ => 4,
     }
 }
 

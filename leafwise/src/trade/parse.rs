@@ -1,7 +1,7 @@
 //! Methods by name, as the command line gives them.
 
 use leafwise_core::Registry;
-use leafwise_core::part::{ParameterSetting, PartKind};
+use leafwise_core::part::{Family, ParameterSetting, PartKind};
 use leafwise_scene::document::{MethodTable, PartUse};
 
 use super::error::TradeError;
@@ -43,12 +43,19 @@ pub fn parse_method(text: &str, registry: &Registry) -> Result<MethodTable, Trad
                 ),
                 Some(other @ PartKind::Realization) if kind == PartKind::Stepper => format!(
                     "`{name}` is a {}: write a dynamic approximation behind it, as \
-                     `{text}+hamilton-jacobi:4`",
-                    other.noun()
+                     `{text}+{}:4`",
+                    other.noun(),
+                    registry
+                        .of_order(PartKind::Dynamics)
+                        .map_or("…", |part| part.name)
                 ),
                 Some(PartKind::Composition) if kind == PartKind::Stepper => format!(
                     "`{name}` is a composition: write what it composes behind it, as \
-                     `{text}/splitting`"
+                     `{text}/{}`",
+                    registry
+                        .family(Family::Splitting)
+                        .first()
+                        .map_or("…", |part| part.name)
                 ),
                 _ => format!(
                     "no {} is called `{name}`; `leafwise list` shows all, and a method is written as \

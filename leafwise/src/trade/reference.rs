@@ -1,5 +1,8 @@
 //! The motion to the end time, by two methods of high accuracy.
 
+use leafwise_core::PartKind;
+use leafwise_core::part::Family;
+use leafwise_core::registry::CompositionPart;
 use leafwise_scene::document::{MethodTable, PartUse};
 
 use super::candidate::{Bench, Candidate, Knob, Setting};
@@ -200,21 +203,42 @@ const LARGEST_GAUSS: usize = 12;
 /// Methods of order 8 and more, of families that share no code: implicit collocation,
 /// compositions of Poisson maps, an adaptive explicit pair.
 fn families(bench: &Bench<'_>) -> Vec<MethodTable> {
-    let tenth = || PartUse::named("sofroniou-spaletta-10");
-    let hamilton_jacobi = |order: i64| PartUse::named("hamilton-jacobi").with("order", order);
-    let auto = || PartUse::named("auto");
-    let mut families = Vec::new();
-    if bench.own().dimension() <= LARGEST_GAUSS {
-        families.push(MethodTable::stepper(
-            PartUse::named("gauss").with("stages", 8),
-        ));
-    }
-    families.push(MethodTable::stepper(PartUse::named("splitting")).composed(tenth()));
-    families.push(MethodTable::stepper(PartUse::named("dop853")));
-    families.push(MethodTable::pair(auto(), hamilton_jacobi(2)).composed(tenth()));
-    families
-        .push(MethodTable::pair(auto(), hamilton_jacobi(4)).composed(PartUse::named("kahan-li-8")));
-    families
+    let registry = bench.registry();
+    let stepper = |family| {
+        let (part, given) = registry.reference(family).ok()?;
+        let mut used = PartUse::named(part.info.name);
+        for (name, value) in given.iter() {
+            used = used.with(name, value.clone());
+        }
+        Some(MethodTable::stepper(used))
+    };
+    let hamilton_jacobi = |order| {
+        let dynamics = bench.of_order(PartKind::Dynamics, order);
+        MethodTable::pair(PartUse::named("auto"), dynamics)
+    };
+    // Compositions that serve references, those of the highest order first.
+    let mut compositions: Vec<CompositionPart> = registry
+        .compared(PartKind::Composition)
+        .into_iter()
+        .filter(|info| info.reference.is_some())
+        .filter_map(|info| registry.composition(info.name).ok())
+        .collect();
+    compositions.sort_by_key(|part| std::cmp::Reverse(part.order));
+    let composed = |at: usize, base: MethodTable| {
+        let part = compositions.get(at)?;
+        Some(base.composed(PartUse::named(part.info.name)))
+    };
+    let is_small = bench.own().dimension() <= LARGEST_GAUSS;
+    [
+        stepper(Family::Implicit).filter(|_| is_small),
+        stepper(Family::Splitting).and_then(|base| composed(0, base)),
+        stepper(Family::Explicit),
+        composed(0, hamilton_jacobi(2)),
+        composed(1, hamilton_jacobi(4)),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 fn refine(bench: &Bench<'_>, method: &MethodTable) -> Result<Refined, String> {

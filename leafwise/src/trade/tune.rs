@@ -368,7 +368,7 @@ impl<'a> Tuner<'a> {
         let scene = method
             .write_into(&document.text, time_step, setting.steps)
             .ok()?;
-        let written = SceneDocument::parse(&document.name, &scene, self.bench.library()).ok()?;
+        let written = SceneDocument::parse(&document.name, &scene, self.bench.registry()).ok()?;
         let run = compose(&written, self.bench.registry()).ok()?;
         let (epsilon, h, steps) = (run.plan.epsilon, run.plan.h, run.plan.steps);
         let curve = self.reference.curve();

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use leafwise_core::part::{PartInfo, PartKind};
+use leafwise_core::part::{Family, PartInfo, PartKind};
 use leafwise_core::{BuildError, Method, Origin, PartParameters, PoissonSystem, Registry, StepMap};
 use leafwise_scene::compose::{check_first_order, check_tensor};
 
@@ -29,18 +29,14 @@ impl Chosen {
 /// system they are meant.
 fn check_formulas(
     part: &'static PartInfo,
-    path: Option<&str>,
     problem: &Problem,
     map: &dyn StepMap,
 ) -> Result<(), BuildError> {
-    let has_functions = part
-        .parameters
-        .iter()
-        .any(|parameter| parameter.name == "path");
-    if path != Some("expressions") || has_functions {
-        return Ok(());
+    if part.is_formulas_alone() {
+        check_first_order(part.name, &problem.system, map, 1.0, &problem.initial)
+    } else {
+        Ok(())
     }
-    check_first_order(part.name, &problem.system, map, 1.0, &problem.initial)
 }
 
 /// Whether a part comes from a library.
@@ -111,13 +107,11 @@ impl Candidate {
                     check_tensor(realization.name, system, &built, &problem.initial)?;
                 }
                 let part = registry.dynamics(dynamics.name)?;
-                let path = part.path(&dynamics.parameters);
-                check_formulas(part.info(), path, problem, map.as_ref())?;
+                check_formulas(part.info, problem, map.as_ref())?;
             }
             Self::Stepper(stepper) => {
                 let part = registry.stepper(stepper.name)?;
-                let path = part.path(&stepper.parameters);
-                check_formulas(part.info(), path, problem, map.as_ref())?;
+                check_formulas(part.info, problem, map.as_ref())?;
             }
             Self::Composition(_) => {}
         }
@@ -136,9 +130,8 @@ impl Candidate {
                 let composition = registry.composition(part.name)?;
                 match composition.build(base(registry, system)?, &part.parameters) {
                     Err(BuildError::NoFactors { .. }) => {
-                        let splitting = registry.stepper("splitting")?;
-                        let splitting = splitting.build(system, &PartParameters::new())?;
-                        composition.build(splitting, &part.parameters)
+                        let (splitting, given) = registry.reference(Family::Splitting)?;
+                        composition.build(splitting.build(system, &given)?, &part.parameters)
                     }
                     built => built,
                 }
@@ -155,47 +148,19 @@ fn settings(part: &PartInfo, full: bool) -> Vec<Chosen> {
             .iter()
             .any(|parameter| parameter.name == key)
     };
-    let numbers = |key: &str, values: &[i64]| -> Vec<PartParameters> {
-        let with = |value: &i64| PartParameters::new().with(key, *value);
-        values.iter().map(with).collect()
-    };
-    let words = |key: &str, values: &[&str]| -> Vec<PartParameters> {
-        let with = |value: &&str| PartParameters::new().with(key, *value);
-        values.iter().map(with).collect()
-    };
-    let chosen = match name {
+    let chosen = if takes("tolerance") {
         // An adaptive method shows its order where the tolerance leaves the step alone.
-        _ if takes("tolerance") => vec![PartParameters::new().with("tolerance", 0.1)],
-        _ if !full => vec![PartParameters::new()],
-        "karasev-truncated" => numbers("order", &[1, 2, 3, 4, 6, 8]),
-        "karasev-collocated" => numbers("points", &[0, 1, 2, 3]),
-        "so3-group" => words("chart", &["cayley", "exponential"]),
-        "hamilton-jacobi" => numbers("order", &[2, 4, 6, 8]),
-        "collective" => collective(),
-        "gauss" => numbers("stages", &[1, 2, 3, 4]),
-        "energy-preserving" => numbers("order", &[2, 4]),
-        "projection" => words("base", &["rk4", "gauss"]),
-        _ => vec![PartParameters::new()],
+        vec![PartParameters::new().with("tolerance", 0.1)]
+    } else if full && !part.surveyed.is_empty() {
+        let settings = part.surveyed.iter();
+        settings
+            .map(|settings| PartParameters::of(settings))
+            .collect()
+    } else {
+        vec![PartParameters::new()]
     };
     let of = |parameters| Chosen { name, parameters };
     chosen.into_iter().map(of).collect()
-}
-
-/// Every integrator, corrected and as in the paper.
-fn collective() -> Vec<PartParameters> {
-    let gauss = |stages: i64| {
-        PartParameters::new()
-            .with("integrator", "gauss")
-            .with("stages", stages)
-    };
-    let verlet = PartParameters::new().with("integrator", "stormer-verlet");
-    ["bisection", "none"]
-        .into_iter()
-        .flat_map(|correction| {
-            let integrators = [verlet.clone(), gauss(1), gauss(2), gauss(3)];
-            integrators.map(|parameters| parameters.with("correction", correction))
-        })
-        .collect()
 }
 
 fn pair(
@@ -213,23 +178,16 @@ fn pair(
     Ok(Arc::new(Method::compose(system, realization, dynamics)?))
 }
 
-/// The realizations that a composition is measured over, the first that fits: exact ones, so that
-/// the composition's own order is seen.
-const BASES: [&str; 5] = [
-    "constant",
-    "log-canonical",
-    "so3-exponential",
-    "lie-poisson",
-    "karasev-collocated",
-];
-
 /// What compositions are measured over: Hamilton–Jacobi of order 2 over an exact realization.
 fn base(registry: &Registry, system: &PoissonSystem) -> Result<Arc<dyn StepMap>, BuildError> {
     let dynamics = Chosen {
-        name: "hamilton-jacobi",
+        name: registry.of_order(PartKind::Dynamics)?.name,
         parameters: PartParameters::new().with("order", 2),
     };
     let over = |name| pair(registry, system, &Chosen::defaults(name), &dynamics);
-    let exact = BASES.into_iter().find_map(|name| over(name).ok());
-    exact.map_or_else(|| over("karasev-truncated"), Ok)
+    let mut exact = registry.exact_realizations().into_iter();
+    match exact.find_map(|(info, _)| over(info.name).ok()) {
+        Some(map) => Ok(map),
+        None => over(registry.of_order(PartKind::Realization)?.name),
+    }
 }

@@ -3,13 +3,10 @@
 use std::fmt;
 use std::sync::Arc;
 
-use leafwise_core::{
-    BuildError, Integrator, PartParameters, PoissonSystem, Registry, StepError, StepMap,
-};
+use leafwise_core::part::Family;
+use leafwise_core::{BuildError, Integrator, PoissonSystem, Registry, StepError, StepMap};
 use leafwise_scene::compose::Stepping;
 use leafwise_scene::{Refusal, SceneDocument, compose, compose_system};
-
-use crate::library::ProblemLibrary;
 
 /// A problem that step maps are measured on.
 #[derive(Clone, Debug)]
@@ -36,10 +33,9 @@ impl fmt::Debug for Own {
     }
 }
 
-/// Steps and stages of the reference flow: Gauss of order 16 on the equations themselves, neither
-/// a realization nor a bisection.
+/// Steps of the reference flow: an implicit method of high order on the equations themselves, neither a
+/// realization nor a bisection.
 const REFERENCE_STEPS: u32 = 128;
-const REFERENCE_STAGES: i64 = 8;
 
 impl Problem {
     /// The problem of a scene, at its initial state and step.
@@ -94,7 +90,7 @@ impl Problem {
              steps = 1\n",
             defaults.time_step
         );
-        let document = SceneDocument::parse(id, &text, &ProblemLibrary)?;
+        let document = SceneDocument::parse(id, &text, &Registry::with_builtin())?;
         Self::of_scene(&document)
     }
 
@@ -103,10 +99,8 @@ impl Problem {
     /// # Errors
     /// [`BuildError`] when the reference stepper is not registered, its [`StepError`] as text.
     pub fn flow(&self, registry: &Registry, t: f64) -> Result<Vec<f64>, FlowError> {
-        let parameters = PartParameters::new().with("stages", REFERENCE_STAGES);
-        let map = registry
-            .stepper("gauss")?
-            .build(&self.system, &parameters)?;
+        let (reference, given) = registry.reference(Family::Implicit)?;
+        let map = reference.build(&self.system, &given)?;
         let values = self.system.parameter_values();
         let step = t / f64::from(REFERENCE_STEPS);
         let mut integrator = Integrator::new(map.as_ref(), &values, 1.0, step, &self.initial);

@@ -310,7 +310,7 @@ mod tests {
             part,
             system: "acme/top".to_owned(),
             missing: "formulas of the system",
-            instead: "rk4",
+            instead: "rk4".to_owned(),
         };
         let tensor = |part: &'static str| BuildError::DoesNotFit {
             part,

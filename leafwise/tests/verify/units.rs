@@ -1,6 +1,5 @@
 //! Verdicts do not depend on the units of the coordinates.
 
-use leafwise::ProblemLibrary;
 use leafwise::core::diagnostics::{
     Defect, RealizationInstrument, TensorDefect, section_defect, self_adjointness_defect,
 };
@@ -97,7 +96,7 @@ impl System {
             bracket.join(", "),
             hamiltonian.join(" + "),
         );
-        SceneDocument::parse("units.toml", &text, &ProblemLibrary).expect("a scene")
+        SceneDocument::parse("units.toml", &text, &Registry::with_builtin()).expect("a scene")
     }
 }
 
@@ -273,7 +272,7 @@ fn electron(bracket: &str, method: &str) -> SceneDocument {
          hamiltonian = \"p^2/(2*m) + m*w^2*(q^2/2 + q^4/(4*a^2))\"\n\
          [method]\n{method}\ntime-step = 2e-16\n[run]\ninitial = [1e-9, 3e-25]\nsteps = 100\n"
     );
-    SceneDocument::parse("electron.toml", &text, &ProblemLibrary).expect("a scene")
+    SceneDocument::parse("electron.toml", &text, &Registry::with_builtin()).expect("a scene")
 }
 
 /// The fourth-order Runge–Kutta method loses (ωt)⁶/72 of the area a step, here some 1e-6.

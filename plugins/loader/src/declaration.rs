@@ -1,6 +1,7 @@
 //! What a plugin declares, copied out of the library and checked.
 
 use leafwise_core::PartKind;
+use leafwise_core::part::PartInfo;
 use leafwise_core::part_description::PartDescription;
 use leafwise_plugin_abi::{
     LW_FLAG_COTANGENT_CHART, LW_FLAG_EXACT, LW_FLAG_NOT_SELF_ADJOINT, LW_FLAG_REVERSIBLE,
@@ -54,8 +55,11 @@ pub enum ValuePath {
 }
 
 impl ValuePath {
+    /// The words of all, the preferred way first.
+    pub const WORDS: [&str; 2] = [Self::Expressions.word(), Self::Numbers.word()];
+
     /// The word of scenes and manifests.
-    pub fn word(self) -> &'static str {
+    pub const fn word(self) -> &'static str {
         match self {
             Self::Expressions => "expressions",
             Self::Numbers => "numbers",
@@ -81,6 +85,17 @@ impl PartDeclaration {
             (false, false) => &[ValuePath::Expressions],
             (true, _) => &[ValuePath::Numbers],
         }
+    }
+
+    /// What it says of itself, for as long as the program runs.
+    pub(crate) fn info(&self) -> &'static PartInfo {
+        const WORDS: &[&str] = &ValuePath::WORDS;
+        let words = match self.paths() {
+            [ValuePath::Expressions] => &WORDS[..1],
+            [ValuePath::Numbers] => &WORDS[1..],
+            _ => WORDS,
+        };
+        self.description.clone().leak(words)
     }
 }
 

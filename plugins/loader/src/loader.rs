@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use leafwise_core::part::PartInfo;
 use leafwise_core::registry::{Registry, RegistryError};
 use leafwise_core::{Origin, Part};
 
@@ -203,7 +202,7 @@ pub(crate) fn open_and_try(path: &Path, checked: &CheckedFile) -> Result<Opened,
     let mut tried = Vec::with_capacity(declaration.parts.len());
     for declared in &declaration.parts {
         formulas::check(declared)?;
-        let info: &'static PartInfo = declared.description.clone().leak();
+        let info = declared.info();
         tried.push(try_part(declared, info).map_err(|failure| Refusal::Smoke {
             part: declared.id().to_owned(),
             failure,
@@ -249,6 +248,6 @@ impl PartDeclaration {
     /// [`Refusal::Formula`] where a formula cannot be read.
     pub fn part(&self) -> Result<Part, Refusal> {
         formulas::check(self)?;
-        part(self, self.description.clone().leak())
+        part(self, self.info())
     }
 }

@@ -1,13 +1,8 @@
 //! A declaration as a part of the registry.
 
-use std::sync::Arc;
-
-use leafwise_core::part::PartInfo;
+use leafwise_core::part::{PATH, PartInfo};
 use leafwise_core::registry::{DynamicsPart, Part, RealizationPart, StepperPart, SystemPart};
-use leafwise_core::solver::StepMap;
-use leafwise_core::{
-    BuildError, DynamicApproximation, PartKind, PartParameters, PoissonSystem, RealizationData,
-};
+use leafwise_core::{BuildError, PartKind, PartParameters};
 
 use crate::declaration::{Functions, PartDeclaration, ValuePath};
 use crate::error::Refusal;
@@ -17,97 +12,68 @@ use crate::foreign::{
 use crate::formulas::{
     FormulaDynamicsPart, FormulaRealizationPart, FormulaStepMapPart, FormulaSystemPart,
 };
-use crate::handshake::PATH;
 
-/// A part of one kind by its formulas, by its functions, or by whichever its parameter `path` names.
-struct Either<P: ?Sized> {
+/// A part by its formulas, by its functions, or by whichever its parameter `path` names.
+struct Either<F, N> {
     info: &'static PartInfo,
-    formulas: Option<Arc<P>>,
-    numbers: Option<Arc<P>>,
+    formulas: Option<F>,
+    numbers: Option<N>,
 }
 
-impl<P: ?Sized> Either<P> {
-    fn path(&self, parameters: &PartParameters) -> Result<ValuePath, BuildError> {
+impl<F, N> Either<F, N> {
+    fn new(
+        declaration: &PartDeclaration,
+        info: &'static PartInfo,
+        formulas: impl FnOnce(&PartDeclaration, &'static PartInfo) -> Result<F, Refusal>,
+        numbers: impl FnOnce(ForeignPart, Functions) -> Option<N>,
+    ) -> Result<Self, Refusal> {
+        let has_formulas = !declaration.formulas.is_empty();
+        Ok(Self {
+            info,
+            formulas: has_formulas
+                .then(|| formulas(declaration, info))
+                .transpose()?,
+            numbers: declaration.functions.and_then(|functions| {
+                numbers(ForeignPart::new(declaration, functions, info), functions)
+            }),
+        })
+    }
+
+    /// What the chosen one makes.
+    fn chosen<T>(
+        &self,
+        parameters: &PartParameters,
+        by_formulas: impl FnOnce(&F) -> Result<T, BuildError>,
+        by_numbers: impl FnOnce(&N) -> Result<T, BuildError>,
+    ) -> Result<T, BuildError> {
         match (&self.formulas, &self.numbers) {
-            (Some(_), Some(_)) => {
-                let words = [ValuePath::Expressions, ValuePath::Numbers].map(ValuePath::word);
-                let word = parameters.word(self.info, PATH, &words)?;
-                Ok(if word == ValuePath::Numbers.word() {
-                    ValuePath::Numbers
+            (Some(formulas), Some(numbers)) => {
+                let word = parameters.word(self.info, PATH, &ValuePath::WORDS)?;
+                if word == ValuePath::Numbers.word() {
+                    by_numbers(numbers)
                 } else {
-                    ValuePath::Expressions
-                })
-            }
-            (Some(_), None) => Ok(ValuePath::Expressions),
-            (None, _) => Ok(ValuePath::Numbers),
-        }
-    }
-
-    fn chosen(&self, parameters: &PartParameters) -> Result<&P, BuildError> {
-        let part = match self.path(parameters)? {
-            ValuePath::Expressions => &self.formulas,
-            ValuePath::Numbers => &self.numbers,
-        };
-        Ok(part.as_deref().expect("a part has formulas or functions"))
-    }
-
-    fn word(&self, parameters: &PartParameters) -> Option<&'static str> {
-        self.path(parameters).ok().map(ValuePath::word)
-    }
-}
-
-macro_rules! either {
-    ($($kind:ident => $result:ty, ($($name:ident: $argument:ty),*);)*) => {$(
-        impl $kind for Either<dyn $kind> {
-            fn info(&self) -> &'static PartInfo {
-                self.info
-            }
-
-            fn build(
-                &self,
-                $($name: $argument,)*
-                parameters: &PartParameters,
-            ) -> Result<$result, BuildError> {
-                // What the functions of a part refuse, its formulas do not serve either.
-                if let (Some(_), Some(numbers)) = (&self.formulas, &self.numbers) {
-                    numbers.build($($name,)* parameters)?;
+                    by_formulas(formulas)
                 }
-                self.chosen(parameters)?.build($($name,)* parameters)
             }
-
-            fn path(&self, parameters: &PartParameters) -> Option<&'static str> {
-                self.word(parameters)
+            (Some(formulas), None) => by_formulas(formulas),
+            (None, numbers) => {
+                by_numbers(numbers.as_ref().expect("a part has formulas or functions"))
             }
         }
-    )*};
-}
-
-impl SystemPart for Either<dyn SystemPart> {
-    fn info(&self) -> &'static PartInfo {
-        self.info
     }
 
-    fn build(&self, parameters: &PartParameters) -> Result<PoissonSystem, BuildError> {
-        self.chosen(parameters)?.build(parameters)
+    /// The same; what the functions of a part refuse, its formulas do not serve either.
+    fn served_by_both<T>(
+        &self,
+        parameters: &PartParameters,
+        by_formulas: impl FnOnce(&F) -> Result<T, BuildError>,
+        by_numbers: impl Fn(&N) -> Result<T, BuildError>,
+    ) -> Result<T, BuildError> {
+        if let (Some(_), Some(numbers)) = (&self.formulas, &self.numbers) {
+            by_numbers(numbers)?;
+        }
+        self.chosen(parameters, by_formulas, by_numbers)
     }
-
-    fn fragment(&self) -> Option<&str> {
-        self.formulas.as_ref()?.fragment()
-    }
-
-    fn has_numbers(&self) -> bool {
-        self.numbers.is_some()
-    }
-
-    fn path(&self, parameters: &PartParameters) -> Option<&'static str> {
-        self.word(parameters)
-    }
-}
-
-either! {
-    RealizationPart => Arc<dyn RealizationData>, (system: &PoissonSystem);
-    DynamicsPart => Arc<dyn DynamicApproximation>, ();
-    StepperPart => Arc<dyn StepMap>, (system: &PoissonSystem);
 }
 
 /// The part of a declaration.
@@ -115,58 +81,76 @@ pub(crate) fn part(
     declaration: &PartDeclaration,
     info: &'static PartInfo,
 ) -> Result<Part, Refusal> {
-    let foreign = |functions| ForeignPart::new(declaration, functions, info);
-    let has_formulas = !declaration.formulas.is_empty();
-    let functions = declaration.functions;
-    macro_rules! kind {
-        ($kind:ident, $trait:ident, $formulas:expr, $table:ident, $foreign:ident) => {{
-            let formulas: Option<Arc<dyn $trait>> = if has_formulas {
-                Some(Arc::new($formulas))
-            } else {
-                None
-            };
-            let numbers: Option<Arc<dyn $trait>> = match functions {
-                Some(Functions::$table(table)) => {
-                    let part = foreign(Functions::$table(table));
-                    Some(Arc::new($foreign::new(part, table)))
-                }
-                _ => None,
-            };
-            Part::$kind(Arc::new(Either {
-                info,
-                formulas,
-                numbers,
-            }))
-        }};
-    }
     Ok(match declaration.kind() {
-        PartKind::System => kind!(
-            System,
-            SystemPart,
-            FormulaSystemPart::new(declaration, info)?,
-            System,
-            ForeignSystemPart
-        ),
-        PartKind::Realization => kind!(
-            Realization,
-            RealizationPart,
-            FormulaRealizationPart::new(declaration, info)?,
-            Realization,
-            ForeignRealizationPart
-        ),
-        PartKind::Dynamics => kind!(
-            Dynamics,
-            DynamicsPart,
-            FormulaDynamicsPart::new(declaration, info)?,
-            Dynamics,
-            ForeignDynamicsPart
-        ),
-        _ => kind!(
-            Stepper,
-            StepperPart,
-            FormulaStepMapPart::new(declaration, info)?,
-            StepMap,
-            ForeignStepMapPart
-        ),
+        PartKind::System => system(declaration, info)?.into(),
+        PartKind::Realization => realization(declaration, info)?.into(),
+        PartKind::Dynamics => dynamics(declaration, info)?.into(),
+        _ => step_map(declaration, info)?.into(),
     })
+}
+
+fn system(declaration: &PartDeclaration, info: &'static PartInfo) -> Result<SystemPart, Refusal> {
+    let numbers = |part, functions| match functions {
+        Functions::System(table) => Some(ForeignSystemPart::new(part, table)),
+        _ => None,
+    };
+    let either = Either::new(declaration, info, FormulaSystemPart::new, numbers)?;
+    let fragment = either.formulas.as_ref().map(|part| part.fragment.clone());
+    let part = SystemPart::new(info, move |given| {
+        either.chosen(given, |part| part.build(given), |part| part.build(given))
+    });
+    Ok(match fragment {
+        Some(fragment) => part.with_fragment(fragment),
+        None => part,
+    })
+}
+
+fn realization(
+    declaration: &PartDeclaration,
+    info: &'static PartInfo,
+) -> Result<RealizationPart, Refusal> {
+    let numbers = |part, functions| match functions {
+        Functions::Realization(table) => Some(ForeignRealizationPart::new(part, table)),
+        _ => None,
+    };
+    let either = Either::new(declaration, info, FormulaRealizationPart::new, numbers)?;
+    Ok(RealizationPart::new(info, move |system, given| {
+        either.served_by_both(
+            given,
+            |part| part.build(system, given),
+            |part| part.build(system, given),
+        )
+    }))
+}
+
+fn dynamics(
+    declaration: &PartDeclaration,
+    info: &'static PartInfo,
+) -> Result<DynamicsPart, Refusal> {
+    let numbers = |part, functions| match functions {
+        Functions::Dynamics(table) => Some(ForeignDynamicsPart::new(part, table)),
+        _ => None,
+    };
+    let either = Either::new(declaration, info, FormulaDynamicsPart::new, numbers)?;
+    Ok(DynamicsPart::new(info, move |given| {
+        either.served_by_both(given, |part| part.build(given), |part| part.build(given))
+    }))
+}
+
+fn step_map(
+    declaration: &PartDeclaration,
+    info: &'static PartInfo,
+) -> Result<StepperPart, Refusal> {
+    let numbers = |part, functions| match functions {
+        Functions::StepMap(table) => Some(ForeignStepMapPart::new(part, table)),
+        _ => None,
+    };
+    let either = Either::new(declaration, info, FormulaStepMapPart::new, numbers)?;
+    Ok(StepperPart::new(info, move |system, given| {
+        either.served_by_both(
+            given,
+            |part| part.build(system, given),
+            |part| part.build(system, given),
+        )
+    }))
 }

@@ -1,10 +1,10 @@
 //! Poisson systems of the library by id, or from a few formulas.
 
-use leafwise_core::PoissonSystem;
 use leafwise_core::system::{Casimir, Convention, Parameter};
+use leafwise_core::{PoissonSystem, Registry};
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::{Formula, Scope};
-use leafwise_scene::{SceneDocument, SceneLibrary, compose_system};
+use leafwise_scene::{SceneDocument, compose_system};
 use toml::{Table, Value};
 
 /// A system with the state and the time step its library text starts from.
@@ -16,18 +16,6 @@ pub struct Problem {
     pub initial: Vec<f64>,
     /// ε h.
     pub time_step: f64,
-}
-
-struct Library;
-
-impl SceneLibrary for Library {
-    fn fragment(&self, id: &str) -> Option<&str> {
-        leafwise_systems::find(id).map(|system| system.text)
-    }
-
-    fn ids(&self) -> Vec<&str> {
-        leafwise_systems::all().iter().map(|s| s.id).collect()
-    }
 }
 
 /// The library's system with this id.
@@ -57,7 +45,7 @@ pub fn library(id: &str) -> Problem {
         ),
     ]);
     let text = toml::to_string(&scene).expect("tables have a text");
-    let document = SceneDocument::parse("claim.toml", &text, &Library)
+    let document = SceneDocument::parse("claim.toml", &text, &Registry::with_builtin())
         .unwrap_or_else(|errors| panic!("{errors}\n{text}"));
     let composed = compose_system(&document)
         .unwrap_or_else(|refusal| panic!("{}: {refusal:?}", document.name));

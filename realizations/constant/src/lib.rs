@@ -5,10 +5,8 @@
 //!
 //! - [`realization`]: [`ConstantRealization`], its maps as code and as sweeps over a lattice.
 //! - [`series`]: α along p(h) in the exact ring, for Hamilton–Jacobi coefficients.
-//! - `register`: the part `constant`.
 
 pub mod realization;
-mod register;
 pub mod series;
 
 pub use realization::ConstantRealization;

@@ -1,15 +1,33 @@
 //! x ∓ ½ ε Π p.
 
+use std::sync::Arc;
+
 use leafwise_core::lattice::{RealizationStages, StageBuilder, StageEnds};
+use leafwise_core::part::{Auto, PartInfo, PartKind, PartParameters};
 use leafwise_core::realization::{
     Accuracy, RealizationCode, RealizationData, SourceSeries, SourceTarget,
 };
+use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::graph::lift;
 use leafwise_expression::{Arithmetic, Graph, Polynomial, Rational, Ring, Term};
 
-use crate::register::INFO;
 use crate::series::ConstantSeries;
+
+static INFO: PartInfo = PartInfo {
+    name: "constant",
+    summary: "x -+ (1/2) epsilon Pi p, for tensors without variables",
+    declares: "exact; self-adjoint",
+    domain: "all points; tensors of numbers and parameters",
+    literature: "A. Weinstein, The local structure of Poisson manifolds, J. Differential Geom. 18 \
+                 (1983); K. Feng, Difference schemes for Hamiltonian formalism and symplectic \
+                 geometry, J. Comput. Math. 4 (1986)",
+    auto: Some(Auto::Exact {
+        rank: 1,
+        reason: "the tensor is constant: a closed form",
+    }),
+    ..PartInfo::of(PartKind::Realization)
+};
 
 /// Realization data of a tensor without variables: α_ε = x − ½ ε Π p, β_ε = x + ½ ε Π p.
 ///
@@ -152,3 +170,13 @@ impl RealizationStages for ConstantRealization {
         self.ends(&mut builder.graph, epsilon, p)
     }
 }
+
+fn build(
+    system: &PoissonSystem,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn RealizationData>, BuildError> {
+    parameters.refuse_unknown(&INFO)?;
+    Ok(Arc::new(ConstantRealization::new(system)?))
+}
+
+leafwise_core::built_in!(RealizationPart::new(&INFO, build));

@@ -6,7 +6,8 @@ use leafwise_core::{BuildError, SystemFormulas};
 use leafwise_expression::syntax::{Formula, Scope};
 use leafwise_expression::{Arithmetic, Expression, Polynomial, Rational, Ring};
 
-use crate::register::INFO;
+/// The part's name.
+pub(crate) const NAME: &str = "darboux-magnetic";
 
 /// A position x and its momentum p with {x, p} = `sign`, and the component of the potential there.
 #[derive(Clone, Debug)]
@@ -121,7 +122,7 @@ fn parse(
     };
     let (positions, momenta) = (names(|pair| pair.0), names(|pair| pair.1));
     let refuse = |reason: String| BuildError::Parameter {
-        part: INFO.name,
+        part: NAME,
         parameter: "potential".to_owned(),
         value: format!("\"{potential}\""),
         expected: format!(
@@ -208,8 +209,5 @@ fn not_commuting(system: &SystemFormulas, a: &CanonicalPair, b: &CanonicalPair) 
 }
 
 fn does_not_fit(reason: String) -> BuildError {
-    BuildError::DoesNotFit {
-        part: INFO.name,
-        reason,
-    }
+    BuildError::DoesNotFit { part: NAME, reason }
 }

@@ -9,11 +9,9 @@
 //! - [`chart`]: positions, momenta and the potential, verified in exact algebra.
 //! - [`realization`]: [`DarbouxMagnetic`], its maps as code.
 //! - [`series`]: α along p(h) in the exact ring, for Hamilton–Jacobi coefficients.
-//! - `register`: the part `darboux-magnetic`.
 
 pub mod chart;
 pub mod realization;
-mod register;
 pub mod series;
 
 pub use chart::MagneticChart;

@@ -1,15 +1,40 @@
 //! The constant realization in Darboux coordinates, in the original ones.
 
+use std::sync::Arc;
+
+use leafwise_core::part::{
+    ParameterDefault, ParameterInfo, ParameterSetting, PartInfo, PartKind, PartParameters,
+};
 use leafwise_core::realization::{
     Accuracy, RealizationCode, RealizationData, SourceSeries, SourceTarget,
 };
+use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::graph::lift;
 use leafwise_expression::{Arithmetic, Expression, Graph, Polynomial, Rational, Ring, Term};
 
 use crate::chart::MagneticChart;
-use crate::register::INFO;
+use crate::chart::NAME;
 use crate::series::MagneticSeries;
+
+static INFO: PartInfo = PartInfo {
+    name: NAME,
+    summary: "the constant realization in Darboux coordinates P = p - A(x) of a magnetic bracket",
+    declares: "exact; self-adjoint",
+    domain: "all points where A is defined; {x_i, p_j} = -delta_ij or +delta_ij, {p_i, p_j} = \
+             B_ij(x) with a global vector potential A: P_i = p_i - A_i commute; over a scene's \
+             `magnetic-field` B, whose force is v' = v x B, that is curl A = -B",
+    literature: "J. E. Marsden, T. S. Ratiu, Introduction to Mechanics and Symmetry (1999), \
+                 section 6.7; Cabrera, Martin de Diego, Vaquero, Approximating Symplectic \
+                 Realizations (2024), Example 3",
+    parameters: &[ParameterInfo {
+        name: "potential",
+        summary: "the components of A, one formula a position, separated by `;`, such as \
+                  \"0; x^3/3; y^2/2 + x*z\"",
+        default: ParameterDefault::Text(""),
+    }],
+    ..PartInfo::of(PartKind::Realization)
+};
 
 /// α = Φ⁻¹ ∘ α′ ∘ T*Φ for the Darboux map Φ(x, p) = (x, P = p − A(x)), its cotangent lift T*Φ and
 /// the constant realization α′ = X − ½ ε Π′ ξ of Π′ = {X, X}: T*Φ is symplectic and Φ a Poisson
@@ -183,3 +208,18 @@ impl RealizationCode for DarbouxMagnetic {
         })
     }
 }
+
+fn build(
+    system: &PoissonSystem,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn RealizationData>, BuildError> {
+    match parameters.setting(&INFO, "potential")? {
+        ParameterSetting::Text(potential) => {
+            Ok(Arc::new(DarbouxMagnetic::new(system, &potential)?))
+        }
+        // A single number is a constant component.
+        number => Ok(Arc::new(DarbouxMagnetic::new(system, &number.to_string())?)),
+    }
+}
+
+leafwise_core::built_in!(RealizationPart::new(&INFO, build));

@@ -10,11 +10,9 @@
 //! - [`stages`]: the same over a long lattice, one sweep an order.
 //! - [`collocated`]: [`CollocatedKarasev`], the defining relation solved at Gauss nodes.
 //! - [`series`]: α along p(h) in the exact ring, for Hamilton–Jacobi coefficients.
-//! - `register`: the parts `karasev-truncated` and `karasev-collocated`.
 
 pub mod collocated;
 pub mod curve;
-mod register;
 pub mod series;
 pub mod stages;
 pub mod truncated;

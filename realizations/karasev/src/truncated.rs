@@ -1,14 +1,47 @@
 //! The truncated Karasev realization data K̂_ε.
 
+use std::sync::Arc;
+
 use leafwise_core::lattice::RealizationStages;
+use leafwise_core::part::{
+    Auto, ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters,
+};
 use leafwise_core::realization::{
     Accuracy, RealizationCode, RealizationData, SourceSeries, SourceTarget,
 };
+use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::{Arithmetic, Graph, Rational, Term};
 
 use crate::curve::KarasevCurve;
 use crate::series::KarasevSeries;
+
+static INFO: PartInfo = PartInfo {
+    name: TruncatedKarasev::NAME,
+    summary: "Karasev's realization truncated after epsilon^n, for any Poisson tensor",
+    declares: "order n: the realization error is O(epsilon^(n+1)); self-adjoint",
+    domain: "a neighbourhood of p = 0 where the series decays; any tensor the formulas can say",
+    literature: "Cabrera, Martin de Diego, Vaquero, Approximating Symplectic Realizations, \
+                 section 3.2; M. V. Karasev, Math. USSR Izv. 28 (1987)",
+    parameters: &[ParameterInfo {
+        name: "order",
+        summary: "the truncation order n, 1 to 40",
+        default: ParameterDefault::Integer(4),
+    }],
+    auto: Some(Auto::OfOrder),
+    surveyed: &[
+        &[("order", ParameterDefault::Integer(1))],
+        &[("order", ParameterDefault::Integer(2))],
+        &[("order", ParameterDefault::Integer(3))],
+        &[("order", ParameterDefault::Integer(4))],
+        &[("order", ParameterDefault::Integer(6))],
+        &[("order", ParameterDefault::Integer(8))],
+    ],
+    ..PartInfo::of(PartKind::Realization)
+};
+
+/// Beyond this order round-off of the coefficients exceeds what a further term adds.
+const LARGEST_ORDER: i64 = 40;
 
 /// K̂_ε = (S ⊂ T*M, ω_M, τⁿα_ε, τⁿβ_ε, σ): Karasev's realization data truncated after εⁿ
 /// (paper, section 3.2).
@@ -23,6 +56,9 @@ pub struct TruncatedKarasev {
 }
 
 impl TruncatedKarasev {
+    /// The part's name.
+    pub const NAME: &str = "karasev-truncated";
+
     /// The realization data of order n ≥ 1.
     ///
     /// # Errors
@@ -30,13 +66,13 @@ impl TruncatedKarasev {
     pub fn new(system: &PoissonSystem, order: usize) -> Result<Self, BuildError> {
         if order == 0 {
             return Err(BuildError::Parameter {
-                part: crate::register::INFO.name,
+                part: INFO.name,
                 parameter: "order".to_owned(),
                 value: order.to_string(),
                 expected: "the truncation order is at least 1".to_owned(),
             });
         }
-        let system = system.formulas(crate::register::INFO.name)?;
+        let system = system.formulas(INFO.name)?;
         let series = KarasevSeries::new(system.clone());
         Ok(Self {
             system: system.clone(),
@@ -88,7 +124,7 @@ impl RealizationData for TruncatedKarasev {
     }
 
     fn describe(&self) -> String {
-        format!("{} n = {}", crate::register::INFO.name, self.order)
+        format!("{} n = {}", INFO.name, self.order)
     }
 
     fn section(&self, x: &[f64], z: &mut [f64]) {
@@ -155,3 +191,21 @@ pub(crate) fn odd_and_even(graph: &mut Graph, alpha: &[Vec<Term>], i: usize) -> 
     };
     (part(1), part(2))
 }
+
+fn build(
+    system: &PoissonSystem,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn RealizationData>, BuildError> {
+    let order = parameters.get(&INFO, "order")?;
+    if !(1..=LARGEST_ORDER).contains(&order) {
+        return Err(BuildError::Parameter {
+            part: INFO.name,
+            parameter: "order".to_owned(),
+            value: order.to_string(),
+            expected: format!("the truncation order n lies in 1 to {LARGEST_ORDER}"),
+        });
+    }
+    Ok(Arc::new(TruncatedKarasev::new(system, order as usize)?))
+}
+
+leafwise_core::built_in!(RealizationPart::new(&INFO, build));

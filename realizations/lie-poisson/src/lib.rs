@@ -13,13 +13,11 @@
 //! - [`even_part`]: W g(W) by partial fractions of a continued fraction, for every other algebra.
 //! - [`worker`]: α, β and their tangents from them as numbers.
 //! - [`realization`]: [`LiePoisson`], the realization data.
-//! - `register`: the part `lie-poisson`.
 
 pub mod closed_form;
 pub mod doubling;
 pub mod even_part;
 pub mod realization;
-mod register;
 pub mod relations;
 pub mod structure;
 pub mod worker;

@@ -1,16 +1,35 @@
 //! The realization data of a linear tensor.
 
+use std::sync::Arc;
+
+use leafwise_core::part::{Auto, PartInfo, PartKind, PartParameters};
 use leafwise_core::realization::{
     Accuracy, RealizationCode, RealizationData, RealizationWorker, SourceSeries,
 };
+use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_karasev::series::KarasevSeries;
 
 use crate::closed_form::ClosedForm;
-use crate::register::INFO;
 use crate::relations::classes;
+use crate::structure::NAME;
 use crate::structure::StructureConstants;
 use crate::worker::LiePoissonWorker;
+
+static INFO: PartInfo = PartInfo {
+    name: NAME,
+    summary: "the exponential chart of T*G in closed form, for any linear tensor",
+    declares: "exact; self-adjoint",
+    domain: "epsilon p with every eigenvalue of its coadjoint map of imaginary part below 2 pi and \
+             size below 128",
+    literature: "M. V. Karasev, Math. USSR Izv. 28 (1987); J. E. Marsden, T. S. Ratiu, \
+                 Introduction to Mechanics and Symmetry (1999), chapter 13",
+    auto: Some(Auto::Exact {
+        rank: 4,
+        reason: "the tensor is linear: matrix functions of the coadjoint map",
+    }),
+    ..PartInfo::of(PartKind::Realization)
+};
 
 /// α = Z/(e^Z − 1) x, β = e^Z α with Z = ε A(p), A_ik = Σ_j c_ij^k p_j.
 ///
@@ -98,3 +117,13 @@ impl RealizationData for LiePoisson {
         Some(&self.series)
     }
 }
+
+fn build(
+    system: &PoissonSystem,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn RealizationData>, BuildError> {
+    parameters.refuse_unknown(&INFO)?;
+    Ok(Arc::new(LiePoisson::new(system)?))
+}
+
+leafwise_core::built_in!(RealizationPart::new(&INFO, build));

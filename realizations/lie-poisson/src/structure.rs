@@ -10,7 +10,8 @@ use leafwise_expression::{
 };
 use nalgebra::{DMatrix, DVector};
 
-use crate::register::INFO;
+/// The part's name.
+pub(crate) const NAME: &str = "lie-poisson";
 
 /// The nonzero c_ij^k, i < j, of Π_ij(x) = Σ_k c_ij^k x_k as functions of the parameters.
 #[derive(Clone, Debug)]
@@ -150,7 +151,7 @@ pub(crate) fn accumulate(v: &mut SparseVector, i: usize, c: &Rational, f: &Polyn
 fn not_linear(system: &SystemFormulas, i: usize, j: usize) -> BuildError {
     let [first, second] = [i, j].map(|at| &system.variables()[at]);
     BuildError::DoesNotFit {
-        part: INFO.name,
+        part: NAME,
         reason: format!(
             "{{{first}, {second}}} is not a linear form in the variables with coefficients of the \
              parameters"

@@ -5,11 +5,11 @@
 //! chart is not Karasev's: the two agree to first order in ε only.
 //!
 //! - [`realization`]: [`LogCanonical`], its maps as code and as sweeps over a lattice.
+//! - `tensor`: the coefficients a_ij.
 //! - [`series`]: α along p(h) in the exact ring, for Hamilton–Jacobi coefficients.
-//! - `register`: the part `log-canonical`.
 
 pub mod realization;
-mod register;
 pub mod series;
+mod tensor;
 
 pub use realization::LogCanonical;

@@ -1,15 +1,33 @@
 //! x_i exp(∓½ ε Σ_j a_ij x_j p_j).
 
+use std::sync::Arc;
+
 use leafwise_core::lattice::{RealizationStages, StageBuilder, StageEnds};
+use leafwise_core::part::{Auto, PartInfo, PartKind, PartParameters};
 use leafwise_core::realization::{
     Accuracy, RealizationCode, RealizationData, SourceSeries, SourceTarget,
 };
-use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
+use leafwise_core::registry::RealizationPart;
+use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::graph::lift;
-use leafwise_expression::{Arithmetic, Function, Graph, Polynomial, Rational, Ring, Term};
+use leafwise_expression::{Arithmetic, Function, Graph, Rational, Ring, Term};
 
-use crate::register::INFO;
 use crate::series::LogCanonicalSeries;
+use crate::tensor::{Coefficients, NAME, coefficients};
+
+static INFO: PartInfo = PartInfo {
+    name: NAME,
+    summary: "x exp(-+ (1/2) epsilon sum_j a_ij x_j p_j), for {x_i, x_j} = a_ij x_i x_j",
+    declares: "exact; self-adjoint",
+    domain: "all points where the exponentials are finite; a_ij of numbers and parameters",
+    literature: "S. Li, D. Rupel, Symplectic groupoids for cluster manifolds, arXiv:1807.03450 \
+                 (2018)",
+    auto: Some(Auto::Exact {
+        rank: 2,
+        reason: "the tensor is log-canonical: a closed form",
+    }),
+    ..PartInfo::of(PartKind::Realization)
+};
 
 /// Realization data of {x_i, x_j} = a_ij x_i x_j: α_i = x_i e^{−u_i}, β_i = x_i e^{u_i} with
 /// u_i = ½ ε Σ_j a_ij x_j p_j (S. Li, D. Rupel, *Symplectic groupoids for cluster manifolds*,
@@ -85,37 +103,6 @@ impl LogCanonical {
     }
 }
 
-/// a_ij by (i, j) with i < j.
-pub(crate) type Coefficients = Vec<((usize, usize), Polynomial)>;
-
-/// The nonzero a_ij = {x_i, x_j}/(x_i x_j), i < j, as constants of `ring`.
-pub(crate) fn coefficients(
-    system: &SystemFormulas,
-    ring: &mut Ring,
-) -> Result<Coefficients, BuildError> {
-    let mut coefficients = Vec::with_capacity(system.tensor().len());
-    for (&(i, j), entry) in system.tensor() {
-        let value = entry.evaluate_in(ring, &mut |ring, at| Ok(ring.variable(at)))?;
-        let (first, second) = (ring.variable(i), ring.variable(j));
-        let product = ring.multiply(&first, &second);
-        let a = ring.divide(&value, &product)?;
-        if a.as_constant().is_none() {
-            let [first, second] = [i, j].map(|at| &system.variables()[at]);
-            return Err(BuildError::DoesNotFit {
-                part: INFO.name,
-                reason: format!(
-                    "{{{first}, {second}}} is not {first}*{second} times a function of the \
-                     parameters"
-                ),
-            });
-        }
-        if !a.is_zero() {
-            coefficients.push(((i, j), a));
-        }
-    }
-    Ok(coefficients)
-}
-
 impl RealizationData for LogCanonical {
     fn dimension(&self) -> usize {
         self.dimension
@@ -181,3 +168,13 @@ impl RealizationStages for LogCanonical {
         self.ends(&mut builder.graph, epsilon, y, p)
     }
 }
+
+fn build(
+    system: &PoissonSystem,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn RealizationData>, BuildError> {
+    parameters.refuse_unknown(&INFO)?;
+    Ok(Arc::new(LogCanonical::new(system)?))
+}
+
+leafwise_core::built_in!(RealizationPart::new(&INFO, build));

@@ -4,7 +4,7 @@ use leafwise_core::realization::{SourceRecursion, SourceSeriesIn};
 use leafwise_core::{BuildError, SystemFormulas};
 use leafwise_expression::{DifferentialAlgebra, Rational};
 
-use crate::realization::coefficients;
+use crate::tensor::coefficients;
 
 /// The rule of the exponential series: for g = x eᵛ, g₀ = x and k gₖ = Σ_{j=1..k} j vⱼ g_{k−j}.
 #[derive(Clone, Debug)]

@@ -10,6 +10,11 @@ use crate::exponential;
 use crate::tensor::RotationTensor;
 use crate::vector::cross;
 
+/// Where T*SO(3) is treated.
+pub(crate) const LITERATURE: &str = "Cabrera, Martin de Diego, Vaquero, Approximating Symplectic \
+                          Realizations, section 2; Marsden, Ratiu, Introduction to Mechanics and \
+                          Symmetry, chapters 13 and 15";
+
 /// A parametrization q ↦ R(q) of SO(3) with R(−q) = R(q)ᵀ, and with it a symplectic chart
 /// (x, p) ↦ (R(εp), α_ε(x, p)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

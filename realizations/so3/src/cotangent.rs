@@ -1,16 +1,41 @@
 //! The realizations of so(3)* on T*so(3)*, in either chart.
 
+use std::sync::Arc;
+
+use leafwise_core::part::{Auto, PartInfo, PartKind};
 use leafwise_core::realization::{
     Accuracy, RealizationCode, RealizationData, SourceSeries, SourceTarget,
 };
+use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::{Arithmetic, Function, Graph, Rational, Term};
 
-use crate::chart::{Chart, ChartSeries};
+use crate::chart::{Chart, ChartSeries, LITERATURE};
 use crate::exponential::guard;
-use crate::register;
 use crate::tensor::RotationTensor;
 use crate::vector::dot;
+
+static EXPONENTIAL: PartInfo = PartInfo {
+    name: "so3-exponential",
+    summary: "T*SO(3) in the exponential chart: Karasev's realization of so(3)*, summed",
+    declares: "exact; self-adjoint",
+    domain: "{x1,x2} = -a x3 cyclic with constant a of either sign; eps*|a|*|p| < 2 pi, checked",
+    literature: LITERATURE,
+    auto: Some(Auto::Exact {
+        rank: 3,
+        reason: "the tensor is that of so(3)*: a closed form",
+    }),
+    ..PartInfo::of(PartKind::Realization)
+};
+
+static CAYLEY: PartInfo = PartInfo {
+    name: "so3-cayley",
+    summary: "T*SO(3) in the Cayley chart: rational, of degree two in p",
+    declares: "exact; self-adjoint",
+    domain: "{x1,x2} = -a x3 cyclic with constant a of either sign; every p",
+    literature: LITERATURE,
+    ..PartInfo::of(PartKind::Realization)
+};
 
 /// (T*so(3)* ⊃ U, ω_M, α, β, σ) with q = ελp and, at β(x, p) = α(x, −p),
 ///
@@ -32,7 +57,7 @@ impl So3Cotangent {
     /// # Errors
     /// [`BuildError::DoesNotFit`] when the tensor is not a constant multiple of that of so(3)*.
     pub fn new(system: &PoissonSystem, chart: Chart) -> Result<Self, BuildError> {
-        let tensor = RotationTensor::new(register::cotangent_name(chart), system)?;
+        let tensor = RotationTensor::new(info(chart).name, system)?;
         Ok(Self {
             series: chart.series(&tensor),
             chart,
@@ -60,7 +85,7 @@ impl RealizationData for So3Cotangent {
     }
 
     fn describe(&self) -> String {
-        register::cotangent_name(self.chart).to_owned()
+        info(self.chart).name.to_owned()
     }
 
     fn section(&self, x: &[f64], z: &mut [f64]) {
@@ -116,3 +141,20 @@ impl RealizationCode for So3Cotangent {
         })
     }
 }
+
+fn info(chart: Chart) -> &'static PartInfo {
+    match chart {
+        Chart::Exponential => &EXPONENTIAL,
+        Chart::Cayley => &CAYLEY,
+    }
+}
+
+fn part(chart: Chart) -> RealizationPart {
+    RealizationPart::new(info(chart), move |system, parameters| {
+        parameters.refuse_unknown(info(chart))?;
+        Ok(Arc::new(So3Cotangent::new(system, chart)?))
+    })
+}
+
+leafwise_core::built_in!(part(Chart::Exponential));
+leafwise_core::built_in!(part(Chart::Cayley));

@@ -1,16 +1,39 @@
 //! T*SO(3) itself: points are a unit quaternion and a momentum.
 
+use std::sync::Arc;
+
+use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
 use leafwise_core::realization::{
     Accuracy, LagrangianChart, RealizationCode, RealizationData, SourceSeries, SourceTarget,
 };
+use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::{Arithmetic, Function, Graph, Rational, Term};
 
-use crate::chart::{Chart, ChartSeries};
+use crate::chart::{Chart, ChartSeries, LITERATURE};
 use crate::exponential::guard;
-use crate::register;
 use crate::tensor::RotationTensor;
 use crate::vector::cross;
+
+static INFO: PartInfo = PartInfo {
+    name: "so3-group",
+    summary: "T*SO(3) as pairs of a unit quaternion and a momentum",
+    declares: "exact; self-adjoint",
+    domain: "{x1,x2} = -a x3 cyclic with constant a of either sign; every rotation, in the \
+             exponential chart those by an angle below 2 pi, checked",
+    literature: LITERATURE,
+    parameters: &[ParameterInfo {
+        name: "chart",
+        summary: "the chart of rotations about the section: cayley or exponential",
+        default: ParameterDefault::Text("cayley"),
+    }],
+    points_are_pairs: false,
+    surveyed: &[
+        &[("chart", ParameterDefault::Text("cayley"))],
+        &[("chart", ParameterDefault::Text("exponential"))],
+    ],
+    ..PartInfo::of(PartKind::Realization)
+};
 
 /// (T*SO(3), ω, α, β, σ): α(R, m) = m, β(R, m) = Rᵀm, σ(x) = (1, x), R held as the unit quaternion
 /// (q0, v), z = (q0, v, m).
@@ -30,7 +53,7 @@ impl So3Group {
     /// # Errors
     /// [`BuildError::DoesNotFit`] when the tensor is not a constant multiple of that of so(3)*.
     pub fn new(system: &PoissonSystem, chart: Chart) -> Result<Self, BuildError> {
-        let tensor = RotationTensor::new(register::GROUP.name, system)?;
+        let tensor = RotationTensor::new(INFO.name, system)?;
         Ok(Self {
             series: chart.series(&tensor),
             chart,
@@ -58,7 +81,7 @@ impl RealizationData for So3Group {
     }
 
     fn describe(&self) -> String {
-        format!("{} chart = {}", register::GROUP.name, self.chart.name())
+        format!("{} chart = {}", INFO.name, self.chart.name())
     }
 
     fn section(&self, x: &[f64], z: &mut [f64]) {
@@ -138,3 +161,16 @@ impl LagrangianChart for So3Group {
         Ok(point)
     }
 }
+
+fn build(
+    system: &PoissonSystem,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn RealizationData>, BuildError> {
+    let chart = match parameters.word(&INFO, "chart", &["cayley", "exponential"])? {
+        "cayley" => Chart::Cayley,
+        _ => Chart::Exponential,
+    };
+    Ok(Arc::new(So3Group::new(system, chart)?))
+}
+
+leafwise_core::built_in!(RealizationPart::new(&INFO, build));

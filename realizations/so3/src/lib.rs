@@ -12,7 +12,6 @@
 //! - [`tensor`]: which systems fit, and the constant factor of their tensor.
 //! - [`functions`]: functions of a squared angle, accurate from 0 to the wall.
 //! - [`vector`]: cross and scalar products over any algebra.
-//! - `register`: the three parts.
 
 pub mod cayley;
 pub mod chart;
@@ -20,7 +19,6 @@ pub mod cotangent;
 pub mod exponential;
 pub mod functions;
 pub mod group;
-mod register;
 pub mod tensor;
 pub mod vector;
 

@@ -1,7 +1,7 @@
 //! Terms of the generating function below the realization's own error.
 
-use leafwise_core::Method;
 use leafwise_core::diagnostics::StepEquation;
+use leafwise_core::{Method, PartInfo, PartKind};
 
 use super::probe::{Probe, distance};
 use super::{Advice, AdviceKind, number};
@@ -12,9 +12,12 @@ const WORTH: f64 = 0.1;
 pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
     let n = probe.truncation_order()?;
     let m = probe.method.dynamics().order();
-    if probe.dynamics.name != "hamilton-jacobi" || m <= 2 || m <= n {
+    let is_of_order = |info: &PartInfo| info.name == probe.dynamics.name;
+    let of_order = probe.registry.of_order(PartKind::Dynamics);
+    if !of_order.is_ok_and(is_of_order) || m <= 2 || m <= n {
         return None;
     }
+    let name = probe.dynamics.name;
     let places = &probe.places;
     let own: Vec<_> = places
         .iter()
@@ -36,13 +39,13 @@ pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
     (enough < m).then(|| Advice {
         kind: AdviceKind::DynamicsOrder,
         message: format!(
-            "hamilton-jacobi of order {m} over {} of order {n}: its terms after order {enough} \
+            "{name} of order {m} over {} of order {n}: its terms after order {enough} \
              change a step by at most {}, and cutting the realization off changes it by {}",
             probe.realization.name,
             number(lost),
             number(error)
         ),
-        change: format!("dynamics = {{ name = \"hamilton-jacobi\", order = {enough} }}"),
+        change: format!("dynamics = {{ name = \"{name}\", order = {enough} }}"),
     })
 }
 

@@ -4,7 +4,8 @@
 use std::sync::Arc;
 
 use leafwise_core::diagnostics::{Defect, TensorDefect};
-use leafwise_core::part::{ParameterSetting, PartKind};
+use leafwise_core::part::{Family, ParameterSetting, PartKind};
+use leafwise_core::registry::CompositionPart;
 use leafwise_core::{PartParameters, Registry, StepMap, Structure};
 
 use super::probe::{distance, given, size};
@@ -12,16 +13,6 @@ use super::trial::Trial;
 use super::truncation::{FELT, ROUND_OFF};
 use super::{Advice, AdviceKind, number};
 use crate::compose::{ComposedRun, PartChoice};
-
-/// Compositions of splitting that are tried, the cheapest first.
-const COMPOSITIONS: [&str; 6] = [
-    "suzuki-4",
-    "blanes-moan-4",
-    "kahan-li-6",
-    "blanes-moan-6",
-    "suzuki-umeno-8",
-    "sofroniou-spaletta-10",
-];
 
 /// The tolerance of the solution that errors are measured against.
 const TOLERANCE: f64 = 1e-13;
@@ -64,16 +55,16 @@ fn structure(
     }
     let x = states.first()?;
     let now = Trial::of(run, map, x)?;
-    let part = registry.stepper("splitting").ok()?;
+    let splits = registry.family(Family::Splitting).first()?.name;
+    let part = registry.stepper(splits).ok()?;
     let splitting = part.build(&run.system, &PartParameters::new()).ok()?;
-    let composed = COMPOSITIONS.iter().filter_map(|name| {
-        let composition = registry.composition(name).ok()?;
-        let map = composition.build(Arc::clone(&splitting), &PartParameters::new());
-        Some((Some(*name), map.ok()?))
+    let composed = compositions(registry).into_iter().filter_map(|part| {
+        let map = part.build(Arc::clone(&splitting), &PartParameters::new());
+        Some((Some(part.info.name), map.ok()?))
     });
     let mut maps = std::iter::once((None, Arc::clone(&splitting))).chain(composed);
-    let near = PartParameters::new().with("tolerance", TOLERANCE);
-    let near = registry.stepper("dop853").ok()?.build(&run.system, &near);
+    let (near, given) = registry.reference(Family::Explicit).ok()?;
+    let near = near.build(&run.system, &given.with("tolerance", TOLERANCE));
     let exact = Trial::of(run, near.ok()?.as_ref(), x)?.state;
     let error = |trial: &Trial| distance(&trial.state, &exact);
     let (composition, then) = maps.find_map(|(name, map)| {
@@ -82,8 +73,8 @@ fn structure(
         (then.is_as_cheap(&now) && is_as_good).then_some((name, then))
     })?;
     let name = match composition {
-        None => "splitting".to_owned(),
-        Some(composition) => format!("{composition} of splitting"),
+        None => splits.to_owned(),
+        Some(composition) => format!("{composition} of {splits}"),
     };
     let kept = match defect {
         Some(defect) => format!("keeps the tensor up to {} of its size only", number(defect)),
@@ -97,8 +88,21 @@ fn structure(
              step where this takes {:.0}",
             stepper.name, then.operations, now.operations
         ),
-        change: format!("stepper = \"splitting\"{line}"),
+        change: format!("stepper = \"{splits}\"{line}"),
     })
+}
+
+/// The compositions that are tried, the best one of each order with and without factors, the cheapest
+/// first.
+fn compositions(registry: &Registry) -> Vec<CompositionPart> {
+    let parts = registry.compared(PartKind::Composition).into_iter();
+    let mut parts: Vec<CompositionPart> = parts
+        .filter_map(|info| registry.composition(info.name).ok())
+        .collect();
+    // Sorts are stable: the best of an order stays in front of the others.
+    parts.sort_by_key(|part| (part.order, part.takes_factors));
+    parts.dedup_by_key(|part| (part.order, part.takes_factors));
+    parts
 }
 
 /// The largest tensor defect of a step, relative; `None` where there is no tangent.

@@ -18,6 +18,7 @@
 
 mod checks;
 mod fit;
+mod fragment;
 mod initial;
 mod instantiate;
 mod lattice;
@@ -38,6 +39,7 @@ mod tests;
 
 pub use checks::{CasimirCheck, SceneChecks};
 pub use fit::{check_first_order, check_tensor};
+pub use fragment::system_of_fragment;
 pub use instantiate::{Instantiated, instantiate};
 pub use lie_algebra::{LIE_ALGEBRAS, LieAlgebra, StructureEntry};
 pub use motion::Motion;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::lattice::LatticeMap;
-use leafwise_core::part::{ParameterDefault, ParameterSetting, PartInfo, PartKind};
+use leafwise_core::part::{Family, PATH, ParameterDefault, ParameterSetting, PartInfo, PartKind};
 use leafwise_core::registry::CompositionPart;
 use leafwise_core::{
     BuildError, DynamicApproximation, Origin, PartParameters, PoissonSystem, RealizationData,
@@ -18,9 +18,7 @@ use crate::document::{
     Located, Number, ParameterValue, PartSpec, Place, SceneDocument, Source, nearest,
 };
 
-/// What stands in for a part the scene leaves open.
-const DEFAULT_REALIZATION: &str = "karasev-truncated";
-const DEFAULT_DYNAMICS: &str = "hamilton-jacobi";
+/// The order of the dynamics that a scene leaves open.
 const DEFAULT_DYNAMICS_ORDER: i64 = 4;
 /// What values alone allow.
 const ORDER_OF_NUMBERS: i64 = 2;
@@ -80,7 +78,7 @@ impl PartChoice {
 /// What the scene's method is built of.
 pub(super) struct Parts {
     pub base: Base,
-    pub composition: Option<(Arc<dyn CompositionPart>, PartParameters)>,
+    pub composition: Option<(CompositionPart, PartParameters)>,
     pub choices: Vec<PartChoice>,
 }
 
@@ -140,8 +138,8 @@ pub(super) fn parts(
             let part = registry
                 .composition(request.name())
                 .map_err(|_| request.unknown(PartKind::Composition, registry))?;
-            let given = request.parameters(part.info())?;
-            choices.push(request.choice(part.info(), &given, None, registry));
+            let given = request.parameters(part.info)?;
+            choices.push(request.choice(part.info, &given, None, registry));
             Some((part, given))
         }
     };
@@ -156,7 +154,9 @@ pub(super) fn parts(
 pub(super) fn system_choice(document: &SceneDocument, registry: &Registry) -> Option<PartChoice> {
     let library = document.system.library.as_ref()?;
     let part = registry.system(&library.value).ok()?;
-    let info = part.info();
+    let info = part.info;
+    // A built-in system is a text like the scene's own.
+    info.paths.first()?;
     let (given, path) = match &document.system.numbers {
         Some(numbers) => (numbers.given.clone(), "numbers"),
         None => {
@@ -168,14 +168,10 @@ pub(super) fn system_choice(document: &SceneDocument, registry: &Registry) -> Op
             (values.fold(PartParameters::new(), with), "expressions")
         }
     };
-    let shown = info
-        .parameters
-        .iter()
-        .filter(|p| p.name != "path")
-        .map(|p| {
-            let value = given.setting(info, p.name);
-            (p.name, value.unwrap_or_else(|_| p.default.into()))
-        });
+    let shown = info.parameters.iter().filter(|p| p.name != PATH).map(|p| {
+        let value = given.setting(info, p.name);
+        (p.name, value.unwrap_or_else(|_| p.default.into()))
+    });
     Some(PartChoice {
         kind: info.kind,
         name: info.name,
@@ -199,7 +195,7 @@ fn stepper(
     let part = registry
         .stepper(request.name())
         .map_err(|_| request.unknown(PartKind::Stepper, registry))?;
-    let given = request.parameters(part.info())?;
+    let given = request.parameters(part.info)?;
     let refused = |error| request.refused(&error);
     let base = match lattice {
         None => Base::Stepper(part.build(system, &given).map_err(refused)?),
@@ -222,7 +218,7 @@ fn stepper(
             }
         },
     };
-    choices.push(request.choice(part.info(), &given, part.path(&given), registry));
+    choices.push(request.choice(part.info, &given, part.info.path(&given), registry));
     Ok(base)
 }
 
@@ -240,23 +236,23 @@ fn pair(
     let request = Request::new(
         document,
         document.method.dynamics.as_ref(),
-        DEFAULT_DYNAMICS,
+        of_order(registry, PartKind::Dynamics),
         order,
     );
     let part = registry
         .dynamics(request.name())
         .map_err(|_| request.unknown(PartKind::Dynamics, registry))?;
-    let given = request.parameters(part.info())?;
+    let given = request.parameters(part.info)?;
     let dynamics = part
         .build(&given)
         .map_err(|error| request.refused(&error))?;
-    let dynamics_choice = request.choice(part.info(), &given, part.path(&given), registry);
+    let dynamics_choice = request.choice(part.info, &given, part.info.path(&given), registry);
 
     let order = i64::try_from(dynamics.order()).unwrap_or(DEFAULT_DYNAMICS_ORDER);
     let request = Request::new(
         document,
         document.method.realization.as_ref(),
-        DEFAULT_REALIZATION,
+        of_order(registry, PartKind::Realization),
         order,
     );
     let is_open = request.named().is_none() && !request.has_parameters();
@@ -272,7 +268,7 @@ fn pair(
     let part = registry
         .realization(request.name())
         .map_err(|_| request.unknown(PartKind::Realization, registry))?;
-    let given = request.parameters(part.info())?;
+    let given = request.parameters(part.info)?;
     let realization = part.build(system, &given).map_err(|error| {
         let mut refusal = request.refused(&error);
         if matches!(error, BuildError::DoesNotFit { .. }) {
@@ -281,7 +277,7 @@ fn pair(
         }
         refusal
     })?;
-    choices.push(request.choice(part.info(), &given, part.path(&given), registry));
+    choices.push(request.choice(part.info, &given, part.info.path(&given), registry));
     choices.push(dynamics_choice);
     Ok(Base::Pair(realization, dynamics))
 }
@@ -305,7 +301,13 @@ pub(super) fn what_fits(
         .filter(|name| matches!(fits(name), Ok(true)))
         .collect();
     match (names.as_slice(), is_long) {
-        ([], _) => "a stepper such as splitting may stand in place of both".to_owned(),
+        ([], _) => {
+            let splits = registry.family(Family::Splitting);
+            let such_as = splits
+                .first()
+                .map_or(String::new(), |part| format!(" such as {}", part.name));
+            format!("a stepper{such_as} may stand in place of both")
+        }
         (names, true) => format!(
             "these can be swept over a long lattice: {}",
             names.join(", ")
@@ -314,40 +316,19 @@ pub(super) fn what_fits(
     }
 }
 
-/// The exact realizations that a choice left open tries, the cheapest first, and why each is taken.
-const EXACT: [(&str, &str); 5] = [
-    ("constant", "the tensor is constant: a closed form"),
-    (
-        "log-canonical",
-        "the tensor is log-canonical: a closed form",
-    ),
-    (
-        "so3-exponential",
-        "the tensor is that of so(3)*: a closed form",
-    ),
-    (
-        "lie-poisson",
-        "the tensor is linear: matrix functions of the coadjoint map",
-    ),
-    (
-        "karasev-collocated",
-        "the tensor has no closed form here: collocation, exact to round-off",
-    ),
-];
-
 /// The cheapest exact realization that fits the tensor; on a long lattice, one that can be swept.
 pub(crate) fn exact_realization(
     system: &PoissonSystem,
     registry: &Registry,
     is_long: bool,
 ) -> Option<(Arc<dyn RealizationData>, PartChoice)> {
-    EXACT.iter().find_map(|(name, reason)| {
-        let part = registry.realization(name).ok()?;
+    let mut exact = registry.exact_realizations().into_iter();
+    exact.find_map(|(info, reason)| {
+        let part = registry.realization(info.name).ok()?;
         let realization = part.build(system, &PartParameters::new()).ok()?;
         if is_long && realization.stages().is_none() {
             return None;
         }
-        let info = part.info();
         let parameters = info
             .parameters
             .iter()
@@ -364,6 +345,11 @@ pub(crate) fn exact_realization(
         };
         Some((realization, choice))
     })
+}
+
+/// The part that stands in for one that the scene leaves open, where no exact one fits.
+fn of_order(registry: &Registry, kind: PartKind) -> &'static str {
+    registry.of_order(kind).map_or("auto", |info| info.name)
 }
 
 /// What the scene asks of one part.

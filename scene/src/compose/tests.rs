@@ -6,14 +6,14 @@ use leafwise_karasev as _;
 
 use super::{TensorShape, compose, compose_system, instantiate, tensor_shape};
 use crate::diagnostic::SceneDiagnostic;
-use crate::document::{NoLibrary, SceneDocument};
+use crate::document::SceneDocument;
 
 fn document(system: &str, run: &str) -> SceneDocument {
     let text = format!(
         "[system]\n{system}\n[method]\nrealization = \"auto\"\ndynamics = \"auto\"\n\
          time-step = 0.1\n[run]\nsteps = 1\n{run}\n"
     );
-    SceneDocument::parse("scene.toml", &text, &NoLibrary)
+    SceneDocument::parse("scene.toml", &text, &Registry::empty())
         .unwrap_or_else(|errors| panic!("{:?}", errors.diagnostics()))
 }
 

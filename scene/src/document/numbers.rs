@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use leafwise_core::part::{ParameterDefault, PartInfo};
+use leafwise_core::part::{PATH, ParameterDefault, PartInfo};
 use leafwise_core::registry::SystemPart;
 use leafwise_core::{BuildError, PartParameters, PoissonSystem};
 
@@ -30,9 +30,6 @@ impl PartialEq for NumbersSystem {
         self.given == other.given
     }
 }
-
-/// The parameter by which a scene asks a part with both formulas and functions for one of them.
-pub(super) const PATH: &str = "path";
 
 /// Whether the scene asks for the numbers of a system that has formulas too; a wrong word is recorded.
 pub(super) fn asks_for_numbers(table: &Table<'_>, problems: &mut Problems) -> bool {
@@ -65,7 +62,7 @@ pub(super) fn asks_for_numbers(table: &Table<'_>, problems: &mut Problems) -> bo
 pub(super) fn read_numbers(
     table: &Table<'_>,
     id: &Located<String>,
-    part: &dyn SystemPart,
+    part: &SystemPart,
     problems: &mut Problems,
 ) -> Option<SystemSection> {
     let given = match table.get("parameters") {
@@ -83,7 +80,7 @@ pub(super) fn read_numbers(
         );
         return None;
     }
-    let info = part.info();
+    let info = part.info;
     let mut parameters = PartParameters::new();
     let mut places: BTreeMap<String, Place> = BTreeMap::new();
     for (name, value) in &given {

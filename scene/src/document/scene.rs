@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
+use leafwise_core::Registry;
 use toml::de::DeTable;
 
 use super::ensemble::{EnsembleSection, read_ensemble};
 use super::error::{SceneErrors, SceneProblem, SceneProblemCause, source_text};
-use super::library::SceneLibrary;
 use super::located::{Located, Place, Source};
 use super::method::{MethodSection, read_method};
 use super::overrides::apply_overrides;
@@ -40,12 +40,13 @@ pub struct SceneDocument {
 pub(super) const KEYS: [&str; 5] = ["system", "method", "run", "ensemble", "plugins"];
 
 impl SceneDocument {
-    /// Reads a scene; `name` is the file's name, for messages.
+    /// Reads a scene; `name` is the file's name, for messages, and `registry` has the systems that it may
+    /// name.
     ///
     /// # Errors
     /// Everything found wrong, with its place and the nearest valid name.
-    pub fn parse(name: &str, text: &str, library: &dyn SceneLibrary) -> Result<Self, SceneErrors> {
-        Self::parse_with(name, text, &[], library)
+    pub fn parse(name: &str, text: &str, registry: &Registry) -> Result<Self, SceneErrors> {
+        Self::parse_with(name, text, &[], registry)
     }
 
     /// Reads a scene after applying overrides such as `("method.epsilon", "0.05")`.
@@ -61,13 +62,13 @@ impl SceneDocument {
         name: &str,
         text: &str,
         overrides: &[(String, String)],
-        library: &dyn SceneLibrary,
+        registry: &Registry,
     ) -> Result<Self, SceneErrors> {
         let mut problems = Problems::default();
         let mut fragment = None;
         let effective = apply_overrides(text, overrides, &mut problems);
         let sections = match &effective {
-            Some(effective) => read(effective, library, &mut fragment, &mut problems),
+            Some(effective) => read(effective, registry, &mut fragment, &mut problems),
             None => None,
         };
         let text = effective.unwrap_or_else(|| text.to_owned());
@@ -182,7 +183,7 @@ type Sections = (
 
 fn read(
     text: &str,
-    library: &dyn SceneLibrary,
+    registry: &Registry,
     fragment: &mut Option<(String, String)>,
     problems: &mut Problems,
 ) -> Option<Sections> {
@@ -215,7 +216,7 @@ fn read(
     let run = section("run", "[run] with initial = [1, 3, 3] and steps = 1000");
     let system = system
         .as_ref()
-        .and_then(|table| read_system(table, library, fragment, problems));
+        .and_then(|table| read_system(table, registry, fragment, problems));
     let method = method
         .as_ref()
         .and_then(|table| read_method(table, problems));

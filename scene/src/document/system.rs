@@ -3,13 +3,14 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
+use leafwise_core::part::PATH;
+use leafwise_core::{Origin, PartKind, Registry};
 use toml::de::DeTable;
 
 use super::bracket::{BracketSpec, read_bracket};
 use super::error::SceneProblemCause;
-use super::library::SceneLibrary;
 use super::located::{Located, Number, Place, Source};
-use super::numbers::{NumbersSystem, PATH, asks_for_numbers, read_numbers};
+use super::numbers::{NumbersSystem, asks_for_numbers, read_numbers};
 use super::reader::{Item, Problems, Table};
 use super::suggest::nearest;
 
@@ -84,7 +85,7 @@ pub(super) const KEYS: [&str; 9] = [
 /// `fragment` as id and text.
 pub(super) fn read_system(
     table: &Table<'_>,
-    library: &dyn SceneLibrary,
+    registry: &Registry,
     fragment: &mut Option<(String, String)>,
     problems: &mut Problems,
 ) -> Option<SystemSection> {
@@ -109,15 +110,8 @@ pub(super) fn read_system(
         }
     }
     let id = item.string(problems)?;
-    let fragment_text = library.fragment(&id.value);
-    let part = library.part(&id.value);
-    if let Some(part) = &part
-        && (fragment_text.is_none() || asks_for_numbers(table, problems))
-    {
-        return read_numbers(table, &id, part.as_ref(), problems);
-    }
-    let Some(text) = fragment_text else {
-        let ids = library.ids();
+    let Ok(part) = registry.system(&id.value) else {
+        let ids = system_names(registry);
         problems.push(
             SceneProblemCause::UnknownName {
                 kind: "library system",
@@ -129,11 +123,23 @@ pub(super) fn read_system(
         );
         return None;
     };
-    *fragment = Some((id.value.clone(), text.to_owned()));
+    let text = match &part.fragment {
+        Some(text) if !(part.has_numbers() && asks_for_numbers(table, problems)) => text,
+        _ => return read_numbers(table, &id, &part, problems),
+    };
+    *fragment = Some((id.value.clone(), text.to_string()));
     let mut system = read_fragment(&id.value, text, problems)?;
-    override_values(table, &mut system, part.is_some(), problems);
+    override_values(table, &mut system, part.has_numbers(), problems);
     system.library = Some(id);
     Some(system)
+}
+
+/// The systems of a registry, those of plugins first.
+fn system_names(registry: &Registry) -> Vec<&'static str> {
+    let mut systems = registry.listing();
+    systems.retain(|(info, _)| info.kind == PartKind::System);
+    systems.sort_by_key(|(_, origin)| matches!(origin, Origin::BuiltIn { .. }));
+    systems.into_iter().map(|(info, _)| info.name).collect()
 }
 
 fn read_fragment(id: &str, text: &str, problems: &mut Problems) -> Option<SystemSection> {

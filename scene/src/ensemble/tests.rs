@@ -12,7 +12,7 @@ use leafwise_splitting as _;
 
 use super::*;
 use crate::compose::compose;
-use crate::document::{NoLibrary, SceneDocument};
+use crate::document::SceneDocument;
 use crate::run::{Kind, Manifest, Progress, Quiet, RunError, RunOptions, RunOutcome, Status};
 
 const BODY: &str = r#"
@@ -46,7 +46,7 @@ const ENSEMBLE: &str = "members = 60\nseed = 5\ninitial = { ball = 0.2 }\n\
 
 fn scene(method: &str, ensemble: &str) -> SceneDocument {
     let text = BODY.replace("METHOD", method).replace("ENSEMBLE", ensemble);
-    SceneDocument::parse("body.toml", &text, &NoLibrary).expect("a scene")
+    SceneDocument::parse("body.toml", &text, &Registry::empty()).expect("a scene")
 }
 
 fn composed(document: &SceneDocument) -> ComposedEnsemble {
@@ -131,7 +131,8 @@ fn a_member_alone_is_the_member_of_the_ensemble() {
         let rows: Vec<&str> = rows.lines().skip(1).collect();
         for member in [0, 17, 59] {
             let text = member_scene(&document, &ensemble, member).expect("a scene");
-            let alone = SceneDocument::parse("member.toml", &text, &NoLibrary).expect("a scene");
+            let alone =
+                SceneDocument::parse("member.toml", &text, &Registry::empty()).expect("a scene");
             assert!(alone.ensemble.is_none());
             let run = compose(&alone, &Registry::with_builtin()).expect("a run");
             let mut integrator = run.integrator();
@@ -160,7 +161,8 @@ fn reductions_are_those_of_the_members() {
     let (mut values, mut drifts) = (Vec::new(), Vec::new());
     for member in 0..60 {
         let text = member_scene(&document, &ensemble, member).expect("a scene");
-        let alone = SceneDocument::parse("member.toml", &text, &NoLibrary).expect("a scene");
+        let alone =
+            SceneDocument::parse("member.toml", &text, &Registry::empty()).expect("a scene");
         let run = compose(&alone, &Registry::with_builtin()).expect("a run");
         let mut invariants = run.invariants().expect("code");
         let mut integrator = run.integrator();
@@ -313,7 +315,8 @@ fn last_states_stand_beside_initial_ones_and_drifts() {
         assert_eq!([number(10), number(11), number(12)], state[..]);
         // The member by itself, at every step.
         let text = member_scene(&document, &ensemble, member).expect("a scene");
-        let alone = SceneDocument::parse("member.toml", &text, &NoLibrary).expect("a scene");
+        let alone =
+            SceneDocument::parse("member.toml", &text, &Registry::empty()).expect("a scene");
         let run = compose(&alone, &Registry::with_builtin()).expect("a run");
         let mut integrator = run.integrator();
         let mut invariants = run.invariants().expect("code");
@@ -378,7 +381,7 @@ fn a_member_that_fails_is_named_and_disturbs_no_other() {
             "ENSEMBLE",
             "members = 40\ninitial = { box = [0.1, 0.1, 1] }",
         );
-    let document = SceneDocument::parse("body.toml", &text, &NoLibrary).expect("a scene");
+    let document = SceneDocument::parse("body.toml", &text, &Registry::empty()).expect("a scene");
     let ensemble = composed(&document);
     let mut outside = Vec::new();
     for member in 0..40 {
@@ -461,7 +464,8 @@ fn a_leaf_needs_as_many_casimirs_as_the_corank() {
              time-step = 1e-22\n[run]\ninitial = [1, 2, 3, 4]\nsteps = 1\n[ensemble]\nmembers = 3\n\
              initial = {{ leaf = 0.1 }}\n"
         );
-        let document = SceneDocument::parse("scene.toml", &text, &NoLibrary).expect("a scene");
+        let document =
+            SceneDocument::parse("scene.toml", &text, &Registry::empty()).expect("a scene");
         let composed = compose_ensemble(&document, &registry, Path::new(""));
         match (composed, independent) {
             (Ok(ensemble), None) => {
@@ -580,7 +584,8 @@ fn an_invalid_table_is_refused_where_it_stands() {
         let text = BODY
             .replace("METHOD", METHODS[0])
             .replace("ENSEMBLE", ensemble);
-        let errors = SceneDocument::parse("body.toml", &text, &NoLibrary).expect_err(ensemble);
+        let errors =
+            SceneDocument::parse("body.toml", &text, &Registry::empty()).expect_err(ensemble);
         let problem = &errors.problems[0];
         assert_eq!(problem.cause.to_string(), said);
         assert_eq!(&text[problem.place.span.clone()], place, "{ensemble}");
@@ -591,7 +596,7 @@ fn an_invalid_table_is_refused_where_it_stands() {
 fn a_scene_without_the_table_is_told_so() {
     let text = BODY.replace("METHOD", METHODS[0]);
     let text = text.split("[ensemble]").next().expect("a scene");
-    let document = SceneDocument::parse("body.toml", text, &NoLibrary).expect("a scene");
+    let document = SceneDocument::parse("body.toml", text, &Registry::empty()).expect("a scene");
     let refusal = compose_ensemble(&document, &Registry::with_builtin(), Path::new(""));
     let message = refusal.err().expect("refused").message;
     assert_eq!(message, "the scene has no [ensemble] table");

@@ -37,8 +37,7 @@ pub fn execute(
     let mut parts = Parts::new(plugins)?;
     let document = parts.scene(&arguments.scene)?;
     let options = options(arguments, &parts.registry)?;
-    let library = parts.library();
-    let bench = Bench::new(&document, &parts.registry, &library, arguments.time)?;
+    let bench = Bench::new(&document, &parts.registry, arguments.time)?;
     check(&document, &bench)?;
     if let Some(directory) = &arguments.out {
         make_directory(directory)?;

@@ -75,8 +75,7 @@ pub fn execute(
     };
     let document = parts.scene(&arguments.scene)?;
     let options = options(arguments, &parts.registry)?;
-    let library = parts.library();
-    let bench = Bench::new(&document, &parts.registry, &library, arguments.time)?;
+    let bench = Bench::new(&document, &parts.registry, arguments.time)?;
     check(&document, &bench)?;
     asked.check(&bench)?;
     if arguments.write {
@@ -109,7 +108,7 @@ pub fn execute(
         && let Some(recommended) = found.recommended()
     {
         let text = rewritten(&found, recommended)?;
-        let written = SceneDocument::parse(&document.name, &text, &library)
+        let written = SceneDocument::parse(&document.name, &text, &parts.registry)
             .map_err(|error| Failure::usage(error.to_string(), "write the method by hand"))?;
         is_changed = !replace_unchanged(file, &before, &text)?;
         found.written = (!is_changed).then_some(written);

@@ -10,12 +10,11 @@ use leafwise_core::solver::{MapProperties, StepMap, Stepper, Structure};
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::{Arithmetic, Ring, StepSize};
 
-use super::sweeps::Sweeps;
+use super::sweeps::{Shared, Sweeps};
 use super::units::find_repeating_pieces;
 use crate::code::flow_increment;
 use crate::factor::{Factor, Splits};
-use crate::piece::Piece;
-use crate::register::INFO;
+use crate::piece::{NAME, Piece};
 use crate::rounding::settled;
 use crate::schedule::{Flow, STRANG, passes};
 
@@ -31,19 +30,6 @@ const FARTHEST: usize = 4;
 #[derive(Clone, Debug)]
 pub struct LatticeSplitting {
     pub(super) shared: Arc<Shared>,
-}
-
-#[derive(Debug)]
-pub(super) struct Shared {
-    pub(super) cells: Cells,
-    proxy: PoissonSystem,
-    proxy_cells: Cells,
-    pub(super) program: LatticeProgram,
-    pub(super) state: Field,
-    /// Φ(x) − x as it adds up.
-    pub(super) sum: Field,
-    /// The pieces' stages in the order of the first half of a step, the costliest last.
-    pub(super) order: Vec<usize>,
 }
 
 impl LatticeSplitting {
@@ -78,10 +64,7 @@ impl LatticeSplitting {
                  sites or fewer"
             ),
         };
-        Err(BuildError::DoesNotFit {
-            part: INFO.name,
-            reason,
-        })
+        Err(BuildError::DoesNotFit { part: NAME, reason })
     }
 
     /// The splitting into pieces with the period of `cells`, if there is one.
@@ -109,7 +92,7 @@ impl LatticeSplitting {
         let short = width.and_then(|width| Some((cells.resized(2 * width + 3)?, width)));
         let (proxy_cells, width) = short.unwrap_or_else(|| (cells.clone(), 0));
         let proxy = source.write_out(proxy_cells.sites())?;
-        let system = proxy.formulas(INFO.name)?;
+        let system = proxy.formulas(NAME)?;
         let mut ring = Ring::new(system.dimension());
         let Some(pieces) = find_repeating_pieces(source, &proxy_cells, system, &mut ring)? else {
             return Ok(None);
@@ -206,10 +189,7 @@ impl StepMap for LatticeSplitting {
             period => format!("{period} sites"),
         };
         let pieces = self.pieces();
-        format!(
-            "{} into {pieces} pieces that repeat every {every}",
-            INFO.name
-        )
+        format!("{NAME} into {pieces} pieces that repeat every {every}")
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {

@@ -2,13 +2,26 @@
 
 use std::sync::Arc;
 
-use leafwise_core::StepError;
-use leafwise_core::lattice::{Fields, Prepared};
+use leafwise_core::lattice::{Cells, Field, Fields, LatticeProgram, Prepared};
 use leafwise_core::solver::{SolverStatistics, Stepper};
+use leafwise_core::{PoissonSystem, StepError};
 
-use super::map::Shared;
 use crate::factor::evaluations;
 use crate::schedule::{Flow, passes};
+
+/// A splitting as its steps need it.
+#[derive(Debug)]
+pub(super) struct Shared {
+    pub(super) cells: Cells,
+    pub(super) proxy: PoissonSystem,
+    pub(super) proxy_cells: Cells,
+    pub(super) program: LatticeProgram,
+    pub(super) state: Field,
+    /// Φ(x) − x as it adds up.
+    pub(super) sum: Field,
+    /// The pieces' stages in the order of the first half of a step, the costliest last.
+    pub(super) order: Vec<usize>,
+}
 
 /// χ and χ* over α₁h, α₂h, … in turn, flows of one piece that meet being one.
 ///

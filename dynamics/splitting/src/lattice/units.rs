@@ -7,8 +7,8 @@ use leafwise_core::{BuildError, SystemFormulas};
 use leafwise_expression::algebra::{Generator, Symbol};
 use leafwise_expression::{Expression, Polynomial, Ring};
 
-use crate::piece::{Piece, Tensor};
-use crate::pieces::{Atom, atoms, summands};
+use crate::piece::{Atom, Piece, Tensor};
+use crate::pieces::{atoms, summands};
 
 /// A term of one site's share of H, with its name up to translation.
 struct SiteAtom {

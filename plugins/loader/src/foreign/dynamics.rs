@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{ParameterSetting, PartInfo};
-use leafwise_core::registry::DynamicsPart;
+use leafwise_core::part::ParameterSetting;
 use leafwise_core::{
     BisectionBatch, BisectionWorker, BuildError, ChartWorker, Correction, DynamicApproximation,
     GraphOfOneForm, LagrangianBisection, OneFormWorker, PartParameters, PoissonSystem,
@@ -32,14 +31,8 @@ impl ForeignDynamicsPart {
             table,
         }
     }
-}
 
-impl DynamicsPart for ForeignDynamicsPart {
-    fn info(&self) -> &'static PartInfo {
-        self.part.info
-    }
-
-    fn build(
+    pub(crate) fn build(
         &self,
         parameters: &PartParameters,
     ) -> Result<Arc<dyn DynamicApproximation>, BuildError> {

@@ -1,6 +1,6 @@
 //! A part of a library with functions.
 
-use leafwise_core::part::{ParameterSetting, PartInfo};
+use leafwise_core::part::{PATH, ParameterSetting, PartInfo};
 use leafwise_core::{BuildError, PartParameters};
 use leafwise_plugin_abi::{LwError, LwLifecycle, LwProperties};
 
@@ -8,7 +8,6 @@ use super::failure::CallFailure;
 use super::instance::{Lent, MESSAGE, Making, failure, with_arguments};
 use crate::declaration::{Dimensions, Flags, Functions, PartDeclaration, broken_promise};
 use crate::exits::in_call;
-use crate::handshake::PATH;
 
 /// What every wrapper of a part with functions knows.
 #[derive(Debug)]

@@ -2,8 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use leafwise_core::part::{ParameterSetting, PartInfo};
-use leafwise_core::registry::RealizationPart;
+use leafwise_core::part::ParameterSetting;
 use leafwise_core::{
     Accuracy, BuildError, ChartWorker, Ends, PartParameters, PoissonSystem, RealizationBatch,
     RealizationData, RealizationWorker, StepError,
@@ -31,14 +30,8 @@ impl ForeignRealizationPart {
             table,
         }
     }
-}
 
-impl RealizationPart for ForeignRealizationPart {
-    fn info(&self) -> &'static PartInfo {
-        self.part.info
-    }
-
-    fn build(
+    pub(crate) fn build(
         &self,
         system: &PoissonSystem,
         parameters: &PartParameters,

@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::part::{ParameterSetting, PartInfo};
-use leafwise_core::registry::StepperPart;
+use leafwise_core::part::ParameterSetting;
 use leafwise_core::{
     BuildError, MapProperties, PartParameters, PoissonSystem, SolverStatistics, StepError, StepMap,
     Stepper, Structure,
@@ -31,14 +30,8 @@ impl ForeignStepMapPart {
             table,
         }
     }
-}
 
-impl StepperPart for ForeignStepMapPart {
-    fn info(&self) -> &'static PartInfo {
-        self.part.info
-    }
-
-    fn build(
+    pub(crate) fn build(
         &self,
         system: &PoissonSystem,
         parameters: &PartParameters,

@@ -3,8 +3,7 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use leafwise_core::part::{ParameterSetting, PartInfo};
-use leafwise_core::registry::SystemPart;
+use leafwise_core::part::ParameterSetting;
 use leafwise_core::system::{Derivatives, NumbersWorker, OpaqueSystem, Parameter, SystemNumbers};
 use leafwise_core::{BuildError, PartParameters, PoissonSystem, StepError};
 use leafwise_expression::syntax::Scope;
@@ -38,16 +37,10 @@ impl ForeignSystemPart {
             table,
         }
     }
-}
-
-impl SystemPart for ForeignSystemPart {
-    fn info(&self) -> &'static PartInfo {
-        self.part.info
-    }
 
     /// The part's numbers are the system's parameters, whose values may change from run to run; its
     /// whole numbers and words are fixed here.
-    fn build(&self, parameters: &PartParameters) -> Result<PoissonSystem, BuildError> {
+    pub(crate) fn build(&self, parameters: &PartParameters) -> Result<PoissonSystem, BuildError> {
         let name = self.part.name();
         let settings = self.part.settings(parameters)?;
         let making = Making {

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use leafwise_core::dynamics::{Generating, GeneratingFunction};
 use leafwise_core::part::PartInfo;
-use leafwise_core::registry::DynamicsPart;
 use leafwise_core::{
     BuildError, Correction, DynamicApproximation, GraphOfDifferential, LagrangianBisection,
     PartParameters, PoissonSystem, RealizationData,
@@ -73,14 +72,8 @@ impl FormulaDynamicsPart {
             dimensions: part.dimensions,
         })
     }
-}
 
-impl DynamicsPart for FormulaDynamicsPart {
-    fn info(&self) -> &'static PartInfo {
-        self.info
-    }
-
-    fn build(
+    pub(crate) fn build(
         &self,
         parameters: &PartParameters,
     ) -> Result<Arc<dyn DynamicApproximation>, BuildError> {

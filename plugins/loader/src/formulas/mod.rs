@@ -16,7 +16,7 @@ mod system;
 pub(crate) use dynamics::FormulaDynamicsPart;
 pub(crate) use realization::FormulaRealizationPart;
 pub(crate) use step_map::FormulaStepMapPart;
-pub(crate) use system::{FormulaSystemPart, compose as system_of_fragment};
+pub(crate) use system::FormulaSystemPart;
 
 use leafwise_core::PartKind;
 

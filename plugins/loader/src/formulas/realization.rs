@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use leafwise_core::part::PartInfo;
 use leafwise_core::realization::{RealizationCode, SourceSeries, SourceTarget};
-use leafwise_core::registry::RealizationPart;
 use leafwise_core::{Accuracy, BuildError, PartParameters, PoissonSystem, RealizationData};
 use leafwise_expression::{AlgebraError, Arithmetic, Expression, Graph, Rational, Term};
 
@@ -99,14 +98,8 @@ impl FormulaRealizationPart {
             flags: part.flags,
         })
     }
-}
 
-impl RealizationPart for FormulaRealizationPart {
-    fn info(&self) -> &'static PartInfo {
-        self.info
-    }
-
-    fn build(
+    pub(crate) fn build(
         &self,
         system: &PoissonSystem,
         parameters: &PartParameters,

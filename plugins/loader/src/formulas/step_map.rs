@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use leafwise_core::part::PartInfo;
-use leafwise_core::registry::StepperPart;
 use leafwise_core::solver::ExplicitMap;
 use leafwise_core::{BuildError, MapProperties, PartParameters, PoissonSystem, StepMap, Stepper};
 use leafwise_expression::{AlgebraError, Expression, Graph, Kernel, StepSize, Term};
@@ -55,14 +54,8 @@ impl FormulaStepMapPart {
             properties: promises(order, part.structure, part.flags.self_adjoint()),
         })
     }
-}
 
-impl StepperPart for FormulaStepMapPart {
-    fn info(&self) -> &'static PartInfo {
-        self.info
-    }
-
-    fn build(
+    pub(crate) fn build(
         &self,
         system: &PoissonSystem,
         parameters: &PartParameters,

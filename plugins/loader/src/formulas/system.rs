@@ -2,17 +2,14 @@
 
 use std::fmt::Write as _;
 
-use leafwise_core::part::{ParameterSetting, PartInfo};
-use leafwise_core::registry::SystemPart;
+use leafwise_core::part::{PATH, ParameterSetting, PartInfo};
 use leafwise_core::{BuildError, PartParameters, PoissonSystem};
-use leafwise_scene::SceneDocument;
-use leafwise_scene::compose::instantiate;
+use leafwise_scene::compose::system_of_fragment;
 
 use super::keys::refused;
 use crate::declaration::PartDeclaration;
 use crate::error::Refusal;
 use crate::foreign::own_settings;
-use crate::handshake::PATH;
 
 /// Keys of the table that stand alone; the others are `families.…`, `bracket.…`, `casimirs.…`.
 const SINGLE: [&str; 4] = ["variables", "hamiltonian", "convention", "boundary"];
@@ -101,57 +98,7 @@ fn defaults(part: &PartDeclaration) -> Vec<(String, ParameterSetting)> {
 /// The system of the part's formulas at its defaults.
 pub(super) fn read(part: &PartDeclaration) -> Result<PoissonSystem, Refusal> {
     let text = fragment(part, &defaults(part))?;
-    compose(part.id(), &text).map_err(|(key, problem)| refused(part, &key, problem))
-}
-
-/// The system of a fragment; what is wrong with it comes with the table's key.
-pub(crate) fn compose(id: &str, fragment: &str) -> Result<PoissonSystem, (String, String)> {
-    let of_scene = |error: leafwise_scene::SceneDiagnostic| {
-        let (line, _) = error.line_column();
-        let text = error.source_text.lines().nth(line.saturating_sub(1));
-        let key = text
-            .and_then(|line| line.split_once(" = "))
-            .map_or("system", |(key, _)| key);
-        let help = error
-            .help
-            .map_or_else(String::new, |help| format!("; {help}"));
-        (key.to_owned(), format!("{}{help}", error.message))
-    };
-    let parse = |initial: usize| {
-        let initial = vec!["1"; initial].join(", ");
-        let text = format!(
-            "{fragment}[method]\ntime-step = 0.1\n[run]\ninitial = [{initial}]\nsteps = 1\n"
-        );
-        SceneDocument::parse(id, &text, &leafwise_scene::NoLibrary)
-    };
-    // The dimension is known once the table has been read.
-    let document = parse(1).or_else(|errors| match dimension(fragment) {
-        Some(dimension) => parse(dimension),
-        None => Err(errors),
-    });
-    let document = document.map_err(|errors| {
-        let first = errors.diagnostics().into_iter().next();
-        first.map_or_else(|| ("system".to_owned(), errors.to_string()), of_scene)
-    })?;
-    let families = &document.system.families;
-    let lengths: Vec<usize> = families.iter().map(|(_, length)| length.value).collect();
-    let instantiated = instantiate(&document, &lengths).map_err(|refusal| of_scene(*refusal))?;
-    let system = instantiated.system(&document);
-    system.map_err(|error| ("bracket".to_owned(), error.to_string()))
-}
-
-/// The number of coordinates that a fragment declares.
-fn dimension(fragment: &str) -> Option<usize> {
-    let table: toml::Table = toml::from_str(fragment).ok()?;
-    let system = table.get("system")?;
-    let variables = system.get("variables").and_then(toml::Value::as_array);
-    let families = system.get("families").and_then(toml::Value::as_table);
-    let sites: i64 = families
-        .into_iter()
-        .flat_map(toml::Table::values)
-        .filter_map(toml::Value::as_integer)
-        .sum();
-    Some(variables.map_or(0, Vec::len) + usize::try_from(sites).ok()?)
+    system_of_fragment(part.id(), &text).map_err(|(key, problem)| refused(part, &key, problem))
 }
 
 /// A part of kind `LW_KIND_SYSTEM` with formulas.
@@ -159,7 +106,7 @@ pub(crate) struct FormulaSystemPart {
     info: &'static PartInfo,
     declaration: PartDeclaration,
     /// The table with the default parameters.
-    fragment: String,
+    pub(crate) fragment: String,
 }
 
 impl FormulaSystemPart {
@@ -173,24 +120,15 @@ impl FormulaSystemPart {
             declaration: declaration.clone(),
         })
     }
-}
 
-impl SystemPart for FormulaSystemPart {
-    fn info(&self) -> &'static PartInfo {
-        self.info
-    }
-
-    fn fragment(&self) -> Option<&str> {
-        Some(&self.fragment)
-    }
-
-    fn build(&self, parameters: &PartParameters) -> Result<PoissonSystem, BuildError> {
+    pub(crate) fn build(&self, parameters: &PartParameters) -> Result<PoissonSystem, BuildError> {
         let settings = own_settings(self.info, parameters)?;
         let unfit = |reason: String| BuildError::DoesNotFit {
             part: self.info.name,
             reason,
         };
         let text = fragment(&self.declaration, &settings).map_err(|e| unfit(e.to_string()))?;
-        compose(self.info.name, &text).map_err(|(key, problem)| unfit(format!("{key}: {problem}")))
+        system_of_fragment(self.info.name, &text)
+            .map_err(|(key, problem)| unfit(format!("{key}: {problem}")))
     }
 }

@@ -13,7 +13,6 @@ use leafwise_plugin_abi::{LW_ABI_MAJOR, LW_ABI_MINOR, LW_FROZEN_BYTES, LW_MAGIC,
 use crate::declaration::PluginDeclaration;
 use crate::error::Refusal;
 use memory::{copy, list, required_text, text};
-pub(crate) use parameters::PATH;
 
 /// Copies and checks everything the entry leads to.
 ///

@@ -4,13 +4,13 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 
 use leafwise_core::part_description::PartDescription;
-use leafwise_core::registry::RealizationPart;
 use leafwise_core::{PartKind, PartParameters, PoissonSystem, RealizationData};
 use leafwise_plugin_abi::{LW_FLAG_COTANGENT_CHART, LW_FLAG_EXACT, LW_FLAG_REVERSIBLE};
+use leafwise_scene::compose::system_of_fragment;
 
 use crate::declaration::{Dimensions, Flags, PartDeclaration};
 use crate::foreign::Lent;
-use crate::formulas::{FormulaRealizationPart, system_of_fragment};
+use crate::formulas::FormulaRealizationPart;
 use crate::host::HostSystem;
 
 /// A system with an exact realization.
@@ -158,8 +158,7 @@ fn problem(name: &str, fragment: &str, alpha: Vec<String>) -> TestProblem {
             .collect(),
         functions: None,
     };
-    let info = declaration.description.clone().leak();
-    let part = FormulaRealizationPart::new(&declaration, info);
+    let part = FormulaRealizationPart::new(&declaration, declaration.info());
     let part = part.expect("a test realization is well formed");
     let realization = part.build(&system, &PartParameters::new());
     TestProblem {

@@ -2,18 +2,49 @@
 
 use std::sync::Arc;
 
+use leafwise_core::part::{
+    Auto, ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters, ServesNumbers,
+};
+use leafwise_core::registry::RealizationPart;
 use leafwise_core::{
     Accuracy, BuildError, LagrangianBisection, MapProperties, PoissonSystem, RealizationData,
     RealizationWorker, SourceSeries, StepMap,
 };
 
-use leafwise_expression::Kernel;
-
-use super::curve::Curve;
-use super::field::Field;
+use super::collocation::Collocation;
+use super::field::{Field, NAME};
 use super::fused::{FusedStep, OneForm};
 use super::worker::CollocatedWorker;
 use crate::series::KarasevSeries;
+
+static INFO: PartInfo = PartInfo {
+    name: NAME,
+    summary: "Karasev's realization by collocation at Gauss nodes: numerically exact, any tensor",
+    declares: "exact to round-off with points = 0 (as many nodes as the step needs); with q nodes \
+               the bracket defect is O(epsilon^(2q)); self-adjoint",
+    domain: "where the curve of the step can be resolved by 24 nodes; any tensor, of formulas or \
+             of numbers",
+    literature: "Cabrera, Martin de Diego, Vaquero, Approximating Symplectic Realizations, \
+                 section 3.2, remark on other approximations; M. V. Karasev, Math. USSR Izv. 28 \
+                 (1987)",
+    parameters: &[ParameterInfo {
+        name: "points",
+        summary: "the number q of Gauss nodes, 1 to 24; 0: as many as the step needs",
+        default: ParameterDefault::Integer(0),
+    }],
+    auto: Some(Auto::Exact {
+        rank: 5,
+        reason: "the tensor has no closed form here: collocation, exact to round-off",
+    }),
+    serves_numbers: Some(ServesNumbers { rank: 1, limit: "" }),
+    surveyed: &[
+        &[("points", ParameterDefault::Integer(0))],
+        &[("points", ParameterDefault::Integer(1))],
+        &[("points", ParameterDefault::Integer(2))],
+        &[("points", ParameterDefault::Integer(3))],
+    ],
+    ..PartInfo::of(PartKind::Realization)
+};
 
 /// K_ε = (S ⊂ T*M, ω_M, α_ε, β_ε, σ) by collocation at q Gauss nodes, for any tensor with values
 /// of Π(y)p; its tangents where the tensor has first derivatives.
@@ -22,22 +53,12 @@ use crate::series::KarasevSeries;
 /// defect is at round-off for the step at hand.
 #[derive(Clone, Debug)]
 pub struct CollocatedKarasev {
-    field: Field,
-    points: Option<usize>,
+    collocation: Collocation,
     /// Where the tensor is a formula.
     series: Option<KarasevSeries>,
 }
 
-/// Where the automatic choice starts, and where it gives up: the curve is then too long for its
-/// chart.
-pub(super) const FEWEST_POINTS: usize = 3;
-const MOST_POINTS: usize = 24;
-
 impl CollocatedKarasev {
-    pub(super) fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
-        self.field.kernels()
-    }
-
     /// The realization at `points` nodes, or at as many as the step needs.
     ///
     /// # Errors
@@ -45,52 +66,35 @@ impl CollocatedKarasev {
     pub fn new(system: &PoissonSystem, points: Option<usize>) -> Result<Self, BuildError> {
         let formulas = system.expressions();
         Ok(Self {
-            field: Field::of(system)?,
-            points,
+            collocation: Collocation {
+                field: Field::of(system)?,
+                points,
+            },
             series: formulas.map(|formulas| KarasevSeries::new(formulas.clone())),
         })
-    }
-
-    pub(super) fn curve(&self, parameters: &[f64]) -> Curve {
-        Curve::new(
-            &self.field,
-            parameters,
-            self.points.unwrap_or(FEWEST_POINTS),
-        )
-    }
-
-    pub(super) fn most_points(&self) -> Option<usize> {
-        if self.points.is_some() {
-            None
-        } else {
-            Some(MOST_POINTS)
-        }
     }
 }
 
 impl RealizationData for CollocatedKarasev {
     fn dimension(&self) -> usize {
-        self.field.dimension
+        self.collocation.dimension()
     }
 
     fn space_dimension(&self) -> usize {
-        2 * self.field.dimension
+        2 * self.collocation.dimension()
     }
 
     fn accuracy(&self) -> Accuracy {
-        match self.points {
+        match self.collocation.points {
             None => Accuracy::Exact,
             Some(q) => Accuracy::Order(2 * q - 1),
         }
     }
 
     fn describe(&self) -> String {
-        match self.points {
-            None => format!(
-                "{} (as many nodes as needed)",
-                crate::register::COLLOCATED.name
-            ),
-            Some(q) => format!("{} q = {q}", crate::register::COLLOCATED.name),
+        match self.collocation.points {
+            None => format!("{NAME} (as many nodes as needed)"),
+            Some(q) => format!("{NAME} q = {q}"),
         }
     }
 
@@ -106,9 +110,9 @@ impl RealizationData for CollocatedKarasev {
     }
 
     fn worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationWorker>> {
-        let curve = self.curve(parameters);
-        let d = self.field.dimension;
-        let worker = CollocatedWorker::new(curve, epsilon, self.most_points(), d);
+        let curve = self.collocation.curve(parameters);
+        let (most, d) = (self.collocation.most_points(), self.dimension());
+        let worker = CollocatedWorker::new(curve, epsilon, most, d);
         Some(Box::new(worker))
     }
 
@@ -120,7 +124,32 @@ impl RealizationData for CollocatedKarasev {
     ) -> Option<Result<Box<dyn StepMap>, BuildError>> {
         // Only the graph of a one-form says p at x̂.
         let form = OneForm::of(system, &bisection)?;
-        let fused = form.map(|form| FusedStep::new(self, form, properties));
+        let describe = format!("{} + Hamilton-Jacobi, fused", self.describe());
+        let collocation = self.collocation.clone();
+        let fused = form.map(|form| FusedStep::new(collocation, describe, form, properties));
         Some(fused.map(|fused| Box::new(fused) as Box<dyn StepMap>))
     }
 }
+
+fn build(
+    system: &PoissonSystem,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn RealizationData>, BuildError> {
+    let points = parameters.get(&INFO, "points")?;
+    if !(0..=24).contains(&points) {
+        return Err(BuildError::Parameter {
+            part: INFO.name,
+            parameter: "points".to_owned(),
+            value: points.to_string(),
+            expected: "the number of nodes lies in 1 to 24; 0 leaves it open".to_owned(),
+        });
+    }
+    let points = if points == 0 {
+        None
+    } else {
+        Some(points as usize)
+    };
+    Ok(Arc::new(CollocatedKarasev::new(system, points)?))
+}
+
+leafwise_core::built_in!(RealizationPart::new(&INFO, build));

@@ -9,6 +9,9 @@ use nalgebra::DMatrix;
 
 use super::curvature::{Curvature, CurvatureWorker};
 
+/// The part's name.
+pub(super) const NAME: &str = "karasev-collocated";
+
 /// V; ∂V/∂y and ∂V/∂p = Π where the system offers them.
 #[derive(Clone, Debug)]
 pub(super) struct Field {
@@ -34,7 +37,7 @@ impl Field {
     pub(super) fn of(system: &PoissonSystem) -> Result<Self, BuildError> {
         let source = match (system.expressions(), system.opaque()) {
             (None, Some(system)) => Source::Numbers(Arc::clone(&system.numbers)),
-            _ => compiled(system.formulas(crate::register::COLLOCATED.name)?)?,
+            _ => compiled(system.formulas(NAME)?)?,
         };
         Ok(Self {
             source,

@@ -12,13 +12,13 @@ use leafwise_core::solver::{
 };
 use leafwise_core::{
     BuildError, CodeOneForm, Ends, LagrangianBisection, MapProperties, OneFormWorker,
-    PoissonSystem, RealizationData, RealizationWorker, StepError, StepMap, Stepper,
+    PoissonSystem, RealizationWorker, StepError, StepMap, Stepper,
 };
 use leafwise_expression::Kernel;
 use nalgebra::DMatrix;
 
+use super::collocation::Collocation;
 use super::curve::Curve;
-use super::data::CollocatedKarasev;
 use super::worker::CollocatedWorker;
 
 /// Budget of one step.
@@ -67,7 +67,7 @@ impl OneForm {
 /// A K-HJ map over collocation.
 #[derive(Clone, Debug)]
 pub(super) struct FusedStep {
-    data: Arc<CollocatedKarasev>,
+    collocation: Collocation,
     describe: String,
     properties: MapProperties,
     form: OneForm,
@@ -75,13 +75,13 @@ pub(super) struct FusedStep {
 
 impl FusedStep {
     pub(super) fn new(
-        data: Arc<CollocatedKarasev>,
+        collocation: Collocation,
+        describe: String,
         form: OneForm,
         properties: MapProperties,
     ) -> Self {
-        let describe = format!("{} + Hamilton-Jacobi, fused", data.describe());
         Self {
-            data,
+            collocation,
             describe,
             properties,
             form,
@@ -91,7 +91,7 @@ impl FusedStep {
 
 impl StepMap for FusedStep {
     fn dimension(&self) -> usize {
-        self.data.dimension()
+        self.collocation.dimension()
     }
 
     fn properties(&self) -> MapProperties {
@@ -103,7 +103,7 @@ impl StepMap for FusedStep {
     }
 
     fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
-        let mut kernels = self.data.kernels();
+        let mut kernels = self.collocation.kernels();
         if let OneForm::Code(form) = &self.form {
             kernels.extend(form.kernels());
         }
@@ -115,10 +115,10 @@ impl StepMap for FusedStep {
         Box::new(Lanes::apart(lanes, d, parameters, |parameters| {
             FusedTrajectory {
                 epsilon,
-                most_points: self.data.most_points(),
-                curve: self.data.curve(parameters),
+                most_points: self.collocation.most_points(),
+                curve: self.collocation.curve(parameters),
                 form: self.form.worker(parameters, epsilon, h),
-                data: Arc::clone(&self.data),
+                collocation: self.collocation.clone(),
                 parameters: parameters.to_vec(),
                 linear: 0,
                 shift: vec![0.0; d],
@@ -140,7 +140,7 @@ struct FusedTrajectory {
     most_points: Option<usize>,
     curve: Curve,
     form: Box<dyn OneFormWorker>,
-    data: Arc<CollocatedKarasev>,
+    collocation: Collocation,
     parameters: Vec<f64>,
     /// Operations of the mean.
     linear: u64,
@@ -288,7 +288,7 @@ impl FusedTrajectory {
         evaluations: &mut u64,
     ) -> Result<(), StepError> {
         let mut path = self.path.take().unwrap_or_else(|| {
-            let curve = self.data.curve(&self.parameters);
+            let curve = self.collocation.curve(&self.parameters);
             let worker = CollocatedWorker::new(curve, self.epsilon, None, x.len());
             Box::new(Path::new(worker, x.len()))
         });
@@ -408,7 +408,7 @@ impl Trajectory for FusedTrajectory {
     fn tangent(&mut self) -> Option<Vec<f64>> {
         let d = self.centre.len();
         // A curve of its own, so that measuring does not disturb stepping.
-        let mut curve = self.data.curve(&self.parameters);
+        let mut curve = self.collocation.curve(&self.parameters);
         curve.set_points(self.curve.rule.points());
         let z: Vec<f64> = self.centre.iter().chain(&self.p).copied().collect();
         let mut worker = CollocatedWorker::new(curve, self.epsilon, None, d);

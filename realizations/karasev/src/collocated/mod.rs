@@ -9,11 +9,13 @@
 //! - `field`: Π(y)p and its derivatives as kernels.
 //! - `curvature`: its second derivatives along a covector.
 //! - `curve`: the nodal values solved for.
+//! - `collocation`: a field with the nodes of its curves.
 //! - `tangent`: derivatives through the curve's equations.
 //! - `worker`: α̂, β̂ and their tangents at (x, p).
 //! - `fused`: the step as one solve for curve, x̂ and p.
 //! - `data`: [`CollocatedKarasev`].
 
+mod collocation;
 mod curvature;
 mod curve;
 mod data;

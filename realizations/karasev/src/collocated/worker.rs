@@ -3,8 +3,10 @@
 use leafwise_core::{Ends, RealizationWorker, StepError};
 
 use super::curve::Curve;
-use super::data::FEWEST_POINTS;
 use super::tangent::CurveTangent;
+
+/// Where the automatic choice of nodes starts.
+pub(super) const FEWEST_POINTS: usize = 3;
 
 /// One thread's evaluator.
 pub(super) struct CollocatedWorker {

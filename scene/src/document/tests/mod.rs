@@ -3,6 +3,9 @@
 mod numbers_and_names;
 mod sources;
 
+use leafwise_core::registry::SystemPart;
+use leafwise_core::{Origin, PartInfo, PartKind, Registry};
+
 use super::*;
 use crate::diagnostic::SceneDiagnostic;
 
@@ -41,10 +44,29 @@ convention  = "{x, H}"
 hamiltonian = "rate*sum(i, x[i])"
 "#;
 
-const LIBRARY: [(&str, &str); 2] = [("volterra-lattice", FRAGMENT), ("broken", "[system\n")];
+static LATTICE: PartInfo = PartInfo {
+    name: "volterra-lattice",
+    ..PartInfo::of(PartKind::System)
+};
+static BROKEN: PartInfo = PartInfo {
+    name: "broken",
+    ..PartInfo::of(PartKind::System)
+};
+
+/// Systems by text alone.
+fn library() -> Registry {
+    let mut registry = Registry::empty();
+    for (info, fragment) in [(&LATTICE, FRAGMENT), (&BROKEN, "[system\n")] {
+        let part = SystemPart::new(info, |_| unreachable!("it is read as text"));
+        let origin = Origin::built_in("a test", "1");
+        let part = part.with_fragment(fragment);
+        registry.register(part.into(), origin).expect("a new name");
+    }
+    registry
+}
 
 fn parse(text: &str) -> Result<SceneDocument, SceneErrors> {
-    SceneDocument::parse("scene.toml", text, &LIBRARY)
+    SceneDocument::parse("scene.toml", text, &library())
 }
 
 fn with(overrides: &[(&str, &str)]) -> Result<SceneDocument, SceneErrors> {
@@ -52,7 +74,7 @@ fn with(overrides: &[(&str, &str)]) -> Result<SceneDocument, SceneErrors> {
         .iter()
         .map(|(path, value)| (path.to_string(), value.to_string()))
         .collect();
-    SceneDocument::parse_with("scene.toml", RIGID_BODY, &owned, &LIBRARY)
+    SceneDocument::parse_with("scene.toml", RIGID_BODY, &owned, &library())
 }
 
 /// The first diagnostic of the rigid body's scene with one piece replaced.

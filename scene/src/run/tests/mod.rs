@@ -14,7 +14,7 @@ use leafwise_core::Registry;
 
 use super::{Progress, RunError, RunOptions, RunReport, Status, run};
 use crate::compose::{ComposedRun, compose};
-use crate::document::{NoLibrary, SceneDocument};
+use crate::document::SceneDocument;
 
 const SCENE: &str = r#"
 [system]
@@ -63,7 +63,7 @@ struct Prepared {
 
 impl Prepared {
     fn new(text: &str) -> Self {
-        let document = SceneDocument::parse("top.toml", text, &NoLibrary).expect("a scene");
+        let document = SceneDocument::parse("top.toml", text, &Registry::empty()).expect("a scene");
         let registry = Registry::with_builtin();
         let composed = compose(&document, &registry).expect("a run");
         Self {

@@ -1,0 +1,21 @@
+//! The ids of the systems.
+
+/// `$of!("gradient", …)` with every id of the library, in their order.
+macro_rules! of_each_system {
+    ($of:ident) => {
+        $of!(
+            "gradient",
+            "heavy-top",
+            "lotka-volterra",
+            "lotka-volterra-periodic",
+            "magnetic",
+            "point-vortices",
+            "rigid-body",
+            "se3",
+            "so4",
+            "three-wave",
+            "toda",
+            "volterra-lattice"
+        );
+    };
+}

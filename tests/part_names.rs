@@ -1,0 +1,90 @@
+//! What others need to know of a part, the part says: no source but its own names it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use leafwise::core::{PartKind, Registry};
+
+/// Sources that serve every part alike. The figures of the paper (`reproduce`) and the cases of `stress`
+/// choose their methods as scenes do.
+const ROOMS: [&str; 9] = [
+    "expression/src",
+    "core/src",
+    "systems/src",
+    "scene/src",
+    "leafwise/src",
+    "cli/src",
+    "plugins/abi/src",
+    "plugins/sdk/src",
+    "plugins/loader/src",
+];
+const CASES: [&str; 2] = ["leafwise/src/reproduce", "leafwise/src/stress"];
+
+/// Words that are names of parts too, and examples in messages.
+const OTHER_MEANINGS: [(&str, &str); 7] = [
+    ("scene/src/compose/shape.rs", "constant"),
+    ("scene/src/document/bracket.rs", "log-canonical"),
+    ("scene/src/document/system.rs", "log-canonical"),
+    ("scene/src/document/method.rs", "karasev-truncated"),
+    ("scene/src/document/method.rs", "hamilton-jacobi"),
+    ("scene/src/document/method.rs", "implicit-midpoint"),
+    ("plugins/loader/src/smoke/problems.rs", "log-canonical"),
+];
+
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    let entries = fs::read_dir(folder).unwrap_or_else(|error| panic!("{folder:?}: {error}"));
+    for entry in entries {
+        let path = entry.expect("an entry of a folder").path();
+        let name = path.file_name().and_then(|name| name.to_str());
+        match name {
+            Some("tests" | "tests.rs") => {}
+            _ if path.is_dir() => sources(&path, found),
+            Some(name) if name.ends_with(".rs") => found.push(path),
+            _ => {}
+        }
+    }
+}
+
+/// The lines of a source that are no comments, in front of its inline tests.
+fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let end = text.find("#[cfg(test)]\nmod tests {");
+    let lines = text[..end.unwrap_or(text.len())].lines().enumerate();
+    lines.filter(|(_, line)| !line.trim_start().starts_with("//"))
+}
+
+#[test]
+fn no_source_names_a_part_but_its_own() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let registry = Registry::with_builtin();
+    let parts = registry.parts().into_iter();
+    let names: Vec<&str> = parts
+        .filter(|info| info.kind != PartKind::System)
+        .map(|info| info.name)
+        .collect();
+    assert!(
+        names.len() >= 30,
+        "every crate of parts is linked: {names:?}"
+    );
+    let mut files = Vec::new();
+    for room in ROOMS {
+        sources(&root.join(room), &mut files);
+    }
+    let mut found = Vec::new();
+    for file in files {
+        let place = file.strip_prefix(&root).expect("below the root");
+        let place = place.to_str().expect("a name in UTF-8").replace('\\', "/");
+        if CASES.iter().any(|folder| place.starts_with(folder)) {
+            continue;
+        }
+        let text = fs::read_to_string(&file).unwrap_or_else(|error| panic!("{file:?}: {error}"));
+        for (at, line) in code(&text) {
+            for name in &names {
+                let is_named = line.contains(&format!("\"{name}\""));
+                if is_named && !OTHER_MEANINGS.contains(&(place.as_str(), *name)) {
+                    found.push(format!("{place}:{}: {name}", at + 1));
+                }
+            }
+        }
+    }
+    assert!(found.is_empty(), "names of parts:\n{}", found.join("\n"));
+}
