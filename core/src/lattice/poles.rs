@@ -9,7 +9,7 @@ use super::observables::code;
 use super::program::LatticeWorker;
 use super::sites::SiteNumbers;
 use crate::error::{BuildError, StepError};
-use crate::solver::{MakeCheck, StepCheck, is_pole};
+use crate::solver::{LOOKS, MakeCheck, StepCheck, is_pole};
 
 /// Of every site the product of its energy's denominators, and the squares of its gradient.
 #[derive(Debug)]
@@ -114,7 +114,8 @@ impl StepCheck for Crossings {
                 continue;
             }
             let crossed = self.changed(lane, way).into_iter().find(|site| {
-                is_pole(|part| {
+                // Without bounds of its rounding errors the gradient is not looked at any nearer.
+                is_pole(&LOOKS[..2], |part| {
                     self.look(lane, way, part);
                     let squares = self.of_sites(lane, SQUARES)[*site];
                     (self.of_sites(lane, DENOMINATOR)[*site], libm::sqrt(squares))

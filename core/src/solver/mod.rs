@@ -25,7 +25,7 @@ pub use judge::{CorrectionSize, LinearIteration};
 pub use lanes::{Alone, Lanes, Lockstep, Taken, Trajectory};
 pub use linear::{DenseFactors, elimination_operations, substitution_operations};
 pub use newton::{NewtonKernel, NewtonStepper};
-pub(crate) use poles::is_pole;
+pub(crate) use poles::{LOOKS, is_pole};
 pub use poles::{Poles, WithoutPoles};
 pub use properties::{MapProperties, Structure};
 pub(crate) use signs::{KeptSigns, kept_signs};

@@ -1,13 +1,15 @@
 //! Poles of the equations of motion, which no step crosses.
 //!
-//! Where a denominator of −Π∇H changes its sign between x and x + Δ, the straight way from one to the
+//! Where a denominator of H or Π changes its sign between x and x + Δ, the straight way from one to the
 //! other is cut at the zero. Let F(δ) be the largest component of the field at a distance δ|Δ| from
-//! there, in units of the largest on the longer side, at its end and its middle. A pole of order p ≥ 1 has F ~ δ^(−p);
-//! q/√(q²) or sin(q)/q, which the flow does cross, keep F bounded, and |q|^(1/2) has F ~ δ^(−1/2).
-//! A step with F(δ) > δ^(−2/3) at δ = 2⁻²⁰ or 2⁻³⁰ has crossed a pole.
+//! there, less its rounding error, in units of the largest on the longer side, at its end and its middle.
+//! A pole of the field of order p ≥ 1 has F ~ δ^(−p); q/√(q²), sin(q)/q or (1 − cos q)/q², which the flow does
+//! cross, keep F bounded, and |q|^(1/2) has F ~ δ^(−1/2). A step with F(δ) > δ^(−2/3) at δ = 2⁻¹⁰, 2⁻²⁰ or
+//! 2⁻³⁰ has crossed a pole.
 
 use std::sync::Arc;
 
+use leafwise_expression::bounded::{Bounded, BoundedNumbers};
 use leafwise_expression::{Graph, Kernel, Term, Workspace};
 
 use super::checked::{Checked, MakeCheck, StepCheck};
@@ -16,9 +18,9 @@ use crate::error::{BuildError, StepError};
 use crate::lattice::{LatticePoles, LatticeSource};
 use crate::system::PoissonSystem;
 
-/// δ, and the F above which there is a pole: distances at which digits lost in the difference of two
-/// poles that cancel, of the size 2⁻⁵²δ⁻², are no pole yet.
-const LOOKS: [(f64, f64); 2] = [
+/// δ, and the F above which there is a pole.
+pub(crate) const LOOKS: [(f64, f64); 3] = [
+    (1.0 / (1 << 10) as f64, 101.6),
     (1.0 / (1 << 20) as f64, 10_321.0),
     (1.0 / (1 << 30) as f64, (1 << 20) as f64),
 ];
@@ -33,7 +35,8 @@ const MOST_PARTS: usize = 60;
 #[derive(Debug)]
 pub struct Poles {
     denominators: Kernel,
-    field: Kernel,
+    graph: Graph,
+    field: Vec<Term>,
     written: Vec<String>,
 }
 
@@ -70,7 +73,8 @@ impl Poles {
         Ok(Some(Self {
             written: denominators.iter().map(written).collect(),
             denominators: Kernel::compile(&graph, &denominators, parameters, d),
-            field: Kernel::compile(&graph, &field, parameters, d),
+            graph,
+            field,
         }))
     }
 }
@@ -87,7 +91,7 @@ impl MakeCheck for Poles {
             parameters: parameters.to_vec(),
             before: values.clone(),
             after: values,
-            next: vec![0.0; self.field.inputs() * lanes],
+            next: vec![0.0; self.field.len() * lanes],
             poles: self,
         })
     }
@@ -146,33 +150,32 @@ struct Way<'a> {
 impl Way<'_> {
     /// Whether the field has a pole where this denominator changes its sign.
     fn crosses(&self, which: usize) -> bool {
-        let mut denominators = self.values(&self.poles.denominators);
-        let mut field = self.values(&self.poles.field);
-        is_pole(|part| (denominators(part)[which], largest_finite(&field(part))))
-    }
-
-    /// A kernel's values at parts of the way.
-    fn values<'a>(&'a self, kernel: &'a Kernel) -> impl FnMut(f64) -> Vec<f64> + 'a {
+        let kernel = &self.poles.denominators;
         let mut workspace = kernel.workspace(1);
         kernel.prepare(&mut workspace, &self.parameters, &[1.0], &[1.0]);
-        move |part| {
+        let mut values = vec![0.0; kernel.outputs()];
+        let mut numbers = BoundedNumbers {
+            parameters: self.parameters.clone(),
+        };
+        is_pole(&LOOKS, |part| {
             let way = self.start.iter().zip(&self.increment);
             let x: Vec<f64> = way.map(|(x, change)| x + part * change).collect();
-            let mut values = vec![0.0; kernel.outputs()];
             kernel.evaluate(&mut workspace, &x, &mut values);
-            values
-        }
+            let field = numbers.values(&self.poles.graph, &self.poles.field, &x);
+            (values[which], field.map_or(0.0, |field| largest(&field)))
+        })
     }
 }
 
-fn largest_finite(values: &[f64]) -> f64 {
-    let finite = values.iter().filter(|value| value.is_finite());
-    finite.fold(0.0, |most, value| most.max(value.abs()))
+/// The largest component, less its rounding error, of those that are finite.
+fn largest(field: &[Bounded]) -> f64 {
+    let sizes = field.iter().map(|f| f.value.abs() - f.error);
+    sizes.filter(|size| size.is_finite()).fold(0.0, f64::max)
 }
 
 /// Whether a field has a pole where a denominator changes its sign, from the denominator and the field's
 /// size at parts of the way.
-pub(crate) fn is_pole(mut look: impl FnMut(f64) -> (f64, f64)) -> bool {
+pub(crate) fn is_pole(looks: &[(f64, f64)], mut look: impl FnMut(f64) -> (f64, f64)) -> bool {
     let is_negative = look(0.0).0 < 0.0;
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..HALVINGS {
@@ -190,7 +193,7 @@ pub(crate) fn is_pole(mut look: impl FnMut(f64) -> (f64, f64)) -> bool {
     let zero = 0.5 * (low + high);
     let far = if zero < 0.5 { 1.0 } else { 0.0 };
     let measure = size(far).max(size(0.5 * (zero + far)));
-    LOOKS.iter().any(|(distance, most)| {
+    looks.iter().any(|(distance, most)| {
         let beside = [zero - distance, zero + distance];
         beside.iter().any(|part| size(*part) > most * measure)
     })
