@@ -2,7 +2,7 @@
 
 use crate::scenes::scene;
 use leafwise::core::registry::StepperPart;
-use leafwise::core::{Origin, PartInfo, Registry, Structure};
+use leafwise::core::{Origin, PartInfo, PartKind, Registry, Structure};
 use leafwise::scene::SceneDocument;
 use leafwise::trade::{
     Bench, CompareOptions, Comparison, Cost, Grid, Judged, Knob, Reference, TradeError,
@@ -380,8 +380,7 @@ fn parts_with_a_slash_in_their_name_can_be_named() {
     let mut registry = Registry::with_builtin();
     let info = PartInfo {
         name: "acme/strang",
-        parameters: &[],
-        ..*registry.stepper("splitting").expect("built in").info
+        ..PartInfo::of(PartKind::Stepper)
     };
     let part = StepperPart::new(Box::leak(Box::new(info)), |system, parameters| {
         let registry = Registry::with_builtin();
