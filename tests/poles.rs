@@ -50,9 +50,9 @@ fn positions(run: &ComposedRun) -> (Vec<f64>, Option<StepError>) {
 #[test]
 fn a_pole_in_the_way_of_an_explicit_step_is_named() {
     for (hamiltonian, denominator) in [
-        ("p^2/2 + 1/(q - 2)^2", "q - 2"),
-        ("p^2/2 - ln((2 - q)^2)", "-q + 2"),
-        ("p^2/2 + tan(q - 1/2)^2", "cos(q - 1/2)"),
+        ("p^2/2 + 1/(q - 2)^2", "2 - q"),
+        ("p^2/2 - ln((2 - q)^2)", "2 - q"),
+        ("p^2/2 + tan(q)^2", "cos(q)"),
         ("p^2/2 + 1/q^12 - 1/q^6", "q"),
     ] {
         let run = scene(hamiltonian, METHODS[0], 0.5, [1.5, 5.0]);

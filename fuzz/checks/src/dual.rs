@@ -87,6 +87,11 @@ impl Dual {
         let off = ulps * ROUND_OFF;
         let mut parts = vec![(value, slope.abs() * ea + off * value.abs())];
         for (da, eda) in &self.parts[1..] {
+            if (*da, *eda) == (0.0, 0.0) {
+                // What does not depend on a variable has no slope, not even where g has none.
+                parts.push((0.0, 0.0));
+                continue;
+            }
             let of_slope = second.abs() * ea + off * slope.abs();
             let product = slope * da;
             let error = slope.abs() * eda + of_slope * da.abs() + ROUND_OFF * product.abs();

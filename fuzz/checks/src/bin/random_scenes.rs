@@ -10,7 +10,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use leafwise::core::Registry;
-use leafwise::expression::Execution;
 use leafwise_fuzz_checks::judge::{Verdict, judge};
 use leafwise_fuzz_checks::scene::RandomScene;
 use leafwise_fuzz_checks::source::{Source, random_bytes};
@@ -116,8 +115,6 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
-    // A few steps do not pay for machine code; its bits are the same.
-    Execution::Interpreted.set_default_of_process();
     let registry = Registry::with_builtin();
     if let Some((seed, index)) = given.replay {
         let scene = scene(seed, index);
