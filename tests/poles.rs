@@ -52,6 +52,7 @@ fn a_pole_in_the_way_of_an_explicit_step_is_named() {
     for (hamiltonian, denominator) in [
         ("p^2/2 + 1/(q - 2)^2", "2 - q"),
         ("p^2/2 - ln((2 - q)^2)", "2 - q"),
+        ("p^2/2 + 1e-6/(1 + 1/(q - 3))", "(1 - 1/(3 - q))*(3 - q)"),
         ("p^2/2 + tan(q)^2", "cos(q)"),
         ("p^2/2 + 1/q^12 - 1/q^6", "q"),
     ] {

@@ -52,7 +52,31 @@ impl Graph {
                 }
             }
         }
-        self.unless_refused(factors.into_iter().map(Term::of).collect())
+        let mut denominators: Vec<Term> = factors.iter().copied().map(Term::of).collect();
+        for factor in &factors {
+            denominators.extend(self.without_own_poles(*factor));
+        }
+        self.unless_refused(denominators)
+    }
+
+    /// A denominator times its own denominators: 1 + a/x changes its sign at x = −a and at x = 0, x + a only
+    /// where 1/(1 + a/x) has a pole.
+    fn without_own_poles(&mut self, denominator: Node) -> Option<Term> {
+        let mut own = BTreeSet::new();
+        let (mut parts, mut met) = (vec![denominator], BTreeSet::from([denominator]));
+        while let Some(node) = parts.pop() {
+            if let Operation::Reciprocal(a) = *self.operation(node)
+                && self.tier(a) == Tier::Step
+            {
+                own.insert(a);
+            }
+            let operands = self.operands(node).into_iter();
+            parts.extend(operands.filter(|operand| met.insert(*operand)));
+        }
+        let product = own.iter().fold(Term::of(denominator), |product, a| {
+            self.multiply(&product, &Term::of(*a))
+        });
+        (!own.is_empty()).then_some(product)
     }
 
     /// Whether the form of each node says that it is never negative where it has a value.
@@ -114,7 +138,7 @@ mod tests {
         assert_eq!(of("y/(x*(y - 2)^3)"), ["x", "2 - y"]);
         assert_eq!(of("1/sqrt((x - y)^2)"), ["x - y"]);
         assert_eq!(of("tan(3*x)"), ["cos(3*x)"]);
-        assert_eq!(of("x^(-12) + 1/(1 + 1/z)"), ["x", "z", "1 + 1/z"]);
+        assert_eq!(of("x^(-12) + 1/(1 + 1/z)"), ["x", "z", "1 + 1/z", "z*(1 + 1/z)"]);
         assert_eq!(of("ln((x - y)^2) + (z^2)^(-1.25)"), ["x - y", "z"]);
     }
 
