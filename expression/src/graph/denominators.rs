@@ -138,7 +138,10 @@ mod tests {
         assert_eq!(of("y/(x*(y - 2)^3)"), ["x", "2 - y"]);
         assert_eq!(of("1/sqrt((x - y)^2)"), ["x - y"]);
         assert_eq!(of("tan(3*x)"), ["cos(3*x)"]);
-        assert_eq!(of("x^(-12) + 1/(1 + 1/z)"), ["x", "z", "1 + 1/z", "z*(1 + 1/z)"]);
+        assert_eq!(
+            of("x^(-12) + 1/(1 + 1/z)"),
+            ["x", "z", "1 + 1/z", "z*(1 + 1/z)"]
+        );
         assert_eq!(of("ln((x - y)^2) + (z^2)^(-1.25)"), ["x - y", "z"]);
     }
 
