@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use leafwise_expression::{Kernel, StepSize};
 
-use super::geometry::LatticeGeometry;
+use super::geometry::{LatticeGeometry, Proxy};
 use super::locality::local_reach;
 use super::map::LatticeMap;
 use super::observables::SiteDensity;
-use super::program::{LatticeProgram, Proxy};
+use super::program::LatticeProgram;
 use super::stages::{Field, StageBuilder};
 use super::stepper::LatticeTrajectory;
 use crate::dynamics::DynamicApproximation;

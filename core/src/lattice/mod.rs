@@ -6,7 +6,7 @@
 //! is a sequence of *stages* that sweep over the sites, each reading the fields of earlier stages
 //! in a neighbourhood: time and memory are O(N).
 //!
-//! - [`geometry`]: families, boundary, classes of sites.
+//! - [`geometry`]: families, boundary, proxies, classes of sites.
 //! - [`cells`]: lattices whose code repeats every few sites.
 //! - [`locality`]: how far formulas look.
 //! - [`stages`]: how a realization writes its maps as stages.
@@ -33,11 +33,11 @@ mod stencil;
 mod stepper;
 
 pub use cells::Cells;
-pub use geometry::LatticeGeometry;
+pub use geometry::{LatticeGeometry, Proxy};
 pub use locality::local_reach;
 pub use map::LatticeMap;
 pub use method::{LatticeMethod, LatticeSource};
 pub use observables::LatticeObservables;
 pub(crate) use poles::LatticePoles;
-pub use program::{Fields, LatticeProgram, Prepared, Proxy};
+pub use program::{Fields, LatticeProgram, Prepared};
 pub use stages::{Field, RealizationStages, StageBuilder, StageEnds};
