@@ -8,6 +8,7 @@
 //!
 //! - [`geometry`]: families, boundary, proxies, classes of sites.
 //! - [`cells`]: lattices whose code repeats every few sites.
+//! - `source`: lattice systems that can be written out at any length.
 //! - [`locality`]: how far formulas look.
 //! - [`stages`]: how a realization writes its maps as stages.
 //! - `stencil`: the code of one class of sites in one stage, and its sweep over them.
@@ -28,6 +29,7 @@ pub mod observables;
 mod poles;
 pub mod program;
 mod sites;
+mod source;
 pub mod stages;
 mod stencil;
 mod stepper;
@@ -36,8 +38,9 @@ pub use cells::Cells;
 pub use geometry::{LatticeGeometry, Proxy};
 pub use locality::local_reach;
 pub use map::LatticeMap;
-pub use method::{LatticeMethod, LatticeSource};
+pub use method::LatticeMethod;
 pub use observables::LatticeObservables;
 pub(crate) use poles::LatticePoles;
 pub use program::{Fields, LatticeProgram, Prepared};
+pub use source::LatticeSource;
 pub use stages::{Field, RealizationStages, StageBuilder, StageEnds};

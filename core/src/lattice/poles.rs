@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use leafwise_expression::{Arithmetic, Graph, Term};
 
-use super::method::LatticeSource;
 use super::observables::code;
 use super::program::LatticeWorker;
 use super::sites::SiteNumbers;
+use super::source::LatticeSource;
 use crate::error::{BuildError, StepError};
 use crate::solver::{LOOKS, MakeCheck, StepCheck, is_pole};
 
