@@ -40,7 +40,6 @@ pub use locality::local_reach;
 pub use map::LatticeMap;
 pub use method::LatticeMethod;
 pub use observables::LatticeObservables;
-pub(crate) use poles::LatticePoles;
 pub use program::{Fields, LatticeProgram, Prepared};
 pub use source::LatticeSource;
 pub use stages::{Field, RealizationStages, StageBuilder, StageEnds};
