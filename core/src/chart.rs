@@ -5,37 +5,8 @@ use std::sync::Arc;
 use leafwise_expression::{Graph, StepSize, Term};
 
 use crate::error::{BuildError, StepError};
-use crate::realization::RealizationData;
+use crate::realization::{ChartWorker, RealizationData};
 use crate::runge_kutta::{SmoothMap, SmoothMapEvaluator};
-
-/// One thread's evaluator of a symplectic chart χ(x, p) ↦ z with χ(x, 0) = σ(x), for fixed parameters
-/// and ε.
-///
-/// Both functions take a batch of points, the x one behind the other and the p too, d numbers each. What
-/// is written for a point depends on that point alone.
-pub trait ChartWorker: Send {
-    /// χ(x, p), d_S numbers a point.
-    ///
-    /// # Errors
-    /// [`StepError::LeftChart`] and the like, with `z` unspecified.
-    fn point(&mut self, x: &[f64], p: &[f64], z: &mut [f64]) -> Result<(), StepError>;
-    /// Dχ(x, p), row-major d_S × 2d, the columns of x first.
-    ///
-    /// # Errors
-    /// [`StepError::NoTangent`] where it is not offered.
-    fn tangent(&mut self, x: &[f64], p: &[f64], tangent: &mut [f64]) -> Result<(), StepError>;
-    /// Whether [`tangent`](Self::tangent) is offered.
-    fn has_tangent(&self) -> bool {
-        true
-    }
-    /// Operations so far, as [`SolverStatistics::operations`] counts them; `None` for a part that
-    /// does not count.
-    ///
-    /// [`SolverStatistics::operations`]: crate::SolverStatistics::operations
-    fn operations(&self) -> Option<u64> {
-        None
-    }
-}
 
 /// The chart of a realization, compiled where it is code.
 #[derive(Clone, Debug)]

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use leafwise_expression::{Arithmetic, Graph, Kernel, StepSize, Term, Workspace};
 
-use crate::dynamics::{BisectionBatch, BisectionCode, BisectionWorker};
+use crate::bisection::{BisectionBatch, BisectionCode, BisectionWorker};
 use crate::error::{BuildError, StepError};
 use crate::realization::{
     Ends, RealizationBatch, RealizationCode, RealizationData, RealizationWorker,

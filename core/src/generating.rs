@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use leafwise_expression::{Graph, Term};
 
+use crate::bisection::{BisectionCode, BisectionWorker, LagrangianBisection};
 use crate::chart::ChartMaps;
-use crate::dynamics::{BisectionCode, BisectionWorker, Generating, LagrangianBisection};
 use crate::error::BuildError;
+use crate::generating_function::Generating;
 use crate::one_form::{CodeOneForm, GraphOfOneForm};
 use crate::realization::RealizationData;
 

@@ -7,7 +7,8 @@
 //! - [`system`]: the Poisson tensor, the Hamiltonian, Casimirs and parameters.
 //! - [`realization`]: [`RealizationData`], the geometric approximation.
 //! - [`chart`]: charts about the section, as numbers.
-//! - [`dynamics`]: [`DynamicApproximation`] and [`LagrangianBisection`], the dynamic one.
+//! - [`dynamics`]: [`DynamicApproximation`], the dynamic one.
+//! - [`bisection`]: [`LagrangianBisection`], which it provides.
 //! - [`one_form`]: bisections that are graphs of one-forms, as numbers.
 //! - [`generating`]: graphs of dS.
 //! - [`method`](mod@method): [`Method`], the two combined into a step map.
@@ -20,6 +21,7 @@
 //! - [`diagnostics`]: realization error, tensor defect, fitted slopes, Jacobi and Casimir checks.
 //! - [`error`]: typed failures.
 
+pub mod bisection;
 pub mod chart;
 mod code_workers;
 mod compensation;
@@ -44,24 +46,25 @@ mod side_by_side;
 pub mod solver;
 pub mod system;
 
-pub use chart::{ChartMaps, ChartWorker};
+pub use bisection::{
+    BisectionBatch, BisectionCode, BisectionWorker, LagrangianBisection, OneFormWorker,
+};
+pub use chart::ChartMaps;
 pub use code_workers::{RealizationMaps, realization_worker};
 pub use compensation::two_sum;
-pub use dynamics::{
-    BisectionBatch, BisectionCode, BisectionWorker, Correction, DynamicApproximation,
-    LagrangianBisection,
-};
+pub use dynamics::{Correction, DynamicApproximation};
 pub use error::{BuildError, StepError};
 pub use generating::GraphOfDifferential;
 pub use integrator::Integrator;
 pub use lattice::LatticeMethod;
 pub use method::{Method, MethodWorkers};
-pub use one_form::{CodeOneForm, GraphOfOneForm, OneFormWorker};
+pub use one_form::{CodeOneForm, GraphOfOneForm};
 pub use origin::Origin;
 pub use part::{PartInfo, PartKind, PartParameters};
 pub use realization::{
-    Accuracy, Ends, LagrangianChart, RealizationBatch, RealizationCode, RealizationData,
-    RealizationWorker, SourceRecursion, SourceSeries, SourceSeriesIn, SourceTarget,
+    Accuracy, ChartWorker, Ends, LagrangianChart, RealizationBatch, RealizationCode,
+    RealizationData, RealizationWorker, SourceRecursion, SourceSeries, SourceSeriesIn,
+    SourceTarget,
 };
 pub use registry::{Part, Registry, RegistryError};
 pub use side_by_side::SideBySide;

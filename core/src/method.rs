@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use leafwise_expression::{AlgebraError, Graph, Kernel, StepSize, Term};
 
+use crate::bisection::{BisectionWorker, LagrangianBisection};
 use crate::code_workers::{CodeBisection, CodeRealization, realization_worker};
-use crate::dynamics::{BisectionWorker, Correction, DynamicApproximation, LagrangianBisection};
+use crate::dynamics::{Correction, DynamicApproximation};
 use crate::error::BuildError;
 use crate::realization::{Accuracy, RealizationData, RealizationWorker};
 use crate::solver::{

@@ -2,38 +2,10 @@
 
 use leafwise_expression::{Graph, Kernel, StepSize, Term};
 
-use crate::chart::ChartWorker;
-use crate::dynamics::{BisectionBatch, BisectionWorker};
+use crate::bisection::{BisectionBatch, BisectionWorker, OneFormWorker};
 use crate::error::{BuildError, StepError};
+use crate::realization::ChartWorker;
 use crate::runge_kutta::{SmoothMap, SmoothMapEvaluator};
-
-/// One thread's evaluator of a closed one-form θ_{ε,h} on M, for fixed parameters, ε and h.
-///
-/// Both functions take a batch of points y, one behind the other, d numbers each. What is written for a
-/// point depends on that point alone.
-pub trait OneFormWorker: Send {
-    /// p = θ(y), d numbers a point.
-    ///
-    /// # Errors
-    /// [`StepError`] where θ has no value.
-    fn value(&mut self, y: &[f64], p: &mut [f64]) -> Result<(), StepError>;
-    /// Dθ(y), row-major d × d.
-    ///
-    /// # Errors
-    /// [`StepError::NoTangent`] where it is not offered.
-    fn jacobian(&mut self, y: &[f64], jacobian: &mut [f64]) -> Result<(), StepError>;
-    /// Whether [`jacobian`](Self::jacobian) is offered.
-    fn has_jacobian(&self) -> bool {
-        true
-    }
-    /// Operations so far, as [`SolverStatistics::operations`] counts them; `None` for a part that
-    /// does not count.
-    ///
-    /// [`SolverStatistics::operations`]: crate::SolverStatistics::operations
-    fn operations(&self) -> Option<u64> {
-        None
-    }
-}
 
 /// y ↦ χ(y, θ(y)): the graph of a one-form, through a chart.
 pub struct GraphOfOneForm {

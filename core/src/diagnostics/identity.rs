@@ -7,44 +7,9 @@ use leafwise_expression::{
 };
 
 use super::numeric_identity;
+use super::verdict::{IdentityCheck, ROUND_OFF, Verdict, sample_states};
 use crate::error::BuildError;
 use crate::system::{PoissonSystem, SystemFormulas};
-
-/// What was found out about an identity f = 0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// The normal form is 0: it holds identically.
-    Proved,
-    /// The algebra could not decide; it holds to round-off at every sample.
-    NumericallyZero,
-    /// It fails.
-    Violated,
-    /// The algebra could not decide and no sample had a finite value.
-    Undecided,
-}
-
-/// The outcome of a check, with its worst component.
-#[derive(Clone, Debug, PartialEq)]
-pub struct IdentityCheck {
-    /// The verdict.
-    pub verdict: Verdict,
-    /// The largest |Σ terms| / Σ |terms| over components and samples; 0 when proved.
-    pub residual: f64,
-    /// The indices of the worst component: a triple (i, j, k) for Jacobi, (i) for a Casimir; empty
-    /// where it is not traced to coordinates.
-    pub worst: Vec<usize>,
-    /// The state where it was found; empty when proved.
-    pub at: Vec<f64>,
-    /// Where derivatives are differences, the part of the residual that may be their error; `None`
-    /// where they are exact.
-    pub floor: Option<f64>,
-}
-
-/// Normalized residuals below this are round-off: sums of a few hundred products at most.
-pub(super) const ROUND_OFF: f64 = 1e-11;
-
-/// Samples of an identity that the algebra does not decide.
-const SAMPLES: usize = 8;
 
 /// Triples of coordinates up to which Jacobi's identity is looked at one by one: some seconds.
 const MOST_TRIPLES: usize = 1 << 16;
@@ -261,30 +226,6 @@ fn linked_triples(system: &SystemFormulas) -> Option<BTreeSet<Vec<usize>>> {
         }
     }
     Some(triples)
-}
-
-/// Deterministic states around `near`: up to 20 % away in each coordinate, signs kept.
-pub(super) fn sample_states(near: &[f64]) -> Vec<Vec<f64>> {
-    let mut phase = 0.5_f64;
-    let mut next = move || {
-        phase = (phase + 0.618_033_988_749_894_9) % 1.0;
-        0.4 * phase - 0.2
-    };
-    let mut states = vec![near.to_vec()];
-    for _ in 1..SAMPLES {
-        states.push(
-            near.iter()
-                .map(|v| {
-                    if *v == 0.0 {
-                        next()
-                    } else {
-                        v * (1.0 + next())
-                    }
-                })
-                .collect(),
-        );
-    }
-    states
 }
 
 fn sample(

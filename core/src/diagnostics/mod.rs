@@ -24,9 +24,10 @@ pub mod self_adjointness;
 pub mod slope;
 pub mod step_equation;
 pub mod tensor_defect;
+mod verdict;
 
 pub use drift::{InvariantDrift, measure_drift};
-pub use identity::{IdentityCheck, Verdict, check_casimir, check_jacobi};
+pub use identity::{check_casimir, check_jacobi};
 pub use order::{FittedOrder, fit_order, least_slope};
 pub use realization_error::RealizationInstrument;
 pub use section::section_defect;
@@ -34,3 +35,4 @@ pub use self_adjointness::self_adjointness_defect;
 pub use slope::{Slope, fit_slope};
 pub use step_equation::{StepEquation, StepSolution};
 pub use tensor_defect::{Defect, TensorDefect};
+pub use verdict::{IdentityCheck, Verdict};

@@ -4,8 +4,8 @@
 //! far those can tell.
 
 use super::differences::jacobian_by_differences;
-use super::identity::{IdentityCheck, ROUND_OFF, Verdict, sample_states};
 use super::round_off::sizes;
+use super::verdict::{IdentityCheck, ROUND_OFF, Verdict, sample_states};
 use crate::error::StepError;
 use crate::system::numbers::{Derivatives, NumbersWorker, OpaqueSystem};
 

@@ -6,10 +6,10 @@ use nalgebra::DMatrix;
 
 use super::differences::jacobian_by_differences;
 use super::round_off;
-use crate::chart::{ChartMaps, ChartWorker};
+use crate::chart::ChartMaps;
 use crate::code_workers::RealizationMaps;
 use crate::error::{BuildError, StepError};
-use crate::realization::{Ends, RealizationData, RealizationWorker};
+use crate::realization::{ChartWorker, Ends, RealizationData, RealizationWorker};
 use crate::system::{PoissonSystem, TensorMatrix};
 
 /// ε Π(α̂) − {α̂, α̂}_ω and {α̂_i, β̂_j}_ω at points χ(x, p) of a cotangent chart about the section, from

@@ -1,6 +1,7 @@
 //! The equation of a step, β̂(L(y)) = x, at one state: its solutions and their place in the chart.
 
-use crate::dynamics::{BisectionWorker, Correction};
+use crate::bisection::BisectionWorker;
+use crate::dynamics::Correction;
 use crate::error::{BuildError, StepError};
 use crate::method::{Method, MethodWorkers};
 use crate::realization::{Ends, RealizationWorker};

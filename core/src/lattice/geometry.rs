@@ -1,4 +1,4 @@
-//! Families of sites and the classes that share code.
+//! Families of sites, proxies, and the classes that share code.
 
 /// Families `x[0]` … `x[N-1]`, `a[0]` …, stored one after the other.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -74,6 +74,15 @@ impl LatticeGeometry {
         let (family, site) = self.locate(coordinate);
         format!("{}[{site}]", self.families[family].0)
     }
+}
+
+/// The proxy lattice code is written on.
+#[derive(Clone, Copy, Debug)]
+pub struct Proxy<'a> {
+    /// The proxy; the true lattice itself where that is short.
+    pub geometry: &'a LatticeGeometry,
+    /// How many sites at an open boundary have code of their own, and how far code may look.
+    pub width: usize,
 }
 
 /// Sites `start .. end` of the true lattice that share the code of one site of the proxy.

@@ -3,7 +3,7 @@
 use leafwise_expression::{Arithmetic, Graph, Kernel, Term};
 
 use super::geometry::LatticeGeometry;
-use super::method::LatticeSource;
+use super::source::LatticeSource;
 use crate::error::BuildError;
 use crate::system::SystemFormulas;
 

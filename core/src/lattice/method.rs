@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use leafwise_expression::{Kernel, StepSize};
 
-use super::geometry::LatticeGeometry;
+use super::geometry::{LatticeGeometry, Proxy};
 use super::locality::local_reach;
 use super::map::LatticeMap;
-use super::observables::SiteDensity;
-use super::program::{LatticeProgram, Proxy};
-use super::stages::{Field, StageBuilder};
+use super::program::LatticeProgram;
+use super::source::LatticeSource;
+use super::stages::{MethodFields, StageBuilder};
 use super::stepper::LatticeTrajectory;
 use crate::dynamics::DynamicApproximation;
 use crate::error::BuildError;
@@ -17,36 +17,8 @@ use crate::realization::RealizationData;
 use crate::solver::{Lanes, MapProperties, StepMap, Stepper};
 use crate::system::PoissonSystem;
 
-/// A lattice system that can be written out at any length.
-pub trait LatticeSource {
-    /// The true lattice.
-    fn geometry(&self) -> &LatticeGeometry;
-    /// The system written out on a lattice of another length.
-    ///
-    /// # Errors
-    /// [`BuildError`] when a formula does not fit there.
-    fn write_out(&self, geometry: &LatticeGeometry) -> Result<PoissonSystem, BuildError>;
-    /// The share of one site in the energy, each Casimir and each further observable.
-    ///
-    /// # Errors
-    /// [`BuildError`] when one of them is not a sum over sites.
-    fn densities(
-        &self,
-        geometry: &LatticeGeometry,
-        site: usize,
-    ) -> Result<Vec<SiteDensity>, BuildError>;
-}
-
 /// Builds a realization for the proxy system.
 pub type Realize<'a> = dyn Fn(&PoissonSystem) -> Result<Arc<dyn RealizationData>, BuildError> + 'a;
-
-/// The fields a solver reads and writes.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct MethodFields {
-    pub(super) y: Field,
-    pub(super) offset: Field,
-    pub(super) increment: Field,
-}
 
 /// φ̂_{ε,h} = α̂_ε ∘ (β̂_ε|_L)⁻¹ on a lattice, in O(N) time and memory a step.
 #[derive(Clone, Debug)]

@@ -6,8 +6,9 @@
 //! is a sequence of *stages* that sweep over the sites, each reading the fields of earlier stages
 //! in a neighbourhood: time and memory are O(N).
 //!
-//! - [`geometry`]: families, boundary, classes of sites.
+//! - [`geometry`]: families, boundary, proxies, classes of sites.
 //! - [`cells`]: lattices whose code repeats every few sites.
+//! - `source`: lattice systems that can be written out at any length.
 //! - [`locality`]: how far formulas look.
 //! - [`stages`]: how a realization writes its maps as stages.
 //! - `stencil`: the code of one class of sites in one stage, and its sweep over them.
@@ -28,16 +29,17 @@ pub mod observables;
 mod poles;
 pub mod program;
 mod sites;
+mod source;
 pub mod stages;
 mod stencil;
 mod stepper;
 
 pub use cells::Cells;
-pub use geometry::LatticeGeometry;
+pub use geometry::{LatticeGeometry, Proxy};
 pub use locality::local_reach;
 pub use map::LatticeMap;
-pub use method::{LatticeMethod, LatticeSource};
+pub use method::LatticeMethod;
 pub use observables::LatticeObservables;
-pub(crate) use poles::LatticePoles;
-pub use program::{Fields, LatticeProgram, Prepared, Proxy};
+pub use program::{Fields, LatticeProgram, Prepared};
+pub use source::LatticeSource;
 pub use stages::{Field, RealizationStages, StageBuilder, StageEnds};

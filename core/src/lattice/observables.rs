@@ -4,20 +4,12 @@ use std::ops::Range;
 
 use leafwise_expression::{Expression, Graph, Term};
 
-use super::method::LatticeSource;
 use super::program::LatticeWorker;
 use super::sites::SiteNumbers;
+use super::source::LatticeSource;
+pub use super::source::SiteDensity;
 use crate::error::BuildError;
 use crate::solver::Observe;
-
-/// f = constant + Σ_i site(i): one site's share.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SiteDensity {
-    /// What does not depend on the state.
-    pub constant: Expression,
-    /// The terms at the site asked for.
-    pub site: Expression,
-}
 
 /// Evaluates sums over sites in O(N), with a compensated sum in the order of the sites.
 #[derive(Clone, Debug)]

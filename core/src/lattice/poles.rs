@@ -4,16 +4,16 @@ use std::sync::Arc;
 
 use leafwise_expression::{Arithmetic, Graph, Term};
 
-use super::method::LatticeSource;
 use super::observables::code;
 use super::program::LatticeWorker;
 use super::sites::SiteNumbers;
+use super::source::LatticeSource;
 use crate::error::{BuildError, StepError};
-use crate::solver::{LOOKS, MakeCheck, StepCheck, is_pole};
+use crate::solver::{LOOKS, MakeCheck, StepCheck, StepMap, WithoutPoles, is_pole};
 
 /// Of every site the product of its energy's denominators, and the squares of its gradient.
 #[derive(Debug)]
-pub(crate) struct LatticePoles {
+struct LatticePoles {
     numbers: SiteNumbers,
 }
 
@@ -25,10 +25,7 @@ impl LatticePoles {
     ///
     /// # Errors
     /// [`BuildError`] where the energy is no sum over sites, or has no code.
-    pub(crate) fn of(
-        source: &dyn LatticeSource,
-        parameters: usize,
-    ) -> Result<Option<Self>, BuildError> {
+    fn of(source: &dyn LatticeSource, parameters: usize) -> Result<Option<Self>, BuildError> {
         let mut has_poles = false;
         let mut of_site = |proxy: &_, site: usize, graph: &mut Graph, x: &[Term]| {
             let densities = source.densities(proxy, site)?;
@@ -52,6 +49,23 @@ impl LatticePoles {
         };
         let numbers = SiteNumbers::compile(source.geometry(), parameters, &mut of_site)?;
         Ok(has_poles.then_some(Self { numbers }))
+    }
+}
+
+impl WithoutPoles {
+    /// [`WithoutPoles::of`] for a long lattice.
+    ///
+    /// # Errors
+    /// [`BuildError`] where the energy is no sum over sites, or has no code.
+    pub fn of_lattice(
+        source: &dyn LatticeSource,
+        parameters: usize,
+        map: Arc<dyn StepMap>,
+    ) -> Result<Arc<dyn StepMap>, BuildError> {
+        Ok(match LatticePoles::of(source, parameters)? {
+            None => map,
+            Some(poles) => Self::checked(map, Arc::new(poles)),
+        })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use leafwise_expression::{Kernel, Workspace};
 
-use super::geometry::{LatticeGeometry, site_classes};
+use super::geometry::{LatticeGeometry, Proxy, site_classes};
 use super::stages::{Field, StageBuilder};
 use super::stencil::Stencil;
 use crate::error::BuildError;
@@ -23,15 +23,6 @@ struct Stage {
     /// Fields written aside, each with the one it stands for: of those that the stage reads at other
     /// sites than it writes.
     aside: Vec<(usize, usize)>,
-}
-
-/// The proxy lattice code is written on.
-#[derive(Clone, Copy, Debug)]
-pub struct Proxy<'a> {
-    /// The proxy; the true lattice itself where that is short.
-    pub geometry: &'a LatticeGeometry,
-    /// How many sites at an open boundary have code of their own, and how far code may look.
-    pub width: usize,
 }
 
 impl LatticeProgram {

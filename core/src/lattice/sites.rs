@@ -2,8 +2,8 @@
 
 use leafwise_expression::{Graph, Term};
 
-use super::geometry::LatticeGeometry;
-use super::program::{LatticeProgram, LatticeWorker, Proxy};
+use super::geometry::{LatticeGeometry, Proxy};
+use super::program::{LatticeProgram, LatticeWorker};
 use super::stages::{Field, StageBuilder};
 use crate::error::BuildError;
 

@@ -8,6 +8,14 @@ use crate::error::BuildError;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Field(pub(super) usize);
 
+/// The fields a solver reads and writes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MethodFields {
+    pub(super) y: Field,
+    pub(super) offset: Field,
+    pub(super) increment: Field,
+}
+
 /// What a stage writes into a field: one term a proxy coordinate, `None` where it stays.
 pub(super) type Written = (Field, Vec<Option<Term>>);
 

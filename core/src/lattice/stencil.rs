@@ -2,8 +2,7 @@
 
 use leafwise_expression::{Graph, Kernel, Workspace};
 
-use super::geometry::{LatticeGeometry, SiteClass};
-use super::program::Proxy;
+use super::geometry::{LatticeGeometry, Proxy, SiteClass};
 use super::stages::Written;
 use crate::error::BuildError;
 

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::method::MethodFields;
 use super::program::{LatticeProgram, LatticeWorker};
+use super::stages::MethodFields;
 use crate::error::StepError;
 use crate::solver::judge::{
     Allowed, CorrectionSize, LinearIteration, Verdict, is_between, largest,

@@ -15,7 +15,6 @@ use leafwise_expression::{Graph, Kernel, Term, Workspace};
 use super::checked::{Checked, MakeCheck, StepCheck};
 use super::{MapProperties, StepMap, Stepper};
 use crate::error::{BuildError, StepError};
-use crate::lattice::{LatticePoles, LatticeSource};
 use crate::system::PoissonSystem;
 
 /// δ, and the F above which there is a pole.
@@ -220,22 +219,7 @@ impl WithoutPoles {
         })
     }
 
-    /// The same for a long lattice.
-    ///
-    /// # Errors
-    /// Those of [`LatticePoles::of`].
-    pub fn of_lattice(
-        source: &dyn LatticeSource,
-        parameters: usize,
-        map: Arc<dyn StepMap>,
-    ) -> Result<Arc<dyn StepMap>, BuildError> {
-        Ok(match LatticePoles::of(source, parameters)? {
-            None => map,
-            Some(poles) => Self::checked(map, Arc::new(poles)),
-        })
-    }
-
-    fn checked(map: Arc<dyn StepMap>, poles: Arc<dyn MakeCheck>) -> Arc<dyn StepMap> {
+    pub(crate) fn checked(map: Arc<dyn StepMap>, poles: Arc<dyn MakeCheck>) -> Arc<dyn StepMap> {
         Arc::new(Self { map, poles })
     }
 }

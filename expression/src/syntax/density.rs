@@ -97,8 +97,8 @@ fn split<'a>(node: &'a Node, factors: Vec<Factor<'a>>, parts: &mut Parts<'a>) {
         longer
     };
     match &node.kind {
-        _ if !has_sum(node) => {
-            if depends_on_sites(node) {
+        _ if !node.has_sum() => {
+            if node.depends_on_sites() {
                 parts.misfit.get_or_insert(node.span);
             }
             parts.constants.push((factors, node));
@@ -108,19 +108,19 @@ fn split<'a>(node: &'a Node, factors: Vec<Factor<'a>>, parts: &mut Parts<'a>) {
             .iter()
             .for_each(|term| split(term, factors.clone(), parts)),
         Kind::Negate(inner) => split(inner, with(Factor::Minus), parts),
-        Kind::Quotient(pair) if is_constant(&pair[1]) => {
+        Kind::Quotient(pair) if pair[1].is_constant() => {
             split(&pair[0], with(Factor::Over(&pair[1])), parts);
         }
         Kind::Product(members) => {
-            let sums = members.iter().filter(|member| has_sum(member)).count();
-            let others = members.iter().filter(|member| !has_sum(member));
-            if sums != 1 || others.clone().any(|other| !is_constant(other)) {
+            let sums = members.iter().filter(|member| member.has_sum()).count();
+            let others = members.iter().filter(|member| !member.has_sum());
+            if sums != 1 || others.clone().any(|other| !other.is_constant()) {
                 parts.misfit.get_or_insert(node.span);
                 return;
             }
             let mut longer = factors;
             longer.extend(others.map(Factor::Times));
-            if let Some(sum) = members.iter().find(|member| has_sum(member)) {
+            if let Some(sum) = members.iter().find(|member| member.has_sum()) {
                 split(sum, longer, parts);
             }
         }
@@ -128,20 +128,6 @@ fn split<'a>(node: &'a Node, factors: Vec<Factor<'a>>, parts: &mut Parts<'a>) {
             parts.misfit.get_or_insert(node.span);
         }
     }
-}
-
-fn has_sum(node: &Node) -> bool {
-    matches!(node.kind, Kind::SumOver { .. }) || node.kind.children().iter().any(has_sum)
-}
-
-fn depends_on_sites(node: &Node) -> bool {
-    matches!(&node.kind, Kind::Reference(reference) if reference.site.is_some())
-        || node.kind.children().iter().any(depends_on_sites)
-}
-
-/// Whether a formula has the same value at every site.
-pub(super) fn is_constant(node: &Node) -> bool {
-    !has_sum(node) && !depends_on_sites(node)
 }
 
 impl Resolver<'_> {

@@ -1,6 +1,5 @@
 //! From a formula to an exact expression at one site.
 
-use super::density::is_constant;
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::formula::Formula;
 use super::scope::{Bound, LENGTH, Place, SUM, Scope, find};
@@ -202,7 +201,7 @@ impl<'a> Resolver<'a> {
             Kind::Negate(operand) => Ok(self
                 .inside(operand, inner)?
                 .map(|kept| negated(Box::new(kept)))),
-            Kind::Quotient(pair) if is_constant(&pair[1]) => {
+            Kind::Quotient(pair) if pair[1].is_constant() => {
                 let Some(above) = self.inside(&pair[0], inner)? else {
                     return Ok(None);
                 };
@@ -210,7 +209,11 @@ impl<'a> Resolver<'a> {
                 Ok(Some(quotient(Box::new(above), below)))
             }
             Kind::Product(factors)
-                if factors.iter().filter(|factor| !is_constant(factor)).count() == 1 =>
+                if factors
+                    .iter()
+                    .filter(|factor| !factor.is_constant())
+                    .count()
+                    == 1 =>
             {
                 let mut product = Vec::with_capacity(factors.len());
                 for factor in factors {

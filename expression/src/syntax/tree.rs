@@ -67,6 +67,22 @@ pub(super) struct Node {
     pub(super) kind: Kind,
 }
 
+impl Node {
+    pub(super) fn has_sum(&self) -> bool {
+        matches!(self.kind, Kind::SumOver { .. }) || self.kind.children().iter().any(Self::has_sum)
+    }
+
+    pub(super) fn depends_on_sites(&self) -> bool {
+        matches!(&self.kind, Kind::Reference(reference) if reference.site.is_some())
+            || self.kind.children().iter().any(Self::depends_on_sites)
+    }
+
+    /// Whether the formula has the same value at every site.
+    pub(super) fn is_constant(&self) -> bool {
+        !self.has_sum() && !self.depends_on_sites()
+    }
+}
+
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Kind {
     Number {

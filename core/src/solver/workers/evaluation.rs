@@ -1,6 +1,6 @@
 //! L, α̂, β̂ and their tangents at the points of all trajectories that iterate.
 
-use crate::dynamics::BisectionWorker;
+use crate::bisection::BisectionWorker;
 use crate::error::StepError;
 use crate::realization::{Ends, RealizationWorker};
 use crate::runge_kutta::batch::batch;

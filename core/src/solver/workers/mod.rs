@@ -12,7 +12,8 @@ use solve::{Means, Progress, Solve};
 
 use super::judge::Watch;
 use super::{Branch, Lockstep, Taken};
-use crate::dynamics::{BisectionWorker, Correction};
+use crate::bisection::BisectionWorker;
+use crate::dynamics::Correction;
 use crate::error::StepError;
 use crate::realization::RealizationWorker;
 

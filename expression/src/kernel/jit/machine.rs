@@ -5,6 +5,7 @@ use std::time::Instant;
 
 #[cfg(all(target_arch = "x86_64", not(windows)))]
 use super::avx;
+use super::executable::{Executable, Written};
 #[cfg(any(target_arch = "aarch64", windows, leafwise_portable))]
 use super::portable;
 use super::program::Program;
@@ -55,21 +56,6 @@ impl Backend {
             Self::Portable => portable::write(program, lanes, functions),
         }
     }
-}
-
-/// Memory with a function in it, freed on drop.
-pub(super) trait Executable: Send + Sync {
-    /// Where the function starts: `fn(slots, scratch)` in the platform's C convention.
-    fn start(&self) -> *const u8;
-}
-
-/// What a backend makes of a program.
-pub(super) struct Written {
-    pub(super) memory: Box<dyn Executable>,
-    /// The length of the code.
-    pub(super) bytes: usize,
-    /// How many numbers of scratch memory it needs.
-    pub(super) scratch: usize,
 }
 
 /// `fn(slots, scratch)`.

@@ -7,6 +7,7 @@
 
 #[cfg(all(target_arch = "x86_64", not(windows)))]
 mod avx;
+mod executable;
 mod functions;
 mod machine;
 #[cfg(any(target_arch = "aarch64", windows, leafwise_portable))]

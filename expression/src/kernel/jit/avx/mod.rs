@@ -8,7 +8,7 @@ use memmap2::{Mmap, MmapMut};
 
 pub(super) use assembler::Width;
 
-use super::machine::{Executable, Written};
+use super::executable::{Executable, Written};
 use super::program::Program;
 use super::registers::Plan;
 use crate::analytic::AnalyticFunction;

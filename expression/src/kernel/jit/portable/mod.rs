@@ -12,7 +12,7 @@ use cranelift_frontend::FunctionBuilderContext;
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{Linkage, Module, default_libcall_names};
 
-use super::machine::{Executable, Written};
+use super::executable::{Executable, Written};
 use super::program::Program;
 use super::registers::Plan;
 use crate::analytic::AnalyticFunction;

@@ -1,0 +1,16 @@
+//! What a backend writes: memory that can be run.
+
+/// Memory with a function in it, freed on drop.
+pub(super) trait Executable: Send + Sync {
+    /// Where the function starts: `fn(slots, scratch)` in the platform's C convention.
+    fn start(&self) -> *const u8;
+}
+
+/// What a backend makes of a program.
+pub(super) struct Written {
+    pub(super) memory: Box<dyn Executable>,
+    /// The length of the code.
+    pub(super) bytes: usize,
+    /// How many numbers of scratch memory it needs.
+    pub(super) scratch: usize,
+}
