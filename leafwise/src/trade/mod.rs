@@ -11,7 +11,7 @@
 //! - [`Horizon`]: where the end cannot be known, how long the motion can, and why no longer;
 //! - [`comparison_page`], [`comparison_figures`]: a comparison as a page, its figures as files;
 //! - `candidate`, `catalogue`, `parse`, `grid`, `curve`, `trial`, `measured`, `plateau`, `front`: the pieces;
-//! - `tolerances`, `track`, `search`: those of the tuner.
+//! - `tolerances`, `track`, `search`, `stage`: those of the tuner.
 //!
 //! [`SolverStatistics::operations`]: leafwise_core::SolverStatistics::operations
 
@@ -29,6 +29,7 @@ mod parse;
 mod plateau;
 mod reference;
 mod search;
+mod stage;
 mod tolerances;
 mod track;
 mod trial;
@@ -45,9 +46,10 @@ pub use measured::{Cost, Front, Measured};
 pub use page::{comparison_figures, comparison_page};
 pub use parse::parse_method;
 pub use reference::{Judged, Reference};
+pub use stage::Stage;
 pub use tolerances::Tolerances;
 pub use trial::{Trial, TrialFailure, Wall, distance, run_trial, tensor_defect, time_run};
 pub use tune::{
-    Limit, MOST_OPERATIONS, Predicted, Reached, Recommendation, RunnerUp, Stage, TuneOptions,
-    Tuner, Tuning,
+    Limit, MOST_OPERATIONS, Predicted, Reached, Recommendation, RunnerUp, TuneOptions, Tuner,
+    Tuning,
 };
