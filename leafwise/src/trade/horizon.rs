@@ -5,8 +5,8 @@ use std::fmt;
 use leafwise_core::Integrator;
 
 use super::candidate::{Bench, Candidate};
+use super::norm::{distance, norm};
 use super::reference::{Judged, ROUND_OFF, Reference};
-use super::trial::{distance, norm};
 
 /// How long a motion can be followed in double precision, where its end cannot be known as well as
 /// is wanted.

@@ -9,7 +9,8 @@ use super::candidate::{Bench, Candidate, Knob, Setting};
 use super::curve::Curve;
 use super::error::TradeError;
 use super::grid::Grid;
-use super::trial::{Trial, TrialFailure, distance, norm, run_counted, run_trial};
+use super::norm::{distance, norm};
+use super::trial::{Trial, TrialFailure, run_counted, run_trial};
 
 /// Where runs are judged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
