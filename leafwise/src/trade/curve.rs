@@ -3,7 +3,8 @@
 use leafwise_core::Integrator;
 use leafwise_scene::ComposedRun;
 
-use super::trial::{cost, distance, norm};
+use super::cost::cost;
+use super::norm::{distance, norm};
 
 /// x*(t) from 0 to the end time: states at equal steps, and the polynomial of degree 11 through the twelve nearest
 /// between them.

@@ -5,8 +5,8 @@ use std::fmt;
 use leafwise_core::Integrator;
 
 use super::candidate::{Bench, Candidate};
+use super::norm::{distance, norm};
 use super::reference::{Judged, ROUND_OFF, Reference};
-use super::trial::{distance, norm};
 
 /// How long a motion can be followed in double precision, where its end cannot be known as well as
 /// is wanted.
@@ -50,7 +50,7 @@ const SMALL_CHANGE: f64 = 1e-8;
 
 impl Horizon {
     /// Measures how long the scene's motion can be known to `wanted`.
-    pub(super) fn measure(bench: &Bench<'_>, reference: &Reference, wanted: f64) -> Self {
+    fn measure(bench: &Bench<'_>, reference: &Reference, wanted: f64) -> Self {
         let round_off = ROUND_OFF * f64::EPSILON * reference.norm();
         let can_be_held = wanted > round_off;
         Self {
@@ -62,6 +62,13 @@ impl Horizon {
                 .then(|| known(bench, reference.judged(), wanted))
                 .flatten(),
         }
+    }
+}
+
+impl Reference {
+    /// How long the motion can be known to `wanted`, where its end is not: costs several references.
+    pub fn horizon(&self, bench: &Bench<'_>, wanted: f64) -> Horizon {
+        Horizon::measure(bench, self, wanted)
     }
 }
 

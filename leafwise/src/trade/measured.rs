@@ -6,8 +6,9 @@ use leafwise_core::Structure;
 use leafwise_core::diagnostics::Defect;
 use leafwise_scene::ComposedRun;
 
+use super::norm::distance;
 use super::reference::Reference;
-use super::trial::{Trial, Wall, distance, tensor_defect};
+use super::trial::{Trial, Wall, tensor_defect};
 
 /// What a run costs and what it keeps.
 #[derive(Clone, Debug, PartialEq)]

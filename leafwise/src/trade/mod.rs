@@ -10,25 +10,29 @@
 //! - [`Reference`]: the motion by two methods of high accuracy, with an estimate of its error;
 //! - [`Horizon`]: where the end cannot be known, how long the motion can, and why no longer;
 //! - [`comparison_page`], [`comparison_figures`]: a comparison as a page, its figures as files;
-//! - `candidate`, `catalogue`, `parse`, `grid`, `curve`, `trial`, `measured`, `plateau`, `front`: the pieces;
-//! - `tolerances`, `track`, `search`: those of the tuner.
+//! - `candidate`, `catalogue`, `parse`, `grid`, `norm`, `cost`, `curve`, `trial`, `measured`, `plateau`,
+//!   `front`: the pieces;
+//! - `tolerances`, `track`, `search`, `stage`: those of the tuner.
 //!
 //! [`SolverStatistics::operations`]: leafwise_core::SolverStatistics::operations
 
 mod candidate;
 mod catalogue;
 mod compare;
+mod cost;
 mod curve;
 mod error;
 mod front;
 mod grid;
 mod horizon;
 mod measured;
+mod norm;
 mod page;
 mod parse;
 mod plateau;
 mod reference;
 mod search;
+mod stage;
 mod tolerances;
 mod track;
 mod trial;
@@ -42,12 +46,14 @@ pub use front::pareto_front;
 pub use grid::Grid;
 pub use horizon::{Horizon, Known};
 pub use measured::{Cost, Front, Measured};
+pub use norm::distance;
 pub use page::{comparison_figures, comparison_page};
 pub use parse::parse_method;
 pub use reference::{Judged, Reference};
+pub use stage::Stage;
 pub use tolerances::Tolerances;
-pub use trial::{Trial, TrialFailure, Wall, distance, run_trial, tensor_defect, time_run};
+pub use trial::{Trial, TrialFailure, Wall, run_trial, tensor_defect, time_run};
 pub use tune::{
-    Limit, MOST_OPERATIONS, Predicted, Reached, Recommendation, RunnerUp, Stage, TuneOptions,
-    Tuner, Tuning,
+    Limit, MOST_OPERATIONS, Predicted, Reached, Recommendation, RunnerUp, TuneOptions, Tuner,
+    Tuning,
 };

@@ -9,8 +9,8 @@ use super::candidate::{Bench, Candidate, Knob, Setting};
 use super::curve::Curve;
 use super::error::TradeError;
 use super::grid::Grid;
-use super::horizon::Horizon;
-use super::trial::{Trial, TrialFailure, distance, norm, run_counted, run_trial};
+use super::norm::{distance, norm};
+use super::trial::{Trial, TrialFailure, run_counted, run_trial};
 
 /// Where runs are judged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -143,11 +143,6 @@ impl Reference {
     /// The smallest error that can be told from the reference's own.
     pub fn floor(&self) -> f64 {
         FLOOR * self.error
-    }
-
-    /// How long the motion can be known to `wanted`, where its end is not: costs several references.
-    pub fn horizon(&self, bench: &Bench<'_>, wanted: f64) -> Horizon {
-        Horizon::measure(bench, self, wanted)
     }
 
     /// The better method and its setting.

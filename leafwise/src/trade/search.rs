@@ -10,10 +10,10 @@ use super::candidate::{Bench, Knob, Setting};
 use super::measured::is_poisson;
 use super::plateau::SMALL;
 use super::reference::Reference;
+use super::stage::Stage;
 use super::tolerances::Limits;
 use super::track::{End, Track, Tried};
 use super::trial::{Trial, TrialFailure, run_counted, tensor_defect};
-use super::tune::Stage;
 
 /// A search under way.
 pub(super) struct Search<'a> {

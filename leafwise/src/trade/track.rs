@@ -3,10 +3,11 @@
 use leafwise_core::{Integrator, Structure};
 
 use super::candidate::{Bench, Candidate, Knob, Setting};
+use super::cost::cost;
 use super::grid::{Grid, tolerance};
 use super::plateau::Plateau;
 use super::tolerances::Excess;
-use super::trial::{Trial, cost};
+use super::trial::Trial;
 
 /// One run of a candidate.
 #[derive(Clone, Debug)]

@@ -7,6 +7,7 @@ use leafwise_core::{BuildError, Integrator, SolverStatistics, StepError};
 use leafwise_scene::ComposedRun;
 use leafwise_scene::compose::Stepping;
 
+use super::cost::cost;
 use super::curve::Curve;
 
 /// Why a run did not reach its end.
@@ -71,11 +72,6 @@ impl Trial {
     pub fn cost(&self) -> u64 {
         cost(&self.statistics)
     }
-}
-
-/// The cost of a solver's work.
-pub(super) fn cost(statistics: &SolverStatistics) -> u64 {
-    statistics.operations.unwrap_or(statistics.evaluations)
 }
 
 fn integrator(run: &ComposedRun, epsilon: f64, h: f64) -> Integrator {
@@ -226,48 +222,4 @@ pub fn tensor_defect(run: &ComposedRun, time_step: f64, states: &[&[f64]]) -> Op
         largest = if defect <= largest { largest } else { defect };
     }
     Some(largest)
-}
-
-/// ‖a − b‖, the Euclidean norm; in units of the largest difference, so that nothing overflows.
-pub fn distance(a: &[f64], b: &[f64]) -> f64 {
-    norm_of(a.iter().zip(b).map(|(a, b)| a - b))
-}
-
-/// ‖a‖.
-pub(super) fn norm(a: &[f64]) -> f64 {
-    norm_of(a.iter().copied())
-}
-
-fn norm_of(values: impl Iterator<Item = f64> + Clone) -> f64 {
-    let largest = values.clone().fold(0.0_f64, |m, v| {
-        if m.is_nan() || v.is_nan() {
-            f64::NAN
-        } else {
-            m.max(v.abs())
-        }
-    });
-    if largest == 0.0 || !largest.is_finite() {
-        return largest;
-    }
-    largest * libm::sqrt(values.map(|v| v / largest * (v / largest)).sum())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::distance;
-
-    #[test]
-    fn distances_neither_overflow_nor_lose_what_is_not_a_number() {
-        // A quotient, a product, a sum, a root and a product, each rounded once.
-        for size in [1e200, 1e-200] {
-            let found = distance(&[3.0 * size, 4.0 * size], &[0.0, 0.0]);
-            assert!(
-                (found / (5.0 * size) - 1.0).abs() <= 4.0 * f64::EPSILON,
-                "{found:e}"
-            );
-        }
-        assert_eq!(distance(&[1.0], &[1.0]), 0.0);
-        assert!(distance(&[f64::NAN, 1.0], &[0.0, 0.0]).is_nan());
-        assert!(distance(&[1.0, f64::NAN, 2.0], &[0.0; 3]).is_nan());
-    }
 }

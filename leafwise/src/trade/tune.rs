@@ -12,6 +12,7 @@ use super::horizon::Horizon;
 use super::measured::{Cost, Measured};
 use super::reference::{Judged, Reference};
 use super::search::Search;
+use super::stage::Stage;
 use super::tolerances::{Limits, Tolerances};
 use super::track::{End, Track, Tried};
 use super::trial::{run_counted, run_trial, time_run};
@@ -32,25 +33,6 @@ pub struct TuneOptions {
 
 /// What one run may cost, in operations: about a second.
 pub const MOST_OPERATIONS: u64 = 500_000_000;
-
-/// What a tuner is about to do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage<'a> {
-    /// To build a method: forming series and code takes the longest for high orders.
-    Building {
-        /// The method.
-        method: &'a str,
-    },
-    /// To compute the reference.
-    Reference,
-    /// To run a method.
-    Running {
-        /// The method.
-        method: &'a str,
-        /// The runs before.
-        runs: u64,
-    },
-}
 
 /// The methods that fit a scene and the state that they are judged by.
 pub struct Tuner<'a> {

@@ -1,8 +1,9 @@
 //! Global errors over a fixed time.
 
-use leafwise_core::{Integrator, StepError, StepMap};
+use leafwise_core::{Integrator, MapProperties, StepError, StepMap};
 
 use super::floor::Floor;
+use super::judgement::Judgement;
 use super::order::MeasuredOrder;
 use super::problem::Problem;
 
@@ -107,6 +108,15 @@ impl Convergence {
     pub fn is_round_off(&self) -> bool {
         let noise = 4.0 * self.round_off;
         !self.errors.is_empty() && self.errors.iter().all(|e| e.1 <= noise)
+    }
+
+    /// The declared order in t against it. No order is better than errors that are round-off at every
+    /// step.
+    pub fn judge(&self, declared: MapProperties) -> Judgement {
+        if self.is_round_off() {
+            return Judgement::Met;
+        }
+        self.order.judge(declared.order)
     }
 }
 

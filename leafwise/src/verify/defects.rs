@@ -1,9 +1,10 @@
 //! Tensor defects of one step over a sequence of step sizes.
 
 use leafwise_core::diagnostics::{Defect, TensorDefect};
-use leafwise_core::{StepError, StepMap, Structure};
+use leafwise_core::{MapProperties, StepError, StepMap, Structure};
 
 use super::floor::Floor;
+use super::judgement::Judgement;
 use super::order::MeasuredOrder;
 use super::problem::Problem;
 
@@ -73,6 +74,17 @@ impl Defects {
     pub fn is_round_off(&self) -> Option<bool> {
         let is_none = |m: &Measured| m.defect <= PLATEAU[1] || !m.is_told();
         (!self.points.is_empty()).then(|| self.points.iter().all(|(_, m)| is_none(m)))
+    }
+
+    /// The declared structure against them. Round-off at every step is an exact structure, and better
+    /// than any order.
+    pub fn judge(&self, declared: MapProperties) -> Judgement {
+        match (declared.structure, self.is_round_off()) {
+            (_, None) | (Structure::None, _) => Judgement::Open,
+            (_, Some(true)) => Judgement::Met,
+            (Structure::Exact, Some(false)) => Judgement::NotMet,
+            (Structure::Order(n), Some(false)) => self.order.judge(n),
+        }
     }
 }
 

@@ -1,13 +1,13 @@
 //! One step map on one problem.
 
-use leafwise_core::diagnostics::self_adjointness_defect;
-use leafwise_core::{StepError, StepMap};
+use leafwise_core::diagnostics::{Defect, self_adjointness_defect};
+use leafwise_core::{MapProperties, StepError, StepMap};
 use serde::Serialize;
 
 use super::convergence::Convergence;
 use super::defects::{Defects, defect};
 use super::drift::Drift;
-use super::judgement::{Judgement, judge_order, judge_structure, judge_symmetry};
+use super::judgement::Judgement;
 use super::order::MeasuredOrder;
 use super::problem::Problem;
 
@@ -66,8 +66,8 @@ pub fn measure(
     let defects = Defects::measure(problem, map);
     let run = Run::at_largest_step(problem, map)?;
     let judgements = [
-        judge_order(declared, &convergence),
-        judge_structure(declared, &defects),
+        convergence.judge(declared),
+        defects.judge(declared),
         judge_symmetry(declared, run.self_adjointness),
     ];
     Ok(Measured {
@@ -87,6 +87,15 @@ pub fn measure(
         nanoseconds_per_step: run.drift.nanoseconds,
         judgements,
     })
+}
+
+/// A declared symmetry against its defect.
+fn judge_symmetry(declared: MapProperties, defect: f64) -> Judgement {
+    match declared.self_adjoint {
+        Some(true) if defect <= Defect::ROUND_OFF => Judgement::Met,
+        Some(true) => Judgement::NotMet,
+        Some(false) | None => Judgement::Open,
+    }
 }
 
 /// What is measured at one step size.

@@ -6,7 +6,7 @@
 //! - `defects`: tensor defects of one step and their order.
 //! - `drift`: invariants and cost along an orbit.
 //! - `floor`: where errors become round-off.
-//! - `judgement`: declarations against measurements.
+//! - `judgement`: what comes of a declaration.
 //! - `measure`: all of it for one step map.
 //! - `order`: what is known of an order.
 //! - `survey`: all of it for every candidate, on several threads.

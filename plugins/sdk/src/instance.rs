@@ -8,7 +8,6 @@ use crate::create::Create;
 use crate::fail::Fail;
 use crate::guard::guard;
 use crate::info::Info;
-use crate::map::Scratch;
 
 /// A part: what it declares and how it is made. Beside it stands one of [`System`](crate::System),
 /// [`Realization`](crate::Realization), [`ChartRealization`](crate::ChartRealization),
@@ -31,6 +30,15 @@ pub trait Part: Sized + Send + 'static {
 pub(crate) struct Instance<T> {
     pub(crate) part: T,
     pub(crate) scratch: Scratch,
+}
+
+/// Room for points whose coordinates are not neighbours in memory.
+#[derive(Default)]
+pub(crate) struct Scratch {
+    pub(crate) point: Vec<f64>,
+    pub(crate) v: Vec<f64>,
+    pub(crate) w: Vec<f64>,
+    pub(crate) out: Vec<f64>,
 }
 
 /// The lifecycle of a part.

@@ -31,15 +31,6 @@ pub(crate) trait Map<T> {
     fn evaluate(part: &mut T, at: Arguments<'_>, out: &mut [f64]) -> Result<(), Fail>;
 }
 
-/// Room for points whose coordinates are not neighbours in memory.
-#[derive(Default)]
-pub(crate) struct Scratch {
-    point: Vec<f64>,
-    v: Vec<f64>,
-    w: Vec<f64>,
-    out: Vec<f64>,
-}
-
 /// The shim of `M`.
 pub(crate) const fn map<T, M: Map<T>>() -> LwMapFn {
     Some(shim::<T, M>)

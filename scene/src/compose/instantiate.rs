@@ -1,17 +1,16 @@
 //! Templates over families, written out at chosen lengths.
 
 use leafwise_core::Convention;
+use leafwise_core::lattice::LatticeGeometry;
 use leafwise_core::system::{Casimir, Parameter};
 use leafwise_core::{BuildError, PoissonSystem};
-use leafwise_expression::syntax::Scope;
-use leafwise_expression::{Expression, Graph};
+use leafwise_expression::Expression;
 
 use super::Refusal;
-use super::lattice::geometry;
-use super::names::{algebra_refusal, coordinate_names, parse, refusal, scope};
+use super::names::{coordinate_names, function, scope};
 use super::observables::{Observable, observables};
 use super::tensor::{Entries, entries};
-use crate::document::{self, Boundary, Located, SceneDocument};
+use crate::document::{self, Boundary, SceneDocument};
 
 /// A scene's system with every site written out.
 #[derive(Clone, Debug)]
@@ -66,22 +65,17 @@ pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instan
     })
 }
 
-/// The expression of a formula of the state, with code.
-pub(super) fn function(
-    document: &SceneDocument,
-    scope: &Scope,
-    formula: &Located<String>,
-) -> Result<Expression, Refusal> {
-    let parsed = parse(document, formula)?;
-    let expression = parsed
-        .resolve(scope, None)
-        .map_err(|error| refusal(document, formula, &error))?
-        .unwrap_or_else(|| Expression::Sum(Vec::new()));
-    let mut graph = Graph::new();
-    expression
-        .evaluate_in(&mut graph, &mut |graph, at| Ok(graph.input(at)))
-        .map_err(|error| algebra_refusal(document, formula, &error))?;
-    Ok(expression)
+/// The families of a scene at their true lengths.
+pub(super) fn geometry(document: &SceneDocument) -> LatticeGeometry {
+    let system = &document.system;
+    let families = system.families.iter();
+    let boundary = system.boundary.as_ref().map(|boundary| boundary.value);
+    LatticeGeometry {
+        families: families
+            .map(|(name, length)| (name.value.clone(), length.value))
+            .collect(),
+        periodic: boundary != Some(Boundary::Open),
+    }
 }
 
 /// On a ring every family has the same length: a site index counts all of them.

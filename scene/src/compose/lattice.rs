@@ -6,17 +6,19 @@ use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::syntax::Formula;
 
 use super::Refusal;
-use super::instantiate::instantiate;
+use super::instantiate::{geometry, instantiate};
 use super::names::{parse, refusal, scope};
 use super::observables::{Observable, coordinate};
-use super::system::DENSE_LIMIT;
-use crate::document::{Boundary, Located, SceneDocument};
+use crate::document::{Located, SceneDocument};
 
 /// A scene whose families are too long to be written out.
 pub(super) struct SceneLattice<'a> {
     document: &'a SceneDocument,
     geometry: LatticeGeometry,
 }
+
+/// The largest dimension of a lattice that is written out site by site; longer ones are templates.
+pub const DENSE_LIMIT: usize = 24;
 
 /// The largest dimension of a lattice that is written out for a stepper without sweeps.
 pub(super) const STEPPER_LIMIT: usize = 1024;
@@ -124,19 +126,6 @@ fn has_room(document: &SceneDocument, coordinates: usize) -> Result<(), Refusal>
         "here",
         Some("shorten the lattice".to_owned()),
     )))
-}
-
-/// The families of a scene at their true lengths.
-pub(super) fn geometry(document: &SceneDocument) -> LatticeGeometry {
-    let system = &document.system;
-    let families = system.families.iter();
-    let boundary = system.boundary.as_ref().map(|boundary| boundary.value);
-    LatticeGeometry {
-        families: families
-            .map(|(name, length)| (name.value.clone(), length.value))
-            .collect(),
-        periodic: boundary != Some(Boundary::Open),
-    }
 }
 
 /// The lengths of a lattice's families.

@@ -41,6 +41,7 @@ pub use checks::{CasimirCheck, SceneChecks};
 pub use fit::{check_first_order, check_tensor};
 pub use fragment::system_of_fragment;
 pub use instantiate::{Instantiated, instantiate};
+pub use lattice::DENSE_LIMIT;
 pub use lie_algebra::{LIE_ALGEBRAS, LieAlgebra, StructureEntry};
 pub use motion::Motion;
 pub use observables::Observable;
@@ -50,7 +51,7 @@ pub use run::{ComposedRun, RunPlan, compose};
 pub use shape::{TensorShape, tensor_shape};
 pub use states::{RecordedStates, StateSlice, WIDEST_STATE};
 pub use stepping::{LatticeBase, LatticeStepping, Stepping};
-pub use system::{ComposedSystem, DENSE_LIMIT, compose_system};
+pub use system::{ComposedSystem, compose_system};
 
 use crate::diagnostic::SceneDiagnostic;
 

@@ -1,7 +1,7 @@
 //! What formulas may refer to, and their errors placed in the file.
 
-use leafwise_expression::AlgebraError;
 use leafwise_expression::syntax::{self, Formula, Scope, SyntaxError, SyntaxErrorKind};
+use leafwise_expression::{AlgebraError, Expression, Graph};
 
 use super::Refusal;
 use crate::document::{Boundary, Located, SceneDocument, nearest};
@@ -81,6 +81,24 @@ pub(super) fn parse(
     formula: &Located<String>,
 ) -> Result<Formula, Refusal> {
     Formula::parse(&formula.value).map_err(|error| refusal(document, formula, &error))
+}
+
+/// The expression of a formula of the state, with code.
+pub(super) fn function(
+    document: &SceneDocument,
+    scope: &Scope,
+    formula: &Located<String>,
+) -> Result<Expression, Refusal> {
+    let parsed = parse(document, formula)?;
+    let expression = parsed
+        .resolve(scope, None)
+        .map_err(|error| refusal(document, formula, &error))?
+        .unwrap_or_else(|| Expression::Sum(Vec::new()));
+    let mut graph = Graph::new();
+    expression
+        .evaluate_in(&mut graph, &mut |graph, at| Ok(graph.input(at)))
+        .map_err(|error| algebra_refusal(document, formula, &error))?;
+    Ok(expression)
 }
 
 /// An error of a formula, with the piece it is about underlined in the file.

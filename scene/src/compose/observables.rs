@@ -5,8 +5,7 @@ use leafwise_expression::Expression;
 use leafwise_expression::syntax::{Formula, Scope};
 
 use super::Refusal;
-use super::instantiate::function;
-use super::names::refusal;
+use super::names::{function, refusal};
 use crate::document::{Located, SceneDocument, nearest};
 
 /// One recorded quantity.

@@ -11,9 +11,6 @@ use super::names::{check_names, scope};
 use super::observables::{Observable, observables};
 use crate::document::SceneDocument;
 
-/// The largest dimension of a lattice that is written out site by site; longer ones are templates.
-pub const DENSE_LIMIT: usize = 24;
-
 /// A scene's system and where it starts.
 #[derive(Clone, Debug)]
 pub struct ComposedSystem {

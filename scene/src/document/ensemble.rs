@@ -5,7 +5,7 @@ use super::located::{Located, Place};
 use super::reader::{Item, Problems, Table};
 use super::run::{RecordSpec, read_observables};
 use super::suggest::nearest;
-use super::system::SystemSection;
+use super::system_section::SystemSection;
 
 pub(super) const KEYS: [&str; 7] = [
     "members",

@@ -2,6 +2,7 @@
 //!
 //! - `located`: values that remember where they were written;
 //! - `system`, `bracket`, `method`, `run`, `ensemble`, `plugin`: one table or list of the scene each;
+//! - `system_section`: what `[system]` says, be it read from the scene, a library or a system without formulas;
 //! - `numbers`: systems that have no formulas;
 //! - `method_table`: a method as a value, written into a scene's text;
 //! - `overrides`: `--set path=value`, applied by rewriting the text;
@@ -25,6 +26,7 @@ mod run;
 mod scene;
 mod suggest;
 mod system;
+mod system_section;
 #[cfg(test)]
 mod tests;
 
@@ -36,10 +38,9 @@ pub use located::{Located, Number, Place, Source};
 pub(crate) use method::CHOSEN_AT;
 pub use method::{MethodSection, ParameterValue, PartSpec, StepSpec};
 pub use method_table::{MethodParts, MethodTable, PartUse, RewriteError};
-pub use numbers::NumbersSystem;
 pub use plugin::PluginSpec;
 pub(crate) use run::ALL_STATES;
 pub use run::{InitialSpec, ObservableSpec, RecordSpec, RunSection};
 pub use scene::SceneDocument;
 pub use suggest::nearest;
-pub use system::{Boundary, Convention, SystemSection};
+pub use system_section::{Boundary, Convention, NumbersSystem, SystemSection};

@@ -1,4 +1,4 @@
-//! `library = "vendor/name"` where that is a system of numbers.
+//! Reads `library = "vendor/name"` where that is a system of numbers.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -13,23 +13,7 @@ use super::located::{Located, Number, Place};
 use super::method::{ParameterValue, read_parameter};
 use super::reader::{Problems, Table};
 use super::suggest::nearest;
-use super::system::{Convention, SystemSection};
-
-/// A system that computes values and has no formulas, as the scene's parameters make it.
-#[derive(Clone, Debug)]
-pub struct NumbersSystem {
-    /// (M, π, H).
-    pub system: Arc<PoissonSystem>,
-    /// Every parameter of its part that the scene gives.
-    pub given: PartParameters,
-}
-
-/// Two documents are equal where they ask for the same: the text decides what the system is.
-impl PartialEq for NumbersSystem {
-    fn eq(&self, other: &Self) -> bool {
-        self.given == other.given
-    }
-}
+use super::system_section::{Convention, NumbersSystem, SystemSection};
 
 /// Whether the scene asks for the numbers of a system that has formulas too; a wrong word is recorded.
 pub(super) fn asks_for_numbers(table: &Table<'_>, problems: &mut Problems) -> bool {

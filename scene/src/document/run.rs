@@ -3,7 +3,7 @@
 use super::error::SceneProblemCause;
 use super::located::{Located, Number, Place};
 use super::reader::{Item, Problems, Table};
-use super::system::SystemSection;
+use super::system_section::SystemSection;
 
 /// The initial state.
 #[derive(Clone, Debug, PartialEq)]

@@ -13,7 +13,8 @@ use super::overrides::apply_overrides;
 use super::plugin::{PluginSpec, read_plugins};
 use super::reader::{Problems, Table, end_of};
 use super::run::{RunSection, read_run};
-use super::system::{SystemSection, read_system};
+use super::system::read_system;
+use super::system_section::SystemSection;
 use crate::diagnostic::{SceneDiagnostic, formula_span};
 
 /// A scene: its text and what the text says.

@@ -2,8 +2,8 @@
 
 use leafwise_core::Registry;
 
-use super::execute::EnsembleReport;
 use super::plan::ComposedEnsemble;
+use super::report::EnsembleReport;
 use super::tables::summaries;
 use crate::advice::{
     Advice, AdviceKind, EnergyError, MOST_STATES, advise, orbit_from, states_from,

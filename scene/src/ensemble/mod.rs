@@ -6,6 +6,7 @@
 //! - `block`: members side by side; `observers`: functions of all their states;
 //! - `drive`: blocks on threads, taken in by number, so that no result depends on either;
 //! - `statistics`, `quantiles`: what members are reduced to;
+//! - `report`: [`EnsembleReport`], what is left behind;
 //! - `checkpoint`, `store`, `tables`, `page`: what the run directory holds;
 //! - `execute`: [`run_ensemble`], all of it.
 
@@ -21,6 +22,7 @@ mod plan;
 mod population;
 mod quantiles;
 mod random;
+mod report;
 mod states;
 mod statistics;
 pub(crate) mod store;
@@ -30,9 +32,10 @@ mod tests;
 
 pub use advice::advise_ensemble;
 pub use drive::Workforce;
-pub use execute::{EnsembleReport, default_ensemble_directory, run_ensemble};
+pub use execute::{default_ensemble_directory, run_ensemble};
 pub use member::{MemberError, member_scene};
 pub use plan::{ComposedEnsemble, compose_ensemble};
 pub use population::Population;
+pub use report::EnsembleReport;
 pub use statistics::{Deviation, MemberFailure, Reductions, Summary};
 pub use tables::ending as ensemble_json;

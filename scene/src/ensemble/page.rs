@@ -1,7 +1,7 @@
 //! What the report of an ensemble shows.
 
-use super::execute::EnsembleReport;
 use super::plan::ComposedEnsemble;
+use super::report::EnsembleReport;
 use super::tables::summaries;
 use crate::advice::lines;
 use crate::document::SceneDocument;

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 
 use serde_json::{Map, Value, json};
 
-use super::execute::EnsembleReport;
 use super::plan::ComposedEnsemble;
+use super::report::EnsembleReport;
 use super::statistics::{Deviation, Summary};
 use crate::csv::{Headings, text_cell};
 use crate::json::{json_number, json_numbers};

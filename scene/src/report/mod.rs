@@ -6,7 +6,7 @@
 //! - `ensemble`: many members, as a page of its own;
 //! - `reproduction`, `panel`: what a paper prints beside what was measured, as a page of its own;
 //! - `drift`, `history`, `orbit`, `space`, `lattice`: the figures;
-//! - `axis`, `decimate`, `canvas`: axes, long series reduced to pixels, drawing.
+//! - `axis`, `decimate`, `canvas`, `stroke`: axes, long series reduced to pixels, drawing, points of orbits.
 
 mod axis;
 mod canvas;
@@ -25,6 +25,7 @@ mod page;
 mod panel;
 mod reproduction;
 mod space;
+mod stroke;
 #[cfg(test)]
 mod tests;
 mod work_precision;

@@ -1,23 +1,13 @@
 //! The orbit: a projection of three coordinates, or the plane of two.
 
-use std::collections::BTreeSet;
-
 use super::axis::{Axis, Frame};
-use super::canvas::{Canvas, FAINT, SERIES};
+use super::canvas::Canvas;
 use super::data::{Ellipsoid, TimeSeries};
 use super::error::ReportError;
 use super::figure::Figure;
 use super::history::{Dense, history};
 use super::space::space_picture;
-
-/// Points closer than this many pixels to the last one kept are left out.
-const NEAR: f64 = 0.6;
-
-/// The most points of a line.
-const MOST_JOINED: usize = 9000;
-
-/// The most dots of an orbit drawn without a line.
-const MOST_DOTS: usize = 3000;
+use super::stroke::{Stroke, draw_ends, draw_orbit};
 
 /// The orbit through the recorded states.
 pub(super) fn orbit_figure(
@@ -113,106 +103,4 @@ fn plane_picture(names: &[String], states: &[&[f64]]) -> Result<String, ReportEr
     draw_orbit(&mut canvas, &points, |_| Stroke::NEAR_SIDE);
     draw_ends(&mut canvas, &points);
     canvas.finish("The orbit in the phase plane")
-}
-
-/// How a piece of an orbit is drawn.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Stroke {
-    /// Its colour.
-    pub ink: super::canvas::Ink,
-    /// Its width.
-    pub width: f64,
-}
-
-impl Stroke {
-    /// The visible side.
-    pub const NEAR_SIDE: Self = Self {
-        ink: SERIES[0],
-        width: 1.4,
-    };
-    /// The side behind a surface.
-    pub const FAR_SIDE: Self = Self {
-        ink: FAINT,
-        width: 1.0,
-    };
-}
-
-/// A line through the points, or dots where neighbours lie too far apart or points too dense
-/// for a line to mean anything; `stroke` chooses by the index of the point.
-pub(super) fn draw_orbit(
-    canvas: &mut Canvas,
-    points: &[(f64, f64)],
-    stroke: impl Fn(usize) -> Stroke,
-) {
-    let kept = thinned(points);
-    if kept.len() <= MOST_JOINED && is_line(points) {
-        for run in kept.chunk_by(|a, b| stroke(*a) == stroke(*b)) {
-            let after = run
-                .last()
-                .and_then(|last| kept.iter().find(|index| *index > last));
-            let line: Vec<_> = run
-                .iter()
-                .chain(after)
-                .map(|index| points[*index])
-                .collect();
-            let Stroke { ink, width } = stroke(run[0]);
-            canvas.path(&line, ink, width);
-        }
-        return;
-    }
-    for index in spread(points, kept) {
-        let Stroke { ink, width } = stroke(index);
-        canvas.disc(points[index], width, ink);
-    }
-}
-
-/// One point of each cell of a grid just coarse enough to leave few enough dots.
-fn spread(points: &[(f64, f64)], mut kept: Vec<usize>) -> Vec<usize> {
-    let mut cell = 1.5;
-    loop {
-        let mut taken = BTreeSet::new();
-        kept.retain(|index| {
-            let (x, y) = points[*index];
-            taken.insert(((x / cell) as i64, (y / cell) as i64))
-        });
-        if kept.len() <= MOST_DOTS {
-            return kept;
-        }
-        cell *= 1.3;
-    }
-}
-
-/// Marks the first and the last point.
-pub(super) fn draw_ends(canvas: &mut Canvas, points: &[(f64, f64)]) {
-    if let (Some(first), Some(last)) = (points.first(), points.last()) {
-        canvas.ring(*last, 4.5, SERIES[1], 2.0);
-        canvas.disc(*first, 4.5, SERIES[1]);
-    }
-}
-
-/// Indices of points far enough from each other, the ends always among them.
-fn thinned(points: &[(f64, f64)]) -> Vec<usize> {
-    let mut kept: Vec<usize> = Vec::new();
-    for (index, point) in points.iter().enumerate() {
-        let is_far = kept
-            .last()
-            .is_none_or(|last| distance(points[*last], *point) >= NEAR);
-        if is_far || index + 1 == points.len() {
-            kept.push(index);
-        }
-    }
-    kept
-}
-
-/// Whether consecutive points are near: half of the segments are shorter than 40 pixels.
-fn is_line(points: &[(f64, f64)]) -> bool {
-    let near = points
-        .windows(2)
-        .filter(|pair| distance(pair[0], pair[1]) < 40.0)
-        .count();
-    2 * near >= points.len().saturating_sub(1)
-}
-
-fn distance(a: (f64, f64), b: (f64, f64)) -> f64 {
-    libm::hypot(a.0 - b.0, a.1 - b.1)
 }

@@ -16,8 +16,6 @@ use crate::ensemble::store;
 pub(crate) const SCENE: &str = "scene.toml";
 /// Maxima of the invariants' deviations over windows.
 pub(crate) const WINDOWS: &str = "windows.csv";
-/// The last state, where samples do not hold it.
-pub(crate) const FINAL_STATE: &str = "final_state.bin";
 /// The page to open.
 pub(crate) const REPORT: &str = "report.html";
 /// What the members of an ensemble are reduced to, and the first of those that failed.
@@ -223,7 +221,7 @@ fn files(kind: Kind) -> impl Iterator<Item = &'static str> {
             samples::FILE,
             samples::UNPUBLISHED,
             states::FILE,
-            FINAL_STATE,
+            states::FINAL_STATE,
         ],
         Kind::Ensemble => &[STATISTICS, FAILURES, store::CSV, store::BINARY],
     };

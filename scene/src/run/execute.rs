@@ -6,12 +6,13 @@ use std::time::Duration;
 use leafwise_core::Registry;
 
 use super::checkpoint::{Checkpoint, replace};
-use super::directory::{Asked, FINAL_STATE, REPORT, RunDirectory, SCENE, WINDOWS};
+use super::directory::{Asked, REPORT, RunDirectory, SCENE, WINDOWS};
 use super::drive::{Session, header, invariant_name, windows_header};
 use super::error::RunError;
 use super::manifest::{Beginning, Kind, plugins};
 use super::outcome::{InvariantDrift, RunOutcome, RunReport};
 use super::progress::Progress;
+use super::states::FINAL_STATE;
 use super::summary::{self, report_data, short};
 use crate::advice::{Advice, AdviceKind, advise, unused_parameters};
 use crate::compose::{ComposedRun, SceneChecks};

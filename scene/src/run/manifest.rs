@@ -10,7 +10,6 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use super::checkpoint::replace;
-use super::directory::FINAL_STATE;
 use super::error::RunError;
 use super::outcome::{RunOutcome, RunReport};
 use super::time::now;
@@ -275,7 +274,7 @@ fn recorded_states(run: &ComposedRun) -> Value {
         "shape": [0, width],
         "columns": (width <= MOST_WRITTEN).then(|| recorded.names()),
         "slices": slices,
-        "last": (!recorded.is_whole_in_samples()).then_some(FINAL_STATE),
+        "last": (!recorded.is_whole_in_samples()).then_some(states::FINAL_STATE),
     })
 }
 

@@ -12,6 +12,9 @@ use super::error::RunError;
 /// The file's name in the run directory.
 pub(super) const FILE: &str = "states.npy";
 
+/// The file of the last state, which samples do not hold then.
+pub(super) const FINAL_STATE: &str = "final_state.bin";
+
 /// Rows are handed to the operating system when this many bytes wait.
 const BATCH: usize = 1 << 20;
 

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use leafwise::verify::Row;
 
-use super::page::escaped;
+use super::html::escaped;
 
 /// The edges of the frame: left, top, right, bottom.
 const FRAME: [f64; 4] = [56.0, 16.0, 700.0, 344.0];

@@ -1,6 +1,7 @@
 //! `leafwise verify`: what every part really does, against what it declares.
 
 mod figure;
+mod html;
 mod json;
 mod live;
 mod page;

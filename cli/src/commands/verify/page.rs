@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use leafwise::verify::{Row, Survey};
 
 use super::figure::{ORDERS, figure};
+use super::html::escaped;
 use super::row::{HEADINGS, cells};
 
 const STYLE: &str = "\
@@ -79,10 +80,4 @@ fn problem(page: &mut String, rows: &[&Row]) {
         let _ = write!(page, "<tr{class}>{cells}</tr>");
     }
     page.push_str("</table>");
-}
-
-pub(super) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
 }

@@ -1,7 +1,12 @@
 //! How a call into a library failed.
 
+use std::ffi::c_char;
+
 use leafwise_core::{BuildError, StepError};
-use leafwise_plugin_abi::{LW_DISCARD, LW_FATAL, LW_UNSUPPORTED, LwStatus};
+use leafwise_plugin_abi::{LW_DISCARD, LW_FATAL, LW_OK, LW_UNSUPPORTED, LwError, LwStatus};
+
+/// Room for what a failing call says.
+pub(super) const MESSAGE: usize = 512;
 
 /// A call that returned no result.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +36,7 @@ pub(crate) enum CallFailure {
 
 impl CallFailure {
     /// What a status and the texts beside it mean.
-    pub(super) fn new(status: LwStatus, point: i64, ratio: f64, message: String) -> Self {
+    fn new(status: LwStatus, point: i64, ratio: f64, message: String) -> Self {
         let point = usize::try_from(point).ok();
         match status {
             LW_DISCARD => Self::Discarded {
@@ -108,4 +113,35 @@ impl std::fmt::Display for CallFailure {
             write!(f, "{what}: {message}")
         }
     }
+}
+
+/// Where a call says why it failed.
+#[inline]
+pub(super) fn error_into(message: &mut [c_char; MESSAGE]) -> LwError {
+    message[0] = 0;
+    LwError {
+        capacity: MESSAGE as u32,
+        message: message.as_mut_ptr(),
+        point: -1,
+        ..LwError::empty()
+    }
+}
+
+/// The failure that a status and the texts beside it stand for.
+#[cold]
+pub(super) fn failure(
+    status: LwStatus,
+    error: &LwError,
+    message: &[c_char; MESSAGE],
+) -> Result<(), CallFailure> {
+    if status == LW_OK {
+        return Ok(());
+    }
+    let bytes: Vec<u8> = message
+        .iter()
+        .take_while(|c| **c != 0)
+        .map(|c| c.cast_unsigned())
+        .collect();
+    let text = String::from_utf8_lossy(&bytes).trim().to_owned();
+    Err(CallFailure::new(status, error.point, error.ratio, text))
 }

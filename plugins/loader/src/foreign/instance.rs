@@ -1,40 +1,15 @@
 //! One instance of a part: made, called, ended.
 
-use std::ffi::{CString, c_char, c_void};
+use std::ffi::{c_char, c_void};
 use std::sync::Arc;
 
-use leafwise_core::part::ParameterSetting;
-use leafwise_plugin_abi::{
-    LW_FATAL, LW_OK, LW_SETTING_INTEGER, LW_SETTING_REAL, LW_SETTING_TEXT, LwCreate, LwError,
-    LwMapCall, LwMapFn, LwSetting, LwStatus,
-};
+use leafwise_plugin_abi::{LW_FATAL, LW_OK, LwMapCall, LwMapFn};
 
 use super::batch::{Input, Output, is_unwritten};
-use super::failure::CallFailure;
+use super::failure::{CallFailure, MESSAGE, error_into, failure};
+use super::making::{Lent, Making, with_arguments};
 use super::part::ForeignPart;
 use crate::exits::in_call;
-use crate::host::{HostRealization, HostSystem};
-
-/// Room for what a failing call says.
-pub(super) const MESSAGE: usize = 512;
-
-/// What an instance is made of.
-#[derive(Clone, Copy)]
-pub(crate) struct Making<'a> {
-    /// d; 0 for a system.
-    pub dimension: usize,
-    /// A value for each of the part's own parameters, in their order.
-    pub settings: &'a [(String, ParameterSetting)],
-}
-
-/// What the host lends an instance: dropped after it.
-#[derive(Default)]
-pub(crate) struct Lent {
-    /// The system to serve.
-    pub system: Option<HostSystem>,
-    /// The realization to serve.
-    pub realization: Option<HostRealization>,
-}
 
 /// An instance of a part, with what it was lent.
 pub(crate) struct Instance {
@@ -213,101 +188,4 @@ impl Drop for Instance {
             unsafe { destroy(self.pointer) };
         });
     }
-}
-
-/// Where a call says why it failed.
-#[inline]
-fn error_into(message: &mut [c_char; MESSAGE]) -> LwError {
-    message[0] = 0;
-    LwError {
-        capacity: MESSAGE as u32,
-        message: message.as_mut_ptr(),
-        point: -1,
-        ..LwError::empty()
-    }
-}
-
-/// The failure that a status and the texts beside it stand for.
-#[cold]
-pub(super) fn failure(
-    status: LwStatus,
-    error: &LwError,
-    message: &[c_char; MESSAGE],
-) -> Result<(), CallFailure> {
-    if status == LW_OK {
-        return Ok(());
-    }
-    let bytes: Vec<u8> = message
-        .iter()
-        .take_while(|c| **c != 0)
-        .map(|c| c.cast_unsigned())
-        .collect();
-    let text = String::from_utf8_lossy(&bytes).trim().to_owned();
-    Err(CallFailure::new(status, error.point, error.ratio, text))
-}
-
-/// Calls `call` with the arguments of `create` and `properties`.
-pub(super) fn with_arguments<T>(
-    making: Making<'_>,
-    lent: &Lent,
-    call: impl FnOnce(&LwCreate) -> T,
-) -> T {
-    let json: serde_json::Map<String, serde_json::Value> = making
-        .settings
-        .iter()
-        .map(|(name, setting)| (name.clone(), serde_json::json!(setting)))
-        .collect();
-    let params = text(&serde_json::Value::Object(json).to_string());
-    let texts: Vec<(CString, CString)> = making
-        .settings
-        .iter()
-        .map(|(name, setting)| (text(name), text(&setting.to_string())))
-        .collect();
-    let settings: Vec<LwSetting> = making
-        .settings
-        .iter()
-        .zip(&texts)
-        .map(|((_, setting), (name, word))| raw_setting(setting, name, word))
-        .collect();
-    let system = lent.system.as_ref().map(HostSystem::raw);
-    let realization = lent.realization.as_ref().map(HostRealization::raw);
-    call(&LwCreate {
-        dim: making.dimension,
-        params: params.as_ptr(),
-        settings: settings.as_ptr(),
-        setting_count: settings.len(),
-        system: system.unwrap_or(std::ptr::null()),
-        realization: realization.unwrap_or(std::ptr::null()),
-        ..LwCreate::empty()
-    })
-}
-
-fn raw_setting(setting: &ParameterSetting, name: &CString, word: &CString) -> LwSetting {
-    let mut raw = LwSetting {
-        name: name.as_ptr(),
-        kind: LW_SETTING_TEXT,
-        reserved: 0,
-        integer: 0,
-        real: 0.0,
-        text: std::ptr::null(),
-    };
-    match setting {
-        ParameterSetting::Integer(value) => {
-            raw.kind = LW_SETTING_INTEGER;
-            raw.integer = *value;
-            raw.real = *value as f64;
-        }
-        ParameterSetting::Real(value) => {
-            raw.kind = LW_SETTING_REAL;
-            raw.real = *value;
-        }
-        ParameterSetting::Text(_) => raw.text = word.as_ptr(),
-    }
-    raw
-}
-
-/// A text as C has it; what stands behind a NUL is left out.
-fn text(text: &str) -> CString {
-    let until_nul = text.split('\0').next().unwrap_or_default();
-    CString::new(until_nul).unwrap_or_default()
 }

@@ -2,6 +2,7 @@
 //!
 //! - `batch`: vectors of a batch in any layout;
 //! - `part`, `instance`, `callee`: a part, its instances, calls with the host's errors;
+//! - `making`: what instances are made of, as their functions take it;
 //! - `failure`: what a status means;
 //! - `system`, `realization`, `dynamics`, `step_map`: one kind each.
 
@@ -10,6 +11,7 @@ mod callee;
 mod dynamics;
 mod failure;
 mod instance;
+mod making;
 mod part;
 mod realization;
 mod step_map;
@@ -18,7 +20,8 @@ mod system;
 pub(crate) use batch::{Input, Output, is_unwritten, unwritten};
 pub(crate) use dynamics::ForeignDynamicsPart;
 pub(crate) use failure::CallFailure;
-pub(crate) use instance::{Call, Instance, Lent, Making};
+pub(crate) use instance::{Call, Instance};
+pub(crate) use making::{Lent, Making};
 pub(crate) use part::{ForeignPart, check_dimension, own_settings};
 pub(crate) use realization::ForeignRealizationPart;
 pub(crate) use step_map::{ForeignStepMapPart, promises};

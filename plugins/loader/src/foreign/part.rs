@@ -2,10 +2,10 @@
 
 use leafwise_core::part::{PATH, ParameterSetting, PartInfo};
 use leafwise_core::{BuildError, PartParameters};
-use leafwise_plugin_abi::{LwError, LwLifecycle, LwProperties};
+use leafwise_plugin_abi::{LwLifecycle, LwProperties};
 
-use super::failure::CallFailure;
-use super::instance::{Lent, MESSAGE, Making, failure, with_arguments};
+use super::failure::{CallFailure, MESSAGE, error_into, failure};
+use super::making::{Lent, Making, with_arguments};
 use crate::declaration::{Dimensions, Flags, Functions, PartDeclaration, broken_promise};
 use crate::exits::in_call;
 
@@ -101,12 +101,7 @@ impl ForeignPart {
         };
         if let Some(properties) = self.lifecycle().properties {
             let mut message = [0; MESSAGE];
-            let mut error = LwError {
-                capacity: message.len() as u32,
-                message: message.as_mut_ptr(),
-                point: -1,
-                ..LwError::empty()
-            };
+            let mut error = error_into(&mut message);
             let status = with_arguments(making, &Lent::default(), |arguments| {
                 in_call(&self.info.name, || {
                     // SAFETY: the arguments, the properties and the error live during the call.

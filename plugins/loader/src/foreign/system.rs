@@ -11,7 +11,8 @@ use leafwise_plugin_abi::{LwMapFn, LwSystem};
 
 use super::batch::{Input, Output};
 use super::callee::Callee;
-use super::instance::{Call, Instance, Lent, Making};
+use super::instance::{Call, Instance};
+use super::making::{Lent, Making};
 use super::part::ForeignPart;
 use crate::handshake::memory::{LONGEST_TEXT, text};
 use crate::smoke::states;

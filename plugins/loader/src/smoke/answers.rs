@@ -6,7 +6,7 @@ use std::thread;
 use leafwise_plugin_abi::LwMapFn;
 
 use super::SmokeFailure;
-use super::function::{Function, Points};
+use super::function::{Function, Points, same};
 use crate::foreign::Instance;
 use crate::platform;
 
@@ -26,7 +26,7 @@ const ROUNDS_OF_LARGE: usize = 2;
 
 /// A function at some points, and what it gave.
 #[derive(Clone, Debug)]
-pub(super) struct Answer {
+struct Answer {
     name: String,
     function: LwMapFn,
     results: usize,
@@ -37,7 +37,7 @@ pub(super) struct Answer {
 }
 
 impl Answer {
-    pub(super) fn new(function: &Function<'_>, points: &Points, expected: &[Vec<f64>]) -> Self {
+    fn new(function: &Function<'_>, points: &Points, expected: &[Vec<f64>]) -> Self {
         Self {
             name: function.name.to_owned(),
             function: function.function,
@@ -87,11 +87,6 @@ impl Answer {
     }
 }
 
-/// Whether two vectors have the same bits.
-pub(super) fn same(a: &[f64], b: &[f64]) -> bool {
-    a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
-}
-
 /// An instance that is tried, with its answers.
 pub(super) struct Tester {
     pub instance: Instance,
@@ -106,8 +101,17 @@ impl Tester {
         }
     }
 
-    pub(super) fn keep(&mut self, answer: Answer) {
-        self.answers.push(answer);
+    /// [`Function::checked`] of the instance; what it answers is kept.
+    pub(super) fn try_at(
+        &mut self,
+        function: &Function<'_>,
+        points: &Points,
+    ) -> Result<Option<Vec<Vec<f64>>>, SmokeFailure> {
+        let found = function.checked(&mut self.instance, points)?;
+        if let Some(answer) = &found {
+            self.answers.push(Answer::new(function, points, answer));
+        }
+        Ok(found)
     }
 
     /// Asks another instance the same, whatever it answers.

@@ -77,10 +77,10 @@ fn run(tester: &mut Tester, table: &LwDynamics, d: usize) -> Result<bool, SmokeF
             epsilon: 1.0,
             h,
         };
-        if tried(STEP).try_at(tester, &points)?.is_none() {
+        if tester.try_at(&tried(STEP), &points)?.is_none() {
             return Ok(false);
         }
-        let still = tried(TINY).try_at(tester, &points)?;
+        let still = tester.try_at(&tried(TINY), &points)?;
         for (found, expected) in still.iter().flatten().zip(at_rest) {
             let identity = format!("{name} at h = {TINY:e}, which leaves sigma(M) in place,");
             within(&identity, found, expected, 1e-4 * (1.0 + largest(expected)))?;
@@ -94,10 +94,10 @@ fn run(tester: &mut Tester, table: &LwDynamics, d: usize) -> Result<bool, SmokeF
             ..tried(STEP)
         };
         if jacobian.is_some()
-            && let Some(jacobian) = of_map.try_at(tester, &points)?
+            && let Some(jacobian) = tester.try_at(&of_map, &points)?
         {
             derivative(&name, &jacobian[0], &points.point[0], |y| {
-                let found = tried(STEP).try_at(tester, &Points::of(vec![y.to_vec()]))?;
+                let found = tester.try_at(&tried(STEP), &Points::of(vec![y.to_vec()]))?;
                 Ok(found.map(|mut all| all.swap_remove(0)))
             })?;
         }

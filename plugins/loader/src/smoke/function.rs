@@ -3,7 +3,6 @@
 use leafwise_plugin_abi::LwMapFn;
 
 use super::SmokeFailure;
-use super::answers::{Answer, Tester, same};
 use crate::foreign::{Call, CallFailure, Input, Instance, Output, is_unwritten, unwritten};
 
 /// Numbers between and around results, which nothing may change.
@@ -105,12 +104,11 @@ impl Function<'_> {
     /// Calls the function on `instance`, and checks that its answers are finite, repeatable, the same
     /// in every layout and alone, and that nothing else was written. `None` where the points are
     /// outside its domain, or the instance does not offer it.
-    pub(super) fn try_at(
+    pub(super) fn checked(
         &self,
-        tester: &mut Tester,
+        instance: &mut Instance,
         points: &Points,
     ) -> Result<Option<Vec<Vec<f64>>>, SmokeFailure> {
-        let instance = &mut tester.instance;
         let Some(first) = self.call(instance, points, Layout::Points)? else {
             return Ok(None);
         };
@@ -134,7 +132,6 @@ impl Function<'_> {
                 return Err(differs(at));
             }
         }
-        tester.keep(Answer::new(self, points, &first));
         Ok(Some(first))
     }
 
@@ -220,4 +217,9 @@ impl Function<'_> {
             }),
         }
     }
+}
+
+/// Whether two vectors have the same bits.
+pub(super) fn same(a: &[f64], b: &[f64]) -> bool {
+    a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
 }

@@ -75,7 +75,7 @@ impl Trial<'_> {
             epsilon: EPSILON,
             h: 0.0,
         };
-        function.try_at(self.tester, points)
+        self.tester.try_at(&function, points)
     }
 
     /// Tries all functions; false where the problem's states are outside the domain.

@@ -38,10 +38,10 @@ fn run(tester: &mut Tester, table: &LwStepMap, d: usize) -> Result<bool, SmokeFa
         epsilon: 1.0,
         h,
     };
-    if increment(STEP).try_at(tester, &points)?.is_none() {
+    if tester.try_at(&increment(STEP), &points)?.is_none() {
         return Ok(false);
     }
-    let still = increment(TINY).try_at(tester, &points)?;
+    let still = tester.try_at(&increment(TINY), &points)?;
     for (found, x) in still.iter().flatten().zip(&points.point) {
         let identity = format!("increment at h = {TINY:e}, which is none,");
         within(&identity, found, &vec![0.0; d], 1e-4 * (1.0 + largest(x)))?;
@@ -53,7 +53,7 @@ fn run(tester: &mut Tester, table: &LwStepMap, d: usize) -> Result<bool, SmokeFa
         ..increment(STEP)
     };
     if table.tangent.is_some()
-        && let Some(tangent) = tangent.try_at(tester, &Points::of(states(d)))?
+        && let Some(tangent) = tester.try_at(&tangent, &Points::of(states(d)))?
     {
         derivative("tangent", &tangent[0], &points.point[0], |x| {
             let one = Points {
@@ -61,7 +61,7 @@ fn run(tester: &mut Tester, table: &LwStepMap, d: usize) -> Result<bool, SmokeFa
                 v: vec![vec![0.0; d]],
                 w: Vec::new(),
             };
-            let found = increment(STEP).try_at(tester, &one)?;
+            let found = tester.try_at(&increment(STEP), &one)?;
             Ok(found.map(|all| all[0].iter().zip(x).map(|(i, x)| x + i).collect()))
         })?;
     }

@@ -68,7 +68,7 @@ impl Trial<'_> {
             epsilon: 1.0,
             h: 0.0,
         };
-        function.try_at(self.tester, points)
+        self.tester.try_at(&function, points)
     }
 
     /// Tries all functions around a state; false where it is outside the system's domain.
