@@ -76,6 +76,29 @@ fn a_pole_beside_a_place_without_one_is_found() {
     assert!(matches!(error, Some(StepError::Pole { .. })), "{error:?}");
 }
 
+/// q² − 1 is of one sign at both ends of a step from 1.5 to −1.5, with two poles between.
+#[test]
+fn two_poles_of_one_denominator_are_not_jumped_over() {
+    for hamiltonian in ["p^2/2 + 1e-3/(q^2 - 1)", "p^2/2 + 1e-3*tan(1.5707963*q)^2"] {
+        let run = scene(hamiltonian, METHODS[0], 0.5, [1.5, -6.0]);
+        let (_, error) = positions(&run);
+        assert!(matches!(error, Some(StepError::Pole { .. })), "{error:?}");
+    }
+}
+
+/// Beside the pole of p′ = 2k/q³ the other component, q′ = p, is a million times as large.
+#[test]
+fn a_pole_is_found_in_a_step_of_any_length() {
+    for (strength, step) in [(1e-12, 1e-9), (1e-12, 1e12), (1e12, 1e12), (2e-3, 0.08)] {
+        let hamiltonian = format!("p^2/2 + {strength:?}/q^2");
+        let speed = -1.5 / step;
+        let run = scene(&hamiltonian, METHODS[0], step, [1.0, speed]);
+        let (positions, error) = positions(&run);
+        assert!(positions.iter().all(|q| *q > 0.0), "{positions:?}");
+        assert!(matches!(error, Some(StepError::Pole { .. })), "{error:?}");
+    }
+}
+
 #[test]
 fn places_without_a_pole_are_crossed() {
     for hamiltonian in [
@@ -139,8 +162,12 @@ fn neighbours_of_a_long_chain_do_not_pass_each_other() {
     let (_, error) = positions(&scene(repelling, 0.1));
     assert_eq!(error, None);
     let (_, error) = positions(&scene(repelling, 300.0));
-    let error = error.expect("they meet");
-    assert!(matches!(error, StepError::Pole { .. }), "{error}");
+    match error {
+        Some(StepError::Pole { denominator }) => {
+            assert!(denominator.starts_with("1 + u["), "{denominator}");
+        }
+        other => panic!("they meet: {other:?}"),
+    }
     let soft = "1/(1 + (u[i+1] - u[i])^2)";
     let (_, error) = positions(&scene(soft, 300.0));
     assert_eq!(error, None);

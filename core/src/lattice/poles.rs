@@ -1,55 +1,135 @@
-//! Poles of a lattice's energy, which no step crosses.
+//! Poles of a lattice's equations of motion, which no step crosses.
+//!
+//! Denominators are written and evaluated site by site. Where one changes its sign, the field of a proxy
+//! that holds the neighbourhood of the site tells whether there is a pole.
 
 use std::sync::Arc;
 
-use leafwise_expression::{Arithmetic, Graph, Term};
+use leafwise_expression::{Graph, Term};
 
+use super::geometry::{LatticeGeometry, SiteClass, site_classes};
 use super::observables::code;
 use super::program::LatticeWorker;
-use super::sites::SiteNumbers;
+use super::sites::{SiteNumbers, proxy_of};
 use super::source::LatticeSource;
 use crate::error::{BuildError, StepError};
-use crate::solver::{LOOKS, MakeCheck, StepCheck, StepMap, WithoutPoles, is_pole};
+use crate::solver::{Crossing, MakeCheck, StepCheck, StepMap, WithoutPoles, looks};
+use crate::system::PoissonSystem;
 
-/// Of every site the product of its energy's denominators, and the squares of its gradient.
+/// Longest text of a denominator in a message.
+const MOST_PARTS: usize = 60;
+
+/// The denominators of every site's energy and tensor whose signs can change.
 #[derive(Debug)]
 struct LatticePoles {
+    geometry: LatticeGeometry,
+    proxy: LatticeGeometry,
+    classes: Vec<SiteClass>,
+    graph: Graph,
+    /// The field of the proxy.
+    field: Vec<Term>,
+    /// Of each site of the proxy.
+    denominators: Vec<Vec<Term>>,
     numbers: SiteNumbers,
+    looks: &'static [f64],
+    parameters: Vec<String>,
 }
 
-const DENOMINATOR: usize = 0;
-const SQUARES: usize = 1;
-
 impl LatticePoles {
-    /// Those of a lattice's energy; `None` where all denominators are of one sign.
+    /// `None` where all denominators are of one sign.
     ///
     /// # Errors
     /// [`BuildError`] where the energy is no sum over sites, or has no code.
-    fn of(source: &dyn LatticeSource, parameters: usize) -> Result<Option<Self>, BuildError> {
-        let mut has_poles = false;
-        let mut of_site = |proxy: &_, site: usize, graph: &mut Graph, x: &[Term]| {
-            let densities = source.densities(proxy, site)?;
-            let mut product = graph.one();
-            let mut squares = graph.zero();
-            if let Some(energy) = densities.first() {
-                let energy = code(graph, &energy.site, x)?;
-                let factors = graph.denominators(std::slice::from_ref(&energy))?;
-                for factor in &factors {
-                    product = graph.multiply(&product, factor);
-                }
-                if !factors.is_empty() {
-                    has_poles = true;
-                    for slope in graph.gradient(&energy, x.len())? {
-                        let square = graph.multiply(&slope, &slope);
-                        squares = graph.add(&squares, &square);
-                    }
-                }
-            }
-            Ok(vec![product, squares])
+    fn of(source: &dyn LatticeSource) -> Result<Option<Self>, BuildError> {
+        let geometry = source.geometry().clone();
+        let (proxy, width) = proxy_of(&geometry);
+        let system = source.write_out(&proxy)?;
+        let mut graph = Graph::compilable();
+        let x: Vec<Term> = (0..proxy.dimension()).map(|i| graph.input(i)).collect();
+        let mut denominators = Vec::with_capacity(proxy.length());
+        for site in 0..proxy.length() {
+            let functions = functions_of_site(source, &system, &proxy, site, (&mut graph, &x))?;
+            denominators.push(graph.denominators(&functions)?);
+        }
+        let all: Vec<Term> = denominators.iter().flatten().cloned().collect();
+        if all.is_empty() {
+            return Ok(None);
+        }
+        let parameters = system.parameters().iter().map(|p| p.name.clone());
+        let parameters: Vec<String> = parameters.collect();
+        let mut of_site = |_: &_, site: usize, own: &mut Graph, x: &[Term]| {
+            Ok(own.import(&graph, &denominators[site], x)?)
         };
-        let numbers = SiteNumbers::compile(source.geometry(), parameters, &mut of_site)?;
-        Ok(has_poles.then_some(Self { numbers }))
+        let numbers = SiteNumbers::compile(&geometry, parameters.len(), &mut of_site)?;
+        let field = match system.expressions() {
+            Some(formulas) => formulas.vector_field(&mut graph, &x)?,
+            None => Vec::new(),
+        };
+        graph.unless_refused(())?;
+        Ok(Some(Self {
+            classes: site_classes(geometry.length(), proxy.length(), width, geometry.periodic),
+            looks: looks(&graph, &all),
+            geometry,
+            proxy,
+            graph,
+            field,
+            denominators,
+            numbers,
+            parameters,
+        }))
     }
+
+    /// The site of the proxy that stands for a site.
+    fn proxy_site(&self, site: usize) -> usize {
+        let mut classes = self.classes.iter();
+        let class = classes.find(|class| (class.start..class.end).contains(&site));
+        class.expect("every site is in a class").proxy
+    }
+
+    /// The coordinate that stands at one of the proxy's when its site `here` stands at `site`; `None` beyond an
+    /// open end.
+    fn coordinate(&self, of_proxy: usize, here: usize, site: usize) -> Option<usize> {
+        let (family, at) = self.proxy.locate(of_proxy);
+        let (start, length) = (
+            self.geometry.offsets()[family],
+            self.geometry.families[family].1,
+        );
+        let place = site as isize + self.proxy.shift(here, at);
+        let place = match self.geometry.periodic {
+            true => place.rem_euclid(self.geometry.length() as isize),
+            false => place,
+        };
+        let place = usize::try_from(place).ok().filter(|at| *at < length);
+        place.map(|place| start + place)
+    }
+
+    fn written(&self, denominator: &Term, here: usize, site: usize) -> String {
+        let name = |of_proxy| match self.coordinate(of_proxy, here, site) {
+            Some(coordinate) => self.geometry.name(coordinate),
+            None => String::new(),
+        };
+        let names: Vec<String> = (0..self.proxy.dimension()).map(name).collect();
+        match self.graph.formula(denominator, MOST_PARTS) {
+            Some(formula) => formula.written(&names, &self.parameters),
+            None => format!("a long denominator of site {site}"),
+        }
+    }
+}
+
+/// The energy of a site, and the entries of the tensor in the rows of its coordinates.
+fn functions_of_site(
+    source: &dyn LatticeSource,
+    system: &PoissonSystem,
+    proxy: &LatticeGeometry,
+    site: usize,
+    (graph, x): (&mut Graph, &[Term]),
+) -> Result<Vec<Term>, BuildError> {
+    let densities = source.densities(proxy, site)?;
+    let energy = densities.first().map(|energy| &energy.site);
+    let entries = system.expressions().into_iter().flat_map(|s| s.tensor());
+    let entries = entries.filter(|((row, _), _)| proxy.locate(*row).1 == site);
+    let functions = energy.into_iter().chain(entries.map(|(_, entry)| entry));
+    functions.map(|function| code(graph, function, x)).collect()
 }
 
 impl WithoutPoles {
@@ -59,10 +139,9 @@ impl WithoutPoles {
     /// [`BuildError`] where the energy is no sum over sites, or has no code.
     pub fn of_lattice(
         source: &dyn LatticeSource,
-        parameters: usize,
         map: Arc<dyn StepMap>,
     ) -> Result<Arc<dyn StepMap>, BuildError> {
-        Ok(match LatticePoles::of(source, parameters)? {
+        Ok(match LatticePoles::of(source)? {
             None => map,
             Some(poles) => Self::checked(map, Arc::new(poles)),
         })
@@ -71,74 +150,108 @@ impl WithoutPoles {
 
 impl MakeCheck for LatticePoles {
     fn make(self: Arc<Self>, lanes: usize, parameters: &[f64]) -> Box<dyn StepCheck> {
-        let worker = |lane: usize| {
+        let of_lane = |lane: usize| {
             let own = parameters.iter().skip(lane).step_by(lanes).copied();
-            self.numbers.worker(&own.collect::<Vec<_>>())
+            let own: Vec<f64> = own.collect();
+            (self.numbers.worker(&own), own)
         };
         Box::new(Crossings {
-            workers: (0..lanes).map(worker).collect(),
-            before: vec![0.0; self.numbers.sites()],
+            workers: (0..lanes).map(of_lane).collect(),
+            before: vec![0.0; self.numbers.sites() * self.numbers.count()],
             poles: self,
         })
     }
 }
 
-/// The denominators before and after a step.
+/// The denominators at two parts of a step, one after the other.
 struct Crossings {
     poles: Arc<LatticePoles>,
-    workers: Vec<LatticeWorker>,
+    /// With the parameters of the lane.
+    workers: Vec<(LatticeWorker, Vec<f64>)>,
     before: Vec<f64>,
 }
 
+/// x and Δ of all lanes.
+type Way<'a> = (&'a [f64], &'a [f64]);
+
 impl Crossings {
-    /// Evaluates the numbers of a lane's sites at a part of its way.
-    fn look(&mut self, lane: usize, (x, increment): (&[f64], &[f64]), part: f64) {
+    /// Evaluates the denominators of a lane at a part of its step.
+    fn look(&mut self, lane: usize, (x, increment): Way<'_>, part: f64) {
         let lanes = self.workers.len();
         let at = (0..x.len() / lanes).map(|row| {
             let at = row * lanes + lane;
             x[at] + part * increment[at]
         });
-        self.poles.numbers.evaluate(&mut self.workers[lane], at);
+        self.poles.numbers.evaluate(&mut self.workers[lane].0, at);
     }
 
-    fn of_sites(&self, lane: usize, number: usize) -> &[f64] {
-        self.poles.numbers.of_sites(&self.workers[lane], number)
-    }
-
-    /// Sites whose denominators changed their sign.
-    fn changed(&mut self, lane: usize, way: (&[f64], &[f64])) -> Vec<usize> {
-        self.look(lane, way, 0.0);
+    fn keep(&mut self, lane: usize) {
         let numbers = &self.poles.numbers;
-        let before = numbers.of_sites(&self.workers[lane], DENOMINATOR);
-        self.before.copy_from_slice(before);
-        self.look(lane, way, 1.0);
-        let signs = self.before.iter().zip(self.of_sites(lane, DENOMINATOR));
-        let changed = signs
-            .enumerate()
-            .filter(|(_, (a, b))| a.signum() != b.signum());
-        changed.map(|(site, _)| site).collect()
+        let sites = numbers.sites();
+        for (which, before) in self.before.chunks_exact_mut(sites).enumerate() {
+            before.copy_from_slice(numbers.of_sites(&self.workers[lane].0, which));
+        }
+    }
+
+    /// The first denominator at whose change of sign the field has a pole.
+    fn pole(&mut self, lane: usize, way: Way<'_>) -> Option<String> {
+        let looks = self.poles.looks;
+        self.look(lane, way, looks[0]);
+        for parts in looks.windows(2) {
+            self.keep(lane);
+            self.look(lane, way, parts[1]);
+            let numbers = &self.poles.numbers;
+            let sites = numbers.sites();
+            for (which, before) in self.before.chunks_exact(sites).enumerate() {
+                let after = numbers.of_sites(&self.workers[lane].0, which);
+                for site in 0..sites {
+                    let keeps = before[site].signum() == after[site].signum();
+                    if !keeps && self.is_pole(lane, way, (site, which), (parts[0], parts[1])) {
+                        let here = self.poles.proxy_site(site);
+                        let denominator = &self.poles.denominators[here][which];
+                        return Some(self.poles.written(denominator, here, site));
+                    }
+                }
+            }
+        }
+        None
+    }
+
+    fn is_pole(
+        &self,
+        lane: usize,
+        (x, increment): Way<'_>,
+        (site, which): (usize, usize),
+        between: (f64, f64),
+    ) -> bool {
+        let poles = &self.poles;
+        let (lanes, here) = (self.workers.len(), poles.proxy_site(site));
+        let around = |values: &[f64]| {
+            let of_proxy = 0..poles.proxy.dimension();
+            let value = |coordinate: usize| values[coordinate * lanes + lane];
+            of_proxy
+                .map(|at| poles.coordinate(at, here, site).map_or(0.0, value))
+                .collect()
+        };
+        let crossing = Crossing {
+            graph: &poles.graph,
+            field: &poles.field,
+            denominator: &poles.denominators[here][which],
+            parameters: self.workers[lane].1.clone(),
+            start: around(x),
+            increment: around(increment),
+        };
+        crossing.is_pole(between)
     }
 }
 
 impl StepCheck for Crossings {
     fn check(&mut self, x: &[f64], increment: &[f64], outcome: &mut [Result<(), StepError>]) {
-        let way = (x, increment);
         for (lane, outcome) in outcome.iter_mut().enumerate() {
-            if outcome.is_err() {
-                continue;
-            }
-            let crossed = self.changed(lane, way).into_iter().find(|site| {
-                // Without bounds of its rounding errors the gradient is not looked at any nearer.
-                is_pole(&LOOKS[..2], |part| {
-                    self.look(lane, way, part);
-                    let squares = self.of_sites(lane, SQUARES)[*site];
-                    (self.of_sites(lane, DENOMINATOR)[*site], libm::sqrt(squares))
-                })
-            });
-            if let Some(site) = crossed {
-                *outcome = Err(StepError::Pole {
-                    denominator: format!("a denominator of the energy of site {site}"),
-                });
+            if outcome.is_ok()
+                && let Some(denominator) = self.pole(lane, (x, increment))
+            {
+                *outcome = Err(StepError::Pole { denominator });
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Numbers of every site of a lattice.
 
-use leafwise_expression::{Graph, Term};
+use leafwise_expression::{Arithmetic, Graph, Term};
 
 use super::geometry::{LatticeGeometry, Proxy};
 use super::program::{LatticeProgram, LatticeWorker};
@@ -14,6 +14,18 @@ const REACH: usize = 8;
 pub(super) type OfSite<'a> =
     dyn FnMut(&LatticeGeometry, usize, &mut Graph, &[Term]) -> Result<Vec<Term>, BuildError> + 'a;
 
+/// The proxy on which numbers of sites are written, and its width.
+pub(super) fn proxy_of(geometry: &LatticeGeometry) -> (LatticeGeometry, usize) {
+    let families = geometry.families.iter();
+    let shorter = families.map(|f| geometry.length() - f.1).max().unwrap_or(0);
+    let width = REACH + shorter;
+    let length = 2 * width + 3;
+    match geometry.length() <= length {
+        true => (geometry.clone(), 0),
+        false => (geometry.resized(length), width),
+    }
+}
+
 /// Functions of the state around a site, evaluated at every site in O(N).
 #[derive(Clone, Debug)]
 pub(super) struct SiteNumbers {
@@ -24,8 +36,8 @@ pub(super) struct SiteNumbers {
 }
 
 impl SiteNumbers {
-    /// Compiles what `numbers` writes for each site of a proxy lattice, as many terms each, from the
-    /// proxy's coordinates, which are the graph's first inputs.
+    /// Compiles what `numbers` writes for each site of a proxy lattice from the proxy's coordinates, which
+    /// are the graph's first inputs. Sites with fewer numbers than others have 1 for those that they lack.
     ///
     /// # Errors
     /// [`BuildError::NotLocal`] when a number reaches further than 8 sites; those of `numbers`.
@@ -34,21 +46,17 @@ impl SiteNumbers {
         parameters: usize,
         numbers: &mut OfSite<'_>,
     ) -> Result<Self, BuildError> {
-        let families = geometry.families.iter();
-        let shorter = families.map(|f| geometry.length() - f.1).max().unwrap_or(0);
-        let width = REACH + shorter;
-        let length = 2 * width + 3;
-        let (proxy, width) = if geometry.length() <= length {
-            (geometry.clone(), 0)
-        } else {
-            (geometry.resized(length), width)
-        };
+        let (proxy, width) = proxy_of(geometry);
         let mut builder = StageBuilder::new(proxy.dimension());
         let (state, x) = builder.unwritten();
         let mut columns: Vec<Vec<Term>> = Vec::new();
         for site in 0..proxy.length() {
             let terms = numbers(&proxy, site, &mut builder.graph, &x)?;
-            columns.resize(terms.len(), Vec::new());
+            let one = builder.graph.one();
+            while columns.len() < terms.len() {
+                columns.push(vec![one.clone(); site]);
+            }
+            let terms = terms.into_iter().chain(std::iter::repeat(one));
             for (column, term) in columns.iter_mut().zip(terms) {
                 column.push(term);
             }
@@ -98,6 +106,11 @@ impl SiteNumbers {
             .zip(state)
             .for_each(|(to, value)| *to = value);
         self.program.run(worker);
+    }
+
+    /// How many of them a site has.
+    pub(super) fn count(&self) -> usize {
+        self.numbers.len()
     }
 
     /// One of them at every site, after an evaluation.

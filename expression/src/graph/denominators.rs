@@ -79,11 +79,32 @@ impl Graph {
         (!own.is_empty()).then_some(product)
     }
 
+    /// Whether the form of each of these terms says that it is affine in the state.
+    pub fn is_affine(&self, terms: &[Term]) -> bool {
+        let rests = |node: &Node| self.tier(*node) != Tier::Step;
+        let mut known: Vec<bool> = Vec::with_capacity(self.len());
+        for node in self.nodes() {
+            let is = |a: &Node| known[a.index()];
+            let affine = match self.operation(node) {
+                Operation::Input(_) => true,
+                Operation::Sum(terms) => terms.iter().all(|(_, a)| is(a)),
+                Operation::Scale(_, a) => is(a),
+                Operation::Product(a, b) => (rests(a) && is(b)) || (is(a) && rests(b)),
+                _ => false,
+            };
+            known.push(affine || rests(&node));
+        }
+        terms.iter().all(|term| known[term.node.index()])
+    }
+
+    fn nodes(&self) -> impl Iterator<Item = Node> + use<> {
+        (0..self.len()).map(|at| Node(u32::try_from(at).expect("fewer than 2^32 nodes")))
+    }
+
     /// Whether the form of each node says that it is never negative where it has a value.
     fn never_negative(&self) -> Vec<bool> {
         let mut known: Vec<bool> = Vec::with_capacity(self.len());
-        for at in 0..self.len() {
-            let node = Node(u32::try_from(at).expect("fewer than 2^32 nodes"));
+        for node in self.nodes() {
             let is = |a: &Node| known[a.index()];
             known.push(match self.operation(node) {
                 Operation::One | Operation::Pi | Operation::Power(..) => true,
@@ -109,9 +130,12 @@ mod tests {
     use super::*;
     use crate::syntax::{Formula, Scope};
 
-    fn of(formula: &str) -> Vec<String> {
-        let names = ["x", "y", "z"].map(str::to_owned);
-        let parameters = ["a".to_owned()];
+    fn names() -> ([String; 3], [String; 1]) {
+        (["x", "y", "z"].map(str::to_owned), ["a".to_owned()])
+    }
+
+    fn code(formula: &str) -> (Graph, Term) {
+        let (names, parameters) = names();
         let scope = Scope::new()
             .with_variables(&names)
             .with_parameters(&parameters);
@@ -122,6 +146,12 @@ mod tests {
         let term = expression
             .evaluate_in(&mut graph, &mut |_, at| Ok(inputs[at].clone()))
             .unwrap();
+        (graph, term)
+    }
+
+    fn of(formula: &str) -> Vec<String> {
+        let (names, parameters) = names();
+        let (mut graph, term) = code(formula);
         let denominators = graph.denominators(&[term]).unwrap();
         let written = |term: &Term| {
             graph
@@ -157,5 +187,16 @@ mod tests {
         ] {
             assert!(of(formula).is_empty(), "{formula}: {:?}", of(formula));
         }
+    }
+
+    #[test]
+    fn affine_functions_change_their_sign_once_on_a_line() {
+        let affine = |formula: &str| {
+            let (graph, term) = code(formula);
+            graph.is_affine(&[term])
+        };
+        assert!(affine("2*x - a^2*(y - 3) + sin(a)"));
+        assert!(!affine("x*y - 1"));
+        assert!(!affine("cos(x)"));
     }
 }

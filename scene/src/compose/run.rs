@@ -262,7 +262,7 @@ fn compose_lattice(
     Ok(LatticeStepping {
         invariants: LatticeObservables::new(lattice, &values, 0..invariants)?,
         formulas: LatticeObservables::new(lattice, &values, invariants..usize::MAX)?,
-        stepped: WithoutPoles::of_lattice(lattice, values.len(), map)?,
+        stepped: WithoutPoles::of_lattice(lattice, map)?,
         is_composed,
         base,
     })
