@@ -86,16 +86,17 @@ fn two_poles_of_one_denominator_are_not_jumped_over() {
     }
 }
 
-/// Beside the pole of p′ = 2k/q³ the other component, q′ = p, is a million times as large.
+/// Unless the step is 1, q′ = p and p′ = 2k/q³ differ by many orders, beside the pole too.
 #[test]
 fn a_pole_is_found_in_a_step_of_any_length() {
-    for (strength, step) in [(1e-12, 1e-9), (1e-12, 1e12), (1e12, 1e12), (2e-3, 0.08)] {
-        let hamiltonian = format!("p^2/2 + {strength:?}/q^2");
-        let speed = -1.5 / step;
-        let run = scene(&hamiltonian, METHODS[0], step, [1.0, speed]);
-        let (positions, error) = positions(&run);
-        assert!(positions.iter().all(|q| *q > 0.0), "{positions:?}");
-        assert!(matches!(error, Some(StepError::Pole { .. })), "{error:?}");
+    for step in [1e-12, 1e-3, 1.0, 1e3, 1e12] {
+        for weakness in [1e-3, 1e-9, 1e-15] {
+            let strength = weakness / (step * step);
+            let hamiltonian = format!("p^2/2 + {strength:?}/q^2");
+            let run = scene(&hamiltonian, METHODS[0], step, [1.0, -1.5 / step]);
+            let (_, error) = positions(&run);
+            assert!(matches!(error, Some(StepError::Pole { .. })), "{error:?}");
+        }
     }
 }
 
@@ -164,7 +165,7 @@ fn neighbours_of_a_long_chain_do_not_pass_each_other() {
     let (_, error) = positions(&scene(repelling, 300.0));
     match error {
         Some(StepError::Pole { denominator }) => {
-            assert!(denominator.starts_with("1 + u["), "{denominator}");
+            assert!(denominator.contains("u["), "{denominator}");
         }
         other => panic!("they meet: {other:?}"),
     }
