@@ -101,9 +101,9 @@ impl Dual {
         Self { parts, is_rough }.judged()
     }
 
-    fn power(&self, numerator: i32, denominator: i32) -> Self {
-        let (x, exponent) = (self.value(), f64::from(numerator) / f64::from(denominator));
-        if numerator == 0 {
+    fn power(&self, exponent: f64) -> Self {
+        let x = self.value();
+        if exponent == 0.0 {
             return Self::constant(1.0, 0.0, self.parts.len() - 1);
         }
         let slope = exponent * libm::pow(x, exponent - 1.0);
@@ -208,12 +208,15 @@ impl Tree {
                 }
                 product
             }
-            Self::Quotient(above, below) => above.dual(x).multiply(&below.dual(x).power(-1, 1)),
-            Self::Power(base, numerator, denominator) => {
-                base.dual(x).power(*numerator, *denominator)
-            }
+            Self::Quotient(above, below) => above.dual(x).multiply(&below.dual(x).power(-1.0)),
+            Self::Power(base, numerator, denominator) => base
+                .dual(x)
+                .power(f64::from(*numerator) / f64::from(*denominator)),
             Self::General(base, exponent) => {
                 let (base, exponent) = (base.dual(x), exponent.dual(x));
+                if exponent.parts[1..].iter().all(|slope| *slope == (0.0, 0.0)) {
+                    return base.power(exponent.value());
+                }
                 let logarithm = base.apply(Function::Ln);
                 exponent.multiply(&logarithm).apply(Function::Exp)
             }

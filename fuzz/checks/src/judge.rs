@@ -1,9 +1,10 @@
 //! Is a random scene's result right, refused, warned of, or silently wrong?
 //!
 //! A result is *confirmed* when an independent solution agrees with it, or when its error against that
-//! solution is part of the motion only and falls as the step is halved twice. Where it is not, the
+//! solution is part of the motion only and falls as the step is halved up to six times. Where it is not, the
 //! program must have refused, failed or warned; where the motion is too stiff for that solution, the halved
-//! steps confirm it. Whoever promises a Poisson map keeps the Casimirs and, where
+//! steps confirm it. A small error from a place that the motion passes within less than a 64th of a step is
+//! *unresolved*: no halved step sees it. Whoever promises a Poisson map keeps the Casimirs and, where
 //! the tensor does, the signs.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -14,7 +15,7 @@ use leafwise::scene::{
     AdviceKind, ComposedRun, RunOptions, RunOutcome, SceneChecks, SceneDocument, compose,
 };
 
-use crate::reference::solution;
+use crate::reference::{Solution, solution};
 use crate::scene::{RandomScene, STEPS};
 
 /// What became of a scene; each with its kind.
@@ -28,6 +29,8 @@ pub enum Verdict {
     Warned(String),
     /// Right.
     Confirmed,
+    /// A small error from a place that is passed within less than a 64th of a step.
+    Unresolved,
     /// Neither refused nor warned of, and not confirmed.
     Suspicious(String),
 }
@@ -43,6 +46,12 @@ const GROSS: f64 = 0.5;
 
 /// What an error falls by at least over two halvings: of order 1, the lowest there is, by 4.
 const FALLS: f64 = 0.4;
+
+/// How often steps are halved.
+const HALVINGS: u32 = 6;
+
+/// The error relative to the motion below which a place passed within a fraction of a step is unresolved.
+const UNRESOLVED: f64 = 1e-3;
 
 /// What a promised Casimir may drift by, relative to its terms.
 const DRIFT: f64 = 1e-9;
@@ -79,10 +88,11 @@ fn judged(scene: &RandomScene, registry: &Registry) -> Verdict {
         Ok(end) => end,
         Err(error) => return Verdict::Failed(failure(&error).to_owned()),
     };
-    let Some(doubt) = doubt(scene, &composed, &end) else {
-        return Verdict::Confirmed;
-    };
-    reported(&document, &composed, registry, doubt)
+    match doubt(scene, &composed, &end) {
+        None => Verdict::Confirmed,
+        Some(Doubt::Unresolved) => Verdict::Unresolved,
+        Some(Doubt::Wrong(why)) => reported(&document, &composed, registry, why),
+    }
 }
 
 /// What the program itself says of a result that is in doubt.
@@ -143,15 +153,21 @@ fn end(run: &ComposedRun, parts: u32) -> Result<Vec<f64>, StepError> {
     Ok(integrator.state().to_vec())
 }
 
+/// Why a result is not confirmed.
+enum Doubt {
+    Wrong(String),
+    Unresolved,
+}
+
 /// Why a result is not confirmed, if it is not.
-fn doubt(scene: &RandomScene, run: &ComposedRun, end_state: &[f64]) -> Option<String> {
+fn doubt(scene: &RandomScene, run: &ComposedRun, end_state: &[f64]) -> Option<Doubt> {
     if let Some(broken) = broken_promise(scene, run, end_state) {
-        return Some(broken);
+        return Some(Doubt::Wrong(broken));
     }
     let mut widest: Vec<f64> = scene.initial.iter().map(|x| x.abs()).collect();
     let field = |x: &[f64]| scene.field(x);
-    let states = solution(&field, &scene.initial, scene.time_step, STEPS, &mut widest);
-    if states.is_none() {
+    let solution = solution(&field, &scene.initial, scene.time_step, STEPS, &mut widest);
+    if solution.is_none() {
         for (widest, x) in widest.iter_mut().zip(end_state) {
             *widest = widest.max(x.abs());
         }
@@ -161,16 +177,17 @@ fn doubt(scene: &RandomScene, run: &ComposedRun, end_state: &[f64]) -> Option<St
         let apart = (0..a.len()).map(|i| (a[i] - b[i]).abs() / widest[i].max(least));
         apart.fold(0.0_f64, |m, e| if e > m || e.is_nan() { e } else { m })
     };
-    let shorter = || [2, 4].map(|parts| end(run, parts));
-    let Some(states) = states else {
+    let halved = |times: u32| end(run, 1 << times);
+    let Some(Solution { states, shortest }) = solution else {
         // Too stiff for the independent solution: the halved steps are to confirm it.
-        let [Ok(half), Ok(quarter)] = shorter() else {
-            return Some("the motion cannot be followed to the end".to_owned());
+        let (Ok(half), Ok(quarter)) = (halved(1), halved(2)) else {
+            let why = "the motion cannot be followed to the end";
+            return Some(Doubt::Wrong(why.to_owned()));
         };
         let (whole, rest) = (largest(end_state, &half), largest(&half, &quarter));
         let is_confirmed = rest <= ACCURATE || whole <= GROSS && rest <= FALLS * whole;
         return (!is_confirmed).then(|| {
-            format!("the motion cannot be followed to the end: halved steps differ by {whole:.1e}, {rest:.1e}")
+            Doubt::Wrong(format!("the motion cannot be followed to the end: halved steps differ by {whole:.1e}, {rest:.1e}"))
         });
     };
     let last = &states[STEPS];
@@ -185,19 +202,34 @@ fn doubt(scene: &RandomScene, run: &ComposedRun, end_state: &[f64]) -> Option<St
     {
         return None;
     }
-    let [half, quarter] = shorter().map(|end| end.map_or(f64::NAN, |end| largest(&end, last)));
-    let history =
-        format!("errors {error:.1e}, {half:.1e}, {quarter:.1e} of a motion of {motion:.1e}");
-    let is_part_of_motion = error <= GROSS * motion;
-    if !is_part_of_motion {
-        return Some(format!("a gross error: {history}"));
+    let mut errors = vec![error];
+    if error <= GROSS * motion {
+        for times in 1..=HALVINGS {
+            let error = halved(times).map_or(f64::NAN, |end| largest(&end, last));
+            errors.push(error);
+            if falls(&errors) {
+                return None;
+            }
+        }
     }
-    let is_small = quarter <= ACCURATE;
-    let falls = quarter <= FALLS * error;
-    if !is_small && !falls {
-        return Some(format!("an error that does not fall: {history}"));
+    if error <= UNRESOLVED * motion && shortest < 1.0 / f64::from(1_u32 << HALVINGS) {
+        return Some(Doubt::Unresolved);
     }
-    None
+    let history: Vec<String> = errors.iter().map(|error| format!("{error:.1e}")).collect();
+    let history = format!("errors {} of a motion of {motion:.1e}", history.join(", "));
+    Some(Doubt::Wrong(match errors.len() {
+        1 => format!("a gross error: {history}"),
+        _ => format!("an error that does not fall: {history}"),
+    }))
+}
+
+/// Whether the last of errors of steps halved again and again is small, or has fallen over two halvings and
+/// below the first.
+fn falls(errors: &[f64]) -> bool {
+    let Some([before, _, last]) = errors.last_chunk() else {
+        return false;
+    };
+    *last <= ACCURATE || *last <= FALLS * before && *last <= FALLS * errors[0]
 }
 
 /// A Casimir or a sign that an exact Poisson map has not kept.

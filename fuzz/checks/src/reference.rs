@@ -10,7 +10,15 @@ const TOLERANCE: f64 = 1e-13;
 /// Steps after which it gives up: the solution is too stiff, or ends.
 const MOST_STEPS: usize = 400;
 
-/// The solution of x′ = f(x) at `times` equal intervals of length `interval`, x_0 first; `None` where it ends
+/// A solution at equal intervals.
+pub struct Solution {
+    /// x_0 first.
+    pub states: Vec<Vec<f64>>,
+    /// The shortest step that it took, in intervals, but for those that end at an interval's end.
+    pub shortest: f64,
+}
+
+/// The solution of x′ = f(x) at `times` equal intervals of length `interval`; `None` where it ends
 /// or cannot be followed. `widest` takes each coordinate's largest size on the way.
 pub fn solution(
     field: &dyn Fn(&[f64]) -> Vec<f64>,
@@ -18,11 +26,12 @@ pub fn solution(
     interval: f64,
     times: usize,
     widest: &mut [f64],
-) -> Option<Vec<Vec<f64>>> {
+) -> Option<Solution> {
     let mut x = initial.to_vec();
     let mut states = vec![x.clone()];
     let mut step = interval / 16.0;
     let mut steps = 0;
+    let mut shortest = 1.0_f64;
     for _ in 0..times {
         let mut done = 0.0;
         while done < interval {
@@ -49,6 +58,9 @@ pub fn solution(
                 continue;
             }
             x = next;
+            if !is_last {
+                shortest = shortest.min(trial / interval);
+            }
             for (widest, x) in widest.iter_mut().zip(&x) {
                 *widest = widest.max(x.abs());
             }
@@ -57,7 +69,7 @@ pub fn solution(
         }
         states.push(x.clone());
     }
-    Some(states)
+    Some(Solution { states, shortest })
 }
 
 /// One step and its error.

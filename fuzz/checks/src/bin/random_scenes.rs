@@ -99,6 +99,7 @@ impl Tally {
                 Verdict::Failed(kind) => ("failed", kind.as_str()),
                 Verdict::Warned(kind) => ("warned", kind.as_str()),
                 Verdict::Confirmed => ("confirmed", ""),
+                Verdict::Unresolved => ("unresolved", ""),
                 Verdict::Suspicious(kind) => ("suspicious", kind.as_str()),
             };
             println!("{count:9}  {group:10}  {kind}  (first: {first})");
