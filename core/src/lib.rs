@@ -6,6 +6,7 @@
 //!
 //! - [`system`]: the Poisson tensor, the Hamiltonian, Casimirs and parameters.
 //! - [`realization`]: [`RealizationData`], the geometric approximation.
+//! - [`closed_form`]: realizations whose α is a closed form, written once.
 //! - [`chart`]: charts about the section, as numbers.
 //! - [`dynamics`]: [`DynamicApproximation`], the dynamic one.
 //! - [`bisection`]: [`LagrangianBisection`], which it provides.
@@ -23,6 +24,7 @@
 
 pub mod bisection;
 pub mod chart;
+pub mod closed_form;
 mod code_workers;
 mod compensation;
 pub mod diagnostics;
@@ -50,6 +52,7 @@ pub use bisection::{
     BisectionBatch, BisectionCode, BisectionWorker, LagrangianBisection, OneFormWorker,
 };
 pub use chart::ChartMaps;
+pub use closed_form::{ChartPoint, ClosedForm, ClosedRealization};
 pub use code_workers::{RealizationMaps, realization_worker};
 pub use compensation::two_sum;
 pub use dynamics::{Correction, DynamicApproximation};

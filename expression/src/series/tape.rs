@@ -47,8 +47,12 @@ impl Tape {
     /// # Errors
     /// [`AlgebraError`] for a division by zero or an exponent that depends on variables.
     pub fn record(&mut self, expression: &Expression) -> Result<TapeIndex, AlgebraError> {
-        let mut variables = |tape: &mut Self, index| Ok(tape.push(Step::Variable(index)));
-        expression.evaluate_in(self, &mut variables)
+        expression.evaluate_in(self, &mut |tape: &mut Self, index| Ok(tape.variable(index)))
+    }
+
+    /// The node of the variable xᵢ.
+    pub fn variable(&mut self, index: usize) -> TapeIndex {
+        self.push(Step::Variable(index))
     }
 
     fn push(&mut self, step: Step) -> TapeIndex {

@@ -8,7 +8,7 @@
 
 use std::sync::Arc;
 
-use leafwise_constant::ConstantRealization;
+use leafwise_constant::Constant;
 use leafwise_core::{BuildError, PoissonSystem, RealizationData};
 use leafwise_realization_claims::lattice::{Chain, by_templates_and_written_out};
 use leafwise_realization_claims::realizations::{dual_pair_error, inversion_and_section_error};
@@ -40,7 +40,7 @@ fn degenerate() -> PoissonSystem {
 }
 
 fn realization(system: &PoissonSystem) -> Arc<dyn RealizationData> {
-    Arc::new(ConstantRealization::new(system).expect("a constant tensor"))
+    Arc::new(Constant::realize(system).expect("a constant tensor"))
 }
 
 proptest! {
@@ -104,7 +104,7 @@ fn measured_orders_are_those_declared() {
 #[test]
 fn an_entry_with_variables_is_named() {
     let system = library("rigid-body").system;
-    let refusal = ConstantRealization::new(&system).expect_err("a linear tensor");
+    let refusal = Constant::realize(&system).expect_err("a linear tensor");
     let BuildError::DoesNotFit { part, reason } = refusal else {
         panic!("{refusal:?}");
     };

@@ -48,7 +48,7 @@ fn systems() -> [(PoissonSystem, &'static str); 3] {
 }
 
 fn realization(system: &PoissonSystem, potential: &str) -> Arc<dyn RealizationData> {
-    Arc::new(DarbouxMagnetic::new(system, potential).expect("a magnetic bracket"))
+    Arc::new(DarbouxMagnetic::realize(system, potential).expect("a magnetic bracket"))
 }
 
 proptest! {
@@ -165,7 +165,7 @@ fn measured_orders_are_those_declared() {
 fn what_does_not_fit_is_named() {
     let magnetic = library("magnetic").system;
     let reason =
-        |system: &PoissonSystem, potential: &str| match DarbouxMagnetic::new(system, potential)
+        |system: &PoissonSystem, potential: &str| match DarbouxMagnetic::realize(system, potential)
             .expect_err("refused")
         {
             BuildError::DoesNotFit { part, reason } => {

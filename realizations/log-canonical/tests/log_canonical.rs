@@ -22,7 +22,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 
 fn realization(system: &PoissonSystem) -> Arc<dyn RealizationData> {
-    Arc::new(LogCanonical::new(system).expect("a log-canonical tensor"))
+    Arc::new(LogCanonical::realize(system).expect("a log-canonical tensor"))
 }
 
 /// Four species with all six brackets and a coefficient that is a function of the parameters.
@@ -126,7 +126,7 @@ fn an_entry_of_another_shape_is_named() {
         "x + y + z",
         &[],
     );
-    let refusal = LogCanonical::new(&system).expect_err("not log-canonical");
+    let refusal = LogCanonical::realize(&system).expect_err("not log-canonical");
     let BuildError::DoesNotFit { part, reason } = refusal else {
         panic!("{refusal:?}");
     };

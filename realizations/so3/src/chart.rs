@@ -1,14 +1,12 @@
 //! The cotangent charts of T*SO(3) about the section.
 
-use leafwise_core::BuildError;
-use leafwise_core::realization::SourceSeries;
-use leafwise_expression::{Graph, Term};
-use leafwise_karasev::series::KarasevSeries;
+use std::sync::Arc;
 
-use crate::cayley::{self, CayleySeries};
-use crate::exponential;
-use crate::tensor::RotationTensor;
-use crate::vector::cross;
+use leafwise_core::{BuildError, PoissonSystem, RealizationData};
+use leafwise_expression::{Arithmetic, Graph, Rational, Term};
+
+use crate::cayley::{self, Cayley};
+use crate::exponential::{self, So3Exponential};
 
 /// Where T*SO(3) is treated.
 pub(crate) const LITERATURE: &str = "Cabrera, Martin de Diego, Vaquero, Approximating Symplectic \
@@ -26,11 +24,25 @@ pub enum Chart {
 }
 
 /// α = x − ½ moment + even.
-pub(crate) struct Source {
+pub(crate) struct Source<E> {
     /// x × q.
-    pub moment: Vec<Term>,
+    pub moment: Vec<E>,
     /// The part even in q, without x.
-    pub even: Vec<Term>,
+    pub even: Vec<E>,
+}
+
+impl<E: Clone> Source<E> {
+    /// α.
+    pub(crate) fn total<A: Arithmetic<Element = E>>(&self, algebra: &mut A, x: &[E]) -> Vec<E> {
+        let mut component = |i: usize| {
+            algebra.combine(&[
+                (Rational::one(), x[i].clone()),
+                (Rational::new(-1, 2), self.moment[i].clone()),
+                (Rational::one(), self.even[i].clone()),
+            ])
+        };
+        (0..3).map(&mut component).collect()
+    }
 }
 
 impl Chart {
@@ -42,13 +54,22 @@ impl Chart {
         }
     }
 
-    pub(crate) fn source(self, graph: &mut Graph, x: &[Term], q: &[Term]) -> Source {
-        let moment = cross(graph, x, q);
-        let even = match self {
-            Self::Exponential => exponential::even_part(graph, &moment, q),
-            Self::Cayley => cayley::even_part(graph, x, q),
-        };
-        Source { moment, even }
+    /// The realization on T*so(3)* in this chart.
+    ///
+    /// # Errors
+    /// [`BuildError::DoesNotFit`] when the tensor is not a constant multiple of that of so(3)*.
+    pub fn realize(self, system: &PoissonSystem) -> Result<Arc<dyn RealizationData>, BuildError> {
+        Ok(match self {
+            Self::Exponential => Arc::new(So3Exponential::new(system)?),
+            Self::Cayley => Arc::new(Cayley::realize(system)?),
+        })
+    }
+
+    pub(crate) fn source(self, graph: &mut Graph, x: &[Term], q: &[Term]) -> Source<Term> {
+        match self {
+            Self::Exponential => exponential::source(graph, x, q),
+            Self::Cayley => cayley::source(graph, x, q),
+        }
     }
 
     /// The unit quaternion of R(q), scalar part first.
@@ -56,32 +77,6 @@ impl Chart {
         match self {
             Self::Exponential => Ok(exponential::quaternion(graph, q)),
             Self::Cayley => Ok(cayley::quaternion(graph, q)?),
-        }
-    }
-
-    /// α along p(h): the exponential chart is Karasev's.
-    pub(crate) fn series(self, tensor: &RotationTensor) -> ChartSeries {
-        match self {
-            Self::Exponential => {
-                ChartSeries::Exponential(KarasevSeries::new(tensor.system().clone()))
-            }
-            Self::Cayley => ChartSeries::Cayley(CayleySeries::new(tensor.clone())),
-        }
-    }
-}
-
-/// The series of a chart's source.
-#[derive(Clone, Debug)]
-pub(crate) enum ChartSeries {
-    Exponential(KarasevSeries),
-    Cayley(CayleySeries),
-}
-
-impl ChartSeries {
-    pub(crate) fn as_dyn(&self) -> &dyn SourceSeries {
-        match self {
-            Self::Exponential(series) => series,
-            Self::Cayley(series) => series,
         }
     }
 }

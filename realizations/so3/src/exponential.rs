@@ -1,20 +1,137 @@
-//! The exponential chart R = exp \[q\]×, q = εp: Karasev's realization in closed form.
+//! The exponential chart R = exp \[q\]×, q = ελp: Karasev's realization in closed form.
 
-use leafwise_expression::{Arithmetic, Graph, Rational, Term};
+use leafwise_core::part::{Auto, PartInfo, PartKind};
+use leafwise_core::realization::{
+    Accuracy, RealizationCode, RealizationData, SourceSeries, SourceTarget,
+};
+use leafwise_core::registry::RealizationPart;
+use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_expression::{Arithmetic, Function, Graph, Rational, Term};
+use leafwise_karasev::series::KarasevSeries;
 
+use crate::chart::{LITERATURE, Source};
 use crate::functions::{COTANGENT, HALF_COSINE, HALF_SINE};
+use crate::tensor::RotationTensor;
 use crate::vector::{cross, dot, times};
+
+static INFO: PartInfo = PartInfo {
+    name: "so3-exponential",
+    summary: "T*SO(3) in the exponential chart: Karasev's realization of so(3)*, summed",
+    declares: "exact; self-adjoint",
+    domain: "{x1,x2} = -a x3 cyclic with constant a of either sign; eps*|a|*|p| < 2 pi, checked",
+    literature: LITERATURE,
+    auto: Some(Auto::Exact {
+        rank: 3,
+        reason: "the tensor is that of so(3)*: a closed form",
+    }),
+    ..PartInfo::of(PartKind::Realization)
+};
+
+/// (T*so(3)* ⊃ U, ω_M, α, β, σ) with β(x, p) = α(x, −p) and, q = ελp,
+/// α = x − ½ x×q + c (x×q)×q, c = (1 − (θ/2) cot(θ/2))/θ², θ = ‖q‖ < 2π.
+///
+/// The odd part is orthogonal to x + even part, which keeps the Casimir |x|² whatever the rounding
+/// of the coefficient.
+#[derive(Clone, Debug)]
+pub struct So3Exponential {
+    tensor: RotationTensor,
+    series: KarasevSeries,
+}
+
+impl So3Exponential {
+    /// The realization of `system`'s tensor.
+    ///
+    /// # Errors
+    /// [`BuildError::DoesNotFit`] when the tensor is not a constant multiple of that of so(3)*.
+    pub fn new(system: &PoissonSystem) -> Result<Self, BuildError> {
+        let tensor = RotationTensor::new(INFO.name, system)?;
+        Ok(Self {
+            series: KarasevSeries::new(tensor.system().clone()),
+            tensor,
+        })
+    }
+}
+
+impl RealizationData for So3Exponential {
+    fn dimension(&self) -> usize {
+        3
+    }
+
+    fn space_dimension(&self) -> usize {
+        6
+    }
+
+    fn accuracy(&self) -> Accuracy {
+        Accuracy::Exact
+    }
+
+    fn describe(&self) -> String {
+        INFO.name.to_owned()
+    }
+
+    fn section(&self, x: &[f64], z: &mut [f64]) {
+        z[..3].copy_from_slice(x);
+        z[3..].fill(0.0);
+    }
+
+    fn code(&self) -> Option<&dyn RealizationCode> {
+        Some(self)
+    }
+
+    fn series(&self) -> Option<&dyn SourceSeries> {
+        Some(&self.series)
+    }
+}
+
+impl RealizationCode for So3Exponential {
+    fn source_and_target(
+        &self,
+        graph: &mut Graph,
+        epsilon: &Term,
+        z: &[Term],
+    ) -> Result<SourceTarget, BuildError> {
+        let (x, p) = z.split_at(3);
+        let q = self.tensor.scaled_momentum(graph, epsilon, p)?;
+        let source = source(graph, x, &q);
+        let offset = source
+            .even
+            .iter()
+            .zip(&source.moment)
+            .map(|(even, moment)| {
+                let terms = [
+                    (Rational::one(), even.clone()),
+                    (Rational::new(1, 2), moment.clone()),
+                ];
+                graph.combine(&terms)
+            })
+            .collect();
+        let increment = source.moment.iter().map(|w| graph.negate(w)).collect();
+        let square = dot(graph, &q, &q);
+        let angle = graph.apply(Function::Sqrt, &square)?;
+        let guard = Some(guard(graph, angle));
+        Ok(SourceTarget {
+            base: x.to_vec(),
+            offset,
+            increment,
+            guard,
+        })
+    }
+}
 
 /// θ/2π at which the chart is declared left: 1 − 2⁻¹⁰. There c has lost ten bits, since its
 /// relative condition in θ² is θ²/(4π² − θ²).
 const WALL: (i64, i64) = (1023, 1024);
 
-/// The part of α even in q without x: c (x×q)×q, c = (1 − (θ/2) cot(θ/2))/θ², θ = ‖q‖.
-pub(crate) fn even_part(graph: &mut Graph, moment: &[Term], q: &[Term]) -> Vec<Term> {
+/// α's parts, x × q and c (x×q)×q.
+pub(crate) fn source(graph: &mut Graph, x: &[Term], q: &[Term]) -> Source<Term> {
+    let moment = cross(graph, x, q);
     let square = dot(graph, q, q);
     let coefficient = graph.apply_analytic(COTANGENT, 0, &square);
-    let twice = cross(graph, moment, q);
-    times(graph, &coefficient, &twice)
+    let twice = cross(graph, &moment, q);
+    Source {
+        even: times(graph, &coefficient, &twice),
+        moment,
+    }
 }
 
 /// (cos(θ/2), sin(θ/2) q/θ), the quaternion of exp \[q\]×.
@@ -32,3 +149,8 @@ pub(crate) fn guard(graph: &mut Graph, angle: Term) -> (Vec<Term>, Vec<Term>) {
     let radius = graph.scale(&Rational::new(2 * WALL.0, WALL.1), &pi);
     (vec![radius; 3], vec![angle; 3])
 }
+
+leafwise_core::built_in!(RealizationPart::new(&INFO, |system, parameters| {
+    parameters.refuse_unknown(&INFO)?;
+    Ok(std::sync::Arc::new(So3Exponential::new(system)?))
+}));

@@ -10,7 +10,7 @@ use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::{Arithmetic, Function, Graph, Rational, Term};
 
-use crate::chart::{Chart, ChartSeries, LITERATURE};
+use crate::chart::{Chart, LITERATURE};
 use crate::exponential::guard;
 use crate::tensor::RotationTensor;
 use crate::vector::cross;
@@ -39,12 +39,13 @@ static INFO: PartInfo = PartInfo {
 /// (q0, v), z = (q0, v, m).
 ///
 /// What lives on T*M reaches it through χ(x, p) = (R(ελp), α_ε(x, p)) in a chart of rotations;
-/// α∘χ and β∘χ are those of [`So3Cotangent`](crate::So3Cotangent) in the same chart.
+/// α∘χ and β∘χ are those of the realization on T*so(3)* in the same chart.
 #[derive(Clone, Debug)]
 pub struct So3Group {
     chart: Chart,
     tensor: RotationTensor,
-    series: ChartSeries,
+    /// The realization on T*so(3)* in the same chart.
+    flat: Arc<dyn RealizationData>,
 }
 
 impl So3Group {
@@ -55,7 +56,7 @@ impl So3Group {
     pub fn new(system: &PoissonSystem, chart: Chart) -> Result<Self, BuildError> {
         let tensor = RotationTensor::new(INFO.name, system)?;
         Ok(Self {
-            series: chart.series(&tensor),
+            flat: chart.realize(system)?,
             chart,
             tensor,
         })
@@ -98,7 +99,7 @@ impl RealizationData for So3Group {
     }
 
     fn series(&self) -> Option<&dyn SourceSeries> {
-        Some(self.series.as_dyn())
+        self.flat.series()
     }
 }
 
@@ -151,13 +152,7 @@ impl LagrangianChart for So3Group {
         let q = self.tensor.scaled_momentum(graph, epsilon, p)?;
         let mut point = self.chart.quaternion(graph, &q)?;
         let source = self.chart.source(graph, x, &q);
-        for i in 0..3 {
-            point.push(graph.combine(&[
-                (Rational::one(), x[i].clone()),
-                (Rational::new(-1, 2), source.moment[i].clone()),
-                (Rational::one(), source.even[i].clone()),
-            ]));
-        }
+        point.extend(source.total(graph, x));
         Ok(point)
     }
 }

@@ -4,10 +4,11 @@
 //! In a cotangent chart about σ, x·dp = ⟨α, vee(dR Rᵀ)⟩ (J. E. Marsden, T. S. Ratiu, *Introduction
 //! to Mechanics and Symmetry*, chapters 13 and 15):
 //!
-//! - [`exponential`]: R = exp \[εp\]×, which is Karasev's realization summed; ε‖p‖ < 2π.
-//! - [`cayley`]: R = (1 − ½\[εp\]×)⁻¹(1 + ½\[εp\]×), rational and defined for every p.
+//! - [`exponential`]: R = exp \[εp\]×, which is Karasev's realization summed; ε‖p‖ < 2π: the part
+//!   `so3-exponential`.
+//! - [`cayley`]: R = (1 − ½\[εp\]×)⁻¹(1 + ½\[εp\]×), rational and defined for every p: the part
+//!   `so3-cayley`.
 //! - [`chart`]: [`Chart`], one of the two.
-//! - [`cotangent`]: [`So3Cotangent`], the parts `so3-exponential` and `so3-cayley`.
 //! - [`group`]: [`So3Group`], the part `so3-group`: points are unit quaternions with momenta.
 //! - [`tensor`]: which systems fit, and the constant factor of their tensor.
 //! - [`functions`]: functions of a squared angle, accurate from 0 to the wall.
@@ -15,13 +16,13 @@
 
 pub mod cayley;
 pub mod chart;
-pub mod cotangent;
 pub mod exponential;
 pub mod functions;
 pub mod group;
 pub mod tensor;
 pub mod vector;
 
+pub use cayley::Cayley;
 pub use chart::Chart;
-pub use cotangent::So3Cotangent;
+pub use exponential::So3Exponential;
 pub use group::So3Group;

@@ -2,14 +2,13 @@
 //!
 //! - `keys`: lists of formulas by key, parsed;
 //! - `system`: a scene's `[system]` table;
-//! - `realization`, `series`: α̂ and β̂ as code, and the exact series of α̂;
+//! - `realization`: α̂ and β̂ as a closed form;
 //! - `dynamics`: the coefficients S_l;
 //! - `step_map`: Φ(x) − x as code.
 
 mod dynamics;
 mod keys;
 mod realization;
-mod series;
 mod step_map;
 mod system;
 

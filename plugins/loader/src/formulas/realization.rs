@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use leafwise_core::part::PartInfo;
-use leafwise_core::realization::{RealizationCode, SourceSeries, SourceTarget};
-use leafwise_core::{Accuracy, BuildError, PartParameters, PoissonSystem, RealizationData};
+use leafwise_core::{
+    Accuracy, BuildError, ChartPoint, ClosedForm, ClosedRealization, PartParameters, PoissonSystem,
+    RealizationData,
+};
 use leafwise_expression::{AlgebraError, Arithmetic, Expression, Graph, Rational, Term};
 
 use super::keys::{names, numbered, only, parse, refused, scope, values};
-use super::series::FormulaSeries;
 use crate::declaration::{Flags, PartDeclaration};
 use crate::error::Refusal;
 use crate::foreign::check_dimension;
@@ -112,127 +113,128 @@ impl FormulaRealizationPart {
         check_dimension(self.info.name, only, system.dimension())?;
         let values = values(self.info, parameters)?;
         let formulas = self.formulas.with_parameters(&values);
-        let is_reversible = self.flags.is_reversible() || formulas.beta.is_none();
-        Ok(Arc::new(FormulaRealization {
-            name: self.info.name,
-            accuracy: if self.flags.is_exact() {
-                Accuracy::Exact
-            } else {
-                Accuracy::Order(self.order)
+        let form = FormulaRealization {
+            accuracy: match self.flags.is_exact() {
+                true => Accuracy::Exact,
+                false => Accuracy::Order(self.order),
             },
-            series: is_reversible
-                .then(|| FormulaSeries::new(&formulas.alpha))
-                .flatten(),
-            is_reversible,
+            is_reversible: self.flags.is_reversible() || formulas.beta.is_none(),
+            has_series: scales(&formulas.alpha),
             formulas,
-        }))
+        };
+        Ok(Arc::new(ClosedRealization::new(self.info.name, form)?))
     }
 }
 
 /// (T*M ⊃ U, ω, α̂, β̂, σ) by formulas.
 #[derive(Clone, Debug)]
 struct FormulaRealization {
-    name: &'static str,
     accuracy: Accuracy,
     formulas: Formulas,
-    series: Option<FormulaSeries>,
     is_reversible: bool,
+    has_series: bool,
 }
 
-impl RealizationData for FormulaRealization {
+/// A momentum and an ε at which formulas are compared.
+const SAMPLES: [(f64, f64); 3] = [(0.1, 0.5), (-0.07, 0.25), (0.03, 2.0)];
+
+/// What round-off leaves of equal values of two formulas.
+const ROUND_OFF: f64 = 1e-12;
+
+/// Whether α_ε(x, p) = α_1(x, εp), by samples.
+fn scales(alpha: &[Expression]) -> bool {
+    let d = alpha.len();
+    let mut is_seen = false;
+    for (size, epsilon) in SAMPLES {
+        // States that many domains contain: positive, all different.
+        let x: Vec<f64> = (0..d).map(|i| 0.7 + 0.2 * i as f64).collect();
+        let p: Vec<f64> = (0..d).map(|i| size / (1.0 + i as f64)).collect();
+        let at = |factor: f64, epsilon: f64| -> Vec<f64> {
+            let scaled = p.iter().map(|p| factor * p);
+            x.iter().copied().chain(scaled).chain([epsilon]).collect()
+        };
+        let (scaled, own) = (at(epsilon, 1.0), at(1.0, epsilon));
+        for formula in alpha {
+            let (a, b) = (formula.evaluate(&own, &[]), formula.evaluate(&scaled, &[]));
+            if !a.is_finite() || !b.is_finite() {
+                continue;
+            }
+            is_seen = true;
+            if (a - b).abs() > ROUND_OFF * (1.0 + a.abs()) {
+                return false;
+            }
+        }
+    }
+    is_seen
+}
+
+/// Formulas of x, p and ε at a point of the chart.
+fn write<A: Arithmetic>(
+    formulas: &[Expression],
+    algebra: &mut A,
+    at: &ChartPoint<'_, A::Element>,
+) -> Result<Vec<A::Element>, AlgebraError> {
+    let d = at.x.len();
+    let mut variables = |_: &mut A, index: usize| {
+        Ok(match index {
+            index if index < d => at.x[index].clone(),
+            index if index < 2 * d => at.p[index - d].clone(),
+            _ => at.epsilon.clone(),
+        })
+    };
+    let formulas = formulas.iter();
+    formulas
+        .map(|formula| formula.evaluate_in(algebra, &mut variables))
+        .collect()
+}
+
+impl ClosedForm for FormulaRealization {
     fn dimension(&self) -> usize {
         self.formulas.alpha.len()
     }
 
-    fn space_dimension(&self) -> usize {
-        2 * self.dimension()
+    fn source<A: Arithmetic>(
+        &self,
+        algebra: &mut A,
+        at: &ChartPoint<'_, A::Element>,
+    ) -> Result<Vec<A::Element>, AlgebraError> {
+        write(&self.formulas.alpha, algebra, at)
+    }
+
+    fn target(
+        &self,
+        graph: &mut Graph,
+        at: &ChartPoint<'_, Term>,
+    ) -> Result<Vec<Term>, AlgebraError> {
+        if let Some(beta) = &self.formulas.beta {
+            return write(beta, graph, at);
+        }
+        let minus: Vec<Term> = at.p.iter().map(|p| graph.negate(p)).collect();
+        self.source(graph, &ChartPoint { p: &minus, ..*at })
+    }
+
+    fn guard(
+        &self,
+        graph: &mut Graph,
+        at: &ChartPoint<'_, Term>,
+    ) -> Result<Option<(Vec<Term>, Vec<Term>)>, AlgebraError> {
+        let Some(domain) = &self.formulas.domain else {
+            return Ok(None);
+        };
+        let reach = write(std::slice::from_ref(domain), graph, at)?;
+        let d = self.dimension();
+        Ok(Some((vec![graph.one(); d], vec![reach[0].clone(); d])))
     }
 
     fn accuracy(&self) -> Accuracy {
         self.accuracy
     }
 
-    fn describe(&self) -> String {
-        match self.accuracy {
-            Accuracy::Exact => self.name.to_owned(),
-            Accuracy::Order(n) => format!("{} n = {n}", self.name),
-        }
-    }
-
-    fn section(&self, x: &[f64], z: &mut [f64]) {
-        z[..x.len()].copy_from_slice(x);
-        z[x.len()..].fill(0.0);
-    }
-
-    fn code(&self) -> Option<&dyn RealizationCode> {
-        Some(self)
-    }
-
     fn is_reversible(&self) -> bool {
         self.is_reversible
     }
 
-    fn series(&self) -> Option<&dyn SourceSeries> {
-        self.series
-            .as_ref()
-            .map(|series| series as &dyn SourceSeries)
-    }
-}
-
-impl RealizationCode for FormulaRealization {
-    /// Base x. Sums of code collect like terms, so that x drops out of β̂ − x and what α̂ and β̂ have
-    /// in common drops out of α̂ − β̂ wherever the formulas are sums.
-    fn source_and_target(
-        &self,
-        graph: &mut Graph,
-        epsilon: &Term,
-        z: &[Term],
-    ) -> Result<SourceTarget, BuildError> {
-        let d = self.dimension();
-        let write = |graph: &mut Graph, formulas: &[Expression], p: &[Term]| {
-            let mut variables = |_: &mut Graph, at: usize| -> Result<Term, AlgebraError> {
-                Ok(match at {
-                    at if at < d => z[at].clone(),
-                    at if at < 2 * d => p[at - d].clone(),
-                    _ => epsilon.clone(),
-                })
-            };
-            formulas
-                .iter()
-                .map(|formula| formula.evaluate_in(graph, &mut variables))
-                .collect::<Result<Vec<Term>, AlgebraError>>()
-        };
-        let p = &z[d..];
-        let alpha = write(graph, &self.formulas.alpha, p)?;
-        let beta = match &self.formulas.beta {
-            Some(beta) => write(graph, beta, p)?,
-            None => {
-                let minus: Vec<Term> = p.iter().map(|p| graph.negate(p)).collect();
-                write(graph, &self.formulas.alpha, &minus)?
-            }
-        };
-        let one = Rational::one();
-        let mut difference = |a: &[Term], b: &[Term]| -> Vec<Term> {
-            a.iter()
-                .zip(b)
-                .map(|(a, b)| graph.combine(&[(one.clone(), a.clone()), (-&one, b.clone())]))
-                .collect()
-        };
-        let base = z[..d].to_vec();
-        let offset = difference(&beta, &base);
-        let increment = difference(&alpha, &beta);
-        let guard = match &self.formulas.domain {
-            None => None,
-            Some(domain) => {
-                let reach = write(graph, std::slice::from_ref(domain), p)?;
-                Some((vec![graph.one(); d], vec![reach[0].clone(); d]))
-            }
-        };
-        Ok(SourceTarget {
-            base,
-            offset,
-            increment,
-            guard,
-        })
+    fn has_series(&self) -> bool {
+        self.has_series
     }
 }

@@ -9,7 +9,7 @@ use leafwise_core::realization::{
 use leafwise_core::system::Parameter;
 use leafwise_core::{BuildError, Convention, PoissonSystem, Registry};
 use leafwise_expression::{Expression, Graph, Kernel, Rational, StepSize, Term};
-use leafwise_so3::{Chart, So3Cotangent, So3Group};
+use leafwise_so3::{Chart, So3Group};
 use proptest::prelude::*;
 
 /// u.
@@ -90,7 +90,7 @@ pub fn all(system: &PoissonSystem) -> Vec<Arc<dyn RealizationData>> {
         .into_iter()
         .flat_map(|chart| -> [Arc<dyn RealizationData>; 2] {
             [
-                Arc::new(So3Cotangent::new(system, chart).expect("so(3)*")),
+                chart.realize(system).expect("so(3)*"),
                 Arc::new(So3Group::new(system, chart).expect("so(3)*")),
             ]
         })

@@ -10,7 +10,7 @@ use leafwise_core::diagnostics::TensorDefect;
 use leafwise_core::realization::RealizationData;
 use leafwise_core::{Integrator, Method, PoissonSystem, StepError, StepMap};
 use leafwise_hamilton_jacobi::HamiltonJacobi;
-use leafwise_so3::{Chart, So3Cotangent, So3Group};
+use leafwise_so3::{Chart, So3Exponential, So3Group};
 use proptest::prelude::*;
 
 /// The system's one parameter, which the body does not read.
@@ -73,8 +73,7 @@ fn hamilton_jacobi_has_order_m_over_each_realization() {
 fn karasev_s_third_coefficient_in_the_cayley_chart_gives_order_2() {
     let system = body();
     let [exponential, cayley] = [Chart::Exponential, Chart::Cayley].map(|chart| {
-        let realization: Arc<dyn RealizationData> =
-            Arc::new(So3Cotangent::new(&system, chart).expect("so(3)*"));
+        let realization: Arc<dyn RealizationData> = chart.realize(&system).expect("so(3)*");
         realization
     });
     for (maps, series, expected) in [
@@ -145,7 +144,7 @@ proptest! {
     ) {
         let system = body();
         for chart in [Chart::Exponential, Chart::Cayley] {
-            let flat = Arc::new(So3Cotangent::new(&system, chart).expect("so(3)*"));
+            let flat = chart.realize(&system).expect("so(3)*");
             let group = Arc::new(So3Group::new(&system, chart).expect("so(3)*"));
             let expected = increment(&method(&system, flat, m), 1.0, t, &x).expect("a step");
             let found = increment(&method(&system, group, m), 1.0, t, &x).expect("a step");
@@ -236,8 +235,7 @@ fn the_exponential_chart_ends_before_2_pi_with_a_typed_error() {
 #[test]
 fn a_fast_body_never_gets_a_number_from_outside_the_chart() {
     let system = body();
-    let flat: Arc<dyn RealizationData> =
-        Arc::new(So3Cotangent::new(&system, Chart::Exponential).expect("so(3)*"));
+    let flat: Arc<dyn RealizationData> = Arc::new(So3Exponential::new(&system).expect("so(3)*"));
     let group: Arc<dyn RealizationData> =
         Arc::new(So3Group::new(&system, Chart::Exponential).expect("so(3)*"));
     for realization in [flat, group] {

@@ -1,0 +1,287 @@
+//! Realizations by a closed form: α is written once, for every algebra.
+//!
+//! In a cotangent chart about σ(x) = (x, 0) realization data is one map, α_ε(x, p): where (x, p) ↦ (x, −p) is the
+//! inverse, β_ε(x, p) = α_ε(x, −p). The same lines give straight-line code, sweeps over a lattice and the
+//! series of α along p(h), from which Hamilton–Jacobi coefficients are computed (paper, Example 1 and section 4).
+
+use leafwise_expression::graph::lift;
+use leafwise_expression::series::{Tape, TapeIndex, TaylorState};
+use leafwise_expression::{
+    AlgebraError, Arithmetic, DifferentialAlgebra, Graph, Polynomial, Ring, Term,
+};
+
+use crate::error::BuildError;
+use crate::lattice::{RealizationStages, StageBuilder, StageEnds};
+use crate::realization::{
+    Accuracy, RealizationCode, RealizationData, SourceRecursion, SourceSeries, SourceSeriesIn,
+    SourceTarget,
+};
+
+/// A point of the chart, in the algebra of its elements.
+#[derive(Debug)]
+pub struct ChartPoint<'a, E> {
+    /// The form's functions of x.
+    pub functions: &'a [E],
+    /// ε.
+    pub epsilon: &'a E,
+    /// x, d elements.
+    pub x: &'a [E],
+    /// p, d elements.
+    pub p: &'a [E],
+}
+
+/// α_ε: T*M ⊃ U → M in closed form, with σ(x) = (x, 0).
+pub trait ClosedForm: Send + Sync + std::fmt::Debug + 'static {
+    /// d, the dimension of M.
+    fn dimension(&self) -> usize;
+    /// Functions of x and of the parameters that α is formed with, in normal form: of {x₁, x₂} = λ x₃ the
+    /// factor λ.
+    ///
+    /// # Errors
+    /// [`BuildError`] where one has no normal form.
+    fn functions(&self, ring: &mut Ring) -> Result<Vec<Polynomial>, BuildError> {
+        let _ = ring;
+        Ok(Vec::new())
+    }
+    /// α_ε(x, p), d elements.
+    ///
+    /// # Errors
+    /// [`AlgebraError`] where an operation has no value.
+    fn source<A: Arithmetic>(
+        &self,
+        algebra: &mut A,
+        at: &ChartPoint<'_, A::Element>,
+    ) -> Result<Vec<A::Element>, AlgebraError>;
+    /// β_ε(x, p) as code.
+    ///
+    /// # Errors
+    /// [`AlgebraError`] where an operation has no value.
+    fn target(
+        &self,
+        graph: &mut Graph,
+        at: &ChartPoint<'_, Term>,
+    ) -> Result<Vec<Term>, AlgebraError> {
+        let minus: Vec<Term> = at.p.iter().map(|p| graph.negate(p)).collect();
+        self.source(graph, &ChartPoint { p: &minus, ..*at })
+    }
+    /// β − x and α − β as code. The differences collect like terms, so that x drops out of sums; a form in
+    /// which it would cancel otherwise writes them itself.
+    ///
+    /// # Errors
+    /// [`AlgebraError`] where an operation has no value.
+    fn ends(
+        &self,
+        graph: &mut Graph,
+        at: &ChartPoint<'_, Term>,
+    ) -> Result<StageEnds, AlgebraError> {
+        let alpha = self.source(graph, at)?;
+        let beta = self.target(graph, at)?;
+        let mut difference = |a: &[Term], b: &[Term]| -> Vec<Term> {
+            let pairs = a.iter().zip(b);
+            pairs.map(|(a, b)| graph.subtract(a, b)).collect()
+        };
+        Ok(StageEnds {
+            offset: difference(&beta, at.x),
+            increment: difference(&alpha, &beta),
+        })
+    }
+    /// The chart's radius and how far a point reaches in it, as [`SourceTarget::guard`].
+    ///
+    /// # Errors
+    /// [`AlgebraError`] where an operation has no value.
+    #[expect(clippy::type_complexity, reason = "the pair of SourceTarget::guard")]
+    fn guard(
+        &self,
+        graph: &mut Graph,
+        at: &ChartPoint<'_, Term>,
+    ) -> Result<Option<(Vec<Term>, Vec<Term>)>, AlgebraError> {
+        let _ = (graph, at);
+        Ok(None)
+    }
+    /// Exact, or the order of the truncation.
+    fn accuracy(&self) -> Accuracy {
+        Accuracy::Exact
+    }
+    /// Whether β(x, p) = α(x, −p).
+    fn is_reversible(&self) -> bool {
+        true
+    }
+    /// Whether α_ε(x, p) = α_1(x, εp), so that one series serves every ε.
+    fn has_series(&self) -> bool {
+        true
+    }
+}
+
+/// The realization data (T*M ⊃ U, ω, α_ε, β_ε, σ) of a closed form.
+#[derive(Clone, Debug)]
+pub struct ClosedRealization<F> {
+    name: &'static str,
+    form: F,
+    ring: Ring,
+    functions: Vec<Polynomial>,
+}
+
+impl<F: ClosedForm> ClosedRealization<F> {
+    /// The realization that the part of this name gives.
+    ///
+    /// # Errors
+    /// Those of [`ClosedForm::functions`].
+    pub fn new(name: &'static str, form: F) -> Result<Self, BuildError> {
+        let mut ring = Ring::new(form.dimension());
+        Ok(Self {
+            functions: form.functions(&mut ring)?,
+            name,
+            form,
+            ring,
+        })
+    }
+
+    /// The functions of x as code.
+    fn functions(&self, graph: &mut Graph, x: &[Term]) -> Result<Vec<Term>, AlgebraError> {
+        let one = graph.one();
+        let functions = self.functions.iter();
+        let outputs: Vec<_> = functions.map(|f| vec![(one.clone(), f.clone())]).collect();
+        lift(graph, &self.ring, &outputs, x)
+    }
+}
+
+impl<F: ClosedForm> RealizationData for ClosedRealization<F> {
+    fn dimension(&self) -> usize {
+        self.form.dimension()
+    }
+
+    fn space_dimension(&self) -> usize {
+        2 * self.form.dimension()
+    }
+
+    fn accuracy(&self) -> Accuracy {
+        self.form.accuracy()
+    }
+
+    fn describe(&self) -> String {
+        match self.form.accuracy() {
+            Accuracy::Exact => self.name.to_owned(),
+            Accuracy::Order(n) => format!("{} n = {n}", self.name),
+        }
+    }
+
+    fn section(&self, x: &[f64], z: &mut [f64]) {
+        z[..x.len()].copy_from_slice(x);
+        z[x.len()..].fill(0.0);
+    }
+
+    fn code(&self) -> Option<&dyn RealizationCode> {
+        Some(self)
+    }
+
+    fn stages(&self) -> Option<&dyn RealizationStages> {
+        Some(self)
+    }
+
+    fn is_reversible(&self) -> bool {
+        self.form.is_reversible()
+    }
+
+    fn series(&self) -> Option<&dyn SourceSeries> {
+        let has_series = self.form.is_reversible() && self.form.has_series();
+        has_series.then_some(self)
+    }
+}
+
+impl<F: ClosedForm> RealizationCode for ClosedRealization<F> {
+    fn source_and_target(
+        &self,
+        graph: &mut Graph,
+        epsilon: &Term,
+        z: &[Term],
+    ) -> Result<SourceTarget, BuildError> {
+        let (x, p) = z.split_at(self.form.dimension());
+        let at = ChartPoint {
+            functions: &self.functions(graph, x)?,
+            epsilon,
+            x,
+            p,
+        };
+        let StageEnds { offset, increment } = self.form.ends(graph, &at)?;
+        Ok(SourceTarget {
+            base: x.to_vec(),
+            offset,
+            increment,
+            guard: self.form.guard(graph, &at)?,
+        })
+    }
+}
+
+impl<F: ClosedForm> RealizationStages for ClosedRealization<F> {
+    /// One stage: α reads x and p at neighbouring sites.
+    fn stages(
+        &self,
+        builder: &mut StageBuilder,
+        epsilon: &Term,
+        y: &[Term],
+        p: &[Term],
+    ) -> Result<StageEnds, BuildError> {
+        let graph = &mut builder.graph;
+        let at = ChartPoint {
+            functions: &self.functions(graph, y)?,
+            epsilon,
+            x: y,
+            p,
+        };
+        Ok(self.form.ends(graph, &at)?)
+    }
+}
+
+impl<F: ClosedForm, A: DifferentialAlgebra> SourceSeriesIn<A> for ClosedRealization<F> {
+    fn start(&self, algebra: &mut A) -> Result<Box<dyn SourceRecursion<A>>, BuildError> {
+        let d = self.form.dimension();
+        let mut constants: Vec<A::Element> = (0..d).map(|i| algebra.coordinate(i)).collect();
+        constants.resize(2 * d, algebra.zero());
+        constants.extend(algebra.formed(d, |ring| self.form.functions(ring))?);
+        let mut tape = Tape::new();
+        let variables: Vec<TapeIndex> = (0..constants.len()).map(|at| tape.variable(at)).collect();
+        let one = tape.one();
+        let at = ChartPoint {
+            functions: &variables[2 * d..],
+            epsilon: &one,
+            x: &variables[..d],
+            p: &variables[d..2 * d],
+        };
+        let alpha = self.form.source(&mut tape, &at)?;
+        let mut state = TaylorState::new(&tape);
+        state.extend(&tape, algebra, |_, index| constants[index].clone())?;
+        Ok(Box::new(Recursion {
+            momenta: d..2 * d,
+            tape,
+            state,
+            alpha,
+            order: 0,
+        }))
+    }
+}
+
+/// [hᵏ] α_1(x, Σ_{k≥1} pₖ hᵏ), one order after the other.
+struct Recursion<E> {
+    /// The variables that are p.
+    momenta: std::ops::Range<usize>,
+    tape: Tape,
+    state: TaylorState<E>,
+    alpha: Vec<TapeIndex>,
+    /// The last known order.
+    order: usize,
+}
+
+impl<A: DifferentialAlgebra> SourceRecursion<A> for Recursion<A::Element> {
+    fn push(&mut self, algebra: &mut A, p: Vec<A::Element>) -> Result<Vec<A::Element>, BuildError> {
+        let momenta = self.momenta.clone();
+        self.state.extend(&self.tape, algebra, |algebra, index| {
+            match momenta.contains(&index) {
+                true => p[index - momenta.start].clone(),
+                false => algebra.zero(),
+            }
+        })?;
+        self.order += 1;
+        let coefficient = |index: &TapeIndex| self.state.coefficient(*index, self.order).clone();
+        Ok(self.alpha.iter().map(coefficient).collect())
+    }
+}
