@@ -7,7 +7,7 @@ use super::kernel::NewtonKernel;
 use crate::error::StepError;
 use crate::solver::elimination::{ANY, Factors, Rows, dimension};
 use crate::solver::extrapolation::{DEPTH, Extrapolation};
-use crate::solver::judge::{Allowed, WANDERING, Watch, inside_chart, larger, relative};
+use crate::solver::judge::{Allowed, WANDERING, Watch, all_finite, inside_chart, larger, relative};
 use crate::solver::{Branch, SolverStatistics};
 
 /// Evaluations of one step. A smooth orbit takes 1 to 4, a cold start at a large step a dozen, one at a
@@ -434,11 +434,11 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             kernel.prepare(full, parameters, &[epsilon; W], &[part * h; W]);
         };
         let (mut spent, mut prepared) = (0, 1.0);
-        let found = self.outcome[w].is_ok().then_some(&self.found[..]);
-        let path = self.branch.follow(
+        let solved = std::mem::replace(&mut self.outcome[w], Ok(()));
+        let settled = self.branch.settle(
             from,
             from,
-            found,
+            solved.map(|()| &self.found[..]),
             &mut spent,
             |part, point, residual, jacobian| {
                 if part != prepared {
@@ -456,12 +456,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                 for (entry, row) in jacobian.iter_mut().zip(rest) {
                     *entry = row[w];
                 }
-                let mut values = residual.iter().chain(jacobian.iter());
-                if !values.all(|value| value.is_finite()) {
-                    return Err(StepError::NonFinite {
-                        what: "a Newton correction",
-                    });
-                }
+                all_finite(residual, jacobian, "a Newton correction")?;
                 let (first, last) = rest[2 * d * d..].split_at((rest.len() - 2 * d * d) / 2);
                 inside_chart(guard_ratio(first, last)[w])
             },
@@ -469,18 +464,17 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         if prepared != 1.0 {
             prepare(full, 1.0);
         }
-        let is_found = self.outcome[w].is_ok() && self.branch.ends_at(&self.found);
-        let goal = match (&path, is_found) {
-            (Ok(()), false) => self.branch.end(),
+        let goal = match settled {
+            Ok(false) => self.branch.end(),
             _ => &self.found,
         };
         for (y, goal) in self.y.as_mut().iter_mut().zip(goal) {
             y[w] = *goal;
         }
         self.lanes[w].jacobians += u32::try_from(spent).unwrap_or(u32::MAX);
-        match path {
-            Ok(()) if is_found => {}
-            Ok(()) => {
+        match settled {
+            Ok(true) => {}
+            Ok(false) => {
                 // What the other solution told, of sizes and convergence, says nothing of this one.
                 let lane = &mut self.lanes[w];
                 let before = lane.convergence.evaluations;
@@ -491,22 +485,16 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                     pairs.fold(0.0, |m, (x, y)| larger(m, x.abs() + (y - x).abs()))
                 };
                 lane.allowed = Allowed::new(change(&self.from, self.branch.end()));
-                self.outcome[w] = Ok(());
                 self.iterate();
                 self.lanes[w].convergence.evaluations += before;
                 for (found, y) in self.found.iter_mut().zip(self.y.as_ref()) {
                     *found = y[w];
                 }
-                if self.outcome[w].is_ok() && !self.branch.ends_at(&self.found) {
-                    self.outcome[w] = Err(StepError::OtherBranch { reached: 1.0 });
+                if self.outcome[w].is_ok() {
+                    self.outcome[w] = self.branch.confirm_end(&self.found);
                 }
             }
-            // A state that has no value says so already.
-            Err(error) => {
-                if self.outcome[w].is_ok() || matches!(error, StepError::OtherBranch { .. }) {
-                    self.outcome[w] = Err(error);
-                }
-            }
+            Err(error) => self.outcome[w] = Err(error),
         }
         self.lanes[w].convergence.evaluations += u32::try_from(spent).unwrap_or(u32::MAX);
     }
