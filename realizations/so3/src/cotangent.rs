@@ -76,21 +76,12 @@ impl RealizationData for So3Cotangent {
         3
     }
 
-    fn space_dimension(&self) -> usize {
-        6
-    }
-
     fn accuracy(&self) -> Accuracy {
         Accuracy::Exact
     }
 
     fn describe(&self) -> String {
         info(self.chart).name.to_owned()
-    }
-
-    fn section(&self, x: &[f64], z: &mut [f64]) {
-        z[..3].copy_from_slice(x);
-        z[3..].fill(0.0);
     }
 
     fn code(&self) -> Option<&dyn RealizationCode> {

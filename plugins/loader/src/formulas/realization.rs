@@ -144,10 +144,6 @@ impl RealizationData for FormulaRealization {
         self.formulas.alpha.len()
     }
 
-    fn space_dimension(&self) -> usize {
-        2 * self.dimension()
-    }
-
     fn accuracy(&self) -> Accuracy {
         self.accuracy
     }
@@ -157,11 +153,6 @@ impl RealizationData for FormulaRealization {
             Accuracy::Exact => self.name.to_owned(),
             Accuracy::Order(n) => format!("{} n = {n}", self.name),
         }
-    }
-
-    fn section(&self, x: &[f64], z: &mut [f64]) {
-        z[..x.len()].copy_from_slice(x);
-        z[x.len()..].fill(0.0);
     }
 
     fn code(&self) -> Option<&dyn RealizationCode> {
