@@ -220,7 +220,7 @@ fn read(
         .and_then(|table| read_system(table, registry, fragment, problems));
     let method = method
         .as_ref()
-        .and_then(|table| read_method(table, problems));
+        .and_then(|table| read_method(table, registry, problems));
     let run = run
         .as_ref()
         .and_then(|table| read_run(table, system.as_ref(), problems));
