@@ -191,15 +191,7 @@ fn read(
     let document = match DeTable::parse(text) {
         Ok(document) => document,
         Err(error) => {
-            problems.push(
-                SceneProblemCause::Syntax {
-                    message: error.message().to_owned(),
-                },
-                Place {
-                    source: Source::Scene,
-                    span: error.span().unwrap_or(0..0),
-                },
-            );
+            problems.syntax(error.message(), error.span(), Source::Scene);
             return None;
         }
     };
