@@ -150,10 +150,6 @@ impl<F: ClosedForm> RealizationData for ClosedRealization<F> {
         self.form.dimension()
     }
 
-    fn space_dimension(&self) -> usize {
-        2 * self.form.dimension()
-    }
-
     fn accuracy(&self) -> Accuracy {
         self.form.accuracy()
     }
@@ -163,11 +159,6 @@ impl<F: ClosedForm> RealizationData for ClosedRealization<F> {
             Accuracy::Exact => self.name.to_owned(),
             Accuracy::Order(n) => format!("{} n = {n}", self.name),
         }
-    }
-
-    fn section(&self, x: &[f64], z: &mut [f64]) {
-        z[..x.len()].copy_from_slice(x);
-        z[x.len()..].fill(0.0);
     }
 
     fn code(&self) -> Option<&dyn RealizationCode> {

@@ -259,56 +259,38 @@ pub enum Part {
     Composition(CompositionPart),
 }
 
-impl Part {
-    /// What it declares.
-    pub fn info(&self) -> &'static PartInfo {
-        match self {
-            Self::System(part) => part.info,
-            Self::Realization(part) => part.info,
-            Self::Dynamics(part) => part.info,
-            Self::Stepper(part) => part.info,
-            Self::Composition(part) => part.info,
+macro_rules! kinds {
+    ($($kind:ident: $part:ident),*) => {
+        impl Part {
+            /// What it declares.
+            pub fn info(&self) -> &'static PartInfo {
+                match self {
+                    $(Self::$kind(part) => part.info,)*
+                }
+            }
+
+            /// What it is.
+            pub fn kind(&self) -> PartKind {
+                match self {
+                    $(Self::$kind(_) => PartKind::$kind,)*
+                }
+            }
         }
-    }
 
-    /// What it is.
-    pub fn kind(&self) -> PartKind {
-        match self {
-            Self::System(_) => PartKind::System,
-            Self::Realization(_) => PartKind::Realization,
-            Self::Dynamics(_) => PartKind::Dynamics,
-            Self::Stepper(_) => PartKind::Stepper,
-            Self::Composition(_) => PartKind::Composition,
-        }
-    }
+        $(
+            impl From<$part> for Part {
+                fn from(part: $part) -> Self {
+                    Self::$kind(part)
+                }
+            }
+        )*
+    };
 }
 
-impl From<SystemPart> for Part {
-    fn from(part: SystemPart) -> Self {
-        Self::System(part)
-    }
-}
-
-impl From<RealizationPart> for Part {
-    fn from(part: RealizationPart) -> Self {
-        Self::Realization(part)
-    }
-}
-
-impl From<DynamicsPart> for Part {
-    fn from(part: DynamicsPart) -> Self {
-        Self::Dynamics(part)
-    }
-}
-
-impl From<StepperPart> for Part {
-    fn from(part: StepperPart) -> Self {
-        Self::Stepper(part)
-    }
-}
-
-impl From<CompositionPart> for Part {
-    fn from(part: CompositionPart) -> Self {
-        Self::Composition(part)
-    }
+kinds! {
+    System: SystemPart,
+    Realization: RealizationPart,
+    Dynamics: DynamicsPart,
+    Stepper: StepperPart,
+    Composition: CompositionPart
 }

@@ -28,14 +28,20 @@ pub enum Accuracy {
 pub trait RealizationData: Send + Sync + std::fmt::Debug {
     /// d, the dimension of M.
     fn dimension(&self) -> usize;
-    /// The number of coordinates of a point of S.
-    fn space_dimension(&self) -> usize;
+    /// The number of coordinates of a point of S: 2d where points are pairs (x, p).
+    fn space_dimension(&self) -> usize {
+        2 * self.dimension()
+    }
     /// Exact, or the order n.
     fn accuracy(&self) -> Accuracy;
     /// One line for reports: name and order.
     fn describe(&self) -> String;
-    /// σ: M → S with α̂∘σ = β̂∘σ = id.
-    fn section(&self, x: &[f64], z: &mut [f64]);
+    /// σ: M → S with α̂∘σ = β̂∘σ = id: x ↦ (x, 0) where points are pairs (x, p).
+    fn section(&self, x: &[f64], z: &mut [f64]) {
+        let (base, covector) = z.split_at_mut(x.len());
+        base.copy_from_slice(x);
+        covector.fill(0.0);
+    }
     /// α̂ and β̂ as straight-line code.
     fn code(&self) -> Option<&dyn RealizationCode> {
         None

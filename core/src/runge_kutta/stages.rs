@@ -6,6 +6,7 @@ use super::smooth_map::SmoothMapEvaluator;
 use super::stage_solve::{Coefficients, StageSolve};
 use super::tableau::PartitionedTableau;
 use crate::error::StepError;
+use crate::solver::judge::all_finite;
 use crate::solver::{Branch, Taken};
 
 /// Solves Z_i = z + τ Σ_j a_ij F(Z_j) and returns τ Σ_j b_j F(Z_j), for ż = F(z) and a step τ, of one
@@ -154,8 +155,8 @@ impl StageSolver {
         for (row, size) in sizes.iter_mut().enumerate() {
             *size = own.start()[row % n];
         }
-        let is_solved = taken[at].outcome.is_ok();
-        let path = {
+        let solved = std::mem::replace(&mut taken[at].outcome, Ok(()));
+        let settled = {
             let (stages, slopes) = (&mut stages[..all], &mut slopes[..all]);
             let jacobians = &mut jacobians[..all * n];
             let evaluate = |part: f64, point: &[f64], residual: &mut [f64], matrix: &mut [f64]| {
@@ -166,35 +167,25 @@ impl StageSolver {
                 field.all_jacobians(stages, jacobians)?;
                 let at = (point, &*slopes, &*jacobians);
                 own.equation(coefficients, part, at, residual, matrix);
-                let mut values = residual.iter().chain(matrix.iter());
-                if values.all(|value| value.is_finite()) {
-                    return Ok(());
-                }
-                Err(StepError::NonFinite {
-                    what: "a correction of the stages",
-                })
+                all_finite(residual, matrix, "a correction of the stages")
             };
-            let found = is_solved.then_some(own.displacements());
+            let solved = solved.map(|()| own.displacements());
             let spent = &mut taken[at].evaluations;
-            branch.follow(nothing, sizes, found, spent, evaluate)
+            branch.settle(nothing, sizes, solved, spent, evaluate)
         };
-        match path {
-            Ok(()) if is_solved && self.branch.ends_at(self.trajectories[at].displacements()) => {}
-            Ok(()) => {
+        match settled {
+            Ok(true) => {}
+            Ok(false) => {
                 self.trajectories[at].begin_at(self.branch.end());
-                taken[at].outcome = Ok(());
                 self.active.clear();
                 self.active.push(at);
                 self.iterate(changes, taken);
-                let own = &mut self.trajectories[at];
-                if taken[at].outcome.is_ok() && !self.branch.ends_at(own.displacements()) {
-                    taken[at].outcome = Err(StepError::OtherBranch { reached: 1.0 });
+                let found = self.trajectories[at].displacements();
+                if taken[at].outcome.is_ok() {
+                    taken[at].outcome = self.branch.confirm_end(found);
                 }
             }
-            Err(error) if is_solved || matches!(error, StepError::OtherBranch { .. }) => {
-                taken[at].outcome = Err(error);
-            }
-            Err(_) => {}
+            Err(error) => taken[at].outcome = Err(error),
         }
         if taken[at].outcome.is_err() {
             self.clear(at);

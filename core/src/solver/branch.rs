@@ -57,6 +57,42 @@ impl Branch {
         }
     }
 
+    /// Makes sure that what was `solved` at s = 1 is the end of the [path](Self::follow) from `start`.
+    /// Where it is not, or nothing was found, returns `false`: the solve is to begin again at the
+    /// [`end`](Self::end), and what it then finds to be [confirmed](Self::confirm_end).
+    ///
+    /// # Errors
+    /// Those of [`follow`](Self::follow); that of the solve where F has no value on the path either.
+    pub fn settle(
+        &mut self,
+        start: &[f64],
+        sizes: &[f64],
+        solved: Result<&[f64], StepError>,
+        evaluations: &mut u64,
+        evaluate: impl FnMut(f64, &[f64], &mut [f64], &mut [f64]) -> Result<(), StepError>,
+    ) -> Result<bool, StepError> {
+        let found = solved.as_ref().ok().copied();
+        let path = self.follow(start, sizes, found, evaluations, evaluate);
+        match (path, solved) {
+            (Ok(()), solved) => Ok(solved.is_ok_and(|found| self.ends_at(found))),
+            (Err(error), Ok(_)) | (Err(error @ StepError::OtherBranch { .. }), Err(_)) => {
+                Err(error)
+            }
+            (Err(_), Err(error)) => Err(error),
+        }
+    }
+
+    /// Refuses a solution that is not the end of the last path.
+    ///
+    /// # Errors
+    /// [`StepError::OtherBranch`].
+    pub fn confirm_end(&self, point: &[f64]) -> Result<(), StepError> {
+        match self.ends_at(point) {
+            true => Ok(()),
+            false => Err(StepError::OtherBranch { reached: 1.0 }),
+        }
+    }
+
     /// Goes the path from `start` to its [`end`](Self::end). `evaluate` writes −F_s(u) and DF_s(u),
     /// row-major, for s and u. `sizes` is what the unknowns are measured against, beside the way that
     /// they came. Where a solution was `found` at s = 1 and the way by s = 1/2 leads to it, that will do.
@@ -65,7 +101,7 @@ impl Branch {
     /// # Errors
     /// [`StepError::OtherBranch`] where DF becomes singular on the way; the error of `evaluate` where
     /// F has no value there.
-    pub fn follow(
+    fn follow(
         &mut self,
         start: &[f64],
         sizes: &[f64],
@@ -193,7 +229,7 @@ impl Branch {
     }
 
     /// Whether a point is the end of the last path, and not another solution.
-    pub fn ends_at(&self, point: &[f64]) -> bool {
+    fn ends_at(&self, point: &[f64]) -> bool {
         let mut pairs = self.point.iter().zip(point).zip(&self.scale);
         pairs.all(|((a, b), scale)| (a - b).abs() <= SAME * scale)
     }

@@ -28,6 +28,17 @@ const FAST: f64 = 0.1;
 /// A component that does not fall below this part of its smallest correction makes no progress.
 const PROGRESS: f64 = 0.9;
 
+/// Refuses an equation's residual and Jacobian where a number of them is not finite.
+///
+/// # Errors
+/// [`StepError::NonFinite`].
+pub fn all_finite(residual: &[f64], jacobian: &[f64], what: &'static str) -> Result<(), StepError> {
+    match residual.iter().chain(jacobian).all(|v| v.is_finite()) {
+        true => Ok(()),
+        false => Err(StepError::NonFinite { what }),
+    }
+}
+
 /// Refuses a point whose guard, the last term of a series over the first or a radius over its limit, is not
 /// below 1.
 ///

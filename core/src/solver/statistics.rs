@@ -38,6 +38,11 @@ impl Default for SolverStatistics {
 }
 
 impl SolverStatistics {
+    /// What methods are compared by: operations, evaluations where the parts do not count those.
+    pub fn cost(&self) -> u64 {
+        self.operations.unwrap_or(self.evaluations)
+    }
+
     /// Counts a step, its evaluations and its outcome.
     pub fn count(&mut self, evaluations: u64, succeeded: bool) {
         self.steps += 1;

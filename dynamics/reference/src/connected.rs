@@ -2,6 +2,7 @@
 
 use leafwise_core::StepError;
 use leafwise_core::solver::Branch;
+use leafwise_core::solver::judge::all_finite;
 
 /// A step's equation for unknowns that are 0 for a step of size 0.
 pub(crate) trait StepEquation {
@@ -9,13 +10,10 @@ pub(crate) trait StepEquation {
     fn solve(&mut self) -> Result<usize, StepError>;
     /// The unknowns.
     fn unknowns(&mut self) -> &mut [f64];
-    /// Writes the residual at the unknowns, and its negative Jacobian, of a step of this size.
-    fn evaluate(
-        &mut self,
-        time_step: f64,
-        residual: &mut [f64],
-        matrix: &mut [f64],
-    ) -> Result<(), StepError>;
+    /// The step's size.
+    fn time_step(&mut self) -> &mut f64;
+    /// The residual at the unknowns, and its negative Jacobian.
+    fn linearize(&mut self) -> Result<(&[f64], &[f64]), StepError>;
 }
 
 /// Room for the path from 0 to a solution.
@@ -42,47 +40,35 @@ impl Connected {
     pub(crate) fn settle(
         &mut self,
         solved: Result<usize, StepError>,
-        time_step: f64,
         sizes: &[f64],
         equation: &mut impl StepEquation,
     ) -> Result<usize, StepError> {
         self.found.copy_from_slice(equation.unknowns());
+        let whole = *equation.time_step();
         let mut spent = 0;
-        let path = self.branch.follow(
+        let settled = self.branch.settle(
             &self.nothing,
             sizes,
-            solved.is_ok().then_some(&self.found[..]),
+            solved.clone().map(|_| &self.found[..]),
             &mut spent,
             |part, point, residual, matrix| {
                 equation.unknowns().copy_from_slice(point);
-                equation.evaluate(part * time_step, residual, matrix)?;
-                let mut values = residual.iter().chain(matrix.iter());
-                if values.all(|value| value.is_finite()) {
-                    return Ok(());
-                }
-                Err(StepError::NonFinite {
-                    what: "a correction of the stages",
-                })
+                *equation.time_step() = part * whole;
+                let (own_residual, own_matrix) = equation.linearize()?;
+                residual.copy_from_slice(own_residual);
+                matrix.copy_from_slice(own_matrix);
+                all_finite(residual, matrix, "a correction of the stages")
             },
         );
+        *equation.time_step() = whole;
         equation.unknowns().copy_from_slice(&self.found);
         let spent = spent as usize;
-        match (path, solved) {
-            (Ok(()), Ok(evaluations)) if self.branch.ends_at(&self.found) => {
-                Ok(evaluations + spent)
-            }
-            (Ok(()), _) => {
-                equation.unknowns().copy_from_slice(self.branch.end());
-                let evaluations = equation.solve()?;
-                if self.branch.ends_at(equation.unknowns()) {
-                    return Ok(evaluations + spent);
-                }
-                Err(StepError::OtherBranch { reached: 1.0 })
-            }
-            (Err(error), Ok(_)) | (Err(error @ StepError::OtherBranch { .. }), Err(_)) => {
-                Err(error)
-            }
-            (Err(_), Err(error)) => Err(error),
+        if settled? {
+            return solved.map(|evaluations| evaluations + spent);
         }
+        equation.unknowns().copy_from_slice(self.branch.end());
+        let evaluations = equation.solve()?;
+        self.branch.confirm_end(equation.unknowns())?;
+        Ok(evaluations + spent)
     }
 }

@@ -341,21 +341,15 @@ impl StepEquation for EnergyPreserving {
         &mut self.slopes
     }
 
-    fn evaluate(
-        &mut self,
-        time_step: f64,
-        residual: &mut [f64],
-        matrix: &mut [f64],
-    ) -> Result<(), StepError> {
-        let whole = std::mem::replace(&mut self.time_step, time_step);
-        let evaluated = self.evaluate_stages();
+    fn time_step(&mut self) -> &mut f64 {
+        &mut self.time_step
+    }
+
+    fn linearize(&mut self) -> Result<(&[f64], &[f64]), StepError> {
+        self.evaluate_stages()?;
         self.residual();
         self.assemble();
-        self.time_step = whole;
-        evaluated?;
-        residual.copy_from_slice(&self.correction);
-        matrix.copy_from_slice(&self.matrix);
-        Ok(())
+        Ok((&self.correction, &self.matrix))
     }
 
     fn solve(&mut self) -> Result<usize, StepError> {
@@ -408,7 +402,7 @@ impl OneStep for EnergyPreserving {
                 *scale = x[at % x.len()].abs() / self.time_step.abs();
             }
             let sizes = std::mem::take(&mut self.scales);
-            solved = connected.settle(solved, self.time_step, &sizes, self);
+            solved = connected.settle(solved, &sizes, self);
             (self.scales, self.connected) = (sizes, Some(connected));
         }
         let evaluations = solved?;

@@ -149,21 +149,15 @@ impl StepEquation for SphericalMidpoint {
         &mut self.change
     }
 
-    fn evaluate(
-        &mut self,
-        time_step: f64,
-        residual: &mut [f64],
-        matrix: &mut [f64],
-    ) -> Result<(), StepError> {
-        let whole = std::mem::replace(&mut self.time_step, time_step);
-        let evaluated = self.evaluate_middle();
+    fn time_step(&mut self) -> &mut f64 {
+        &mut self.time_step
+    }
+
+    fn linearize(&mut self) -> Result<(&[f64], &[f64]), StepError> {
+        self.evaluate_middle()?;
         self.residual();
         self.assemble();
-        self.time_step = whole;
-        evaluated?;
-        residual.copy_from_slice(&self.correction);
-        matrix.copy_from_slice(&self.matrix);
-        Ok(())
+        Ok((&self.correction, &self.matrix))
     }
 
     fn solve(&mut self) -> Result<usize, StepError> {
@@ -216,7 +210,7 @@ impl OneStep for SphericalMidpoint {
         if let Some(mut connected) = self.connected.take_if(|_| !is_plain) {
             self.sizes.copy_from_slice(x);
             let sizes = std::mem::take(&mut self.sizes);
-            solved = connected.settle(solved, self.time_step, &sizes, self);
+            solved = connected.settle(solved, &sizes, self);
             (self.sizes, self.connected) = (sizes, Some(connected));
         }
         let evaluations = solved?;

@@ -8,6 +8,7 @@ mod gradient;
 mod import;
 mod lift;
 mod node;
+mod normal_form;
 
 pub use lift::lift;
 pub use node::{Graph, Node, Operation, StepSize, Term, Tier};

@@ -2,10 +2,9 @@
 
 use leafwise_core::{Integrator, Method};
 
-use super::attempt::{Attempt, attempt};
-use super::case::{Case, Outcome, StressError, StressOptions, Tally};
-use super::setup::{UNIT_ROUNDOFF, distance, method, problem};
-use super::target::Target;
+use super::case::{Case, Outcome, StressError, StressOptions};
+use super::setup::{distance, method, problem};
+use super::target::{Answers, Target};
 use crate::verify::Problem;
 
 pub(super) const CASES: [Case; 2] = [
@@ -62,9 +61,7 @@ fn symmetric_top(_: &StressOptions) -> Result<Outcome, StressError> {
 
 fn any_step(_: &StressOptions) -> Result<Outcome, StressError> {
     let problem = top([1.0, 1e-3, 1e-6], &[1.0, 1.0, 1.0])?;
-    let parameters = problem.system.parameter_values();
-    let mut tally = Tally::default();
-    let (mut solved, mut refused) = (0, 0);
+    let mut answers = Answers::default();
     for (n, m) in [(2, 2), (8, 6)] {
         let method = method(&problem.system, n, m)?;
         let Some(target) = Target::new(&problem.system, &method)? else {
@@ -72,25 +69,8 @@ fn any_step(_: &StressOptions) -> Result<Outcome, StressError> {
         };
         for k in -40..=8 {
             let t = libm::pow(10.0, f64::from(k) / 4.0);
-            match attempt(&method, &parameters, (1.0, t), &problem.initial) {
-                Attempt::Solved { solution, .. } => {
-                    solved += 1;
-                    let residual = solution
-                        .map(|y| target.residual(&parameters, (1.0, t), &problem.initial, &y));
-                    tally.take(residual.is_some_and(|r| r <= 1e3 * UNIT_ROUNDOFF), || {
-                        format!("t = {t:.1e}: a residual of {residual:?}")
-                    });
-                }
-                Attempt::Refused(_) => {
-                    refused += 1;
-                    tally.take(true, String::new);
-                }
-                Attempt::Garbage(what) => tally.take(false, || what),
-            }
+            answers.take(&target, &method, &problem, t);
         }
     }
-    tally.take(solved > 0 && refused > 0, || {
-        format!("{solved} solved and {refused} refused: one of the two does not occur")
-    });
-    Ok(tally.outcome(|_| format!("{solved} solved to round-off, {refused} refused with a reason")))
+    Ok(answers.outcome())
 }

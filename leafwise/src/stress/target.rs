@@ -1,10 +1,12 @@
-//! The residual of a step's equation, by a kernel apart from the solver's.
+//! The residual of a step's equation, by a kernel apart from the solver's, and steps judged by it.
 
 use leafwise_core::{Method, PoissonSystem};
 use leafwise_expression::{Arithmetic, Graph, Kernel, StepSize, Term};
 
-use super::case::StressError;
-use super::setup::{distance, largest};
+use super::attempt::{Attempt, attempt};
+use super::case::{Outcome, StressError, Tally};
+use super::setup::{UNIT_ROUNDOFF, distance, largest};
+use crate::verify::Problem;
 
 /// β̂∘L of a method, compiled apart from its solver.
 pub(super) struct Target {
@@ -50,5 +52,48 @@ impl Target {
         self.kernel.evaluate(&mut workspace, y, &mut values);
         let (target, offset) = values.split_at(x.len());
         distance(target, x) / (largest(x) + largest(y) + largest(offset))
+    }
+}
+
+/// Cold steps, each solved to 1e3 u or refused with a reason.
+#[derive(Default)]
+pub(super) struct Answers {
+    tally: Tally,
+    solved: usize,
+    refused: usize,
+}
+
+impl Answers {
+    /// Takes in the step of size t.
+    pub fn take(&mut self, target: &Target, method: &Method, problem: &Problem, t: f64) {
+        let (parameters, x) = (problem.system.parameter_values(), &problem.initial);
+        let (name, tally) = (&problem.name, &mut self.tally);
+        match attempt(method, &parameters, (1.0, t), x) {
+            Attempt::Solved { solution, .. } => {
+                self.solved += 1;
+                let residual = solution.map(|y| target.residual(&parameters, (1.0, t), x, &y));
+                tally.take(residual.is_some_and(|r| r <= 1e3 * UNIT_ROUNDOFF), || {
+                    format!("{name}, t = {t:.1e}: a residual of {residual:?}")
+                });
+            }
+            Attempt::Refused(_) => {
+                self.refused += 1;
+                tally.take(true, String::new);
+            }
+            Attempt::Garbage(what) => tally.take(false, || format!("{name}: {what}")),
+        }
+    }
+
+    /// The outcome, where both are to occur.
+    pub fn outcome(self) -> Outcome {
+        let Self {
+            mut tally,
+            solved,
+            refused,
+        } = self;
+        tally.take(solved > 0 && refused > 0, || {
+            format!("{solved} solved and {refused} refused: one of the two does not occur")
+        });
+        tally.outcome(|_| format!("{solved} solved to round-off, {refused} refused with a reason"))
     }
 }

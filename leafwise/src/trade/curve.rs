@@ -3,7 +3,6 @@
 use leafwise_core::Integrator;
 use leafwise_scene::ComposedRun;
 
-use super::cost::cost;
 use super::norm::{distance, norm};
 
 /// x*(t) from 0 to the end time: states at equal steps, and the polynomial of degree 11 through the twelve nearest
@@ -146,7 +145,7 @@ fn states(
         }
         states.extend_from_slice(integrator.state());
     }
-    Ok((states, cost(&integrator.statistics())))
+    Ok((states, integrator.statistics().cost()))
 }
 
 #[cfg(test)]

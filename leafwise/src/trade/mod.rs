@@ -19,7 +19,6 @@
 mod candidate;
 mod catalogue;
 mod compare;
-mod cost;
 mod curve;
 mod error;
 mod front;

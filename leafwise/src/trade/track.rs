@@ -3,7 +3,6 @@
 use leafwise_core::{Integrator, Structure};
 
 use super::candidate::{Bench, Candidate, Knob, Setting};
-use super::cost::cost;
 use super::grid::{Grid, tolerance};
 use super::plateau::Plateau;
 use super::tolerances::Excess;
@@ -238,7 +237,7 @@ fn probe(bench: &Bench<'_>, candidate: &Candidate) -> Result<f64, String> {
     let mut before = 0;
     for _ in 0..PROBE_STEPS {
         integrator.step().map_err(|error| error.to_string())?;
-        let after = cost(&integrator.statistics());
+        let after = integrator.statistics().cost();
         least = least.min(after - before);
         before = after;
     }

@@ -7,7 +7,6 @@ use leafwise_core::{BuildError, Integrator, SolverStatistics, StepError};
 use leafwise_scene::ComposedRun;
 use leafwise_scene::compose::Stepping;
 
-use super::cost::cost;
 use super::curve::Curve;
 
 /// Why a run did not reach its end.
@@ -70,7 +69,7 @@ impl Trial {
     /// The cost by which runs are compared: counted operations, or evaluations where a part does
     /// not count its own.
     pub fn cost(&self) -> u64 {
-        cost(&self.statistics)
+        self.statistics.cost()
     }
 }
 
@@ -120,7 +119,7 @@ pub(super) fn run_counted(
     let (mut largest_error, mut buffer) = (0.0, vec![0.0; run.dimension()]);
     for step in 0..steps {
         let stepped = integrator.step();
-        let own = cost(&integrator.statistics());
+        let own = integrator.statistics().cost();
         *spent = before + own;
         stepped.map_err(|error| TrialFailure::Step { step, error })?;
         let taken = step + 1;

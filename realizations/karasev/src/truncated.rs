@@ -115,21 +115,12 @@ impl RealizationData for TruncatedKarasev {
         self.system.dimension()
     }
 
-    fn space_dimension(&self) -> usize {
-        2 * self.system.dimension()
-    }
-
     fn accuracy(&self) -> Accuracy {
         Accuracy::Order(self.order)
     }
 
     fn describe(&self) -> String {
         format!("{} n = {}", INFO.name, self.order)
-    }
-
-    fn section(&self, x: &[f64], z: &mut [f64]) {
-        z[..x.len()].copy_from_slice(x);
-        z[x.len()..].fill(0.0);
     }
 
     fn code(&self) -> Option<&dyn RealizationCode> {

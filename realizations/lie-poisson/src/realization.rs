@@ -79,21 +79,12 @@ impl RealizationData for LiePoisson {
         self.dimension
     }
 
-    fn space_dimension(&self) -> usize {
-        2 * self.dimension
-    }
-
     fn accuracy(&self) -> Accuracy {
         Accuracy::Exact
     }
 
     fn describe(&self) -> String {
         INFO.name.to_owned()
-    }
-
-    fn section(&self, x: &[f64], z: &mut [f64]) {
-        z[..x.len()].copy_from_slice(x);
-        z[x.len()..].fill(0.0);
     }
 
     fn code(&self) -> Option<&dyn RealizationCode> {

@@ -57,21 +57,12 @@ impl RealizationData for So3Exponential {
         3
     }
 
-    fn space_dimension(&self) -> usize {
-        6
-    }
-
     fn accuracy(&self) -> Accuracy {
         Accuracy::Exact
     }
 
     fn describe(&self) -> String {
         INFO.name.to_owned()
-    }
-
-    fn section(&self, x: &[f64], z: &mut [f64]) {
-        z[..3].copy_from_slice(x);
-        z[3..].fill(0.0);
     }
 
     fn code(&self) -> Option<&dyn RealizationCode> {

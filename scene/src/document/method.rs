@@ -1,5 +1,7 @@
 //! The `[method]` table: the parts of the integrator and its step.
 
+use leafwise_core::{PartKind, Registry};
+
 use super::error::SceneProblemCause;
 use super::located::{Located, Number};
 use super::reader::{Item, Problems, Table};
@@ -94,14 +96,20 @@ pub(super) const KEYS: [&str; 8] = [
 pub(crate) const CHOSEN_AT: &str = "chosen-at";
 
 /// Reads `[method]`.
-pub(super) fn read_method(table: &Table<'_>, problems: &mut Problems) -> Option<MethodSection> {
+pub(super) fn read_method(
+    table: &Table<'_>,
+    registry: &Registry,
+    problems: &mut Problems,
+) -> Option<MethodSection> {
     table.only(&KEYS, problems);
-    let mut part = |key: &str| match table.get(key) {
-        Some(item) => read_part(item, problems).map(Some),
+    let mut part = |key: &str, kind| match table.get(key) {
+        Some(item) => read_part(item, example(registry, kind), problems).map(Some),
         None => Some(None),
     };
-    let (realization, dynamics) = (part("realization"), part("dynamics"));
-    let (composition, stepper) = (part("composition"), part("stepper"));
+    let realization = part("realization", PartKind::Realization);
+    let dynamics = part("dynamics", PartKind::Dynamics);
+    let composition = part("composition", PartKind::Composition);
+    let stepper = part("stepper", PartKind::Stepper);
     if table.get("stepper").is_some() {
         for key in ["realization", "dynamics"] {
             conflict(
@@ -128,7 +136,7 @@ pub(super) fn read_method(table: &Table<'_>, problems: &mut Problems) -> Option<
     })
 }
 
-fn read_part(item: &Item<'_>, problems: &mut Problems) -> Option<PartSpec> {
+fn read_part(item: &Item<'_>, example: &str, problems: &mut Problems) -> Option<PartSpec> {
     if item.is_string() {
         return Some(PartSpec {
             name: item.string(problems)?,
@@ -137,7 +145,7 @@ fn read_part(item: &Item<'_>, problems: &mut Problems) -> Option<PartSpec> {
     }
     let title = item.title.clone();
     let table = item.table(&title, "a name or a table { name = \"…\" }", problems)?;
-    let example = format!("{title} = {{ name = \"{}\" }}", example_name(&title));
+    let example = format!("{title} = {{ name = \"{example}\" }}");
     let name = table
         .require("name", &example, problems)
         .and_then(|name| name.string(problems));
@@ -153,13 +161,11 @@ fn read_part(item: &Item<'_>, problems: &mut Problems) -> Option<PartSpec> {
     })
 }
 
-fn example_name(key: &str) -> &'static str {
-    match key {
-        "realization" => "karasev-truncated",
-        "dynamics" => "hamilton-jacobi",
-        "composition" => "none",
-        _ => "implicit-midpoint",
-    }
+/// The name that a message shows: of the part that serves every system, or that is compared first.
+fn example(registry: &Registry, kind: PartKind) -> &'static str {
+    let compared = || registry.compared(kind).first().copied();
+    let part = registry.of_order(kind).ok().or_else(compared);
+    part.map_or("auto", |info| info.name)
 }
 
 /// The value of a parameter of a part.

@@ -36,15 +36,7 @@ pub(super) fn apply_overrides(
     let mut document = match text.parse::<DocumentMut>() {
         Ok(document) => document,
         Err(error) => {
-            problems.push(
-                SceneProblemCause::Syntax {
-                    message: error.message().to_owned(),
-                },
-                Place {
-                    source: Source::Scene,
-                    span: error.span().unwrap_or(0..0),
-                },
-            );
+            problems.syntax(error.message(), error.span(), Source::Scene);
             return None;
         }
     };

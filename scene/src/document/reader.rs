@@ -1,6 +1,7 @@
 //! Typed access to a parsed TOML table; every failure is recorded with its place.
 
 use std::num::IntErrorKind;
+use std::ops::Range;
 
 use toml::de::{DeTable, DeValue};
 
@@ -16,6 +17,16 @@ impl Problems {
     /// Records a problem.
     pub fn push(&mut self, cause: SceneProblemCause, place: Place) {
         self.0.push(SceneProblem { cause, place });
+    }
+
+    /// Records that a text is no TOML.
+    pub fn syntax(&mut self, message: &str, span: Option<Range<usize>>, source: Source) {
+        let message = message.to_owned();
+        let span = span.unwrap_or(0..0);
+        self.push(
+            SceneProblemCause::Syntax { message },
+            Place { source, span },
+        );
     }
 }
 

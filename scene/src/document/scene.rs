@@ -191,15 +191,7 @@ fn read(
     let document = match DeTable::parse(text) {
         Ok(document) => document,
         Err(error) => {
-            problems.push(
-                SceneProblemCause::Syntax {
-                    message: error.message().to_owned(),
-                },
-                Place {
-                    source: Source::Scene,
-                    span: error.span().unwrap_or(0..0),
-                },
-            );
+            problems.syntax(error.message(), error.span(), Source::Scene);
             return None;
         }
     };
@@ -220,7 +212,7 @@ fn read(
         .and_then(|table| read_system(table, registry, fragment, problems));
     let method = method
         .as_ref()
-        .and_then(|table| read_method(table, problems));
+        .and_then(|table| read_method(table, registry, problems));
     let run = run
         .as_ref()
         .and_then(|table| read_run(table, system.as_ref(), problems));

@@ -93,15 +93,7 @@ fn read_fragment(id: &str, text: &str, problems: &mut Problems) -> Option<System
     let document = match DeTable::parse(text) {
         Ok(document) => document,
         Err(error) => {
-            problems.push(
-                SceneProblemCause::Syntax {
-                    message: error.message().to_owned(),
-                },
-                Place {
-                    source,
-                    span: error.span().unwrap_or(0..0),
-                },
-            );
+            problems.syntax(error.message(), error.span(), source);
             return None;
         }
     };

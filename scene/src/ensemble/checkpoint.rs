@@ -3,8 +3,6 @@
 use std::fs;
 use std::path::Path;
 
-use leafwise_core::SolverStatistics;
-
 use super::quantiles::Sketch;
 use super::statistics::{Deviation, MemberFailure, Reductions, Summary};
 use crate::run::{
@@ -13,9 +11,6 @@ use crate::run::{
 
 /// The file begins with this: name and format version.
 const MAGIC: &[u8; 8] = b"leafens3";
-
-/// A count that is not known.
-const UNKNOWN: u64 = u64::MAX;
 
 /// An ensemble between two members.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,16 +53,7 @@ impl Checkpoint {
         let all = &self.reductions;
         out.whole(all.members);
         out.whole(all.failed);
-        for count in [
-            all.statistics.steps,
-            all.statistics.evaluations,
-            all.statistics.operations.unwrap_or(UNKNOWN),
-            all.statistics.most_evaluations,
-            all.statistics.failures,
-            all.statistics.rounded,
-        ] {
-            out.whole(count);
-        }
+        out.statistics(&all.statistics);
         out.whole(all.failures.len() as u64);
         for failure in &all.failures {
             out.whole(failure.member);
@@ -102,14 +88,7 @@ impl Checkpoint {
         let (fingerprint, total) = (from.whole()?, from.whole()?);
         let (wall_seconds, vouched) = (from.number()?, from.vouched()?);
         let (members, failed) = (from.whole()?, from.whole()?);
-        let statistics = SolverStatistics {
-            steps: from.whole()?,
-            evaluations: from.whole()?,
-            operations: Some(from.whole()?).filter(|count| *count != UNKNOWN),
-            most_evaluations: from.whole()?,
-            failures: from.whole()?,
-            rounded: from.whole()?,
-        };
+        let statistics = from.statistics()?;
         let mut failures = Vec::new();
         for _ in 0..from.length()? {
             failures.push(MemberFailure {

@@ -2,7 +2,7 @@
 
 use super::error::ReportError;
 use super::html::escape;
-use super::page::{head, reproduction, two_columns};
+use super::page::{ending, head, two_columns};
 use super::work_precision::{Curve, Plot, work_precision_figure};
 
 /// Methods compared on a scene, ready to be drawn.
@@ -70,15 +70,11 @@ pub fn render_comparison(data: &ComparisonData) -> Result<String, ReportError> {
             two_columns(&data.failures)
         ));
     }
-    page.push_str(&reproduction(
+    page.push_str(&ending(
         &data.scene_name,
         &data.version,
         &data.command,
         &data.scene_text,
-    ));
-    page.push_str(&format!(
-        "<footer>Written by {}.</footer>\n</main>\n</body>\n</html>\n",
-        escape(&data.version)
     ));
     Ok(page)
 }

@@ -7,7 +7,7 @@ use super::drift::drift_figure;
 use super::error::ReportError;
 use super::figure::Figure;
 use super::html::{escape, number};
-use super::page::{advice, banner, head, reproduction, two_columns};
+use super::page::{advice, banner, ending, head, two_columns};
 
 /// What the page of an ensemble is made from.
 #[derive(Clone, Debug, Default)]
@@ -107,15 +107,11 @@ pub fn render_ensemble(data: &EnsembleData) -> Result<String, ReportError> {
         ));
     }
     page.push_str(&format!("<h2>Method</h2>\n{}", two_columns(&data.method)));
-    page.push_str(&reproduction(
+    page.push_str(&ending(
         &data.scene_name,
         &data.version,
         &data.command,
         &data.scene_text,
-    ));
-    page.push_str(&format!(
-        "<footer>Written by {}.</footer>\n</main>\n</body>\n</html>\n",
-        escape(&data.version)
     ));
     Ok(page)
 }

@@ -31,17 +31,12 @@ pub fn render_report(data: &ReportData) -> Result<String, ReportError> {
     if !data.method.is_empty() {
         page.push_str(&format!("<h2>Method</h2>\n{}", two_columns(&data.method)));
     }
-    page.push_str(&reproduction(
+    page.push_str(&ending(
         &data.scene_name,
         &data.version,
         &data.command,
         &data.scene_text,
     ));
-    page.push_str(&format!(
-        "<footer>Written by {}.</footer>\n",
-        escape(&data.version)
-    ));
-    page.push_str("</main>\n</body>\n</html>\n");
     Ok(page)
 }
 
@@ -239,17 +234,13 @@ fn figures(data: &ReportData) -> Result<String, ReportError> {
     ))
 }
 
-pub(super) fn reproduction(
-    scene_name: &str,
-    version: &str,
-    command: &str,
-    scene_text: &str,
-) -> String {
+/// How to repeat what a page shows, and the end of the page.
+pub(super) fn ending(scene_name: &str, version: &str, command: &str, scene_text: &str) -> String {
     format!(
         "<h2>How to reproduce</h2>\n<div class=\"card\">\n<p>Save the scene below as \
          <code>{name}</code> and run, with {version}:</p>\n<pre><code>{command}</code></pre>\n\
          <details open><summary>{name}</summary>\n<pre><code>{scene}</code></pre></details>\n\
-         </div>\n",
+         </div>\n<footer>Written by {version}.</footer>\n</main>\n</body>\n</html>\n",
         name = escape(scene_name),
         version = escape(version),
         command = escape(command),

@@ -97,16 +97,7 @@ impl Checkpoint {
         out.list(&self.integrator.state);
         out.list(&self.integrator.compensation);
         out.list(&self.integrator.memory);
-        for count in [
-            self.statistics.steps,
-            self.statistics.evaluations,
-            self.statistics.operations.unwrap_or(UNKNOWN),
-            self.statistics.most_evaluations,
-            self.statistics.failures,
-            self.statistics.rounded,
-        ] {
-            out.whole(count);
-        }
+        out.statistics(&self.statistics);
         out.number(self.wall_seconds);
         out.vouched(&self.vouched);
         out.vouched(&self.states);
@@ -138,14 +129,7 @@ impl Checkpoint {
             compensation: from.list()?,
             memory: from.list()?,
         };
-        let statistics = SolverStatistics {
-            steps: from.whole()?,
-            evaluations: from.whole()?,
-            operations: Some(from.whole()?).filter(|count| *count != UNKNOWN),
-            most_evaluations: from.whole()?,
-            failures: from.whole()?,
-            rounded: from.whole()?,
-        };
+        let statistics = from.statistics()?;
         let (wall_seconds, vouched, states) = (from.number()?, from.vouched()?, from.vouched()?);
         let samples = from.whole()?;
         let last_sample = Some(from.whole()?).filter(|step| *step != UNKNOWN);
@@ -237,6 +221,19 @@ impl Writer {
         self.0.extend_from_slice(&vouched.sha256);
     }
 
+    pub(crate) fn statistics(&mut self, statistics: &SolverStatistics) {
+        for count in [
+            statistics.steps,
+            statistics.evaluations,
+            statistics.operations.unwrap_or(UNKNOWN),
+            statistics.most_evaluations,
+            statistics.failures,
+            statistics.rounded,
+        ] {
+            self.whole(count);
+        }
+    }
+
     /// A text as so many whole numbers, its bytes in eights, filled up with zeros.
     pub(crate) fn text(&mut self, text: &str) {
         let words = text.len().div_ceil(8);
@@ -294,6 +291,17 @@ impl Reader<'_> {
         Some(Vouched {
             bytes,
             sha256: *sha256,
+        })
+    }
+
+    pub(crate) fn statistics(&mut self) -> Option<SolverStatistics> {
+        Some(SolverStatistics {
+            steps: self.whole()?,
+            evaluations: self.whole()?,
+            operations: Some(self.whole()?).filter(|count| *count != UNKNOWN),
+            most_evaluations: self.whole()?,
+            failures: self.whole()?,
+            rounded: self.whole()?,
         })
     }
 }

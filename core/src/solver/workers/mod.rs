@@ -10,7 +10,7 @@ mod solve;
 use evaluation::Evaluation;
 use solve::{Means, Progress, Solve};
 
-use super::judge::Watch;
+use super::judge::{Watch, all_finite};
 use super::{Branch, Lockstep, Taken};
 use crate::bisection::BisectionWorker;
 use crate::dynamics::Correction;
@@ -118,7 +118,7 @@ impl Workers {
         let d = self.dimension;
         let own = &mut self.trajectories[at];
         let state = &x[at * d..][..d];
-        let is_solved = taken[at].outcome.is_ok();
+        let solved = std::mem::replace(&mut taken[at].outcome, Ok(()));
         if self.means == Means::Newton {
             let (evaluation, active) = (&mut self.evaluation, &mut self.active);
             let (low, change) = (&low[at * d..][..d], &mut self.change);
@@ -146,40 +146,31 @@ impl Workers {
                         *residual -= (1.0 - part) * first;
                     }
                     evaluation.tangents(0, jacobian, change);
-                    let mut values = residual.iter().chain(jacobian.iter());
-                    if values.all(|value| value.is_finite()) {
-                        return Ok(());
-                    }
-                    Err(StepError::NonFinite {
-                        what: "a Newton correction",
-                    })
+                    all_finite(residual, jacobian, "a Newton correction")
                 };
             let spent = &mut taken[at].evaluations;
-            let found = is_solved.then_some(&own.y[..]);
-            match self.branch.follow(state, state, found, spent, evaluate) {
-                Ok(()) if is_solved && self.branch.ends_at(&own.y) => return,
-                Ok(()) => own.begin_at(state, self.branch.end()),
+            let solved = solved.map(|()| &own.y[..]);
+            match self.branch.settle(state, state, solved, spent, evaluate) {
+                Ok(true) => return,
+                Ok(false) => own.begin_at(state, self.branch.end()),
                 Err(error) => {
-                    if is_solved || matches!(error, StepError::OtherBranch { .. }) {
-                        taken[at].outcome = Err(error);
-                    }
+                    taken[at].outcome = Err(error);
                     return;
                 }
             }
         } else if own.extrapolation.is_cold(0) {
+            taken[at].outcome = solved;
             return;
         } else {
             own.begin_at(state, state);
         }
-        taken[at].outcome = Ok(());
         self.active.clear();
         self.active.push(at);
         while !self.active.is_empty() {
             self.advance(x, low, increment, taken);
         }
-        let y = &self.trajectories[at].y;
-        if self.means == Means::Newton && taken[at].outcome.is_ok() && !self.branch.ends_at(y) {
-            taken[at].outcome = Err(StepError::OtherBranch { reached: 1.0 });
+        if self.means == Means::Newton && taken[at].outcome.is_ok() {
+            taken[at].outcome = self.branch.confirm_end(&self.trajectories[at].y);
         }
     }
 

@@ -96,18 +96,11 @@ impl RealizationData for Cayley {
     fn dimension(&self) -> usize {
         3
     }
-    fn space_dimension(&self) -> usize {
-        6
-    }
     fn accuracy(&self) -> Accuracy {
         Accuracy::Exact
     }
     fn describe(&self) -> String {
         "so(3)* in the Cayley chart".to_owned()
-    }
-    fn section(&self, x: &[f64], z: &mut [f64]) {
-        z[..3].copy_from_slice(x);
-        z[3..].fill(0.0);
     }
     fn code(&self) -> Option<&dyn RealizationCode> {
         Some(self)

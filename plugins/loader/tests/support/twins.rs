@@ -21,18 +21,11 @@ impl RealizationData for RodriguesTwin {
     fn dimension(&self) -> usize {
         3
     }
-    fn space_dimension(&self) -> usize {
-        6
-    }
     fn accuracy(&self) -> Accuracy {
         Accuracy::Exact
     }
     fn describe(&self) -> String {
         "rodrigues".to_owned()
-    }
-    fn section(&self, x: &[f64], z: &mut [f64]) {
-        z[..3].copy_from_slice(x);
-        z[3..].fill(0.0);
     }
     fn worker(&self, _: &[f64], epsilon: f64) -> Option<Box<dyn RealizationWorker>> {
         Some(Box::new(RodriguesWorker {

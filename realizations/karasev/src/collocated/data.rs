@@ -80,10 +80,6 @@ impl RealizationData for CollocatedKarasev {
         self.collocation.dimension()
     }
 
-    fn space_dimension(&self) -> usize {
-        2 * self.collocation.dimension()
-    }
-
     fn accuracy(&self) -> Accuracy {
         match self.collocation.points {
             None => Accuracy::Exact,
@@ -96,11 +92,6 @@ impl RealizationData for CollocatedKarasev {
             None => format!("{NAME} (as many nodes as needed)"),
             Some(q) => format!("{NAME} q = {q}"),
         }
-    }
-
-    fn section(&self, x: &[f64], z: &mut [f64]) {
-        z[..x.len()].copy_from_slice(x);
-        z[x.len()..].fill(0.0);
     }
 
     fn series(&self) -> Option<&dyn SourceSeries> {

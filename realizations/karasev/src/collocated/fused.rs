@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::solver::judge::{Verdict, Watch, is_between};
+use leafwise_core::solver::judge::{Verdict, Watch, all_finite, is_between};
 use leafwise_core::solver::{
     Branch, CorrectionSize, Extrapolation, Lanes, LinearIteration, Trajectory,
 };
@@ -183,14 +183,15 @@ impl Path {
         }
     }
 
-    /// The mean on the branch that begins at x: of L = graph sθ, from s = 0.
-    fn follow(
+    /// Whether the mean that was `solved` is that on the branch which begins at x: of L = graph sθ, from
+    /// s = 0.
+    fn settle(
         &mut self,
         form: &mut dyn OneFormWorker,
         (x, low): (&[f64], &[f64]),
-        found: Option<&[f64]>,
+        solved: Result<&[f64], StepError>,
         evaluations: &mut u64,
-    ) -> Result<(), StepError> {
+    ) -> Result<bool, StepError> {
         let d = x.len();
         let Self {
             branch,
@@ -201,10 +202,10 @@ impl Path {
             change,
             slope,
         } = self;
-        branch.follow(
+        branch.settle(
             x,
             x,
-            found,
+            solved,
             evaluations,
             |part, centre, residual, jacobian| {
                 let (mean, p) = z.split_at_mut(d);
@@ -223,13 +224,7 @@ impl Path {
                         jacobian[i * d + j] = by_x[j] + part * through;
                     }
                 }
-                let mut values = residual.iter().chain(jacobian.iter());
-                if values.all(|value| value.is_finite()) {
-                    return Ok(());
-                }
-                Err(StepError::NonFinite {
-                    what: "a Newton correction",
-                })
+                all_finite(residual, jacobian, "a Newton correction")
             },
         )
     }
@@ -293,26 +288,18 @@ impl FusedTrajectory {
             Box::new(Path::new(worker, x.len()))
         });
         path.worker.restore(&[self.curve.rule.points() as f64]);
-        let found = solved.is_ok().then_some(&self.centre[..]);
-        let followed = path.follow(self.form.as_mut(), (x, low), found, evaluations);
-        let outcome = match (followed, solved) {
-            (Ok(()), Ok(())) if path.branch.ends_at(&self.centre) => Ok(()),
-            (Ok(()), _) => {
-                for (i, start) in self.start.iter_mut().enumerate() {
-                    *start = path.branch.end()[i] - x[i];
-                }
-                self.resolve(x, low, increment, evaluations).and_then(|()| {
-                    match path.branch.ends_at(&self.centre) {
-                        true => Ok(()),
-                        false => Err(StepError::OtherBranch { reached: 1.0 }),
-                    }
-                })
+        let solved = solved.map(|()| &self.centre[..]);
+        let settled = path.settle(self.form.as_mut(), (x, low), solved, evaluations);
+        let outcome = settled.and_then(|is_found| {
+            if is_found {
+                return Ok(());
             }
-            (Err(error), Ok(())) | (Err(error @ StepError::OtherBranch { .. }), Err(_)) => {
-                Err(error)
+            for (i, start) in self.start.iter_mut().enumerate() {
+                *start = path.branch.end()[i] - x[i];
             }
-            (Err(_), Err(error)) => Err(error),
-        };
+            self.resolve(x, low, increment, evaluations)?;
+            path.branch.confirm_end(&self.centre)
+        });
         self.path = Some(path);
         outcome
     }

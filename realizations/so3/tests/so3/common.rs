@@ -109,18 +109,11 @@ impl RealizationData for ThroughChart {
     fn dimension(&self) -> usize {
         3
     }
-    fn space_dimension(&self) -> usize {
-        6
-    }
     fn accuracy(&self) -> Accuracy {
         self.maps.accuracy()
     }
     fn describe(&self) -> String {
         format!("{} through its chart", self.maps.describe())
-    }
-    fn section(&self, x: &[f64], z: &mut [f64]) {
-        z[..3].copy_from_slice(x);
-        z[3..].fill(0.0);
     }
     fn code(&self) -> Option<&dyn RealizationCode> {
         Some(self)

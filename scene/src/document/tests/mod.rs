@@ -53,9 +53,9 @@ static BROKEN: PartInfo = PartInfo {
     ..PartInfo::of(PartKind::System)
 };
 
-/// Systems by text alone.
+/// The parts that are linked, and systems by text alone.
 fn library() -> Registry {
-    let mut registry = Registry::empty();
+    let mut registry = Registry::with_builtin();
     for (info, fragment) in [(&LATTICE, FRAGMENT), (&BROKEN, "[system\n")] {
         let part = SystemPart::new(info, |_| unreachable!("it is read as text"));
         let origin = Origin::built_in("a test", "1");

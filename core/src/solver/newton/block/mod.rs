@@ -1,14 +1,19 @@
 //! W trajectories side by side.
 
+mod settle;
+mod trajectories;
+
+pub(super) use trajectories::{Columns, Trajectories, trajectories};
+
 use leafwise_expression::Workspace;
 
 use super::convergence::{Convergence, Next};
 use super::kernel::NewtonKernel;
 use crate::error::StepError;
-use crate::solver::elimination::{ANY, Factors, Rows, dimension};
+use crate::solver::Branch;
+use crate::solver::elimination::{Factors, Rows, dimension};
 use crate::solver::extrapolation::{DEPTH, Extrapolation};
 use crate::solver::judge::{Allowed, WANDERING, Watch, inside_chart, larger, relative};
-use crate::solver::{Branch, SolverStatistics};
 
 /// Evaluations of one step. A smooth orbit takes 1 to 4, a cold start at a large step a dozen, one at a
 /// thousand times the size of a chart fifty.
@@ -29,7 +34,7 @@ type Row<const W: usize> = [f64; W];
 /// W trajectories, each with its own history and its own stop; what one computes does not depend on
 /// the others. Vectors are rows of W numbers, one row a coordinate.
 ///
-/// D is the dimension, or [`ANY`]; vectors (`V`, d rows) and matrices (`M`, d² rows) stand in the block
+/// D is the dimension, or `ANY`; vectors (`V`, d rows) and matrices (`M`, d² rows) stand in the block
 /// itself where it is known, so that they stay in registers.
 pub(super) struct Block<const W: usize, const D: usize, V, M> {
     kernel: NewtonKernel,
@@ -408,109 +413,6 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         }
     }
 
-    /// Makes sure that a lane's solution is the one connected with the state, and takes that where the
-    /// solve found another or none.
-    #[cold]
-    fn settle(&mut self, w: usize) {
-        let d = self.dimension;
-        if let Err(error) = &self.outcome[w]
-            && !error.is_of_a_solve()
-        {
-            return;
-        }
-        let (x, low) = (self.x.as_ref(), self.low.as_ref());
-        for i in 0..d {
-            self.from[i] = x[i][w];
-            self.found[i] = self.y.as_ref()[i][w];
-        }
-        let (kernel, full, y, from) = (
-            &self.kernel.full,
-            &mut self.full,
-            self.y.as_mut(),
-            &self.from,
-        );
-        let (parameters, epsilon, h) = (&self.parameters, self.epsilon, self.h);
-        let prepare = |full: &mut Workspace, part: f64| {
-            kernel.prepare(full, parameters, &[epsilon; W], &[part * h; W]);
-        };
-        let (mut spent, mut prepared) = (0, 1.0);
-        let found = self.outcome[w].is_ok().then_some(&self.found[..]);
-        let path = self.branch.follow(
-            from,
-            from,
-            found,
-            &mut spent,
-            |part, point, residual, jacobian| {
-                if part != prepared {
-                    prepare(full, part);
-                    prepared = part;
-                }
-                for i in 0..d {
-                    y[i][w] = point[i];
-                }
-                kernel.evaluate_rows(full, y);
-                let (ends, rest) = kernel.output_rows::<W>(full).split_at(3 * d);
-                for i in 0..d {
-                    residual[i] = from[i] - ends[i][w] - ends[d + i][w] + low[i][w];
-                }
-                for (entry, row) in jacobian.iter_mut().zip(rest) {
-                    *entry = row[w];
-                }
-                let mut values = residual.iter().chain(jacobian.iter());
-                if !values.all(|value| value.is_finite()) {
-                    return Err(StepError::NonFinite {
-                        what: "a Newton correction",
-                    });
-                }
-                let (first, last) = rest[2 * d * d..].split_at((rest.len() - 2 * d * d) / 2);
-                inside_chart(guard_ratio(first, last)[w])
-            },
-        );
-        if prepared != 1.0 {
-            prepare(full, 1.0);
-        }
-        let is_found = self.outcome[w].is_ok() && self.branch.ends_at(&self.found);
-        let goal = match (&path, is_found) {
-            (Ok(()), false) => self.branch.end(),
-            _ => &self.found,
-        };
-        for (y, goal) in self.y.as_mut().iter_mut().zip(goal) {
-            y[w] = *goal;
-        }
-        self.lanes[w].jacobians += u32::try_from(spent).unwrap_or(u32::MAX);
-        match path {
-            Ok(()) if is_found => {}
-            Ok(()) => {
-                // What the other solution told, of sizes and convergence, says nothing of this one.
-                let lane = &mut self.lanes[w];
-                let before = lane.convergence.evaluations;
-                lane.convergence = Convergence::new();
-                lane.next = lane.convergence.start(None, 0);
-                let change = |x: &[f64], end: &[f64]| {
-                    let pairs = x.iter().zip(end);
-                    pairs.fold(0.0, |m, (x, y)| larger(m, x.abs() + (y - x).abs()))
-                };
-                lane.allowed = Allowed::new(change(&self.from, self.branch.end()));
-                self.outcome[w] = Ok(());
-                self.iterate();
-                self.lanes[w].convergence.evaluations += before;
-                for (found, y) in self.found.iter_mut().zip(self.y.as_ref()) {
-                    *found = y[w];
-                }
-                if self.outcome[w].is_ok() && !self.branch.ends_at(&self.found) {
-                    self.outcome[w] = Err(StepError::OtherBranch { reached: 1.0 });
-                }
-            }
-            // A state that has no value says so already.
-            Err(error) => {
-                if self.outcome[w].is_ok() || matches!(error, StepError::OtherBranch { .. }) {
-                    self.outcome[w] = Err(error);
-                }
-            }
-        }
-        self.lanes[w].convergence.evaluations += u32::try_from(spent).unwrap_or(u32::MAX);
-    }
-
     /// Records the steps that were taken; a lane that failed forgets its history.
     #[inline(always)]
     fn finish(&mut self) {
@@ -544,142 +446,6 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
     }
 }
 
-/// What a stepper asks of its blocks, whatever their dimension.
-pub(super) trait Trajectories: Send {
-    /// Steps from x + low, `from` telling which columns of these structures of arrays are the
-    /// block's.
-    fn advance(&mut self, from: Columns, x: &[f64], low: &[f64], increment: &mut [f64]);
-    /// Hands over the outcomes of a step and counts it; returns how many evaluations were with
-    /// Jacobians.
-    fn report(
-        &mut self,
-        outcome: &mut [Result<(), StepError>],
-        statistics: &mut SolverStatistics,
-    ) -> u64;
-    /// The solution of a lane's last step.
-    fn solution(&self, lane: usize) -> Vec<f64>;
-    /// Both Jacobians at the solution of a lane's last step, row-major.
-    fn jacobians(&mut self, lane: usize) -> (Vec<f64>, Vec<f64>);
-    /// Forgets earlier steps.
-    fn restart(&mut self);
-    /// What the next step of a lane depends on. The Jacobians are evaluated again where they were
-    /// taken.
-    fn memory(&self, lane: usize, into: &mut Vec<f64>);
-    /// How many numbers [`memory`](Self::memory) writes.
-    fn memory_len(&self) -> usize;
-    /// Restores a lane's [`memory`](Self::memory).
-    fn restore(&mut self, lane: usize, memory: &[f64]);
-}
-
-impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Trajectories for Block<W, D, V, M> {
-    fn advance(&mut self, from: Columns, x: &[f64], low: &[f64], increment: &mut [f64]) {
-        let d = dimension::<D>(self.dimension);
-        let (own_x, own_low) = (&mut self.x.as_mut()[..d], &mut self.low.as_mut()[..d]);
-        for i in 0..d {
-            own_x[i].copy_from_slice(&x[from.row::<W>(i)]);
-            own_low[i].copy_from_slice(&low[from.row::<W>(i)]);
-        }
-        self.step();
-        for (i, own) in self.increment.as_ref()[..d].iter().enumerate() {
-            increment[from.row::<W>(i)].copy_from_slice(own);
-        }
-    }
-
-    fn solution(&self, lane: usize) -> Vec<f64> {
-        self.y.as_ref().iter().map(|row| row[lane]).collect()
-    }
-
-    fn report(
-        &mut self,
-        outcome: &mut [Result<(), StepError>],
-        statistics: &mut SolverStatistics,
-    ) -> u64 {
-        let mut jacobians = 0;
-        for (w, outcome) in outcome.iter_mut().enumerate() {
-            *outcome = std::mem::replace(&mut self.outcome[w], Ok(()));
-            let lane = &self.lanes[w];
-            statistics.count(lane.convergence.evaluations.into(), outcome.is_ok());
-            statistics.rounded += u64::from(lane.convergence.rounded && outcome.is_ok());
-            jacobians += u64::from(lane.jacobians);
-        }
-        jacobians
-    }
-
-    fn jacobians(&mut self, lane: usize) -> (Vec<f64>, Vec<f64>) {
-        let d = self.dimension;
-        let kernel = &self.kernel.full;
-        kernel.evaluate_rows(&mut self.full, self.y.as_ref());
-        let values = kernel.output_rows::<W>(&self.full);
-        let matrix = |from: usize| {
-            let rows = values[from..from + d * d].iter();
-            rows.map(|row| row[lane]).collect()
-        };
-        (matrix(3 * d), matrix(3 * d + d * d))
-    }
-
-    fn restart(&mut self) {
-        for (w, lane) in self.lanes.iter_mut().enumerate() {
-            lane.convergence = Convergence::new();
-            lane.watch = Watch::NEW;
-            lane.anchored = false;
-            self.extrapolation.clear(w);
-        }
-    }
-
-    fn memory(&self, lane: usize, into: &mut Vec<f64>) {
-        let Lane {
-            convergence,
-            watch,
-            anchored,
-            ..
-        } = &self.lanes[lane];
-        into.extend([
-            convergence.constant,
-            convergence.first,
-            convergence.seen,
-            watch.memory(),
-            if *anchored { 1.0 } else { 0.0 },
-        ]);
-        for rows in [self.anchor.as_ref(), self.scale.as_ref()] {
-            into.extend(
-                rows.iter()
-                    .map(|row| if *anchored { row[lane] } else { 0.0 }),
-            );
-        }
-        self.extrapolation.memory(lane, into);
-    }
-
-    fn memory_len(&self) -> usize {
-        5 + 2 * self.dimension + self.extrapolation.memory_len()
-    }
-
-    fn restore(&mut self, lane: usize, memory: &[f64]) {
-        let d = self.dimension;
-        let (own, memory) = memory.split_at(5);
-        let (anchor, memory) = memory.split_at(d);
-        let (scale, history) = memory.split_at(d);
-        let convergence = &mut self.lanes[lane].convergence;
-        *convergence = Convergence::new();
-        (convergence.constant, convergence.first) = (own[0], own[1]);
-        convergence.seen = own[2];
-        let steps = own[3];
-        for i in 0..d {
-            self.y.as_mut()[i][lane] = anchor[i];
-            self.scale.as_mut()[i][lane] = scale[i];
-        }
-        self.extrapolation.restore(lane, history);
-        if own[4] != 0.0 {
-            let only = std::array::from_fn(|w| w == lane);
-            self.evaluate_full(&only);
-        } else {
-            self.lanes[lane].anchored = false;
-        }
-        // The Jacobian's own evaluation is no step.
-        self.lanes[lane].watch = Watch::NEW;
-        self.lanes[lane].watch.restore(steps);
-    }
-}
-
 /// The values of the lanes in `mask`.
 #[inline(always)]
 fn select<const W: usize>(mask: &[bool; W], kept: &mut Row<W>, value: &Row<W>) {
@@ -696,47 +462,6 @@ fn guard_ratio<const W: usize>(first: &[Row<W>], last: &[Row<W>]) -> Row<W> {
         (_, 0.0) => 0.0,
         (first, last) => last / first,
     })
-}
-
-/// Where a block's lanes stand in structures of arrays over all lanes.
-#[derive(Clone, Copy)]
-pub(super) struct Columns {
-    /// The first.
-    pub(super) lane: usize,
-    /// Of so many.
-    pub(super) lanes: usize,
-}
-
-impl Columns {
-    /// A row's numbers for W lanes.
-    #[inline(always)]
-    fn row<const W: usize>(self, i: usize) -> std::ops::Range<usize> {
-        let start = i * self.lanes + self.lane;
-        start..start + W
-    }
-}
-
-/// W trajectories; `parameters` is a structure of arrays over them.
-pub(super) fn trajectories<const W: usize>(
-    kernel: &NewtonKernel,
-    parameters: &[f64],
-    epsilon: f64,
-    h: f64,
-) -> Box<dyn Trajectories> {
-    macro_rules! block {
-        ($dimension:expr, $vector:ty, $matrix:ty) => {
-            Box::new(Block::<W, $dimension, $vector, $matrix>::new(
-                kernel, parameters, epsilon, h,
-            ))
-        };
-    }
-    match kernel.dimension {
-        2 => block!(2, [Row<W>; 2], [Row<W>; 4]),
-        3 => block!(3, [Row<W>; 3], [Row<W>; 9]),
-        4 => block!(4, [Row<W>; 4], [Row<W>; 16]),
-        6 => block!(6, [Row<W>; 6], [Row<W>; 36]),
-        _ => block!(ANY, Vec<Row<W>>, Vec<Row<W>>),
-    }
 }
 
 #[cfg(test)]

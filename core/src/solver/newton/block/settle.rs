@@ -1,0 +1,101 @@
+//! The solution that is connected with the state, where a lane's own is not plainly that.
+
+use leafwise_expression::Workspace;
+
+use super::{Block, guard_ratio};
+use crate::solver::elimination::Rows;
+use crate::solver::judge::{Allowed, all_finite, inside_chart, larger};
+use crate::solver::newton::convergence::Convergence;
+
+impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
+    /// Makes sure that a lane's solution is the one connected with the state, and takes that where the
+    /// solve found another or none.
+    #[cold]
+    pub(super) fn settle(&mut self, w: usize) {
+        let d = self.dimension;
+        if let Err(error) = &self.outcome[w]
+            && !error.is_of_a_solve()
+        {
+            return;
+        }
+        let (x, low) = (self.x.as_ref(), self.low.as_ref());
+        for i in 0..d {
+            self.from[i] = x[i][w];
+            self.found[i] = self.y.as_ref()[i][w];
+        }
+        let (kernel, full, y, from) = (
+            &self.kernel.full,
+            &mut self.full,
+            self.y.as_mut(),
+            &self.from,
+        );
+        let (parameters, epsilon, h) = (&self.parameters, self.epsilon, self.h);
+        let prepare = |full: &mut Workspace, part: f64| {
+            kernel.prepare(full, parameters, &[epsilon; W], &[part * h; W]);
+        };
+        let (mut spent, mut prepared) = (0, 1.0);
+        let solved = std::mem::replace(&mut self.outcome[w], Ok(()));
+        let settled = self.branch.settle(
+            from,
+            from,
+            solved.map(|()| &self.found[..]),
+            &mut spent,
+            |part, point, residual, jacobian| {
+                if part != prepared {
+                    prepare(full, part);
+                    prepared = part;
+                }
+                for i in 0..d {
+                    y[i][w] = point[i];
+                }
+                kernel.evaluate_rows(full, y);
+                let (ends, rest) = kernel.output_rows::<W>(full).split_at(3 * d);
+                for i in 0..d {
+                    residual[i] = from[i] - ends[i][w] - ends[d + i][w] + low[i][w];
+                }
+                for (entry, row) in jacobian.iter_mut().zip(rest) {
+                    *entry = row[w];
+                }
+                all_finite(residual, jacobian, "a Newton correction")?;
+                let (first, last) = rest[2 * d * d..].split_at((rest.len() - 2 * d * d) / 2);
+                inside_chart(guard_ratio(first, last)[w])
+            },
+        );
+        if prepared != 1.0 {
+            prepare(full, 1.0);
+        }
+        let goal = match settled {
+            Ok(false) => self.branch.end(),
+            _ => &self.found,
+        };
+        for (y, goal) in self.y.as_mut().iter_mut().zip(goal) {
+            y[w] = *goal;
+        }
+        self.lanes[w].jacobians += u32::try_from(spent).unwrap_or(u32::MAX);
+        match settled {
+            Ok(true) => {}
+            Ok(false) => {
+                // What the other solution told, of sizes and convergence, says nothing of this one.
+                let lane = &mut self.lanes[w];
+                let before = lane.convergence.evaluations;
+                lane.convergence = Convergence::new();
+                lane.next = lane.convergence.start(None, 0);
+                let change = |x: &[f64], end: &[f64]| {
+                    let pairs = x.iter().zip(end);
+                    pairs.fold(0.0, |m, (x, y)| larger(m, x.abs() + (y - x).abs()))
+                };
+                lane.allowed = Allowed::new(change(&self.from, self.branch.end()));
+                self.iterate();
+                self.lanes[w].convergence.evaluations += before;
+                for (found, y) in self.found.iter_mut().zip(self.y.as_ref()) {
+                    *found = y[w];
+                }
+                if self.outcome[w].is_ok() {
+                    self.outcome[w] = self.branch.confirm_end(&self.found);
+                }
+            }
+            Err(error) => self.outcome[w] = Err(error),
+        }
+        self.lanes[w].convergence.evaluations += u32::try_from(spent).unwrap_or(u32::MAX);
+    }
+}

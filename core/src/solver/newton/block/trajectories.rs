@@ -1,0 +1,186 @@
+//! Blocks of any dimension, and what they hand over.
+
+use super::{Block, Lane, Row};
+use crate::error::StepError;
+use crate::solver::SolverStatistics;
+use crate::solver::elimination::{ANY, Rows, dimension};
+use crate::solver::judge::Watch;
+use crate::solver::newton::convergence::Convergence;
+use crate::solver::newton::kernel::NewtonKernel;
+
+/// What a stepper asks of its blocks, whatever their dimension.
+pub(in crate::solver::newton) trait Trajectories: Send {
+    /// Steps from x + low, `from` telling which columns of these structures of arrays are the
+    /// block's.
+    fn advance(&mut self, from: Columns, x: &[f64], low: &[f64], increment: &mut [f64]);
+    /// Hands over the outcomes of a step and counts it; returns how many evaluations were with
+    /// Jacobians.
+    fn report(
+        &mut self,
+        outcome: &mut [Result<(), StepError>],
+        statistics: &mut SolverStatistics,
+    ) -> u64;
+    /// The solution of a lane's last step.
+    fn solution(&self, lane: usize) -> Vec<f64>;
+    /// Both Jacobians at the solution of a lane's last step, row-major.
+    fn jacobians(&mut self, lane: usize) -> (Vec<f64>, Vec<f64>);
+    /// Forgets earlier steps.
+    fn restart(&mut self);
+    /// What the next step of a lane depends on. The Jacobians are evaluated again where they were
+    /// taken.
+    fn memory(&self, lane: usize, into: &mut Vec<f64>);
+    /// How many numbers [`memory`](Self::memory) writes.
+    fn memory_len(&self) -> usize;
+    /// Restores a lane's [`memory`](Self::memory).
+    fn restore(&mut self, lane: usize, memory: &[f64]);
+}
+
+impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Trajectories for Block<W, D, V, M> {
+    fn advance(&mut self, from: Columns, x: &[f64], low: &[f64], increment: &mut [f64]) {
+        let d = dimension::<D>(self.dimension);
+        let (own_x, own_low) = (&mut self.x.as_mut()[..d], &mut self.low.as_mut()[..d]);
+        for i in 0..d {
+            own_x[i].copy_from_slice(&x[from.row::<W>(i)]);
+            own_low[i].copy_from_slice(&low[from.row::<W>(i)]);
+        }
+        self.step();
+        for (i, own) in self.increment.as_ref()[..d].iter().enumerate() {
+            increment[from.row::<W>(i)].copy_from_slice(own);
+        }
+    }
+
+    fn solution(&self, lane: usize) -> Vec<f64> {
+        self.y.as_ref().iter().map(|row| row[lane]).collect()
+    }
+
+    fn report(
+        &mut self,
+        outcome: &mut [Result<(), StepError>],
+        statistics: &mut SolverStatistics,
+    ) -> u64 {
+        let mut jacobians = 0;
+        for (w, outcome) in outcome.iter_mut().enumerate() {
+            *outcome = std::mem::replace(&mut self.outcome[w], Ok(()));
+            let lane = &self.lanes[w];
+            statistics.count(lane.convergence.evaluations.into(), outcome.is_ok());
+            statistics.rounded += u64::from(lane.convergence.rounded && outcome.is_ok());
+            jacobians += u64::from(lane.jacobians);
+        }
+        jacobians
+    }
+
+    fn jacobians(&mut self, lane: usize) -> (Vec<f64>, Vec<f64>) {
+        let d = self.dimension;
+        let kernel = &self.kernel.full;
+        kernel.evaluate_rows(&mut self.full, self.y.as_ref());
+        let values = kernel.output_rows::<W>(&self.full);
+        let matrix = |from: usize| {
+            let rows = values[from..from + d * d].iter();
+            rows.map(|row| row[lane]).collect()
+        };
+        (matrix(3 * d), matrix(3 * d + d * d))
+    }
+
+    fn restart(&mut self) {
+        for (w, lane) in self.lanes.iter_mut().enumerate() {
+            lane.convergence = Convergence::new();
+            lane.watch = Watch::NEW;
+            lane.anchored = false;
+            self.extrapolation.clear(w);
+        }
+    }
+
+    fn memory(&self, lane: usize, into: &mut Vec<f64>) {
+        let Lane {
+            convergence,
+            watch,
+            anchored,
+            ..
+        } = &self.lanes[lane];
+        into.extend([
+            convergence.constant,
+            convergence.first,
+            convergence.seen,
+            watch.memory(),
+            if *anchored { 1.0 } else { 0.0 },
+        ]);
+        for rows in [self.anchor.as_ref(), self.scale.as_ref()] {
+            into.extend(
+                rows.iter()
+                    .map(|row| if *anchored { row[lane] } else { 0.0 }),
+            );
+        }
+        self.extrapolation.memory(lane, into);
+    }
+
+    fn memory_len(&self) -> usize {
+        5 + 2 * self.dimension + self.extrapolation.memory_len()
+    }
+
+    fn restore(&mut self, lane: usize, memory: &[f64]) {
+        let d = self.dimension;
+        let (own, memory) = memory.split_at(5);
+        let (anchor, memory) = memory.split_at(d);
+        let (scale, history) = memory.split_at(d);
+        let convergence = &mut self.lanes[lane].convergence;
+        *convergence = Convergence::new();
+        (convergence.constant, convergence.first) = (own[0], own[1]);
+        convergence.seen = own[2];
+        let steps = own[3];
+        for i in 0..d {
+            self.y.as_mut()[i][lane] = anchor[i];
+            self.scale.as_mut()[i][lane] = scale[i];
+        }
+        self.extrapolation.restore(lane, history);
+        if own[4] != 0.0 {
+            let only = std::array::from_fn(|w| w == lane);
+            self.evaluate_full(&only);
+        } else {
+            self.lanes[lane].anchored = false;
+        }
+        // The Jacobian's own evaluation is no step.
+        self.lanes[lane].watch = Watch::NEW;
+        self.lanes[lane].watch.restore(steps);
+    }
+}
+
+/// Where a block's lanes stand in structures of arrays over all lanes.
+#[derive(Clone, Copy)]
+pub(in crate::solver::newton) struct Columns {
+    /// The first.
+    pub(in crate::solver::newton) lane: usize,
+    /// Of so many.
+    pub(in crate::solver::newton) lanes: usize,
+}
+
+impl Columns {
+    /// A row's numbers for W lanes.
+    #[inline(always)]
+    fn row<const W: usize>(self, i: usize) -> std::ops::Range<usize> {
+        let start = i * self.lanes + self.lane;
+        start..start + W
+    }
+}
+
+/// W trajectories; `parameters` is a structure of arrays over them.
+pub(in crate::solver::newton) fn trajectories<const W: usize>(
+    kernel: &NewtonKernel,
+    parameters: &[f64],
+    epsilon: f64,
+    h: f64,
+) -> Box<dyn Trajectories> {
+    macro_rules! block {
+        ($dimension:expr, $vector:ty, $matrix:ty) => {
+            Box::new(Block::<W, $dimension, $vector, $matrix>::new(
+                kernel, parameters, epsilon, h,
+            ))
+        };
+    }
+    match kernel.dimension {
+        2 => block!(2, [Row<W>; 2], [Row<W>; 4]),
+        3 => block!(3, [Row<W>; 3], [Row<W>; 9]),
+        4 => block!(4, [Row<W>; 4], [Row<W>; 16]),
+        6 => block!(6, [Row<W>; 6], [Row<W>; 36]),
+        _ => block!(ANY, Vec<Row<W>>, Vec<Row<W>>),
+    }
+}

@@ -1,0 +1,154 @@
+//! Where members begin, and how many there are.
+
+use std::fs;
+
+use super::*;
+
+/// Points of a grid are not held in memory.
+#[test]
+fn a_grid_larger_than_memory_is_refused_by_its_number_and_read_by_place() {
+    let grid = |more: &str| {
+        let ranges =
+            "{ I1 = { range = [1, 2, 100_000_000] }, I2 = { range = [1, 3, 100_000_001] } }";
+        let document = scene(METHODS[0], &format!("parameters = {ranges}\n{more}"));
+        compose_ensemble(&document, &Registry::with_builtin(), Path::new(""))
+    };
+    let refusal = grid("").err().expect("too many");
+    assert!(
+        refusal
+            .message
+            .contains("10000000100000000 members, at most"),
+        "{}",
+        refusal.message
+    );
+    let refusal = grid("members = 7").err().expect("not the grid");
+    assert!(
+        refusal.message.contains("do not fill the grid"),
+        "{}",
+        refusal.message
+    );
+    let document = scene(
+        METHODS[0],
+        "parameters = { I1 = { range = [1, 2, 100_000_001] } }",
+    );
+    let registry = Registry::with_builtin();
+    let ensemble = compose_ensemble(&document, &registry, Path::new("")).expect("an ensemble");
+    let drawn = |member| ensemble.population.draw(member).expect("a state").1[0];
+    assert_eq!(
+        [drawn(0), drawn(50_000_000), drawn(100_000_000)],
+        [1.0, 1.5, 2.0]
+    );
+}
+
+#[test]
+fn members_are_where_their_distribution_has_them() {
+    let norm = |v: &[f64]| libm::sqrt(v.iter().map(|v| v * v).sum());
+    let states = |initial: &str| -> Vec<Vec<f64>> {
+        let document = scene(METHODS[0], &format!("members = 400\ninitial = {initial}"));
+        let population = composed(&document).population;
+        let draw = |member| population.draw(member).expect("a state").0;
+        (0..population.members()).map(draw).collect()
+    };
+    let center = [1.0, 3.0, 3.0];
+    let away = |state: &[f64]| {
+        let difference: Vec<f64> = state.iter().zip(center).map(|(x, c)| x - c).collect();
+        norm(&difference)
+    };
+    let radii: Vec<f64> = states("{ ball = 0.5 }").iter().map(|s| away(s)).collect();
+    assert!(radii.iter().all(|r| *r <= 0.5 + 1e-15));
+    // (r/R)³ is uniform: its mean over 400 lies within five standard errors of ½.
+    let mean = radii.iter().map(|r| 8.0 * r * r * r).sum::<f64>() / 400.0;
+    assert!(
+        (mean - 0.5).abs() < 5.0 / libm::sqrt(12.0 * 400.0),
+        "{mean}"
+    );
+    for state in states("{ sphere = 2, center = [0, 0, 0] }") {
+        assert!((norm(&state) - 2.0).abs() < 1e-15 * 4.0);
+    }
+    for state in states("{ leaf = 0.3 }") {
+        assert!((norm(&state) - libm::sqrt(19.0)).abs() < 4.0 * f64::EPSILON * 4.4);
+    }
+    for state in states("{ box = [0.1, 0, 2] }") {
+        assert!((state[0] - 1.0).abs() <= 0.1 && state[1] == 3.0 && (state[2] - 3.0).abs() <= 2.0);
+    }
+    assert_ne!(states("{ normal = 0.1 }")[0], states("{ normal = 0.1 }")[1]);
+    assert_eq!(states("{ normal = 0.1 }")[7], states("{ normal = 0.1 }")[7]);
+}
+
+/// {x, y} = 1 on four coordinates has corank 2; one Casimir does not fix a leaf, z and w do, and neither
+/// units nor a function of them change that.
+#[test]
+fn a_leaf_needs_as_many_casimirs_as_the_corank() {
+    let registry = Registry::with_builtin();
+    for (casimirs, independent) in [
+        ("z = \"z\"", Some(1)),
+        ("z = \"z\", square = \"z^2 + 1e30*z\"", Some(1)),
+        ("z = \"z\", w = \"1e-30*w\"", None),
+    ] {
+        let text = format!(
+            "[system]\nvariables = [\"x\", \"y\", \"z\", \"w\"]\nbracket = {{ \"x,y\" = \"1e20\" }}\n\
+             hamiltonian = \"x^2 + y^2\"\ncasimirs = {{ {casimirs} }}\n[method]\nstepper = \"rk4\"\n\
+             time-step = 1e-22\n[run]\ninitial = [1, 2, 3, 4]\nsteps = 1\n[ensemble]\nmembers = 3\n\
+             initial = {{ leaf = 0.1 }}\n"
+        );
+        let document =
+            SceneDocument::parse("scene.toml", &text, &Registry::empty()).expect("a scene");
+        let composed = compose_ensemble(&document, &registry, Path::new(""));
+        match (composed, independent) {
+            (Ok(ensemble), None) => {
+                let (state, _) = ensemble.population.draw(1).expect("a state");
+                assert!((state[2] - 3.0).abs() < 1e-15 && (state[3] - 4.0).abs() < 1e-15);
+            }
+            (Err(refusal), Some(count)) => {
+                let message = &refusal.message;
+                let said = format!("{count} independent Casimirs");
+                assert!(
+                    message.contains("has 2 equations") && message.contains(&said),
+                    "{message}"
+                );
+            }
+            (composed, _) => panic!("{casimirs}: {}", composed.is_ok()),
+        }
+    }
+}
+
+#[test]
+fn files_and_grids_set_the_number_of_members() {
+    let root = tempfile::tempdir().expect("a directory");
+    fs::write(root.path().join("states.csv"), "x1,x2,x3\n1,2,3\n4,5,6\n").expect("writable");
+    let grid = "initial = { file = \"states.csv\" }\n\
+                parameters = { I1 = { range = [1, 2, 3] }, I2 = { values = [0.5, 0.75] } }";
+    let document = scene(METHODS[0], grid);
+    let ensemble = compose_ensemble(&document, &Registry::with_builtin(), root.path());
+    let population = ensemble.expect("an ensemble").population;
+    assert_eq!(population.members(), 12);
+    let drawn: Vec<_> = (0..12)
+        .map(|k| population.draw(k).expect("a state"))
+        .collect();
+    assert_eq!(drawn[1], (vec![1.0, 2.0, 3.0], vec![1.0, 0.75, 1.25]));
+    assert_eq!(drawn[8], (vec![4.0, 5.0, 6.0], vec![1.5, 0.5, 1.25]));
+    for (ensemble, said) in [
+        ("initial = { ball = 1 }", "[ensemble] needs `members`"),
+        (
+            "members = 13\ninitial = { file = \"states.csv\" }",
+            "13 members, and the file has states for 2",
+        ),
+        (
+            "members = 5\nparameters = { I1 = { values = [1, 2] } }",
+            "5 members do not fill the grid of 2",
+        ),
+        (
+            "members = 5\ninitial = { file = \"absent.csv\" }",
+            "cannot read",
+        ),
+        (
+            "members = 5\nrecord = { observables = [\"enrgy\"] }",
+            "unknown observable `enrgy`",
+        ),
+    ] {
+        let document = scene(METHODS[0], ensemble);
+        let refusal = compose_ensemble(&document, &Registry::with_builtin(), root.path());
+        let message = refusal.err().expect(ensemble).message;
+        assert!(message.contains(said), "{message}");
+    }
+}
