@@ -6,19 +6,19 @@
 
 mod arithmetic;
 mod conversion;
+mod fraction;
 #[cfg(test)]
 mod tests;
 
+use std::borrow::Cow;
 use std::cmp::Ordering;
 use std::fmt;
-use std::hash::{Hash, Hasher};
 
-use num_bigint::BigInt;
-use num_traits::{One, Signed, ToPrimitive, Zero};
+use dashu_int::{IBig, UBig};
 
 pub use conversion::{DIGIT_LIMIT, DecimalError, EXPONENT_LIMIT};
 
-type BigRatio = num_rational::Ratio<BigInt>;
+use fraction::Fraction;
 
 /// An exact rational number of arbitrary precision.
 ///
@@ -29,15 +29,15 @@ type BigRatio = num_rational::Ratio<BigInt>;
 /// let tenth = Rational::parse_decimal("0.1").expect("a decimal");
 /// assert_eq!((third + tenth).to_string(), "13/30");
 /// ```
-#[derive(Clone)]
+#[derive(Clone, PartialEq, Eq, Hash)]
 pub struct Rational(Representation);
 
-#[derive(Clone)]
+#[derive(Clone, PartialEq, Eq, Hash)]
 enum Representation {
     /// Lowest terms, positive denominator.
     Small(i64, i64),
     /// Lowest terms, positive denominator, numerator or denominator outside `i64`.
-    Big(Box<BigRatio>),
+    Big(Box<Fraction>),
 }
 
 use Representation::{Big, Small};
@@ -49,7 +49,11 @@ impl Rational {
     /// When `denominator` is zero.
     pub fn new(numerator: i64, denominator: i64) -> Self {
         assert!(denominator != 0, "a rational number with denominator zero");
-        Self::from_wide(i128::from(numerator), i128::from(denominator))
+        let divisor = gcd(numerator, denominator) * i128::from(denominator.signum());
+        Self::from_wide(
+            i128::from(numerator) / divisor,
+            i128::from(denominator) / divisor,
+        )
     }
 
     /// The integer `value`.
@@ -81,7 +85,7 @@ impl Rational {
     pub fn is_integer(&self) -> bool {
         match &self.0 {
             Small(_, denominator) => *denominator == 1,
-            Big(ratio) => ratio.denom().is_one(),
+            Big(fraction) => fraction.denominator.is_one(),
         }
     }
 
@@ -94,7 +98,7 @@ impl Rational {
     pub fn signum(&self) -> i32 {
         match &self.0 {
             Small(numerator, _) => numerator.signum() as i32,
-            Big(ratio) if ratio.numer().is_negative() => -1,
+            Big(fraction) if fraction.is_negative() => -1,
             Big(_) => 1,
         }
     }
@@ -114,112 +118,78 @@ impl Rational {
                 let longer = numerator.unsigned_abs().max(denominator.unsigned_abs());
                 u64::from(u64::BITS - longer.leading_zeros())
             }
-            Big(ratio) => ratio.numer().bits().max(ratio.denom().bits()),
+            Big(fraction) => fraction.bits(),
         }
     }
 
     /// The numerator in lowest terms; it carries the sign.
-    pub fn numerator(&self) -> BigInt {
-        match &self.0 {
-            Small(numerator, _) => BigInt::from(*numerator),
-            Big(ratio) => ratio.numer().clone(),
-        }
+    pub fn numerator(&self) -> IBig {
+        self.fraction().into_owned().numerator
     }
 
     /// The denominator in lowest terms, positive.
-    pub fn denominator(&self) -> BigInt {
-        match &self.0 {
-            Small(_, denominator) => BigInt::from(*denominator),
-            Big(ratio) => ratio.denom().clone(),
-        }
+    pub fn denominator(&self) -> UBig {
+        self.fraction().into_owned().denominator
     }
 
-    /// `numerator / denominator` for a nonzero denominator.
+    /// `numerator / denominator`, which is in lowest terms with a positive denominator.
     fn from_wide(numerator: i128, denominator: i128) -> Self {
-        let divisor = wide_gcd(numerator.unsigned_abs(), denominator.unsigned_abs());
-        let negative = (numerator < 0) != (denominator < 0);
-        let numerator = numerator.unsigned_abs() / divisor;
-        let denominator = denominator.unsigned_abs() / divisor;
-        let small_numerator = if negative {
-            0i64.checked_sub_unsigned(u64::try_from(numerator).unwrap_or(u64::MAX))
-        } else {
-            i64::try_from(numerator).ok()
-        };
-        match (small_numerator, i64::try_from(denominator)) {
-            (Some(numerator), Ok(denominator)) => Self(Small(numerator, denominator)),
-            _ => {
-                let magnitude = BigInt::from(numerator);
-                let signed = if negative { -magnitude } else { magnitude };
-                Self(Big(Box::new(BigRatio::new_raw(
-                    signed,
-                    BigInt::from(denominator),
-                ))))
-            }
+        match (i64::try_from(numerator), i64::try_from(denominator)) {
+            (Ok(numerator), Ok(denominator)) => Self(Small(numerator, denominator)),
+            _ => Self(Big(Box::new(Fraction {
+                numerator: IBig::from(numerator),
+                denominator: UBig::from(denominator.unsigned_abs()),
+            }))),
         }
     }
 
-    /// `ratio`, which is in lowest terms, in the representation that fits it.
-    fn from_ratio(ratio: BigRatio) -> Self {
-        match (ratio.numer().to_i64(), ratio.denom().to_i64()) {
-            (Some(numerator), Some(denominator)) => Self(Small(numerator, denominator)),
-            _ => Self(Big(Box::new(ratio))),
+    /// `fraction` in the representation that fits it.
+    fn from_fraction(fraction: Fraction) -> Self {
+        match (
+            i64::try_from(&fraction.numerator),
+            i64::try_from(&fraction.denominator),
+        ) {
+            (Ok(numerator), Ok(denominator)) => Self(Small(numerator, denominator)),
+            _ => Self(Big(Box::new(fraction))),
         }
     }
 
-    fn to_ratio(&self) -> BigRatio {
+    /// The number as a fraction of big integers.
+    fn fraction(&self) -> Cow<'_, Fraction> {
         match &self.0 {
-            Small(numerator, denominator) => {
-                BigRatio::new_raw(BigInt::from(*numerator), BigInt::from(*denominator))
-            }
-            Big(ratio) => ratio.as_ref().clone(),
+            Small(numerator, denominator) => Cow::Owned(Fraction {
+                numerator: IBig::from(*numerator),
+                denominator: UBig::from(denominator.unsigned_abs()),
+            }),
+            Big(fraction) => Cow::Borrowed(fraction),
         }
     }
 }
 
-/// The greatest common divisor; `b` is not zero.
-fn gcd(mut a: u64, mut b: u64) -> u64 {
-    while a != 0 {
-        (a, b) = (b % a, a);
+/// The greatest common divisor; gcd(0, b) = |b|.
+///
+/// One division brings the numbers to one length, then Stein's algorithm shifts and subtracts.
+fn gcd(a: i64, b: i64) -> i128 {
+    let (a, b) = (a.unsigned_abs(), b.unsigned_abs());
+    let (shorter, longer) = (a.min(b), a.max(b));
+    if shorter == 0 {
+        return i128::from(longer);
     }
-    b
-}
-
-/// The greatest common divisor; `b` is not zero. Continues in one machine word as soon as it can.
-fn wide_gcd(mut a: u128, mut b: u128) -> u128 {
-    while a != 0 {
-        if let (Ok(a), Ok(b)) = (u64::try_from(a), u64::try_from(b)) {
-            return u128::from(gcd(a, b));
-        }
-        (a, b) = (b % a, a);
+    let rest = longer % shorter;
+    if rest == 0 {
+        return i128::from(shorter);
     }
-    b
-}
-
-impl PartialEq for Rational {
-    fn eq(&self, other: &Self) -> bool {
-        match (&self.0, &other.0) {
-            (Small(a, b), Small(c, d)) => a == c && b == d,
-            (Big(a), Big(b)) => a.numer() == b.numer() && a.denom() == b.denom(),
-            _ => false,
-        }
+    let twos = (rest | shorter).trailing_zeros();
+    let (mut a, mut b) = (
+        rest >> rest.trailing_zeros(),
+        shorter >> shorter.trailing_zeros(),
+    );
+    while a != b {
+        let difference = a.abs_diff(b);
+        b = a.min(b);
+        a = difference >> difference.trailing_zeros();
     }
-}
-
-impl Eq for Rational {}
-
-impl Hash for Rational {
-    fn hash<S: Hasher>(&self, state: &mut S) {
-        match &self.0 {
-            Small(numerator, denominator) => {
-                numerator.hash(state);
-                denominator.hash(state);
-            }
-            Big(ratio) => {
-                ratio.numer().hash(state);
-                ratio.denom().hash(state);
-            }
-        }
-    }
+    i128::from(a) << twos
 }
 
 impl Ord for Rational {
@@ -227,8 +197,7 @@ impl Ord for Rational {
         if let (Small(a, b), Small(c, d)) = (&self.0, &other.0) {
             return (i128::from(*a) * i128::from(*d)).cmp(&(i128::from(*c) * i128::from(*b)));
         }
-        let (left, right) = (self.to_ratio(), other.to_ratio());
-        (left.numer() * right.denom()).cmp(&(right.numer() * left.denom()))
+        self.fraction().compare(&other.fraction())
     }
 }
 
@@ -250,9 +219,12 @@ impl From<i64> for Rational {
     }
 }
 
-impl From<BigInt> for Rational {
-    fn from(value: BigInt) -> Self {
-        Self::from_ratio(BigRatio::from_integer(value))
+impl From<UBig> for Rational {
+    fn from(value: UBig) -> Self {
+        Self::from_fraction(Fraction {
+            numerator: IBig::from(value),
+            denominator: UBig::ONE,
+        })
     }
 }
 
@@ -261,8 +233,10 @@ impl fmt::Display for Rational {
         match &self.0 {
             Small(numerator, 1) => write!(formatter, "{numerator}"),
             Small(numerator, denominator) => write!(formatter, "{numerator}/{denominator}"),
-            Big(ratio) if ratio.denom().is_one() => write!(formatter, "{}", ratio.numer()),
-            Big(ratio) => write!(formatter, "{}/{}", ratio.numer(), ratio.denom()),
+            Big(fraction) if self.is_integer() => write!(formatter, "{}", fraction.numerator),
+            Big(fraction) => {
+                write!(formatter, "{}/{}", fraction.numerator, fraction.denominator)
+            }
         }
     }
 }
@@ -270,21 +244,5 @@ impl fmt::Display for Rational {
 impl fmt::Debug for Rational {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, formatter)
-    }
-}
-
-impl Zero for Rational {
-    fn zero() -> Self {
-        Self::from_integer(0)
-    }
-
-    fn is_zero(&self) -> bool {
-        Rational::is_zero(self)
-    }
-}
-
-impl One for Rational {
-    fn one() -> Self {
-        Self::from_integer(1)
     }
 }

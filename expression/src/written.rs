@@ -250,7 +250,7 @@ enum Numeral {
 const MOST_DIGITS: u32 = 12;
 
 /// Denominators up to this one stand below a fraction line.
-const LARGEST_DENOMINATOR: i64 = 9;
+const LARGEST_DENOMINATOR: u64 = 9;
 
 fn numeral(value: &Rational) -> Numeral {
     if value.is_one() {

@@ -2,6 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use dashu_int::UBig;
+use dashu_int::ops::SquareRootRem;
+
 use super::ring::LARGEST_EXPONENT;
 use super::{Coefficient, CoefficientRing, Monomial, Polynomial, Symbol, Terms};
 use crate::rational::Rational;
@@ -145,13 +148,13 @@ fn root<C: CoefficientRing>(
 }
 
 fn rational_root(r: &Rational) -> Option<Rational> {
-    if r.is_negative() {
+    let (above, rest_above) = UBig::try_from(r.numerator()).ok()?.sqrt_rem();
+    let (below, rest_below) = r.denominator().sqrt_rem();
+    if !rest_above.is_zero() || !rest_below.is_zero() {
         return None;
     }
-    let (above, below) = (r.numerator().sqrt(), r.denominator().sqrt());
-    let exact = &above * &above == r.numerator() && &below * &below == r.denominator();
-    let root = Rational::new(i64::try_from(above).ok()?, i64::try_from(below).ok()?);
-    exact.then_some(root)
+    let (above, below) = (i64::try_from(above).ok()?, i64::try_from(below).ok()?);
+    Some(Rational::new(above, below))
 }
 
 #[cfg(test)]

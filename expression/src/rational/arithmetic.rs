@@ -13,10 +13,8 @@ impl Rational {
     pub fn recip(&self) -> Self {
         assert!(!self.is_zero(), "the reciprocal of zero");
         match &self.0 {
-            Small(numerator, denominator) => {
-                Self::from_wide(i128::from(*denominator), i128::from(*numerator))
-            }
-            Big(ratio) => Self::from_ratio(ratio.recip()),
+            Small(numerator, denominator) => Self::new(*denominator, *numerator),
+            Big(fraction) => Self::from_fraction(fraction.reciprocal()),
         }
     }
 
@@ -71,9 +69,12 @@ impl Rational {
             {
                 return Self::from_integer(total);
             }
+            let divisor = gcd(*b, *d);
             let (a, b) = (i128::from(*a), i128::from(*b));
-            let (c, d) = (i128::from(*c), i128::from(*d));
-            return Self::from_wide(a * d + c * b, b * d);
+            let (c, d) = (i128::from(*c), i128::from(*d) / divisor);
+            let numerator = a * d + c * (b / divisor);
+            let common = gcd((numerator % divisor) as i64, divisor as i64);
+            return Self::from_wide(numerator / common, b / common * d);
         }
         if self.is_zero() {
             return other.clone();
@@ -81,23 +82,14 @@ impl Rational {
         if other.is_zero() {
             return self.clone();
         }
-        Self::from_ratio(self.to_ratio() + other.to_ratio())
+        Self::from_fraction(self.fraction().sum(&other.fraction()))
     }
 
     fn multiply(&self, other: &Self) -> Self {
         if let (Small(a, b), Small(c, d)) = (&self.0, &other.0) {
-            if *a == 0 || *c == 0 {
-                return Self::zero();
-            }
-            let left = gcd(a.unsigned_abs(), d.unsigned_abs()) as i128;
-            let right = gcd(c.unsigned_abs(), b.unsigned_abs()) as i128;
+            let (left, right) = (gcd(*a, *d), gcd(*c, *b));
             let numerator = (i128::from(*a) / left) * (i128::from(*c) / right);
             let denominator = (i128::from(*b) / right) * (i128::from(*d) / left);
-            if let (Ok(numerator), Ok(denominator)) =
-                (i64::try_from(numerator), i64::try_from(denominator))
-            {
-                return Self(Small(numerator, denominator));
-            }
             return Self::from_wide(numerator, denominator);
         }
         if self.is_one() {
@@ -106,7 +98,7 @@ impl Rational {
         if other.is_one() {
             return self.clone();
         }
-        Self::from_ratio(self.to_ratio() * other.to_ratio())
+        Self::from_fraction(self.fraction().product(&other.fraction()))
     }
 
     fn divide(&self, divisor: &Self) -> Self {
@@ -169,7 +161,7 @@ impl Neg for &Rational {
                 Some(numerator) => Rational(Small(numerator, *denominator)),
                 None => Rational::from_wide(-i128::from(*numerator), i128::from(*denominator)),
             },
-            Big(ratio) => Rational::from_ratio(-ratio.as_ref()),
+            Big(fraction) => Rational::from_fraction(fraction.negated()),
         }
     }
 }

@@ -1,9 +1,9 @@
 //! Rational numbers from decimal text and from doubles, and the single rounding to a double.
 
-use num_bigint::{BigInt, BigUint};
-use num_traits::{ToPrimitive, Zero};
+use dashu_int::UBig;
+use dashu_int::ops::{BitTest, DivRem, UnsignedAbs};
 
-use super::{Big, BigRatio, Rational, Small};
+use super::{Big, Fraction, Rational, Small};
 
 /// The largest magnitude of the exponent written in a decimal.
 pub const EXPONENT_LIMIT: i64 = 400;
@@ -77,7 +77,7 @@ impl Rational {
             }
         };
         let joined = [whole, fraction].concat();
-        let magnitude = BigInt::parse_bytes(joined.as_bytes(), 10).ok_or_else(malformed)?;
+        let magnitude = UBig::from_str_radix(&joined, 10).map_err(|_| malformed())?;
         let scale = Self::from_integer(10).powi(exponent - fraction.len() as i64);
         let value = Self::from(magnitude) * scale;
         Ok(if negative { -value } else { value })
@@ -117,7 +117,7 @@ impl Rational {
                 }
                 small_ratio(u128::from(n), u128::from(d))
             }
-            Big(ratio) => big_ratio(ratio),
+            Big(fraction) => big_ratio(fraction),
         };
         if self.is_negative() {
             -magnitude
@@ -143,21 +143,18 @@ fn small_ratio(numerator: u128, denominator: u128) -> f64 {
     round(u64::try_from(n / d).unwrap_or(u64::MAX), n % d != 0, shift)
 }
 
-fn big_ratio(ratio: &BigRatio) -> f64 {
-    let numerator: BigUint = ratio.numer().magnitude().clone();
-    let denominator: BigUint = ratio.denom().magnitude().clone();
-    if numerator.is_zero() {
-        return 0.0;
-    }
-    let shift = quotient_shift(numerator.bits(), denominator.bits());
-    let (n, d) = if shift >= 0 {
-        (numerator << shift, denominator)
+fn big_ratio(fraction: &Fraction) -> f64 {
+    let numerator = (&fraction.numerator).unsigned_abs();
+    let denominator = &fraction.denominator;
+    let shift = quotient_shift(numerator.bit_len() as u64, denominator.bit_len() as u64);
+    let places = shift.unsigned_abs() as usize;
+    let (quotient, remainder) = if shift >= 0 {
+        (numerator << places).div_rem(denominator)
     } else {
-        (numerator, denominator << -shift)
+        numerator.div_rem(denominator << places)
     };
-    let quotient = &n / &d;
-    let inexact = quotient.clone() * d != n;
-    round(quotient.to_u64().unwrap_or(u64::MAX), inexact, shift)
+    let quotient = u64::try_from(quotient).unwrap_or(u64::MAX);
+    round(quotient, !remainder.is_zero(), shift)
 }
 
 /// The double nearest to `(quotient + δ) 2^−shift`, where 0 < δ < 1 when `inexact` and δ = 0

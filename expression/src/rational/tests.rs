@@ -1,18 +1,29 @@
 use std::collections::HashSet;
 
-use num_bigint::BigInt;
-use num_traits::ToPrimitive;
 use proptest::prelude::*;
 
 use super::*;
 
 /// Whether the value is held in the representation its size demands, in lowest terms.
 fn is_canonical(value: &Rational) -> bool {
-    let fits = value.numerator().to_i64().is_some() && value.denominator().to_i64().is_some();
-    let reduced = BigRatio::new(value.numerator(), value.denominator());
+    let (numerator, denominator) = parts(value);
+    let fits = i64::try_from(&numerator).is_ok() && i64::try_from(&denominator).is_ok();
     matches!(value.0, Small(..)) == fits
-        && *reduced.numer() == value.numerator()
-        && *reduced.denom() == value.denominator()
+        && denominator > IBig::ZERO
+        && euclid(numerator, denominator).is_one()
+}
+
+fn parts(value: &Rational) -> (IBig, IBig) {
+    (value.numerator(), IBig::from(value.denominator()))
+}
+
+/// The greatest common divisor of `a` and a positive `b`.
+fn euclid(a: IBig, b: IBig) -> IBig {
+    let (mut a, mut b) = (if a < IBig::ZERO { -a } else { a }, b);
+    while !a.is_zero() {
+        (a, b) = (&b % &a, a);
+    }
+    b
 }
 
 fn decimal(text: &str) -> Rational {
@@ -23,32 +34,46 @@ fn decimal(text: &str) -> Rational {
 fn any_rational() -> impl Strategy<Value = Rational> {
     let edge = prop::sample::select(vec![i64::MIN, i64::MIN + 1, -1, 0, 1, 2, i64::MAX]);
     let word = prop_oneof![any::<i64>(), -9i64..10, edge];
-    (word.clone(), word.clone(), word.clone(), word, 0u8..3).prop_map(|(a, b, c, d, form)| {
+    (word.clone(), word.clone(), word.clone(), word, 0u8..6).prop_map(|(a, b, c, d, form)| {
         let nonzero = |value: i64| if value == 0 { 1 } else { value };
         let first = Rational::new(a, nonzero(b));
         let second = Rational::new(c, nonzero(d));
         match form {
             0 => first,
             1 => first * second,
-            _ => first + second,
+            2 => first + second,
+            3 => first.powi(3) * second,
+            4 => first.powi(3) + second.powi(4),
+            _ => first * Rational::from_integer(10).powi(c % 40),
         }
     })
 }
 
 proptest! {
     #[test]
-    fn arithmetic_is_that_of_big_ratios_and_canonical(a in any_rational(), b in any_rational()) {
-        let (left, right) = (a.to_ratio(), b.to_ratio());
-        for (value, expected) in [
-            (&a + &b, &left + &right),
-            (&a - &b, &left - &right),
-            (&a * &b, &left * &right),
-            (-&a, -&left),
+    fn the_divisor_of_words_is_euclids(a in any::<i64>(), b in any::<i64>(), by in 0u32..63) {
+        for (a, b) in [(a, b), (a >> by, b), (a << by, b << by / 2), (a, a >> by), (i64::MIN, b)] {
+            if b != 0 {
+                let magnitude = IBig::from(b.unsigned_abs());
+                prop_assert_eq!(IBig::from(gcd(a, b)), euclid(IBig::from(a), magnitude));
+            }
+        }
+    }
+
+    #[test]
+    fn arithmetic_is_that_of_fractions_and_canonical(a in any_rational(), b in any_rational()) {
+        let ((p, q), (r, s)) = (parts(&a), parts(&b));
+        for (value, above, below) in [
+            (&a + &b, &p * &s + &r * &q, &q * &s),
+            (&a - &b, &p * &s - &r * &q, &q * &s),
+            (&a * &b, &p * &r, &q * &s),
+            (-&a, -&p, q.clone()),
         ] {
             prop_assert!(is_canonical(&value));
-            prop_assert_eq!(value.to_ratio(), expected);
+            let (numerator, denominator) = parts(&value);
+            prop_assert_eq!(numerator * below, denominator * above);
         }
-        prop_assert_eq!(a.cmp(&b), left.cmp(&right));
+        prop_assert_eq!(a.cmp(&b), (&p * &s).cmp(&(&r * &q)));
         prop_assert_eq!(a.signum(), a.cmp(&Rational::zero()) as i32);
         match a.checked_div(&b) {
             Some(quotient) => {
@@ -135,7 +160,7 @@ fn decimals_are_exact() {
     assert_eq!(decimal("-1.5e-3"), Rational::new(-3, 2000));
     assert_eq!(decimal(".5"), Rational::new(1, 2));
     assert_eq!(decimal("5.E+1"), Rational::from_integer(50));
-    assert_eq!(decimal("1e400").numerator(), BigInt::from(10).pow(400));
+    assert_eq!(decimal("1e400").numerator(), IBig::from(10).pow(400));
 }
 
 #[test]
