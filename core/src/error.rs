@@ -52,6 +52,18 @@ pub enum BuildError {
         /// The nearest registered name.
         suggestion: Option<String>,
     },
+    /// Equations of a step that are solved together, more than elimination is made for.
+    #[error(
+        "a step solves {equations} equations together by elimination, which is made for at most {most}; take a \
+         stepper that solves none, such as splitting or rk4, fewer stages, or write chains of coordinates as \
+         `families` of a lattice, whose steps take as long as it"
+    )]
+    TooManyEquations {
+        /// Their number.
+        equations: usize,
+        /// The greatest number.
+        most: usize,
+    },
     /// A lattice function that couples distant sites.
     #[error(
         "a formula of this lattice reaches {reach} sites away, too far for a template; shorten the \

@@ -1,6 +1,25 @@
 //! Dense linear solves for one right-hand side at a time, and what they cost.
 
 use super::elimination::{ANY, Factors};
+use crate::error::BuildError;
+
+/// The most equations that a step solves together: a matrix of 128 megabytes, of which a solve holds a dozen,
+/// and at most 5·10¹⁰ operations an elimination, half a minute.
+pub const MOST_EQUATIONS: usize = 4096;
+
+/// Refuses more than [`MOST_EQUATIONS`], before their code is formed.
+///
+/// # Errors
+/// [`BuildError::TooManyEquations`].
+pub fn check_equations(equations: usize) -> Result<(), BuildError> {
+    if equations <= MOST_EQUATIONS {
+        return Ok(());
+    }
+    Err(BuildError::TooManyEquations {
+        equations,
+        most: MOST_EQUATIONS,
+    })
+}
 
 /// Operations of an LU elimination of an n × n matrix.
 pub fn elimination_operations(n: usize) -> u64 {

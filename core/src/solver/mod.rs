@@ -23,7 +23,9 @@ pub use explicit::ExplicitMap;
 pub use extrapolation::Extrapolation;
 pub use judge::{CorrectionSize, LinearIteration};
 pub use lanes::{Alone, Lanes, Lockstep, Taken, Trajectory};
-pub use linear::{DenseFactors, elimination_operations, substitution_operations};
+pub use linear::{
+    DenseFactors, MOST_EQUATIONS, check_equations, elimination_operations, substitution_operations,
+};
 pub use newton::{NewtonKernel, NewtonStepper};
 pub(crate) use poles::{LOOKS, is_pole};
 pub use poles::{Poles, WithoutPoles};
