@@ -1,6 +1,6 @@
 //! Steps that solve too many equations are refused before their code is formed, with what to try.
 
-use leafwise::core::solver::MOST_EQUATIONS;
+use leafwise::core::solver::{MOST_EQUATIONS, MOST_VARIABLES};
 use leafwise::core::system::Convention;
 use leafwise::core::{BuildError, Method, PartParameters, PoissonSystem, Registry};
 use leafwise::expression::{Expression, Rational};
@@ -21,11 +21,15 @@ fn oscillators(pairs: usize) -> PoissonSystem {
     .expect("a system")
 }
 
-fn is_refused<T>(built: Result<T, BuildError>, expected: usize) {
+fn refusal<T>(built: Result<T, BuildError>) -> BuildError {
     let refusal = built.map(|_| ()).expect_err("more than are solved");
-    let (equations, most) = (expected, MOST_EQUATIONS);
-    assert_eq!(refusal, BuildError::TooManyEquations { equations, most });
     assert!(refusal.to_string().contains("splitting"), "{refusal}");
+    refusal
+}
+
+fn too_many(equations: usize) -> BuildError {
+    let most = MOST_EQUATIONS;
+    BuildError::TooManyEquations { equations, most }
 }
 
 #[test]
@@ -35,19 +39,27 @@ fn steps_of_too_many_equations_are_refused() {
     let system = oscillators(d / 2);
     let stepper = |name: &str, given: &PartParameters| {
         let part = registry.stepper(name).expect("a built-in part");
-        part.build(&system, given)
+        refusal(part.build(&system, given))
     };
     let none = PartParameters::new();
-    is_refused(stepper("gauss", &none.clone().with("stages", 2)), 2 * d);
-    is_refused(stepper("implicit-midpoint", &none), d);
-    is_refused(stepper("energy-preserving", &none), 2 * d);
+    let two = none.clone().with("stages", 2);
+    assert_eq!(stepper("gauss", &two), too_many(2 * d));
+    assert_eq!(stepper("implicit-midpoint", &none), too_many(d));
+    let fourth = none.clone().with("order", 4);
+    assert_eq!(stepper("energy-preserving", &fourth), too_many(2 * d));
     let constant = registry.realization("constant").expect("a built-in part");
     let constant = constant.build(&system, &none).expect("it fits");
     let dynamics = registry
         .dynamics("hamilton-jacobi")
         .expect("a built-in part");
     let dynamics = dynamics.build(&none.with("order", 2)).expect("an order");
-    is_refused(Method::compose(&system, constant, dynamics), d);
+    assert_eq!(
+        refusal(Method::compose(&system, constant, dynamics)),
+        BuildError::TooManyVariables {
+            variables: d,
+            most: MOST_VARIABLES
+        }
+    );
 }
 
 /// Each stage has the equations of all coordinates.
@@ -57,5 +69,6 @@ fn stages_count() {
     let gauss = registry.stepper("gauss").expect("a built-in part");
     let three = PartParameters::new().with("stages", 3);
     let pairs = MOST_EQUATIONS / 6 + 1;
-    is_refused(gauss.build(&oscillators(pairs), &three), 6 * pairs);
+    let built = gauss.build(&oscillators(pairs), &three);
+    assert_eq!(refusal(built), too_many(6 * pairs));
 }

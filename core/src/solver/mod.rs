@@ -24,7 +24,8 @@ pub use extrapolation::Extrapolation;
 pub use judge::{CorrectionSize, LinearIteration};
 pub use lanes::{Alone, Lanes, Lockstep, Taken, Trajectory};
 pub use linear::{
-    DenseFactors, MOST_EQUATIONS, check_equations, elimination_operations, substitution_operations,
+    DenseFactors, MOST_EQUATIONS, MOST_VARIABLES, check_equations, check_variables,
+    elimination_operations, substitution_operations,
 };
 pub use newton::{NewtonKernel, NewtonStepper};
 pub(crate) use poles::{LOOKS, is_pole};

@@ -7,7 +7,7 @@ use leafwise_expression::{Arithmetic, Graph, Kernel, Term, Workspace};
 use super::formulas::SystemFormulas;
 use super::numbers::{Derivatives, NumbersWorker, SystemNumbers, vector};
 use crate::error::{BuildError, StepError};
-use crate::solver::check_equations;
+use crate::solver::check_variables;
 
 /// Kernels of Π(y)v, H, ∇H, the Casimirs and their derivatives.
 #[derive(Clone, Debug)]
@@ -30,10 +30,10 @@ impl CompiledNumbers {
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where a formula or a derivative has no code,
-    /// [`BuildError::TooManyEquations`] for too long a system.
+    /// [`BuildError::TooManyVariables`] for too long a system.
     pub fn compile(system: &SystemFormulas) -> Result<Self, BuildError> {
         let d = system.dimension();
-        check_equations(d)?;
+        check_variables(d)?;
         let parameters = system.parameters().len();
         let mut graph = Graph::compilable();
         let inputs: Vec<Term> = (0..3 * d).map(|i| graph.input(i)).collect();
