@@ -11,6 +11,7 @@ mod expansion;
 mod flows;
 mod jacobi;
 mod kernels;
+mod limits;
 mod lockstep;
 mod numbers;
 mod opaque_checks;

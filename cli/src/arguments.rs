@@ -362,6 +362,10 @@ pub struct TuneArguments {
     /// The operations that one run may take [default: 5e8, or ten runs of the scene's own method]
     #[arg(long, value_name = "OPERATIONS", value_parser = positive, allow_hyphen_values = true)]
     pub budget: Option<f64>,
+    /// The seconds after which no method is tried any more, forming methods included; half of them for that
+    /// alone [default: until all are tried]
+    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
+    pub within: Option<f64>,
     /// Put the method into the scene file; comments and layout stay
     #[arg(long, conflicts_with = "overrides")]
     pub write: bool,

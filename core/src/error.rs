@@ -52,6 +52,30 @@ pub enum BuildError {
         /// The nearest registered name.
         suggestion: Option<String>,
     },
+    /// A step whose functions are differentiated by more variables than their code is formed for.
+    #[error(
+        "a step of it takes the derivatives by all {variables} variables, whose code is formed for at most {most}; \
+         take a stepper that solves nothing, such as splitting or rk4, or write chains of coordinates as `families` \
+         of a lattice, which is formed site by site"
+    )]
+    TooManyVariables {
+        /// Their number.
+        variables: usize,
+        /// The greatest number.
+        most: usize,
+    },
+    /// Equations of a step that are solved together, more than elimination is made for.
+    #[error(
+        "a step solves {equations} equations together by elimination, which is made for at most {most}; take a \
+         stepper that solves none, such as splitting or rk4, or fewer stages, or write chains of coordinates as \
+         `families` of a lattice, which is solved site by site"
+    )]
+    TooManyEquations {
+        /// Their number.
+        equations: usize,
+        /// The greatest number.
+        most: usize,
+    },
     /// A lattice function that couples distant sites.
     #[error(
         "a formula of this lattice reaches {reach} sites away, too far for a template; shorten the \

@@ -11,7 +11,7 @@ use crate::error::BuildError;
 use crate::realization::{Accuracy, RealizationData, RealizationWorker};
 use crate::solver::{
     Checked, KeptSigns, Lanes, MakeCheck, MapProperties, NewtonKernel, NewtonStepper, Poles,
-    StepMap, Stepper, Structure, Workers, kept_signs,
+    StepMap, Stepper, Structure, Workers, check_variables, kept_signs,
 };
 use crate::system::PoissonSystem;
 
@@ -69,15 +69,19 @@ impl Method {
     ///
     /// # Errors
     /// [`BuildError::Incompatible`] when the realization lacks what the bisection needs,
-    /// [`BuildError::Algebra`] where a formula has no code.
+    /// [`BuildError::Algebra`] where a formula has no code, [`BuildError::TooManyVariables`] for formulas in
+    /// too many variables.
     pub fn compose(
         system: &PoissonSystem,
         realization: Arc<dyn RealizationData>,
         dynamics: Arc<dyn DynamicApproximation>,
     ) -> Result<Self, BuildError> {
+        let solves = dynamics.correction() == Correction::Bisection;
+        if solves && system.expressions().is_some() {
+            check_variables(system.dimension())?;
+        }
         let bisection = dynamics.bisection(system, &realization)?;
         let properties = properties_of(realization.as_ref(), dynamics.as_ref());
-        let solves = dynamics.correction() == Correction::Bisection;
         let fused = solves
             .then(|| Arc::clone(&realization).fuse(system, Arc::clone(&bisection), properties))
             .flatten();

@@ -50,9 +50,59 @@ impl Reach {
     }
 }
 
+/// Which terms of a sum depend on which variables.
+#[derive(Clone, Debug)]
+pub(crate) struct SumReach {
+    /// A variable and a term that depends on it, in rising order.
+    told: Vec<(u32, u32)>,
+    /// The terms that count as depending on all variables.
+    others: Vec<u32>,
+}
+
+impl SumReach {
+    /// Of terms that depend on these variables each.
+    pub fn new<'a>(terms: impl IntoIterator<Item = &'a Reach>) -> Self {
+        let (mut told, mut others) = (Vec::new(), Vec::new());
+        for (at, reach) in (0..).zip(terms) {
+            match &reach.0 {
+                Some(variables) => told.extend(variables.iter().map(|variable| (*variable, at))),
+                None => others.push(at),
+            }
+        }
+        told.sort_unstable();
+        Self { told, others }
+    }
+
+    /// The terms whose derivative by the variable may be other than 0, in rising order.
+    pub fn terms_of(&self, variable: u32) -> Vec<usize> {
+        let first = self.told.partition_point(|(told, _)| *told < variable);
+        let told = self.told[first..].iter();
+        let told = told.take_while(|(told, _)| *told == variable);
+        let mut terms: Vec<usize> = told
+            .map(|(_, term)| term)
+            .chain(&self.others)
+            .map(|term| *term as usize)
+            .collect();
+        terms.sort_unstable();
+        terms
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::Reach;
+    use super::{Reach, SumReach};
+
+    #[test]
+    fn a_sum_tells_the_terms_of_each_variable() {
+        let all = Reach::union(&(0..17).map(Reach::variable).collect::<Vec<_>>());
+        let both = Reach::union(&[Reach::variable(3), Reach::variable(5)]);
+        let terms = [Reach::variable(5), all, both, Reach::nothing()];
+        let sum = SumReach::new(&terms);
+        for variable in 0..20 {
+            let expected = (0..terms.len()).filter(|at| terms[*at].may_contain(variable));
+            assert_eq!(sum.terms_of(variable), expected.collect::<Vec<_>>());
+        }
+    }
 
     #[test]
     fn a_union_tells_sixteen_variables_and_no_more() {

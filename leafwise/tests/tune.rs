@@ -5,7 +5,7 @@ use leafwise::core::Registry;
 use leafwise::prelude::compose;
 use leafwise::scene::SceneDocument;
 use leafwise::trade::{
-    Bench, CompareOptions, Comparison, Judged, Limit, Measured, Recommendation, Reference,
+    Bench, CompareOptions, Comparison, Judged, Limit, Measured, Recommendation, Reference, Stage,
     Tolerances, TradeError, TuneOptions, Tuner, Tuning, compare, distance, parse_method,
 };
 
@@ -65,7 +65,7 @@ fn tuned_over(document: &SceneDocument, time: Option<f64>) {
     let bench = Bench::new(document, &registry, time).expect("a bench");
     let comparison = compare(&bench, &CompareOptions::default(), &mut |_, _, _| true);
     let comparison = comparison.expect("a comparison");
-    let tuner = Tuner::new(&bench, &TuneOptions::default(), &mut |_| ()).expect("methods");
+    let tuner = Tuner::new(&bench, &TuneOptions::default(), &mut |_| true).expect("methods");
     assert_eq!(tuner.reference(), &comparison.reference);
     for error in [1e-4, 1e-8] {
         let tuning = tune(&tuner, asked(error));
@@ -194,7 +194,7 @@ fn invariants_are_held_at_every_step_and_cost_what_they_cost() {
     let document = scene("rigid-body", "[1, 3, 3]", 0.2, 100);
     let registry = Registry::with_builtin();
     let bench = Bench::new(&document, &registry, None).expect("a bench");
-    let tuner = Tuner::new(&bench, &TuneOptions::default(), &mut |_| ()).expect("methods");
+    let tuner = Tuner::new(&bench, &TuneOptions::default(), &mut |_| true).expect("methods");
     let loose = tune(&tuner, asked(1e-4));
     let held = tune(
         &tuner,
@@ -239,7 +239,7 @@ fn what_cannot_be_held_says_what_keeps_it() {
             budget,
             ..TuneOptions::default()
         };
-        Tuner::new(&bench, &options, &mut |_| ()).expect("a method")
+        Tuner::new(&bench, &options, &mut |_| true).expect("a method")
     };
     let hamilton_jacobi = "so3-exponential+hamilton-jacobi:4";
     // Beyond the reference: nothing is run, and no shorter time helps against round-off.
@@ -312,7 +312,7 @@ fn a_motion_that_cannot_be_followed_is_told_with_its_growth_and_the_time_to_take
         only: vec![parse_method("kahan-li-8/splitting", &registry).expect("a method")],
         ..TuneOptions::default()
     };
-    let tuner = Tuner::new(&bench, &options, &mut |_| ()).expect("a method");
+    let tuner = Tuner::new(&bench, &options, &mut |_| true).expect("a method");
     assert!(tuner.reference().error > 1e-8);
     let tuning = tune(&tuner, asked(1e-8));
     assert_eq!((tuning.limit, tuning.runs), (Some(Limit::Reference), 0));
@@ -326,7 +326,7 @@ fn a_motion_that_cannot_be_followed_is_told_with_its_growth_and_the_time_to_take
     let known = horizon.known.expect("a shorter time");
     assert!(known.time < 1000.0 && 10.0 * known.error <= 1e-8);
     let shorter = bench.over(known.time).expect("a bench");
-    let tuner = Tuner::new(&shorter, &options, &mut |_| ()).expect("a method");
+    let tuner = Tuner::new(&shorter, &options, &mut |_| true).expect("a method");
     let found = tune(&tuner, asked(1e-8)).poisson.expect("a Poisson map");
     assert!(found.measured.error + tuner.reference().error <= 1e-8);
     let message = horizon.to_string();
@@ -351,7 +351,7 @@ fn casimirs_are_not_asked_of_a_scene_without_any() {
         only: vec![parse_method("splitting", &registry).expect("a method")],
         ..TuneOptions::default()
     };
-    let tuner = Tuner::new(&bench, &options, &mut |_| ()).expect("a method");
+    let tuner = Tuner::new(&bench, &options, &mut |_| true).expect("a method");
     let refused = tuner.tune(&held, &mut |_| true);
     assert!(matches!(refused, Err(TradeError::NoCasimirs)));
 }
@@ -368,18 +368,71 @@ fn a_search_repeats_and_can_be_ended() {
             .to_vec(),
         ..TuneOptions::default()
     };
-    let tuner = Tuner::new(&bench, &options, &mut |_| ()).expect("methods");
+    let tuner = Tuner::new(&bench, &options, &mut |_| true).expect("methods");
     let once = tune(&tuner, asked(1e-6));
     let again = tune(&tuner, asked(1e-6));
     let scenes = |t: &Tuning| [&t.poisson, &t.any].map(|r| r.as_ref().map(|r| r.scene.clone()));
     assert_eq!(scenes(&once), scenes(&again));
     assert_eq!((once.runs, once.spent), (again.runs, again.spent));
-    let mut left = 3;
-    let ended = tuner.tune(&asked(1e-6), &mut |_| {
-        left -= 1;
-        left > 0
-    });
-    assert!(ended.is_err_and(|error| error.to_string() == "interrupted"));
+    assert!(once.is_complete);
+}
+
+/// Time is counted by whoever asks: here by the number of stages.
+#[test]
+fn a_search_that_is_ended_returns_what_it_has() {
+    let document = scene("lotka-volterra-periodic", "[1, 1.9, 0.5]", 0.05, 60);
+    let registry = Registry::with_builtin();
+    let bench = Bench::new(&document, &registry, None).expect("a bench");
+    let (mut told, mut referred) = (0, false);
+    let tuner = Tuner::new(&bench, &TuneOptions::default(), &mut |stage| {
+        match stage {
+            Stage::Building { .. } => told += 1,
+            Stage::Reference => referred = true,
+            Stage::Running { .. } => panic!("a run before the search"),
+        }
+        told <= 3
+    })
+    .expect("methods");
+    assert!(referred && told > 3, "{told} methods");
+    assert!((1..=3).contains(&tuner.methods().count()));
+    assert!(tuner.unbuilt() > 0);
+    for most in 0..6_u64 {
+        let mut allowed = 0;
+        let ended = tuner.tune(&asked(1e-6), &mut |_| {
+            let is_allowed = allowed < most;
+            allowed += u64::from(is_allowed);
+            is_allowed
+        });
+        let ended = ended.expect("what it has");
+        assert!(!ended.is_complete);
+        assert!(ended.runs <= most);
+        if most == 0 {
+            assert_eq!((ended.runs, ended.limit), (0, Some(Limit::Ended)));
+        }
+        for found in ended.poisson.iter().chain(&ended.any) {
+            assert!(found.measured.error <= 1e-6);
+        }
+    }
+}
+
+/// It was built when the scene was read, so that there is time for it.
+#[test]
+fn no_time_at_all_leaves_the_scenes_own_method() {
+    let document = scene("lotka-volterra-periodic", "[1, 1.9, 0.5]", 0.05, 60);
+    let registry = Registry::with_builtin();
+    let bench = Bench::new(&document, &registry, None).expect("a bench");
+    let tuner = Tuner::new(&bench, &TuneOptions::default(), &mut |_| false).expect("its own");
+    assert_eq!(tuner.methods().count(), 1);
+    let options = TuneOptions {
+        only: vec![parse_method("dop853", &registry).expect("a method")],
+        ..TuneOptions::default()
+    };
+    let none = Tuner::new(&bench, &options, &mut |_| false).map(|_| ());
+    let said = none.expect_err("nothing is built").to_string();
+    assert!(
+        said.contains("the time ended before it was formed"),
+        "{said}"
+    );
 }
 
 /// The distance of a perihelion and the speed there. The energy and e are exact numbers of them: what a rounded initial
@@ -433,7 +486,7 @@ fn what_is_asked_of_a_kepler_orbit_holds_at_every_step() {
             judged,
             ..TuneOptions::default()
         };
-        let tuner = Tuner::new(&bench, &options, &mut |_| ()).expect("methods");
+        let tuner = Tuner::new(&bench, &options, &mut |_| true).expect("methods");
         let found = tune(&tuner, asked(error)).poisson.expect("a Poisson map");
         let tuned = SceneDocument::parse("tuned.toml", &found.scene, &Registry::with_builtin());
         let run = compose(&tuned.expect("a scene"), &registry).expect("a run");

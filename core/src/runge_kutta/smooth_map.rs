@@ -6,6 +6,7 @@ use leafwise_expression::{Graph, Kernel, Term, Workspace};
 
 use super::batch::batch;
 use crate::error::{BuildError, StepError};
+use crate::solver::check_variables;
 
 /// A map z ↦ F(z), and z ↦ DF(z) where that is offered.
 #[derive(Clone)]
@@ -120,13 +121,15 @@ impl SmoothMap {
     /// Compiles `outputs` over the graph's first `inputs` inputs and their derivatives.
     ///
     /// # Errors
-    /// [`BuildError::Algebra`] where a derivative does not exist.
+    /// [`BuildError::Algebra`] where a derivative does not exist, [`BuildError::TooManyVariables`] for a
+    /// Jacobian that no step's equations have.
     pub fn compile(
         graph: &mut Graph,
         outputs: &[Term],
         parameters: usize,
         inputs: usize,
     ) -> Result<Self, BuildError> {
+        check_variables(outputs.len().min(inputs))?;
         let mut map = Self::compile_values(graph, outputs, parameters, inputs);
         let mut entries = Vec::with_capacity(outputs.len() * inputs);
         for output in outputs {

@@ -1,6 +1,43 @@
 //! Dense linear solves for one right-hand side at a time, and what they cost.
 
 use super::elimination::{ANY, Factors};
+use crate::error::BuildError;
+
+/// The most equations that a step solves together: matrices of 128 megabytes each, and 5·10¹⁰ operations an
+/// elimination, half a minute.
+pub const MOST_EQUATIONS: usize = 4096;
+
+/// The most variables by which the functions of a step are differentiated: while code is formed, each of the
+/// entries of a Jacobian that are not zero takes up to a kilobyte.
+pub const MOST_VARIABLES: usize = 2048;
+
+/// Refuses more than [`MOST_EQUATIONS`].
+///
+/// # Errors
+/// [`BuildError::TooManyEquations`].
+pub fn check_equations(equations: usize) -> Result<(), BuildError> {
+    if equations <= MOST_EQUATIONS {
+        return Ok(());
+    }
+    Err(BuildError::TooManyEquations {
+        equations,
+        most: MOST_EQUATIONS,
+    })
+}
+
+/// Refuses a Jacobian of more than [`MOST_VARIABLES`], before its code is formed.
+///
+/// # Errors
+/// [`BuildError::TooManyVariables`].
+pub fn check_variables(variables: usize) -> Result<(), BuildError> {
+    if variables <= MOST_VARIABLES {
+        return Ok(());
+    }
+    Err(BuildError::TooManyVariables {
+        variables,
+        most: MOST_VARIABLES,
+    })
+}
 
 /// Operations of an LU elimination of an n × n matrix.
 pub fn elimination_operations(n: usize) -> u64 {

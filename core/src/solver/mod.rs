@@ -25,7 +25,10 @@ pub use explicit::ExplicitMap;
 pub use extrapolation::Extrapolation;
 pub use judge::{CorrectionSize, LinearIteration};
 pub use lanes::{Alone, Lanes, Lockstep, Taken, Trajectory};
-pub use linear::{DenseFactors, elimination_operations, substitution_operations};
+pub use linear::{
+    DenseFactors, MOST_EQUATIONS, MOST_VARIABLES, check_equations, check_variables,
+    elimination_operations, substitution_operations,
+};
 pub use newton::{NewtonKernel, NewtonStepper};
 pub use poles::{Poles, WithoutPoles};
 pub use properties::{MapProperties, Structure};

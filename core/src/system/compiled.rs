@@ -7,6 +7,7 @@ use leafwise_expression::{Arithmetic, Graph, Kernel, Term, Workspace};
 use super::formulas::SystemFormulas;
 use super::numbers::{Derivatives, NumbersWorker, SystemNumbers, vector};
 use crate::error::{BuildError, StepError};
+use crate::solver::check_variables;
 
 /// Kernels of Π(y)v, H, ∇H, the Casimirs and their derivatives.
 #[derive(Clone, Debug)]
@@ -28,9 +29,11 @@ impl CompiledNumbers {
     /// Compiles every value and derivative of a system.
     ///
     /// # Errors
-    /// [`BuildError::Algebra`] where a formula or a derivative has no code.
+    /// [`BuildError::Algebra`] where a formula or a derivative has no code,
+    /// [`BuildError::TooManyVariables`] for too long a system.
     pub fn compile(system: &SystemFormulas) -> Result<Self, BuildError> {
         let d = system.dimension();
+        check_variables(d)?;
         let parameters = system.parameters().len();
         let mut graph = Graph::compilable();
         let inputs: Vec<Term> = (0..3 * d).map(|i| graph.input(i)).collect();

@@ -78,6 +78,28 @@ impl PoissonSystem {
         }
     }
 
+    /// The same for what needs no D²H, as [`field_values`](Self::field_values).
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a formula has no code.
+    pub fn gradient_values(&self) -> Result<SmoothMap, BuildError> {
+        match &self.definition {
+            Definition::Numbers(_) => self.gradient_map(),
+            Definition::Formulas(system) => {
+                let (mut graph, x) = inputs(system.dimension());
+                let gradient = system.gradient(&mut graph, &x)?;
+                graph.unless_refused(())?;
+                let parameters = system.parameters().len();
+                Ok(SmoothMap::compile_values(
+                    &graph,
+                    &gradient,
+                    parameters,
+                    x.len(),
+                ))
+            }
+        }
+    }
+
     /// x ↦ (H(x), C_1(x), …), with its Jacobian unless there are Casimirs without gradients.
     ///
     /// # Errors

@@ -7,6 +7,7 @@ use leafwise_core::part::{
 };
 use leafwise_core::registry::DynamicsPart;
 use leafwise_core::runge_kutta::PartitionedTableau;
+use leafwise_core::solver::check_equations;
 use leafwise_core::{
     BuildError, ChartMaps, Correction, DynamicApproximation, LagrangianBisection, PoissonSystem,
     RealizationData, RealizationMaps,
@@ -238,10 +239,14 @@ impl DynamicApproximation for Collective {
                 collective_numbers(gradient, maps, chart.clone(), space, has_jacobian)
             }
         };
+        let tableau = self.integrator.tableau(d);
+        if field.has_jacobian() {
+            check_equations(tableau.stages() * field.inputs())?;
+        }
         Ok(Arc::new(ImageOfSection::new(
             field,
             chart,
-            self.integrator.tableau(d),
+            tableau,
             self.correction,
             space,
         )))

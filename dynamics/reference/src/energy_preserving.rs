@@ -10,8 +10,8 @@ use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator, Tableau};
 use leafwise_core::solver::judge::{Allowed, Verdict, Watch, largest, reach};
 use leafwise_core::solver::{
-    Anderson, CorrectionSize, DenseFactors, LinearIteration, elimination_operations,
-    substitution_operations,
+    Anderson, CorrectionSize, DenseFactors, LinearIteration, check_equations,
+    elimination_operations, substitution_operations,
 };
 use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
 use nalgebra::DMatrix;
@@ -481,6 +481,9 @@ fn build(
             });
         }
     };
+    if system.expressions().is_some() {
+        check_equations(stages * system.dimension())?;
+    }
     let maps = [system.tensor_map()?, system.gradient_map()?];
     Ok(Arc::new(ReferenceMap {
         dimension: system.dimension(),

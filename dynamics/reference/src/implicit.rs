@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::runge_kutta::{SmoothMap, StageSolver, Tableau};
-use leafwise_core::solver::{Lockstep, Taken};
+use leafwise_core::solver::{Lockstep, Taken, check_equations};
 use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepMap, Structure};
 use nalgebra::DMatrix;
 
@@ -64,6 +64,10 @@ pub(crate) fn gauss_map(
     tableau: Tableau,
     description: String,
 ) -> Result<Arc<dyn StepMap>, BuildError> {
+    let opaque = system.opaque();
+    if opaque.is_none_or(|system| system.numbers.derivatives().of_field()) {
+        check_equations(tableau.stages() * system.dimension())?;
+    }
     let field = system.field_map()?;
     let is_kept = system.expressions().is_some_and(|system| {
         let tensor = system.tensor();

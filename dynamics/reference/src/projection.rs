@@ -185,6 +185,9 @@ fn build(
         "gauss" => (2 * stages, Some(Tableau::gauss(stages))),
         _ => (4, None),
     };
+    if system.expressions().is_some() && tableau.is_some() {
+        check_equations(stages * system.dimension())?;
+    }
     let (field, invariants) = (system.field_map()?, system.invariants_map()?);
     if let (false, Some(system)) = (invariants.has_jacobian(), system.opaque()) {
         return Err(system.not_offered(INFO.name, "the gradients of the Casimirs"));

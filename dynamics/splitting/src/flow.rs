@@ -1,9 +1,12 @@
 //! The motion of one coordinate under a piece, found by its Lie series.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use leafwise_expression::algebra::{quotient, square_root};
 use leafwise_expression::{AlgebraError, Arithmetic, Polynomial, Rational, Ring};
+
+/// The components X^j of a field; those that it does not have are zero.
+pub type Field = BTreeMap<usize, Polynomial>;
 
 /// The longest Lie series that is tried.
 const LONGEST: usize = 8;
@@ -69,12 +72,12 @@ pub struct CoordinateFlow {
 /// [`AlgebraError`] where a derivative does not exist.
 pub fn coordinate_flow(
     ring: &mut Ring,
-    field: &[Polynomial],
+    field: &Field,
     index: usize,
 ) -> Result<Option<CoordinateFlow>, AlgebraError> {
     let mut reads = BTreeSet::from([index]);
     let mut series: Vec<Polynomial> = Vec::new();
-    let mut next = field[index].clone();
+    let mut next = field.get(&index).cloned().unwrap_or_else(Polynomial::zero);
     while !next.is_zero() {
         series.push(next);
         if let Some(motion) = closed_form(ring, field, &series, &mut reads)? {
@@ -93,7 +96,7 @@ pub fn coordinate_flow(
 /// The closed form that the last term of a Lie series reveals: φ at the second, λ at the third.
 fn closed_form(
     ring: &mut Ring,
-    field: &[Polynomial],
+    field: &Field,
     series: &[Polynomial],
     reads: &mut BTreeSet<usize>,
 ) -> Result<Option<Motion>, AlgebraError> {
@@ -139,19 +142,16 @@ fn oscillation(velocity: &Polynomial, acceleration: &Polynomial, square: &Polyno
 /// D f = Σ_j X^j ∂_j f over the variables that f depends on, which are noted in `reads`.
 fn lie_derivative(
     ring: &mut Ring,
-    field: &[Polynomial],
+    field: &Field,
     f: &Polynomial,
     reads: &mut BTreeSet<usize>,
 ) -> Result<Polynomial, AlgebraError> {
     let mut parts = Vec::new();
     for variable in variables(ring, f) {
         reads.insert(variable);
-        if !field[variable].is_zero() {
+        if let Some(velocity) = field.get(&variable).filter(|v| !v.is_zero()) {
             let derivative = ring.derivative(f, variable)?;
-            parts.push((
-                Rational::one(),
-                ring.multiply(&field[variable], &derivative),
-            ));
+            parts.push((Rational::one(), ring.multiply(velocity, &derivative)));
         }
     }
     Ok(ring.combine(&parts))

@@ -1,5 +1,6 @@
 //! A Hamiltonian with an exact flow.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use leafwise_core::SystemFormulas;
@@ -7,7 +8,7 @@ use leafwise_expression::{
     AlgebraError, Arithmetic, Expression, Graph, Polynomial, Rational, Ring, Term,
 };
 
-use crate::flow::{CoordinateFlow, Motion, coordinate_flow, variables};
+use crate::flow::{CoordinateFlow, Field, Motion, coordinate_flow, variables};
 
 /// The part's name.
 pub(crate) const NAME: &str = "splitting";
@@ -17,7 +18,19 @@ pub(crate) struct Atom {
     pub(crate) hamiltonian: Polynomial,
     /// The same as it is written.
     pub(crate) formula: Expression,
-    pub(crate) field: Vec<(usize, Polynomial)>,
+    pub(crate) field: Field,
+}
+
+impl Atom {
+    /// Whether it has an exact flow; the coordinate whose motion is none of [`Motion`] otherwise.
+    pub(crate) fn flows(&self, ring: &mut Ring) -> Result<Result<(), usize>, AlgebraError> {
+        for &index in self.field.keys() {
+            if coordinate_flow(ring, &self.field, index)?.is_none() {
+                return Ok(Err(index));
+            }
+        }
+        Ok(Ok(()))
+    }
 }
 
 /// Dx_i, D²x_i, … of each coordinate under a piece, as code of the formulas: nothing is expanded.
@@ -54,8 +67,8 @@ impl Tensor {
         &self,
         ring: &mut Ring,
         hamiltonian: &Polynomial,
-    ) -> Result<Vec<(usize, Polynomial)>, AlgebraError> {
-        let mut parts = std::collections::BTreeMap::<usize, Vec<(Rational, Polynomial)>>::new();
+    ) -> Result<Field, AlgebraError> {
+        let mut parts = BTreeMap::<usize, Vec<(Rational, Polynomial)>>::new();
         for j in variables(ring, hamiltonian) {
             let derivative = ring.derivative(hamiltonian, j)?;
             for (i, entry) in &self.columns[j] {
@@ -76,10 +89,11 @@ impl Tensor {
 /// A Hamiltonian K, its field X_K and the flow of X_K, coordinate by coordinate.
 #[derive(Clone, Debug)]
 pub struct Piece {
-    hamiltonian: Polynomial,
-    /// K again, as its terms are written.
+    /// The terms of K.
+    terms: Vec<Polynomial>,
+    /// The same as they are written.
     formulas: Vec<Expression>,
-    field: Vec<Polynomial>,
+    field: Field,
     flows: Vec<CoordinateFlow>,
     /// The Lie series computed from the formulas, where their expansions cancel.
     code: Option<Arc<LieSeries>>,
@@ -90,20 +104,22 @@ impl Piece {
     pub(crate) fn empty(dimension: usize) -> Self {
         let still = |index| CoordinateFlow {
             motion: Motion::Polynomial(Vec::new()),
-            reads: std::collections::BTreeSet::from([index]),
+            reads: BTreeSet::from([index]),
         };
         Self {
-            hamiltonian: Polynomial::zero(),
+            terms: Vec::new(),
             formulas: Vec::new(),
             code: None,
-            field: vec![Polynomial::zero(); dimension],
+            field: Field::new(),
             flows: (0..dimension).map(still).collect(),
         }
     }
 
     /// K.
-    pub fn hamiltonian(&self) -> &Polynomial {
-        &self.hamiltonian
+    pub fn hamiltonian(&self, ring: &mut Ring) -> Polynomial {
+        let terms = self.terms.iter();
+        let terms: Vec<_> = terms.map(|term| (Rational::one(), term.clone())).collect();
+        ring.combine(&terms)
     }
 
     /// The terms of K as they are written.
@@ -147,17 +163,18 @@ impl Piece {
         let field = &atom.field;
         let mut before = Vec::with_capacity(field.len());
         for (i, velocity) in field {
-            let sum = ring.add(&self.field[*i], velocity);
-            before.push((*i, std::mem::replace(&mut self.field[*i], sum)));
+            let present = self.field.entry(*i).or_insert_with(Polynomial::zero);
+            let sum = ring.add(present, velocity);
+            before.push((*i, std::mem::replace(present, sum)));
         }
-        let moved = |flow: &CoordinateFlow| field.iter().any(|(i, _)| flow.reads.contains(i));
+        let moved = |flow: &CoordinateFlow| field.keys().any(|i| flow.reads.contains(i));
         let affected: Vec<usize> = (0..self.flows.len())
             .filter(|i| moved(&self.flows[*i]))
             .collect();
         let mut flows = Vec::with_capacity(affected.len());
         for &index in &affected {
             let Some(flow) = coordinate_flow(ring, &self.field, index)? else {
-                before.into_iter().for_each(|(i, old)| self.field[i] = old);
+                self.field.extend(before);
                 return Ok(Err(index));
             };
             flows.push(flow);
@@ -165,7 +182,7 @@ impl Piece {
         for (index, flow) in affected.into_iter().zip(flows) {
             self.flows[index] = flow;
         }
-        self.hamiltonian = ring.add(&self.hamiltonian, &atom.hamiltonian);
+        self.terms.push(atom.hamiltonian.clone());
         self.formulas.push(atom.formula.clone());
         Ok(Ok(()))
     }

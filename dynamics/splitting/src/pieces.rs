@@ -92,11 +92,10 @@ pub(crate) fn atoms(
         hamiltonian: summand,
         formula: formula.clone(),
     };
-    let alone = |ring: &mut Ring, atom: &Atom| Piece::empty(system.dimension()).add(ring, atom);
     if whole.field.is_empty() {
         return Ok(Vec::new());
     }
-    if alone(ring, &whole)?.is_ok() {
+    if whole.flows(ring)?.is_ok() {
         return Ok(vec![whole]);
     }
     let mut atoms = Vec::new();
@@ -107,7 +106,7 @@ pub(crate) fn atoms(
             formula: ring.formula(&term),
             hamiltonian: term,
         };
-        if let Err(coordinate) = alone(ring, &atom)? {
+        if let Err(coordinate) = atom.flows(ring)? {
             return Err(refusal(system, ring, &atom.hamiltonian, coordinate));
         }
         if !atom.field.is_empty() {

@@ -93,10 +93,11 @@ impl Splitting {
             pieces,
             ..
         } = self.shared.as_ref();
+        let mut sums = ring.clone();
+        let hamiltonians = pieces.iter().map(|piece| piece.hamiltonian(&mut sums));
+        let hamiltonians: Vec<_> = hamiltonians.collect();
         let names = Names { system, ring };
-        let formulas = pieces
-            .iter()
-            .map(|piece| names.polynomial(piece.hamiltonian()));
+        let formulas = hamiltonians.iter().map(|f| names.polynomial(f));
         formulas.collect()
     }
 

@@ -2,7 +2,11 @@
 
 use super::node::{Graph, Node, Operation, Term, Tier};
 use crate::arithmetic::{AlgebraError, Arithmetic, function_derivative};
-use crate::reach::Reach;
+use crate::rational::Rational;
+use crate::reach::{Reach, SumReach};
+
+/// Sums of more terms than this are indexed.
+const LONG: usize = 16;
 
 impl Graph {
     /// ∂(term)/∂(input), shared with everything already in the graph.
@@ -11,6 +15,10 @@ impl Graph {
     /// [`AlgebraError`] when the derivative of a function does not exist, or past the graph's limit.
     pub fn derivative(&mut self, term: &Term, input: usize) -> Result<Term, AlgebraError> {
         let input = u32::try_from(input).expect("fewer than 2^32 inputs");
+        if !self.may_depend(term.node, input) {
+            let zero = self.zero();
+            return self.unless_refused(zero);
+        }
         let inner = self.node_derivative(term.node, input)?;
         let derivative = self.scale(&term.scale, &inner);
         self.unless_refused(derivative)
@@ -44,6 +52,7 @@ impl Graph {
         if let Some(known) = self.derivatives.get(&(node, input)) {
             return Ok(known.clone());
         }
+        self.index_sum(node);
         let result = match self.operation(node) {
             Operation::One
             | Operation::Pi
@@ -51,12 +60,9 @@ impl Graph {
             | Operation::StepSize(_)
             | Operation::Input(_) => self.zero(),
             Operation::Sum(terms) => {
-                let reaches = &self.reaches;
-                let depends = |n: &Node| reaches[n.index()].may_contain(input);
-                let terms = terms.iter().filter(|(_, inner)| depends(inner));
-                let terms: Vec<_> = terms.cloned().collect();
-                let mut parts = Vec::with_capacity(terms.len());
-                for (scale, inner) in terms {
+                let depending = self.depending(node, terms, input);
+                let mut parts = Vec::with_capacity(depending.len());
+                for (scale, inner) in depending {
                     parts.push((scale, self.node_derivative(inner, input)?));
                 }
                 self.combine(&parts)
@@ -88,6 +94,39 @@ impl Graph {
         };
         self.derivatives.insert((node, input), result.clone());
         Ok(result)
+    }
+
+    /// Notes which terms of a long sum depend on which inputs: by each of its inputs, it is then differentiated
+    /// without a look at all of its terms.
+    fn index_sum(&mut self, node: Node) {
+        if let Operation::Sum(terms) = self.operation(node)
+            && terms.len() > LONG
+            && !self.sums.contains_key(&node)
+        {
+            let reaches = terms.iter().map(|term| &self.reaches[term.1.index()]);
+            let index = SumReach::new(reaches);
+            self.sums.insert(node, index);
+        }
+    }
+
+    /// The terms of a sum whose derivative by the input may be other than 0, in their order.
+    fn depending(
+        &self,
+        sum: Node,
+        terms: &[(Rational, Node)],
+        input: u32,
+    ) -> Vec<(Rational, Node)> {
+        match self.sums.get(&sum) {
+            Some(index) => {
+                let places = index.terms_of(input).into_iter();
+                places.map(|at| terms[at].clone()).collect()
+            }
+            None => {
+                let depends = |n: &Node| self.reaches[n.index()].may_contain(input);
+                let depending = terms.iter().filter(|(_, inner)| depends(inner));
+                depending.cloned().collect()
+            }
+        }
     }
 
     /// f′(a) of a node f(a): a reciprocal, a function or a power.

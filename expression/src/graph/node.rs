@@ -6,7 +6,7 @@ use crate::analytic::AnalyticFunction;
 use crate::arithmetic::AlgebraError;
 use crate::expression::Function;
 use crate::rational::Rational;
-use crate::reach::Reach;
+use crate::reach::{Reach, SumReach};
 
 /// A node of a [`Graph`]; nodes are numbered so that operands come before their uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -98,6 +98,8 @@ pub struct Graph {
     pub(crate) derivatives: FxHashMap<(Node, u32), Term>,
     /// The inputs that each node depends on, of the first nodes: as far as derivatives were asked for.
     pub(super) reaches: Vec<Reach>,
+    /// The same of the terms of each long sum that was differentiated.
+    pub(super) sums: FxHashMap<Node, SumReach>,
     /// The most nodes before it refuses.
     most: usize,
     pub(super) refusal: Option<AlgebraError>,
@@ -123,6 +125,7 @@ impl Graph {
             known,
             derivatives: FxHashMap::default(),
             reaches: Vec::new(),
+            sums: FxHashMap::default(),
             most: usize::MAX,
             refusal: None,
         }

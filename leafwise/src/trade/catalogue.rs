@@ -29,24 +29,27 @@ const MOST_WORK: u64 = 16;
 /// Implicit steppers solve dense systems: beyond this dimension they are not tried.
 const LARGEST_DENSE: usize = 96;
 
+/// Why a method was not built, where whoever asked for the catalogue had no time left.
+pub(super) const UNBUILT: &str = "the time ended before it was formed";
+
 /// What the catalogue is made for.
 pub(super) struct Catalogue<'a> {
     bench: &'a Bench<'a>,
     /// The orders asked for.
     orders: Option<&'a [usize]>,
-    /// Told each method before it is built.
-    progress: &'a mut dyn FnMut(&str),
+    /// Told each method before it is built; whether it is.
+    progress: &'a mut dyn FnMut(&str) -> bool,
     entries: Vec<Entry>,
 }
 
 /// The methods for a scene, built: its own, every exact realization and Karasev's series under Hamilton–Jacobi,
 /// collective integrators, compositions, splitting, baselines. With `orders`, only methods of these declared
 /// orders beside the scene's own, and Hamilton–Jacobi at each of them. `progress` is told each method before
-/// it is built.
+/// it is built; it is not where that returns `false`, the scene's own apart.
 pub fn catalogue(
     bench: &Bench<'_>,
     orders: Option<&[usize]>,
-    progress: &mut dyn FnMut(&str),
+    progress: &mut dyn FnMut(&str) -> bool,
 ) -> Vec<Entry> {
     let mut catalogue = Catalogue {
         bench,
@@ -62,7 +65,8 @@ impl Catalogue<'_> {
     fn fill(&mut self) {
         let own = self.bench.own_method();
         if let Some(own) = &own {
-            let candidate = self.build(own);
+            (self.progress)(&own.to_string());
+            let candidate = Candidate::build(self.bench, own);
             self.entries.push(Entry {
                 method: own.clone(),
                 candidate,
@@ -106,8 +110,11 @@ impl Catalogue<'_> {
     }
 
     fn build(&mut self, method: &MethodTable) -> Result<Candidate, String> {
-        (self.progress)(&method.to_string());
-        Candidate::build(self.bench, method)
+        if (self.progress)(&method.to_string()) {
+            Candidate::build(self.bench, method)
+        } else {
+            Err(UNBUILT.to_owned())
+        }
     }
 
     /// Builds a method and adds it unless it is there; tells whether it fits the scene.

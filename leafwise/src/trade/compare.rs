@@ -107,6 +107,7 @@ pub fn compare(
 ) -> Result<Comparison, TradeError> {
     let entries = entries(bench, options, &mut |method| {
         progress(method, 0, 0);
+        true
     })?;
     let mut refused = Vec::new();
     let reference = Reference::compute(bench, options.judged)?;
@@ -176,7 +177,7 @@ pub fn compare(
 fn entries(
     bench: &Bench<'_>,
     options: &CompareOptions,
-    progress: &mut dyn FnMut(&str),
+    progress: &mut dyn FnMut(&str) -> bool,
 ) -> Result<Vec<Entry>, TradeError> {
     let build = |method: &MethodTable| Entry {
         method: method.clone(),

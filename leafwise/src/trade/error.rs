@@ -57,9 +57,6 @@ pub enum TradeError {
         /// Why not.
         reason: String,
     },
-    /// The search was ended before its end.
-    #[error("interrupted")]
-    Interrupted,
     /// No high-accuracy method reaches the end time.
     #[error(
         "no reference solution: {}; shorten the time or choose another initial state",

@@ -5,7 +5,7 @@ use leafwise_scene::document::MethodTable;
 use leafwise_scene::{SceneDocument, compose};
 
 use super::candidate::{Bench, Candidate, Setting};
-use super::catalogue::{Entry, catalogue};
+use super::catalogue::{Entry, UNBUILT, catalogue};
 use super::compare::some_fit;
 use super::error::TradeError;
 use super::horizon::Horizon;
@@ -100,6 +100,8 @@ pub enum Limit {
     RoundOff,
     /// A run may not cost as much as it would take.
     Budget,
+    /// The search was ended first.
+    Ended,
     /// Steps that are small enough fail.
     Failure,
     /// None of the methods is a Poisson map.
@@ -120,6 +122,8 @@ pub struct Tuning {
     pub runners_up: Vec<RunnerUp>,
     /// The Poisson map's run that comes nearest, where none holds it.
     pub nearest: Option<Reached>,
+    /// Whether the search came to its own end; otherwise a cheaper method may not have been tried.
+    pub is_complete: bool,
     /// Methods tried.
     pub methods: usize,
     /// Runs made.
@@ -151,15 +155,16 @@ pub struct RunnerUp {
 const RUNNERS_UP: usize = 5;
 
 impl<'a> Tuner<'a> {
-    /// Builds every method that fits the scene and computes the reference; `progress` is told each stage
-    /// before it.
+    /// Builds every method that fits the scene and computes the reference. `progress` is told each stage
+    /// before it; while it returns `false`, no method is built but the scene's own:
+    /// [`unbuilt`](Self::unbuilt).
     ///
     /// # Errors
     /// [`TradeError::NoReference`], [`TradeError::NoMethods`].
     pub fn new(
         bench: &'a Bench<'a>,
         options: &TuneOptions,
-        progress: &mut dyn FnMut(Stage<'_>),
+        progress: &mut dyn FnMut(Stage<'_>) -> bool,
     ) -> Result<Self, TradeError> {
         let mut building = |method: &str| progress(Stage::Building { method });
         let mut entries = if options.only.is_empty() {
@@ -168,10 +173,14 @@ impl<'a> Tuner<'a> {
             Vec::new()
         };
         for method in options.only.iter().chain(&options.with) {
-            building(&method.to_string());
+            let candidate = if building(&method.to_string()) {
+                Candidate::build(bench, method)
+            } else {
+                Err(UNBUILT.to_owned())
+            };
             entries.push(Entry {
                 method: method.clone(),
-                candidate: Candidate::build(bench, method),
+                candidate,
             });
         }
         let entries = some_fit(entries)?;
@@ -254,17 +263,22 @@ impl<'a> Tuner<'a> {
         &self.refused
     }
 
+    /// How many methods were not built because `progress` said so.
+    pub fn unbuilt(&self) -> usize {
+        let reasons = self.refused.iter().map(|(_, reason)| reason);
+        reasons.filter(|reason| *reason == UNBUILT).count()
+    }
+
     /// What one run may cost.
     pub fn budget(&self) -> u64 {
         self.budget
     }
 
     /// Finds the cheapest methods that hold `asked`. `progress` is told each run before it; it ends the
-    /// search by returning `false`.
+    /// search by returning `false`: the cheapest of what was tried is then returned, and not timed.
     ///
     /// # Errors
-    /// [`TradeError::Interrupted`]; [`TradeError::NoCasimirs`]; [`TradeError::Build`] for an
-    /// invariant without code.
+    /// [`TradeError::NoCasimirs`]; [`TradeError::Build`] for an invariant without code.
     pub fn tune(
         &self,
         asked: &Tolerances,
@@ -288,12 +302,12 @@ impl<'a> Tuner<'a> {
         };
         // What the reference cannot judge is not searched for.
         let can_judge = self.reference.error < limits.error;
-        if can_judge && !(search.screen(progress) && search.refine(progress)) {
-            return Err(TradeError::Interrupted);
-        }
-        let [poisson, any] = [true, false].map(|poisson| self.recommend(&search, poisson));
+        let is_searched = !can_judge || search.screen(progress) && search.refine(progress);
+        let repetitions = if is_searched { REPETITIONS } else { 0 };
+        let recommend = |poisson| self.recommend(&search, poisson, repetitions);
+        let [poisson, any] = [true, false].map(recommend);
         let nearest = match poisson {
-            None if can_judge => self.nearest(&search),
+            None if can_judge => self.nearest(&search, is_searched),
             _ => None,
         };
         let limit = match (&poisson, &nearest) {
@@ -302,6 +316,7 @@ impl<'a> Tuner<'a> {
             (None, None) if !search.tracks.iter().any(Track::is_geometric) => {
                 Some(Limit::Structure)
             }
+            (None, None) if !is_searched => Some(Limit::Ended),
             // No run came to its end.
             (None, None) => Some(Limit::Budget),
             (None, Some(reached)) => Some(reached.limit),
@@ -312,6 +327,7 @@ impl<'a> Tuner<'a> {
             poisson,
             any,
             nearest,
+            is_complete: is_searched && self.unbuilt() == 0,
             methods: self.candidates.len(),
             runs: search.runs,
             spent: search.spent,
@@ -330,7 +346,12 @@ impl<'a> Tuner<'a> {
 
     /// The cheapest run, repeated as the scene that is to be written runs it; the next one where
     /// the last bits of ε·h make it miss.
-    fn recommend(&self, search: &Search<'_>, poisson: bool) -> Option<Recommendation> {
+    fn recommend(
+        &self,
+        search: &Search<'_>,
+        poisson: bool,
+        repetitions: usize,
+    ) -> Option<Recommendation> {
         let mut met: Vec<(&Track<'_>, &Tried)> = search
             .tracks
             .iter()
@@ -339,10 +360,16 @@ impl<'a> Tuner<'a> {
             .collect();
         met.sort_by_key(|(_, tried)| tried.trial.cost());
         met.into_iter()
-            .find_map(|(track, tried)| self.repeat(track, tried, search.limits))
+            .find_map(|(track, tried)| self.repeat(track, tried, search.limits, repetitions))
     }
 
-    fn repeat(&self, track: &Track<'_>, tried: &Tried, limits: &Limits) -> Option<Recommendation> {
+    fn repeat(
+        &self,
+        track: &Track<'_>,
+        tried: &Tried,
+        limits: &Limits,
+        repetitions: usize,
+    ) -> Option<Recommendation> {
         let setting = tried.setting;
         let method = track.candidate.method_at(setting);
         let time_step = self.bench.time() / setting.steps as f64;
@@ -360,7 +387,9 @@ impl<'a> Tuner<'a> {
         }
         let structure = track.candidate.properties.structure;
         let mut measured = Measured::of(&trial, &run, time_step, structure, &self.reference);
-        measured.wall = time_run(&run, epsilon, h, steps, REPETITIONS).ok();
+        if repetitions > 0 {
+            measured.wall = time_run(&run, epsilon, h, steps, repetitions).ok();
+        }
         let predicted = track.predicted(setting, |tried| tried.error);
         Some(Recommendation {
             name: track.candidate.name.clone(),
@@ -374,7 +403,7 @@ impl<'a> Tuner<'a> {
     }
 
     /// The run of a Poisson map that misses by the least.
-    fn nearest(&self, search: &Search<'_>) -> Option<Reached> {
+    fn nearest(&self, search: &Search<'_>, is_searched: bool) -> Option<Reached> {
         let runs = search
             .tracks
             .iter()
@@ -396,6 +425,7 @@ impl<'a> Tuner<'a> {
             limit: match &track.ended {
                 Some(End::RoundOff) => Limit::RoundOff,
                 Some(End::Failed(_)) => Limit::Failure,
+                None if !is_searched => Limit::Ended,
                 _ => Limit::Budget,
             },
         })

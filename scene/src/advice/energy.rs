@@ -90,7 +90,7 @@ fn scale(run: &ComposedRun, parameters: &[f64], states: &[Vec<f64>]) -> Option<f
         high - low
     };
     let ranges: Vec<f64> = (0..d).map(range).collect();
-    let gradient = run.system.gradient_map().ok()?;
+    let gradient = run.system.gradient_values().ok()?;
     let mut gradient = gradient.evaluator(parameters, 1.0, 1.0);
     let mut slopes = vec![0.0; d];
     let mut least = f64::INFINITY;

@@ -21,8 +21,8 @@ pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
     let dynamics = probe.dynamics_again().ok()?;
     let method = Method::compose(probe.system(), exact, dynamics).ok()?;
     let x = &probe.places.first()?.x;
-    let trial = |method: &Method| Trial::of(probe.run, method, x);
-    let (now, then) = (trial(probe.method)?, trial(&method)?);
+    let now = Trial::of(probe.run, probe.method, x)?;
+    let then = Trial::instead(probe.run, &method, x, &now)?;
     then.is_worth_it(&now).then(|| Advice {
         kind: AdviceKind::ExactRealization,
         message: format!(

@@ -68,7 +68,7 @@ fn structure(
     let exact = Trial::of(run, near.ok()?.as_ref(), x)?.state;
     let error = |trial: &Trial| distance(&trial.state, &exact);
     let (composition, then) = maps.find_map(|(name, map)| {
-        let then = Trial::of(run, map.as_ref(), x)?;
+        let then = Trial::instead(run, map.as_ref(), x, &now)?;
         let is_as_good = error(&then) <= error(&now).max(FAR * TOLERANCE * size(&exact));
         (then.is_as_cheap(&now) && is_as_good).then_some((name, then))
     })?;

@@ -31,6 +31,16 @@ pub(super) struct Trial {
 impl Trial {
     /// Takes the run's steps from x; `None` where one fails or operations are not counted.
     pub fn of(run: &ComposedRun, map: &dyn StepMap, x: &[f64]) -> Option<Self> {
+        Self::at_most(run, map, x, f64::INFINITY)
+    }
+
+    /// The same of a map that is to replace one that does `now`; `None` too once it has taken more
+    /// operations than it may.
+    pub fn instead(run: &ComposedRun, map: &dyn StepMap, x: &[f64], now: &Self) -> Option<Self> {
+        Self::at_most(run, map, x, AS_DEAR * now.operations * STEPS as f64)
+    }
+
+    fn at_most(run: &ComposedRun, map: &dyn StepMap, x: &[f64], most: f64) -> Option<Self> {
         let parameters = run.system.parameter_values();
         let (epsilon, h) = (run.plan.epsilon, run.plan.h);
         let mut integrator = Integrator::new(map, &parameters, epsilon, h, x);
@@ -44,6 +54,9 @@ impl Trial {
         let mut largest = 0.0_f64;
         for _ in 0..STEPS {
             integrator.step().ok()?;
+            if integrator.statistics().operations? as f64 > most {
+                return None;
+            }
             largest = largest.max((energy_at(integrator.state()) - initial).abs());
         }
         let size = if initial == 0.0 { 1.0 } else { initial.abs() };

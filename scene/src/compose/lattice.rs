@@ -23,8 +23,12 @@ pub const DENSE_LIMIT: usize = 24;
 /// The largest dimension of a lattice that is written out for a stepper without sweeps.
 pub(super) const STEPPER_LIMIT: usize = 1024;
 
-/// What a run of a lattice keeps at least: the state with its low parts and earlier increments, and stages.
-const NUMBERS_A_COORDINATE: usize = 12;
+/// The numbers a coordinate that a run keeps for a method of so many fields, at its first checkpoint: the states
+/// of the run and of the file, and of each field what the next step begins with. Two million coordinates take
+/// 19 at 2 fields, and 42 at 8.
+fn numbers_a_coordinate(fields: usize) -> usize {
+    20 + 3 * fields
+}
 
 /// A lattice that every formula of a scene is tried on before anything is built.
 const TRIAL_LENGTH: usize = 9;
@@ -52,7 +56,7 @@ impl<'a> SceneLattice<'a> {
             )));
         }
         let geometry = geometry(document);
-        has_room(document, geometry.dimension())?;
+        has_room(document, geometry.dimension(), 1)?;
         Ok(Some(Self { document, geometry }))
     }
 
@@ -107,9 +111,13 @@ impl<'a> SceneLattice<'a> {
 }
 
 /// Asks for the memory of a run at once, so that too long a lattice is an error here and not the end of
-/// the program in the middle of it.
-fn has_room(document: &SceneDocument, coordinates: usize) -> Result<(), Refusal> {
-    let numbers = coordinates.saturating_mul(NUMBERS_A_COORDINATE);
+/// the program in the middle of it. Before a method is built, it has one field at least.
+pub(super) fn has_room(
+    document: &SceneDocument,
+    coordinates: usize,
+    fields: usize,
+) -> Result<(), Refusal> {
+    let numbers = coordinates.saturating_mul(numbers_a_coordinate(fields));
     let mut room: Vec<f64> = Vec::new();
     let Err(_) = room.try_reserve_exact(numbers) else {
         return Ok(());
@@ -120,7 +128,7 @@ fn has_room(document: &SceneDocument, coordinates: usize) -> Result<(), Refusal>
     Err(Box::new(document.diagnostic(
         &place,
         format!(
-            "a lattice of {coordinates} coordinates takes {gigabytes:.1} gigabytes of memory at least, more than \
+            "a lattice of {coordinates} coordinates takes {gigabytes:.1} gigabytes of memory, more than \
              there is"
         ),
         "here",

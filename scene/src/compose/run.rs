@@ -11,7 +11,7 @@ use leafwise_core::{
 
 use super::Refusal;
 use super::fit::{check_first_order, check_tensor};
-use super::lattice::{SceneLattice, shortened};
+use super::lattice::{SceneLattice, has_room, shortened};
 use super::observables::Observable;
 use super::parts::{Base, PartChoice, Parts, parts, system_choice, what_fits};
 use super::states::{RecordedStates, recorded_states};
@@ -144,6 +144,7 @@ fn compose_at_its_values(
         let map = lattice.base.map();
         composed.system = map.proxy().clone();
         let (geometry, short) = (map.geometry(), map.proxy_geometry());
+        has_room(document, geometry.dimension(), map.fields())?;
         composed.near = shortened(&composed.initial, geometry, short);
     }
     let step = &document.method.step;

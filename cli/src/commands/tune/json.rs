@@ -38,6 +38,8 @@ pub(super) fn object(found: &Found<'_>) -> Value {
         "advice": tuning.limit.map(advice),
         "horizon": tuning.horizon.as_ref().map(horizon),
         "nearest": tuning.nearest.as_ref().map(|reached| nearest(found, reached)),
+        "complete": tuning.is_complete,
+        "unbuilt": found.tuner.unbuilt(),
         "methods": tuning.methods,
         "runs": tuning.runs,
         "costs_in": found.tuner.cost().word(),
@@ -102,6 +104,7 @@ fn limit(limit: Limit) -> &'static str {
         Limit::Reference => "reference",
         Limit::RoundOff => "round-off",
         Limit::Budget => "budget",
+        Limit::Ended => "time",
         Limit::Failure => "failure",
         Limit::Structure => "structure",
     }

@@ -1,5 +1,6 @@
 //! `leafwise tune`: the cheapest method and step that hold what is asked.
 
+mod clock;
 mod json;
 mod text;
 
@@ -11,6 +12,8 @@ use leafwise::scene::document::MethodTable;
 use leafwise::trade::{
     Bench, Judged, Recommendation, Stage, Tolerances, TuneOptions, Tuner, Tuning, parse_method,
 };
+
+use clock::Clock;
 
 use super::compare::check;
 use crate::arguments::{PluginArguments, TuneArguments};
@@ -26,6 +29,7 @@ struct Found<'a> {
     bench: &'a Bench<'a>,
     tuner: &'a Tuner<'a>,
     tuning: &'a Tuning,
+    clock: &'a Clock,
     /// Whether the cheapest of all methods was asked for.
     any: bool,
     /// The scene in which it stands now.
@@ -82,17 +86,18 @@ pub fn execute(
         check_writable(file)?;
     }
     let mut bar = Steps::unmeasured("methods", console.is_terminal);
-    let mut show = |stage: Stage<'_>| match stage {
-        Stage::Building { method } => bar.say(format!("forming {method}")),
-        Stage::Reference => bar.say("reference solution".to_owned()),
-        Stage::Running { method, runs } => bar.tick(method, runs),
+    let mut clock = Clock::new(arguments.within);
+    let mut show = |stage: Stage<'_>| {
+        match stage {
+            Stage::Building { method } => bar.say(format!("forming {method}")),
+            Stage::Reference => bar.say("reference solution".to_owned()),
+            Stage::Running { method, runs } => bar.tick(method, runs),
+        }
+        clock.allows(stage)
     };
     // Nothing is there to be saved: an interruption ends the program at once, wherever it is.
     let tuner = Tuner::new(&bench, &options, &mut show)?;
-    let tuning = tuner.tune(&asked, &mut |stage| {
-        show(stage);
-        true
-    });
+    let tuning = tuner.tune(&asked, &mut show);
     bar.finish();
     let tuning = tuning?;
     let mut found = Found {
@@ -100,6 +105,7 @@ pub fn execute(
         bench: &bench,
         tuner: &tuner,
         tuning: &tuning,
+        clock: &clock,
         any: arguments.any,
         written: None,
     };

@@ -38,6 +38,9 @@ pub(super) fn print(found: &Found<'_>, console: &mut Console<'_>) {
             found.tuner.cost()
         ));
     }
+    if let Some(line) = found.clock.ended(found.tuner, tuning) {
+        console.prose(&format!("{} {line}", console.warning_word()));
+    }
     console.result("");
     match found.recommended() {
         Some(recommended) => print_found(found, recommended, console),
@@ -199,6 +202,9 @@ fn print_missed(found: &Found<'_>, console: &mut Console<'_>) {
         (None, Some(Limit::Structure)) => {
             console.result(&format!("  {}", advice(Limit::Structure)));
         }
+        (None, Some(Limit::Ended)) => {
+            console.result(&format!("  no run was judged: {}", advice(Limit::Ended)));
+        }
         (None, limit) => console.result(&format!(
             "  no run came to its end within {:.1e} {}: {}",
             found.tuner.budget() as f64,
@@ -248,6 +254,7 @@ pub(super) fn advice(limit: Limit) -> &'static str {
              --time, or ask for less"
         }
         Limit::Budget => "it would take more operations than a run may; raise --budget",
+        Limit::Ended => "the time that was given ended before; raise --within",
         Limit::Structure => "none of the methods is a Poisson map; --any takes others",
         Limit::Failure => "its steps fail; choose another method with --only",
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::{Arithmetic, Graph, Kernel, OperationCount, Rational, Term};
+use leafwise_expression::{Arithmetic, Graph, Kernel, OperationCount, Term};
 
 use crate::error::BuildError;
 use crate::realization::SourceTarget;
@@ -42,7 +42,7 @@ impl NewtonKernel {
             for j in 0..d {
                 let base = graph.derivative(&ends.base[i], j)?;
                 let offset = graph.derivative(&ends.offset[i], j)?;
-                outputs.push(graph.combine(&[(Rational::one(), base), (Rational::one(), offset)]));
+                outputs.push(graph.add(&base, &offset));
             }
         }
         for i in 0..d {

@@ -1,0 +1,68 @@
+//! The time that a search may take.
+
+use std::time::{Duration, Instant};
+
+use leafwise::trade::{Stage, Tuner, Tuning};
+
+use crate::table::duration;
+
+/// The part of the time that methods may be formed in: one that is not run tells nothing.
+const TO_FORM: f64 = 0.5;
+
+/// Counts the seconds of a search, and which method took the longest to form.
+pub(super) struct Clock {
+    within: Option<f64>,
+    start: Instant,
+    /// What is being formed, since when.
+    forming: Option<(String, Instant)>,
+    longest: Option<(String, Duration)>,
+}
+
+impl Clock {
+    /// A clock that starts now and allows so many seconds.
+    pub(super) fn new(within: Option<f64>) -> Self {
+        Self {
+            within,
+            start: Instant::now(),
+            forming: None,
+            longest: None,
+        }
+    }
+
+    /// Whether there is time for a stage; what is formed now is what it names.
+    pub(super) fn allows(&mut self, stage: Stage<'_>) -> bool {
+        let now = Instant::now();
+        if let Some((method, since)) = self.forming.take() {
+            let took = now - since;
+            if self.longest.as_ref().is_none_or(|(_, most)| took > *most) {
+                self.longest = Some((method, took));
+            }
+        }
+        let part = match stage {
+            Stage::Building { method } => {
+                self.forming = Some((method.to_owned(), now));
+                TO_FORM
+            }
+            Stage::Reference | Stage::Running { .. } => 1.0,
+        };
+        let spent = (now - self.start).as_secs_f64();
+        self.within.is_none_or(|within| spent < part * within)
+    }
+
+    /// What a search that was ended leaves out, in words.
+    pub(super) fn ended(&self, tuner: &Tuner<'_>, tuning: &Tuning) -> Option<String> {
+        let within = self.within.filter(|_| !tuning.is_complete)?;
+        let unbuilt = match (tuner.unbuilt(), &self.longest) {
+            (0, _) => String::new(),
+            (count, None) => format!("; {count} methods were not formed"),
+            (count, Some((method, took))) => format!(
+                "; {count} methods were not formed, and the longest to form was {method}, {}",
+                duration(took.as_secs_f64())
+            ),
+        };
+        Some(format!(
+            "not all methods were tried within {within} seconds{unbuilt}: there may be a cheaper one; raise \
+             --within, or name methods with --only"
+        ))
+    }
+}
