@@ -8,7 +8,7 @@ use leafwise_core::part::{
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMapEvaluator, Tableau};
 use leafwise_core::solver::judge::{Verdict, larger, reach, relative};
-use leafwise_core::solver::{LinearIteration, Lockstep, Taken};
+use leafwise_core::solver::{LinearIteration, Lockstep, Taken, check_equations};
 use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
 
 use crate::gauss::{STAGES, stages};
