@@ -3,6 +3,7 @@
 mod advice;
 mod branches;
 mod checkpoint;
+mod closed_form;
 mod collocation;
 mod drift;
 mod energy_casimir;
