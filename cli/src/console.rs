@@ -52,7 +52,7 @@ impl<'a> Console<'a> {
 
     /// The one JSON object of a command.
     pub fn json(&mut self, value: &Value) {
-        self.verbatim(&format!("{value:#}"));
+        self.verbatim(&escaped(value));
     }
 
     /// A line for the reader at the terminal, without what would steer it.
@@ -89,13 +89,29 @@ impl<'a> Console<'a> {
     }
 }
 
+/// Whether a terminal obeys the character and it does not lay out a text: controls but for line ends and tabs, and what
+/// turns the direction of writing.
+fn steers(c: char) -> bool {
+    let turns = matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    turns || (c.is_control() && c != '\n' && c != '\t')
+}
+
+/// The value as JSON. Beside what JSON asks for, what steers a terminal is escaped: it occurs in strings alone.
+fn escaped(value: &Value) -> String {
+    let mut text = String::new();
+    for c in format!("{value:#}").chars() {
+        if steers(c) {
+            text.push_str(&format!("\\u{:04x}", u32::from(c)));
+        } else {
+            text.push(c);
+        }
+    }
+    text
+}
+
 /// The text with signs in place of control characters: a name, a file or a plugin's words may hold some,
 /// and a terminal obeys them. Lines and tabs stay; so do colors, where there are any.
 fn visible(text: &str, has_color: bool) -> Cow<'_, str> {
-    let steers = |c: char| {
-        let turns = matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-        turns || (c.is_control() && c != '\n' && c != '\t')
-    };
     if !text.contains(steers) {
         return Cow::Borrowed(text);
     }
@@ -130,7 +146,7 @@ fn color(text: &str) -> Option<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::visible;
+    use super::{escaped, visible};
 
     #[test]
     fn what_steers_a_terminal_is_shown_as_a_sign() {
@@ -143,5 +159,20 @@ mod tests {
         assert_eq!(visible(red, true), red);
         assert_eq!(visible(red, false), "\u{241b}[1;31merror:\u{241b}[0m x");
         assert_eq!(visible("\u{1b}[1", true), "\u{241b}[1");
+    }
+
+    #[test]
+    fn json_escapes_what_steers_a_terminal_and_means_the_same() {
+        let name = "a\u{1b}\r\u{7f}\u{9b}\u{202e}\u{2066}\n\tẋ";
+        let value = serde_json::json!({ "name": name });
+        let text = escaped(&value);
+        assert_eq!(
+            text,
+            "{\n  \"name\": \"a\\u001b\\r\\u007f\\u009b\\u202e\\u2066\\n\\tẋ\"\n}"
+        );
+        assert_eq!(
+            serde_json::from_str::<serde_json::Value>(&text).ok(),
+            Some(value)
+        );
     }
 }

@@ -114,9 +114,8 @@ impl Parts {
 /// Builds the parts that `[method]` names, for a system or for the long lattice that it stands for.
 ///
 /// A part that is absent or called `auto` is chosen: Hamilton–Jacobi of order 4 (2 for a system of
-/// numbers), and the cheapest
-/// exact realization that fits the tensor; where none does, or parameters are given with `auto`,
-/// Karasev's truncated after the dynamics' order, the smallest n for which Theorem 2 promises it.
+/// numbers), and the first exact realization, by rank, that fits the tensor; where none does, or
+/// parameters are given with `auto`, Karasev's truncated after the dynamics' order, the smallest n for which Theorem 2 promises it.
 pub(super) fn parts(
     document: &SceneDocument,
     system: &PoissonSystem,
@@ -316,7 +315,7 @@ pub(super) fn what_fits(
     }
 }
 
-/// The cheapest exact realization that fits the tensor; on a long lattice, one that can be swept.
+/// The first exact realization, by rank, that fits the tensor; on a long lattice, one that can be swept.
 pub(crate) fn exact_realization(
     system: &PoissonSystem,
     registry: &Registry,
