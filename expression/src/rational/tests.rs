@@ -52,7 +52,7 @@ fn any_rational() -> impl Strategy<Value = Rational> {
 proptest! {
     #[test]
     fn the_divisor_of_words_is_euclids(a in any::<i64>(), b in any::<i64>(), by in 0u32..63) {
-        for (a, b) in [(a, b), (a >> by, b), (a << by, b << by / 2), (a, a >> by), (i64::MIN, b)] {
+        for (a, b) in [(a, b), (a >> by, b), (a << by, b << (by / 2)), (a, a >> by), (i64::MIN, b)] {
             if b != 0 {
                 let magnitude = IBig::from(b.unsigned_abs());
                 prop_assert_eq!(IBig::from(gcd(a, b)), euclid(IBig::from(a), magnitude));
