@@ -65,6 +65,9 @@ pub fn execute(
         json: arguments.json,
         quiet: arguments.quiet,
     };
+    if document.ensemble.is_some() && !told.quiet {
+        console.prose("the initial state of [run] alone; `leafwise ensemble` runs [ensemble]");
+    }
     integrate(
         &document,
         &composed,

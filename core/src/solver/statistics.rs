@@ -89,6 +89,9 @@ impl SolverStatistics {
         );
         match self.rounded {
             0 => evaluations,
+            1 => {
+                format!("{evaluations}; one step ended at the round-off of its largest components")
+            }
             steps => format!(
                 "{evaluations}; {steps} steps ended at the round-off of their largest components"
             ),

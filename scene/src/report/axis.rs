@@ -27,7 +27,7 @@ pub(super) enum Axis {
 pub(super) struct Ticks {
     /// Values with their labels.
     pub labels: Vec<(f64, String)>,
-    /// The factor common to all labels, as "×10⁻⁹", or nothing.
+    /// What all labels leave out: a factor, as "×10⁻⁹", a summand, as "19.05 +", both, or nothing.
     pub factor: String,
 }
 
@@ -121,6 +121,9 @@ impl Axis {
     }
 }
 
+/// Steps in the largest value above which labels would have more than six digits.
+const LONGEST: f64 = 2e5;
+
 fn linear_ticks(low: f64, high: f64, count: usize) -> Ticks {
     let rough = (high - low) / count.max(1) as f64;
     let decade = libm::floor(libm::log10(rough));
@@ -143,6 +146,13 @@ fn linear_ticks(low: f64, high: f64, count: usize) -> Ticks {
     let step = steps[chosen];
     let (first, last) = ends(step);
     let magnitude = low.abs().max(high.abs());
+    if magnitude > LONGEST * step {
+        return ticks_about(
+            libm::round(0.5 * (first + last)) * step,
+            step,
+            (low, high, count),
+        );
+    }
     let exponent = libm::floor(libm::log10(magnitude)) as i32;
     let shift = if (-3..5).contains(&exponent) {
         0
@@ -172,6 +182,26 @@ fn linear_ticks(low: f64, high: f64, count: usize) -> Ticks {
         format!("×{}", power_of_ten(shift))
     };
     Ticks { labels, factor }
+}
+
+/// Labels of the differences from a value in the middle of a range that is narrow beside it.
+fn ticks_about(middle: f64, step: f64, (low, high, count): (f64, f64, usize)) -> Ticks {
+    let mut ticks = linear_ticks(low - middle, high - middle, count);
+    for (value, _) in &mut ticks.labels {
+        *value += middle;
+    }
+    let digits = |size: f64| libm::floor(libm::log10(size)) as i32;
+    let decimals = |last: i32| last.clamp(0, 17) as usize;
+    let text = match digits(middle.abs()) {
+        -4..16 => format!("{middle:.*}", decimals(-digits(step))),
+        exponent => format!("{middle:.*e}", decimals(exponent - digits(step))),
+    };
+    let summand = format!("{} +", text.replace('-', "−"));
+    ticks.factor = match ticks.factor.as_str() {
+        "" => summand,
+        factor => format!("{summand} {factor}"),
+    };
+    ticks
 }
 
 /// A rectangle with two axes.
@@ -277,6 +307,16 @@ mod tests {
         let ticks = Axis::linear([0.0, 4e-9], 0.0).ticks(4);
         assert_eq!(ticks.factor, "×10⁻⁹");
         assert_eq!(ticks.labels[1].1, "1");
+    }
+
+    #[test]
+    fn narrow_ranges_are_labelled_from_a_value_within() {
+        let ticks = Axis::linear([18.999_999_8, 19.000_000_2], 0.0).ticks(4);
+        assert_eq!(ticks.factor, "19.0000000 + ×10⁻⁷");
+        let texts: Vec<&str> = ticks.labels.iter().map(|(_, text)| text.as_str()).collect();
+        assert_eq!(texts, ["−2", "−1", "0", "1", "2"]);
+        let far = Axis::linear([1e20, 1e20 + 1e9], 0.0).ticks(4);
+        assert!(far.factor.starts_with("1.00000000"), "{}", far.factor);
     }
 
     #[test]
