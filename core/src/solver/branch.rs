@@ -57,12 +57,16 @@ impl Branch {
         }
     }
 
-    /// Makes sure that what was `solved` at s = 1 is the end of the [path](Self::follow) from `start`.
+    /// Goes the path from `start` and makes sure that what was `solved` at s = 1 is its end. `evaluate`
+    /// writes −F_s(u) and DF_s(u), row-major, for s and u. `sizes` is what the unknowns are measured
+    /// against, beside the way that they came. Counts the evaluations.
+    ///
     /// Where it is not, or nothing was found, returns `false`: the solve is to begin again at the
     /// [`end`](Self::end), and what it then finds to be [confirmed](Self::confirm_end).
     ///
     /// # Errors
-    /// Those of [`follow`](Self::follow); that of the solve where F has no value on the path either.
+    /// [`StepError::OtherBranch`] where DF becomes singular on the way; where F has no value there, that of
+    /// the solve, or of `evaluate` if the solve had none.
     pub fn settle(
         &mut self,
         start: &[f64],
@@ -93,14 +97,8 @@ impl Branch {
         }
     }
 
-    /// Goes the path from `start` to its [`end`](Self::end). `evaluate` writes −F_s(u) and DF_s(u),
-    /// row-major, for s and u. `sizes` is what the unknowns are measured against, beside the way that
-    /// they came. Where a solution was `found` at s = 1 and the way by s = 1/2 leads to it, that will do.
-    /// Counts the evaluations.
-    ///
-    /// # Errors
-    /// [`StepError::OtherBranch`] where DF becomes singular on the way; the error of `evaluate` where
-    /// F has no value there.
+    /// Goes the path from `start` to its end, as [`settle`](Self::settle) says. Where a solution was
+    /// `found` at s = 1 and the way by s = 1/2 leads to it, that will do.
     fn follow(
         &mut self,
         start: &[f64],
