@@ -7,7 +7,7 @@ use leafwise_expression::{
     AlgebraError, Arithmetic, Function, Graph, Polynomial, Rational, Ring, Term,
 };
 
-use crate::chart::{LITERATURE, Source};
+use crate::source::{LITERATURE, Source};
 use crate::tensor::RotationTensor;
 use crate::vector::{cross, dot, times};
 

@@ -3,15 +3,11 @@
 use std::sync::Arc;
 
 use leafwise_core::{BuildError, PoissonSystem, RealizationData};
-use leafwise_expression::{Arithmetic, Graph, Rational, Term};
+use leafwise_expression::{Graph, Term};
 
 use crate::cayley::{self, Cayley};
 use crate::exponential::{self, So3Exponential};
-
-/// Where T*SO(3) is treated.
-pub(crate) const LITERATURE: &str = "Cabrera, Martin de Diego, Vaquero, Approximating Symplectic \
-                          Realizations, section 2; Marsden, Ratiu, Introduction to Mechanics and \
-                          Symmetry, chapters 13 and 15";
+use crate::source::Source;
 
 /// A parametrization q ↦ R(q) of SO(3) with R(−q) = R(q)ᵀ, and with it a symplectic chart
 /// (x, p) ↦ (R(εp), α_ε(x, p)).
@@ -21,28 +17,6 @@ pub enum Chart {
     Exponential,
     /// R = (1 − ½\[q\]×)⁻¹(1 + ½\[q\]×).
     Cayley,
-}
-
-/// α = x − ½ moment + even.
-pub(crate) struct Source<E> {
-    /// x × q.
-    pub moment: Vec<E>,
-    /// The part even in q, without x.
-    pub even: Vec<E>,
-}
-
-impl<E: Clone> Source<E> {
-    /// α.
-    pub(crate) fn total<A: Arithmetic<Element = E>>(&self, algebra: &mut A, x: &[E]) -> Vec<E> {
-        let mut component = |i: usize| {
-            algebra.combine(&[
-                (Rational::one(), x[i].clone()),
-                (Rational::new(-1, 2), self.moment[i].clone()),
-                (Rational::one(), self.even[i].clone()),
-            ])
-        };
-        (0..3).map(&mut component).collect()
-    }
 }
 
 impl Chart {

@@ -9,8 +9,8 @@ use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::{Arithmetic, Function, Graph, Rational, Term};
 use leafwise_karasev::series::KarasevSeries;
 
-use crate::chart::{LITERATURE, Source};
 use crate::functions::{COTANGENT, HALF_COSINE, HALF_SINE};
+use crate::source::{LITERATURE, Source};
 use crate::tensor::RotationTensor;
 use crate::vector::{cross, dot, times};
 

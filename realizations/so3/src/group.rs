@@ -10,8 +10,9 @@ use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::{Arithmetic, Function, Graph, Rational, Term};
 
-use crate::chart::{Chart, LITERATURE};
+use crate::chart::Chart;
 use crate::exponential::guard;
+use crate::source::LITERATURE;
 use crate::tensor::RotationTensor;
 use crate::vector::cross;
 

@@ -19,6 +19,7 @@ pub mod chart;
 pub mod exponential;
 pub mod functions;
 pub mod group;
+mod source;
 pub mod tensor;
 pub mod vector;
 
