@@ -1,5 +1,6 @@
 //! The Cayley chart R = (1 − ½\[q\]×)⁻¹(1 + ½\[q\]×), q = ελp: rational, for every q.
 
+use leafwise_core::lattice::StageEnds;
 use leafwise_core::part::{PartInfo, PartKind};
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, ChartPoint, ClosedForm, ClosedRealization, PoissonSystem};
@@ -51,6 +52,13 @@ pub(crate) fn source<A: Arithmetic>(
     }
 }
 
+/// The same at a point of the chart.
+fn parts<A: Arithmetic>(algebra: &mut A, at: &ChartPoint<'_, A::Element>) -> Source<A::Element> {
+    let factor = algebra.multiply(at.epsilon, &at.functions[0]);
+    let q = times(algebra, &factor, at.p);
+    source(algebra, at.x, &q)
+}
+
 impl ClosedForm for Cayley {
     fn dimension(&self) -> usize {
         3
@@ -66,10 +74,15 @@ impl ClosedForm for Cayley {
         algebra: &mut A,
         at: &ChartPoint<'_, A::Element>,
     ) -> Result<Vec<A::Element>, AlgebraError> {
-        let factor = algebra.multiply(at.epsilon, &at.functions[0]);
-        let q = times(algebra, &factor, at.p);
-        let source = source(algebra, at.x, &q);
-        Ok(source.total(algebra, at.x))
+        Ok(parts(algebra, at).total(algebra, at.x))
+    }
+
+    fn ends(
+        &self,
+        graph: &mut Graph,
+        at: &ChartPoint<'_, Term>,
+    ) -> Result<StageEnds, AlgebraError> {
+        Ok(parts(graph, at).ends(graph))
     }
 }
 

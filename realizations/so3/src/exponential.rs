@@ -1,5 +1,6 @@
 //! The exponential chart R = exp \[q\]×, q = ελp: Karasev's realization in closed form.
 
+use leafwise_core::lattice::StageEnds;
 use leafwise_core::part::{Auto, PartInfo, PartKind};
 use leafwise_core::realization::{
     Accuracy, RealizationCode, RealizationData, SourceSeries, SourceTarget,
@@ -84,19 +85,7 @@ impl RealizationCode for So3Exponential {
         let (x, p) = z.split_at(3);
         let q = self.tensor.scaled_momentum(graph, epsilon, p)?;
         let source = source(graph, x, &q);
-        let offset = source
-            .even
-            .iter()
-            .zip(&source.moment)
-            .map(|(even, moment)| {
-                let terms = [
-                    (Rational::one(), even.clone()),
-                    (Rational::new(1, 2), moment.clone()),
-                ];
-                graph.combine(&terms)
-            })
-            .collect();
-        let increment = source.moment.iter().map(|w| graph.negate(w)).collect();
+        let StageEnds { offset, increment } = source.ends(graph);
         let square = dot(graph, &q, &q);
         let angle = graph.apply(Function::Sqrt, &square)?;
         let guard = Some(guard(graph, angle));

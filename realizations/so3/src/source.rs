@@ -1,6 +1,7 @@
 //! What the charts of T*SO(3) share.
 
-use leafwise_expression::{Arithmetic, Rational};
+use leafwise_core::lattice::StageEnds;
+use leafwise_expression::{Arithmetic, Graph, Rational, Term};
 
 /// Where T*SO(3) is treated.
 pub(crate) const LITERATURE: &str = "Cabrera, Martin de Diego, Vaquero, Approximating Symplectic \
@@ -26,5 +27,25 @@ impl<E: Clone> Source<E> {
             ])
         };
         (0..3).map(&mut component).collect()
+    }
+}
+
+impl Source<Term> {
+    /// β − x = ½ moment + even and α − β = −moment. That the moment is one term of both keeps the Casimir |x|²:
+    /// it is orthogonal to x + even, whatever the rounding of even.
+    pub(crate) fn ends(&self, graph: &mut Graph) -> StageEnds {
+        let half = Rational::new(1, 2);
+        let parts = self.even.iter().zip(&self.moment);
+        StageEnds {
+            offset: parts
+                .map(|(even, moment)| {
+                    graph.combine(&[
+                        (Rational::one(), even.clone()),
+                        (half.clone(), moment.clone()),
+                    ])
+                })
+                .collect(),
+            increment: self.moment.iter().map(|w| graph.negate(w)).collect(),
+        }
     }
 }
