@@ -64,8 +64,8 @@ pub trait ClosedForm: Send + Sync + std::fmt::Debug + 'static {
         let minus: Vec<Term> = at.p.iter().map(|p| graph.negate(p)).collect();
         self.source(graph, &ChartPoint { p: &minus, ..*at })
     }
-    /// β − x and α − β as code. The differences collect like terms, so that x drops out of sums; a form in
-    /// which it would cancel otherwise writes them itself.
+    /// β − x and α − β as code. x drops out of sums; a form in which it stands in a product writes the
+    /// differences itself, and so does one whose parts odd and even in p both ends share.
     ///
     /// # Errors
     /// [`AlgebraError`] where an operation has no value.
@@ -76,14 +76,16 @@ pub trait ClosedForm: Send + Sync + std::fmt::Debug + 'static {
     ) -> Result<StageEnds, AlgebraError> {
         let alpha = self.source(graph, at)?;
         let beta = self.target(graph, at)?;
-        let mut difference = |a: &[Term], b: &[Term]| -> Vec<Term> {
-            let pairs = a.iter().zip(b);
-            pairs.map(|(a, b)| graph.subtract(a, b)).collect()
-        };
-        Ok(StageEnds {
-            offset: difference(&beta, at.x),
-            increment: difference(&alpha, &beta),
-        })
+        let mut offset = Vec::with_capacity(alpha.len());
+        let mut increment = Vec::with_capacity(alpha.len());
+        for ((alpha, beta), x) in alpha.iter().zip(&beta).zip(at.x) {
+            let below = graph.summands_beside(beta, x);
+            let mut between = graph.summands_beside(alpha, x);
+            between.extend(below.iter().map(|(factor, term)| (-factor, term.clone())));
+            offset.push(graph.combine(&below));
+            increment.push(graph.combine(&between));
+        }
+        Ok(StageEnds { offset, increment })
     }
     /// The chart's radius and how far a point reaches in it, as [`SourceTarget::guard`].
     ///

@@ -9,6 +9,7 @@ mod import;
 mod lift;
 mod node;
 mod normal_form;
+mod summands;
 
 pub use lift::lift;
 pub use node::{Graph, Node, Operation, StepSize, Term, Tier};

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
+use leafwise_core::lattice::StageEnds;
 use leafwise_core::part::{Auto, PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{
     BuildError, ChartPoint, ClosedForm, ClosedRealization, PoissonSystem, RealizationData,
     SystemFormulas,
 };
-use leafwise_expression::{AlgebraError, Arithmetic, Polynomial, Rational, Ring};
+use leafwise_expression::{AlgebraError, Arithmetic, Graph, Polynomial, Rational, Ring, Term};
 
 static INFO: PartInfo = PartInfo {
     name: "constant",
@@ -43,6 +44,22 @@ impl Constant {
         let system = system.formulas(INFO.name)?.clone();
         ClosedRealization::new(INFO.name, Self { system })
     }
+
+    /// ½ ε Π p.
+    fn half_rows<A: Arithmetic>(
+        &self,
+        algebra: &mut A,
+        at: &ChartPoint<'_, A::Element>,
+    ) -> Vec<A::Element> {
+        let half = Rational::new(1, 2);
+        let mut rows = vec![Vec::new(); at.x.len()];
+        for ((i, j), entry) in self.system.tensor().keys().zip(at.functions) {
+            let entry = algebra.multiply(at.epsilon, entry);
+            rows[*i].push((half.clone(), algebra.multiply(&entry, &at.p[*j])));
+            rows[*j].push((-&half, algebra.multiply(&entry, &at.p[*i])));
+        }
+        rows.iter().map(|row| algebra.combine(row)).collect()
+    }
 }
 
 impl ClosedForm for Constant {
@@ -75,17 +92,20 @@ impl ClosedForm for Constant {
         algebra: &mut A,
         at: &ChartPoint<'_, A::Element>,
     ) -> Result<Vec<A::Element>, AlgebraError> {
-        let half = Rational::new(1, 2);
-        let mut rows: Vec<_> =
-            at.x.iter()
-                .map(|x| vec![(Rational::one(), x.clone())])
-                .collect();
-        for ((i, j), entry) in self.system.tensor().keys().zip(at.functions) {
-            let entry = algebra.multiply(at.epsilon, entry);
-            rows[*i].push((-&half, algebra.multiply(&entry, &at.p[*j])));
-            rows[*j].push((half.clone(), algebra.multiply(&entry, &at.p[*i])));
-        }
-        Ok(rows.iter().map(|row| algebra.combine(row)).collect())
+        let rows = self.half_rows(algebra, at);
+        let pairs = at.x.iter().zip(&rows);
+        Ok(pairs.map(|(x, row)| algebra.subtract(x, row)).collect())
+    }
+
+    fn ends(
+        &self,
+        graph: &mut Graph,
+        at: &ChartPoint<'_, Term>,
+    ) -> Result<StageEnds, AlgebraError> {
+        let offset = self.half_rows(graph, at);
+        let minus_two = Rational::from_integer(-2);
+        let increment = offset.iter().map(|o| graph.scale(&minus_two, o)).collect();
+        Ok(StageEnds { offset, increment })
     }
 }
 
