@@ -185,7 +185,8 @@ fn doubt(scene: &RandomScene, run: &ComposedRun, end_state: &[f64]) -> Option<Do
             return Some(Doubt::Wrong(why.to_owned()));
         };
         let (whole, rest) = (largest(end_state, &half), largest(&half, &quarter));
-        let is_confirmed = rest <= ACCURATE || whole <= GROSS && rest <= FALLS * whole;
+        let own = TOLERANCES * scene.tolerance;
+        let is_confirmed = rest <= ACCURATE.max(own) || whole <= GROSS && rest <= FALLS * whole;
         return (!is_confirmed).then(|| {
             Doubt::Wrong(format!("the motion cannot be followed to the end: halved steps differ by {whole:.1e}, {rest:.1e}"))
         });
