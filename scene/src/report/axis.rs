@@ -146,12 +146,8 @@ fn linear_ticks(low: f64, high: f64, count: usize) -> Ticks {
     let step = steps[chosen];
     let (first, last) = ends(step);
     let magnitude = low.abs().max(high.abs());
-    if magnitude > LONGEST * step {
-        return ticks_about(
-            libm::round(0.5 * (first + last)) * step,
-            step,
-            (low, high, count),
-        );
+    if step.is_normal() && magnitude > LONGEST * step {
+        return ticks_about(step, (low, high, count));
     }
     let exponent = libm::floor(libm::log10(magnitude)) as i32;
     let shift = if (-3..5).contains(&exponent) {
@@ -184,8 +180,14 @@ fn linear_ticks(low: f64, high: f64, count: usize) -> Ticks {
     Ticks { labels, factor }
 }
 
-/// Labels of the differences from a value in the middle of a range that is narrow beside it.
-fn ticks_about(middle: f64, step: f64, (low, high, count): (f64, f64, usize)) -> Ticks {
+/// Labels of the differences from a round value within a range that is narrow beside it.
+fn ticks_about(step: f64, (low, high, count): (f64, f64, usize)) -> Ticks {
+    let nearest = |unit: f64| libm::round(0.5 * (low / unit + high / unit)) * unit;
+    let rounder = nearest(10.0 * step);
+    let middle = match (low..=high).contains(&rounder) {
+        true => rounder,
+        false => nearest(step),
+    };
     let mut ticks = linear_ticks(low - middle, high - middle, count);
     for (value, _) in &mut ticks.labels {
         *value += middle;
@@ -193,7 +195,7 @@ fn ticks_about(middle: f64, step: f64, (low, high, count): (f64, f64, usize)) ->
     let digits = |size: f64| libm::floor(libm::log10(size)) as i32;
     let decimals = |last: i32| last.clamp(0, 17) as usize;
     let text = match digits(middle.abs()) {
-        -4..16 => format!("{middle:.*}", decimals(-digits(step))),
+        -4..16 => format!("{middle:.*}", decimals(digits(step).saturating_neg())),
         exponent => format!("{middle:.*e}", decimals(exponent - digits(step))),
     };
     let summand = format!("{} +", text.replace('-', "−"));
