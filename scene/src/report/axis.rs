@@ -313,10 +313,10 @@ mod tests {
 
     #[test]
     fn narrow_ranges_are_labelled_from_a_value_within() {
-        let ticks = Axis::linear([18.999_999_8, 19.000_000_2], 0.0).ticks(4);
+        let ticks = Axis::linear([18.999_999_75, 19.000_000_25], 0.0).ticks(4);
         assert_eq!(ticks.factor, "19.0000000 + ×10⁻⁷");
         let texts: Vec<&str> = ticks.labels.iter().map(|(_, text)| text.as_str()).collect();
-        assert_eq!(texts, ["−2", "−1", "0", "1", "2"]);
+        assert_eq!(texts, ["−2", "0", "2"]);
         let far = Axis::linear([1e20, 1e20 + 1e9], 0.0).ticks(4);
         assert!(far.factor.starts_with("1.00000000"), "{}", far.factor);
     }
