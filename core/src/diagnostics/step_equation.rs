@@ -128,12 +128,15 @@ impl StepEquation {
 
     /// The solutions inside the chart that Newton's method finds from `starts` states around x, up
     /// to the state's own size away, beside the one that it finds from x: the farther from unique,
-    /// the more it depends on the start where a step goes.
+    /// the more it depends on the start where a step goes. None for a method that solves no equation.
     ///
     /// # Errors
     /// [`StepError`] where there is no solution from x itself.
     pub fn others(&mut self, x: &[f64], starts: usize) -> Result<Vec<StepSolution>, StepError> {
         let first = self.solve(x, x)?;
+        if self.correction == Correction::None {
+            return Ok(Vec::new());
+        }
         let reach = size(x);
         let mut phase = 0.5_f64;
         // The golden ratio's multiples: spread evenly, the same at every call.

@@ -38,12 +38,15 @@ impl Coefficients {
         let time_step = part * self.time_step;
         for (row, entries) in matrix.chunks_exact_mut(size).enumerate() {
             let (i, c) = (row / n, row % n);
-            for (column, entry) in entries.iter_mut().enumerate() {
-                let (j, k) = (column / n, column % n);
-                let unit = if row == column { 1.0 } else { 0.0 };
-                let a = self.tableau.row(i, c)[j];
-                *entry = unit - time_step * a * jacobians[(j * n + c) * n + k];
+            let slopes = jacobians.chunks_exact(n).skip(c).step_by(n);
+            let blocks = self.tableau.row(i, c).iter().zip(slopes);
+            for (entries, (a, slope)) in entries.chunks_exact_mut(n).zip(blocks) {
+                let factor = time_step * a;
+                for (entry, slope) in entries.iter_mut().zip(slope) {
+                    *entry = 0.0 - factor * slope;
+                }
             }
+            entries[row] = 1.0 - time_step * self.tableau.row(i, c)[i] * jacobians[row * n + c];
         }
     }
 }

@@ -159,16 +159,16 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
                 return false;
             }
             a[k * d + k] = reciprocal;
-            let may_skip = is_finite(a[k * d + k + 1..][..d - k - 1].as_chunks::<1>().0);
-            for row in k + 1..d {
-                let factor = a[row * d + k] * reciprocal;
-                a[row * d + k] = factor;
+            let (above, below) = a.split_at_mut((k + 1) * d);
+            let pivots = above[k * d + k + 1..].as_chunks::<1>().0;
+            let may_skip = is_finite(pivots);
+            for row in below.chunks_exact_mut(d) {
+                let factor = row[k] * reciprocal;
+                row[k] = factor;
                 if may_skip && factor == 0.0 {
                     continue;
                 }
-                for column in k + 1..d {
-                    a[row * d + column] -= factor * a[k * d + column];
-                }
+                subtract(row[k + 1..].as_chunks_mut().0, &[factor], pivots);
             }
         }
         for (entry, value) in self.entries.as_mut().iter_mut().zip(a) {
@@ -188,20 +188,15 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
             }
         }
         for row in 1..d {
-            for column in 0..row {
-                for w in 0..W {
-                    right[row][w] -= entries[row * d + column][w] * right[column][w];
-                }
-            }
+            let (known, rest) = right.split_at_mut(row);
+            subtract_products(&mut rest[0], &entries[row * d..][..row], known);
         }
         for row in (0..d).rev() {
-            for column in row + 1..d {
-                for w in 0..W {
-                    right[row][w] -= entries[row * d + column][w] * right[column][w];
-                }
-            }
+            let (rest, known) = right.split_at_mut(row + 1);
+            let entries = &entries[row * d + row..][..d - row];
+            subtract_products(&mut rest[row], &entries[1..], known);
             for w in 0..W {
-                right[row][w] *= entries[row * d + row][w];
+                rest[row][w] *= entries[0][w];
             }
         }
     }
@@ -212,6 +207,58 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
             let other = exchange[lane];
             let (a, b) = (right[k][lane], right[other][lane]);
             (right[k][lane], right[other][lane]) = (b, a);
+        }
+    }
+}
+
+impl<M: Rows<1>> Factors<1, M> {
+    /// A⁻¹ R in place of R, d rows of so many columns: the bits of [`solve`](Self::solve) in each.
+    pub(crate) fn solve_columns(&self, right: &mut [f64], columns: usize) {
+        let (d, entries) = (self.exchanges.len(), self.entries.as_ref());
+        if self.exchanged[0] {
+            for (k, [other]) in self.exchanges.iter().enumerate() {
+                for column in 0..columns {
+                    right.swap(k * columns + column, other * columns + column);
+                }
+            }
+        }
+        let take = |row: &mut [f64], factor: f64, other: &[f64]| {
+            subtract(row.as_chunks_mut().0, &[factor], other.as_chunks().0);
+        };
+        for row in 1..d {
+            let (known, rest) = right.split_at_mut(row * columns);
+            for (entry, known) in entries[row * d..].iter().zip(known.chunks_exact(columns)) {
+                take(&mut rest[..columns], entry[0], known);
+            }
+        }
+        for row in (0..d).rev() {
+            let (rest, known) = right.split_at_mut((row + 1) * columns);
+            let rest = &mut rest[row * columns..];
+            let entries = &entries[row * d + row..][..d - row];
+            for (entry, known) in entries[1..].iter().zip(known.chunks_exact(columns)) {
+                take(rest, entry[0], known);
+            }
+            rest.iter_mut().for_each(|value| *value *= entries[0][0]);
+        }
+    }
+}
+
+/// row − factor·other.
+#[inline(always)]
+fn subtract<const W: usize>(row: &mut [[f64; W]], factor: &[f64; W], other: &[[f64; W]]) {
+    for (entry, other) in row.iter_mut().zip(other) {
+        for w in 0..W {
+            entry[w] -= factor[w] * other[w];
+        }
+    }
+}
+
+/// value − Σ row·known, from the first to the last.
+#[inline(always)]
+fn subtract_products<const W: usize>(value: &mut [f64; W], row: &[[f64; W]], known: &[[f64; W]]) {
+    for (entry, known) in row.iter().zip(known) {
+        for w in 0..W {
+            value[w] -= entry[w] * known[w];
         }
     }
 }
@@ -255,22 +302,20 @@ fn eliminate<const D: usize, const W: usize>(a: &mut [[f64; W]], d: usize) -> [b
             in_place[w] &= reciprocal[w].is_finite() && reciprocal[w] != 0.0;
         }
         a[k * d + k] = reciprocal;
-        let may_skip = D == ANY && is_finite(&a[k * d + k + 1..][..d - k - 1]);
-        for row in k + 1..d {
-            let mut factor = a[row * d + k];
+        let (above, below) = a.split_at_mut((k + 1) * d);
+        let pivots = &above[k * d + k + 1..][..d - k - 1];
+        let may_skip = D == ANY && is_finite(pivots);
+        for row in below.chunks_exact_mut(d) {
+            let mut factor = row[k];
             for w in 0..W {
                 in_place[w] &= factor[w].abs() <= pivot[w].abs();
                 factor[w] *= reciprocal[w];
             }
-            a[row * d + k] = factor;
+            row[k] = factor;
             if may_skip && factor == [0.0; W] {
                 continue;
             }
-            for column in k + 1..d {
-                for w in 0..W {
-                    a[row * d + column][w] -= factor[w] * a[k * d + column][w];
-                }
-            }
+            subtract(&mut row[k + 1..], &factor, pivots);
         }
     }
     in_place
@@ -374,6 +419,33 @@ mod tests {
             }
         }
         assert!(counts[0] > 100 && counts[1] > 100);
+    }
+
+    #[test]
+    fn columns_are_solved_to_the_bits_of_each_alone() {
+        let at = |k: usize| libm::sin(1.0 + (k * k % 37) as f64);
+        for exchanges in [false, true] {
+            const D: usize = 5;
+            let unit = |k: usize| if k.is_multiple_of(D + 1) { 9.0 } else { 0.0 };
+            let entry = |k: usize| [at(k) + if exchanges { 0.0 } else { unit(k) }];
+            let matrix: Vec<[f64; 1]> = (0..D * D).map(entry).collect();
+            let mut factors = Factors::<1>::new(D);
+            assert_eq!(factors.factor::<ANY>(&matrix, &[true]), [false]);
+            assert_eq!(factors.exchanged, [exchanges]);
+            for columns in 1..10 {
+                let right: Vec<f64> = (0..D * columns).map(|k| at(k + 100)).collect();
+                let mut together = right.clone();
+                factors.solve_columns(&mut together, columns);
+                for column in 0..columns {
+                    let of = |all: &[f64]| -> Vec<[f64; 1]> {
+                        (0..D).map(|row| [all[row * columns + column]]).collect()
+                    };
+                    let mut alone = of(&right);
+                    factors.solve::<ANY>(&mut alone);
+                    assert_eq!(alone, of(&together), "column {column} of {columns}");
+                }
+            }
+        }
     }
 
     /// Lanes that are not wanted keep the factors they have.

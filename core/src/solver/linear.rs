@@ -93,6 +93,14 @@ impl DenseFactors {
     pub fn solve(&self, right: &mut [f64]) {
         self.factors.solve::<ANY>(right.as_chunks_mut().0);
     }
+
+    /// A⁻¹ R in place of R, n × `columns`, row-major: in each column the bits of [`solve`](Self::solve).
+    ///
+    /// # Panics
+    /// When `right` has not n rows.
+    pub fn solve_columns(&self, right: &mut [f64], columns: usize) {
+        self.factors.solve_columns(right, columns);
+    }
 }
 
 #[cfg(test)]

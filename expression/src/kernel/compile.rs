@@ -24,6 +24,8 @@ pub struct Kernel {
     pub(super) coefficients: usize,
     pub(super) coefficient_code: Code,
     pub(super) step_code: Code,
+    /// Those of the two programs.
+    operations: [OperationCount; 2],
     /// The slot of the step kernel's first output in a row of all outputs.
     pub(super) first_output: usize,
     /// Outputs that are computed in another slot than that of their row, with that slot.
@@ -76,6 +78,7 @@ impl Kernel {
             parameters,
             inputs,
             coefficients: imported.len(),
+            operations: [coefficient_code.count(), step_code.count()],
             coefficient_code,
             step_code,
             first_output,
@@ -135,12 +138,12 @@ impl Kernel {
 
     /// Operations of one evaluation of the step kernel.
     pub fn step_operations(&self) -> OperationCount {
-        self.step_code.count()
+        self.operations[1]
     }
 
     /// Operations of the coefficient kernel, once for each choice of parameters and step sizes.
     pub fn coefficient_operations(&self) -> OperationCount {
-        self.coefficient_code.count()
+        self.operations[0]
     }
 
     /// How many coefficients pass from the one kernel to the other.

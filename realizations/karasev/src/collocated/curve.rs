@@ -129,6 +129,21 @@ impl Curve {
         epsilon * sum
     }
 
+    /// ε Σ_k A_jk V_k of every node, [`combination`](Self::combination) of each row, into `scales`.
+    fn sum_over_nodes(&mut self, epsilon: f64) {
+        let (q, d) = (self.rule.points(), self.dimension);
+        let rows = self.rule.matrix.chunks_exact(q);
+        for (sums, row) in self.scales.chunks_exact_mut(d).zip(rows) {
+            sums.fill(-0.0);
+            for (a, value) in row.iter().zip(self.values.chunks_exact(d)) {
+                for (sum, v) in sums.iter_mut().zip(value) {
+                    *sum += a * v;
+                }
+            }
+            sums.iter_mut().for_each(|sum| *sum *= epsilon);
+        }
+    }
+
     /// The last Legendre coefficient c_{q−1} of V over V itself, the largest of a component: where its
     /// square is below round-off, more nodes change nothing.
     ///
@@ -199,16 +214,12 @@ impl Curve {
     /// Moves the nodes to Y_j = x + shift + ε Σ_k A_jk V_k, or towards it where the iteration is
     /// accelerated; V as last evaluated.
     pub(super) fn correct(&mut self, epsilon: f64, x: &[f64], shift: &[f64]) -> CorrectionSize {
-        let (q, d) = (self.rule.points(), self.dimension);
+        let d = self.dimension;
         let mut size = CorrectionSize::default();
-        for j in 0..q {
-            let row = &self.rule.matrix[j * q..][..q];
-            for i in 0..d {
-                let at = j * d + i;
-                let offset = self.combination(epsilon, row, i) + shift[i];
-                self.corrections[at] = offset - self.offsets[at];
-                self.scales[at] = offset;
-            }
+        self.sum_over_nodes(epsilon);
+        for (at, offset) in self.scales.iter_mut().enumerate() {
+            *offset += shift[at % d];
+            self.corrections[at] = *offset - self.offsets[at];
         }
         self.allowed.take(largest(&self.scales));
         for (at, scale) in self.scales.iter_mut().enumerate() {
@@ -251,12 +262,9 @@ impl Curve {
         let mut iteration = LinearIteration::new(MOST_NEWTON);
         loop {
             self.evaluate(p)?;
-            for j in 0..q {
-                let row = &self.rule.matrix[j * q..][..q];
-                for i in 0..d {
-                    self.corrections[j * d + i] =
-                        (x[i] - self.nodes[j * d + i]) + self.combination(epsilon, row, i);
-                }
+            self.sum_over_nodes(epsilon);
+            for (at, correction) in self.corrections.iter_mut().enumerate() {
+                *correction = (x[at % d] - self.nodes[at]) + self.scales[at];
             }
             let mut linearization = self.linearize(epsilon, p)?;
             self.linear += elimination_operations(q * d) + substitution_operations(q * d);
@@ -304,12 +312,18 @@ impl Curve {
             self.field.slopes(y, p, by_y, by_p)?;
         }
         self.linear += 3 * (q * d * q * d) as u64;
-        for (at, entry) in room.matrix.iter_mut().enumerate() {
-            let (row, column) = (at / (q * d), at % (q * d));
-            let (j, i, k, l) = (row / d, row % d, column / d, column % d);
-            let unit = if row == column { 1.0 } else { 0.0 };
-            let slope = room.by_y[k * d * d + i * d + l];
-            *entry = unit - epsilon * self.rule.matrix[j * q + k] * slope;
+        for (row, entries) in room.matrix.chunks_exact_mut(q * d).enumerate() {
+            let (j, i) = (row / d, row % d);
+            let slopes = room.by_y.chunks_exact(d).skip(i).step_by(d);
+            let blocks = self.rule.matrix[j * q..][..q].iter().zip(slopes);
+            for (entries, (a, slope)) in entries.chunks_exact_mut(d).zip(blocks) {
+                let factor = epsilon * a;
+                for (entry, slope) in entries.iter_mut().zip(slope) {
+                    *entry = 0.0 - factor * slope;
+                }
+            }
+            let slope = room.by_y[row * d + i];
+            entries[row] = 1.0 - epsilon * self.rule.matrix[j * q + j] * slope;
         }
         Ok(room)
     }

@@ -9,7 +9,7 @@ use super::curve::{Curve, Linearization};
 #[derive(Default)]
 pub(super) struct CurveTangent {
     linearization: Option<Linearization>,
-    /// dY for dx and dp: 2d columns of q d numbers.
+    /// dY for dx and dp: q d rows of 2d columns.
     nodes: Vec<f64>,
     /// Multipliers μ of the curve's equations; V's second derivatives along ν at a node.
     multipliers: Vec<f64>,
@@ -44,24 +44,24 @@ impl CurveTangent {
         let size = q * d;
         let mut linearization = curve.linearize(epsilon, p)?;
         self.nodes.resize(2 * d * size, 0.0);
-        for (column, nodes) in self.nodes.chunks_exact_mut(size).enumerate() {
-            for (row, value) in nodes.iter_mut().enumerate() {
-                let (j, i) = (row / d, row % d);
-                *value = if column < d {
-                    if i == column { 1.0 } else { 0.0 }
-                } else {
-                    let tensor = linearization.by_p.iter().skip(i * d + column - d);
-                    let weights = &curve.rule.matrix[j * q..][..q];
-                    let terms = weights.iter().zip(tensor.step_by(d * d));
-                    epsilon * terms.map(|(a, tensor)| a * tensor).sum::<f64>()
-                };
+        for (row, values) in self.nodes.chunks_exact_mut(2 * d).enumerate() {
+            let (j, i) = (row / d, row % d);
+            let (by_x, by_p) = values.split_at_mut(d);
+            by_x.fill(0.0);
+            by_x[i] = 1.0;
+            by_p.fill(-0.0);
+            let tensors = linearization.by_p.chunks_exact(d).skip(i).step_by(d);
+            for (a, tensor) in curve.rule.matrix[j * q..][..q].iter().zip(tensors) {
+                for (sum, entry) in by_p.iter_mut().zip(tensor) {
+                    *sum += a * entry;
+                }
             }
+            by_p.iter_mut().for_each(|sum| *sum *= epsilon);
         }
         curve.count_tangents(2 * d);
         let is_regular = linearization.factor();
-        for column in self.nodes.chunks_exact_mut(size) {
-            linearization.factors.solve(column);
-        }
+        let factors = &linearization.factors;
+        factors.solve_columns(&mut self.nodes, 2 * d);
         if !is_regular {
             curve.give_back(linearization);
             return Err(SINGULAR);
@@ -89,11 +89,11 @@ impl CurveTangent {
             let slope = &linearization.by_y[k * d * d..][..d * d];
             let tensor = &linearization.by_p[k * d * d..][..d * d];
             let (end, weight) = (epsilon * curve.rule.end[k], epsilon * curve.rule.weights[k]);
+            let node = &self.nodes[k * d * 2 * d..][..d * 2 * d];
             for i in 0..d {
+                let row = &slope[i * d..][..d];
                 for column in 0..2 * d {
-                    let node = &self.nodes[column * q * d + k * d..][..d];
-                    let row = &slope[i * d..][..d];
-                    let mut change = product(row, node);
+                    let mut change = product(row, node, column);
                     if column >= d {
                         change += tensor[i * d + column - d];
                     }
@@ -159,29 +159,30 @@ impl CurveTangent {
             curve
                 .field
                 .curvatures(at, &mut self.by_yy, &mut self.by_yp)?;
-            self.add_node(k, size, hessian);
+            self.add_node(k, hessian);
         }
         Ok(())
     }
 
     /// Adds ν_k·D²V_k along dY_k and dp.
-    fn add_node(&mut self, k: usize, size: usize, hessian: &mut [f64]) {
+    fn add_node(&mut self, k: usize, hessian: &mut [f64]) {
         let d = self.weight.len();
-        let along = |column: usize| &self.nodes[column * size + k * d..][..d];
+        let node = &self.nodes[k * d * 2 * d..][..d * 2 * d];
         for column in 0..2 * d {
             for i in 0..d {
                 let row = &self.by_yy[i * d..][..d];
-                self.image[column * d + i] = product(row, along(column));
+                self.image[column * d + i] = product(row, node, column);
             }
         }
         for row in 0..2 * d {
             for column in 0..2 * d {
                 let image = &self.image[column * d..][..d];
-                hessian[row * 2 * d + column] += product(along(row), image);
+                hessian[row * 2 * d + column] += product(image, node, row);
             }
             for column in 0..d {
                 let mixed = self.by_yp.iter().skip(column).step_by(d);
-                let mixed: f64 = mixed.zip(along(row)).map(|(v, a)| v * a).sum();
+                let along = node.iter().skip(row).step_by(2 * d);
+                let mixed: f64 = mixed.zip(along).map(|(v, a)| v * a).sum();
                 hessian[row * 2 * d + d + column] += mixed;
                 hessian[(d + column) * 2 * d + row] += mixed;
             }
@@ -193,8 +194,10 @@ impl CurveTangent {
     }
 }
 
-fn product(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+/// A row times a column of d × 2d.
+fn product(row: &[f64], matrix: &[f64], column: usize) -> f64 {
+    let entries = matrix.iter().skip(column).step_by(2 * row.len());
+    row.iter().zip(entries).map(|(a, b)| a * b).sum()
 }
 
 const SINGULAR: StepError = StepError::NonFinite {
