@@ -33,6 +33,12 @@ pub fn read(arguments: &SceneArguments) -> Result<SceneText, Failure> {
                 "`leafwise new` writes a scene to start from",
             );
         }
+        if file.is_dir() {
+            return Failure::usage(
+                format!("{} is a folder", file.display()),
+                scenes_within(file),
+            );
+        }
         Failure::File {
             action: "read",
             file: file.clone(),
@@ -55,6 +61,27 @@ pub fn read(arguments: &SceneArguments) -> Result<SceneText, Failure> {
         text,
         overrides,
     })
+}
+
+/// What to name in place of a folder: the scenes that it holds.
+fn scenes_within(folder: &Path) -> String {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut scenes: Vec<_> = entries
+        .map(|entry| entry.path())
+        .filter(|path| {
+            path.extension()
+                .is_some_and(|extension| extension == "toml")
+        })
+        .collect();
+    scenes.sort();
+    match scenes.first() {
+        Some(first) => format!(
+            "name one scene in it, as {}; it holds {} files *.toml",
+            first.display(),
+            scenes.len()
+        ),
+        None => "name a scene, a file *.toml; the folder holds none".to_owned(),
+    }
 }
 
 /// A scene in another encoding, at the first byte that is not UTF-8.

@@ -240,22 +240,28 @@ impl OperationCount {
     }
 }
 
+/// A number of things, in words.
+fn counted(count: usize, one: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {one}{plural}")
+}
+
 impl fmt::Display for OperationCount {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{} operations ({} additions, {} multiplications",
-            self.total(),
-            self.additions,
-            self.multiplications
+            "{} ({}, {}",
+            counted(self.total(), "operation"),
+            counted(self.additions, "addition"),
+            counted(self.multiplications, "multiplication")
         )?;
         for (count, name) in [
-            (self.divisions, "divisions"),
-            (self.negations, "negations"),
-            (self.functions, "functions"),
+            (self.divisions, "division"),
+            (self.negations, "negation"),
+            (self.functions, "function"),
         ] {
             if count > 0 {
-                write!(f, ", {count} {name}")?;
+                write!(f, ", {}", counted(count, name))?;
             }
         }
         write!(f, ")")

@@ -1,5 +1,6 @@
 //! One run of one method: what it costs and what it keeps.
 
+use std::mem::discriminant;
 use std::time::Instant;
 
 use leafwise_core::diagnostics::TensorDefect;
@@ -49,6 +50,15 @@ impl TrialFailure {
     /// Whether the run was stopped for its cost alone.
     pub fn is_over_budget(&self) -> bool {
         matches!(self, Self::OverBudget { .. })
+    }
+
+    /// What failures of one kind share: the variant, and that of the solver's error.
+    pub fn kind(&self) -> impl PartialEq + use<> {
+        let error = match self {
+            Self::Step { error, .. } => Some(discriminant(error)),
+            _ => None,
+        };
+        (discriminant(self), error)
     }
 }
 

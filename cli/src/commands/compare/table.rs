@@ -1,9 +1,9 @@
 //! The comparison at the terminal.
 
-use leafwise::trade::{Comparison, Measured, Point};
+use leafwise::trade::{Comparison, Measured, Point, TrialFailure};
 
 use crate::console::Console;
-use crate::table::{aligned_after, duration, short};
+use crate::table::{aligned_after, counted, duration, short};
 
 const HEADINGS: [&str; 9] = [
     "front",
@@ -71,14 +71,17 @@ pub(super) fn print(comparison: &Comparison, all: bool, console: &mut Console<'_
         .filter_map(|p| p.outcome.as_ref().err());
     let (stopped, failed): (Vec<_>, Vec<_>) = failures.partition(|f| f.is_over_budget());
     console.result(&format!(
-        "{} points of {} methods: {} stopped, beyond {:.1e} operations; {} failed{}",
-        comparison.points.len(),
-        comparison.methods.len(),
+        "{} of {}: {} stopped, beyond {:.1e} operations; {} failed{}",
+        counted(comparison.points.len(), "point"),
+        counted(comparison.methods.len(), "method"),
         stopped.len(),
         comparison.budget as f64,
         failed.len(),
         if all { "" } else { "; --all shows every one" }
     ));
+    if let Some((often, example)) = commonest(&failed) {
+        console.result(&format!("failed most often, {often} of them: {example}"));
+    }
     if all && !comparison.refused.is_empty() {
         console.result("");
         console.result("methods that do not fit");
@@ -86,6 +89,22 @@ pub(super) fn print(comparison: &Comparison, all: bool, console: &mut Console<'_
             console.result(&format!("  {name}: {reason}"));
         }
     }
+}
+
+/// The commonest kind of failure: how often, and the first of its kind.
+fn commonest<'a>(failed: &[&'a TrialFailure]) -> Option<(usize, &'a TrialFailure)> {
+    let alike = |failure: &TrialFailure| {
+        let kind = failure.kind();
+        failed.iter().filter(|other| other.kind() == kind).count()
+    };
+    let first_of_most = |best: Option<(usize, &'a TrialFailure)>, failure: &&'a TrialFailure| {
+        let often = alike(failure);
+        match best {
+            Some((most, _)) if most >= often => best,
+            _ => Some((often, *failure)),
+        }
+    };
+    failed.iter().fold(None, first_of_most)
 }
 
 fn on_front(point: &Point) -> bool {

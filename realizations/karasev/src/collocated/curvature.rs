@@ -32,6 +32,7 @@ impl Curvature {
             curvature: self.clone(),
             parameters: parameters.to_vec(),
             workspace: None,
+            inputs: vec![[0.0]; 3 * self.system.dimension()],
             operations: 0,
         }
     }
@@ -42,6 +43,8 @@ pub(super) struct CurvatureWorker {
     curvature: Curvature,
     parameters: Vec<f64>,
     workspace: Option<Workspace>,
+    /// y, p and ν.
+    inputs: Vec<[f64; 1]>,
     pub(super) operations: u64,
 }
 
@@ -64,14 +67,16 @@ impl CurvatureWorker {
             kernel.prepare(&mut workspace, &self.parameters, &[1.0], &[1.0]);
             workspace
         });
-        for (i, value) in [y, p, covector].into_iter().flatten().enumerate() {
-            workspace.input_mut(i)[0] = *value;
+        let inputs = self.inputs.iter_mut();
+        for (input, value) in inputs.zip([y, p, covector].into_iter().flatten()) {
+            *input = [*value];
         }
-        kernel.evaluate_in_place(workspace);
+        kernel.evaluate_rows(workspace, &self.inputs);
         self.operations += kernel.step_operations().work();
-        for (i, value) in by_yy.iter_mut().chain(by_yp).enumerate() {
-            *value = kernel.output(workspace, i)[0];
-        }
+        let rows = kernel.output_rows::<1>(workspace).as_flattened();
+        let (first, second) = rows.split_at(by_yy.len());
+        by_yy.copy_from_slice(first);
+        by_yp.copy_from_slice(second);
         Ok(())
     }
 }

@@ -217,22 +217,38 @@ impl Curve {
         let d = self.dimension;
         let mut size = CorrectionSize::default();
         self.sum_over_nodes(epsilon);
-        for (at, offset) in self.scales.iter_mut().enumerate() {
-            *offset += shift[at % d];
-            self.corrections[at] = *offset - self.offsets[at];
+        let corrections = self.corrections.chunks_exact_mut(d);
+        let known = corrections.zip(self.offsets.chunks_exact(d));
+        for (offsets, (corrections, known)) in self.scales.chunks_exact_mut(d).zip(known) {
+            for i in 0..d {
+                offsets[i] += shift[i];
+                corrections[i] = offsets[i] - known[i];
+            }
         }
         self.allowed.take(largest(&self.scales));
-        for (at, scale) in self.scales.iter_mut().enumerate() {
-            *scale = x[at % d].abs() + self.allowed.scale(*scale);
-            size.take(self.corrections[at], *scale);
+        for scales in self.scales.chunks_exact_mut(d) {
+            for (scale, x) in scales.iter_mut().zip(x) {
+                *scale = x.abs() + self.allowed.scale(*scale);
+            }
         }
+        let take_all = |size: &mut CorrectionSize, corrections: &[f64], scales: &[f64]| {
+            for (correction, scale) in corrections.iter().zip(scales) {
+                size.take(*correction, *scale);
+            }
+        };
+        take_all(&mut size, &self.corrections, &self.scales);
         if self.accelerates {
             self.anderson.correct(&mut self.corrections, &self.scales);
+            take_all(&mut size, &self.corrections, &self.scales);
         }
-        for (at, correction) in self.corrections.iter().enumerate() {
-            size.take(*correction, self.scales[at]);
-            self.offsets[at] += correction;
-            self.nodes[at] = x[at % d] + self.offsets[at];
+        for (offset, correction) in self.offsets.iter_mut().zip(&self.corrections) {
+            *offset += correction;
+        }
+        let offsets = self.offsets.chunks_exact(d);
+        for (nodes, offsets) in self.nodes.chunks_exact_mut(d).zip(offsets) {
+            for (node, (x, offset)) in nodes.iter_mut().zip(x.iter().zip(offsets)) {
+                *node = x + offset;
+            }
         }
         size
     }

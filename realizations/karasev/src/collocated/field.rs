@@ -109,6 +109,8 @@ fn compiled(system: &SystemFormulas) -> Result<Source, BuildError> {
 struct Prepared {
     kernel: Arc<Kernel>,
     workspace: Workspace,
+    /// y and p.
+    inputs: Vec<f64>,
     /// Operations of one evaluation.
     work: u64,
 }
@@ -119,25 +121,19 @@ impl Prepared {
         kernel.prepare(&mut workspace, parameters, &[1.0], &[1.0]);
         Self {
             work: kernel.step_operations().work(),
+            inputs: vec![0.0; kernel.inputs()],
             kernel: Arc::clone(kernel),
             workspace,
         }
     }
 
-    fn evaluate<'a>(
-        &mut self,
-        y: &[f64],
-        p: &[f64],
-        out: impl Iterator<Item = &'a mut f64>,
-    ) -> u64 {
-        for (i, value) in y.iter().chain(p).enumerate() {
-            self.workspace.input_mut(i)[0] = *value;
-        }
-        self.kernel.evaluate_in_place(&mut self.workspace);
-        for (i, out) in out.enumerate() {
-            *out = self.kernel.output(&self.workspace, i)[0];
-        }
-        self.work
+    fn evaluate(&mut self, y: &[f64], p: &[f64]) -> &[f64] {
+        let (first, second) = self.inputs.split_at_mut(y.len());
+        first.copy_from_slice(y);
+        second.copy_from_slice(p);
+        let inputs = self.inputs.as_chunks::<1>().0;
+        self.kernel.evaluate_rows(&mut self.workspace, inputs);
+        self.kernel.output_rows::<1>(&self.workspace).as_flattened()
     }
 }
 
@@ -177,7 +173,8 @@ impl FieldWorker {
                 value, operations, ..
             } => {
                 for (y, v) in nodes.chunks_exact(d).zip(values.chunks_exact_mut(d)) {
-                    *operations += value.evaluate(y, p, v.iter_mut());
+                    v.copy_from_slice(value.evaluate(y, p));
+                    *operations += value.work;
                 }
                 Ok(())
             }
@@ -210,7 +207,10 @@ impl FieldWorker {
             Evaluator::Kernels {
                 slopes, operations, ..
             } => {
-                *operations += slopes.evaluate(y, p, by_y.iter_mut().chain(by_p));
+                let (first, second) = slopes.evaluate(y, p).split_at(by_y.len());
+                by_y.copy_from_slice(first);
+                by_p.copy_from_slice(second);
+                *operations += slopes.work;
                 Ok(())
             }
             Evaluator::Numbers {

@@ -18,6 +18,8 @@ pub(super) struct CurveTangent {
     by_yp: Vec<f64>,
     /// V_yy dY at a node, d × 2d.
     image: Vec<f64>,
+    /// A row of 2d numbers.
+    row: Vec<f64>,
 }
 
 impl CurveTangent {
@@ -75,14 +77,16 @@ impl CurveTangent {
     /// # Errors
     /// [`StepError::NoTangent`] before a point was solved.
     pub(super) fn ends(
-        &self,
+        &mut self,
         curve: &Curve,
         epsilon: f64,
         target: &mut [f64],
         increment: &mut [f64],
     ) -> Result<(), StepError> {
         let linearization = self.linearization.as_ref().ok_or(StepError::NoTangent)?;
-        let (q, d) = (curve.rule.points(), self.dimension(curve));
+        let q = curve.rule.points();
+        let d = curve.nodes.len() / q;
+        self.row.resize(2 * d, 0.0);
         target.fill(0.0);
         increment.fill(0.0);
         for k in 0..q {
@@ -90,15 +94,17 @@ impl CurveTangent {
             let tensor = &linearization.by_p[k * d * d..][..d * d];
             let (end, weight) = (epsilon * curve.rule.end[k], epsilon * curve.rule.weights[k]);
             let node = &self.nodes[k * d * 2 * d..][..d * 2 * d];
-            for i in 0..d {
-                let row = &slope[i * d..][..d];
-                for column in 0..2 * d {
-                    let mut change = product(row, node, column);
-                    if column >= d {
-                        change += tensor[i * d + column - d];
-                    }
-                    target[i * 2 * d + column] += end * change;
-                    increment[i * 2 * d + column] -= weight * change;
+            let targets = target.chunks_exact_mut(2 * d);
+            let ends = targets.zip(increment.chunks_exact_mut(2 * d));
+            for (i, (target, increment)) in ends.enumerate() {
+                product(slope[i * d..][..d].iter(), node, &mut self.row);
+                for (change, entry) in self.row[d..].iter_mut().zip(&tensor[i * d..]) {
+                    *change += entry;
+                }
+                let ends = target.iter_mut().zip(increment);
+                for ((target, increment), change) in ends.zip(&self.row) {
+                    *target += end * change;
+                    *increment -= weight * change;
                 }
             }
         }
@@ -146,6 +152,7 @@ impl CurveTangent {
         self.by_yy.resize(d * d, 0.0);
         self.by_yp.resize(d * d, 0.0);
         self.image.resize(2 * d * d, 0.0);
+        self.row.resize(2 * d, 0.0);
         hessian.fill(0.0);
         for k in 0..q {
             for (i, weight) in self.weight.iter_mut().enumerate() {
@@ -168,36 +175,34 @@ impl CurveTangent {
     fn add_node(&mut self, k: usize, hessian: &mut [f64]) {
         let d = self.weight.len();
         let node = &self.nodes[k * d * 2 * d..][..d * 2 * d];
-        for column in 0..2 * d {
-            for i in 0..d {
-                let row = &self.by_yy[i * d..][..d];
-                self.image[column * d + i] = product(row, node, column);
-            }
+        for (row, image) in self.by_yy.chunks(d).zip(self.image.chunks_exact_mut(2 * d)) {
+            product(row.iter(), node, image);
         }
         for row in 0..2 * d {
-            for column in 0..2 * d {
-                let image = &self.image[column * d..][..d];
-                hessian[row * 2 * d + column] += product(image, node, row);
-            }
-            for column in 0..d {
-                let mixed = self.by_yp.iter().skip(column).step_by(d);
-                let along = node.iter().skip(row).step_by(2 * d);
-                let mixed: f64 = mixed.zip(along).map(|(v, a)| v * a).sum();
+            let along = || node.iter().skip(row).step_by(2 * d);
+            product(along(), &self.image, &mut self.row);
+            let entries = hessian[row * 2 * d..][..2 * d].iter_mut();
+            entries
+                .zip(&self.row)
+                .for_each(|(entry, sum)| *entry += sum);
+            let mixed = &mut self.row[..d];
+            product(along(), &self.by_yp, mixed);
+            for (column, mixed) in mixed.iter().enumerate() {
                 hessian[row * 2 * d + d + column] += mixed;
                 hessian[(d + column) * 2 * d + row] += mixed;
             }
         }
     }
-
-    fn dimension(&self, curve: &Curve) -> usize {
-        curve.nodes.len() / curve.rule.points()
-    }
 }
 
-/// A row times a column of d × 2d.
-fn product(row: &[f64], matrix: &[f64], column: usize) -> f64 {
-    let entries = matrix.iter().skip(column).step_by(2 * row.len());
-    row.iter().zip(entries).map(|(a, b)| a * b).sum()
+/// A row times a matrix, from its first row to the last.
+fn product<'a>(row: impl Iterator<Item = &'a f64>, matrix: &[f64], result: &mut [f64]) {
+    result.fill(-0.0);
+    for (factor, entries) in row.zip(matrix.chunks_exact(result.len())) {
+        for (sum, entry) in result.iter_mut().zip(entries) {
+            *sum += factor * entry;
+        }
+    }
 }
 
 const SINGULAR: StepError = StepError::NonFinite {
