@@ -59,6 +59,11 @@ impl StepEquation {
         })
     }
 
+    /// Weighted operations of all solves so far, where the maps count them.
+    pub fn operations(&self) -> Option<u64> {
+        Some(self.maps.operations()? + self.points.operations()?)
+    }
+
     /// The solution of β̂(L(y)) = x that Newton's method finds from `start`; y = x for a method that
     /// solves no equation.
     ///
@@ -128,11 +133,17 @@ impl StepEquation {
 
     /// The solutions inside the chart that Newton's method finds from `starts` states around x, up
     /// to the state's own size away, beside the one that it finds from x: the farther from unique,
-    /// the more it depends on the start where a step goes. None for a method that solves no equation.
+    /// the more it depends on the start where a step goes. None for a method that solves no equation;
+    /// no start is tried once all solves together took `most` operations.
     ///
     /// # Errors
     /// [`StepError`] where there is no solution from x itself.
-    pub fn others(&mut self, x: &[f64], starts: usize) -> Result<Vec<StepSolution>, StepError> {
+    pub fn others(
+        &mut self,
+        x: &[f64],
+        starts: usize,
+        most: u64,
+    ) -> Result<Vec<StepSolution>, StepError> {
         let first = self.solve(x, x)?;
         if self.correction == Correction::None {
             return Ok(Vec::new());
@@ -146,6 +157,9 @@ impl StepEquation {
         };
         let mut others: Vec<StepSolution> = Vec::new();
         for _ in 0..starts {
+            if self.operations() > Some(most) {
+                break;
+            }
             let start: Vec<f64> = x.iter().map(|x| x + reach * next()).collect();
             let Ok(found) = self.solve(x, &start) else {
                 continue;

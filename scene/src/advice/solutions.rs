@@ -7,10 +7,14 @@ use super::{Advice, AdviceKind, number};
 /// Starts of Newton's method at each state.
 const STARTS: usize = 16;
 
+/// What the search may cost, in operations: about a second.
+const MOST_OPERATIONS: u64 = 1_000_000_000;
+
 pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
     let (mut several, mut nearest) = (0, f64::INFINITY);
     for place in &probe.places {
-        let Ok(others) = probe.equation.others(&place.x, STARTS) else {
+        let others = probe.equation.others(&place.x, STARTS, MOST_OPERATIONS);
+        let Ok(others) = others else {
             continue;
         };
         several += usize::from(!others.is_empty());
