@@ -32,6 +32,19 @@ fn a_comparison_prints_its_front_and_says_how_good_the_reference_is() {
 }
 
 #[test]
+fn most_failures_come_with_their_reason() {
+    let here = Place::with(BODY);
+    let method = "so3-exponential+hamilton-jacobi:6";
+    let steps = "1,2,3,4,40";
+    let given = ["--only", method, "--steps", steps, "--repeat", "0"];
+    let said = here.leafwise(&[&["compare", "scene.toml"][..], &given].concat());
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(said.out.contains("5 points of 1 method: "), "{}", said.out);
+    let reason = "failed most often, 4 of them: step 0: the step left the realization's chart";
+    assert!(said.out.contains(reason), "{}", said.out);
+}
+
+#[test]
 fn the_object_and_the_files_hold_every_point() {
     let here = Place::with(BODY);
     let said = here.leafwise(&[

@@ -50,10 +50,16 @@ fn an_unknown_name_is_a_usage_error_with_its_neighbour() {
     let said = here.leafwise(&["run", "missing.toml"]);
     assert_eq!(said.code, Some(2));
     said.says(&["there is no file missing.toml", "leafwise new"]);
+    let said = here.leafwise(&["run", "."]);
+    assert_eq!(said.code, Some(2));
+    said.says(&[". is a folder", "the folder holds none"]);
     assert_eq!(here.leafwise(&["walk"]).code, Some(2));
     assert_eq!(here.leafwise(&["run"]).code, Some(2));
     assert_eq!(here.leafwise(&["--help"]).code, Some(0));
     assert!(here.is_untouched());
+    here.write("body.toml", BODY);
+    let said = here.leafwise(&["check", "."]);
+    said.says(&["name one scene in it, as ./body.toml; it holds 1"]);
 }
 
 #[test]

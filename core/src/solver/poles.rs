@@ -1,6 +1,6 @@
 //! Poles of the equations of motion, which no step crosses.
 //!
-//! Where a denominator of H or Π changes its sign between x and x + Δ, [`Crossing`] tells whether the field
+//! Where a denominator of H or Π changes its sign between x and x + Δ, `Crossing` tells whether the field
 //! has a pole there. Denominators that are not affine in x may change their sign twice: they are looked
 //! at within the step too, eight times.
 

@@ -179,6 +179,7 @@ impl fmt::Display for Setting {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.tolerance {
             Some(tolerance) => write!(f, "tolerance {tolerance:e}"),
+            None if self.steps == 1 => f.write_str("1 step"),
             None => write!(f, "{} steps", self.steps),
         }
     }

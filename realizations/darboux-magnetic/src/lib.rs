@@ -73,7 +73,9 @@ impl DarbouxMagnetic {
     /// separated by `;`.
     ///
     /// # Errors
-    /// Those of [`MagneticChart::new`].
+    /// [`BuildError::DoesNotFit`] when the bracket is not magnetic or a pair of momenta does not
+    /// commute, [`BuildError::Parameter`] when the potential is missing, is no formula or has
+    /// another number of components, [`BuildError::Algebra`] where a formula has no normal form.
     pub fn realize(
         system: &PoissonSystem,
         potential: &str,

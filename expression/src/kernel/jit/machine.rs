@@ -62,7 +62,7 @@ impl Backend {
 type Entry = unsafe extern "C" fn(*mut f64, *mut f64);
 
 /// The machine code of one program for one number of lanes.
-pub(in crate::kernel) struct MachineCode {
+pub(crate) struct MachineCode {
     entry: Entry,
     slots: usize,
     scratch: usize,
@@ -76,12 +76,12 @@ pub(in crate::kernel) struct MachineCode {
 
 impl MachineCode {
     /// Whether this machine has a compiler.
-    pub(in crate::kernel) fn is_available() -> bool {
+    pub(crate) fn is_available() -> bool {
         Backend::best(1).is_some()
     }
 
     /// Compiles `code` for `lanes` lanes; `None` where the platform cannot or forbids it.
-    pub(in crate::kernel) fn compile(code: &Code, lanes: usize) -> Option<Self> {
+    pub(crate) fn compile(code: &Code, lanes: usize) -> Option<Self> {
         let backend = match Backend::best(lanes)? {
             #[cfg(all(target_arch = "x86_64", not(windows)))]
             Backend::Avx(width) if code.instructions.iter().any(is_call) => {
@@ -94,7 +94,7 @@ impl MachineCode {
 
     /// After how many evaluations the code has saved the time that it took to compile, for programs
     /// of any size: both grow with the number of operations.
-    pub(in crate::kernel) fn evaluations_to_pay(lanes: usize) -> u64 {
+    pub(crate) fn evaluations_to_pay(lanes: usize) -> u64 {
         match Backend::best(lanes) {
             #[cfg(all(target_arch = "x86_64", not(windows)))]
             Some(Backend::Avx(_)) => 256,
@@ -142,7 +142,7 @@ impl MachineCode {
     }
 
     /// How many numbers of scratch memory [`MachineCode::run`] needs, all −0 at first.
-    pub(in crate::kernel) fn scratch(&self) -> usize {
+    pub(crate) fn scratch(&self) -> usize {
         self.scratch
     }
 
@@ -150,7 +150,7 @@ impl MachineCode {
     ///
     /// # Panics
     /// When `slots` or `scratch` has another length than the code was compiled for.
-    pub(in crate::kernel) fn run(&self, slots: &mut [f64], scratch: &mut [f64]) {
+    pub(crate) fn run(&self, slots: &mut [f64], scratch: &mut [f64]) {
         assert_eq!(
             (slots.len(), scratch.len()),
             (self.slots, self.scratch),
@@ -162,12 +162,12 @@ impl MachineCode {
     }
 
     /// The length of the code.
-    pub(in crate::kernel) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         self.bytes
     }
 
     /// How long the compilation took.
-    pub(in crate::kernel) fn seconds(&self) -> f64 {
+    pub(crate) fn seconds(&self) -> f64 {
         self.seconds
     }
 }
