@@ -2,6 +2,7 @@
 //! write instead; that line mends it. Scenes that deserve no warning get none.
 
 use leafwise::core::Structure;
+use leafwise::core::diagnostics::StepEquation;
 use leafwise::prelude::*;
 use leafwise::scene::advice::{Advice, AdviceKind, advise, states_ahead};
 
@@ -125,6 +126,28 @@ fn an_exact_realization_that_costs_no_more_is_told() {
     assert_eq!(of_kind(&text, AdviceKind::ExactRealization), None);
 }
 
+fn step_equation(run: &ComposedRun) -> StepEquation {
+    let method = run.method.written().expect("realization and dynamics");
+    let parameters = run.system.parameter_values();
+    let equation = StepEquation::new(method, &parameters, run.plan.epsilon, run.plan.h);
+    equation.expect("maps by themselves")
+}
+
+/// y = x: where nothing is solved, nothing else is a solution, and no start is tried.
+#[test]
+fn a_step_without_an_equation_has_one_solution() {
+    let method = "realization = \"karasev-collocated\"\n\
+                  dynamics = { name = \"collective\", correction = \"none\" }\ntime-step = 0.5";
+    let run = composed(&body(method));
+    let (mut solved, mut sought) = (step_equation(&run), step_equation(&run));
+    let x = [1.0, 3.0, 3.0];
+    let solution = solved.solve(&x, &x).expect("a step");
+    assert_eq!(solution.y, x);
+    assert_eq!(sought.others(&x, 16, u64::MAX), Ok(Vec::new()));
+    assert!(solved.operations().is_some_and(|operations| operations > 0));
+    assert_eq!(sought.operations(), solved.operations());
+}
+
 #[test]
 fn steps_near_the_edge_of_a_truncated_chart_are_told() {
     let text = |order: usize, time_step: &str| {
@@ -136,6 +159,15 @@ fn steps_near_the_edge_of_a_truncated_chart_are_told() {
     let found = of_kind(&text(8, "2.2"), AdviceKind::SeveralSolutions).expect("a warning");
     assert_eq!(found.change, "time-step = 1.1");
     assert_eq!(of_kind(&text(8, "0.1"), AdviceKind::SeveralSolutions), None);
+    // As many starts as the operations allow for.
+    let run = composed(&text(8, "2.2"));
+    let found = |most: u64| -> usize {
+        let mut equation = step_equation(&run);
+        let others = |x: &Vec<f64>| equation.others(x, 16, most).map_or(0, |found| found.len());
+        states_ahead(&run).iter().map(others).sum()
+    };
+    assert!(found(u64::MAX) > 0);
+    assert_eq!(found(0), 0);
     // A run that goes through, with an energy that is wrong by a tenth.
     let found = of_kind(&text(4, "2.0"), AdviceKind::Chart).expect("a warning");
     assert_eq!(found.change, "time-step = 1.0");

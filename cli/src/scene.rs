@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::string::FromUtf8Error;
 
+use leafwise::expression::words::counted;
 use leafwise::scene::SceneDiagnostic;
 use leafwise::scene::input::{LARGEST_SCENE, read_bounded};
 
@@ -76,9 +77,9 @@ fn scenes_within(folder: &Path) -> String {
     scenes.sort();
     match scenes.first() {
         Some(first) => format!(
-            "name one scene in it, as {}; it holds {} files *.toml",
+            "name one scene in it, as {}; it holds {} *.toml",
             first.display(),
-            scenes.len()
+            counted(scenes.len(), "file")
         ),
         None => "name a scene, a file *.toml; the folder holds none".to_owned(),
     }

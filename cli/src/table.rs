@@ -45,12 +45,6 @@ fn aligned(rows: &[Vec<String>], is_right: impl Fn(usize) -> bool) -> Vec<String
         .collect()
 }
 
-/// A number of things, in words.
-pub fn counted(count: usize, one: &str) -> String {
-    let plural = if count == 1 { "" } else { "s" };
-    format!("{count} {one}{plural}")
-}
-
 /// Digits in groups of three: 12 345 678.
 pub fn grouped(value: u64) -> String {
     let digits = value.to_string();

@@ -12,6 +12,7 @@
 //! - [`series`]: Taylor coefficients of formulas along a curve, one order at a time.
 //! - [`graph`]: straight-line code with shared nodes and exact derivatives.
 //! - [`kernel`]: coefficient kernel and step kernel, evaluated W lanes at a time.
+//! - [`words`]: numbers of things in words.
 
 pub mod algebra;
 pub mod analytic;
@@ -28,6 +29,7 @@ mod reach;
 pub mod series;
 pub mod syntax;
 mod vector;
+pub mod words;
 mod written;
 
 pub use algebra::{Polynomial, Ring};

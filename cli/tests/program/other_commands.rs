@@ -59,7 +59,7 @@ fn an_unknown_name_is_a_usage_error_with_its_neighbour() {
     assert!(here.is_untouched());
     here.write("body.toml", BODY);
     let said = here.leafwise(&["check", "."]);
-    said.says(&["name one scene in it, as ./body.toml; it holds 1"]);
+    said.says(&["name one scene in it, as ./body.toml; it holds 1 file *.toml"]);
 }
 
 #[test]

@@ -59,7 +59,7 @@ impl StepEquation {
         })
     }
 
-    /// Weighted operations of all solves so far, where the maps count them.
+    /// Weighted operations of all solves so far; `None` where the maps do not count them.
     pub fn operations(&self) -> Option<u64> {
         Some(self.maps.operations()? + self.points.operations()?)
     }
@@ -133,8 +133,8 @@ impl StepEquation {
 
     /// The solutions inside the chart that Newton's method finds from `starts` states around x, up
     /// to the state's own size away, beside the one that it finds from x: the farther from unique,
-    /// the more it depends on the start where a step goes. None for a method that solves no equation;
-    /// no start is tried once all solves together took `most` operations.
+    /// the more it depends on the start where a step goes. A method that solves no equation has none.
+    /// No start is tried once all solves together took `most` operations, where these are counted.
     ///
     /// # Errors
     /// [`StepError`] where there is no solution from x itself.

@@ -104,7 +104,7 @@ impl SystemFormulas {
     }
 
     /// The reference point and points about it: a coordinate at 0 moves in proportion to the largest.
-    fn points(&self) -> Vec<Vec<f64>> {
+    pub fn points(&self) -> Vec<Vec<f64>> {
         let near = self.near();
         let largest = near.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let scale = if largest > 0.0 { largest } else { 1.0 };

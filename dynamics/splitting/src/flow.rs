@@ -5,11 +5,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use leafwise_expression::algebra::{quotient, square_root};
 use leafwise_expression::{AlgebraError, Arithmetic, Polynomial, Rational, Ring};
 
+use crate::probe::Probe;
+
 /// The components X^j of a field; those that it does not have are zero.
 pub type Field = BTreeMap<usize, Polynomial>;
 
 /// The longest Lie series that is tried.
-const LONGEST: usize = 8;
+pub(crate) const LONGEST: usize = 8;
 
 /// A Lie series whose terms have more monomials than this is not going to end.
 const MOST_MONOMIALS: usize = 256;
@@ -66,12 +68,14 @@ pub struct CoordinateFlow {
     pub reads: BTreeSet<usize>,
 }
 
-/// The motion of x_i under the field X, `None` where it is none of [`Motion`].
+/// The motion of x_i under the field X, `None` where it is none of [`Motion`]. What the numbers at
+/// `probe` rule out is not looked for in exact algebra.
 ///
 /// # Errors
 /// [`AlgebraError`] where a derivative does not exist.
 pub fn coordinate_flow(
     ring: &mut Ring,
+    probe: &Probe,
     field: &Field,
     index: usize,
 ) -> Result<Option<CoordinateFlow>, AlgebraError> {
@@ -85,6 +89,9 @@ pub fn coordinate_flow(
         }
         let last = &series[series.len() - 1];
         if series.len() > LONGEST || last.terms().len() > MOST_MONOMIALS {
+            return Ok(None);
+        }
+        if series.len() == 2 && probe.rules_out(ring, field, index) {
             return Ok(None);
         }
         next = lie_derivative(ring, field, last, &mut reads)?;

@@ -8,6 +8,7 @@
 //!
 //! - [`flow`]: the motion of one coordinate under a piece, found by its Lie series in exact algebra.
 //! - [`piece`](mod@piece): a Hamiltonian with an exact flow, and what can be added to it.
+//! - [`probe`]: Lie series in numbers, which rule out in microseconds that they end.
 //! - [`pieces`]: the pieces of a system's Hamiltonian.
 //! - `rounding`: whether the flows round like the formulas; from code where they do not.
 //! - [`entire`]: the entire functions that close the Lie series.
@@ -26,6 +27,7 @@ pub mod flow;
 pub mod lattice;
 pub mod piece;
 pub mod pieces;
+pub mod probe;
 mod rates;
 mod rounding;
 pub mod schedule;

@@ -9,6 +9,7 @@ use leafwise_expression::{
 };
 
 use crate::flow::{CoordinateFlow, Field, Motion, coordinate_flow, variables};
+use crate::probe::Probe;
 
 /// The part's name.
 pub(crate) const NAME: &str = "splitting";
@@ -23,9 +24,13 @@ pub(crate) struct Atom {
 
 impl Atom {
     /// Whether it has an exact flow; the coordinate whose motion is none of [`Motion`] otherwise.
-    pub(crate) fn flows(&self, ring: &mut Ring) -> Result<Result<(), usize>, AlgebraError> {
+    pub(crate) fn flows(
+        &self,
+        ring: &mut Ring,
+        probe: &Probe,
+    ) -> Result<Result<(), usize>, AlgebraError> {
         for &index in self.field.keys() {
-            if coordinate_flow(ring, &self.field, index)?.is_none() {
+            if coordinate_flow(ring, probe, &self.field, index)?.is_none() {
                 return Ok(Err(index));
             }
         }
@@ -158,6 +163,7 @@ impl Piece {
     pub(crate) fn add(
         &mut self,
         ring: &mut Ring,
+        probe: &Probe,
         atom: &Atom,
     ) -> Result<Result<(), usize>, AlgebraError> {
         let field = &atom.field;
@@ -173,7 +179,7 @@ impl Piece {
             .collect();
         let mut flows = Vec::with_capacity(affected.len());
         for &index in &affected {
-            let Some(flow) = coordinate_flow(ring, &self.field, index)? else {
+            let Some(flow) = coordinate_flow(ring, probe, &self.field, index)? else {
                 self.field.extend(before);
                 return Ok(Err(index));
             };

@@ -6,6 +6,7 @@ use leafwise_expression::{Arithmetic, Expression, Polynomial, Rational, Ring};
 
 use crate::display::Names;
 use crate::piece::{Atom, NAME, Piece, Tensor};
+use crate::probe::Probe;
 
 /// H = Σ H_i (up to Casimirs) with an exact flow of each H_i.
 ///
@@ -70,10 +71,11 @@ fn split(
     tensor: &Tensor,
     sum: &[(Polynomial, Expression)],
 ) -> Result<Vec<Piece>, BuildError> {
+    let probe = Probe::of(system);
     let mut pieces: Vec<Piece> = Vec::new();
     for (f, formula) in sum {
-        for atom in atoms(system, ring, tensor, f.clone(), formula)? {
-            place(ring, &mut pieces, &atom, system.dimension())?;
+        for atom in atoms(system, ring, &probe, tensor, f.clone(), formula)? {
+            place(ring, &probe, &mut pieces, &atom, system.dimension())?;
         }
     }
     Ok(pieces)
@@ -83,6 +85,7 @@ fn split(
 pub(crate) fn atoms(
     system: &SystemFormulas,
     ring: &mut Ring,
+    probe: &Probe,
     tensor: &Tensor,
     summand: Polynomial,
     formula: &Expression,
@@ -95,7 +98,7 @@ pub(crate) fn atoms(
     if whole.field.is_empty() {
         return Ok(Vec::new());
     }
-    if whole.flows(ring)?.is_ok() {
+    if whole.flows(ring, probe)?.is_ok() {
         return Ok(vec![whole]);
     }
     let mut atoms = Vec::new();
@@ -106,7 +109,7 @@ pub(crate) fn atoms(
             formula: ring.formula(&term),
             hamiltonian: term,
         };
-        if let Err(coordinate) = atom.flows(ring)? {
+        if let Err(coordinate) = atom.flows(ring, probe)? {
             return Err(refusal(system, ring, &atom.hamiltonian, coordinate));
         }
         if !atom.field.is_empty() {
@@ -137,17 +140,18 @@ fn refusal(
 /// Adds an atom to the first piece that keeps an exact flow with it, or to a new one.
 fn place(
     ring: &mut Ring,
+    probe: &Probe,
     pieces: &mut Vec<Piece>,
     atom: &Atom,
     dimension: usize,
 ) -> Result<(), BuildError> {
     for piece in pieces.iter_mut() {
-        if piece.add(ring, atom)?.is_ok() {
+        if piece.add(ring, probe, atom)?.is_ok() {
             return Ok(());
         }
     }
     let mut piece = Piece::empty(dimension);
-    let added = piece.add(ring, atom)?;
+    let added = piece.add(ring, probe, atom)?;
     debug_assert!(added.is_ok(), "an atom has an exact flow");
     pieces.push(piece);
     Ok(())

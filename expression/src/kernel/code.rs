@@ -4,6 +4,7 @@ use std::fmt;
 
 use crate::analytic::{AnalyticFunction, FunctionPair, Member};
 use crate::expression::Function;
+use crate::words::counted;
 
 /// One operation on slots; each slot holds one number a lane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -238,12 +239,6 @@ impl OperationCount {
     pub fn total(&self) -> usize {
         self.additions + self.multiplications + self.divisions + self.negations + self.functions
     }
-}
-
-/// A number of things, in words.
-fn counted(count: usize, one: &str) -> String {
-    let plural = if count == 1 { "" } else { "s" };
-    format!("{count} {one}{plural}")
 }
 
 impl fmt::Display for OperationCount {

@@ -3,14 +3,18 @@
 //! Nothing here is the program's but the table of functions: derivatives are written down once more.
 
 use leafwise::expression::Function;
+use smallvec::{SmallVec, smallvec};
 
 use crate::tree::Tree;
+
+/// A number and the bound on its error, for f and for the slopes of up to six variables in place.
+pub type Parts = SmallVec<[(f64, f64); 7]>;
 
 /// f and ∇f with bounds on their errors.
 #[derive(Clone, Debug)]
 pub struct Dual {
     /// f and the bound on its error, then the same for each ∂f/∂xᵢ.
-    pub parts: Vec<(f64, f64)>,
+    pub parts: Parts,
     /// Whether a part of the formula is so large, small or ill-conditioned that first order bounds nothing.
     pub is_rough: bool,
 }
@@ -26,7 +30,7 @@ const SIZES: std::ops::Range<f64> = 1e-70..1e70;
 
 impl Dual {
     fn constant(value: f64, error: f64, variables: usize) -> Self {
-        let mut parts = vec![(0.0, 0.0); variables + 1];
+        let mut parts: Parts = smallvec![(0.0, 0.0); variables + 1];
         parts[0] = (value, error);
         Self {
             parts,
@@ -67,10 +71,8 @@ impl Dual {
 
     fn multiply(&self, other: &Self) -> Self {
         let ((a, ea), (b, eb)) = (self.parts[0], other.parts[0]);
-        let mut parts = vec![(
-            a * b,
-            a.abs() * eb + b.abs() * ea + ROUND_OFF * (a * b).abs(),
-        )];
+        let error = a.abs() * eb + b.abs() * ea + ROUND_OFF * (a * b).abs();
+        let mut parts: Parts = smallvec![(a * b, error)];
         for ((da, eda), (db, edb)) in self.parts[1..].iter().zip(&other.parts[1..]) {
             let error = a.abs() * edb + db.abs() * ea + b.abs() * eda + da.abs() * eb;
             let size = (a * db).abs() + (b * da).abs();
@@ -85,7 +87,7 @@ impl Dual {
         let (_, ea) = self.parts[0];
         let [value, slope, second] = g;
         let off = ulps * ROUND_OFF;
-        let mut parts = vec![(value, slope.abs() * ea + off * value.abs())];
+        let mut parts: Parts = smallvec![(value, slope.abs() * ea + off * value.abs())];
         for (da, eda) in &self.parts[1..] {
             if (*da, *eda) == (0.0, 0.0) {
                 // What does not depend on a variable has no slope, not even where g has none.
@@ -180,48 +182,55 @@ fn derivatives(function: Function, x: f64, g: f64) -> (f64, f64) {
 impl Tree {
     /// f(x).
     pub fn value(&self, x: &[f64]) -> f64 {
-        self.dual(x).value()
+        self.dual_along(x, 0).value()
     }
 
     /// f(x) and ∇f(x).
     pub fn dual(&self, x: &[f64]) -> Dual {
-        let d = x.len();
+        self.dual_along(x, x.len())
+    }
+
+    /// f(x) and its slopes along the first d variables.
+    fn dual_along(&self, x: &[f64], d: usize) -> Dual {
+        let along = |tree: &Tree| tree.dual_along(x, d);
         match self {
             Self::Number(value) => Dual::constant(*value, 0.0, d).judged(),
             Self::Pi => Dual::constant(std::f64::consts::PI, 0.5 * ROUND_OFF, d),
             Self::Variable(index) => {
                 let mut dual = Dual::constant(x[*index], 0.0, d);
-                dual.parts[index + 1].0 = 1.0;
+                if let Some(own) = dual.parts.get_mut(index + 1) {
+                    own.0 = 1.0;
+                }
                 dual.judged()
             }
             Self::Sum(terms) => {
                 let mut sum = Dual::constant(0.0, 0.0, d);
                 for (is_negative, term) in terms {
-                    sum = sum.add(&term.dual(x), if *is_negative { -1.0 } else { 1.0 });
+                    sum = sum.add(&along(term), if *is_negative { -1.0 } else { 1.0 });
                 }
                 sum.judged()
             }
             Self::Product(factors) => {
                 let mut product = Dual::constant(1.0, 0.0, d);
                 for factor in factors {
-                    product = product.multiply(&factor.dual(x));
+                    product = product.multiply(&along(factor));
                 }
                 product
             }
-            Self::Quotient(above, below) => above.dual(x).multiply(&below.dual(x).power(-1.0)),
-            Self::Power(base, numerator, denominator) => base
-                .dual(x)
-                .power(f64::from(*numerator) / f64::from(*denominator)),
+            Self::Quotient(above, below) => along(above).multiply(&along(below).power(-1.0)),
+            Self::Power(base, numerator, denominator) => {
+                along(base).power(f64::from(*numerator) / f64::from(*denominator))
+            }
             Self::General(base, exponent) => {
-                let (base, exponent) = (base.dual(x), exponent.dual(x));
+                let (base, exponent) = (along(base), along(exponent));
                 if exponent.parts[1..].iter().all(|slope| *slope == (0.0, 0.0)) {
                     return base.power(exponent.value());
                 }
                 let logarithm = base.apply(Function::Ln);
                 exponent.multiply(&logarithm).apply(Function::Exp)
             }
-            Self::Negate(operand) => Dual::constant(0.0, 0.0, d).add(&operand.dual(x), -1.0),
-            Self::Apply(function, argument) => argument.dual(x).apply(*function),
+            Self::Negate(operand) => Dual::constant(0.0, 0.0, d).add(&along(operand), -1.0),
+            Self::Apply(function, argument) => along(argument).apply(*function),
         }
     }
 }

@@ -5,6 +5,7 @@ use std::fmt;
 
 use leafwise_core::part::{ParameterDefault, ParameterInfo, ParameterSetting, PartKind};
 use leafwise_core::{MapProperties, Registry};
+use leafwise_expression::words::counted;
 use leafwise_scene::document::{MethodParts, MethodTable, PartUse};
 use leafwise_scene::{ComposedRun, SceneDocument, compose};
 
@@ -179,8 +180,7 @@ impl fmt::Display for Setting {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.tolerance {
             Some(tolerance) => write!(f, "tolerance {tolerance:e}"),
-            None if self.steps == 1 => f.write_str("1 step"),
-            None => write!(f, "{} steps", self.steps),
+            None => f.write_str(&counted(self.steps as usize, "step")),
         }
     }
 }

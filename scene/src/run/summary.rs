@@ -2,6 +2,8 @@
 
 use std::io;
 
+use leafwise_expression::words::counted;
+
 use super::drive::{Session, header};
 use super::error::RunError;
 use super::invariants::Functions;
@@ -196,7 +198,7 @@ fn outcome(run: &ComposedRun, report: &RunReport) -> Outcome {
     let at = format!("t = {}", short(report.time));
     match &report.outcome {
         RunOutcome::Done => Outcome::Done {
-            message: format!("{} steps to {at}", report.steps),
+            message: format!("{} to {at}", counted(report.steps as usize, "step")),
         },
         RunOutcome::Interrupted => Outcome::Interrupted {
             message: format!(

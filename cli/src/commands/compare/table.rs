@@ -1,9 +1,10 @@
 //! The comparison at the terminal.
 
+use leafwise::expression::words::counted;
 use leafwise::trade::{Comparison, Measured, Point, TrialFailure};
 
 use crate::console::Console;
-use crate::table::{aligned_after, counted, duration, short};
+use crate::table::{aligned_after, duration, short};
 
 const HEADINGS: [&str; 9] = [
     "front",

@@ -9,6 +9,7 @@ use leafwise_expression::{Expression, Polynomial, Ring};
 
 use crate::piece::{Atom, Piece, Tensor};
 use crate::pieces::{atoms, summands};
+use crate::probe::Probe;
 
 /// A term of one site's share of H, with its name up to translation.
 struct SiteAtom {
@@ -31,10 +32,12 @@ pub fn find_repeating_pieces(
     system: &SystemFormulas,
     ring: &mut Ring,
 ) -> Result<Option<Vec<Piece>>, BuildError> {
-    let tensor = Tensor::new(system, ring)?;
+    let (tensor, probe) = (Tensor::new(system, ring)?, Probe::of(system));
     let mut sites = Vec::with_capacity(cells.sites().length());
     for site in 0..cells.sites().length() {
-        sites.push(site_atoms(source, cells, system, &tensor, ring, site)?);
+        sites.push(site_atoms(
+            source, cells, system, &tensor, &probe, ring, site,
+        )?);
     }
     let mut pieces: Vec<Piece> = Vec::new();
     for (row, key) in units(cells, &sites) {
@@ -43,7 +46,7 @@ pub fn find_repeating_pieces(
             .filter(|site_atom| site_atom.key == key)
             .map(|site_atom| &site_atom.atom)
             .collect();
-        if !place(ring, &mut pieces, &unit, system.dimension())? {
+        if !place(ring, &probe, &mut pieces, &unit, system.dimension())? {
             return Ok(None);
         }
     }
@@ -77,6 +80,7 @@ fn units(cells: &Cells, sites: &[Vec<SiteAtom>]) -> Vec<(usize, String)> {
 /// one; whether there is such a piece.
 fn place(
     ring: &mut Ring,
+    probe: &Probe,
     pieces: &mut Vec<Piece>,
     unit: &[&Atom],
     dimension: usize,
@@ -88,7 +92,7 @@ fn place(
             .unwrap_or_else(|| Piece::empty(dimension));
         let mut fits = true;
         for atom in unit {
-            fits = fits && piece.add(ring, atom)?.is_ok();
+            fits = fits && piece.add(ring, probe, atom)?.is_ok();
         }
         if fits {
             match pieces.get_mut(at) {
@@ -107,6 +111,7 @@ fn site_atoms(
     cells: &Cells,
     system: &SystemFormulas,
     tensor: &Tensor,
+    probe: &Probe,
     ring: &mut Ring,
     site: usize,
 ) -> Result<Vec<SiteAtom>, BuildError> {
@@ -118,7 +123,7 @@ fn site_atoms(
         .flat_map(|d| site_summands(&d.site))
     {
         let f = summand.evaluate_in(ring, &mut |ring: &mut Ring, at| Ok(ring.variable(at)))?;
-        for atom in atoms(system, ring, tensor, f, &summand)? {
+        for atom in atoms(system, ring, probe, tensor, f, &summand)? {
             let name = |variable: usize| {
                 let (family, other) = cells.sites().locate(variable);
                 format!("{family}@{}", cells.sites().shift(site, other))
