@@ -300,6 +300,22 @@ fn a_step_that_is_too_long_for_its_order_is_told() {
     }
 }
 
+/// cos(kq) with kq = 2e16 and 2e9: round-off of q is 2 radians and 2e-7 of one.
+#[test]
+fn a_step_that_the_states_round_off_decides_is_told() {
+    let text = |k: &str| {
+        format!(
+            "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = \"1\" }}\n\
+             hamiltonian = \"p^2/2 + sin({k}*q)/{k}\"\nconvention = \"{{x,H}}\"\n\
+             [method]\nstepper = \"splitting\"\ntime-step = 1e-18\n\
+             [run]\ninitial = [2.1, 1e-17]\nsteps = 8\n"
+        )
+    };
+    let found = of_kind(&text("1e16"), AdviceKind::RoundOff).expect("a warning");
+    assert!(found.message.contains("round-off"), "{}", found.message);
+    assert_eq!(of_kind(&text("1e9"), AdviceKind::RoundOff), None);
+}
+
 #[test]
 fn the_scenes_of_the_gallery_deserve_no_warning() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");

@@ -88,7 +88,7 @@ fn judged(scene: &RandomScene, registry: &Registry) -> Verdict {
         Ok(end) => end,
         Err(error) => return Verdict::Failed(failure(&error).to_owned()),
     };
-    match doubt(scene, &composed, &end) {
+    match doubt(scene, registry, &composed, &end) {
         None => Verdict::Confirmed,
         Some(Doubt::Unresolved) => Verdict::Unresolved,
         Some(Doubt::Wrong(why)) => reported(&document, &composed, registry, why),
@@ -124,6 +124,7 @@ fn reported(
         matches!(
             kind,
             AdviceKind::CoarseStep
+                | AdviceKind::RoundOff
                 | AdviceKind::EnergyError
                 | AdviceKind::Chart
                 | AdviceKind::SeveralSolutions
@@ -159,8 +160,24 @@ enum Doubt {
     Unresolved,
 }
 
+/// The scene with a tolerance of 10⁻²ⁿ times its own.
+fn tightened(scene: &RandomScene, registry: &Registry, n: u32) -> Option<ComposedRun> {
+    let tolerance = (scene.tolerance * libm::pow(1e-2, f64::from(n))).max(1e-14);
+    let written = |tolerance: f64| format!("tolerance = {tolerance:?}");
+    let text = scene
+        .text
+        .replace(&written(scene.tolerance), &written(tolerance));
+    let document = SceneDocument::parse("scene.toml", &text, registry).ok()?;
+    compose(&document, registry).ok()
+}
+
 /// Why a result is not confirmed, if it is not.
-fn doubt(scene: &RandomScene, run: &ComposedRun, end_state: &[f64]) -> Option<Doubt> {
+fn doubt(
+    scene: &RandomScene,
+    registry: &Registry,
+    run: &ComposedRun,
+    end_state: &[f64],
+) -> Option<Doubt> {
     if let Some(broken) = broken_promise(scene, run, end_state) {
         return Some(Doubt::Wrong(broken));
     }
@@ -177,10 +194,14 @@ fn doubt(scene: &RandomScene, run: &ComposedRun, end_state: &[f64]) -> Option<Do
         let apart = (0..a.len()).map(|i| (a[i] - b[i]).abs() / widest[i].max(least));
         apart.fold(0.0_f64, |m, e| if e > m || e.is_nan() { e } else { m })
     };
-    let halved = |times: u32| end(run, STEPS << times);
+    // Steps halved; of an adaptive stepper, whose step is its own, tolerances of a hundredth.
+    let refined = |times: u32| match scene.tolerance > 0.0 {
+        true => tightened(scene, registry, times).and_then(|run| end(&run, STEPS).ok()),
+        false => end(run, STEPS << times).ok(),
+    };
     let Some(Solution { states, shortest }) = solution else {
-        // Too stiff for the independent solution: the halved steps are to confirm it.
-        let (Ok(half), Ok(quarter)) = (halved(1), halved(2)) else {
+        // Too stiff for the independent solution: the refined ones are to confirm it.
+        let (Some(half), Some(quarter)) = (refined(1), refined(2)) else {
             let why = "the motion cannot be followed to the end";
             return Some(Doubt::Wrong(why.to_owned()));
         };
@@ -188,7 +209,7 @@ fn doubt(scene: &RandomScene, run: &ComposedRun, end_state: &[f64]) -> Option<Do
         let own = TOLERANCES * scene.tolerance;
         let is_confirmed = rest <= ACCURATE.max(own) || whole <= GROSS && rest <= FALLS * whole;
         return (!is_confirmed).then(|| {
-            Doubt::Wrong(format!("the motion cannot be followed to the end: halved steps differ by {whole:.1e}, {rest:.1e}"))
+            Doubt::Wrong(format!("the motion cannot be followed to the end: refined ones differ by {whole:.1e}, {rest:.1e}"))
         });
     };
     let last = &states[STEPS];
@@ -206,7 +227,7 @@ fn doubt(scene: &RandomScene, run: &ComposedRun, end_state: &[f64]) -> Option<Do
     let mut errors = vec![error];
     if error <= GROSS * motion {
         for times in 1..=HALVINGS {
-            let error = halved(times).map_or(f64::NAN, |end| largest(&end, last));
+            let error = refined(times).map_or(f64::NAN, |end| largest(&end, last));
             errors.push(error);
             if falls(&errors) {
                 return None;

@@ -10,6 +10,7 @@
 //! - `direction`: Hamilton's equations that run backwards in time;
 //! - `energy`: an energy that is kept badly;
 //! - `exact`: an exact realization that costs no more;
+//! - `rounding`: a step that the state's round-off decides;
 //! - `step`: a step that is too long for its order;
 //! - `stepper`: a stepper that is no Poisson map where splitting is one for no more, stages that no step
 //!   feels;
@@ -23,6 +24,7 @@ mod dynamics;
 mod energy;
 mod exact;
 mod probe;
+mod rounding;
 mod solutions;
 mod step;
 mod stepper;
@@ -77,6 +79,8 @@ pub enum AdviceKind {
     Stages,
     /// A step that is too long for its order.
     CoarseStep,
+    /// A step that the state's round-off decides.
+    RoundOff,
     /// A recorded formula without a finite value at some samples.
     UndefinedObservable,
     /// Hamilton's equations that run backwards in time.
@@ -154,7 +158,8 @@ fn about_the_method(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>])
     if run.dimension() > LARGEST {
         return Vec::new();
     }
-    let coarse = step::advice(run, states).into_iter();
+    let coarse = step::advice(run, states);
+    let coarse = coarse.or_else(|| rounding::advice(run, states)).into_iter();
     if run.method.written().is_none() {
         return coarse
             .chain(stepper::advice(run, registry, states))

@@ -39,7 +39,7 @@ pub(super) fn advice(run: &ComposedRun, states: &[Vec<f64>]) -> Option<Advice> {
 }
 
 /// What two increments differ by over what they are: the largest of each over the coordinates, relative to these.
-fn difference(x: &[f64], whole: &[f64], halves: &[f64]) -> f64 {
+pub(super) fn difference(x: &[f64], whole: &[f64], halves: &[f64]) -> f64 {
     let (mut apart, mut motion) = (0.0_f64, 0.0_f64);
     for ((x, whole), halves) in x.iter().zip(whole).zip(halves) {
         let size = x.abs().max((x + whole).abs()).max((x + halves).abs());
@@ -57,7 +57,7 @@ fn difference(x: &[f64], whole: &[f64], halves: &[f64]) -> f64 {
 }
 
 /// The motion from x over the run's step, in so many parts.
-fn increment(run: &ComposedRun, x: &[f64], parts: u32) -> Result<Vec<f64>, StepError> {
+pub(super) fn increment(run: &ComposedRun, x: &[f64], parts: u32) -> Result<Vec<f64>, StepError> {
     let values = run.system.parameter_values();
     let (map, plan) = (run.method.map(), &run.plan);
     let mut stepper = map.stepper(1, &values, plan.epsilon, plan.h / f64::from(parts));
