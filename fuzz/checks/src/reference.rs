@@ -8,7 +8,7 @@ const SUBSTEPS: [usize; 7] = [2, 4, 6, 8, 10, 12, 14];
 const TOLERANCE: f64 = 1e-13;
 
 /// Steps after which it gives up: the solution is too stiff, or ends.
-const MOST_STEPS: usize = 400;
+const MOST_STEPS: usize = 4000;
 
 /// A solution at equal intervals.
 pub struct Solution {
@@ -16,6 +16,8 @@ pub struct Solution {
     pub states: Vec<Vec<f64>>,
     /// The shortest step that it took, in intervals, but for those that end at an interval's end.
     pub shortest: f64,
+    /// The states after each of its steps within the last interval.
+    pub ends: Vec<Vec<f64>>,
 }
 
 /// The solution of x′ = f(x) at `times` equal intervals of length `interval`; `None` where it ends
@@ -32,7 +34,9 @@ pub fn solution(
     let mut step = interval / 16.0;
     let mut steps = 0;
     let mut shortest = 1.0_f64;
+    let mut ends = Vec::new();
     for _ in 0..times {
+        ends = vec![x.clone()];
         let mut done = 0.0;
         while done < interval {
             let remains = interval - done;
@@ -58,6 +62,7 @@ pub fn solution(
                 continue;
             }
             x = next;
+            ends.push(x.clone());
             if !is_last {
                 shortest = shortest.min(trial / interval);
             }
@@ -69,7 +74,11 @@ pub fn solution(
         }
         states.push(x.clone());
     }
-    Some(Solution { states, shortest })
+    Some(Solution {
+        states,
+        shortest,
+        ends,
+    })
 }
 
 /// One step and its error.
