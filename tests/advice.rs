@@ -316,6 +316,21 @@ fn a_step_that_the_states_round_off_decides_is_told() {
     assert_eq!(of_kind(&text("1e9"), AdviceKind::RoundOff), None);
 }
 
+/// A constant of 1e300 beside terms of 1, and one of 1e3.
+#[test]
+fn an_energy_below_its_own_round_off_is_told() {
+    let text = |constant: &str| {
+        format!(
+            "[system]\nvariables = [\"x\", \"y\", \"z\"]\nbracket = {{ lie-algebra = \"so3\" }}\n\
+             hamiltonian = \"{constant} + x^2/2 + y^2/4 + z^2/6\"\n\
+             [method]\nstepper = \"splitting\"\ntime-step = 0.05\n[run]\ninitial = [1, 3, 3]\nsteps = 100\n"
+        )
+    };
+    let found = of_kind(&text("1e300"), AdviceKind::RoundOff).expect("a warning");
+    assert!(found.change.contains("constant"), "{}", found.change);
+    assert_eq!(of_kind(&text("1e3"), AdviceKind::RoundOff), None);
+}
+
 #[test]
 fn the_scenes_of_the_gallery_deserve_no_warning() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");

@@ -11,7 +11,8 @@ use leafwise::core::diagnostics::{TensorDefect, measure_drift, section_defect};
 use leafwise::core::dynamics::Generating;
 use leafwise::core::system::SystemInvariants;
 use leafwise::core::{
-    Integrator, Method, PartParameters, PoissonSystem, RealizationData, Registry, StepMap,
+    Evaluator, Integrator, Method, PartParameters, PoissonSystem, RealizationData, Registry,
+    StepMap,
 };
 use leafwise_tests::numbers::{distance, largest};
 use leafwise_tests::{Problem, library};
@@ -130,7 +131,7 @@ fn summands(problem: &Problem) -> Vec<f64> {
     let map = system.invariants_map().expect("code");
     let mut slopes = vec![0.0; map.outputs() * x.len()];
     map.evaluator(&system.parameter_values(), 1.0, 1.0)
-        .jacobian(x, &mut slopes)
+        .jacobians(x, &mut slopes)
         .expect("a Jacobian");
     let sum = |row: &[f64]| row.iter().zip(x).map(|(slope, x)| (slope * x).abs()).sum();
     slopes.chunks(x.len()).map(sum).collect()

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use leafwise::core::{
-    Accuracy, BuildError, ChartMaps, ChartWorker, DynamicApproximation, Ends, LagrangianBisection,
+    Accuracy, BuildError, ChartMaps, DynamicApproximation, Ends, Evaluator, LagrangianBisection,
     Method, PartParameters, PoissonSystem, RealizationData, RealizationMaps, RealizationWorker,
     Registry, StepError, StepMap, Structure,
 };
@@ -60,7 +60,7 @@ impl RealizationData for Numbers {
             has_tangents: self.has_tangents,
         }))
     }
-    fn chart_worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn ChartWorker>> {
+    fn chart_worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn Evaluator>> {
         Some(self.chart.as_ref()?.worker(parameters, epsilon))
     }
     fn is_reversible(&self) -> bool {

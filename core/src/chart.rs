@@ -5,8 +5,9 @@ use std::sync::Arc;
 use leafwise_expression::{Graph, StepSize, Term};
 
 use crate::error::{BuildError, StepError};
-use crate::realization::{ChartWorker, RealizationData};
-use crate::runge_kutta::{SmoothMap, SmoothMapEvaluator};
+use crate::evaluator::Evaluator;
+use crate::realization::RealizationData;
+use crate::runge_kutta::SmoothMap;
 
 /// The chart of a realization, compiled where it is code.
 #[derive(Clone, Debug)]
@@ -59,17 +60,14 @@ impl ChartMaps {
         matches!(self.kind, Kind::Pairs(_))
     }
 
-    /// An evaluator for fixed parameters and ε.
+    /// An evaluator of (x, p) ↦ χ(x, p) for fixed parameters and ε.
     ///
     /// # Panics
     /// When a realization that offered a chart as numbers offers none for these parameters.
-    pub fn worker(&self, parameters: &[f64], epsilon: f64) -> Box<dyn ChartWorker> {
+    pub fn worker(&self, parameters: &[f64], epsilon: f64) -> Box<dyn Evaluator> {
         match &self.kind {
             Kind::Pairs(dimension) => Box::new(Pairs(*dimension)),
-            Kind::Code(map) => Box::new(CodeChart {
-                points: vec![0.0; map.inputs()],
-                map: map.evaluator(parameters, epsilon, 1.0),
-            }),
+            Kind::Code(map) => Box::new(map.evaluator(parameters, epsilon, 1.0)),
             Kind::Numbers(realization) => realization
                 .chart_worker(parameters, epsilon)
                 .expect("a chart was offered when the method was composed"),
@@ -77,63 +75,29 @@ impl ChartMaps {
     }
 }
 
-/// Writes pairs (x, p) of d numbers each, one behind the other.
-fn pairs(x: &[f64], p: &[f64], d: usize, z: &mut [f64]) {
-    let points = x.chunks_exact(d).zip(p.chunks_exact(d));
-    for (z, (x, p)) in z.chunks_exact_mut(2 * d).zip(points) {
-        let (first, second) = z.split_at_mut(d);
-        first.copy_from_slice(x);
-        second.copy_from_slice(p);
-    }
-}
-
+/// The identity of pairs (x, p), each of so many coordinates.
 struct Pairs(usize);
 
-impl ChartWorker for Pairs {
-    fn point(&mut self, x: &[f64], p: &[f64], z: &mut [f64]) -> Result<(), StepError> {
-        pairs(x, p, self.0, z);
+impl Evaluator for Pairs {
+    fn values(&mut self, pairs: &[f64], z: &mut [f64]) -> Result<(), StepError> {
+        z.copy_from_slice(pairs);
         Ok(())
     }
 
-    fn tangent(&mut self, _: &[f64], _: &[f64], tangent: &mut [f64]) -> Result<(), StepError> {
+    fn jacobians(&mut self, _: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
         let n = 2 * self.0;
-        tangent.fill(0.0);
-        for unit in tangent.chunks_exact_mut(n * n) {
+        tangents.fill(0.0);
+        for unit in tangents.chunks_exact_mut(n * n) {
             unit.iter_mut().step_by(n + 1).for_each(|one| *one = 1.0);
         }
         Ok(())
     }
 
+    fn has_jacobian(&self) -> bool {
+        true
+    }
+
     fn operations(&self) -> Option<u64> {
         Some(0)
-    }
-}
-
-struct CodeChart {
-    map: SmoothMapEvaluator,
-    /// The points (x, p) of a call.
-    points: Vec<f64>,
-}
-
-impl CodeChart {
-    fn take(&mut self, x: &[f64], p: &[f64]) {
-        self.points.resize(2 * x.len(), 0.0);
-        pairs(x, p, self.map.map().inputs() / 2, &mut self.points);
-    }
-}
-
-impl ChartWorker for CodeChart {
-    fn point(&mut self, x: &[f64], p: &[f64], z: &mut [f64]) -> Result<(), StepError> {
-        self.take(x, p);
-        self.map.all_values(&self.points, z)
-    }
-
-    fn tangent(&mut self, x: &[f64], p: &[f64], tangent: &mut [f64]) -> Result<(), StepError> {
-        self.take(x, p);
-        self.map.all_jacobians(&self.points, tangent)
-    }
-
-    fn operations(&self) -> Option<u64> {
-        self.map.operations()
     }
 }

@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use leafwise_expression::{Arithmetic, Graph, Kernel, StepSize, Term, Workspace};
 
-use crate::bisection::{BisectionBatch, BisectionCode, BisectionWorker};
+use crate::bisection::BisectionCode;
 use crate::error::{BuildError, StepError};
+use crate::evaluator::{Evaluator, is_same, one_by_one};
 use crate::realization::{
     Ends, RealizationBatch, RealizationCode, RealizationData, RealizationWorker,
 };
@@ -303,16 +304,12 @@ impl CodeBisection {
         })
     }
 
-    pub(crate) fn worker(
-        &self,
-        parameters: &[f64],
-        epsilon: f64,
-        h: f64,
-    ) -> Box<dyn BisectionWorker> {
+    pub(crate) fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Evaluator> {
         let workspace = prepared(&self.kernel, parameters, epsilon, h);
         Box::new(CodeBisectionWorker {
             code: self.clone(),
             workspace,
+            y: Vec::with_capacity(self.kernel.inputs()),
             work: self.kernel.step_operations().work(),
             operations: 0,
         })
@@ -322,56 +319,55 @@ impl CodeBisection {
 struct CodeBisectionWorker {
     code: CodeBisection,
     workspace: Workspace,
+    /// The point that the kernel was evaluated at last; empty before.
+    y: Vec<f64>,
     /// Operations of one evaluation, and of all so far.
     work: u64,
     operations: u64,
 }
 
-impl BisectionWorker for CodeBisectionWorker {
-    fn point(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
+impl CodeBisectionWorker {
+    fn evaluate(&mut self, y: &[f64]) {
+        self.y.clear();
+        self.y.extend_from_slice(y);
         write_input(&mut self.workspace, y);
         self.code.kernel.evaluate_in_place(&mut self.workspace);
         self.operations += self.work;
-        for (index, value) in z.iter_mut().enumerate() {
-            *value = self.code.kernel.output(&self.workspace, index)[0];
-        }
-        Ok(())
     }
 
-    fn tangent(&mut self, tangent: &mut [f64]) -> Result<(), StepError> {
-        for (index, value) in tangent.iter_mut().enumerate() {
-            *value = self
-                .code
-                .kernel
-                .output(&self.workspace, self.code.space + index)[0];
+    /// The kernel's outputs from `first` on.
+    fn read(&self, first: usize, out: &mut [f64]) {
+        for (index, value) in out.iter_mut().enumerate() {
+            *value = self.code.kernel.output(&self.workspace, first + index)[0];
         }
-        Ok(())
+    }
+}
+
+impl Evaluator for CodeBisectionWorker {
+    fn values(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
+        one_by_one(self.code.kernel.inputs(), y, z, |y, z| {
+            self.evaluate(y);
+            self.read(0, z);
+            Ok(())
+        })
     }
 
-    fn batch(&mut self) -> Option<&mut dyn BisectionBatch> {
-        Some(self)
+    /// The kernel holds both: what was evaluated for the point is not evaluated again.
+    fn jacobians(&mut self, y: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
+        one_by_one(self.code.kernel.inputs(), y, tangents, |y, tangent| {
+            if !is_same(&self.y, y) {
+                self.evaluate(y);
+            }
+            self.read(self.code.space, tangent);
+            Ok(())
+        })
+    }
+
+    fn has_jacobian(&self) -> bool {
+        true
     }
 
     fn operations(&self) -> Option<u64> {
         Some(self.operations)
-    }
-}
-
-impl BisectionBatch for CodeBisectionWorker {
-    fn all_points(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
-        let (d, space) = (self.code.kernel.inputs(), self.code.space);
-        let mut points = y.chunks_exact(d).zip(z.chunks_exact_mut(space));
-        points.try_for_each(|(y, z)| self.point(y, z))
-    }
-
-    fn all_tangents(&mut self, y: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
-        let (d, space) = (self.code.kernel.inputs(), self.code.space);
-        for (y, out) in y.chunks_exact(d).zip(tangents.chunks_exact_mut(space * d)) {
-            write_input(&mut self.workspace, y);
-            self.code.kernel.evaluate_in_place(&mut self.workspace);
-            self.operations += self.work;
-            self.tangent(out)?;
-        }
-        Ok(())
     }
 }

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use leafwise_expression::{Graph, Term};
 
-use crate::bisection::{BisectionCode, BisectionWorker, LagrangianBisection};
+use crate::bisection::{BisectionCode, LagrangianBisection};
 use crate::chart::ChartMaps;
 use crate::error::BuildError;
+use crate::evaluator::Evaluator;
 use crate::generating_function::Generating;
 use crate::one_form::{CodeOneForm, GraphOfOneForm};
 use crate::realization::RealizationData;
@@ -72,7 +73,7 @@ impl LagrangianBisection for GraphOfDifferential {
         }
     }
 
-    fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn BisectionWorker>> {
+    fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn Evaluator>> {
         let (form, chart) = self.numbers.as_ref()?;
         Some(Box::new(GraphOfOneForm::new(
             form.worker(parameters, epsilon, h),

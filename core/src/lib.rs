@@ -30,6 +30,7 @@ mod compensation;
 pub mod diagnostics;
 pub mod dynamics;
 pub mod error;
+pub mod evaluator;
 pub mod generating;
 mod generating_function;
 pub mod integrator;
@@ -48,15 +49,14 @@ mod side_by_side;
 pub mod solver;
 pub mod system;
 
-pub use bisection::{
-    BisectionBatch, BisectionCode, BisectionWorker, LagrangianBisection, OneFormWorker,
-};
+pub use bisection::{BisectionCode, LagrangianBisection};
 pub use chart::ChartMaps;
 pub use closed_form::{ChartPoint, ClosedForm, ClosedRealization};
 pub use code_workers::{RealizationMaps, realization_worker};
 pub use compensation::two_sum;
 pub use dynamics::{Correction, DynamicApproximation};
 pub use error::{BuildError, StepError};
+pub use evaluator::Evaluator;
 pub use generating::GraphOfDifferential;
 pub use integrator::Integrator;
 pub use lattice::LatticeMethod;
@@ -65,9 +65,8 @@ pub use one_form::{CodeOneForm, GraphOfOneForm};
 pub use origin::Origin;
 pub use part::{PartInfo, PartKind, PartParameters};
 pub use realization::{
-    Accuracy, ChartWorker, Ends, LagrangianChart, RealizationBatch, RealizationCode,
-    RealizationData, RealizationWorker, SourceRecursion, SourceSeries, SourceSeriesIn,
-    SourceTarget,
+    Accuracy, Ends, LagrangianChart, RealizationBatch, RealizationCode, RealizationData,
+    RealizationWorker, SourceRecursion, SourceSeries, SourceSeriesIn, SourceTarget,
 };
 pub use registry::{Part, Registry, RegistryError};
 pub use side_by_side::SideBySide;

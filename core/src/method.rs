@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use leafwise_expression::{AlgebraError, Graph, Kernel, StepSize, Term};
 
-use crate::bisection::{BisectionWorker, LagrangianBisection};
+use crate::bisection::LagrangianBisection;
 use crate::code_workers::{CodeBisection, CodeRealization, realization_worker};
 use crate::dynamics::{Correction, DynamicApproximation};
 use crate::error::BuildError;
+use crate::evaluator::Evaluator;
 use crate::realization::{Accuracy, RealizationData, RealizationWorker};
 use crate::solver::{
     Checked, KeptSigns, Lanes, MakeCheck, MapProperties, NewtonKernel, NewtonStepper, Poles,
@@ -34,7 +35,7 @@ pub struct MethodWorkers {
     /// α̂ and β̂.
     pub maps: Box<dyn RealizationWorker>,
     /// y ↦ L(y).
-    pub points: Box<dyn BisectionWorker>,
+    pub points: Box<dyn Evaluator>,
 }
 
 /// How a step is computed.
@@ -158,16 +159,14 @@ impl Method {
                     None => None,
                     Some(code) => Some(CodeRealization::compile(code, d, space, parameters)?),
                 };
-                let mut embedding = bisection.worker(&probe, 1.0, 1.0);
+                let embedding = bisection.worker(&probe, 1.0, 1.0);
                 let points = match points.filter(|_| embedding.is_none()) {
                     None => None,
                     Some(points) => Some(CodeBisection::compile(points, d, space, parameters)?),
                 };
                 // Code serves any number.
                 let together = maps.as_mut().is_none_or(|maps| maps.batch().is_some())
-                    && embedding
-                        .as_mut()
-                        .is_none_or(|points| points.batch().is_some());
+                    && embedding.is_none_or(|points| points.is_pointwise());
                 Path::Workers {
                     code,
                     points,
@@ -334,6 +333,7 @@ impl StepMap for Method {
             } => {
                 let (d, space) = (self.dimension(), self.realization.space_dimension());
                 let correction = self.dynamics.correction();
+                let is_near = self.bisection.is_near_identity();
                 let offered = "a worker was offered when the method was composed";
                 let most = if *together { usize::MAX } else { 1 };
                 Box::new(Lanes::together(
@@ -356,7 +356,7 @@ impl StepMap for Method {
                                 worker.expect(offered)
                             }
                         };
-                        Workers::new((maps, points), (d, space), correction, count)
+                        Workers::new((maps, points), (d, space), (correction, is_near), count)
                     },
                 ))
             }

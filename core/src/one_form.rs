@@ -2,19 +2,19 @@
 
 use leafwise_expression::{Graph, Kernel, StepSize, Term};
 
-use crate::bisection::{BisectionBatch, BisectionWorker, OneFormWorker};
 use crate::error::{BuildError, StepError};
-use crate::realization::ChartWorker;
-use crate::runge_kutta::{SmoothMap, SmoothMapEvaluator};
+use crate::evaluator::{Evaluator, is_same};
+use crate::runge_kutta::SmoothMap;
 
 /// y ↦ χ(y, θ(y)): the graph of a one-form, through a chart.
 pub struct GraphOfOneForm {
-    form: Box<dyn OneFormWorker>,
-    chart: Box<dyn ChartWorker>,
+    form: Box<dyn Evaluator>,
+    chart: Box<dyn Evaluator>,
     dimension: usize,
-    /// The points of the last call, none where it failed, θ there, and Dθ and Dχ.
+    /// The points y of the last call, none where it failed, θ there, the pairs (y, θ(y)), and Dθ and Dχ.
     y: Vec<f64>,
     p: Vec<f64>,
+    pairs: Vec<f64>,
     jacobian: Vec<f64>,
     of_chart: Vec<f64>,
     /// Operations of the products.
@@ -24,8 +24,8 @@ pub struct GraphOfOneForm {
 impl GraphOfOneForm {
     /// The graph of a one-form on M of `dimension` d in S of `space` coordinates.
     pub fn new(
-        form: Box<dyn OneFormWorker>,
-        chart: Box<dyn ChartWorker>,
+        form: Box<dyn Evaluator>,
+        chart: Box<dyn Evaluator>,
         dimension: usize,
         space: usize,
     ) -> Self {
@@ -35,6 +35,7 @@ impl GraphOfOneForm {
             dimension,
             y: vec![0.0; dimension],
             p: vec![0.0; dimension],
+            pairs: vec![0.0; 2 * dimension],
             jacobian: vec![0.0; dimension * dimension],
             of_chart: vec![0.0; space * 2 * dimension],
             linear: 0,
@@ -43,34 +44,30 @@ impl GraphOfOneForm {
 }
 
 impl GraphOfOneForm {
-    /// Keeps the y and their θ(y).
+    /// Keeps the y, their θ(y) and the pairs of both.
     fn forms(&mut self, y: &[f64]) -> Result<(), StepError> {
+        let d = self.dimension;
         self.y.clear();
-        self.y.extend_from_slice(y);
         self.p.resize(y.len(), 0.0);
-        let outcome = self.form.value(y, &mut self.p);
-        if outcome.is_err() {
-            self.y.clear();
+        self.form.values(y, &mut self.p)?;
+        self.y.extend_from_slice(y);
+        self.pairs.resize(2 * y.len(), 0.0);
+        let points = y.chunks_exact(d).zip(self.p.chunks_exact(d));
+        for (pair, (y, p)) in self.pairs.chunks_exact_mut(2 * d).zip(points) {
+            let (first, second) = pair.split_at_mut(d);
+            first.copy_from_slice(y);
+            second.copy_from_slice(p);
         }
-        outcome
-    }
-
-    /// Whether these are the y that are kept.
-    fn has_forms(&self, y: &[f64]) -> bool {
-        let mut pairs = self.y.iter().zip(y);
-        self.y.len() == y.len() && pairs.all(|(kept, y)| kept.to_bits() == y.to_bits())
+        Ok(())
     }
 
     /// Writes D_x χ + D_p χ Dθ at all y that are kept.
     fn tangents(&mut self, tangents: &mut [f64]) -> Result<(), StepError> {
         let (d, y) = (self.dimension, &self.y);
-        if y.is_empty() {
-            return Err(StepError::NoTangent);
-        }
         self.jacobian.resize(y.len() * d, 0.0);
         self.of_chart.resize(2 * tangents.len(), 0.0);
-        self.form.jacobian(y, &mut self.jacobian)?;
-        self.chart.tangent(y, &self.p, &mut self.of_chart)?;
+        self.form.jacobians(y, &mut self.jacobian)?;
+        self.chart.jacobians(&self.pairs, &mut self.of_chart)?;
         let entries = tangents.len() * d / y.len();
         let jacobians = self.jacobian.chunks_exact(d * d);
         let charts = self.of_chart.chunks_exact(2 * entries);
@@ -91,39 +88,25 @@ impl GraphOfOneForm {
     }
 }
 
-impl BisectionWorker for GraphOfOneForm {
-    fn point(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
-        self.all_points(y, z)
+impl Evaluator for GraphOfOneForm {
+    fn values(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
+        self.forms(y)?;
+        self.chart.values(&self.pairs, z)
     }
 
-    fn tangent(&mut self, tangent: &mut [f64]) -> Result<(), StepError> {
-        self.tangents(tangent)
+    fn jacobians(&mut self, y: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
+        if !is_same(&self.y, y) {
+            self.forms(y)?;
+        }
+        self.tangents(tangents)
     }
 
-    fn has_tangent(&self) -> bool {
-        self.form.has_jacobian() && self.chart.has_tangent()
-    }
-
-    fn batch(&mut self) -> Option<&mut dyn BisectionBatch> {
-        Some(self)
+    fn has_jacobian(&self) -> bool {
+        self.form.has_jacobian() && self.chart.has_jacobian()
     }
 
     fn operations(&self) -> Option<u64> {
         Some(self.form.operations()? + self.chart.operations()? + self.linear)
-    }
-}
-
-impl BisectionBatch for GraphOfOneForm {
-    fn all_points(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
-        self.forms(y)?;
-        self.chart.point(y, &self.p, z)
-    }
-
-    fn all_tangents(&mut self, y: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
-        if !self.has_forms(y) {
-            self.forms(y)?;
-        }
-        self.tangents(tangents)
     }
 }
 
@@ -159,27 +142,7 @@ impl CodeOneForm {
     }
 
     /// An evaluator for fixed parameters, ε and h.
-    pub fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn OneFormWorker> {
-        Box::new(CodeOneFormWorker {
-            map: self.map.evaluator(parameters, epsilon, h),
-        })
-    }
-}
-
-struct CodeOneFormWorker {
-    map: SmoothMapEvaluator,
-}
-
-impl OneFormWorker for CodeOneFormWorker {
-    fn value(&mut self, y: &[f64], p: &mut [f64]) -> Result<(), StepError> {
-        self.map.all_values(y, p)
-    }
-
-    fn jacobian(&mut self, y: &[f64], jacobian: &mut [f64]) -> Result<(), StepError> {
-        self.map.all_jacobians(y, jacobian)
-    }
-
-    fn operations(&self) -> Option<u64> {
-        self.map.operations()
+    pub fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Evaluator> {
+        Box::new(self.map.evaluator(parameters, epsilon, h))
     }
 }

@@ -6,6 +6,7 @@ use leafwise_expression::{DifferentialAlgebra, Graph, Ring, Term};
 
 use crate::bisection::LagrangianBisection;
 use crate::error::{BuildError, StepError};
+use crate::evaluator::Evaluator;
 use crate::lattice::RealizationStages;
 use crate::solver::{MapProperties, StepMap};
 use crate::system::PoissonSystem;
@@ -55,8 +56,8 @@ pub trait RealizationData: Send + Sync + std::fmt::Debug {
     fn chart(&self) -> Option<&dyn LagrangianChart> {
         None
     }
-    /// χ as numbers, for a realization that offers no code.
-    fn chart_worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn ChartWorker>> {
+    /// (x, p) ↦ χ(x, p) as numbers, for a realization that offers no code.
+    fn chart_worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn Evaluator>> {
         let _ = (parameters, epsilon);
         None
     }
@@ -136,35 +137,6 @@ pub trait LagrangianChart {
         x: &[Term],
         p: &[Term],
     ) -> Result<Vec<Term>, BuildError>;
-}
-
-/// One thread's evaluator of a symplectic chart χ(x, p) ↦ z with χ(x, 0) = σ(x), for fixed parameters
-/// and ε.
-///
-/// Both functions take a batch of points, the x one behind the other and the p too, d numbers each. What
-/// is written for a point depends on that point alone.
-pub trait ChartWorker: Send {
-    /// χ(x, p), d_S numbers a point.
-    ///
-    /// # Errors
-    /// [`StepError::LeftChart`] and the like, with `z` unspecified.
-    fn point(&mut self, x: &[f64], p: &[f64], z: &mut [f64]) -> Result<(), StepError>;
-    /// Dχ(x, p), row-major d_S × 2d, the columns of x first.
-    ///
-    /// # Errors
-    /// [`StepError::NoTangent`] where it is not offered.
-    fn tangent(&mut self, x: &[f64], p: &[f64], tangent: &mut [f64]) -> Result<(), StepError>;
-    /// Whether [`tangent`](Self::tangent) is offered.
-    fn has_tangent(&self) -> bool {
-        true
-    }
-    /// Operations so far, as [`SolverStatistics::operations`] counts them; `None` for a part that
-    /// does not count.
-    ///
-    /// [`SolverStatistics::operations`]: crate::SolverStatistics::operations
-    fn operations(&self) -> Option<u64> {
-        None
-    }
 }
 
 /// α̂ and β̂ at one point of S, as numbers: β̂ = base + offset, α̂ = β̂ + increment.

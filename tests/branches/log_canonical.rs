@@ -182,7 +182,7 @@ proptest! {
             let mut target = |ulps: f64| -> Vec<f64> {
                 let y: Vec<f64> = y.iter().map(|y| y * (1.0 + ulps * f64::EPSILON)).collect();
                 let mut z = vec![0.0; 6];
-                workers.points.point(&y, &mut z).expect("a point");
+                workers.points.values(&y, &mut z).expect("a point");
                 let mut ends = leafwise::core::Ends::new(3);
                 workers.maps.ends(&z, &mut ends).expect("ends");
                 (0..3).map(|i| ends.base[i] + ends.offset[i]).collect()

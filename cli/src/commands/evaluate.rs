@@ -245,7 +245,7 @@ fn ends(
     let z = match realization.chart_worker(&parameters, epsilon) {
         Some(mut chart) => {
             let mut z = vec![0.0; realization.space_dimension()];
-            chart.point(&point[..d], &point[d..], &mut z)?;
+            chart.values(&point, &mut z)?;
             z
         }
         None if realization.points_are_pairs() => point,

@@ -9,7 +9,8 @@ use super::round_off;
 use crate::chart::ChartMaps;
 use crate::code_workers::RealizationMaps;
 use crate::error::{BuildError, StepError};
-use crate::realization::{ChartWorker, Ends, RealizationData, RealizationWorker};
+use crate::evaluator::Evaluator;
+use crate::realization::{Ends, RealizationData, RealizationWorker};
 use crate::system::{PoissonSystem, TensorMatrix};
 
 /// ε Π(α̂) − {α̂, α̂}_ω and {α̂_i, β̂_j}_ω at points χ(x, p) of a cotangent chart about the section, from
@@ -68,7 +69,7 @@ struct Tangents {
 /// Both maps through the chart.
 struct Charted {
     realization: Box<dyn RealizationWorker>,
-    chart: Box<dyn ChartWorker>,
+    chart: Box<dyn Evaluator>,
     z: Vec<f64>,
     ends: Ends,
 }
@@ -213,7 +214,7 @@ impl Charted {
         alpha: &mut [f64],
         beta: &mut [f64],
     ) -> Result<(), StepError> {
-        self.chart.point(x, p, &mut self.z)?;
+        self.chart.values(&[x, p].concat(), &mut self.z)?;
         self.realization.ends(&self.z, &mut self.ends)?;
         for i in 0..x.len() {
             beta[i] = self.ends.base[i] + self.ends.offset[i];
@@ -225,11 +226,11 @@ impl Charted {
     /// Both tangents at χ(x, p), where the maps were evaluated last.
     fn tangents(&mut self, x: &[f64], p: &[f64]) -> Result<Tangents, StepError> {
         let (d, space) = (x.len(), self.z.len());
-        if !(self.realization.has_tangents() && self.chart.has_tangent()) {
+        if !(self.realization.has_tangents() && self.chart.has_jacobian()) {
             return self.differences(x, p);
         }
         let mut chart = vec![0.0; space * 2 * d];
-        self.chart.tangent(x, p, &mut chart)?;
+        self.chart.jacobians(&[x, p].concat(), &mut chart)?;
         let mut target = vec![0.0; d * space];
         let mut increment = vec![0.0; d * space];
         self.realization.tangents(&mut target, &mut increment)?;

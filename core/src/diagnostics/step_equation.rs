@@ -1,8 +1,8 @@
 //! The equation of a step, β̂(L(y)) = x, at one state: its solutions and their place in the chart.
 
-use crate::bisection::BisectionWorker;
 use crate::dynamics::Correction;
 use crate::error::{BuildError, StepError};
+use crate::evaluator::Evaluator;
 use crate::method::{Method, MethodWorkers};
 use crate::realization::{Ends, RealizationWorker};
 use crate::solver::DenseFactors;
@@ -19,7 +19,7 @@ const SAME: f64 = 1e-6;
 /// β̂(L(y)) = x for one method and one step size, by Newton's method from any start.
 pub struct StepEquation {
     maps: Box<dyn RealizationWorker>,
-    points: Box<dyn BisectionWorker>,
+    points: Box<dyn Evaluator>,
     correction: Correction,
     dimension: usize,
     space: usize,
@@ -83,7 +83,7 @@ impl StepEquation {
         let mut factors = DenseFactors::new(d);
         let mut correction = f64::INFINITY;
         for _ in 0..ITERATIONS {
-            self.points.point(&y, &mut point)?;
+            self.points.values(&y, &mut point)?;
             let is_solved =
                 self.correction == Correction::None || correction <= CONVERGED * size(&y);
             ends.increment.fill(f64::NAN);
@@ -102,7 +102,7 @@ impl StepEquation {
                     chart_ratio: self.maps.chart_ratio(),
                 });
             }
-            self.points.tangent(&mut tangent)?;
+            self.points.jacobians(&y, &mut tangent)?;
             self.maps.tangents(&mut target, &mut increment)?;
             for i in 0..d {
                 for j in 0..d {

@@ -11,6 +11,6 @@ mod stage_solve;
 pub mod stages;
 pub mod tableau;
 
-pub use smooth_map::{MapWorker, SmoothMap, SmoothMapEvaluator};
+pub use smooth_map::{SmoothMap, SmoothMapEvaluator};
 pub use stages::StageSolver;
 pub use tableau::{PartitionedTableau, Tableau};

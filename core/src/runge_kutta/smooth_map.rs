@@ -6,6 +6,7 @@ use leafwise_expression::{Graph, Kernel, Term, Workspace};
 
 use super::batch::batch;
 use crate::error::{BuildError, StepError};
+use crate::evaluator::{Evaluator, one_by_one};
 use crate::solver::check_variables;
 
 /// A map z ↦ F(z), and z ↦ DF(z) where that is offered.
@@ -26,67 +27,7 @@ enum Source {
     Numbers(Arc<MakeMap>),
 }
 
-type MakeMap = dyn Fn(&[f64], f64, f64) -> Box<dyn MapWorker> + Send + Sync;
-
-/// One thread's evaluator of a map that has no code, for fixed parameters, ε and h.
-pub trait MapWorker: Send {
-    /// F(z).
-    ///
-    /// # Errors
-    /// [`StepError`] outside the map's domain, with `out` unspecified.
-    fn value(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError>;
-    /// DF(z), row-major outputs × inputs.
-    ///
-    /// # Errors
-    /// As [`value`](Self::value); [`StepError::NoTangent`] for a map without one.
-    fn jacobian(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        let _ = (z, out);
-        Err(StepError::NoTangent)
-    }
-    /// F at `count` points, one behind the other; bit for bit what [`value`](Self::value) gives at each.
-    ///
-    /// # Errors
-    /// As [`value`](Self::value), at one of the points, with `out` unspecified.
-    fn values(&mut self, count: usize, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        one_by_one(count, z, out, |z, out| self.value(z, out))
-    }
-    /// DF at `count` points, one behind the other; bit for bit what [`jacobian`](Self::jacobian) gives.
-    ///
-    /// # Errors
-    /// As [`jacobian`](Self::jacobian), at one of the points, with `out` unspecified.
-    fn jacobians(&mut self, count: usize, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        one_by_one(count, z, out, |z, out| self.jacobian(z, out))
-    }
-    /// Forgets earlier evaluations.
-    fn restart(&mut self) {}
-    /// What later evaluations depend on, for a checkpoint; always of the same length.
-    fn memory(&self) -> Vec<f64> {
-        Vec::new()
-    }
-    /// Restores [`memory`](Self::memory).
-    fn restore(&mut self, memory: &[f64]) {
-        let _ = memory;
-    }
-    /// Operations so far, as [`SolverStatistics::operations`] counts them; `None` for a map that does
-    /// not count.
-    ///
-    /// [`SolverStatistics::operations`]: crate::SolverStatistics::operations
-    fn operations(&self) -> Option<u64> {
-        None
-    }
-}
-
-/// Evaluates at `count` points, one behind the other, by themselves.
-fn one_by_one(
-    count: usize,
-    z: &[f64],
-    out: &mut [f64],
-    mut evaluate: impl FnMut(&[f64], &mut [f64]) -> Result<(), StepError>,
-) -> Result<(), StepError> {
-    let (inputs, outputs) = (z.len() / count, out.len() / count);
-    let mut pairs = z.chunks_exact(inputs).zip(out.chunks_exact_mut(outputs));
-    pairs.try_for_each(|(z, out)| evaluate(z, out))
-}
+type MakeMap = dyn Fn(&[f64], f64, f64) -> Box<dyn Evaluator> + Send + Sync;
 
 impl std::fmt::Debug for SmoothMap {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -170,7 +111,7 @@ impl SmoothMap {
         inputs: usize,
         outputs: usize,
         has_jacobian: bool,
-        make: impl Fn(&[f64], f64, f64) -> Box<dyn MapWorker> + Send + Sync + 'static,
+        make: impl Fn(&[f64], f64, f64) -> Box<dyn Evaluator> + Send + Sync + 'static,
     ) -> Self {
         Self {
             source: Source::Numbers(Arc::new(make)),
@@ -208,6 +149,7 @@ impl SmoothMap {
         };
         let worker = match &self.source {
             Source::Kernels { value, jacobian } => Box::new(KernelWorker {
+                inputs: self.inputs,
                 value: prepared(value),
                 jacobian: jacobian.as_ref().map(prepared),
                 operations: 0,
@@ -229,6 +171,7 @@ struct Prepared {
 }
 
 struct KernelWorker {
+    inputs: usize,
     value: Prepared,
     jacobian: Option<Prepared>,
     operations: u64,
@@ -241,16 +184,24 @@ impl Prepared {
     }
 }
 
-impl MapWorker for KernelWorker {
-    fn value(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.operations += self.value.evaluate(z, out);
-        Ok(())
+impl Evaluator for KernelWorker {
+    fn values(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        one_by_one(self.inputs, z, out, |z, out| {
+            self.operations += self.value.evaluate(z, out);
+            Ok(())
+        })
     }
 
-    fn jacobian(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+    fn jacobians(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         let kernel = self.jacobian.as_mut().ok_or(StepError::NoTangent)?;
-        self.operations += kernel.evaluate(z, out);
-        Ok(())
+        one_by_one(self.inputs, z, out, |z, out| {
+            self.operations += kernel.evaluate(z, out);
+            Ok(())
+        })
+    }
+
+    fn has_jacobian(&self) -> bool {
+        self.jacobian.is_some()
     }
 
     fn operations(&self) -> Option<u64> {
@@ -261,7 +212,7 @@ impl MapWorker for KernelWorker {
 /// One thread's evaluator of a [`SmoothMap`].
 pub struct SmoothMapEvaluator {
     map: SmoothMap,
-    worker: Box<dyn MapWorker>,
+    worker: Box<dyn Evaluator>,
 }
 
 impl SmoothMapEvaluator {
@@ -270,92 +221,61 @@ impl SmoothMapEvaluator {
         &self.map
     }
 
-    /// F(z).
-    ///
-    /// # Errors
-    /// [`StepError`] outside the domain of a map of numbers.
-    ///
-    /// # Panics
-    /// When a slice has another length than the map's inputs or outputs.
-    pub fn value(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.worker.value(z, out)
-    }
-
-    /// DF(z), row-major outputs × inputs.
-    ///
-    /// # Errors
-    /// As [`value`](Self::value); [`StepError::NoTangent`] for a map without a Jacobian.
-    ///
-    /// # Panics
-    /// When a slice has another length than the map's inputs or Jacobian.
-    pub fn jacobian(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.worker.jacobian(z, out)
-    }
-
-    /// F at several points, one behind the other, in one call.
-    ///
-    /// # Errors
-    /// As [`value`](Self::value), at one of the points, with `out` unspecified.
+    /// F at several points in one call; where that fails, one by one: the points that fail are handed over,
+    /// with their place in `out` unspecified.
     ///
     /// # Panics
     /// When a slice is not that of a whole number of points.
-    pub fn all_values(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        if z.len() == self.map.inputs {
-            return self.worker.value(z, out);
-        }
-        self.worker.values(z.len() / self.map.inputs, z, out)
-    }
-
-    /// DF at several points, as [`all_values`](Self::all_values).
-    ///
-    /// # Errors
-    /// As [`jacobian`](Self::jacobian), at one of the points, with `out` unspecified.
-    ///
-    /// # Panics
-    /// When a slice is not that of a whole number of points.
-    pub fn all_jacobians(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        if z.len() == self.map.inputs {
-            return self.worker.jacobian(z, out);
-        }
-        self.worker.jacobians(z.len() / self.map.inputs, z, out)
-    }
-
-    /// F at several points, one behind the other, in one call; where that fails, one by one: the points
-    /// that fail are handed over, with their place in `out` unspecified.
-    ///
-    /// # Panics
-    /// When a slice is not that of a whole number of points.
-    pub fn values(&mut self, z: &[f64], out: &mut [f64], failed: impl FnMut(usize, StepError)) {
+    pub fn each_value(&mut self, z: &[f64], out: &mut [f64], failed: impl FnMut(usize, StepError)) {
         let shape = (self.map.inputs, self.map.outputs);
-        batch(shape, z, out, failed, |z, out| self.all_values(z, out));
+        batch(shape, z, out, failed, |z, out| self.values(z, out));
     }
 
-    /// DF at several points, as [`values`](Self::values).
+    /// DF at several points, as [`each_value`](Self::each_value).
     ///
     /// # Panics
     /// When a slice is not that of a whole number of points.
-    pub fn jacobians(&mut self, z: &[f64], out: &mut [f64], failed: impl FnMut(usize, StepError)) {
+    pub fn each_jacobian(
+        &mut self,
+        z: &[f64],
+        out: &mut [f64],
+        failed: impl FnMut(usize, StepError),
+    ) {
         let shape = (self.map.inputs, self.map.outputs * self.map.inputs);
-        batch(shape, z, out, failed, |z, out| self.all_jacobians(z, out));
+        batch(shape, z, out, failed, |z, out| self.jacobians(z, out));
+    }
+}
+
+impl Evaluator for SmoothMapEvaluator {
+    fn values(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.worker.values(z, out)
     }
 
-    /// Forgets earlier evaluations.
-    pub fn restart(&mut self) {
+    fn jacobians(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.worker.jacobians(z, out)
+    }
+
+    fn has_jacobian(&self) -> bool {
+        self.map.has_jacobian
+    }
+
+    fn is_pointwise(&self) -> bool {
+        self.worker.is_pointwise()
+    }
+
+    fn operations(&self) -> Option<u64> {
+        self.worker.operations()
+    }
+
+    fn restart(&mut self) {
         self.worker.restart();
     }
 
-    /// What later evaluations depend on, for a checkpoint; always of the same length.
-    pub fn memory(&self) -> Vec<f64> {
+    fn memory(&self) -> Vec<f64> {
         self.worker.memory()
     }
 
-    /// Restores [`memory`](Self::memory).
-    pub fn restore(&mut self, memory: &[f64]) {
+    fn restore(&mut self, memory: &[f64]) {
         self.worker.restore(memory);
-    }
-
-    /// Weighted operations of all evaluations so far; `None` for a map that does not count.
-    pub fn operations(&self) -> Option<u64> {
-        self.worker.operations()
     }
 }

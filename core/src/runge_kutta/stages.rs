@@ -6,6 +6,7 @@ use super::smooth_map::SmoothMapEvaluator;
 use super::stage_solve::{Coefficients, StageSolve};
 use super::tableau::PartitionedTableau;
 use crate::error::StepError;
+use crate::evaluator::Evaluator;
 use crate::solver::judge::all_finite;
 use crate::solver::{Branch, Taken};
 
@@ -163,8 +164,8 @@ impl StageSolver {
                 for (row, stage) in stages.iter_mut().enumerate() {
                     *stage = own.start()[row % n] + point[row];
                 }
-                field.all_values(stages, slopes)?;
-                field.all_jacobians(stages, jacobians)?;
+                field.values(stages, slopes)?;
+                field.jacobians(stages, jacobians)?;
                 let at = (point, &*slopes, &*jacobians);
                 own.equation(coefficients, part, at, residual, matrix);
                 all_finite(residual, matrix, "a correction of the stages")
@@ -202,7 +203,7 @@ impl StageSolver {
         }
         let active = &self.active;
         let fail = |point: usize, error| taken[active[point / s]].fail(error);
-        self.field.values(stages, slopes, fail);
+        self.field.each_value(stages, slopes, fail);
     }
 
     /// DF there, for those that want it.
@@ -223,7 +224,7 @@ impl StageSolver {
         let jacobians = &mut self.jacobians[..all * n];
         let fail = |point: usize, error| taken[wanting[point / s]].fail(error);
         self.field
-            .jacobians(&self.linearized[..all], jacobians, fail);
+            .each_jacobian(&self.linearized[..all], jacobians, fail);
         for (at, jacobians) in wanting.iter().zip(jacobians.chunks_exact(s * n * n)) {
             if taken[*at].outcome.is_ok() {
                 let trajectory = &mut self.trajectories[*at];
@@ -276,7 +277,7 @@ impl StageSolver {
         trajectory.place(stages);
         let mut is_defined = true;
         self.field
-            .jacobians(stages, jacobians, |_, _| is_defined = false);
+            .each_jacobian(stages, jacobians, |_, _| is_defined = false);
         if !is_defined || !trajectory.factor(&self.coefficients, jacobians, &mut self.matrix) {
             return None;
         }

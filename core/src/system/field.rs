@@ -6,7 +6,8 @@ use nalgebra::DMatrix;
 use super::numbers::{NumbersWorker, OpaqueSystem};
 use super::{Definition, PoissonSystem};
 use crate::error::{BuildError, StepError};
-use crate::runge_kutta::{MapWorker, SmoothMap};
+use crate::evaluator::Evaluator;
+use crate::runge_kutta::SmoothMap;
 
 impl PoissonSystem {
     /// x ↦ X_H(x) = −Π(x)∇H(x), with its Jacobian where the system offers the derivatives of Π and ∇H.
@@ -149,6 +150,7 @@ fn map_of(system: &OpaqueSystem, value: Value) -> SmoothMap {
         Box::new(Worker {
             numbers: numbers.worker(parameters),
             value,
+            has_jacobian,
             dimension: d,
             gradients: vec![0.0; d],
             units: Vec::new(),
@@ -162,6 +164,7 @@ fn map_of(system: &OpaqueSystem, value: Value) -> SmoothMap {
 struct Worker {
     numbers: Box<dyn NumbersWorker>,
     value: Value,
+    has_jacobian: bool,
     dimension: usize,
     /// ∇H, one behind the other.
     gradients: Vec<f64>,
@@ -174,17 +177,19 @@ struct Worker {
     spread: [Vec<f64>; 3],
 }
 
-impl MapWorker for Worker {
-    fn value(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.values(1, z, out)
+impl Worker {
+    fn inputs(&self) -> usize {
+        match self.value {
+            Value::Tensor => 2 * self.dimension,
+            Value::Field | Value::Gradient | Value::Invariants => self.dimension,
+        }
     }
+}
 
-    fn jacobian(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.jacobians(1, z, out)
-    }
-
-    fn values(&mut self, count: usize, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+impl Evaluator for Worker {
+    fn values(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         let d = self.dimension;
+        let count = z.len() / self.inputs();
         match self.value {
             Value::Field => {
                 self.gradients.resize(count * d, 0.0);
@@ -213,8 +218,9 @@ impl MapWorker for Worker {
         Ok(())
     }
 
-    fn jacobians(&mut self, count: usize, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+    fn jacobians(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         let d = self.dimension;
+        let count = z.len() / self.inputs();
         if self.units.is_empty() {
             self.units = DMatrix::identity(d, d).as_slice().to_vec();
             self.columns.resize(d * d, 0.0);
@@ -287,6 +293,10 @@ impl MapWorker for Worker {
             }
         }
         Ok(())
+    }
+
+    fn has_jacobian(&self) -> bool {
+        self.has_jacobian
     }
 
     fn operations(&self) -> Option<u64> {

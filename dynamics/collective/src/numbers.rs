@@ -1,7 +1,8 @@
 //! The vector field of the collective Hamiltonian over a realization that computes numbers.
 
-use leafwise_core::runge_kutta::{MapWorker, SmoothMap, SmoothMapEvaluator};
-use leafwise_core::{ChartMaps, ChartWorker, Ends, RealizationMaps, RealizationWorker, StepError};
+use leafwise_core::evaluator::{Evaluator, one_by_one};
+use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
+use leafwise_core::{ChartMaps, Ends, RealizationMaps, RealizationWorker, StepError};
 
 /// (x, p) ↦ (−∂K/∂p, ∂K/∂x) for K = H∘α̂_ε∘χ, from ∇K = (Dα̂ Dχ)ᵀ ∇H; `space` is the number of
 /// coordinates of a point of S.
@@ -40,7 +41,7 @@ pub fn collective_numbers(
 
 struct NumericField {
     maps: Box<dyn RealizationWorker>,
-    chart: Box<dyn ChartWorker>,
+    chart: Box<dyn Evaluator>,
     has_pairs: bool,
     /// ∇H and D²H.
     gradient: SmoothMapEvaluator,
@@ -66,14 +67,13 @@ impl NumericField {
     /// Evaluates α̂, ∇H and D(α̂∘χ) at (x, p).
     fn evaluate(&mut self, z: &[f64]) -> Result<(), StepError> {
         let (d, space) = (self.alpha.len(), self.point.len());
-        let (x, p) = z.split_at(d);
-        self.chart.point(x, p, &mut self.point)?;
+        self.chart.values(z, &mut self.point)?;
         self.maps.ends(&self.point, &mut self.ends)?;
         self.maps.tangents(&mut self.target, &mut self.increment)?;
         for (i, alpha) in self.alpha.iter_mut().enumerate() {
             *alpha = self.ends.base[i] + self.ends.offset[i] + self.ends.increment[i];
         }
-        self.gradient.value(&self.alpha, &mut self.slope)?;
+        self.gradient.values(&self.alpha, &mut self.slope)?;
         self.linear += (d * space + 4 * d * d) as u64;
         // Dα̂ = Dβ̂ + D(α̂ − β̂), in place of the first.
         for (target, increment) in self.target.iter_mut().zip(&self.increment) {
@@ -83,7 +83,7 @@ impl NumericField {
             self.source.copy_from_slice(&self.target);
             return Ok(());
         }
-        self.chart.tangent(x, p, &mut self.of_chart)?;
+        self.chart.jacobians(z, &mut self.of_chart)?;
         self.linear += 4 * (d * d * space) as u64;
         for (at, entry) in self.source.iter_mut().enumerate() {
             let row = &self.target[at / (2 * d) * space..][..space];
@@ -100,7 +100,8 @@ fn transposed(matrix: &[f64], columns: usize, vector: &[f64], k: usize) -> f64 {
     column.zip(vector).map(|(m, v)| m * v).sum()
 }
 
-impl MapWorker for NumericField {
+impl NumericField {
+    /// J ∇K.
     fn value(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         self.evaluate(z)?;
         let d = self.alpha.len();
@@ -111,10 +112,11 @@ impl MapWorker for NumericField {
         Ok(())
     }
 
+    /// J D²K.
     fn jacobian(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         self.evaluate(z)?;
         let d = self.alpha.len();
-        self.gradient.jacobian(&self.alpha, &mut self.of_energy)?;
+        self.gradient.jacobians(&self.alpha, &mut self.of_energy)?;
         self.maps.source_hessian(&self.slope, &mut self.of_source)?;
         self.linear += (12 * d * d * d) as u64;
         for k in 0..2 * d {
@@ -134,6 +136,25 @@ impl MapWorker for NumericField {
             }
         }
         Ok(())
+    }
+}
+
+impl Evaluator for NumericField {
+    fn values(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        one_by_one(2 * self.alpha.len(), z, out, |z, out| self.value(z, out))
+    }
+
+    fn jacobians(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        one_by_one(2 * self.alpha.len(), z, out, |z, out| self.jacobian(z, out))
+    }
+
+    fn has_jacobian(&self) -> bool {
+        !self.of_source.is_empty()
+    }
+
+    /// Curves start from those before.
+    fn is_pointwise(&self) -> bool {
+        false
     }
 
     fn restart(&mut self) {

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
 use leafwise_core::{
-    BisectionWorker, BuildError, ChartMaps, GraphOfOneForm, LagrangianBisection, OneFormWorker,
-    PoissonSystem, RealizationData, StepError,
+    BuildError, ChartMaps, Evaluator, GraphOfOneForm, LagrangianBisection, PoissonSystem,
+    RealizationData, StepError,
 };
 
 /// y ↦ χ(y, h dH(y)): S = h H, the generating function of order 2, is the same in every chart and
@@ -49,7 +49,7 @@ impl GraphOfEnergy {
         })
     }
 
-    fn form(&self, parameters: &[f64], h: f64) -> Box<dyn OneFormWorker> {
+    fn form(&self, parameters: &[f64], h: f64) -> Box<dyn Evaluator> {
         Box::new(EnergyForm {
             gradient: self.gradient.evaluator(parameters, 1.0, h),
             h,
@@ -58,7 +58,7 @@ impl GraphOfEnergy {
 }
 
 impl LagrangianBisection for GraphOfEnergy {
-    fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn BisectionWorker>> {
+    fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn Evaluator>> {
         Some(Box::new(GraphOfOneForm::new(
             self.form(parameters, h),
             self.chart.worker(parameters, epsilon),
@@ -67,12 +67,7 @@ impl LagrangianBisection for GraphOfEnergy {
         )))
     }
 
-    fn one_form(
-        &self,
-        parameters: &[f64],
-        _epsilon: f64,
-        h: f64,
-    ) -> Option<Box<dyn OneFormWorker>> {
+    fn one_form(&self, parameters: &[f64], _epsilon: f64, h: f64) -> Option<Box<dyn Evaluator>> {
         Some(self.form(parameters, h))
     }
 }
@@ -89,21 +84,21 @@ impl EnergyForm {
     }
 }
 
-impl OneFormWorker for EnergyForm {
-    fn value(&mut self, y: &[f64], p: &mut [f64]) -> Result<(), StepError> {
-        self.gradient.all_values(y, p)?;
+impl Evaluator for EnergyForm {
+    fn values(&mut self, y: &[f64], p: &mut [f64]) -> Result<(), StepError> {
+        self.gradient.values(y, p)?;
         self.scale(p);
         Ok(())
     }
 
-    fn jacobian(&mut self, y: &[f64], jacobian: &mut [f64]) -> Result<(), StepError> {
-        self.gradient.all_jacobians(y, jacobian)?;
-        self.scale(jacobian);
+    fn jacobians(&mut self, y: &[f64], jacobians: &mut [f64]) -> Result<(), StepError> {
+        self.gradient.jacobians(y, jacobians)?;
+        self.scale(jacobians);
         Ok(())
     }
 
     fn has_jacobian(&self) -> bool {
-        self.gradient.map().has_jacobian()
+        self.gradient.has_jacobian()
     }
 
     fn operations(&self) -> Option<u64> {

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartParameters};
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
-use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
+use leafwise_core::{
+    BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure,
+};
 
 use crate::one_step::{Make, OneStep, ReferenceMap};
 
@@ -89,7 +91,7 @@ impl AdaptivePair {
     fn slope_at(&mut self, stage: usize) {
         let at = if stage == 0 { &self.state } else { &self.stage };
         let slope = &mut self.slopes[stage];
-        if let Err(error) = self.field.value(at, slope) {
+        if let Err(error) = self.field.values(at, slope) {
             slope.fill(f64::NAN);
             self.refusal = Some(error);
         }

@@ -13,7 +13,9 @@ use leafwise_core::solver::{
     Anderson, CorrectionSize, DenseFactors, LinearIteration, check_equations,
     elimination_operations, substitution_operations,
 };
-use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
+use leafwise_core::{
+    BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure,
+};
 use nalgebra::DMatrix;
 
 use crate::connected::{Connected, StepEquation};
@@ -207,7 +209,7 @@ impl EnergyPreserving {
         averages.by_start.fill(0.0);
         for q in 0..QUADRATURE {
             self.place(Coefficients::Node, q);
-            self.gradient.value(&self.place[..d], &mut self.value)?;
+            self.gradient.values(&self.place[..d], &mut self.value)?;
             let averages = &mut self.averages_of_gradient;
             let weight = |i: usize| self.quadrature.weights[q] * self.averages[q * s + i];
             for (row, sum) in averages.values.iter_mut().enumerate() {
@@ -217,7 +219,7 @@ impl EnergyPreserving {
                 continue;
             }
             let hessian = &mut self.slope[..d * d];
-            self.gradient.jacobian(&self.place[..d], hessian)?;
+            self.gradient.jacobians(&self.place[..d], hessian)?;
             for row in 0..s * d {
                 let (weight, hessian) = (weight(row / d), &hessian[row % d * d..][..d]);
                 let by_start = &mut averages.by_start[row * d..][..d];
@@ -242,9 +244,9 @@ impl EnergyPreserving {
             self.place(Coefficients::Stage, i);
             let own = i * d..(i + 1) * d;
             self.place[d..].copy_from_slice(&self.averages_of_gradient.values[own.clone()]);
-            self.tensor.value(&self.place, &mut self.values[own])?;
+            self.tensor.values(&self.place, &mut self.values[own])?;
             if self.anderson.is_none() {
-                self.tensor.jacobian(&self.place, &mut self.slope)?;
+                self.tensor.jacobians(&self.place, &mut self.slope)?;
                 self.differentiate(i);
             }
         }

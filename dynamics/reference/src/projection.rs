@@ -9,7 +9,9 @@ use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMapEvaluator, Tableau};
 use leafwise_core::solver::judge::{Verdict, larger, reach, relative};
 use leafwise_core::solver::{LinearIteration, Lockstep, Taken, check_equations};
-use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure};
+use leafwise_core::{
+    BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure,
+};
 
 use crate::gauss::{STAGES, stages};
 use crate::implicit::ImplicitRungeKutta;
@@ -86,8 +88,8 @@ impl Projection {
         for (c, state) in self.state.iter_mut().enumerate() {
             *state = x[c] + change[c];
         }
-        self.invariants.value(&self.state, &mut self.values)?;
-        self.invariants.jacobian(&self.state, &mut self.rows)
+        self.invariants.values(&self.state, &mut self.values)?;
+        self.invariants.jacobians(&self.state, &mut self.rows)
     }
 
     /// Takes the derivatives at x̃, each invariant in units of its slope, so that their sizes do not
@@ -135,7 +137,7 @@ impl OneStep for Projection {
         self.base.step(x, &[], increment, &mut self.taken);
         self.taken[0].outcome.clone()?;
         let evaluations = self.taken[0].evaluations as usize;
-        self.invariants.value(x, &mut self.kept)?;
+        self.invariants.values(x, &mut self.kept)?;
         self.evaluate(x, increment)?;
         self.take_normals();
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);

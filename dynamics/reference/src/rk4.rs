@@ -6,7 +6,7 @@ use leafwise_core::part::{Compared, Family, PartInfo, PartKind, PartParameters, 
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
 use leafwise_core::solver::{Lockstep, Taken};
-use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepMap, Structure};
+use leafwise_core::{BuildError, Evaluator, MapProperties, PoissonSystem, StepMap, Structure};
 use nalgebra::DMatrix;
 
 use crate::one_step::{Make, ReferenceMap, row_major};
@@ -78,7 +78,7 @@ impl Lockstep for Rk4 {
             }
             let slopes = &mut self.slopes[i];
             let mut fails = false;
-            self.field.values(&self.stages[i], slopes, |at, error| {
+            self.field.each_value(&self.stages[i], slopes, |at, error| {
                 taken[at].fail(error);
                 fails = true;
             });
@@ -118,7 +118,7 @@ impl Lockstep for Rk4 {
         let mut entries = vec![0.0; d * d];
         for i in 0..4 {
             let stage = &self.stages[i][at * d..][..d];
-            self.field.jacobian(stage, &mut entries).ok()?;
+            self.field.jacobians(stage, &mut entries).ok()?;
             let stage = DMatrix::identity(d, d) + before * (self.time_step * NODES[i]);
             before = DMatrix::from_row_slice(d, d, &entries) * stage;
             tangent += &before * (self.time_step * WEIGHTS[i] / 6.0);

@@ -10,7 +10,8 @@ use leafwise_core::solver::{
     CorrectionSize, DenseFactors, LinearIteration, elimination_operations, substitution_operations,
 };
 use leafwise_core::{
-    BuildError, MapProperties, PoissonSystem, StepError, StepMap, Structure, SystemFormulas,
+    BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure,
+    SystemFormulas,
 };
 use leafwise_expression::{Arithmetic, Polynomial, Ring};
 use nalgebra::{DMatrix, Matrix3, Vector3};
@@ -109,8 +110,8 @@ impl SphericalMidpoint {
             self.turns[triple] = turn;
             self.stretches[triple] = stretch;
         }
-        self.field.value(&self.middle, &mut self.values)?;
-        self.field.jacobian(&self.middle, &mut self.jacobian)
+        self.field.values(&self.middle, &mut self.values)?;
+        self.field.jacobians(&self.middle, &mut self.jacobian)
     }
 
     /// Entry (i, k) of t DX(Γ)·B for a matrix B of these blocks.

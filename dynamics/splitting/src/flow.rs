@@ -1,17 +1,12 @@
 //! The motion of one coordinate under a piece, found by its Lie series.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use leafwise_expression::algebra::{quotient, square_root};
 use leafwise_expression::{AlgebraError, Arithmetic, Polynomial, Rational, Ring};
 
-use crate::probe::Probe;
-
-/// The components X^j of a field; those that it does not have are zero.
-pub type Field = BTreeMap<usize, Polynomial>;
-
-/// The longest Lie series that is tried.
-pub(crate) const LONGEST: usize = 8;
+use crate::field::{Field, variables};
+use crate::probe::{LONGEST, Probe};
 
 /// A Lie series whose terms have more monomials than this is not going to end.
 const MOST_MONOMIALS: usize = 256;
@@ -162,16 +157,4 @@ fn lie_derivative(
         }
     }
     Ok(ring.combine(&parts))
-}
-
-/// The variables that f depends on, through its generators too.
-pub(crate) fn variables(ring: &Ring, f: &Polynomial) -> BTreeSet<usize> {
-    let mut found = BTreeSet::new();
-    for symbol in f.symbols() {
-        match ring.generator(symbol) {
-            None => drop(found.insert(symbol as usize)),
-            Some(generator) => found.extend(variables(ring, generator.argument())),
-        }
-    }
-    found
 }

@@ -6,6 +6,7 @@
 //! Strang's product φ¹_{h/2} ∘ … ∘ φʳ_h ∘ … ∘ φ¹_{h/2} has order 2 and is self-adjoint, so that every
 //! symmetric composition applies over it.
 //!
+//! - [`field`]: vector fields in exact algebra.
 //! - [`flow`]: the motion of one coordinate under a piece, found by its Lie series in exact algebra.
 //! - [`piece`](mod@piece): a Hamiltonian with an exact flow, and what can be added to it.
 //! - [`probe`]: Lie series in numbers, which rule out in microseconds that they end.
@@ -23,6 +24,7 @@ pub mod code;
 mod display;
 pub mod entire;
 mod factor;
+pub mod field;
 pub mod flow;
 pub mod lattice;
 pub mod piece;

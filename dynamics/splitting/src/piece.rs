@@ -8,7 +8,8 @@ use leafwise_expression::{
     AlgebraError, Arithmetic, Expression, Graph, Polynomial, Rational, Ring, Term,
 };
 
-use crate::flow::{CoordinateFlow, Field, Motion, coordinate_flow, variables};
+use crate::field::{Field, variables};
+use crate::flow::{CoordinateFlow, Motion, coordinate_flow};
 use crate::probe::Probe;
 
 /// The part's name.

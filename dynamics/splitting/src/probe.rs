@@ -10,7 +10,10 @@ use leafwise_expression::bounded::{Bounded, BoundedNumbers};
 use leafwise_expression::series::{Tape, TaylorState};
 use leafwise_expression::{AlgebraError, Arithmetic, Rational, Ring};
 
-use crate::flow::{Field, LONGEST, variables};
+use crate::field::{Field, variables};
+
+/// The longest Lie series that is tried.
+pub(crate) const LONGEST: usize = 8;
 
 /// Values above so many of their bounds are not 0.
 const CERTAIN: f64 = 16.0;
@@ -31,7 +34,7 @@ impl Probe {
         }
     }
 
-    /// Whether the numbers show that x_i(t) is no [`Motion`](crate::flow::Motion): with dₖ = Dᵏx_i,
+    /// Whether the numbers show that x_i(t) is no closed form: with dₖ = Dᵏx_i,
     /// d₉ ≠ 0 where the series of a motion polynomial in time has ended, and d₁d₄ ≠ d₂d₃, which are
     /// equal where d₂ = φd₁, Dφ = 0 and where d₃ = −λd₁, Dλ = 0.
     pub fn rules_out(&self, ring: &Ring, field: &Field, index: usize) -> bool {

@@ -2,7 +2,8 @@
 
 use leafwise_core::SystemFormulas;
 use leafwise_expression::{Arithmetic, Function, Polynomial, Rational, Ring};
-use leafwise_splitting::flow::{Field, Motion, coordinate_flow};
+use leafwise_splitting::field::Field;
+use leafwise_splitting::flow::{Motion, coordinate_flow};
 use leafwise_splitting::probe::Probe;
 use proptest::prelude::*;
 

@@ -3,7 +3,7 @@
 //! A result is *confirmed* when an independent solution agrees with it, or when its error against that
 //! solution is part of the motion only and falls as the step is halved up to six times (of an adaptive
 //! stepper: the tolerance). Where it is not, the program must have refused, failed or warned; where the motion
-//! is too stiff for that solution, or its numbers too large, the halved steps confirm it. A small error from a
+//! is too stiff for that solution, or it does not keep the energy, the halved steps confirm it. A small error from a
 //! place that the motion passes within less than a 64th of a step is *unresolved*: no halved step sees it; so
 //! is a gross one where such a place, a wall, is reached a little earlier or later. Whoever promises a Poisson map keeps the Casimirs and, where
 //! the tensor does, the signs.
@@ -16,6 +16,7 @@ use leafwise::scene::{
     AdviceKind, ComposedRun, RunOptions, RunOutcome, SceneChecks, SceneDocument, compose,
 };
 
+use crate::dual::Dual;
 use crate::reference::{Solution, solution};
 use crate::scene::{RandomScene, STEPS};
 
@@ -58,7 +59,7 @@ const UNRESOLVED: f64 = 1e-3;
 /// little earlier or later.
 const EARLIER: f64 = 0.05;
 
-/// What a promised Casimir may drift by, relative to its terms.
+/// What a promised Casimir, or the energy of an independent solution, may drift by, relative to its terms.
 const DRIFT: f64 = 1e-9;
 
 /// Judges a scene; a panic is suspicious.
@@ -188,11 +189,8 @@ fn doubt(
     }
     let mut widest: Vec<f64> = scene.initial.iter().map(|x| x.abs()).collect();
     let field = |x: &[f64]| scene.field(x);
-    // The independent slopes are right where no part of them overflows or vanishes.
-    let is_rough = scene.hamiltonian.dual(&scene.initial).is_rough;
-    let solution = (!is_rough)
-        .then(|| solution(&field, &scene.initial, scene.time_step, STEPS, &mut widest))
-        .flatten();
+    let solution = solution(&field, &scene.initial, scene.time_step, STEPS, &mut widest);
+    let solution = solution.filter(|solution| keeps_energy(scene, &solution.states));
     if solution.is_none() {
         for (widest, x) in widest.iter_mut().zip(end_state) {
             *widest = widest.max(x.abs());
@@ -275,6 +273,24 @@ fn doubt(
     }))
 }
 
+/// Whether the energy is kept along an independent solution: its slopes may overflow or vanish on the way,
+/// and its steps miss what is narrow.
+fn keeps_energy(scene: &RandomScene, states: &[Vec<f64>]) -> bool {
+    let energies: Vec<Dual> = states.iter().map(|x| scene.hamiltonian.dual(x)).collect();
+    let size = |(dual, x): (&Dual, &Vec<f64>)| terms(dual, x);
+    let size = energies.iter().zip(states).map(size).fold(0.0, f64::max);
+    let first = energies.first().map_or(0.0, Dual::value);
+    let mut drifts = energies.iter().map(|dual| (dual.value() - first).abs());
+    drifts.all(|drift| drift <= DRIFT * size)
+}
+
+/// |f| + Σ |x_i ∂f/∂x_i|.
+fn terms(dual: &Dual, x: &[f64]) -> f64 {
+    let terms = x.iter().enumerate();
+    let terms = terms.map(|(i, x)| (dual.slope(i) * x).abs());
+    terms.sum::<f64>() + dual.value().abs()
+}
+
 /// Whether the last of errors of steps halved again and again is small, or has fallen over two halvings and
 /// below the first, which may happen to be small, or over four.
 fn falls(errors: &[f64]) -> bool {
@@ -301,11 +317,7 @@ fn broken_promise(scene: &RandomScene, run: &ComposedRun, end: &[f64]) -> Option
     }
     for casimir in &tensor.casimirs {
         let (before, after) = (casimir.dual(&scene.initial), casimir.dual(end));
-        let sizes = |dual: &crate::dual::Dual, x: &[f64]| -> f64 {
-            let terms = x.iter().enumerate().map(|(i, x)| (dual.slope(i) * x).abs());
-            terms.sum::<f64>() + dual.value().abs()
-        };
-        let size = sizes(&before, &scene.initial) + sizes(&after, end);
+        let size = terms(&before, &scene.initial) + terms(&after, end);
         let drift = (before.value() - after.value()).abs();
         let is_kept = drift <= DRIFT * size;
         if !is_kept {

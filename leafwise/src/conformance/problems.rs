@@ -1,7 +1,9 @@
 //! What parts are tried on.
 
 use leafwise_core::registry::SystemPart;
-use leafwise_core::{BuildError, PartKind, PartParameters, PoissonSystem, Registry, StepError};
+use leafwise_core::{
+    BuildError, Evaluator, PartKind, PartParameters, PoissonSystem, Registry, StepError,
+};
 use leafwise_scene::SceneDocument;
 
 use crate::verify::Problem;
@@ -113,7 +115,7 @@ fn time_step(system: &PoissonSystem, initial: &[f64]) -> Result<f64, StepError> 
     let mut velocity = vec![0.0; initial.len()];
     field
         .evaluator(&system.parameter_values(), 1.0, 1.0)
-        .value(initial, &mut velocity)?;
+        .values(initial, &mut velocity)?;
     if velocity.iter().any(|v| !v.is_finite()) {
         return Err(StepError::NonFinite {
             what: "the vector field",

@@ -219,7 +219,8 @@ impl Charted {
     fn ends(&self, x: &[f64], p: &[f64]) -> Result<Ends, StepError> {
         let mut z = vec![0.0; self.space];
         let mut ends = Ends::new(x.len());
-        self.chart.worker(&self.values, 1.0).point(x, p, &mut z)?;
+        let pair = [x, p].concat();
+        self.chart.worker(&self.values, 1.0).values(&pair, &mut z)?;
         self.maps.worker(&self.values, 1.0).ends(&z, &mut ends)?;
         Ok(ends)
     }

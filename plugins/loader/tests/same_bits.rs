@@ -9,13 +9,13 @@ mod twins;
 
 use std::sync::Arc;
 
+use leafwise_core::evaluator::one_by_one;
 use leafwise_core::part::ParameterSetting;
 use leafwise_core::part_description::{ParameterDescription, PartDescription};
 use leafwise_core::system::NumbersWorker;
 use leafwise_core::{
-    BisectionWorker, BuildError, DynamicApproximation, Integrator, LagrangianBisection, Method,
-    OneFormWorker, Origin, PartKind, PartParameters, PoissonSystem, RealizationData, Registry,
-    StepError, StepMap,
+    BuildError, DynamicApproximation, Evaluator, Integrator, LagrangianBisection, Method, Origin,
+    PartKind, PartParameters, PoissonSystem, RealizationData, Registry, StepError, StepMap,
 };
 use leafwise_plugin_abi::{
     LW_FLAG_NOT_SELF_ADJOINT, LW_FLAG_SELF_ADJOINT, LW_STRUCTURE_EXACT, LW_STRUCTURE_NONE,
@@ -37,12 +37,6 @@ struct Shear {
 struct ShearBisection {
     system: PoissonSystem,
     is_one_form: bool,
-}
-
-struct ShearWorker {
-    numbers: Box<dyn NumbersWorker>,
-    h: f64,
-    y: Vec<f64>,
 }
 
 impl DynamicApproximation for Shear {
@@ -68,26 +62,33 @@ impl DynamicApproximation for Shear {
 }
 
 impl ShearBisection {
-    fn shear(&self, parameters: &[f64], h: f64) -> ShearWorker {
-        ShearWorker {
+    fn shear(&self, parameters: &[f64], h: f64) -> ShearForm {
+        ShearForm {
             numbers: self.system.numbers().expect("formulas").worker(parameters),
+            dimension: self.system.dimension(),
             h,
-            y: vec![0.0; self.system.dimension()],
         }
     }
 }
 
 impl LagrangianBisection for ShearBisection {
-    fn worker(&self, parameters: &[f64], _: f64, h: f64) -> Option<Box<dyn BisectionWorker>> {
-        Some(Box::new(self.shear(parameters, h)))
+    fn worker(&self, parameters: &[f64], _: f64, h: f64) -> Option<Box<dyn Evaluator>> {
+        Some(Box::new(ShearPoint(self.shear(parameters, h))))
     }
-    fn one_form(&self, parameters: &[f64], _: f64, h: f64) -> Option<Box<dyn OneFormWorker>> {
-        let form: Box<dyn OneFormWorker> = Box::new(self.shear(parameters, h));
+    fn one_form(&self, parameters: &[f64], _: f64, h: f64) -> Option<Box<dyn Evaluator>> {
+        let form: Box<dyn Evaluator> = Box::new(self.shear(parameters, h));
         self.is_one_form.then_some(form)
     }
 }
 
-impl ShearWorker {
+/// θ = h dH.
+struct ShearForm {
+    numbers: Box<dyn NumbersWorker>,
+    dimension: usize,
+    h: f64,
+}
+
+impl ShearForm {
     /// h D²H(y) in the rows of a matrix from `first` on.
     fn hessian(&mut self, y: &[f64], first: usize, matrix: &mut [f64]) -> Result<(), StepError> {
         let d = y.len();
@@ -103,32 +104,42 @@ impl ShearWorker {
     }
 }
 
-impl BisectionWorker for ShearWorker {
-    fn point(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
-        let (x, p) = z.split_at_mut(y.len());
-        x.copy_from_slice(y);
-        self.y.copy_from_slice(y);
-        self.value(y, p)
-    }
-    fn tangent(&mut self, tangent: &mut [f64]) -> Result<(), StepError> {
-        let d = self.y.len();
-        tangent.fill(0.0);
-        (0..d).for_each(|i| tangent[i * d + i] = 1.0);
-        let y = self.y.clone();
-        self.hessian(&y, d, tangent)
-    }
-}
-
-impl OneFormWorker for ShearWorker {
-    fn value(&mut self, y: &[f64], p: &mut [f64]) -> Result<(), StepError> {
+impl Evaluator for ShearForm {
+    fn values(&mut self, y: &[f64], p: &mut [f64]) -> Result<(), StepError> {
         self.numbers.gradient(y, p)?;
         p.iter_mut().for_each(|p| *p *= self.h);
         Ok(())
     }
-    fn jacobian(&mut self, y: &[f64], jacobian: &mut [f64]) -> Result<(), StepError> {
-        let d = self.y.len();
-        let mut points = y.chunks_exact(d).zip(jacobian.chunks_exact_mut(d * d));
-        points.try_for_each(|(y, jacobian)| self.hessian(y, 0, jacobian))
+    fn jacobians(&mut self, y: &[f64], jacobians: &mut [f64]) -> Result<(), StepError> {
+        one_by_one(self.dimension, y, jacobians, |y, jacobian| {
+            self.hessian(y, 0, jacobian)
+        })
+    }
+    fn has_jacobian(&self) -> bool {
+        true
+    }
+}
+
+/// y ↦ (y, θ(y)), one point at a time.
+struct ShearPoint(ShearForm);
+
+impl Evaluator for ShearPoint {
+    fn values(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
+        let (x, p) = z.split_at_mut(y.len());
+        x.copy_from_slice(y);
+        self.0.values(y, p)
+    }
+    fn jacobians(&mut self, y: &[f64], tangent: &mut [f64]) -> Result<(), StepError> {
+        let d = y.len();
+        tangent.fill(0.0);
+        (0..d).for_each(|i| tangent[i * d + i] = 1.0);
+        self.0.hessian(y, d, tangent)
+    }
+    fn has_jacobian(&self) -> bool {
+        true
+    }
+    fn is_pointwise(&self) -> bool {
+        false
     }
 }
 

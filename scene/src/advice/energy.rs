@@ -6,6 +6,8 @@
 //! H(x_0) be near 0; where states are not at hand, it is |H(x_0)|. An error of the energy above
 //! [`LARGEST`] of its scale is worth a warning.
 
+use leafwise_core::Evaluator;
+
 use super::{Advice, AdviceKind, number};
 use crate::compose::ComposedRun;
 use crate::document::{SceneDocument, StepSpec};
@@ -95,7 +97,7 @@ fn scale(run: &ComposedRun, parameters: &[f64], states: &[Vec<f64>]) -> Option<f
     let mut slopes = vec![0.0; d];
     let mut least = f64::INFINITY;
     for x in states {
-        if gradient.value(x, &mut slopes).is_ok() {
+        if gradient.values(x, &mut slopes).is_ok() {
             let products = slopes
                 .iter()
                 .zip(&ranges)

@@ -1,6 +1,8 @@
 //! What round-off decides: a step that leads elsewhere from the neighbouring double, and an energy whose
 //! changes are below its own round-off.
 
+use leafwise_core::Evaluator;
+
 use super::step::{difference, increment};
 use super::{Advice, AdviceKind, number};
 use crate::compose::ComposedRun;
@@ -41,12 +43,16 @@ fn of_the_step(run: &ComposedRun, states: &[Vec<f64>]) -> Option<Advice> {
 /// H of −3.5e299 beside terms of 1: its drift is 0 in doubles, whatever the step.
 fn of_the_energy(run: &ComposedRun) -> Option<Advice> {
     let (parameters, x) = (run.system.parameter_values(), &run.plan.initial);
-    let hamiltonian = run.system.expressions()?.hamiltonian();
-    let round_off = f64::EPSILON * hamiltonian.evaluate(x, &parameters).abs();
+    // Of a long lattice only the formulas of its cells are there.
+    let system = run
+        .system
+        .expressions()
+        .filter(|_| run.system.dimension() == x.len())?;
+    let round_off = f64::EPSILON * system.hamiltonian().evaluate(x, &parameters).abs();
     let gradient = run.system.gradient_values().ok()?;
     let mut slopes = vec![0.0; x.len()];
     let mut gradient = gradient.evaluator(&parameters, 1.0, 1.0);
-    gradient.value(x, &mut slopes).ok()?;
+    gradient.values(x, &mut slopes).ok()?;
     let scale: f64 = x
         .iter()
         .zip(&slopes)

@@ -1,7 +1,7 @@
 //! ẋ as formulas to read.
 
 use leafwise_core::lattice::LatticeGeometry;
-use leafwise_core::{SystemFormulas, system::Parameter};
+use leafwise_core::{Evaluator, SystemFormulas, system::Parameter};
 use leafwise_expression::{Arithmetic, Expression, Graph, Ring};
 
 use super::run::ComposedRun;
@@ -74,7 +74,7 @@ fn field_at(run: &ComposedRun) -> Option<Vec<f64>> {
     let field = run.system.field_values().ok()?;
     let mut value = vec![0.0; run.system.dimension()];
     let mut evaluator = field.evaluator(&run.system.parameter_values(), 1.0, 1.0);
-    evaluator.value(&run.near, &mut value).ok()?;
+    evaluator.values(&run.near, &mut value).ok()?;
     Some(value)
 }
 

@@ -1,6 +1,6 @@
 //! The ways to write a bracket agree, and what contradicts itself is refused where it stands.
 
-use leafwise_core::Registry;
+use leafwise_core::{Evaluator, Registry};
 use leafwise_hamilton_jacobi as _;
 use leafwise_karasev as _;
 
@@ -78,7 +78,7 @@ fn a_magnetic_field_bends_a_positive_charge_under_both_conventions() {
             let map = system.field_values().expect("code");
             let mut value = vec![0.0; x.len()];
             map.evaluator(&[], 1.0, 1.0)
-                .value(x, &mut value)
+                .values(x, &mut value)
                 .expect("a value");
             value
         };

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use leafwise_core::Evaluator;
 use leafwise_core::runge_kutta::SmoothMap;
 use leafwise_core::solver::judge::Verdict;
 use leafwise_core::solver::{CorrectionSize, DenseFactors, LinearIteration};
@@ -207,13 +208,13 @@ fn onto_leaf(
     let mut map = invariants.evaluator(parameters, 1.0, 1.0);
     let (mut wanted, mut values) = (vec![0.0; count + 1], vec![0.0; count + 1]);
     let mut rows = vec![0.0; (count + 1) * d];
-    map.value(center, &mut wanted).ok()?;
+    map.values(center, &mut wanted).ok()?;
     let mut gram = vec![0.0; count * count];
     let mut factors = DenseFactors::new(count);
     let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
     loop {
-        map.value(state, &mut values).ok()?;
-        map.jacobian(state, &mut rows).ok()?;
+        map.values(state, &mut values).ok()?;
+        map.jacobians(state, &mut rows).ok()?;
         // The energy is the first of them.
         let rows = &rows[d..];
         for (at, entry) in gram.iter_mut().enumerate() {
@@ -255,8 +256,8 @@ fn ranks(run: &ComposedRun, invariants: &SmoothMap, x: &[f64]) -> Option<(usize,
     let mut map = invariants.evaluator(&parameters, 1.0, 1.0);
     let mut rows = vec![0.0; invariants.outputs() * d];
     let mut values = vec![0.0; invariants.outputs()];
-    map.value(x, &mut values).ok()?;
-    map.jacobian(x, &mut rows).ok()?;
+    map.values(x, &mut values).ok()?;
+    map.jacobians(x, &mut rows).ok()?;
     Some((d - rank(tensor, d), rank(rows.split_off(d), d)))
 }
 

@@ -1,7 +1,7 @@
 //! L, α̂, β̂ and their tangents at the points of all trajectories that iterate.
 
-use crate::bisection::BisectionWorker;
 use crate::error::StepError;
+use crate::evaluator::Evaluator;
 use crate::realization::{Ends, RealizationWorker};
 use crate::runge_kutta::batch::batch;
 use crate::solver::Taken;
@@ -9,7 +9,7 @@ use crate::solver::Taken;
 /// Two workers and room for what they compute, one point behind the other.
 pub(super) struct Evaluation {
     realization: Box<dyn RealizationWorker>,
-    bisection: Box<dyn BisectionWorker>,
+    bisection: Box<dyn Evaluator>,
     is_alone: bool,
     dimension: usize,
     space: usize,
@@ -26,7 +26,7 @@ pub(super) struct Evaluation {
 impl Evaluation {
     /// For at most `count` points: of several by workers that offer batches.
     pub(super) fn new(
-        (realization, bisection): (Box<dyn RealizationWorker>, Box<dyn BisectionWorker>),
+        (realization, bisection): (Box<dyn RealizationWorker>, Box<dyn Evaluator>),
         (dimension, space): (usize, usize),
         count: usize,
     ) -> Self {
@@ -79,10 +79,7 @@ impl Evaluation {
         let (d, space) = (self.dimension, self.space);
         let (y, z) = (&self.y[..count * d], &mut self.z[..count * space]);
         let bisection = self.bisection.as_mut();
-        batch((d, space), y, z, failed, |y, z| match bisection.batch() {
-            Some(bisection) if !self.is_alone => bisection.all_points(y, z),
-            _ => bisection.point(y, z),
-        });
+        batch((d, space), y, z, failed, |y, z| bisection.values(y, z));
     }
 
     fn maps(&mut self, count: usize, failed: &mut dyn FnMut(usize, StepError)) {
@@ -110,10 +107,7 @@ impl Evaluation {
         let (y, out) = (&self.y[..count * d], &mut self.of_points[..count * entries]);
         let bisection = self.bisection.as_mut();
         batch((d, entries), y, out, failed, |y, out| {
-            match bisection.batch() {
-                Some(bisection) if !self.is_alone => bisection.all_tangents(y, out),
-                _ => bisection.tangent(out),
-            }
+            bisection.jacobians(y, out)
         });
     }
 

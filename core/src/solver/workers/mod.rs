@@ -12,9 +12,9 @@ use solve::{Means, Progress, Solve};
 
 use super::judge::{Watch, all_finite};
 use super::{Branch, Lockstep, Taken};
-use crate::bisection::BisectionWorker;
 use crate::dynamics::Correction;
 use crate::error::StepError;
+use crate::evaluator::Evaluator;
 use crate::realization::RealizationWorker;
 
 /// Solves β̂(L(y)) = x with workers of a realization and a bisection.
@@ -42,14 +42,14 @@ impl Workers {
     /// For `count` trajectories in M of `dimension` d, by points of S of `space` coordinates: of several
     /// by workers that offer batches.
     pub(crate) fn new(
-        (realization, bisection): (Box<dyn RealizationWorker>, Box<dyn BisectionWorker>),
+        (realization, bisection): (Box<dyn RealizationWorker>, Box<dyn Evaluator>),
         (dimension, space): (usize, usize),
-        correction: Correction,
+        (correction, is_near_identity): (Correction, bool),
         count: usize,
     ) -> Self {
         let d = dimension;
-        let has_tangents = realization.has_tangents() && bisection.has_tangent();
-        let means = match (bisection.is_near_identity(), has_tangents) {
+        let has_tangents = realization.has_tangents() && bisection.has_jacobian();
+        let means = match (is_near_identity, has_tangents) {
             (true, _) => Means::Residuals,
             (false, true) => Means::Newton,
             (false, false) => Means::Acceleration,

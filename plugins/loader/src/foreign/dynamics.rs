@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
+use leafwise_core::evaluator::one_by_one;
 use leafwise_core::part::ParameterSetting;
 use leafwise_core::{
-    BisectionBatch, BisectionWorker, BuildError, ChartWorker, Correction, DynamicApproximation,
-    GraphOfOneForm, LagrangianBisection, OneFormWorker, PartParameters, PoissonSystem,
-    RealizationData, StepError,
+    BuildError, Correction, DynamicApproximation, Evaluator, GraphOfOneForm, LagrangianBisection,
+    PartParameters, PoissonSystem, RealizationData, StepError,
 };
 use leafwise_plugin_abi::{LwDynamics, LwMapFn};
 
@@ -156,7 +156,7 @@ impl ForeignBisection {
         }
     }
 
-    fn chart(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn ChartWorker>> {
+    fn chart(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn Evaluator>> {
         Some(self.lend.chart()?.worker(parameters, epsilon))
     }
 }
@@ -186,7 +186,7 @@ impl ForeignBisection {
         }
     }
 
-    fn form(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn OneFormWorker> {
+    fn form(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Evaluator> {
         Box::new(OneForm {
             caller: self.caller(parameters, epsilon, h),
             dimension: self.system.dimension(),
@@ -195,12 +195,12 @@ impl ForeignBisection {
 }
 
 impl LagrangianBisection for ForeignBisection {
-    fn one_form(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn OneFormWorker>> {
+    fn one_form(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn Evaluator>> {
         self.dynamics.table.one_form?;
         Some(self.form(parameters, epsilon, h))
     }
 
-    fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn BisectionWorker>> {
+    fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn Evaluator>> {
         let (d, space) = (self.system.dimension(), self.realization.space_dimension());
         let table = self.dynamics.table;
         if table.one_form.is_some() {
@@ -212,7 +212,6 @@ impl LagrangianBisection for ForeignBisection {
         if table.embedding.is_some() {
             return Some(Box::new(Embedding {
                 caller,
-                y: vec![0.0; d],
                 dimension: d,
                 space,
             }));
@@ -221,8 +220,7 @@ impl LagrangianBisection for ForeignBisection {
             caller,
             realization: Arc::clone(&self.realization),
             chart: self.chart(parameters, epsilon),
-            y: vec![0.0; d],
-            zero: vec![0.0; d],
+            pair: vec![0.0; 2 * d],
             start: vec![0.0; space],
             of_flow: vec![0.0; space * space],
             of_section: vec![0.0; space * 2 * d],
@@ -272,19 +270,19 @@ struct OneForm {
     dimension: usize,
 }
 
-impl OneFormWorker for OneForm {
-    fn value(&mut self, y: &[f64], p: &mut [f64]) -> Result<(), StepError> {
+impl Evaluator for OneForm {
+    fn values(&mut self, y: &[f64], p: &mut [f64]) -> Result<(), StepError> {
         let (d, function) = (self.dimension, self.caller.table.one_form);
         self.caller.evaluate(("one_form", function), (y, d), (p, d))
     }
 
-    fn jacobian(&mut self, y: &[f64], jacobian: &mut [f64]) -> Result<(), StepError> {
+    fn jacobians(&mut self, y: &[f64], jacobians: &mut [f64]) -> Result<(), StepError> {
         if !self.has_jacobian() {
             return Err(StepError::NoTangent);
         }
         let (d, function) = (self.dimension, self.caller.table.one_form_jacobian);
         let function = ("one_form_jacobian", function);
-        self.caller.evaluate(function, (y, d), (jacobian, d * d))
+        self.caller.evaluate(function, (y, d), (jacobians, d * d))
     }
 
     fn has_jacobian(&self) -> bool {
@@ -295,49 +293,29 @@ impl OneFormWorker for OneForm {
 /// L as the library computes it.
 struct Embedding {
     caller: Caller,
-    /// The point of the last call.
-    y: Vec<f64>,
     dimension: usize,
     space: usize,
 }
 
-impl BisectionWorker for Embedding {
-    fn point(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
-        self.y.copy_from_slice(y);
-        self.all_points(y, z)
-    }
-
-    fn tangent(&mut self, tangent: &mut [f64]) -> Result<(), StepError> {
-        let y = std::mem::take(&mut self.y);
-        let outcome = self.all_tangents(&y, tangent);
-        self.y = y;
-        outcome
-    }
-
-    fn has_tangent(&self) -> bool {
-        self.caller.table.embedding_jacobian.is_some()
-    }
-
-    fn batch(&mut self) -> Option<&mut dyn BisectionBatch> {
-        Some(self)
-    }
-}
-
-impl BisectionBatch for Embedding {
-    fn all_points(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
+impl Evaluator for Embedding {
+    fn values(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
         let (d, function) = (self.dimension, self.caller.table.embedding);
         let function = ("embedding", function);
         self.caller.evaluate(function, (y, d), (z, self.space))
     }
 
-    fn all_tangents(&mut self, y: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
-        if !self.has_tangent() {
+    fn jacobians(&mut self, y: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
+        if !self.has_jacobian() {
             return Err(StepError::NoTangent);
         }
         let (d, space) = (self.dimension, self.space);
         let function = ("embedding_jacobian", self.caller.table.embedding_jacobian);
         self.caller
             .evaluate(function, (y, d), (tangents, space * d))
+    }
+
+    fn has_jacobian(&self) -> bool {
+        self.caller.table.embedding_jacobian.is_some()
     }
 }
 
@@ -346,32 +324,24 @@ struct Flow {
     caller: Caller,
     realization: Arc<dyn RealizationData>,
     /// χ, for Dσ = Dχ(·, 0) on vectors of M.
-    chart: Option<Box<dyn ChartWorker>>,
-    y: Vec<f64>,
-    /// p on the section.
-    zero: Vec<f64>,
+    chart: Option<Box<dyn Evaluator>>,
+    /// (y, 0).
+    pair: Vec<f64>,
     /// σ(y).
     start: Vec<f64>,
     of_flow: Vec<f64>,
     of_section: Vec<f64>,
 }
 
-impl BisectionWorker for Flow {
-    fn point(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
-        self.y.copy_from_slice(y);
-        self.realization.section(y, &mut self.start);
-        let (function, space) = (self.caller.table.flow, z.len());
-        self.caller
-            .evaluate(("flow", function), (&self.start, space), (z, space))
-    }
-
-    fn tangent(&mut self, tangent: &mut [f64]) -> Result<(), StepError> {
-        let Some(chart) = self.chart.as_mut().filter(|chart| chart.has_tangent()) else {
+impl Flow {
+    fn tangent(&mut self, y: &[f64], tangent: &mut [f64]) -> Result<(), StepError> {
+        let Some(chart) = self.chart.as_mut().filter(|chart| chart.has_jacobian()) else {
             return Err(StepError::NoTangent);
         };
-        let (d, space) = (self.y.len(), self.start.len());
-        chart.point(&self.y, &self.zero, &mut self.start)?;
-        chart.tangent(&self.y, &self.zero, &mut self.of_section)?;
+        let (d, space) = (y.len(), self.start.len());
+        self.pair[..d].copy_from_slice(y);
+        chart.values(&self.pair, &mut self.start)?;
+        chart.jacobians(&self.pair, &mut self.of_section)?;
         let function = ("flow_jacobian", self.caller.table.flow_jacobian);
         let out = (&mut self.of_flow[..], space * space);
         self.caller.evaluate(function, (&self.start, space), out)?;
@@ -384,9 +354,33 @@ impl BisectionWorker for Flow {
         }
         Ok(())
     }
+}
 
-    fn has_tangent(&self) -> bool {
-        let chart = self.chart.as_ref().is_some_and(|chart| chart.has_tangent());
+impl Evaluator for Flow {
+    fn values(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
+        one_by_one(self.pair.len() / 2, y, z, |y, z| {
+            self.realization.section(y, &mut self.start);
+            let (function, space) = (self.caller.table.flow, z.len());
+            self.caller
+                .evaluate(("flow", function), (&self.start, space), (z, space))
+        })
+    }
+
+    fn jacobians(&mut self, y: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
+        let d = self.pair.len() / 2;
+        one_by_one(d, y, tangents, |y, tangent| self.tangent(y, tangent))
+    }
+
+    fn has_jacobian(&self) -> bool {
+        let chart = self
+            .chart
+            .as_ref()
+            .is_some_and(|chart| chart.has_jacobian());
         chart && self.caller.table.flow_jacobian.is_some()
+    }
+
+    /// The integrator behind it may start from its last stages.
+    fn is_pointwise(&self) -> bool {
+        false
     }
 }

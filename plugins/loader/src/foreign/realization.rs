@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use leafwise_core::part::ParameterSetting;
 use leafwise_core::{
-    Accuracy, BuildError, ChartWorker, Ends, PartParameters, PoissonSystem, RealizationBatch,
+    Accuracy, BuildError, Ends, Evaluator, PartParameters, PoissonSystem, RealizationBatch,
     RealizationData, RealizationWorker, StepError,
 };
 use leafwise_plugin_abi::{LwMapFn, LwRealization};
@@ -213,7 +213,7 @@ impl RealizationData for ForeignRealization {
         }))
     }
 
-    fn chart_worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn ChartWorker>> {
+    fn chart_worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn Evaluator>> {
         self.table.chart?;
         Some(Box::new(Chart {
             callee: self.callee(parameters),
@@ -359,35 +359,36 @@ impl Chart {
     fn evaluate(
         &mut self,
         (name, function): (&str, LwMapFn),
-        (x, p): (&[f64], &[f64]),
+        pairs: &[f64],
         (out, outputs): (&mut [f64], usize),
     ) -> Result<(), StepError> {
         let d = self.dimension;
+        let half = |from: usize| Input::strided(&pairs[from..], d, 2 * d, 1);
         let call = Call {
-            v: Input::points(p, d),
-            ..Call::at(x.len() / d, self.epsilon, 0.0, Input::points(x, d))
+            v: half(d),
+            ..Call::at(pairs.len() / (2 * d), self.epsilon, 0.0, half(0))
         };
         let output = Output::points(out, outputs);
         self.callee.evaluate(name, function, &call, output)
     }
 }
 
-impl ChartWorker for Chart {
-    fn point(&mut self, x: &[f64], p: &[f64], z: &mut [f64]) -> Result<(), StepError> {
+impl Evaluator for Chart {
+    fn values(&mut self, pairs: &[f64], z: &mut [f64]) -> Result<(), StepError> {
         let (function, space) = (("chart", self.table.chart), self.space);
-        self.evaluate(function, (x, p), (z, space))
+        self.evaluate(function, pairs, (z, space))
     }
 
-    fn tangent(&mut self, x: &[f64], p: &[f64], tangent: &mut [f64]) -> Result<(), StepError> {
-        if !self.has_tangent() {
+    fn jacobians(&mut self, pairs: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
+        if !self.has_jacobian() {
             return Err(StepError::NoTangent);
         }
         let function = ("chart_jacobian", self.table.chart_jacobian);
         let entries = self.space * 2 * self.dimension;
-        self.evaluate(function, (x, p), (tangent, entries))
+        self.evaluate(function, pairs, (tangents, entries))
     }
 
-    fn has_tangent(&self) -> bool {
+    fn has_jacobian(&self) -> bool {
         self.table.chart_jacobian.is_some()
     }
 }

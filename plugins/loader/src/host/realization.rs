@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use leafwise_core::{
-    Accuracy, BuildError, ChartMaps, ChartWorker, Ends, RealizationData, RealizationMaps,
+    Accuracy, BuildError, ChartMaps, Ends, Evaluator, RealizationData, RealizationMaps,
     RealizationWorker, StepError,
 };
 use leafwise_plugin_abi::{
@@ -74,15 +74,15 @@ struct State {
     /// Dβ̂ and D(α̂ − β̂).
     target: Vec<f64>,
     increment: Vec<f64>,
-    /// Room for a point of S.
-    point: Vec<f64>,
+    /// (x, p), for its chart.
+    pair: Vec<f64>,
 }
 
 /// Evaluators for one ε.
 struct Workers {
     epsilon: u64,
     maps: Box<dyn RealizationWorker>,
-    chart: Option<Box<dyn ChartWorker>>,
+    chart: Option<Box<dyn Evaluator>>,
 }
 
 // SAFETY: the pointers lead to the box itself and to constant functions; the state is reached behind
@@ -117,7 +117,7 @@ impl HostRealization {
                 ends: Ends::new(d),
                 target: vec![0.0; d * space],
                 increment: vec![0.0; d * space],
-                point: vec![0.0; space],
+                pair: vec![0.0; 2 * d],
             }),
             source,
         });
@@ -160,7 +160,7 @@ fn table(workers: &Workers, needs_chart: bool) -> LwRealization {
     }
     if let Some(worker) = workers.chart.as_ref().filter(|_| needs_chart) {
         table.chart = Some(chart);
-        if worker.has_tangent() {
+        if worker.has_jacobian() {
             table.chart_jacobian = Some(chart_jacobian);
         }
     }
@@ -185,16 +185,16 @@ unsafe extern "C" fn space_dimension(instance: *mut c_void) -> usize {
 }
 
 /// The evaluators and buffers of a call.
-struct Evaluator<'a> {
+struct Maps<'a> {
     realization: &'a dyn RealizationData,
     workers: &'a mut Workers,
     ends: &'a mut Ends,
     target: &'a mut [f64],
     increment: &'a mut [f64],
-    point: &'a mut Vec<f64>,
+    pair: &'a mut [f64],
 }
 
-impl Evaluator<'_> {
+impl Maps<'_> {
     fn ends(&mut self, z: &[f64]) -> Result<(), StepError> {
         self.workers.maps.ends(z, self.ends)
     }
@@ -211,20 +211,13 @@ impl Evaluator<'_> {
         }
     }
 
-    /// χ at a point whose coordinates nobody asks for.
-    fn chart_point(&mut self, x: &[f64], p: &[f64]) -> Result<(), StepError> {
-        let mut z = std::mem::take(self.point);
-        z.resize(self.realization.space_dimension(), 0.0);
-        let result = self.chart(x, p, &mut z);
-        *self.point = z;
-        result
-    }
-
-    fn chart(&mut self, x: &[f64], p: &[f64], z: &mut [f64]) -> Result<(), StepError> {
-        match &mut self.workers.chart {
-            Some(chart) => chart.point(x, p, z),
-            None => Err(StepError::NoTangent),
-        }
+    /// χ, with the pair (x, p) that it is to be evaluated at.
+    fn chart(&mut self, x: &[f64], p: &[f64]) -> Result<(&mut dyn Evaluator, &[f64]), StepError> {
+        let (first, second) = self.pair.split_at_mut(x.len());
+        first.copy_from_slice(x);
+        second.copy_from_slice(p);
+        let chart = self.workers.chart.as_mut().ok_or(StepError::NoTangent)?;
+        Ok((chart.as_mut(), self.pair))
     }
 }
 
@@ -238,7 +231,7 @@ unsafe fn evaluate(
     call: *const LwMapCall,
     err: *mut LwError,
     shape: impl FnOnce(usize, usize) -> Shape,
-    mut function: impl FnMut(&mut Evaluator<'_>, [&[f64]; 2], &mut [f64]) -> Result<(), StepError>,
+    mut function: impl FnMut(&mut Maps<'_>, [&[f64]; 2], &mut [f64]) -> Result<(), StepError>,
 ) -> LwStatus {
     // SAFETY: passed on to the caller.
     let shared = unsafe { shared(instance) };
@@ -258,13 +251,13 @@ unsafe fn evaluate(
     let mut workers =
         known.unwrap_or_else(|| Workers::new(&shared.source, &shared.parameters, epsilon));
     let realization = shared.source.realization.as_ref();
-    let mut evaluator = Evaluator {
+    let mut evaluator = Maps {
         realization,
         workers: &mut workers,
         ends: &mut state.ends,
         target: &mut state.target,
         increment: &mut state.increment,
-        point: &mut state.point,
+        pair: &mut state.pair,
     };
     let shape = shape(realization.dimension(), realization.space_dimension());
     // SAFETY: passed on to the caller.
@@ -354,12 +347,12 @@ maps! {
         increment.copy_from_slice(maps.increment);
         Ok(())
     };
-    chart: of_pair, |maps, [x, p], out| maps.chart(x, p, out);
+    chart: of_pair, |maps, [x, p], out| {
+        let (chart, pair) = maps.chart(x, p)?;
+        chart.values(pair, out)
+    };
     chart_jacobian: |d, s| of_pair(d, s * 2 * d), |maps, [x, p], out| {
-        maps.chart_point(x, p)?;
-        match &mut maps.workers.chart {
-            Some(chart) => chart.tangent(x, p, out),
-            None => Err(StepError::NoTangent),
-        }
+        let (chart, pair) = maps.chart(x, p)?;
+        chart.jacobians(pair, out)
     };
 }

@@ -11,8 +11,8 @@ use leafwise_core::solver::{
     Branch, CorrectionSize, Extrapolation, Lanes, LinearIteration, Trajectory,
 };
 use leafwise_core::{
-    BuildError, CodeOneForm, Ends, LagrangianBisection, MapProperties, OneFormWorker,
-    PoissonSystem, RealizationWorker, StepError, StepMap, Stepper,
+    BuildError, CodeOneForm, Ends, Evaluator, LagrangianBisection, MapProperties, PoissonSystem,
+    RealizationWorker, StepError, StepMap, Stepper,
 };
 use leafwise_expression::Kernel;
 use nalgebra::DMatrix;
@@ -54,7 +54,7 @@ impl OneForm {
         Some(Ok(Self::Numbers(Arc::clone(bisection))))
     }
 
-    fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn OneFormWorker> {
+    fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Evaluator> {
         match self {
             Self::Code(form) => form.worker(parameters, epsilon, h),
             Self::Numbers(bisection) => bisection
@@ -139,7 +139,7 @@ struct FusedTrajectory {
     epsilon: f64,
     most_points: Option<usize>,
     curve: Curve,
-    form: Box<dyn OneFormWorker>,
+    form: Box<dyn Evaluator>,
     collocation: Collocation,
     parameters: Vec<f64>,
     /// Operations of the mean.
@@ -187,7 +187,7 @@ impl Path {
     /// s = 0.
     fn settle(
         &mut self,
-        form: &mut dyn OneFormWorker,
+        form: &mut dyn Evaluator,
         (x, low): (&[f64], &[f64]),
         solved: Result<&[f64], StepError>,
         evaluations: &mut u64,
@@ -210,8 +210,8 @@ impl Path {
             |part, centre, residual, jacobian| {
                 let (mean, p) = z.split_at_mut(d);
                 mean.copy_from_slice(centre);
-                form.value(centre, p)?;
-                form.jacobian(centre, slope)?;
+                form.values(centre, p)?;
+                form.jacobians(centre, slope)?;
                 p.iter_mut().for_each(|p| *p *= part);
                 worker.ends(z, ends)?;
                 worker.tangents(target, change)?;
@@ -322,7 +322,7 @@ impl FusedTrajectory {
         self.curve.begin(x, accelerates, |rule, j, i| {
             2.0 * rule.remaining[j] * displacement[i]
         });
-        self.form.value(&self.centre, &mut self.p)?;
+        self.form.values(&self.centre, &mut self.p)?;
         let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         loop {
             *evaluations += 1;
@@ -339,7 +339,7 @@ impl FusedTrajectory {
                 self.centre[i] = x[i] + self.displacement[i];
             }
             self.linear += (2 * q * d) as u64;
-            self.form.value(&self.centre, &mut self.p)?;
+            self.form.values(&self.centre, &mut self.p)?;
             if iteration.judge_correction(&size)? == Verdict::Converged {
                 self.is_rounded = iteration.is_rounded();
                 self.watch.take(iteration.evaluations() > PLAIN_EVALUATIONS);
@@ -406,7 +406,7 @@ impl Trajectory for FusedTrajectory {
         worker.tangents(&mut target, &mut change).ok()?;
         // D(·∘L) = ∂x + ∂p Dθ on L = graph θ.
         let mut slope = vec![0.0; d * d];
-        self.form.jacobian(&self.centre, &mut slope).ok()?;
+        self.form.jacobians(&self.centre, &mut slope).ok()?;
         let slope = DMatrix::from_row_slice(d, d, &slope);
         let along = |rows: &[f64]| {
             let all = DMatrix::from_row_slice(d, 2 * d, rows);

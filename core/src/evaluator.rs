@@ -1,0 +1,82 @@
+//! Maps as numbers.
+
+use crate::error::StepError;
+
+/// One thread's evaluator of a map F: ℝⁿ → ℝᵐ, for fixed parameters, ε and h: a bisection y ↦ L(y), a chart
+/// (x, p) ↦ z, a one-form, a vector field.
+///
+/// Both functions take one point or several, n contiguous numbers each, and write the results in their order.
+pub trait Evaluator: Send {
+    /// F(x), m numbers a point.
+    ///
+    /// # Errors
+    /// [`StepError`] at a point outside the map's domain, or where a solve behind it does not converge; `out`
+    /// is unspecified then.
+    fn values(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), StepError>;
+    /// DF(x), row-major m × n.
+    ///
+    /// # Errors
+    /// As [`values`](Self::values); [`StepError::NoTangent`] for a map without one.
+    fn jacobians(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        let _ = (x, out);
+        Err(StepError::NoTangent)
+    }
+    /// Whether [`jacobians`](Self::jacobians) are offered: Newton's method and exact tangents of steps need
+    /// them.
+    fn has_jacobian(&self) -> bool {
+        false
+    }
+    /// Whether the result at a point depends on that point alone, bit for bit: trajectories with the same
+    /// parameters may then share the evaluator.
+    fn is_pointwise(&self) -> bool {
+        true
+    }
+    /// Operations so far, as [`SolverStatistics::operations`] counts them; `None` for a map that does
+    /// not count.
+    ///
+    /// [`SolverStatistics::operations`]: crate::SolverStatistics::operations
+    fn operations(&self) -> Option<u64> {
+        None
+    }
+    /// Forgets earlier evaluations: the next one starts cold.
+    fn restart(&mut self) {}
+    /// What later evaluations depend on, for a checkpoint; always of the same length.
+    fn memory(&self) -> Vec<f64> {
+        Vec::new()
+    }
+    /// Restores [`memory`](Self::memory).
+    fn restore(&mut self, memory: &[f64]) {
+        let _ = memory;
+    }
+}
+
+/// Evaluates points of `inputs` numbers one by one.
+///
+/// # Errors
+/// That of the first point that fails.
+///
+/// # Panics
+/// When a slice is not that of a whole number of points.
+#[inline]
+pub fn one_by_one(
+    inputs: usize,
+    x: &[f64],
+    out: &mut [f64],
+    mut evaluate: impl FnMut(&[f64], &mut [f64]) -> Result<(), StepError>,
+) -> Result<(), StepError> {
+    if x.len() == inputs {
+        return evaluate(x, out);
+    }
+    let count = x.len() / inputs;
+    let outputs = out.len() / count;
+    let are_whole = x.len() == count * inputs && out.len() == count * outputs;
+    assert!(are_whole, "whole points of {inputs} numbers");
+    let mut points = x.chunks_exact(inputs).zip(out.chunks_exact_mut(outputs));
+    points.try_for_each(|(x, out)| evaluate(x, out))
+}
+
+/// Whether two points are the same to the bit.
+pub(crate) fn is_same(a: &[f64], b: &[f64]) -> bool {
+    let mut pairs = a.iter().zip(b);
+    a.len() == b.len() && pairs.all(|(a, b)| a.to_bits() == b.to_bits())
+}
