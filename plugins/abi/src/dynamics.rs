@@ -1,7 +1,7 @@
 //! Dynamic approximations as numbers.
 
 use crate::call::LwMapFn;
-use crate::create::LwLifecycle;
+use crate::instance::LwLifecycle;
 
 /// Functions of a dynamic approximation: `LW_KIND_DYNAMICS`. It parametrizes a Lagrangian bisection
 /// y ↦ L_{ε,h}(y) of S that approximates φ_h^{α_ε^*H}(σ(M)) to order m in h; the host solves

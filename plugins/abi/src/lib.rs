@@ -38,31 +38,27 @@
 compile_error!("plugin ABI 1 is laid out for 64-bit targets only");
 
 mod call;
-mod create;
 mod dynamics;
 mod entry;
 mod expression;
-mod host;
+mod instance;
 mod layout;
 mod part;
-mod realization;
 mod status;
 mod step_map;
-mod system;
 mod tables;
 
 pub use call::{LwInput, LwMapCall, LwMapFn, LwOutput};
-pub use create::{
-    LW_SETTING_INTEGER, LW_SETTING_REAL, LW_SETTING_TEXT, LwCreate, LwLifecycle, LwProperties,
-    LwSetting,
-};
 pub use dynamics::LwDynamics;
 pub use entry::{
     LW_ABI_MAJOR, LW_ABI_MINOR, LW_ENTRY_SYMBOL, LW_ENTRY_SYMBOL_STEM, LW_FROZEN_BYTES, LW_MAGIC,
     LwEntry, LwEntryFn,
 };
 pub use expression::LwExpression;
-pub use host::{LwHostRealization, LwHostSystem};
+pub use instance::{
+    LW_SETTING_INTEGER, LW_SETTING_REAL, LW_SETTING_TEXT, LwCreate, LwHostRealization,
+    LwHostSystem, LwLifecycle, LwProperties, LwRealization, LwSetting, LwSystem,
+};
 pub use layout::{LAYOUT, TypeLayout};
 pub use part::{
     LW_FLAG_COTANGENT_CHART, LW_FLAG_EXACT, LW_FLAG_NOT_SELF_ADJOINT, LW_FLAG_REVERSIBLE,
@@ -70,7 +66,5 @@ pub use part::{
     LW_KIND_DYNAMICS, LW_KIND_REALIZATION, LW_KIND_STEP_MAP, LW_KIND_SYSTEM, LW_STRUCTURE_EXACT,
     LW_STRUCTURE_NONE, LwParameter, LwPart,
 };
-pub use realization::LwRealization;
 pub use status::{LW_DISCARD, LW_ERROR, LW_FATAL, LW_OK, LW_UNSUPPORTED, LwError, LwStatus};
 pub use step_map::LwStepMap;
-pub use system::LwSystem;

@@ -1,7 +1,7 @@
 //! Step maps as numbers.
 
 use crate::call::LwMapFn;
-use crate::create::LwLifecycle;
+use crate::instance::LwLifecycle;
 
 /// Functions of a step map Φ_{ε,h}: M → M that needs no realization: `LW_KIND_STEP_MAP`.
 ///

@@ -14,13 +14,10 @@ fn root() -> &'static Path {
 }
 
 /// The modules with types, in the order of the header.
-const MODULES: [&str; 11] = [
+const MODULES: [&str; 8] = [
     "status",
     "call",
-    "create",
-    "host",
-    "system",
-    "realization",
+    "instance",
     "dynamics",
     "step_map",
     "expression",
