@@ -1,9 +1,11 @@
 //! What others need to know of a part, the part says: no source but its own names it.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use leafwise::core::{PartKind, Registry};
+
+use crate::sources::{code, sources};
 
 /// Sources that serve every part alike. The figures of the paper (`reproduce`) and the cases of `stress`
 /// choose their methods as scenes do.
@@ -30,27 +32,6 @@ const OTHER_MEANINGS: [(&str, &str); 7] = [
     ("scene/src/document/method.rs", "implicit-midpoint"),
     ("plugins/loader/src/smoke/problems.rs", "log-canonical"),
 ];
-
-fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
-    let entries = fs::read_dir(folder).unwrap_or_else(|error| panic!("{folder:?}: {error}"));
-    for entry in entries {
-        let path = entry.expect("an entry of a folder").path();
-        let name = path.file_name().and_then(|name| name.to_str());
-        match name {
-            Some("tests" | "tests.rs") => {}
-            _ if path.is_dir() => sources(&path, found),
-            Some(name) if name.ends_with(".rs") => found.push(path),
-            _ => {}
-        }
-    }
-}
-
-/// The lines of a source that are no comments, in front of its inline tests.
-fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
-    let end = text.find("#[cfg(test)]\nmod tests {");
-    let lines = text[..end.unwrap_or(text.len())].lines().enumerate();
-    lines.filter(|(_, line)| !line.trim_start().starts_with("//"))
-}
 
 #[test]
 fn no_source_names_a_part_but_its_own() {
