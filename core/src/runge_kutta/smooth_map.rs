@@ -6,7 +6,7 @@ use leafwise_expression::{Graph, Kernel, Term, Workspace};
 
 use super::batch::batch;
 use crate::error::{BuildError, StepError};
-use crate::evaluator::{Evaluator, one_by_one};
+use crate::evaluator::Evaluator;
 use crate::solver::check_variables;
 
 /// A map z ↦ F(z), and z ↦ DF(z) where that is offered.
@@ -149,7 +149,6 @@ impl SmoothMap {
         };
         let worker = match &self.source {
             Source::Kernels { value, jacobian } => Box::new(KernelWorker {
-                inputs: self.inputs,
                 value: prepared(value),
                 jacobian: jacobian.as_ref().map(prepared),
                 operations: 0,
@@ -171,33 +170,42 @@ struct Prepared {
 }
 
 struct KernelWorker {
-    inputs: usize,
     value: Prepared,
     jacobian: Option<Prepared>,
     operations: u64,
 }
 
 impl Prepared {
-    fn evaluate(&mut self, z: &[f64], out: &mut [f64]) -> u64 {
-        self.kernel.evaluate(&mut self.workspace, z, out);
-        self.work
+    /// Evaluates at one point or several; returns the operations.
+    #[inline]
+    fn evaluate_all(&mut self, z: &[f64], out: &mut [f64]) -> u64 {
+        let inputs = self.kernel.inputs();
+        if z.len() == inputs {
+            self.kernel.evaluate(&mut self.workspace, z, out);
+            return self.work;
+        }
+        let count = z.len() / inputs;
+        assert_eq!(z.len(), count * inputs, "whole points");
+        let points = z.chunks_exact(inputs);
+        for (z, out) in points.zip(out.chunks_exact_mut(self.kernel.outputs())) {
+            self.kernel.evaluate(&mut self.workspace, z, out);
+        }
+        count as u64 * self.work
     }
 }
 
 impl Evaluator for KernelWorker {
+    #[inline]
     fn values(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        one_by_one(self.inputs, z, out, |z, out| {
-            self.operations += self.value.evaluate(z, out);
-            Ok(())
-        })
+        self.operations += self.value.evaluate_all(z, out);
+        Ok(())
     }
 
+    #[inline]
     fn jacobians(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         let kernel = self.jacobian.as_mut().ok_or(StepError::NoTangent)?;
-        one_by_one(self.inputs, z, out, |z, out| {
-            self.operations += kernel.evaluate(z, out);
-            Ok(())
-        })
+        self.operations += kernel.evaluate_all(z, out);
+        Ok(())
     }
 
     fn has_jacobian(&self) -> bool {
@@ -247,10 +255,12 @@ impl SmoothMapEvaluator {
 }
 
 impl Evaluator for SmoothMapEvaluator {
+    #[inline]
     fn values(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         self.worker.values(z, out)
     }
 
+    #[inline]
     fn jacobians(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         self.worker.jacobians(z, out)
     }

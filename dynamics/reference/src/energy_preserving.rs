@@ -227,9 +227,12 @@ impl EnergyPreserving {
                     *sum += weight * h;
                 }
                 let by_slopes = &mut averages.by_slopes[row * s * d..][..s * d];
-                for (column, sum) in by_slopes.iter_mut().enumerate() {
-                    let integral = self.integrals[q * s + column / d];
-                    *sum += weight * integral * self.time_step * hessian[column % d];
+                let integrals = &self.integrals[q * s..][..s];
+                for (sums, integral) in by_slopes.chunks_exact_mut(d).zip(integrals) {
+                    let factor = weight * integral * self.time_step;
+                    for (sum, h) in sums.iter_mut().zip(hessian) {
+                        *sum += factor * h;
+                    }
                 }
             }
         }
@@ -260,19 +263,19 @@ impl EnergyPreserving {
         for c in 0..d {
             let (by_u, by_w) = self.slope[c * 2 * d..][..2 * d].split_at(d);
             let row = i * d + c;
-            // Σ_k ∂_w,k · (row k of a matrix of W_i's derivatives)
-            let through = |of: &[f64], columns: usize, column: usize| -> f64 {
-                let rows = of[i * d * columns..].chunks_exact(columns);
-                by_w.iter().zip(rows).map(|(w, of)| w * of[column]).sum()
-            };
-            for column in 0..s * d {
-                let a = self.tableau.matrix[i * s + column / d];
-                self.by_slopes[row * s * d + column] = through(&averages.by_slopes, s * d, column)
-                    + a * self.time_step * by_u[column % d];
+            let of_slopes = &averages.by_slopes[i * d * s * d..];
+            let by_slopes = &mut self.by_slopes[row * s * d..][..s * d];
+            combine(by_w, of_slopes, by_slopes);
+            for (j, by_slope) in by_slopes.chunks_exact_mut(d).enumerate() {
+                let a = self.tableau.matrix[i * s + j];
+                for (entry, by_u) in by_slope.iter_mut().zip(by_u) {
+                    *entry += a * self.time_step * by_u;
+                }
             }
-            for column in 0..d {
-                self.by_start[row * d + column] =
-                    through(&averages.by_start, d, column) + by_u[column];
+            let by_start = &mut self.by_start[row * d..][..d];
+            combine(by_w, &averages.by_start[i * d * d..], by_start);
+            for (entry, by_u) in by_start.iter_mut().zip(by_u) {
+                *entry += by_u;
             }
             self.reaches[row] = reach(by_w, &self.place[d..]);
         }
@@ -463,6 +466,17 @@ impl OneStep for EnergyPreserving {
     fn restore(&mut self, memory: &[f64]) {
         self.watch.restore(memory[0]);
         self.slopes.copy_from_slice(&memory[1..]);
+    }
+}
+
+/// Σ_k w_k · (row k of a matrix), into `out`.
+fn combine(weights: &[f64], matrix: &[f64], out: &mut [f64]) {
+    // The neutral element of sums: −0 + a is a, to the bit.
+    out.fill(-0.0);
+    for (weight, row) in weights.iter().zip(matrix.chunks_exact(out.len())) {
+        for (sum, entry) in out.iter_mut().zip(row) {
+            *sum += weight * entry;
+        }
     }
 }
 
