@@ -300,6 +300,37 @@ fn a_step_that_is_too_long_for_its_order_is_told() {
     }
 }
 
+/// A body in a strong field: substeps of dormand-prince45 within a ten-thousandth lead astray within four steps.
+/// What the warning says, as often as it says it, brings the error from as much as the motion, 1.6, to a tenth of it.
+#[test]
+fn a_tolerance_that_is_too_loose_is_told() {
+    let text = |stepper: &str| {
+        format!(
+            "[system]\nvariables = [\"l1\", \"l2\", \"l3\", \"p1\", \"p2\", \"p3\"]\n\
+             bracket = {{ lie-algebra = \"se3\" }}\n\
+             hamiltonian = \"1.29*l1^2 + 0.43*l2^2 + 1.29*l3^2 + 0.88*p1^2 + 1.78*p2^2 + 1.96*p3^2 + 2*sin(p2*l2) \
+             - 0.52*p1/(2.98 + p2)\"\n\
+             [method]\nstepper = {stepper}\ntime-step = 1.3\n\
+             [run]\ninitial = [-1.1, 1.74, 1.68, 1.99, -0.83, -1.8]\nsteps = 4\n"
+        )
+    };
+    let expected = end(&text("{ name = \"dop853\", tolerance = 1e-13 }"), 4);
+    let error = |text: &str| {
+        let apart = end(text, 4).into_iter().zip(&expected);
+        apart.fold(0.0_f64, |most, (x, exact)| most.max((x - exact).abs()))
+    };
+    let mut text = text("{ name = \"dormand-prince45\", tolerance = 1e-4 }");
+    assert!(error(&text) > 1.0, "{}", error(&text));
+    let mut tightened = 0;
+    while let Some(found) = of_kind(&text, AdviceKind::CoarseStep) {
+        assert!(found.message.contains("tolerance"), "{}", found.message);
+        text = changed(&text, &found);
+        tightened += 1;
+    }
+    assert!((1..=3).contains(&tightened), "{tightened}");
+    assert!(error(&text) < 0.16, "{}", error(&text));
+}
+
 /// cos(kq) with kq = 2e16 and 2e9: round-off of q is 2 radians and 2e-7 of one.
 #[test]
 fn a_step_that_the_states_round_off_decides_is_told() {

@@ -3,6 +3,7 @@
 use leafwise_core::{Ends, realization_worker};
 
 use super::probe::{Place, Probe};
+use super::step::half_the_step;
 use super::{Advice, AdviceKind, number};
 
 /// The part of the chart's radius from which on it is nearly used up.
@@ -24,7 +25,7 @@ pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
             number(used),
             probe.realization.name
         ),
-        change: half_the_step(probe),
+        change: half_the_step(probe.run),
     })
 }
 
@@ -45,13 +46,4 @@ fn last_term(probe: &Probe<'_>, place: &Place) -> usize {
         order -= 1;
     }
     order
-}
-
-/// The line that halves the step.
-pub(super) fn half_the_step(probe: &Probe<'_>) -> String {
-    let plan = &probe.run.plan;
-    // ε·h with the digits that were written: 0.1·0.3 is 0.03.
-    let half = 0.5 * plan.epsilon * plan.h;
-    let short: f64 = format!("{half:.12e}").parse().unwrap_or(half);
-    format!("time-step = {short:?}")
 }

@@ -1,7 +1,7 @@
 //! A truncated realization that hardly keeps the tensor.
 
-use super::chart::half_the_step;
 use super::probe::Probe;
+use super::step::half_the_step;
 use super::{Advice, AdviceKind, number};
 
 /// Brackets that are wrong by this part are no approximation of the tensor.
@@ -18,6 +18,6 @@ pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
             probe.realization.name,
             number(defect)
         ),
-        change: half_the_step(probe),
+        change: half_the_step(probe.run),
     })
 }

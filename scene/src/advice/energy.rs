@@ -8,6 +8,7 @@
 
 use leafwise_core::Evaluator;
 
+use super::step::tighten;
 use super::{Advice, AdviceKind, number};
 use crate::compose::ComposedRun;
 use crate::document::{SceneDocument, StepSpec};
@@ -55,15 +56,10 @@ impl EnergyError<'_> {
         if !(self.largest > LARGEST * scale && scale > 0.0) {
             return None;
         }
-        let tolerance = run.plan.parts.iter().any(|part| {
-            let mut names = part.parameters.iter().map(|(name, _)| *name);
-            names.any(|name| name == "tolerance")
+        let change = tighten(run).unwrap_or_else(|| match &document.method.step {
+            StepSpec::TimeStep(step) => format!("time-step = {:?}", step.value.value / 2.0),
+            StepSpec::Factors { h, .. } => format!("h = {:?}", h.value.value / 2.0),
         });
-        let change = match (&document.method.step, tolerance) {
-            (_, true) => "a smaller tolerance of the stepper".to_owned(),
-            (StepSpec::TimeStep(step), _) => format!("time-step = {:?}", step.value.value / 2.0),
-            (StepSpec::Factors { h, .. }, _) => format!("h = {:?}", h.value.value / 2.0),
-        };
         Some(Advice {
             kind: AdviceKind::EnergyError,
             message: format!(

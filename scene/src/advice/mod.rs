@@ -11,11 +11,12 @@
 //! - `energy`: an energy that is kept badly;
 //! - `exact`: an exact realization that costs no more;
 //! - `rounding`: a step that the state's round-off decides;
-//! - `step`: a step that is too long for its order;
+//! - `step`: a step that is too long for its order, a tolerance that is too loose;
 //! - `stepper`: a stepper that is no Poisson map where splitting is one for no more, stages that no step
 //!   feels;
 //! - `unused`: parameters that nothing depends on;
-//! - `trial`: what a step map does over the first steps.
+//! - `trial`: what a step map does over the first steps;
+//! - `walk`: trajectories by their increments.
 
 mod chart;
 mod defect;
@@ -31,6 +32,7 @@ mod stepper;
 mod trial;
 mod truncation;
 mod unused;
+mod walk;
 
 use leafwise_core::{Integrator, Registry};
 use serde::Serialize;
@@ -77,7 +79,7 @@ pub enum AdviceKind {
     NoPoissonMap,
     /// Stages that no step feels.
     Stages,
-    /// A step that is too long for its order.
+    /// A step that is too long for its order, or a tolerance that is too loose.
     CoarseStep,
     /// A step that the state's round-off decides.
     RoundOff,
@@ -158,7 +160,7 @@ fn about_the_method(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>])
     if run.dimension() > LARGEST {
         return Vec::new();
     }
-    let coarse = step::advice(run, states);
+    let coarse = step::advice(run, registry, states);
     let coarse = coarse.or_else(|| rounding::advice(run, states)).into_iter();
     if run.method.written().is_none() {
         return coarse

@@ -3,7 +3,7 @@
 
 use leafwise_core::Evaluator;
 
-use super::step::{difference, increment};
+use super::walk::{difference, increment};
 use super::{Advice, AdviceKind, number};
 use crate::compose::ComposedRun;
 
@@ -21,8 +21,9 @@ pub(super) fn advice(run: &ComposedRun, states: &[Vec<f64>]) -> Option<Advice> {
 /// At the first of the run's states where a step from there and one from its neighbour differ by more.
 fn of_the_step(run: &ComposedRun, states: &[Vec<f64>]) -> Option<Advice> {
     let message = states.iter().find_map(|x| {
+        let map = run.method.map();
         let neighbour: Vec<f64> = x.iter().map(|x| x + x * f64::EPSILON).collect();
-        let (here, there) = (increment(run, x), increment(run, &neighbour));
+        let (here, there) = (increment(run, map, x), increment(run, map, &neighbour));
         let part = difference(x, &here.ok()?, &there.ok()?);
         (part > DECIDED).then(|| {
             format!(

@@ -1,7 +1,7 @@
 //! A step whose equation has several solutions inside the chart.
 
-use super::chart::half_the_step;
 use super::probe::{Probe, distance, size};
+use super::step::half_the_step;
 use super::{Advice, AdviceKind, number};
 
 /// Starts of Newton's method at each state.
@@ -33,6 +33,6 @@ pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
             probe.places.len(),
             number(nearest)
         ),
-        change: half_the_step(probe),
+        change: half_the_step(probe.run),
     })
 }

@@ -1,143 +1,165 @@
-//! Steps that are too long: others of half their length lead elsewhere.
+//! Steps that are too long, and tolerances of adaptive steppers that are too loose: finer ones lead elsewhere.
 
-use leafwise_core::{StepError, Stepper};
+use std::sync::Arc;
 
+use leafwise_core::{Registry, StepError, StepMap};
+
+use super::probe::given;
+use super::walk::{Walk, difference};
 use super::{Advice, AdviceKind, number};
-use crate::compose::ComposedRun;
+use crate::compose::{ComposedRun, PartChoice};
 
 /// The part of a step's motion that halving it may change. A method of order m then errs by about (2ᵐ − 1)⁻¹ of it, and
 /// its error falls as its order says, or nearly so; above, neither is known.
 const COARSE: f64 = 0.1;
 
-/// The part of the motion over the run's [`FIRST`] steps that halving them, or these once more, may change:
+/// The part of the motion over the run's [`FIRST`] steps that finer ones, or still finer ones, may change:
 /// steps each a little too long err by as much as they move.
 const ASTRAY: f64 = 0.25;
 
 /// Steps that are followed from the initial state.
 const FIRST: u64 = 4;
 
-/// Where one step and two of half its length, at the run's states, or its first steps and those of a half and
-/// a quarter of their length differ by more, or the shorter ones fail.
-pub(super) fn advice(run: &ComposedRun, states: &[Vec<f64>]) -> Option<Advice> {
-    let message = states.iter().find_map(|x| one_step(run, x));
-    let message = message.or_else(|| first_steps(run))?;
-    let half = 0.5 * run.plan.epsilon * run.plan.h;
-    let short: f64 = format!("{half:.12e}").parse().unwrap_or(half);
+/// What a tolerance is multiplied by.
+const TIGHTER: f64 = 1e-2;
+
+/// The least tolerance.
+const LEAST: f64 = 1e-14;
+
+/// Where one step and a finer one, at the run's states, or its first steps and finer ones of two kinds differ by
+/// more, or the finer ones fail. Finer are two of half a step's length and four of a quarter; of a stepper with
+/// a tolerance, which chooses its substeps itself, tolerances of a hundredth, twice.
+pub(super) fn advice(
+    run: &ComposedRun,
+    registry: &Registry,
+    states: &[Vec<f64>],
+) -> Option<Advice> {
+    let finer = Finer::of(run, registry);
+    let message = states.iter().find_map(|x| finer.over_one_step(x));
+    let message = message.or_else(|| finer.over_the_first())?;
     Some(Advice {
         kind: AdviceKind::CoarseStep,
         message,
-        change: format!("time-step = {short:?}"),
+        change: tighten(run).unwrap_or_else(|| half_the_step(run)),
     })
 }
 
-/// How a step from x and two of half its length differ, where they do.
-fn one_step(run: &ComposedRun, x: &[f64]) -> Option<String> {
-    let whole = increment(run, x).ok()?;
-    let mut halves = Walk::new(run, x, 2);
-    if let Err(error) = halves.advance() {
-        return Some(format!(
-            "from a state of the run a step is taken, and two of half its length are not: {error}"
-        ));
-    }
-    let part = difference(x, &whole, &halves.increment);
-    (part > COARSE).then(|| {
-        format!(
-            "a step is too long for its order: two of half its length change a coordinate's motion by {} of it",
-            number(part)
-        )
-    })
+/// The line that halves the step.
+pub(super) fn half_the_step(run: &ComposedRun) -> String {
+    // ε·h with the digits that were written: 0.1·0.3 is 0.03.
+    let half = 0.5 * run.plan.epsilon * run.plan.h;
+    let short: f64 = format!("{half:.12e}").parse().unwrap_or(half);
+    format!("time-step = {short:?}")
 }
 
-/// How the run's first steps and shorter ones differ, where they do.
-fn first_steps(run: &ComposedRun) -> Option<String> {
-    let x = &run.plan.initial;
-    let [mut whole, mut halves, mut quarters] = [1, 2, 4].map(|parts| Walk::new(run, x, parts));
-    for step in 1..=FIRST.min(run.plan.steps) {
-        whole.advance().ok()?;
-        if let Err(error) = halves.advance().and_then(|()| quarters.advance()) {
-            return Some(format!(
-                "the first {step} steps are taken, and those of half or a quarter of their length are not: {error}"
-            ));
-        }
-        let part = difference(x, &whole.increment, &halves.increment);
-        let part = part.max(difference(x, &halves.increment, &quarters.increment));
-        if part > ASTRAY {
-            return Some(format!(
-                "steps are too long for their order: over the first {step}, those of half or a quarter of their \
-                 length change a coordinate's motion by {} of it",
-                number(part)
-            ));
-        }
-    }
-    None
+/// The line with a hundredth of the stepper's tolerance, where it has one.
+pub(super) fn tighten(run: &ComposedRun) -> Option<String> {
+    let (stepper, tolerance) = adaptive(run)?;
+    let tighter = tighter(tolerance);
+    let name = stepper.name;
+    Some(format!(
+        "stepper = {{ name = \"{name}\", tolerance = {tighter:?} }}"
+    ))
 }
 
-/// What two increments differ by over what they are: the largest of each over the coordinates, relative to these.
-pub(super) fn difference(x: &[f64], whole: &[f64], halves: &[f64]) -> f64 {
-    let (mut apart, mut motion) = (0.0_f64, 0.0_f64);
-    for ((x, whole), halves) in x.iter().zip(whole).zip(halves) {
-        let size = x.abs().max((x + whole).abs()).max((x + halves).abs());
-        if size > 0.0 {
-            apart = apart.max((whole - halves).abs() / size);
-            motion = motion.max(halves.abs() / size);
-        }
-    }
-    // Round-off of a state is no motion.
-    if apart > f64::EPSILON * 64.0 {
-        apart / motion
-    } else {
-        0.0
-    }
+fn tighter(tolerance: f64) -> f64 {
+    let tighter = (TIGHTER * tolerance).max(LEAST);
+    format!("{tighter:.12e}").parse().unwrap_or(tighter)
 }
 
-/// The motion from x over one step of the run.
-pub(super) fn increment(run: &ComposedRun, x: &[f64]) -> Result<Vec<f64>, StepError> {
-    let mut walk = Walk::new(run, x, 1);
-    walk.advance()?;
-    Ok(walk.increment)
+/// The run's stepper with a tolerance.
+fn adaptive(run: &ComposedRun) -> Option<(&PartChoice, f64)> {
+    let mut parts = run.plan.parts.iter();
+    parts.find_map(|part| Some((part, part.tolerance()?)))
 }
 
-/// A trajectory from a state, by steps of the run in so many parts each.
-struct Walk {
-    stepper: Box<dyn Stepper>,
-    parts: u32,
-    state: Vec<f64>,
-    /// The motion so far.
-    increment: Vec<f64>,
+/// The run's map, and its stepper with a hundredth of its tolerance and that of this.
+struct Finer<'a> {
+    run: &'a ComposedRun,
+    tighter: Option<[Arc<dyn StepMap>; 2]>,
 }
 
-impl Walk {
-    fn new(run: &ComposedRun, x: &[f64], parts: u32) -> Self {
-        let values = run.system.parameter_values();
-        let (map, plan) = (run.method.map(), &run.plan);
-        Self {
-            stepper: map.stepper(1, &values, plan.epsilon, plan.h / f64::from(parts)),
-            parts,
-            state: x.to_vec(),
-            increment: vec![0.0; x.len()],
-        }
+impl<'a> Finer<'a> {
+    fn of(run: &'a ComposedRun, registry: &Registry) -> Self {
+        let tighter = adaptive(run).and_then(|(stepper, tolerance)| {
+            let part = registry.stepper(stepper.name).ok()?;
+            let with = |tolerance: f64| {
+                let given = given(stepper).with("tolerance", tolerance);
+                part.build(&run.system, &given).ok()
+            };
+            let first = tighter(tolerance);
+            Some([with(first)?, with(tighter(first))?])
+        });
+        Self { run, tighter }
     }
 
-    /// One step of the run.
-    fn advance(&mut self) -> Result<(), StepError> {
-        let low = vec![0.0; self.state.len()];
-        for _ in 0..self.parts {
-            let mut increment = vec![0.0; self.state.len()];
-            let mut outcome = [Ok(())];
-            self.stepper
-                .increment(&self.state, &low, &mut increment, &mut outcome);
-            let [outcome] = outcome;
-            outcome?;
-            for (at, part) in increment.iter().enumerate() {
-                self.state[at] += part;
-                self.increment[at] += part;
+    /// From x: the run's steps, finer ones and still finer ones.
+    fn walks(&self, x: &[f64]) -> [Walk; 3] {
+        let (run, own) = (self.run, self.run.method.map());
+        match &self.tighter {
+            None => [1, 2, 4].map(|parts| Walk::new(run, own, x, parts)),
+            Some([first, second]) => {
+                [own, first.as_ref(), second.as_ref()].map(|map| Walk::new(run, map, x, 1))
             }
-            if self.state.iter().any(|x| !x.is_finite()) {
-                return Err(StepError::NonFinite {
-                    what: "the new state",
+        }
+    }
+
+    fn over_one_step(&self, x: &[f64]) -> Option<String> {
+        let [mut whole, mut finer, _] = self.walks(x);
+        whole.advance().ok()?;
+        if let Err(error) = finer.advance() {
+            return self.refusal(
+                "a step is taken, and two of half its length are not",
+                &error,
+            );
+        }
+        let part = difference(x, &whole.increment, &finer.increment);
+        (part > COARSE).then(|| match self.tighter {
+            None => format!(
+                "a step is too long for its order: two of half its length change a coordinate's motion by {} of it",
+                number(part)
+            ),
+            Some(_) => format!(
+                "the stepper's tolerance is too loose: a hundredth of it changes a coordinate's motion over one step \
+                 by {} of it",
+                number(part)
+            ),
+        })
+    }
+
+    fn over_the_first(&self) -> Option<String> {
+        let x = &self.run.plan.initial;
+        let [mut whole, mut finer, mut finest] = self.walks(x);
+        for step in 1..=FIRST.min(self.run.plan.steps) {
+            whole.advance().ok()?;
+            if let Err(error) = finer.advance().and_then(|()| finest.advance()) {
+                let what = format!(
+                    "the first {step} steps are taken, and those of half or a quarter of their length are not"
+                );
+                return self.refusal(&what, &error);
+            }
+            let part = difference(x, &whole.increment, &finer.increment);
+            let part = part.max(difference(x, &finer.increment, &finest.increment));
+            if part > ASTRAY {
+                let part = number(part);
+                return Some(match self.tighter {
+                    None => format!(
+                        "steps are too long for their order: over the first {step}, those of half or a quarter of \
+                         their length change a coordinate's motion by {part} of it"
+                    ),
+                    Some(_) => format!(
+                        "the stepper's tolerance is too loose: a hundredth of it, or of that, changes a coordinate's \
+                         motion over the first {step} steps by {part} of it"
+                    ),
                 });
             }
         }
-        Ok(())
+        None
+    }
+
+    /// Shorter steps that fail say something of the step; substeps of a smaller tolerance may be too many.
+    fn refusal(&self, what: &str, error: &StepError) -> Option<String> {
+        let is_told = self.tighter.is_none();
+        is_told.then(|| format!("{what}: {error}"))
     }
 }

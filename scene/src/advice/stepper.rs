@@ -11,6 +11,7 @@ use leafwise_core::{PartParameters, Registry, StepMap, Structure};
 use super::probe::{distance, given, size};
 use super::trial::Trial;
 use super::truncation::{FELT, ROUND_OFF};
+use super::walk::increment;
 use super::{Advice, AdviceKind, number};
 use crate::compose::{ComposedRun, PartChoice};
 
@@ -168,15 +169,6 @@ fn stages(
 
 /// x_{k+1} − x_k from each state.
 fn increments(run: &ComposedRun, map: &dyn StepMap, states: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
-    let values = run.system.parameter_values();
-    let (epsilon, h) = (run.plan.epsilon, run.plan.h);
-    let each = states.iter().map(|x| {
-        let mut stepper = map.stepper(1, &values, epsilon, h);
-        let (low, mut increment) = (vec![0.0; x.len()], vec![0.0; x.len()]);
-        let mut outcome = [Ok(())];
-        stepper.increment(x, &low, &mut increment, &mut outcome);
-        let [outcome] = outcome;
-        outcome.ok().map(|()| increment)
-    });
+    let each = states.iter().map(|x| increment(run, map, x).ok());
     each.collect()
 }

@@ -43,6 +43,19 @@ pub struct PartChoice {
 }
 
 impl PartChoice {
+    /// The tolerance of a stepper that chooses substeps of its own by it.
+    pub(crate) fn tolerance(&self) -> Option<f64> {
+        let mut parameters = self.parameters.iter();
+        parameters.find_map(|(name, value)| match value {
+            ParameterSetting::Real(tolerance)
+                if self.kind == PartKind::Stepper && *name == "tolerance" =>
+            {
+                Some(*tolerance)
+            }
+            _ => None,
+        })
+    }
+
     /// Its parameters, to build it again.
     pub(super) fn given(&self) -> PartParameters {
         let parameters = self.parameters.iter();

@@ -47,13 +47,9 @@ impl Failure {
         let Some(stepper) = parts.iter().find(|part| part.kind == PartKind::Stepper) else {
             return;
         };
-        let has_tolerance = stepper
-            .parameters
-            .iter()
-            .any(|(name, _)| *name == "tolerance");
-        let instead = match has_tolerance {
-            true => "reduce its tolerance or epsilon*h",
-            false => "reduce epsilon*h",
+        let instead = match stepper.tolerance() {
+            Some(_) => "reduce its tolerance or epsilon*h",
+            None => "reduce epsilon*h",
         };
         let of_a_realization = "reduce epsilon*h or raise the realization's order";
         self.hint = self.hint.replace(of_a_realization, instead);
