@@ -22,12 +22,12 @@ use crate::probe::Probe;
 /// [`BuildError::DoesNotFit`] with the monomial that has no exact flow, [`BuildError::Algebra`] where
 /// a formula is outside the algebra.
 pub fn find_pieces(system: &SystemFormulas, ring: &mut Ring) -> Result<Vec<Piece>, BuildError> {
-    let tensor = Tensor::new(system, ring)?;
+    let (tensor, probe) = (Tensor::new(system, ring)?, Probe::of(system));
     let mut summands_of_h = Vec::new();
     for summand in summands(system.hamiltonian()) {
         summands_of_h.push((polynomial(ring, &summand)?, summand));
     }
-    let pieces = split(system, ring, &tensor, &summands_of_h);
+    let pieces = split(system, ring, &probe, &tensor, &summands_of_h);
     let parts: Vec<_> = summands_of_h
         .iter()
         .map(|(f, _)| (Rational::one(), f.clone()))
@@ -41,7 +41,7 @@ pub fn find_pieces(system: &SystemFormulas, ring: &mut Ring) -> Result<Vec<Piece
         }
         for shifted in shifted(ring, &hamiltonian, &casimir) {
             let whole = [(shifted.clone(), ring.formula(&shifted))];
-            let Ok(pieces) = split(system, ring, &tensor, &whole) else {
+            let Ok(pieces) = split(system, ring, &probe, &tensor, &whole) else {
                 continue;
             };
             let size = coefficient_sum(system, ring, &shifted);
@@ -68,14 +68,14 @@ fn polynomial(ring: &mut Ring, formula: &Expression) -> Result<Polynomial, Build
 fn split(
     system: &SystemFormulas,
     ring: &mut Ring,
+    probe: &Probe,
     tensor: &Tensor,
     sum: &[(Polynomial, Expression)],
 ) -> Result<Vec<Piece>, BuildError> {
-    let probe = Probe::of(system);
     let mut pieces: Vec<Piece> = Vec::new();
     for (f, formula) in sum {
-        for atom in atoms(system, ring, &probe, tensor, f.clone(), formula)? {
-            place(ring, &probe, &mut pieces, &atom, system.dimension())?;
+        for atom in atoms(system, ring, probe, tensor, f.clone(), formula)? {
+            place(ring, probe, &mut pieces, &atom, system.dimension())?;
         }
     }
     Ok(pieces)
