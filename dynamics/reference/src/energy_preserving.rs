@@ -212,8 +212,11 @@ impl EnergyPreserving {
             self.gradient.values(&self.place[..d], &mut self.value)?;
             let averages = &mut self.averages_of_gradient;
             let weight = |i: usize| self.quadrature.weights[q] * self.averages[q * s + i];
-            for (row, sum) in averages.values.iter_mut().enumerate() {
-                *sum += weight(row / d) * self.value[row % d];
+            for (i, sums) in averages.values.chunks_exact_mut(d).enumerate() {
+                let weight = weight(i);
+                for (sum, value) in sums.iter_mut().zip(&self.value) {
+                    *sum += weight * value;
+                }
             }
             if self.anderson.is_some() {
                 continue;
