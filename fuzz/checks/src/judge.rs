@@ -238,6 +238,7 @@ fn doubt(
     if error <= TOLERANCES * scene.tolerance
         || error <= ACCURATE * motion.max(1e-3)
         || error <= 64.0 * f64::EPSILON
+        || error <= projected(scene, end_state)
     {
         return None;
     }
@@ -282,6 +283,17 @@ fn keeps_energy(scene: &RandomScene, states: &[Vec<f64>]) -> bool {
     let first = energies.first().map_or(0.0, Dual::value);
     let mut drifts = energies.iter().map(|dual| (dual.value() - first).abs());
     drifts.all(|drift| drift <= DRIFT * size)
+}
+
+/// What a projection onto the energy of `scene` moves a coordinate by where the energy has its round-off, relative to
+/// the coordinate: δH over Σ |x_i ∂H/∂x_i|. It is large where a constant outweighs what moves.
+fn projected(scene: &RandomScene, x: &[f64]) -> f64 {
+    if !scene.text.contains("name = \"projection\"") {
+        return 0.0;
+    }
+    let energy = scene.hamiltonian.dual(x);
+    let whole = terms(&energy, x);
+    (16.0 * f64::EPSILON * whole / (whole - energy.value().abs())).min(UNRESOLVED * UNRESOLVED)
 }
 
 /// |f| + Σ |x_i ∂f/∂x_i|.

@@ -28,7 +28,8 @@ const LEAST: f64 = 1e-14;
 
 /// Where one step and a finer one, at the run's states, or its first steps and finer ones of two kinds differ by
 /// more, or the finer ones fail. Finer are two of half a step's length and four of a quarter; of a stepper with
-/// a tolerance, which chooses its substeps itself, tolerances of a hundredth, twice.
+/// a tolerance, which chooses its substeps itself, tolerances of a hundredth, twice. Its errors may not exceed
+/// the root of the tolerance either.
 pub(super) fn advice(
     run: &ComposedRun,
     registry: &Registry,
@@ -77,6 +78,8 @@ fn adaptive(run: &ComposedRun) -> Option<(&PartChoice, f64)> {
 struct Finer<'a> {
     run: &'a ComposedRun,
     tighter: Option<[Arc<dyn StepMap>; 2]>,
+    /// The root of the tolerance, of which errors within it stay far below; infinite without one.
+    outgrown: f64,
 }
 
 impl<'a> Finer<'a> {
@@ -90,7 +93,13 @@ impl<'a> Finer<'a> {
             let first = tighter(tolerance);
             Some([with(first)?, with(tighter(first))?])
         });
-        Self { run, tighter }
+        let tolerance = adaptive(run).map(|(_, tolerance)| tolerance);
+        let outgrown = tolerance.map_or(f64::INFINITY, libm::sqrt);
+        Self {
+            run,
+            tighter,
+            outgrown,
+        }
     }
 
     /// From x: the run's steps, finer ones and still finer ones.
@@ -114,13 +123,13 @@ impl<'a> Finer<'a> {
             );
         }
         let part = difference(x, &whole.increment, &finer.increment);
-        (part > COARSE).then(|| match self.tighter {
+        (part > self.outgrown.min(COARSE)).then(|| match self.tighter {
             None => format!(
                 "a step is too long for its order: two of half its length change a coordinate's motion by {} of it",
                 number(part)
             ),
             Some(_) => format!(
-                "the stepper's tolerance is too loose: a hundredth of it changes a coordinate's motion over one step \
+                "errors outgrow the stepper's tolerance: a hundredth of it changes a coordinate's motion over one step \
                  by {} of it",
                 number(part)
             ),
@@ -140,7 +149,7 @@ impl<'a> Finer<'a> {
             }
             let part = difference(x, &whole.increment, &finer.increment);
             let part = part.max(difference(x, &finer.increment, &finest.increment));
-            if part > ASTRAY {
+            if part > self.outgrown.min(ASTRAY) {
                 let part = number(part);
                 return Some(match self.tighter {
                     None => format!(
@@ -148,7 +157,7 @@ impl<'a> Finer<'a> {
                          their length change a coordinate's motion by {part} of it"
                     ),
                     Some(_) => format!(
-                        "the stepper's tolerance is too loose: a hundredth of it, or of that, changes a coordinate's \
+                        "errors outgrow the stepper's tolerance: a hundredth of it, or of that, changes a coordinate's \
                          motion over the first {step} steps by {part} of it"
                     ),
                 });
