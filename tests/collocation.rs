@@ -64,11 +64,10 @@ fn source(
     let mut worker =
         realization_worker(realization.as_ref(), parameters, epsilon).expect("maps on T*M");
     let z: Vec<f64> = x.iter().chain(&P).copied().collect();
-    let mut ends = Ends::new(x.len());
-    worker.ends(&z, &mut ends).expect("in the chart");
-    (0..x.len())
-        .map(|i| ends.base[i] + ends.offset[i] + ends.increment[i])
-        .collect()
+    let mut values = vec![0.0; 3 * x.len()];
+    worker.values(&z, &mut values).expect("in the chart");
+    let ends = Ends::of(&values);
+    (0..x.len()).map(|i| ends.source(i)).collect()
 }
 
 const P: [f64; 3] = [0.3, -0.2, 0.1];
@@ -135,8 +134,9 @@ fn a_field_that_is_even_about_the_middle_takes_the_nodes_it_needs() {
         let z: Vec<f64> = (0..2 * d)
             .map(|at| f64::from(u8::from(at >= d && at % 2 == 1)))
             .collect();
-        let mut ends = Ends::new(d);
-        worker.ends(&z, &mut ends).expect("in the chart");
+        let mut values = vec![0.0; 3 * d];
+        worker.values(&z, &mut values).expect("in the chart");
+        let ends = Ends::of(&values);
         let exact = size * libm::tan(0.5);
         let error = (ends.offset[0].abs() - exact).abs();
         assert!(error <= 16.0 * f64::EPSILON * exact, "{bracket}: {error:e}");
@@ -280,18 +280,15 @@ fn second_derivatives_are_exact_through_the_curve() {
             realization_worker(collocated(&problem.system, 10).as_ref(), &parameters, 1.0)
                 .expect("numbers");
         let mut hessian = vec![0.0; 4 * d * d];
-        worker.ends(&z, &mut Ends::new(d)).expect("inside");
         worker
-            .source_hessian(&covector, &mut hessian)
+            .source_hessian(&z, &covector, &mut hessian)
             .expect("second derivatives");
         let mut gradient = |at: usize, shift: f64| -> Vec<f64> {
             let mut moved = z.clone();
             moved[at] += shift;
-            let (mut target, mut increment) = (vec![0.0; 2 * d * d], vec![0.0; 2 * d * d]);
-            worker.ends(&moved, &mut Ends::new(d)).expect("inside");
-            worker
-                .tangents(&mut target, &mut increment)
-                .expect("tangents");
+            let mut tangents = vec![0.0; 4 * d * d];
+            worker.jacobians(&moved, &mut tangents).expect("inside");
+            let (target, increment) = tangents.split_at(2 * d * d);
             (0..2 * d)
                 .map(|k| {
                     let rows = 0..d;

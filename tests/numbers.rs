@@ -4,9 +4,9 @@
 use std::sync::Arc;
 
 use leafwise::core::{
-    Accuracy, BuildError, ChartMaps, DynamicApproximation, Ends, Evaluator, LagrangianBisection,
-    Method, PartParameters, PoissonSystem, RealizationData, RealizationMaps, RealizationWorker,
-    Registry, StepError, StepMap, Structure,
+    Accuracy, BuildError, ChartMaps, DynamicApproximation, Evaluator, LagrangianBisection, Method,
+    PartParameters, PoissonSystem, RealizationData, RealizationMaps, RealizationWorker, Registry,
+    StepError, StepMap, Structure,
 };
 use leafwise_tests::library;
 use leafwise_tests::numbers::distance;
@@ -73,17 +73,19 @@ struct Worker {
     has_tangents: bool,
 }
 
-impl RealizationWorker for Worker {
-    fn ends(&mut self, z: &[f64], ends: &mut Ends) -> Result<(), StepError> {
-        self.inner.ends(z, ends)
+impl RealizationWorker for Worker {}
+
+impl Evaluator for Worker {
+    fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
+        self.inner.values(z, ends)
     }
-    fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError> {
+    fn jacobians(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
         if !self.has_tangents {
             return Err(StepError::NoTangent);
         }
-        self.inner.tangents(target, increment)
+        self.inner.jacobians(z, tangents)
     }
-    fn has_tangents(&self) -> bool {
+    fn has_jacobian(&self) -> bool {
         self.has_tangents
     }
 }

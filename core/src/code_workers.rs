@@ -7,9 +7,7 @@ use leafwise_expression::{Arithmetic, Graph, Kernel, StepSize, Term, Workspace};
 use crate::bisection::BisectionCode;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::{Evaluator, is_same, one_by_one};
-use crate::realization::{
-    Ends, RealizationBatch, RealizationCode, RealizationData, RealizationWorker,
-};
+use crate::realization::{RealizationCode, RealizationData, RealizationWorker};
 use crate::solver::judge::{inside_chart, larger};
 
 /// An evaluator of any realization's maps: one compiled from its code, or its own worker.
@@ -153,8 +151,6 @@ impl CodeRealization {
         Box::new(CodeRealizationWorker {
             ends: prepared(&self.ends, parameters, epsilon, 1.0),
             tangents: prepared(&self.tangents, parameters, epsilon, 1.0),
-            z: vec![0.0; self.ends.inputs()],
-            single: Ends::new(self.dimension),
             work: [&self.ends, &self.tangents].map(|kernel| kernel.step_operations().work()),
             operations: 0,
             code: self.clone(),
@@ -178,48 +174,54 @@ struct CodeRealizationWorker {
     code: CodeRealization,
     ends: Workspace,
     tangents: Workspace,
-    z: Vec<f64>,
-    /// The ends of one of several points.
-    single: Ends,
     /// Operations of one evaluation of each kernel, and of all so far.
     work: [u64; 2],
     operations: u64,
 }
 
-impl RealizationWorker for CodeRealizationWorker {
-    fn ends(&mut self, z: &[f64], ends: &mut Ends) -> Result<(), StepError> {
-        let d = self.code.dimension;
-        self.z.copy_from_slice(z);
-        write_input(&mut self.ends, z);
-        let kernel = &self.code.ends;
-        kernel.evaluate_in_place(&mut self.ends);
-        self.operations += self.work[0];
-        let output = |index: usize| kernel.output(&self.ends, index)[0];
-        for i in 0..d {
-            ends.base[i] = output(i);
-            ends.offset[i] = output(d + i);
-            ends.increment[i] = output(2 * d + i);
-        }
-        self.chart_ratio().map_or(Ok(()), inside_chart)?;
-        if (0..3 * d).any(|index| !output(index).is_finite()) {
-            return Err(StepError::NonFinite {
-                what: "an end of the realization",
-            });
-        }
-        Ok(())
+impl Evaluator for CodeRealizationWorker {
+    fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
+        one_by_one(self.code.ends.inputs(), z, ends, |z, ends| {
+            write_input(&mut self.ends, z);
+            let kernel = &self.code.ends;
+            kernel.evaluate_in_place(&mut self.ends);
+            self.operations += self.work[0];
+            for (index, end) in ends.iter_mut().enumerate() {
+                *end = kernel.output(&self.ends, index)[0];
+            }
+            self.chart_ratio().map_or(Ok(()), inside_chart)?;
+            if ends.iter().any(|end| !end.is_finite()) {
+                return Err(StepError::NonFinite {
+                    what: "an end of the realization",
+                });
+            }
+            Ok(())
+        })
     }
 
-    fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError> {
-        write_input(&mut self.tangents, &self.z);
+    fn jacobians(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
         let kernel = &self.code.tangents;
-        kernel.evaluate_in_place(&mut self.tangents);
-        self.operations += self.work[1];
-        for (index, value) in target.iter_mut().chain(increment.iter_mut()).enumerate() {
-            *value = kernel.output(&self.tangents, index)[0];
-        }
-        Ok(())
+        one_by_one(kernel.inputs(), z, tangents, |z, tangents| {
+            write_input(&mut self.tangents, z);
+            kernel.evaluate_in_place(&mut self.tangents);
+            self.operations += self.work[1];
+            for (index, value) in tangents.iter_mut().enumerate() {
+                *value = kernel.output(&self.tangents, index)[0];
+            }
+            Ok(())
+        })
     }
 
+    fn has_jacobian(&self) -> bool {
+        true
+    }
+
+    fn operations(&self) -> Option<u64> {
+        Some(self.operations)
+    }
+}
+
+impl RealizationWorker for CodeRealizationWorker {
     fn chart_ratio(&self) -> Option<f64> {
         let d = self.code.dimension;
         let output = |index: usize| self.code.ends.output(&self.ends, index)[0];
@@ -230,40 +232,6 @@ impl RealizationWorker for CodeRealizationWorker {
                 (_, 0.0) => 0.0,
                 (first, last) => last / first,
             })
-    }
-
-    fn batch(&mut self) -> Option<&mut dyn RealizationBatch> {
-        Some(self)
-    }
-
-    fn operations(&self) -> Option<u64> {
-        Some(self.operations)
-    }
-}
-
-impl RealizationBatch for CodeRealizationWorker {
-    fn all_ends(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
-        let (d, space) = (self.code.dimension, self.z.len());
-        let mut single = std::mem::replace(&mut self.single, Ends::new(0));
-        let points = z.chunks_exact(space).zip(ends.chunks_exact_mut(3 * d));
-        let outcome = points.into_iter().try_for_each(|(z, out)| {
-            self.ends(z, &mut single)?;
-            single.write(out);
-            Ok(())
-        });
-        self.single = single;
-        outcome
-    }
-
-    fn all_tangents(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
-        let (d, space) = (self.code.dimension, self.z.len());
-        let points = z.chunks_exact(space);
-        for (z, out) in points.zip(tangents.chunks_exact_mut(2 * d * space)) {
-            self.z.copy_from_slice(z);
-            let (target, increment) = out.split_at_mut(d * space);
-            self.tangents(target, increment)?;
-        }
-        Ok(())
     }
 }
 

@@ -76,7 +76,7 @@ pub fn one_by_one(
 }
 
 /// Whether two points are the same to the bit.
-pub(crate) fn is_same(a: &[f64], b: &[f64]) -> bool {
+pub fn is_same(a: &[f64], b: &[f64]) -> bool {
     let mut pairs = a.iter().zip(b);
     a.len() == b.len() && pairs.all(|(a, b)| a.to_bits() == b.to_bits())
 }

@@ -65,8 +65,8 @@ pub use one_form::{CodeOneForm, GraphOfOneForm};
 pub use origin::Origin;
 pub use part::{PartInfo, PartKind, PartParameters};
 pub use realization::{
-    Accuracy, Ends, LagrangianChart, RealizationBatch, RealizationCode, RealizationData,
-    RealizationWorker, SourceRecursion, SourceSeries, SourceSeriesIn, SourceTarget,
+    Accuracy, Ends, LagrangianChart, RealizationCode, RealizationData, RealizationWorker,
+    SourceRecursion, SourceSeries, SourceSeriesIn, SourceTarget,
 };
 pub use registry::{Part, Registry, RegistryError};
 pub use side_by_side::SideBySide;

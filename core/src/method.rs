@@ -154,7 +154,7 @@ impl Method {
                     return Err(missing("the bisection offers neither code nor numbers"));
                 }
                 let space = realization.space_dimension();
-                let mut maps = realization.worker(&probe, 1.0);
+                let maps = realization.worker(&probe, 1.0);
                 let code = match code.filter(|_| maps.is_none()) {
                     None => None,
                     Some(code) => Some(CodeRealization::compile(code, d, space, parameters)?),
@@ -165,7 +165,7 @@ impl Method {
                     Some(points) => Some(CodeBisection::compile(points, d, space, parameters)?),
                 };
                 // Code serves any number.
-                let together = maps.as_mut().is_none_or(|maps| maps.batch().is_some())
+                let together = maps.is_none_or(|maps| maps.is_pointwise())
                     && embedding.is_none_or(|points| points.is_pointwise());
                 Path::Workers {
                     code,

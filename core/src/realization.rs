@@ -139,61 +139,59 @@ pub trait LagrangianChart {
     ) -> Result<Vec<Term>, BuildError>;
 }
 
-/// α̂ and β̂ at one point of S, as numbers: β̂ = base + offset, α̂ = β̂ + increment.
-#[derive(Clone, Debug)]
-pub struct Ends {
+/// α̂ and β̂ at one point of S: β̂ = base + offset, α̂ = β̂ + increment, d numbers each.
+#[derive(Clone, Copy, Debug)]
+pub struct Ends<'a> {
     /// A point near both ends.
-    pub base: Vec<f64>,
+    pub base: &'a [f64],
     /// β̂ − base.
-    pub offset: Vec<f64>,
+    pub offset: &'a [f64],
     /// α̂ − β̂.
-    pub increment: Vec<f64>,
+    pub increment: &'a [f64],
 }
 
-impl Ends {
-    /// Room for dimension d.
-    pub fn new(dimension: usize) -> Self {
-        let room = || vec![0.0; dimension];
+impl<'a> Ends<'a> {
+    /// The parts of what a [`RealizationWorker`] writes at a point, 3d numbers.
+    ///
+    /// # Panics
+    /// When the length is no multiple of 3.
+    pub fn of(values: &'a [f64]) -> Self {
+        assert!(values.len().is_multiple_of(3), "base, offset and increment");
+        let d = values.len() / 3;
         Self {
-            base: room(),
-            offset: room(),
-            increment: room(),
+            base: &values[..d],
+            offset: &values[d..2 * d],
+            increment: &values[2 * d..],
         }
     }
 
-    /// Writes base, offset and increment, one behind the other.
-    pub fn write(&self, out: &mut [f64]) {
-        let d = self.base.len();
-        out[..d].copy_from_slice(&self.base);
-        out[d..2 * d].copy_from_slice(&self.offset);
-        out[2 * d..].copy_from_slice(&self.increment);
+    /// β̂_i.
+    pub fn target(&self, i: usize) -> f64 {
+        self.base[i] + self.offset[i]
+    }
+
+    /// α̂_i.
+    pub fn source(&self, i: usize) -> f64 {
+        self.target(i) + self.increment[i]
     }
 }
 
-/// One thread's evaluator of a realization's maps, for fixed parameters and ε.
-pub trait RealizationWorker: Send {
-    /// The ends at `z` (d_S numbers).
+/// One thread's evaluator of a realization's maps z ↦ (β̂, α̂ − β̂), for fixed parameters and ε.
+///
+/// Its values at a point z of d_S numbers are base, β̂ − base and α̂ − β̂, 3d numbers: see [`Ends`]. Its Jacobians are
+/// Dβ̂ and D(α̂ − β̂), row-major d × d_S each. At the point of the last call nothing is computed twice.
+pub trait RealizationWorker: Evaluator {
+    /// The Hessian of z ↦ λ·α̂(z), row-major d_S × d_S, for a covector λ of d numbers.
     ///
     /// # Errors
-    /// [`StepError::LeftChart`] and the like, with `ends` unspecified.
-    fn ends(&mut self, z: &[f64], ends: &mut Ends) -> Result<(), StepError>;
-    /// Dβ̂ and D(α̂ − β̂) at the point of the last call, row-major d × d_S.
-    ///
-    /// # Errors
-    /// [`StepError`] where the tangent does not exist.
-    fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError>;
-    /// Whether [`tangents`](Self::tangents) are offered: Newton's method and exact tangents of steps
-    /// need them.
-    fn has_tangents(&self) -> bool {
-        true
-    }
-    /// The Hessian of z ↦ λ·α̂(z) at the point of the last call, row-major d_S × d_S, for a covector λ
-    /// of d numbers.
-    ///
-    /// # Errors
-    /// [`StepError::NoTangent`] where it is not offered.
-    fn source_hessian(&mut self, covector: &[f64], hessian: &mut [f64]) -> Result<(), StepError> {
-        let _ = (covector, hessian);
+    /// [`StepError::NoTangent`] where it is not offered; as [`Evaluator::values`].
+    fn source_hessian(
+        &mut self,
+        z: &[f64],
+        covector: &[f64],
+        hessian: &mut [f64],
+    ) -> Result<(), StepError> {
+        let _ = (z, covector, hessian);
         Err(StepError::NoTangent)
     }
     /// Whether [`source_hessian`](Self::source_hessian) is offered: exact tangents of collective
@@ -201,48 +199,12 @@ pub trait RealizationWorker: Send {
     fn has_source_hessian(&self) -> bool {
         false
     }
-    /// The same maps at many points in one call, for a worker whose values at a point depend on that
-    /// point alone: trajectories with the same parameters then share it.
-    fn batch(&mut self) -> Option<&mut dyn RealizationBatch> {
-        None
-    }
-    /// Forgets earlier evaluations.
-    fn restart(&mut self) {}
-    /// What later evaluations depend on, for a checkpoint; always of the same length.
-    fn memory(&self) -> Vec<f64> {
-        Vec::new()
-    }
-    /// Restores [`memory`](Self::memory).
-    fn restore(&mut self, memory: &[f64]) {
-        let _ = memory;
-    }
     /// How far the point of the last call reaches into the chart: the ratio that
     /// [`StepError::LeftChart`] tells from 1 on, the last term of a truncated series over its first.
     /// `None` where the maps hold everywhere or do not say.
     fn chart_ratio(&self) -> Option<f64> {
         None
     }
-    /// Operations so far, as [`SolverStatistics::operations`] counts them; `None` for a part that
-    /// does not count.
-    ///
-    /// [`SolverStatistics::operations`]: crate::SolverStatistics::operations
-    fn operations(&self) -> Option<u64> {
-        None
-    }
-}
-
-/// α̂ and β̂ at many points of S, one behind the other; bit for bit what [`RealizationWorker`] gives.
-pub trait RealizationBatch: Send {
-    /// The ends at each z of d_S numbers: base, β̂ − base and α̂ − β̂, 3 d numbers a point.
-    ///
-    /// # Errors
-    /// As [`RealizationWorker::ends`] at one of the points, with `ends` unspecified.
-    fn all_ends(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError>;
-    /// Dβ̂ and D(α̂ − β̂) at each z, row-major d × d_S: 2 d d_S numbers a point.
-    ///
-    /// # Errors
-    /// As [`RealizationWorker::tangents`] at one of the points, with `tangents` unspecified.
-    fn all_tangents(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError>;
 }
 
 /// The exact (untruncated) series of α∘χ along p(h) = Σ_{k≥1} pₖ hᵏ at ε = 1, where χ is a

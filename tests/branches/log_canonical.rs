@@ -183,9 +183,10 @@ proptest! {
                 let y: Vec<f64> = y.iter().map(|y| y * (1.0 + ulps * f64::EPSILON)).collect();
                 let mut z = vec![0.0; 6];
                 workers.points.values(&y, &mut z).expect("a point");
-                let mut ends = leafwise::core::Ends::new(3);
-                workers.maps.ends(&z, &mut ends).expect("ends");
-                (0..3).map(|i| ends.base[i] + ends.offset[i]).collect()
+                let mut values = [0.0; 9];
+                workers.maps.values(&z, &mut values).expect("ends");
+                let ends = leafwise::core::Ends::of(&values);
+                (0..3).map(|i| ends.target(i)).collect()
             };
             let found = target(0.0);
             let near = [-4.0, -3.0, -2.0, -1.0, 1.0, 2.0, 3.0, 4.0].map(&mut target);

@@ -257,11 +257,10 @@ fn ends(
         }
     };
     let mut worker = realization_worker(realization, &parameters, epsilon)?;
-    let mut ends = Ends::new(d);
-    worker.ends(&z, &mut ends)?;
-    let target: Vec<f64> = (0..d).map(|i| ends.base[i] + ends.offset[i]).collect();
-    let source = (0..d).map(|i| target[i] + ends.increment[i]).collect();
-    Ok((target, source))
+    let mut values = vec![0.0; 3 * d];
+    worker.values(&z, &mut values)?;
+    let ends = Ends::of(&values);
+    Ok((0..d).map(|i| (ends.target(i), ends.source(i))).unzip())
 }
 
 fn largest(values: &[f64]) -> f64 {

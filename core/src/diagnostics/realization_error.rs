@@ -71,7 +71,8 @@ struct Charted {
     realization: Box<dyn RealizationWorker>,
     chart: Box<dyn Evaluator>,
     z: Vec<f64>,
-    ends: Ends,
+    /// Base, offset and increment.
+    values: Vec<f64>,
 }
 
 impl RealizationInstrument {
@@ -115,7 +116,7 @@ impl RealizationInstrument {
             realization: self.maps.worker(&self.parameters, epsilon),
             chart: self.chart.worker(&self.parameters, epsilon),
             z: vec![0.0; self.space],
-            ends: Ends::new(d),
+            values: vec![0.0; 3 * d],
         };
         let (mut alpha, mut beta) = (vec![0.0; d], vec![0.0; d]);
         charted.ends(x, p, &mut alpha, &mut beta)?;
@@ -215,10 +216,11 @@ impl Charted {
         beta: &mut [f64],
     ) -> Result<(), StepError> {
         self.chart.values(&[x, p].concat(), &mut self.z)?;
-        self.realization.ends(&self.z, &mut self.ends)?;
+        self.realization.values(&self.z, &mut self.values)?;
+        let ends = Ends::of(&self.values);
         for i in 0..x.len() {
-            beta[i] = self.ends.base[i] + self.ends.offset[i];
-            alpha[i] = beta[i] + self.ends.increment[i];
+            beta[i] = ends.target(i);
+            alpha[i] = ends.source(i);
         }
         Ok(())
     }
@@ -226,19 +228,19 @@ impl Charted {
     /// Both tangents at χ(x, p), where the maps were evaluated last.
     fn tangents(&mut self, x: &[f64], p: &[f64]) -> Result<Tangents, StepError> {
         let (d, space) = (x.len(), self.z.len());
-        if !(self.realization.has_tangents() && self.chart.has_jacobian()) {
+        if !(self.realization.has_jacobian() && self.chart.has_jacobian()) {
             return self.differences(x, p);
         }
         let mut chart = vec![0.0; space * 2 * d];
         self.chart.jacobians(&[x, p].concat(), &mut chart)?;
-        let mut target = vec![0.0; d * space];
-        let mut increment = vec![0.0; d * space];
-        self.realization.tangents(&mut target, &mut increment)?;
+        let mut both = vec![0.0; 2 * d * space];
+        self.realization.jacobians(&self.z, &mut both)?;
+        let (target, increment) = both.split_at(d * space);
         let chart = DMatrix::from_row_slice(space, 2 * d, &chart);
         let in_chart = |rows: &[f64]| DMatrix::from_row_slice(d, space, rows) * &chart;
-        let target = in_chart(&target);
+        let target = in_chart(target);
         Ok(Tangents {
-            source: &target + in_chart(&increment),
+            source: &target + in_chart(increment),
             target,
             errors: None,
         })

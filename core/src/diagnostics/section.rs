@@ -19,10 +19,11 @@ pub fn section_defect(
     let mut worker = realization_worker(realization, parameters, epsilon)?;
     let mut z = vec![0.0; realization.space_dimension()];
     realization.section(x, &mut z);
-    let mut ends = Ends::new(x.len());
-    if let Err(error) = worker.ends(&z, &mut ends) {
+    let mut values = vec![0.0; 3 * x.len()];
+    if let Err(error) = worker.values(&z, &mut values) {
         return Ok(Err(error));
     }
+    let ends = Ends::of(&values);
     let sizes = sizes(x);
     let defect = (0..x.len()).fold(0.0_f64, |largest, i| {
         let beta = (ends.base[i] - x[i]) + ends.offset[i];

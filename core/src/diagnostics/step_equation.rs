@@ -76,9 +76,9 @@ impl StepEquation {
             Correction::None => x.to_vec(),
         };
         let mut point = vec![0.0; space];
-        let mut ends = Ends::new(d);
+        let mut values = vec![0.0; 3 * d];
         let mut tangent = vec![0.0; space * d];
-        let (mut target, mut increment) = (vec![0.0; d * space], vec![0.0; d * space]);
+        let mut tangents = vec![0.0; 2 * d * space];
         let mut matrix = vec![0.0; d * d];
         let mut factors = DenseFactors::new(d);
         let mut correction = f64::INFINITY;
@@ -86,8 +86,10 @@ impl StepEquation {
             self.points.values(&y, &mut point)?;
             let is_solved =
                 self.correction == Correction::None || correction <= CONVERGED * size(&y);
-            ends.increment.fill(f64::NAN);
-            match self.maps.ends(&point, &mut ends) {
+            values.fill(f64::NAN);
+            let outcome = self.maps.values(&point, &mut values);
+            let ends = Ends::of(&values);
+            match outcome {
                 // As in a step, only the solution has to lie inside the chart, where the maps have
                 // values outside it too.
                 Err(StepError::LeftChart { .. })
@@ -98,16 +100,16 @@ impl StepEquation {
                 return Ok(StepSolution {
                     y,
                     point,
-                    increment: ends.increment,
+                    increment: ends.increment.to_vec(),
                     chart_ratio: self.maps.chart_ratio(),
                 });
             }
             self.points.jacobians(&y, &mut tangent)?;
-            self.maps.tangents(&mut target, &mut increment)?;
+            self.maps.jacobians(&point, &mut tangents)?;
             for i in 0..d {
                 for j in 0..d {
                     matrix[i * d + j] = (0..space)
-                        .map(|k| target[i * space + k] * tangent[k * d + j])
+                        .map(|k| tangents[i * space + k] * tangent[k * d + j])
                         .sum();
                 }
             }

@@ -227,7 +227,7 @@ impl DynamicApproximation for Collective {
             _ => {
                 let maps = RealizationMaps::new(realization, &parameters)?;
                 let worker = maps.worker(&parameters, 1.0);
-                if !worker.has_tangents() || !chart.worker(&parameters, 1.0).has_jacobian() {
+                if !worker.has_jacobian() || !chart.worker(&parameters, 1.0).has_jacobian() {
                     return Err(missing(
                         "it offers no tangents of its source map, which the gradient of the \
                          collective Hamiltonian needs",

@@ -23,12 +23,11 @@ pub fn collective_numbers(
             chart: chart.worker(parameters, epsilon),
             has_pairs: chart.has_pairs(),
             gradient: gradient.evaluator(parameters, epsilon, h),
-            ends: Ends::new(d),
+            ends: vec![0.0; 3 * d],
             point: vec![0.0; space],
             alpha: vec![0.0; d],
             slope: vec![0.0; d],
-            target: vec![0.0; d * space],
-            increment: vec![0.0; d * space],
+            tangents: vec![0.0; 2 * d * space],
             of_chart: vec![0.0; if chart.has_pairs() { 0 } else { space * 2 * d }],
             source: vec![0.0; d * 2 * d],
             of_energy: vec![0.0; if has_jacobian { d * d } else { 0 }],
@@ -45,13 +44,12 @@ struct NumericField {
     has_pairs: bool,
     /// ∇H and D²H.
     gradient: SmoothMapEvaluator,
-    ends: Ends,
-    /// χ(x, p), α̂ and ∇H there, Dβ̂ and D(α̂ − β̂).
+    /// χ(x, p), base, offset and increment, α̂ and ∇H there, Dβ̂ and D(α̂ − β̂).
     point: Vec<f64>,
+    ends: Vec<f64>,
     alpha: Vec<f64>,
     slope: Vec<f64>,
-    target: Vec<f64>,
-    increment: Vec<f64>,
+    tangents: Vec<f64>,
     /// Dχ, and D(α̂∘χ), d × 2d.
     of_chart: Vec<f64>,
     source: Vec<f64>,
@@ -68,25 +66,27 @@ impl NumericField {
     fn evaluate(&mut self, z: &[f64]) -> Result<(), StepError> {
         let (d, space) = (self.alpha.len(), self.point.len());
         self.chart.values(z, &mut self.point)?;
-        self.maps.ends(&self.point, &mut self.ends)?;
-        self.maps.tangents(&mut self.target, &mut self.increment)?;
+        self.maps.values(&self.point, &mut self.ends)?;
+        self.maps.jacobians(&self.point, &mut self.tangents)?;
+        let ends = Ends::of(&self.ends);
         for (i, alpha) in self.alpha.iter_mut().enumerate() {
-            *alpha = self.ends.base[i] + self.ends.offset[i] + self.ends.increment[i];
+            *alpha = ends.source(i);
         }
         self.gradient.values(&self.alpha, &mut self.slope)?;
         self.linear += (d * space + 4 * d * d) as u64;
         // Dα̂ = Dβ̂ + D(α̂ − β̂), in place of the first.
-        for (target, increment) in self.target.iter_mut().zip(&self.increment) {
-            *target += increment;
+        let (target, increment) = self.tangents.split_at_mut(d * space);
+        for (target, increment) in target.iter_mut().zip(increment) {
+            *target += *increment;
         }
         if self.has_pairs {
-            self.source.copy_from_slice(&self.target);
+            self.source.copy_from_slice(target);
             return Ok(());
         }
         self.chart.jacobians(z, &mut self.of_chart)?;
         self.linear += 4 * (d * d * space) as u64;
         for (at, entry) in self.source.iter_mut().enumerate() {
-            let row = &self.target[at / (2 * d) * space..][..space];
+            let row = &target[at / (2 * d) * space..][..space];
             let column = self.of_chart.iter().skip(at % (2 * d)).step_by(2 * d);
             *entry = row.iter().zip(column).map(|(a, b)| a * b).sum();
         }
@@ -117,7 +117,8 @@ impl NumericField {
         self.evaluate(z)?;
         let d = self.alpha.len();
         self.gradient.jacobians(&self.alpha, &mut self.of_energy)?;
-        self.maps.source_hessian(&self.slope, &mut self.of_source)?;
+        self.maps
+            .source_hessian(&self.point, &self.slope, &mut self.of_source)?;
         self.linear += (12 * d * d * d) as u64;
         for k in 0..2 * d {
             // A column of D²H Dα̂, then of D²K.

@@ -8,7 +8,7 @@ use crate::common::{
 use leafwise_collective::{Collective, SymplecticIntegrator};
 use leafwise_core::diagnostics::TensorDefect;
 use leafwise_core::{
-    Accuracy, BuildError, Correction, Ends, LagrangianChart, Method, RealizationData,
+    Accuracy, BuildError, Correction, Evaluator, LagrangianChart, Method, RealizationData,
     RealizationWorker, StepError, StepMap, realization_worker,
 };
 use leafwise_karasev::CollocatedKarasev;
@@ -52,14 +52,16 @@ impl<R: RealizationData> RealizationData for Numbers<R> {
     }
 }
 
-impl RealizationWorker for Worker {
-    fn ends(&mut self, z: &[f64], ends: &mut Ends) -> Result<(), StepError> {
-        self.of.ends(z, ends)
+impl RealizationWorker for Worker {}
+
+impl Evaluator for Worker {
+    fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
+        self.of.values(z, ends)
     }
-    fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError> {
-        self.of.tangents(target, increment)
+    fn jacobians(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
+        self.of.jacobians(z, tangents)
     }
-    fn has_tangents(&self) -> bool {
+    fn has_jacobian(&self) -> bool {
         self.tangents
     }
 }

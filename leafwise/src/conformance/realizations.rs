@@ -216,12 +216,12 @@ impl Charted {
     }
 
     /// The ends at χ(x, p) for ε = 1.
-    fn ends(&self, x: &[f64], p: &[f64]) -> Result<Ends, StepError> {
+    fn ends(&self, x: &[f64], p: &[f64]) -> Result<Vec<f64>, StepError> {
         let mut z = vec![0.0; self.space];
-        let mut ends = Ends::new(x.len());
+        let mut ends = vec![0.0; 3 * x.len()];
         let pair = [x, p].concat();
         self.chart.worker(&self.values, 1.0).values(&pair, &mut z)?;
-        self.maps.worker(&self.values, 1.0).ends(&z, &mut ends)?;
+        self.maps.worker(&self.values, 1.0).values(&z, &mut ends)?;
         Ok(ends)
     }
 
@@ -237,7 +237,7 @@ impl Charted {
         for _ in 0..HALVINGS {
             let p = direction(size);
             if let Ok(ends) = self.ends(x, &p)
-                && largest(&ends.increment) <= REACH * largest(x)
+                && largest(Ends::of(&ends).increment) <= REACH * largest(x)
             {
                 return Some(p);
             }
@@ -250,11 +250,8 @@ impl Charted {
     fn inversion(&self, x: &[f64], p: &[f64]) -> Result<f64, StepError> {
         let minus: Vec<f64> = p.iter().map(|p| -p).collect();
         let (there, back) = (self.ends(x, p)?, self.ends(x, &minus)?);
-        let off = |i: usize| {
-            let beta = there.base[i] + there.offset[i];
-            let alpha = back.base[i] + back.offset[i] + back.increment[i];
-            (beta - alpha).abs()
-        };
+        let (there, back) = (Ends::of(&there), Ends::of(&back));
+        let off = |i: usize| (there.target(i) - back.source(i)).abs();
         let size = largest(x).max(f64::MIN_POSITIVE);
         Ok((0..x.len()).map(off).fold(0.0, f64::max) / size)
     }

@@ -7,7 +7,7 @@ mod support;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use leafwise_core::{Ends, PartParameters, Registry};
+use leafwise_core::{PartParameters, Registry};
 use support::build::{Workshop, rust_example};
 use support::load;
 
@@ -74,13 +74,10 @@ fn calls_allocate_nothing() {
     let numbers = PartParameters::new().with("path", "numbers");
     let realization = part.build(&system, &numbers).expect("it fits");
     let mut worker = realization.worker(&values, 0.5).expect("numbers");
-    let (z, mut ends) = ([0.1; 6], Ends::new(3));
-    let (mut target, mut increment) = ([0.0; 18], [0.0; 18]);
+    let (z, mut ends, mut tangents) = ([0.1; 6], [0.0; 9], [0.0; 36]);
     let of_realization = allocations(|| {
-        worker.ends(&z, &mut ends).expect("values");
-        worker
-            .tangents(&mut target, &mut increment)
-            .expect("values");
+        worker.values(&z, &mut ends).expect("values");
+        worker.jacobians(&z, &mut tangents).expect("values");
     });
     assert_eq!(of_realization, 0);
 

@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 
 use crate::largest;
 
-/// β − x, α − β and their base x at a point of S, by the realization's code or numbers.
+/// The base x, β − x and α − β at a point of S, by the realization's code or numbers: see [`Ends`].
 ///
 /// # Errors
 /// The realization's [`StepError`].
@@ -21,11 +21,11 @@ pub fn ends(
     realization: &dyn RealizationData,
     epsilon: f64,
     z: &[f64],
-) -> Result<Ends, StepError> {
+) -> Result<Vec<f64>, StepError> {
     let mut worker = realization_worker(realization, &system.parameter_values(), epsilon)
         .expect("maps of some kind");
-    let mut ends = Ends::new(system.dimension());
-    worker.ends(z, &mut ends)?;
+    let mut ends = vec![0.0; 3 * system.dimension()];
+    worker.values(z, &mut ends)?;
     Ok(ends)
 }
 
@@ -41,18 +41,10 @@ pub fn source_and_target(
     p: &[f64],
 ) -> Result<(Vec<f64>, Vec<f64>), StepError> {
     let ends = ends(system, realization, epsilon, &[x, p].concat())?;
-    let beta: Vec<f64> = ends
-        .base
-        .iter()
-        .zip(&ends.offset)
-        .map(|(b, o)| b + o)
-        .collect();
-    let alpha = beta
-        .iter()
-        .zip(&ends.increment)
-        .map(|(b, i)| b + i)
-        .collect();
-    Ok((alpha, beta))
+    let ends = Ends::of(&ends);
+    Ok((0..x.len())
+        .map(|i| (ends.source(i), ends.target(i)))
+        .unzip())
 }
 
 /// The largest of ε Π(α) − {α, α}, ε Π(β) + {β, β} and {α, β} over the largest summand of the
@@ -76,11 +68,11 @@ pub fn dual_pair_error(
     let error = instrument.measure(epsilon, x, p)?;
     let mut worker = realization_worker(realization.as_ref(), &parameters, epsilon).expect("maps");
     let d = x.len();
-    worker.ends(&[x, p].concat(), &mut Ends::new(d))?;
-    let (mut target, mut increment) = (vec![0.0; 2 * d * d], vec![0.0; 2 * d * d]);
-    worker.tangents(&mut target, &mut increment)?;
-    let target = DMatrix::from_row_slice(d, 2 * d, &target);
-    let source = &target + DMatrix::from_row_slice(d, 2 * d, &increment);
+    let mut tangents = vec![0.0; 4 * d * d];
+    worker.jacobians(&[x, p].concat(), &mut tangents)?;
+    let (target, increment) = tangents.split_at(2 * d * d);
+    let target = DMatrix::from_row_slice(d, 2 * d, target);
+    let source = &target + DMatrix::from_row_slice(d, 2 * d, increment);
     let summands = [&source, &target].map(|map| {
         let map = map.abs();
         (map.columns(0, d) * map.columns(d, d).transpose()).max()
@@ -107,8 +99,9 @@ pub fn inversion_and_section_error(
     realization.section(x, &mut z);
     let fixed = ends(system, realization, epsilon, &z)?;
     let size = largest(alpha.iter().chain(&beta).chain(x).copied());
+    let fixed = Ends::of(&fixed);
     let section = fixed.base.iter().zip(x).map(|(b, x)| b - x);
-    let section = section.chain(fixed.offset).chain(fixed.increment);
+    let section = section.chain(fixed.offset.iter().chain(fixed.increment).copied());
     let inversion = crate::distance(&beta, &source).max(crate::distance(&alpha, &target));
     Ok(largest(section).max(inversion) / size)
 }

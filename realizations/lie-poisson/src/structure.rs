@@ -167,6 +167,11 @@ pub struct LieAlgebra {
 }
 
 impl LieAlgebra {
+    /// d.
+    pub fn dimension(&self) -> usize {
+        self.dimension
+    }
+
     /// Π(v), Π_ij = Σ_k c_ij^k v_k.
     pub fn tensor(&self, v: &DVector<f64>) -> DMatrix<f64> {
         let mut tensor = DMatrix::zeros(self.dimension, self.dimension);

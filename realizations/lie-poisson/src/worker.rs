@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use leafwise_core::StepError;
-use leafwise_core::realization::{Ends, RealizationWorker};
+use leafwise_core::evaluator::{Evaluator, is_same, one_by_one};
+use leafwise_core::realization::RealizationWorker;
 use leafwise_core::solver::{elimination_operations, substitution_operations};
 use nalgebra::{DMatrix, DVector, Dyn, LU, Schur};
 
@@ -34,8 +35,9 @@ pub struct LiePoissonWorker {
     operations: u64,
 }
 
-/// What the tangents need of the last point.
+/// What the tangents need of the last point z = (x, p).
 struct Point {
+    z: Vec<f64>,
     x: DVector<f64>,
     map: DMatrix<f64>,
     quarter_square: DMatrix<f64>,
@@ -68,6 +70,14 @@ impl LiePoissonWorker {
         Arc::clone(known.or_insert_with(|| fractions(n).into()))
     }
 
+    /// What was computed at z, by the last call or anew.
+    fn known(&mut self, z: &[f64]) -> Result<Point, StepError> {
+        match self.last.take() {
+            Some(point) if is_same(&point.z, z) => Ok(point),
+            _ => self.evaluate(z),
+        }
+    }
+
     fn evaluate(&mut self, z: &[f64]) -> Result<Point, StepError> {
         let (x, p) = z.split_at(z.len() / 2);
         let x = DVector::from_column_slice(x);
@@ -93,6 +103,7 @@ impl LiePoissonWorker {
         let each = 2 * square + elimination_operations(d) + substitution_operations(d);
         self.operations += resolvents.len() as u64 * each + 4 * square;
         Ok(Point {
+            z: z.to_vec(),
             x,
             map,
             quarter_square,
@@ -177,38 +188,36 @@ fn widest_frequency(map: &DMatrix<f64>) -> Option<f64> {
     None
 }
 
-impl RealizationWorker for LiePoissonWorker {
-    fn ends(&mut self, z: &[f64], ends: &mut Ends) -> Result<(), StepError> {
+impl LiePoissonWorker {
+    /// x, f(W) x + ½ Z x and −Z x.
+    fn ends(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
         self.last = None;
         let point = self.evaluate(z)?;
-        let mut sum = DVector::zeros(point.x.len());
+        let d = point.x.len();
+        let mut sum = DVector::zeros(d);
         for resolvent in &point.resolvents {
             sum.axpy(resolvent.weight, &resolvent.solution, 1.0);
         }
         let even = &point.quarter_square * sum;
         let image = &point.map * &point.x;
-        for i in 0..point.x.len() {
-            ends.base[i] = point.x[i];
-            ends.offset[i] = even[i] + 0.5 * image[i];
-            ends.increment[i] = -image[i];
+        for i in 0..d {
+            ends[i] = point.x[i];
+            ends[d + i] = even[i] + 0.5 * image[i];
+            ends[2 * d + i] = -image[i];
         }
         self.last = Some(point);
         Ok(())
     }
 
-    fn operations(&self) -> Option<u64> {
-        Some(self.operations)
-    }
-
-    fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError> {
-        let point = self.last.as_ref().ok_or(StepError::NoTangent)?;
+    fn tangents(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
+        let point = self.known(z)?;
         let d = point.x.len();
         let tensor = self.algebra.tensor(&point.x) * self.epsilon;
         let mut by_x = DMatrix::identity(d, d) + &point.map * 0.5;
         let mut by_p = &tensor * 0.5;
         for resolvent in &point.resolvents {
             let y = &resolvent.solution;
-            let change = self.square_tangent(point, y);
+            let change = self.square_tangent(&point, y);
             let solve = |right: &DMatrix<f64>| resolvent.factors.solve(right).ok_or(SINGULAR);
             by_p += solve(&change)? * resolvent.weight;
             by_x += solve(&point.quarter_square)? * resolvent.weight;
@@ -217,6 +226,7 @@ impl RealizationWorker for LiePoissonWorker {
         let each = 2 * n * n * n + 8 * n * n + 2 * n * substitution_operations(d);
         let tensors = (2 * resolvents + 1) * self.algebra.operations();
         self.operations += resolvents * each + tensors;
+        let (target, increment) = tangents.split_at_mut(2 * d * d);
         for i in 0..d {
             for k in 0..d {
                 target[2 * d * i + k] = by_x[(i, k)];
@@ -225,14 +235,49 @@ impl RealizationWorker for LiePoissonWorker {
                 increment[2 * d * i + d + k] = -tensor[(i, k)];
             }
         }
+        self.last = Some(point);
         Ok(())
     }
+}
 
+impl Evaluator for LiePoissonWorker {
+    fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
+        one_by_one(2 * self.algebra.dimension(), z, ends, |z, ends| {
+            self.ends(z, ends)
+        })
+    }
+
+    fn jacobians(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
+        one_by_one(2 * self.algebra.dimension(), z, tangents, |z, tangents| {
+            self.tangents(z, tangents)
+        })
+    }
+
+    fn has_jacobian(&self) -> bool {
+        true
+    }
+
+    /// Shared by several trajectories it would factor at each point twice, for values and for Jacobians.
+    fn is_pointwise(&self) -> bool {
+        false
+    }
+
+    fn operations(&self) -> Option<u64> {
+        Some(self.operations)
+    }
+}
+
+impl RealizationWorker for LiePoissonWorker {
     /// With μ = (1 + sW)⁻ᵀλ and y = (1 + sW)⁻¹x, D²(λ·W(1 + sW)⁻¹x) along v and w is
     /// μ·(∂²_vw W y + ∂_v W ∂_w y + ∂_w W ∂_v y), ∂_v y = (1 + sW)⁻¹(v_x − s ∂_v W y), and
     /// μ·∂_v W u = −¼ ε v_p·(A(μ)Z + A(Zᵀμ)) u since μ·A(v)a = −v·A(μ)a.
-    fn source_hessian(&mut self, covector: &[f64], hessian: &mut [f64]) -> Result<(), StepError> {
-        let point = self.last.as_ref().ok_or(StepError::NoTangent)?;
+    fn source_hessian(
+        &mut self,
+        z: &[f64],
+        covector: &[f64],
+        hessian: &mut [f64],
+    ) -> Result<(), StepError> {
+        let point = self.known(z)?;
         let (d, epsilon) = (point.x.len(), self.epsilon);
         let coadjoint = |v: &DVector<f64>| self.algebra.coadjoint(v.as_slice());
         let lambda = DVector::from_column_slice(covector);
@@ -245,7 +290,7 @@ impl RealizationWorker for LiePoissonWorker {
             let along = coadjoint(&mu);
             let slope = (&along * &point.map + coadjoint(&(point.map.transpose() * &mu)))
                 * (-0.25 * epsilon);
-            let through_p = &inverse * self.square_tangent(point, y) * -s;
+            let through_p = &inverse * self.square_tangent(&point, y) * -s;
             let twice = (&along * self.algebra.tensor(y)) * (-0.25 * epsilon * epsilon)
                 + &slope * through_p;
             by_pp += (&twice + twice.transpose()) * r;
@@ -264,6 +309,7 @@ impl RealizationWorker for LiePoissonWorker {
         for (at, value) in hessian.iter_mut().enumerate() {
             *value = entry(at / (2 * d), at % (2 * d));
         }
+        self.last = Some(point);
         Ok(())
     }
 

@@ -1,7 +1,7 @@
 //! The closed form in code beside the partial fractions in numbers.
 
 use crate::common::{ALGEBRAS, algebra};
-use leafwise_core::realization::{Ends, RealizationWorker};
+use leafwise_core::realization::RealizationWorker;
 use leafwise_core::{RealizationData, StepError, realization_worker};
 use leafwise_karasev::CollocatedKarasev;
 use leafwise_lie_poisson::LiePoisson;
@@ -25,14 +25,10 @@ fn algebras_with_at_most_two_roots_a_coordinate_have_code() {
 /// Offset and increment of the ends, and their tangents.
 fn values(worker: &mut dyn RealizationWorker, z: &[f64]) -> Result<[Vec<f64>; 2], StepError> {
     let d = z.len() / 2;
-    let mut ends = Ends::new(d);
-    worker.ends(z, &mut ends)?;
-    let (mut target, mut increment) = (vec![0.0; 2 * d * d], vec![0.0; 2 * d * d]);
-    worker.tangents(&mut target, &mut increment)?;
-    Ok([
-        [ends.offset, ends.increment].concat(),
-        [target, increment].concat(),
-    ])
+    let (mut ends, mut tangents) = (vec![0.0; 3 * d], vec![0.0; 4 * d * d]);
+    worker.values(z, &mut ends)?;
+    worker.jacobians(z, &mut tangents)?;
+    Ok([ends.split_off(d), tangents])
 }
 
 proptest! {
@@ -100,9 +96,8 @@ fn second_derivatives_are_those_of_the_curve() {
         ];
         let hessians = workers.each_mut().map(|worker| {
             let mut hessian = vec![0.0; 4 * d * d];
-            worker.ends(&z, &mut Ends::new(d)).expect("inside");
             worker
-                .source_hessian(&covector, &mut hessian)
+                .source_hessian(&z, &covector, &mut hessian)
                 .expect("second derivatives");
             hessian
         });

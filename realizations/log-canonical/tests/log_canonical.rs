@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::{BuildError, PoissonSystem, RealizationData};
+use leafwise_core::{BuildError, Ends, PoissonSystem, RealizationData};
 use leafwise_expression::{Arithmetic, Rational};
 use leafwise_hamilton_jacobi::generating_function;
 use leafwise_log_canonical::LogCanonical;
@@ -84,6 +84,7 @@ proptest! {
         let point = [x.clone(), p.clone()].concat();
         let found = ends(&system, realization(&system).as_ref(), epsilon, &point);
         let found = found.expect("maps");
+        let found = Ends::of(&found);
         for i in 0..4 {
             let terms = |abs: bool| -> f64 {
                 let terms = (0..4).map(|j| rates[i][j] * x[j] * p[j]);

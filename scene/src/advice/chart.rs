@@ -1,6 +1,6 @@
 //! A step that nearly leaves the realization's chart.
 
-use leafwise_core::{Ends, realization_worker};
+use leafwise_core::realization_worker;
 
 use super::probe::{Place, Probe};
 use super::step::half_the_step;
@@ -39,7 +39,7 @@ fn last_term(probe: &Probe<'_>, place: &Place) -> usize {
         let shorter = probe.truncated(order).ok()?;
         let mut worker = realization_worker(shorter.as_ref(), &probe.parameters, epsilon).ok()?;
         // Outside the chart too, the ratio is what is asked.
-        let _ = worker.ends(&place.solution.point, &mut Ends::new(place.x.len()));
+        let _ = worker.values(&place.solution.point, &mut vec![0.0; 3 * place.x.len()]);
         worker.chart_ratio()
     };
     while order > 2 && ratio_of(order - 1) == place.solution.chart_ratio {

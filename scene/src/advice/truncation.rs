@@ -41,13 +41,13 @@ pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
     })
 }
 
-/// β̂ − base and α̂ − β̂ at the run's points.
-fn ends(probe: &Probe<'_>, realization: &dyn RealizationData) -> Option<Vec<Ends>> {
+/// Base, β̂ − base and α̂ − β̂ at the run's points.
+fn ends(probe: &Probe<'_>, realization: &dyn RealizationData) -> Option<Vec<Vec<f64>>> {
     let mut worker =
         realization_worker(realization, &probe.parameters, probe.run.plan.epsilon).ok()?;
     let ends = probe.places.iter().map(|place| {
-        let mut ends = Ends::new(place.x.len());
-        worker.ends(&place.solution.point, &mut ends).ok()?;
+        let mut ends = vec![0.0; 3 * place.x.len()];
+        worker.values(&place.solution.point, &mut ends).ok()?;
         Some(ends)
     });
     ends.collect()
@@ -55,14 +55,15 @@ fn ends(probe: &Probe<'_>, realization: &dyn RealizationData) -> Option<Vec<Ends
 
 /// Whether two truncations give the same steps: what they differ by is the round-off of forming the
 /// increment, or not felt by the state.
-fn is_same(probe: &Probe<'_>, whole: &[Ends], shorter: &[Ends]) -> bool {
+fn is_same(probe: &Probe<'_>, whole: &[Vec<f64>], shorter: &[Vec<f64>]) -> bool {
     probe
         .places
         .iter()
         .zip(whole.iter().zip(shorter))
         .all(|(place, (whole, shorter))| {
-            let allowed = ROUND_OFF * size(&whole.increment) + FELT * size(&place.x);
-            distance(&whole.increment, &shorter.increment) <= allowed
-                && distance(&whole.offset, &shorter.offset) <= allowed
+            let (whole, shorter) = (Ends::of(whole), Ends::of(shorter));
+            let allowed = ROUND_OFF * size(whole.increment) + FELT * size(&place.x);
+            distance(whole.increment, shorter.increment) <= allowed
+                && distance(whole.offset, shorter.offset) <= allowed
         })
 }

@@ -2,7 +2,7 @@
 
 use crate::error::StepError;
 use crate::evaluator::Evaluator;
-use crate::realization::{Ends, RealizationWorker};
+use crate::realization::RealizationWorker;
 use crate::runge_kutta::batch::batch;
 use crate::solver::Taken;
 
@@ -10,7 +10,6 @@ use crate::solver::Taken;
 pub(super) struct Evaluation {
     realization: Box<dyn RealizationWorker>,
     bisection: Box<dyn Evaluator>,
-    is_alone: bool,
     dimension: usize,
     space: usize,
     y: Vec<f64>,
@@ -19,12 +18,10 @@ pub(super) struct Evaluation {
     ends: Vec<f64>,
     of_points: Vec<f64>,
     of_ends: Vec<f64>,
-    /// The ends of a single trajectory.
-    single: Ends,
 }
 
 impl Evaluation {
-    /// For at most `count` points: of several by workers that offer batches.
+    /// For at most `count` points: of several by workers that are pointwise.
     pub(super) fn new(
         (realization, bisection): (Box<dyn RealizationWorker>, Box<dyn Evaluator>),
         (dimension, space): (usize, usize),
@@ -34,7 +31,6 @@ impl Evaluation {
         Self {
             realization,
             bisection,
-            is_alone: count == 1,
             dimension,
             space,
             y: room(dimension),
@@ -42,7 +38,6 @@ impl Evaluation {
             ends: room(3 * dimension),
             of_points: room(space * dimension),
             of_ends: room(2 * dimension * space),
-            single: Ends::new(dimension),
         }
     }
 
@@ -85,21 +80,10 @@ impl Evaluation {
     fn maps(&mut self, count: usize, failed: &mut dyn FnMut(usize, StepError)) {
         let (d, space) = (self.dimension, self.space);
         let (z, ends) = (&self.z[..count * space], &mut self.ends[..count * 3 * d]);
-        let (realization, single) = (self.realization.as_mut(), &mut self.single);
-        batch(
-            (space, 3 * d),
-            z,
-            ends,
-            failed,
-            |z, ends| match realization.batch() {
-                Some(realization) if !self.is_alone => realization.all_ends(z, ends),
-                _ => {
-                    realization.ends(z, single)?;
-                    single.write(ends);
-                    Ok(())
-                }
-            },
-        );
+        let realization = self.realization.as_mut();
+        batch((space, 3 * d), z, ends, failed, |z, ends| {
+            realization.values(z, ends)
+        });
     }
 
     fn of_points(&mut self, count: usize, failed: &mut dyn FnMut(usize, StepError)) {
@@ -116,19 +100,9 @@ impl Evaluation {
         let z = &self.z[..count * space];
         let out = &mut self.of_ends[..count * 2 * entries];
         let realization = self.realization.as_mut();
-        batch(
-            (space, 2 * entries),
-            z,
-            out,
-            failed,
-            |z, out| match realization.batch() {
-                Some(realization) if !self.is_alone => realization.all_tangents(z, out),
-                _ => {
-                    let (target, increment) = out.split_at_mut(entries);
-                    realization.tangents(target, increment)
-                }
-            },
-        );
+        batch((space, 2 * entries), z, out, failed, |z, out| {
+            realization.jacobians(z, out)
+        });
     }
 
     /// Moves the points of those that did not fail up to the front.

@@ -40,7 +40,7 @@ pub(crate) struct Workers {
 
 impl Workers {
     /// For `count` trajectories in M of `dimension` d, by points of S of `space` coordinates: of several
-    /// by workers that offer batches.
+    /// by workers that are pointwise.
     pub(crate) fn new(
         (realization, bisection): (Box<dyn RealizationWorker>, Box<dyn Evaluator>),
         (dimension, space): (usize, usize),
@@ -48,7 +48,7 @@ impl Workers {
         count: usize,
     ) -> Self {
         let d = dimension;
-        let has_tangents = realization.has_tangents() && bisection.has_jacobian();
+        let has_tangents = realization.has_jacobian() && bisection.has_jacobian();
         let means = match (is_near_identity, has_tangents) {
             (true, _) => Means::Residuals,
             (false, true) => Means::Newton,

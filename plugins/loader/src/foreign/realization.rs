@@ -4,8 +4,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use leafwise_core::part::ParameterSetting;
 use leafwise_core::{
-    Accuracy, BuildError, Ends, Evaluator, PartParameters, PoissonSystem, RealizationBatch,
-    RealizationData, RealizationWorker, StepError,
+    Accuracy, BuildError, Evaluator, PartParameters, PoissonSystem, RealizationData,
+    RealizationWorker, StepError,
 };
 use leafwise_plugin_abi::{LwMapFn, LwRealization};
 
@@ -205,9 +205,6 @@ impl RealizationData for ForeignRealization {
             dimension: d,
             space: self.space,
             epsilon,
-            z: vec![0.0; self.space],
-            single: vec![0.0; 3 * d],
-            single_tangents: vec![0.0; 2 * d * self.space],
             first: Vec::with_capacity(d + d * self.space),
             second: Vec::with_capacity(d * self.space),
         }))
@@ -239,56 +236,15 @@ struct Worker {
     dimension: usize,
     space: usize,
     epsilon: f64,
-    /// The point of the last call, its ends and tangents.
-    z: Vec<f64>,
-    single: Vec<f64>,
-    single_tangents: Vec<f64>,
     /// What is put together, where the library has no functions of its own for that.
     first: Vec<f64>,
     second: Vec<f64>,
 }
 
-impl RealizationWorker for Worker {
-    fn ends(&mut self, z: &[f64], ends: &mut Ends) -> Result<(), StepError> {
-        let d = self.dimension;
-        self.z.copy_from_slice(z);
-        let mut values = std::mem::take(&mut self.single);
-        let outcome = self.all_ends(z, &mut values);
-        if outcome.is_ok() {
-            ends.base.copy_from_slice(&values[..d]);
-            ends.offset.copy_from_slice(&values[d..2 * d]);
-            ends.increment.copy_from_slice(&values[2 * d..]);
-        }
-        self.single = values;
-        outcome
-    }
+impl RealizationWorker for Worker {}
 
-    fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError> {
-        let z = std::mem::take(&mut self.z);
-        let mut values = std::mem::take(&mut self.single_tangents);
-        let outcome = self.all_tangents(&z, &mut values);
-        if outcome.is_ok() {
-            let (of_target, of_increment) = values.split_at(target.len());
-            target.copy_from_slice(of_target);
-            increment.copy_from_slice(of_increment);
-        }
-        (self.z, self.single_tangents) = (z, values);
-        outcome
-    }
-
-    fn has_tangents(&self) -> bool {
-        let separately =
-            self.table.alpha_jacobian.is_some() && self.table.beta_with_jacobian.is_some();
-        self.table.ends_jacobian.is_some() || separately
-    }
-
-    fn batch(&mut self) -> Option<&mut dyn RealizationBatch> {
-        Some(self)
-    }
-}
-
-impl RealizationBatch for Worker {
-    fn all_ends(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
+impl Evaluator for Worker {
+    fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
         let (d, count) = (self.dimension, z.len() / self.space);
         let call = Call::at(count, self.epsilon, 0.0, Input::points(z, self.space));
         let (table, callee) = (&self.table, &mut self.callee);
@@ -312,8 +268,8 @@ impl RealizationBatch for Worker {
         Ok(())
     }
 
-    fn all_tangents(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
-        if !self.has_tangents() {
+    fn jacobians(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
+        if !self.has_jacobian() {
             return Err(StepError::NoTangent);
         }
         let (d, count) = (self.dimension, z.len() / self.space);
@@ -343,6 +299,12 @@ impl RealizationBatch for Worker {
             }
         }
         Ok(())
+    }
+
+    fn has_jacobian(&self) -> bool {
+        let separately =
+            self.table.alpha_jacobian.is_some() && self.table.beta_with_jacobian.is_some();
+        self.table.ends_jacobian.is_some() || separately
     }
 }
 

@@ -70,10 +70,10 @@ struct Shared {
 struct State {
     workers: Option<Workers>,
     buffers: Buffers,
-    ends: Ends,
+    /// Base, offset and increment.
+    ends: Vec<f64>,
     /// Dβ̂ and D(α̂ − β̂).
-    target: Vec<f64>,
-    increment: Vec<f64>,
+    tangents: Vec<f64>,
     /// (x, p), for its chart.
     pair: Vec<f64>,
 }
@@ -114,9 +114,8 @@ impl HostRealization {
             state: UnsafeCell::new(State {
                 workers: Some(workers),
                 buffers: Buffers::default(),
-                ends: Ends::new(d),
-                target: vec![0.0; d * space],
-                increment: vec![0.0; d * space],
+                ends: vec![0.0; 3 * d],
+                tangents: vec![0.0; 2 * d * space],
                 pair: vec![0.0; 2 * d],
             }),
             source,
@@ -153,7 +152,7 @@ fn table(workers: &Workers, needs_chart: bool) -> LwRealization {
     table.beta = Some(beta);
     table.sigma = Some(sigma);
     table.ends = Some(ends);
-    if workers.maps.has_tangents() {
+    if workers.maps.has_jacobian() {
         table.alpha_jacobian = Some(alpha_jacobian);
         table.beta_with_jacobian = Some(beta_with_jacobian);
         table.ends_jacobian = Some(ends_jacobian);
@@ -188,26 +187,27 @@ unsafe extern "C" fn space_dimension(instance: *mut c_void) -> usize {
 struct Maps<'a> {
     realization: &'a dyn RealizationData,
     workers: &'a mut Workers,
-    ends: &'a mut Ends,
-    target: &'a mut [f64],
-    increment: &'a mut [f64],
+    ends: &'a mut [f64],
+    tangents: &'a mut [f64],
     pair: &'a mut [f64],
 }
 
 impl Maps<'_> {
     fn ends(&mut self, z: &[f64]) -> Result<(), StepError> {
-        self.workers.maps.ends(z, self.ends)
+        self.workers.maps.values(z, self.ends)
     }
 
-    /// Dβ̂ and D(α̂ − β̂) at z.
-    fn tangents(&mut self, z: &[f64]) -> Result<(), StepError> {
+    /// Dβ̂ and D(α̂ − β̂) at z, after the values there.
+    fn tangents(&mut self, z: &[f64]) -> Result<(&[f64], &[f64]), StepError> {
         self.ends(z)?;
-        self.workers.maps.tangents(self.target, self.increment)
+        self.workers.maps.jacobians(z, self.tangents)?;
+        Ok(self.tangents.split_at(self.tangents.len() / 2))
     }
 
     fn beta(&self, out: &mut [f64]) {
+        let ends = Ends::of(self.ends);
         for (i, out) in out.iter_mut().enumerate() {
-            *out = self.ends.base[i] + self.ends.offset[i];
+            *out = ends.target(i);
         }
     }
 
@@ -255,8 +255,7 @@ unsafe fn evaluate(
         realization,
         workers: &mut workers,
         ends: &mut state.ends,
-        target: &mut state.target,
-        increment: &mut state.increment,
+        tangents: &mut state.tangents,
         pair: &mut state.pair,
     };
     let shape = shape(realization.dimension(), realization.space_dimension());
@@ -308,8 +307,8 @@ macro_rules! maps {
 maps! {
     alpha: |d, s| of_space(s, d), |maps, [z, _], out| {
         maps.ends(z)?;
-        maps.beta(out);
-        out.iter_mut().zip(&maps.ends.increment).for_each(|(a, i)| *a += i);
+        let ends = Ends::of(maps.ends);
+        out.iter_mut().enumerate().for_each(|(i, out)| *out = ends.source(i));
         Ok(())
     };
     beta: |d, s| of_space(s, d), |maps, [z, _], out| {
@@ -323,28 +322,24 @@ maps! {
     };
     ends: |d, s| of_space(s, 3 * d), |maps, [z, _], out| {
         maps.ends(z)?;
-        let parts = [&maps.ends.base, &maps.ends.offset, &maps.ends.increment];
-        out.iter_mut().zip(parts.into_iter().flatten()).for_each(|(out, v)| *out = *v);
+        out.copy_from_slice(maps.ends);
         Ok(())
     };
     alpha_jacobian: |d, s| of_space(s, d * s), |maps, [z, _], out| {
-        maps.tangents(z)?;
-        let sum = maps.target.iter().zip(maps.increment.iter()).map(|(t, i)| t + i);
+        let (target, increment) = maps.tangents(z)?;
+        let sum = target.iter().zip(increment).map(|(t, i)| t + i);
         out.iter_mut().zip(sum).for_each(|(out, v)| *out = v);
         Ok(())
     };
     beta_with_jacobian: |d, s| of_space(s, d + d * s), |maps, [z, _], out| {
-        maps.tangents(z)?;
-        let (value, jacobian) = out.split_at_mut(maps.ends.base.len());
+        let (value, jacobian) = out.split_at_mut(maps.realization.dimension());
+        jacobian.copy_from_slice(maps.tangents(z)?.0);
         maps.beta(value);
-        jacobian.copy_from_slice(maps.target);
         Ok(())
     };
     ends_jacobian: |d, s| of_space(s, 2 * d * s), |maps, [z, _], out| {
         maps.tangents(z)?;
-        let (target, increment) = out.split_at_mut(maps.target.len());
-        target.copy_from_slice(maps.target);
-        increment.copy_from_slice(maps.increment);
+        out.copy_from_slice(maps.tangents);
         Ok(())
     };
     chart: of_pair, |maps, [x, p], out| {

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use leafwise_core::system::numbers::vector;
 use leafwise_core::system::{Derivatives, NumbersWorker, OpaqueSystem, SystemNumbers};
 use leafwise_core::{
-    Accuracy, Ends, MapProperties, PoissonSystem, RealizationBatch, RealizationData,
-    RealizationWorker, SolverStatistics, StepError, StepMap, Stepper, Structure,
+    Accuracy, Evaluator, MapProperties, PoissonSystem, RealizationData, RealizationWorker,
+    SolverStatistics, StepError, StepMap, Stepper, Structure,
 };
 use leafwise_example_plugin::Rodrigues;
 use leafwise_plugin_sdk::ChartRealization;
@@ -28,16 +28,12 @@ impl RealizationData for RodriguesTwin {
         "rodrigues".to_owned()
     }
     fn worker(&self, _: &[f64], epsilon: f64) -> Option<Box<dyn RealizationWorker>> {
-        Some(Box::new(RodriguesWorker {
-            epsilon,
-            z: [0.0; 6],
-        }))
+        Some(Box::new(RodriguesWorker { epsilon }))
     }
 }
 
 struct RodriguesWorker {
     epsilon: f64,
-    z: [f64; 6],
 }
 
 impl RodriguesWorker {
@@ -65,25 +61,10 @@ impl RodriguesWorker {
     }
 }
 
-impl RealizationWorker for RodriguesWorker {
-    fn ends(&mut self, z: &[f64], ends: &mut Ends) -> Result<(), StepError> {
-        self.z.copy_from_slice(z);
-        self.parts(z, &mut ends.base, &mut ends.offset, &mut ends.increment);
-        Ok(())
-    }
+impl RealizationWorker for RodriguesWorker {}
 
-    fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError> {
-        self.jacobian(&self.z, target, increment);
-        Ok(())
-    }
-
-    fn batch(&mut self) -> Option<&mut dyn RealizationBatch> {
-        Some(self)
-    }
-}
-
-impl RealizationBatch for RodriguesWorker {
-    fn all_ends(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
+impl Evaluator for RodriguesWorker {
+    fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
         for (z, ends) in z.chunks_exact(6).zip(ends.chunks_exact_mut(9)) {
             let (base, rest) = ends.split_at_mut(3);
             let (even, odd) = rest.split_at_mut(3);
@@ -92,12 +73,16 @@ impl RealizationBatch for RodriguesWorker {
         Ok(())
     }
 
-    fn all_tangents(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
+    fn jacobians(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
         for (z, tangents) in z.chunks_exact(6).zip(tangents.chunks_exact_mut(36)) {
             let (target, increment) = tangents.split_at_mut(18);
             self.jacobian(z, target, increment);
         }
         Ok(())
+    }
+
+    fn has_jacobian(&self) -> bool {
+        true
     }
 }
 

@@ -12,7 +12,7 @@ use leafwise_core::solver::{
 };
 use leafwise_core::{
     BuildError, CodeOneForm, Ends, Evaluator, LagrangianBisection, MapProperties, PoissonSystem,
-    RealizationWorker, StepError, StepMap, Stepper,
+    StepError, StepMap, Stepper,
 };
 use leafwise_expression::Kernel;
 use nalgebra::DMatrix;
@@ -163,10 +163,10 @@ struct FusedTrajectory {
 struct Path {
     branch: Branch,
     worker: CollocatedWorker,
-    ends: Ends,
+    ends: Vec<f64>,
     z: Vec<f64>,
-    target: Vec<f64>,
-    change: Vec<f64>,
+    /// Dβ̂ and D(α̂ − β̂).
+    tangents: Vec<f64>,
     slope: Vec<f64>,
 }
 
@@ -175,10 +175,9 @@ impl Path {
         Self {
             branch: Branch::new(d),
             worker,
-            ends: Ends::new(d),
+            ends: vec![0.0; 3 * d],
             z: vec![0.0; 2 * d],
-            target: vec![0.0; 2 * d * d],
-            change: vec![0.0; 2 * d * d],
+            tangents: vec![0.0; 4 * d * d],
             slope: vec![0.0; d * d],
         }
     }
@@ -198,8 +197,7 @@ impl Path {
             worker,
             ends,
             z,
-            target,
-            change,
+            tangents,
             slope,
         } = self;
         branch.settle(
@@ -213,8 +211,9 @@ impl Path {
                 form.values(centre, p)?;
                 form.jacobians(centre, slope)?;
                 p.iter_mut().for_each(|p| *p *= part);
-                worker.ends(z, ends)?;
-                worker.tangents(target, change)?;
+                worker.values(z, ends)?;
+                worker.jacobians(z, tangents)?;
+                let (ends, (target, _)) = (Ends::of(ends), tangents.split_at(2 * d * d));
                 for i in 0..d {
                     residual[i] = (x[i] - ends.base[i]) - ends.offset[i] + low[i];
                     let (by_x, by_p) = target[i * 2 * d..][..2 * d].split_at(d);
@@ -399,11 +398,9 @@ impl Trajectory for FusedTrajectory {
         curve.set_points(self.curve.rule.points());
         let z: Vec<f64> = self.centre.iter().chain(&self.p).copied().collect();
         let mut worker = CollocatedWorker::new(curve, self.epsilon, None, d);
-        let mut ends = Ends::new(d);
-        worker.ends(&z, &mut ends).ok()?;
-        let mut target = vec![0.0; 2 * d * d];
-        let mut change = vec![0.0; 2 * d * d];
-        worker.tangents(&mut target, &mut change).ok()?;
+        let mut tangents = vec![0.0; 4 * d * d];
+        worker.jacobians(&z, &mut tangents).ok()?;
+        let (target, change) = tangents.split_at(2 * d * d);
         // D(·∘L) = ∂x + ∂p Dθ on L = graph θ.
         let mut slope = vec![0.0; d * d];
         self.form.jacobians(&self.centre, &mut slope).ok()?;
@@ -412,7 +409,7 @@ impl Trajectory for FusedTrajectory {
             let all = DMatrix::from_row_slice(d, 2 * d, rows);
             all.columns(0, d) + all.columns(d, d) * &slope
         };
-        let map = DMatrix::identity(d, d) + along(&change) * along(&target).lu().try_inverse()?;
+        let map = DMatrix::identity(d, d) + along(change) * along(target).lu().try_inverse()?;
         Some(map.transpose().as_slice().to_vec())
     }
 

@@ -1,6 +1,7 @@
 //! α̂ and β̂ at (x, p) and their derivatives.
 
-use leafwise_core::{Ends, RealizationWorker, StepError};
+use leafwise_core::evaluator::{Evaluator, is_same, one_by_one};
+use leafwise_core::{RealizationWorker, StepError};
 
 use super::curve::Curve;
 use super::tangent::CurveTangent;
@@ -14,7 +15,7 @@ pub(super) struct CollocatedWorker {
     epsilon: f64,
     /// The most nodes an automatic choice takes; `None` when their number is fixed.
     most_points: Option<usize>,
-    /// The last point, and the tangent there once it is known.
+    /// The last point, not a number where its curve was not found, and the tangent there once it is known.
     z: Vec<f64>,
     tangent: CurveTangent,
 }
@@ -25,71 +26,74 @@ impl CollocatedWorker {
             curve,
             epsilon,
             most_points,
-            z: vec![0.0; 2 * d],
+            z: vec![f64::NAN; 2 * d],
             tangent: CurveTangent::default(),
         }
     }
 
-    /// The tangent at the last point.
-    fn know_tangent(&mut self) -> Result<(), StepError> {
-        if self.tangent.is_known() {
-            return Ok(());
-        }
-        let p = &self.z[self.z.len() / 2..];
-        self.tangent.solve(&mut self.curve, self.epsilon, p)
-    }
-
-    /// Solves the curve, with more nodes where its tail asks for them.
-    fn solve(&mut self) -> Result<(), StepError> {
-        let (x, p) = self.z.split_at(self.z.len() / 2);
+    /// Solves the curve at z, with more nodes where its tail asks for them.
+    fn solve(&mut self, z: &[f64]) -> Result<(), StepError> {
+        self.z.fill(f64::NAN);
+        self.tangent.clear(&mut self.curve);
+        let (x, p) = z.split_at(z.len() / 2);
         loop {
             self.curve.solve(self.epsilon, x, p)?;
             if !self.curve.refine(self.most_points)? {
-                return Ok(());
+                break;
             }
         }
-    }
-}
-
-impl RealizationWorker for CollocatedWorker {
-    fn ends(&mut self, z: &[f64], ends: &mut Ends) -> Result<(), StepError> {
         self.z.copy_from_slice(z);
-        self.tangent.clear(&mut self.curve);
-        self.solve()?;
-        let d = z.len() / 2;
-        let curve = &self.curve;
-        for i in 0..d {
-            ends.base[i] = z[i];
-            ends.offset[i] = curve.combination(self.epsilon, &curve.rule.end, i);
-            ends.increment[i] = -curve.combination(self.epsilon, &curve.rule.weights, i);
-        }
         Ok(())
     }
 
-    fn has_tangents(&self) -> bool {
+    /// The tangent at z.
+    fn know_tangent(&mut self, z: &[f64]) -> Result<(), StepError> {
+        if !is_same(&self.z, z) {
+            self.solve(z)?;
+        }
+        if self.tangent.is_known() {
+            return Ok(());
+        }
+        let p = &z[z.len() / 2..];
+        self.tangent.solve(&mut self.curve, self.epsilon, p)
+    }
+}
+
+impl Evaluator for CollocatedWorker {
+    fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
+        one_by_one(self.z.len(), z, ends, |z, ends| {
+            self.solve(z)?;
+            let d = z.len() / 2;
+            let curve = &self.curve;
+            for i in 0..d {
+                ends[i] = z[i];
+                ends[d + i] = curve.combination(self.epsilon, &curve.rule.end, i);
+                ends[2 * d + i] = -curve.combination(self.epsilon, &curve.rule.weights, i);
+            }
+            Ok(())
+        })
+    }
+
+    fn jacobians(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
+        one_by_one(self.z.len(), z, tangents, |z, tangents| {
+            self.know_tangent(z)?;
+            let (target, increment) = tangents.split_at_mut(tangents.len() / 2);
+            self.tangent
+                .ends(&self.curve, self.epsilon, target, increment)
+        })
+    }
+
+    fn has_jacobian(&self) -> bool {
         self.curve.has_slopes()
+    }
+
+    /// Curves start from those before.
+    fn is_pointwise(&self) -> bool {
+        false
     }
 
     fn operations(&self) -> Option<u64> {
         self.curve.operations()
-    }
-
-    fn tangents(&mut self, target: &mut [f64], increment: &mut [f64]) -> Result<(), StepError> {
-        self.know_tangent()?;
-        self.tangent
-            .ends(&self.curve, self.epsilon, target, increment)
-    }
-
-    fn source_hessian(&mut self, covector: &[f64], hessian: &mut [f64]) -> Result<(), StepError> {
-        self.know_tangent()?;
-        let p = &self.z[covector.len()..];
-        let curve = &mut self.curve;
-        self.tangent
-            .source_hessian(curve, self.epsilon, p, covector, hessian)
-    }
-
-    fn has_source_hessian(&self) -> bool {
-        self.curve.field.has_curvatures()
     }
 
     /// With an automatic choice of nodes, it starts again from few.
@@ -105,5 +109,24 @@ impl RealizationWorker for CollocatedWorker {
 
     fn restore(&mut self, memory: &[f64]) {
         self.curve.set_points(memory[0].max(1.0) as usize);
+    }
+}
+
+impl RealizationWorker for CollocatedWorker {
+    fn source_hessian(
+        &mut self,
+        z: &[f64],
+        covector: &[f64],
+        hessian: &mut [f64],
+    ) -> Result<(), StepError> {
+        self.know_tangent(z)?;
+        let p = &z[covector.len()..];
+        let curve = &mut self.curve;
+        self.tangent
+            .source_hessian(curve, self.epsilon, p, covector, hessian)
+    }
+
+    fn has_source_hessian(&self) -> bool {
+        self.curve.field.has_curvatures()
     }
 }
