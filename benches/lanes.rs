@@ -42,7 +42,7 @@ fn differential() -> Kernel {
         graph.step_size(StepSize::H),
     );
     let code = method.bisection().code().expect("code");
-    let z = code.point(&mut graph, &epsilon, &h, &y).expect("code");
+    let z = code(&mut graph, &epsilon, &h, &y).expect("code");
     Kernel::compile(&graph, &z[3..], run.system.parameters().len(), 3)
 }
 

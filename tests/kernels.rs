@@ -26,7 +26,7 @@ fn differential(problem: &Problem, method: &Method) -> OperationCount {
         graph.step_size(StepSize::H),
     );
     let code = method.bisection().code().expect("code");
-    let z = code.point(&mut graph, &epsilon, &h, &y).expect("code");
+    let z = code(&mut graph, &epsilon, &h, &y).expect("code");
     let parameters = problem.system.parameters().len();
     Kernel::compile(&graph, &z[d..], parameters, d).step_operations()
 }

@@ -201,9 +201,7 @@ impl Ends {
             .collect();
         let epsilon = graph.step_size(StepSize::Epsilon);
         let code = part.code().expect("code");
-        let ends = code
-            .source_and_target(&mut graph, &epsilon, &z)
-            .expect("code");
+        let ends = code(&mut graph, &epsilon, &z).expect("code");
         let outputs = [ends.base, ends.offset, ends.increment].concat();
         let parameters = system.parameter_values();
         let kernel = Kernel::compile(&graph, &outputs, parameters.len(), z.len());

@@ -10,7 +10,7 @@ use crate::generating_function::Generating;
 /// y ↦ Σ_h(σ(y)) for a collective integrator.
 pub trait LagrangianBisection: Send + Sync + std::fmt::Debug {
     /// y ↦ L(y) as straight-line code.
-    fn code(&self) -> Option<&dyn BisectionCode> {
+    fn code(&self) -> Option<PointCode<'_>> {
         None
     }
     /// y ↦ L(y) as numbers, for a bisection that offers no code.
@@ -34,17 +34,8 @@ pub trait LagrangianBisection: Send + Sync + std::fmt::Debug {
     }
 }
 
-/// A bisection as straight-line code.
-pub trait BisectionCode {
-    /// The d_S coordinates of L_{ε,h}(y).
-    ///
-    /// # Errors
-    /// [`BuildError::Algebra`] where the Hamiltonian has no code.
-    fn point(
-        &self,
-        graph: &mut Graph,
-        epsilon: &Term,
-        h: &Term,
-        y: &[Term],
-    ) -> Result<Vec<Term>, BuildError>;
-}
+/// A bisection as straight-line code: of a graph, ε, h and y, the d_S coordinates of L_{ε,h}(y).
+///
+/// It fails with [`BuildError::Algebra`] where the Hamiltonian has no code.
+pub type PointCode<'a> =
+    Box<dyn Fn(&mut Graph, &Term, &Term, &[Term]) -> Result<Vec<Term>, BuildError> + 'a>;

@@ -42,7 +42,7 @@ impl ChartMaps {
             let mut graph = Graph::new();
             let xp: Vec<Term> = (0..2 * d).map(|i| graph.input(i)).collect();
             let epsilon = graph.step_size(StepSize::Epsilon);
-            let z = chart.point(&mut graph, &epsilon, &xp[..d], &xp[d..])?;
+            let z = chart(&mut graph, &epsilon, &xp[..d], &xp[d..])?;
             let map = SmoothMap::compile(&mut graph, &z, parameters, 2 * d)?;
             let kind = Kind::Code(map);
             return Ok(Some(Self { kind }));

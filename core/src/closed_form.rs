@@ -11,10 +11,9 @@ use leafwise_expression::{
 };
 
 use crate::error::BuildError;
-use crate::lattice::{RealizationStages, StageBuilder, StageEnds};
+use crate::lattice::{StageBuilder, StageCode, StageEnds};
 use crate::realization::{
-    Accuracy, RealizationCode, RealizationData, SourceRecursion, SourceSeries, SourceSeriesIn,
-    SourceTarget,
+    Accuracy, MapCode, RealizationData, SourceRecursion, SourceSeries, SourceTarget,
 };
 
 /// A point of the chart, in the algebra of its elements.
@@ -163,12 +162,37 @@ impl<F: ClosedForm> RealizationData for ClosedRealization<F> {
         }
     }
 
-    fn code(&self) -> Option<&dyn RealizationCode> {
-        Some(self)
+    fn code(&self) -> Option<MapCode<'_>> {
+        Some(Box::new(|graph, epsilon, z| {
+            let (x, p) = z.split_at(self.form.dimension());
+            let at = ChartPoint {
+                functions: &self.functions(graph, x)?,
+                epsilon,
+                x,
+                p,
+            };
+            let StageEnds { offset, increment } = self.form.ends(graph, &at)?;
+            Ok(SourceTarget {
+                base: x.to_vec(),
+                offset,
+                increment,
+                guard: self.form.guard(graph, &at)?,
+            })
+        }))
     }
 
-    fn stages(&self) -> Option<&dyn RealizationStages> {
-        Some(self)
+    /// One stage: α reads x and p at neighbouring sites.
+    fn stages(&self) -> Option<StageCode<'_>> {
+        Some(Box::new(|builder: &mut StageBuilder, epsilon, y, p| {
+            let graph = &mut builder.graph;
+            let at = ChartPoint {
+                functions: &self.functions(graph, y)?,
+                epsilon,
+                x: y,
+                p,
+            };
+            Ok(self.form.ends(graph, &at)?)
+        }))
     }
 
     fn is_reversible(&self) -> bool {
@@ -181,52 +205,21 @@ impl<F: ClosedForm> RealizationData for ClosedRealization<F> {
     }
 }
 
-impl<F: ClosedForm> RealizationCode for ClosedRealization<F> {
-    fn source_and_target(
-        &self,
-        graph: &mut Graph,
-        epsilon: &Term,
-        z: &[Term],
-    ) -> Result<SourceTarget, BuildError> {
-        let (x, p) = z.split_at(self.form.dimension());
-        let at = ChartPoint {
-            functions: &self.functions(graph, x)?,
-            epsilon,
-            x,
-            p,
-        };
-        let StageEnds { offset, increment } = self.form.ends(graph, &at)?;
-        Ok(SourceTarget {
-            base: x.to_vec(),
-            offset,
-            increment,
-            guard: self.form.guard(graph, &at)?,
-        })
+impl<F: ClosedForm> SourceSeries for ClosedRealization<F> {
+    fn in_ring(&self, ring: &mut Ring) -> Result<Box<dyn SourceRecursion<Ring>>, BuildError> {
+        Ok(Box::new(self.start(ring)?))
+    }
+
+    fn in_graph(&self, graph: &mut Graph) -> Result<Box<dyn SourceRecursion<Graph>>, BuildError> {
+        Ok(Box::new(self.start(graph)?))
     }
 }
 
-impl<F: ClosedForm> RealizationStages for ClosedRealization<F> {
-    /// One stage: α reads x and p at neighbouring sites.
-    fn stages(
+impl<F: ClosedForm> ClosedRealization<F> {
+    fn start<A: DifferentialAlgebra>(
         &self,
-        builder: &mut StageBuilder,
-        epsilon: &Term,
-        y: &[Term],
-        p: &[Term],
-    ) -> Result<StageEnds, BuildError> {
-        let graph = &mut builder.graph;
-        let at = ChartPoint {
-            functions: &self.functions(graph, y)?,
-            epsilon,
-            x: y,
-            p,
-        };
-        Ok(self.form.ends(graph, &at)?)
-    }
-}
-
-impl<F: ClosedForm, A: DifferentialAlgebra> SourceSeriesIn<A> for ClosedRealization<F> {
-    fn start(&self, algebra: &mut A) -> Result<Box<dyn SourceRecursion<A>>, BuildError> {
+        algebra: &mut A,
+    ) -> Result<Recursion<A::Element>, BuildError> {
         let d = self.form.dimension();
         let mut constants: Vec<A::Element> = (0..d).map(|i| algebra.coordinate(i)).collect();
         constants.resize(2 * d, algebra.zero());
@@ -243,13 +236,13 @@ impl<F: ClosedForm, A: DifferentialAlgebra> SourceSeriesIn<A> for ClosedRealizat
         let alpha = self.form.source(&mut tape, &at)?;
         let mut state = TaylorState::new(&tape);
         state.extend(&tape, algebra, |_, index| constants[index].clone())?;
-        Ok(Box::new(Recursion {
+        Ok(Recursion {
             momenta: d..2 * d,
             tape,
             state,
             alpha,
             order: 0,
-        }))
+        })
     }
 }
 

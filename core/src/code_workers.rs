@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use leafwise_expression::{Arithmetic, Graph, Kernel, StepSize, Term, Workspace};
 
-use crate::bisection::BisectionCode;
+use crate::bisection::PointCode;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::{Evaluator, is_same, one_by_one};
-use crate::realization::{RealizationCode, RealizationData, RealizationWorker};
+use crate::realization::{MapCode, RealizationData, RealizationWorker};
 use crate::solver::judge::{inside_chart, larger};
 
 /// An evaluator of any realization's maps: one compiled from its code, or its own worker.
@@ -34,7 +34,7 @@ fn compiled(
 ) -> Result<Option<CodeRealization>, BuildError> {
     let (d, space) = (realization.dimension(), realization.space_dimension());
     let code = realization.code();
-    code.map(|code| CodeRealization::compile(code, d, space, parameters))
+    code.map(|code| CodeRealization::compile(&code, d, space, parameters))
         .transpose()
 }
 
@@ -98,7 +98,7 @@ pub(crate) struct CodeRealization {
 
 impl CodeRealization {
     pub(crate) fn compile(
-        code: &dyn RealizationCode,
+        code: &MapCode<'_>,
         d: usize,
         space: usize,
         parameters: usize,
@@ -106,7 +106,7 @@ impl CodeRealization {
         let mut graph = Graph::compilable();
         let z: Vec<Term> = (0..space).map(|i| graph.input(i)).collect();
         let epsilon = graph.step_size(StepSize::Epsilon);
-        let code = code.source_and_target(&mut graph, &epsilon, &z)?;
+        let code = code(&mut graph, &epsilon, &z)?;
         let mut outputs = [
             code.base.clone(),
             code.offset.clone(),
@@ -248,7 +248,7 @@ impl CodeBisection {
     }
 
     pub(crate) fn compile(
-        code: &dyn BisectionCode,
+        code: &PointCode<'_>,
         d: usize,
         space: usize,
         parameters: usize,
@@ -257,7 +257,7 @@ impl CodeBisection {
         let y: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
         let epsilon = graph.step_size(StepSize::Epsilon);
         let h = graph.step_size(StepSize::H);
-        let mut outputs = code.point(&mut graph, &epsilon, &h, &y)?;
+        let mut outputs = code(&mut graph, &epsilon, &h, &y)?;
         for i in 0..space {
             let coordinate = outputs[i].clone();
             for j in 0..d {

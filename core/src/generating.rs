@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::{Graph, Term};
-
-use crate::bisection::{BisectionCode, LagrangianBisection};
+use crate::bisection::{LagrangianBisection, PointCode};
 use crate::chart::ChartMaps;
 use crate::error::BuildError;
 use crate::evaluator::Evaluator;
@@ -66,11 +64,17 @@ impl GraphOfDifferential {
 }
 
 impl LagrangianBisection for GraphOfDifferential {
-    fn code(&self) -> Option<&dyn BisectionCode> {
-        match self.numbers {
-            None => Some(self),
-            Some(_) => None,
+    fn code(&self) -> Option<PointCode<'_>> {
+        if self.numbers.is_some() {
+            return None;
         }
+        Some(Box::new(|graph, epsilon, h, y| {
+            let p = self.generating.differential(graph, epsilon, h, y)?;
+            match self.realization.chart() {
+                None => Ok(y.iter().cloned().chain(p).collect()),
+                Some(chart) => chart(graph, epsilon, y, &p),
+            }
+        }))
     }
 
     fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn Evaluator>> {
@@ -85,21 +89,5 @@ impl LagrangianBisection for GraphOfDifferential {
 
     fn generating_function(&self) -> Option<&Generating> {
         Some(&self.generating)
-    }
-}
-
-impl BisectionCode for GraphOfDifferential {
-    fn point(
-        &self,
-        graph: &mut Graph,
-        epsilon: &Term,
-        h: &Term,
-        y: &[Term],
-    ) -> Result<Vec<Term>, BuildError> {
-        let p = self.generating.differential(graph, epsilon, h, y)?;
-        match self.realization.chart() {
-            None => Ok(y.iter().cloned().chain(p).collect()),
-            Some(chart) => chart.point(graph, epsilon, y, &p),
-        }
     }
 }

@@ -49,7 +49,7 @@ mod side_by_side;
 pub mod solver;
 pub mod system;
 
-pub use bisection::{BisectionCode, LagrangianBisection};
+pub use bisection::{LagrangianBisection, PointCode};
 pub use chart::ChartMaps;
 pub use closed_form::{ChartPoint, ClosedForm, ClosedRealization};
 pub use code_workers::{RealizationMaps, realization_worker};
@@ -65,8 +65,8 @@ pub use one_form::{CodeOneForm, GraphOfOneForm};
 pub use origin::Origin;
 pub use part::{PartInfo, PartKind, PartParameters};
 pub use realization::{
-    Accuracy, Ends, LagrangianChart, RealizationCode, RealizationData, RealizationWorker,
-    SourceRecursion, SourceSeries, SourceSeriesIn, SourceTarget,
+    Accuracy, ChartCode, Ends, MapCode, RealizationData, RealizationWorker, SourceRecursion,
+    SourceSeries, SourceTarget,
 };
 pub use registry::{Part, Registry, RegistryError};
 pub use side_by_side::SideBySide;

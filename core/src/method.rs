@@ -131,8 +131,8 @@ impl Method {
                 let y: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
                 let epsilon = graph.step_size(StepSize::Epsilon);
                 let h = graph.step_size(StepSize::H);
-                let z = points.point(&mut graph, &epsilon, &h, &y)?;
-                let ends = ends.source_and_target(&mut graph, &epsilon, &z)?;
+                let z = points(&mut graph, &epsilon, &h, &y)?;
+                let ends = ends(&mut graph, &epsilon, &z)?;
                 let kernel = graph.unless_refused(()).map_err(BuildError::from);
                 let kernel =
                     kernel.and_then(|()| NewtonKernel::compile(&mut graph, &ends, parameters));
@@ -157,12 +157,12 @@ impl Method {
                 let maps = realization.worker(&probe, 1.0);
                 let code = match code.filter(|_| maps.is_none()) {
                     None => None,
-                    Some(code) => Some(CodeRealization::compile(code, d, space, parameters)?),
+                    Some(code) => Some(CodeRealization::compile(&code, d, space, parameters)?),
                 };
                 let embedding = bisection.worker(&probe, 1.0, 1.0);
                 let points = match points.filter(|_| embedding.is_none()) {
                     None => None,
-                    Some(points) => Some(CodeBisection::compile(points, d, space, parameters)?),
+                    Some(points) => Some(CodeBisection::compile(&points, d, space, parameters)?),
                 };
                 // Code serves any number.
                 let together = maps.is_none_or(|maps| maps.is_pointwise())
@@ -227,7 +227,7 @@ impl Method {
             self.bisection.code(),
         ) {
             (Some(worker), _) => worker,
-            (None, Some(code)) => CodeBisection::compile(code, d, space, parameters.len())?
+            (None, Some(code)) => CodeBisection::compile(&code, d, space, parameters.len())?
                 .worker(parameters, epsilon, h),
             (None, None) => {
                 return Err(BuildError::Incompatible {

@@ -7,7 +7,7 @@ use leafwise_expression::{DifferentialAlgebra, Graph, Ring, Term};
 use crate::bisection::LagrangianBisection;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
-use crate::lattice::RealizationStages;
+use crate::lattice::StageCode;
 use crate::solver::{MapProperties, StepMap};
 use crate::system::PoissonSystem;
 
@@ -44,7 +44,7 @@ pub trait RealizationData: Send + Sync + std::fmt::Debug {
         covector.fill(0.0);
     }
     /// α̂ and β̂ as straight-line code.
-    fn code(&self) -> Option<&dyn RealizationCode> {
+    fn code(&self) -> Option<MapCode<'_>> {
         None
     }
     /// α̂ and β̂ as numbers, for a realization that offers no code.
@@ -52,8 +52,9 @@ pub trait RealizationData: Send + Sync + std::fmt::Debug {
         let _ = (parameters, epsilon);
         None
     }
-    /// The symplectic chart χ: T*M ⊃ U → S about σ, where points of S are not pairs (x, p).
-    fn chart(&self) -> Option<&dyn LagrangianChart> {
+    /// The symplectic chart χ: T*M ⊃ U → S about σ with χ(x, 0) = σ(x) and inv(x, p) = (x, −p), where points of S are
+    /// not pairs (x, p).
+    fn chart(&self) -> Option<ChartCode<'_>> {
         None
     }
     /// (x, p) ↦ χ(x, p) as numbers, for a realization that offers no code.
@@ -83,7 +84,7 @@ pub trait RealizationData: Send + Sync + std::fmt::Debug {
         None
     }
     /// α̂ and β̂ as sweeps over a lattice.
-    fn stages(&self) -> Option<&dyn RealizationStages> {
+    fn stages(&self) -> Option<StageCode<'_>> {
         None
     }
     /// The exact series of α along p(h), from which Hamilton–Jacobi coefficients are computed.
@@ -92,19 +93,17 @@ pub trait RealizationData: Send + Sync + std::fmt::Debug {
     }
 }
 
-/// α̂_ε and β̂_ε as straight-line code at a point z of S.
-pub trait RealizationCode {
-    /// The code at `z` (d_S terms) for the geometric parameter `epsilon`.
-    ///
-    /// # Errors
-    /// [`BuildError::Algebra`] where the tensor has no code.
-    fn source_and_target(
-        &self,
-        graph: &mut Graph,
-        epsilon: &Term,
-        z: &[Term],
-    ) -> Result<SourceTarget, BuildError>;
-}
+/// α̂_ε and β̂_ε as straight-line code: of a graph, the geometric parameter ε and a point z of S, d_S terms.
+///
+/// It fails with [`BuildError::Algebra`] where the tensor has no code.
+pub type MapCode<'a> =
+    Box<dyn Fn(&mut Graph, &Term, &[Term]) -> Result<SourceTarget, BuildError> + 'a>;
+
+/// χ as straight-line code: of a graph, ε, x and p, the coordinates of χ(x, p). A chart may rescale p by ε.
+///
+/// It fails with [`BuildError::Algebra`] where the chart has no code.
+pub type ChartCode<'a> =
+    Box<dyn Fn(&mut Graph, &Term, &[Term], &[Term]) -> Result<Vec<Term>, BuildError> + 'a>;
 
 /// β̂ = base + offset and α̂ = β̂ + increment, each a list of d terms.
 ///
@@ -122,21 +121,6 @@ pub struct SourceTarget {
     /// far the point reaches in it: where the last is not the smaller one, the point is outside the
     /// chart. `None` for closed forms that hold everywhere.
     pub guard: Option<(Vec<Term>, Vec<Term>)>,
-}
-
-/// A symplectic chart χ(x, p) ↦ z of (S, ω) with χ(x, 0) = σ(x) and inv(x, p) = (x, −p).
-pub trait LagrangianChart {
-    /// The coordinates of χ(x, p) as code; `epsilon` because a chart may rescale p.
-    ///
-    /// # Errors
-    /// [`BuildError::Algebra`] where the chart has no code.
-    fn point(
-        &self,
-        graph: &mut Graph,
-        epsilon: &Term,
-        x: &[Term],
-        p: &[Term],
-    ) -> Result<Vec<Term>, BuildError>;
 }
 
 /// α̂ and β̂ at one point of S: β̂ = base + offset, α̂ = β̂ + increment, d numbers each.
@@ -208,19 +192,17 @@ pub trait RealizationWorker: Evaluator {
 }
 
 /// The exact (untruncated) series of α∘χ along p(h) = Σ_{k≥1} pₖ hᵏ at ε = 1, where χ is a
-/// cotangent chart with χ(x, 0) = σ(x) and inv(x, p) = (x, −p), in the algebra A.
-pub trait SourceSeriesIn<A: DifferentialAlgebra> {
-    /// Starts the recursion at α₀ = x.
-    ///
-    /// # Errors
-    /// [`BuildError::Algebra`] where the tensor is outside the algebra.
-    fn start(&self, algebra: &mut A) -> Result<Box<dyn SourceRecursion<A>>, BuildError>;
+/// cotangent chart with χ(x, 0) = σ(x) and inv(x, p) = (x, −p).
+///
+/// Either function starts the recursion at α₀ = x, and fails with [`BuildError::Algebra`] where the tensor is outside
+/// the algebra.
+#[allow(clippy::missing_errors_doc, reason = "said above, for both")]
+pub trait SourceSeries {
+    /// As exact polynomials.
+    fn in_ring(&self, ring: &mut Ring) -> Result<Box<dyn SourceRecursion<Ring>>, BuildError>;
+    /// As straight-line code.
+    fn in_graph(&self, graph: &mut Graph) -> Result<Box<dyn SourceRecursion<Graph>>, BuildError>;
 }
-
-/// The series as exact polynomials and as straight-line code.
-pub trait SourceSeries: SourceSeriesIn<Ring> + SourceSeriesIn<Graph> {}
-
-impl<S: SourceSeriesIn<Ring> + SourceSeriesIn<Graph>> SourceSeries for S {}
 
 /// One order of [`SourceSeries`] after the other.
 pub trait SourceRecursion<A: DifferentialAlgebra> {

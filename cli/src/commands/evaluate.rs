@@ -216,10 +216,10 @@ fn ends(
         && (chart.is_some() || realization.points_are_pairs())
     {
         let z = match chart {
-            Some(chart) => chart.point(&mut at.graph, &epsilon, &inputs[..d], &inputs[d..])?,
+            Some(chart) => chart(&mut at.graph, &epsilon, &inputs[..d], &inputs[d..])?,
             None => inputs,
         };
-        let ends = code.source_and_target(&mut at.graph, &epsilon, &z)?;
+        let ends = code(&mut at.graph, &epsilon, &z)?;
         // A truncated series has its values outside too; what a closed form has there is none.
         if let Some((first, last)) = &ends.guard
             && realization.accuracy() == Accuracy::Exact

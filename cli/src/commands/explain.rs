@@ -140,7 +140,7 @@ fn one_form_kernel(run: &ComposedRun, method: &Method) -> Result<Option<Kernel>,
     let y: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
     let epsilon = graph.step_size(StepSize::Epsilon);
     let h = graph.step_size(StepSize::H);
-    let point = code.point(&mut graph, &epsilon, &h, &y)?;
+    let point = code(&mut graph, &epsilon, &h, &y)?;
     Ok(point
         .get(d..)
         .map(|p| Kernel::compile(&graph, p, run.system.parameters().len(), d)))

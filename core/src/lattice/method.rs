@@ -55,21 +55,18 @@ impl LatticeMethod {
             realization: realization.describe(),
             reason: reason.to_owned(),
         };
-        let stages = realization
-            .stages()
-            .ok_or_else(|| missing("its maps cannot be written as sweeps over a lattice"))?;
-        let points = bisection
-            .code()
-            .ok_or_else(|| missing("the bisection offers no code"))?;
+        let no_stages = || missing("its maps cannot be written as sweeps over a lattice");
+        let no_points = || missing("the bisection offers no code");
 
         let mut builder = StageBuilder::new(system.dimension());
         let epsilon = builder.graph.step_size(StepSize::Epsilon);
         let h = builder.graph.step_size(StepSize::H);
         let (y_field, y) = builder.unwritten();
-        let z = points.point(&mut builder.graph, &epsilon, &h, &y)?;
+        let points = bisection.code().ok_or_else(no_points)?;
+        let z = points(&mut builder.graph, &epsilon, &h, &y)?;
         let p = builder.store(z[system.dimension()..].to_vec());
         builder.finish_stage();
-        let ends = stages.stages(&mut builder, &epsilon, &y, &p)?;
+        let ends = realization.stages().ok_or_else(no_stages)?(&mut builder, &epsilon, &y, &p)?;
         let fields = MethodFields {
             y: y_field,
             offset: builder.output(ends.offset),

@@ -42,4 +42,4 @@ pub use method::LatticeMethod;
 pub use observables::LatticeObservables;
 pub use program::{Fields, LatticeProgram, Prepared};
 pub use source::LatticeSource;
-pub use stages::{Field, RealizationStages, StageBuilder, StageEnds};
+pub use stages::{Field, StageBuilder, StageCode, StageEnds};

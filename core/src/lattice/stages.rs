@@ -93,17 +93,8 @@ pub struct StageEnds {
     pub increment: Vec<Term>,
 }
 
-/// Realization data whose maps can be written as stages.
-pub trait RealizationStages {
-    /// α̂_ε and β̂_ε at (y, p), stage by stage. `y` and `p` are code over the proxy lattice.
-    ///
-    /// # Errors
-    /// [`BuildError::Algebra`] where the tensor has no code.
-    fn stages(
-        &self,
-        builder: &mut StageBuilder,
-        epsilon: &Term,
-        y: &[Term],
-        p: &[Term],
-    ) -> Result<StageEnds, BuildError>;
-}
+/// α̂_ε and β̂_ε stage by stage: of a builder, ε, y and p, both code over the proxy lattice.
+///
+/// It fails with [`BuildError::Algebra`] where the tensor has no code.
+pub type StageCode<'a> =
+    Box<dyn Fn(&mut StageBuilder, &Term, &[Term], &[Term]) -> Result<StageEnds, BuildError> + 'a>;

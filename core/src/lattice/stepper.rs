@@ -8,7 +8,7 @@ use crate::error::StepError;
 use crate::solver::judge::{
     Allowed, CorrectionSize, LinearIteration, Verdict, is_between, largest,
 };
-use crate::solver::{Extrapolation, Trajectory};
+use crate::solver::{Extrapolation, Taken, Trajectories};
 
 /// Budget of one step. At t‖DX‖ = 1 the iteration gains a factor of about two each time.
 const MOST_EVALUATIONS: usize = 200;
@@ -111,28 +111,19 @@ impl LatticeTrajectory {
     }
 }
 
-impl Trajectory for LatticeTrajectory {
-    fn step(
-        &mut self,
-        x: &[f64],
-        low: &[f64],
-        increment: &mut [f64],
-        evaluations: &mut u64,
-    ) -> Result<(), StepError> {
-        let solved = self.solve(x, low, increment, evaluations);
-        if solved.is_ok() || self.extrapolation.is_cold(0) {
-            return solved;
+impl Trajectories for LatticeTrajectory {
+    fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
+        let taken = &mut taken[0];
+        let mut solved = self.solve(x, low, increment, &mut taken.evaluations);
+        if solved.is_err() && !self.extrapolation.is_cold(0) {
+            // The extrapolated start may have led astray.
+            self.extrapolation.clear(0);
+            solved = self.solve(x, low, increment, &mut taken.evaluations);
         }
-        // The extrapolated start may have led astray.
-        self.extrapolation.clear(0);
-        self.solve(x, low, increment, evaluations)
+        (taken.outcome, taken.is_rounded) = (solved, self.is_rounded);
     }
 
-    fn is_rounded(&self) -> bool {
-        self.is_rounded
-    }
-
-    fn solution(&self) -> Option<&[f64]> {
+    fn solution(&self, _: usize) -> Option<&[f64]> {
         Some(self.worker.field(self.fields.y))
     }
 
@@ -140,17 +131,17 @@ impl Trajectory for LatticeTrajectory {
         Some(self.evaluations * self.program.work())
     }
 
-    fn restart(&mut self) {
+    fn restart(&mut self, _: usize) {
         self.extrapolation.clear(0);
     }
 
-    fn memory(&self) -> Vec<f64> {
+    fn memory(&self, _: usize) -> Vec<f64> {
         let mut memory = Vec::with_capacity(self.extrapolation.memory_len());
         self.extrapolation.memory(0, &mut memory);
         memory
     }
 
-    fn restore(&mut self, memory: &[f64]) {
+    fn restore(&mut self, _: usize, memory: &[f64]) {
         self.extrapolation.restore(0, memory);
     }
 }

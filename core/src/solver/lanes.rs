@@ -6,74 +6,34 @@ use crate::error::StepError;
 /// The most trajectories in lockstep: what they hold stays in the fastest caches.
 const MOST_TOGETHER: usize = 64;
 
-/// The step of one trajectory, for fixed parameters and step sizes: a stepper's mathematics.
-pub trait Trajectory: Send {
-    /// Φ(x + low) − (x + low), where `low` carries what the compensated state holds beyond a double.
-    /// Adds its evaluations to `evaluations`, also where it fails. An increment that is not finite is
-    /// refused by the caller.
-    ///
-    /// # Errors
-    /// Why the step could not be taken; the trajectory is then restarted.
-    fn step(
-        &mut self,
-        x: &[f64],
-        low: &[f64],
-        increment: &mut [f64],
-        evaluations: &mut u64,
-    ) -> Result<(), StepError>;
-    /// Whether the last step counts as [`SolverStatistics::rounded`].
-    fn is_rounded(&self) -> bool {
-        false
-    }
-    /// The solution y of β̂(L(y)) = x of the last step, `None` for a map without a bisection.
-    fn solution(&self) -> Option<&[f64]> {
-        None
-    }
-    /// DΦ of the last step, row-major; `None` where it is not offered.
-    fn tangent(&mut self) -> Option<Vec<f64>> {
-        None
-    }
-    /// Operations so far, as [`SolverStatistics::operations`] counts them; `None` for one that does
-    /// not count.
-    fn operations(&self) -> Option<u64>;
-    /// Forgets earlier steps.
-    fn restart(&mut self) {}
-    /// What later steps depend on beyond the state; always of the same length.
-    fn memory(&self) -> Vec<f64> {
-        Vec::new()
-    }
-    /// Restores [`memory`](Self::memory).
-    fn restore(&mut self, memory: &[f64]) {
-        let _ = memory;
-    }
-}
-
-/// Steps of several trajectories in lockstep, for the same parameters and step sizes: each evaluation
-/// is one for all that need it.
+/// Steps of one trajectory or of several in lockstep, for fixed parameters and step sizes: a stepper's
+/// mathematics. In lockstep each evaluation is one for all that need it.
 ///
-/// Arrays hold one trajectory behind the other, d numbers each. What a step writes for a trajectory
+/// Arrays hold the trajectories one after the other, d numbers each. What a step writes for a trajectory
 /// depends on that one alone, to the bit.
-pub trait Lockstep: Send {
-    /// Φ(x + low) − (x + low) of every trajectory, as [`Trajectory::step`]; `taken` says of each how it
-    /// went. The caller refuses an increment that is not finite, and restarts what failed.
+pub trait Trajectories: Send {
+    /// Φ(x + low) − (x + low) of every trajectory, where `low` carries what the compensated state holds
+    /// beyond a double. `taken` says of each how it went, its evaluations also where it fails. The caller
+    /// refuses an increment that is not finite, and restarts what failed.
     fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [Taken]);
-    /// As [`Trajectory::solution`], of one trajectory.
+    /// The solution y of β̂(L(y)) = x of a trajectory's last step, `None` for a map without a bisection.
     fn solution(&self, at: usize) -> Option<&[f64]> {
         let _ = at;
         None
     }
-    /// As [`Trajectory::tangent`], of one trajectory.
+    /// DΦ of a trajectory's last step, row-major; `None` where it is not offered.
     fn tangent(&mut self, at: usize) -> Option<Vec<f64>> {
         let _ = at;
         None
     }
-    /// Operations of all so far, as [`Trajectory::operations`].
+    /// Operations of all so far, as [`SolverStatistics::operations`] counts them; `None` where they are
+    /// not counted.
     fn operations(&self) -> Option<u64>;
-    /// As [`Trajectory::restart`], of one trajectory.
+    /// Forgets a trajectory's earlier steps.
     fn restart(&mut self, at: usize) {
         let _ = at;
     }
-    /// As [`Trajectory::memory`], of one trajectory.
+    /// What a trajectory's later steps depend on beyond the state; always of the same length.
     fn memory(&self, at: usize) -> Vec<f64> {
         let _ = at;
         Vec::new()
@@ -103,46 +63,20 @@ impl Taken {
         outcome: Ok(()),
     };
 
+    /// Takes in a step of so many evaluations, or why it could not be taken.
+    pub fn take(&mut self, step: Result<usize, StepError>, is_rounded: bool) {
+        self.is_rounded = is_rounded;
+        match step {
+            Ok(evaluations) => self.evaluations += evaluations as u64,
+            Err(error) => self.fail(error),
+        }
+    }
+
     /// Takes in a failure, unless an earlier one is known.
     pub fn fail(&mut self, error: StepError) {
         if self.outcome.is_ok() {
             self.outcome = Err(error);
         }
-    }
-}
-
-/// A trajectory by itself.
-pub struct Alone<T>(T);
-
-impl<T: Trajectory> Lockstep for Alone<T> {
-    fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
-        let taken = &mut taken[0];
-        taken.outcome = self.0.step(x, low, increment, &mut taken.evaluations);
-        taken.is_rounded = self.0.is_rounded();
-    }
-
-    fn solution(&self, _: usize) -> Option<&[f64]> {
-        self.0.solution()
-    }
-
-    fn tangent(&mut self, _: usize) -> Option<Vec<f64>> {
-        self.0.tangent()
-    }
-
-    fn operations(&self) -> Option<u64> {
-        self.0.operations()
-    }
-
-    fn restart(&mut self, _: usize) {
-        self.0.restart();
-    }
-
-    fn memory(&self, _: usize) -> Vec<f64> {
-        self.0.memory()
-    }
-
-    fn restore(&mut self, _: usize, memory: &[f64]) {
-        self.0.restore(memory);
     }
 }
 
@@ -167,7 +101,7 @@ struct Group<T> {
     count: usize,
 }
 
-impl<T: Trajectory> Lanes<Alone<T>> {
+impl<T: Trajectories> Lanes<T> {
     /// `lanes` trajectories in `dimension` coordinates, each by itself, made for its own parameters.
     pub fn apart(
         lanes: usize,
@@ -175,16 +109,11 @@ impl<T: Trajectory> Lanes<Alone<T>> {
         parameters: &[f64],
         mut make: impl FnMut(&[f64]) -> T,
     ) -> Self {
-        let groups = (0..lanes).map(|lane| Group {
-            trajectories: Alone(make(&of_lane(parameters, lanes, lane))),
-            first: lane,
-            count: 1,
-        });
-        Self::of_groups(lanes, dimension, groups.collect())
+        Self::together(lanes, 1, dimension, parameters, |parameters, _| {
+            make(parameters)
+        })
     }
-}
 
-impl<T: Lockstep> Lanes<T> {
     /// `lanes` trajectories in `dimension` coordinates: neighbours with the same parameters, as many as
     /// `make` is told and at most `most`, in lockstep.
     pub fn together(
@@ -210,10 +139,6 @@ impl<T: Lockstep> Lanes<T> {
             });
             first += count;
         }
-        Self::of_groups(lanes, dimension, groups)
-    }
-
-    fn of_groups(lanes: usize, dimension: usize, groups: Vec<Group<T>>) -> Self {
         let most = groups.iter().map(|group| group.count).max().unwrap_or(0);
         let room = || vec![0.0; if lanes > 1 { most * dimension } else { 0 }];
         Self {
@@ -240,7 +165,7 @@ fn bits(values: &[f64]) -> impl Iterator<Item = u64> {
 }
 
 /// One step of a group, counted; zero where it fails.
-fn step<T: Lockstep>(
+fn step<T: Trajectories>(
     trajectories: &mut T,
     (x, low): (&[f64], &[f64]),
     increment: &mut [f64],
@@ -265,7 +190,7 @@ fn step<T: Lockstep>(
     }
 }
 
-impl<T: Lockstep> Stepper for Lanes<T> {
+impl<T: Trajectories> Stepper for Lanes<T> {
     fn increment(
         &mut self,
         x: &[f64],
@@ -360,7 +285,7 @@ impl<T> Group<T> {
     }
 }
 
-impl<T: Lockstep + ?Sized> Lockstep for Box<T> {
+impl<T: Trajectories + ?Sized> Trajectories for Box<T> {
     fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
         (**self).step(x, low, increment, taken);
     }

@@ -223,7 +223,9 @@ impl DynamicApproximation for Collective {
         let chart_has_code = chart.has_pairs() || realization.chart().is_some();
         let code = realization.code().filter(|_| chart_has_code);
         let field = match (system.expressions(), code) {
-            (Some(formulas), Some(code)) => collective_field(formulas, code, realization.chart())?,
+            (Some(formulas), Some(code)) => {
+                collective_field(formulas, &code, realization.chart().as_ref())?
+            }
             _ => {
                 let maps = RealizationMaps::new(realization, &parameters)?;
                 let worker = maps.worker(&parameters, 1.0);

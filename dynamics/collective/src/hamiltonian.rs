@@ -1,6 +1,6 @@
 //! The vector field of the collective Hamiltonian, as code.
 
-use leafwise_core::realization::{LagrangianChart, RealizationCode};
+use leafwise_core::realization::{ChartCode, MapCode};
 use leafwise_core::runge_kutta::SmoothMap;
 use leafwise_core::{BuildError, SystemFormulas};
 use leafwise_expression::{Arithmetic, Graph, Rational, StepSize, Term};
@@ -12,8 +12,8 @@ use leafwise_expression::{Arithmetic, Graph, Rational, StepSize, Term};
 /// [`BuildError::Algebra`] where a formula or a derivative has no code.
 pub fn collective_field(
     system: &SystemFormulas,
-    realization: &dyn RealizationCode,
-    chart: Option<&dyn LagrangianChart>,
+    realization: &MapCode<'_>,
+    chart: Option<&ChartCode<'_>>,
 ) -> Result<SmoothMap, BuildError> {
     let (d, parameters) = (system.dimension(), system.parameters().len());
     let mut graph = Graph::new();
@@ -21,9 +21,9 @@ pub fn collective_field(
     let epsilon = graph.step_size(StepSize::Epsilon);
     let z = match chart {
         None => xp,
-        Some(chart) => chart.point(&mut graph, &epsilon, &xp[..d], &xp[d..])?,
+        Some(chart) => chart(&mut graph, &epsilon, &xp[..d], &xp[d..])?,
     };
-    let ends = realization.source_and_target(&mut graph, &epsilon, &z)?;
+    let ends = realization(&mut graph, &epsilon, &z)?;
     let alpha: Vec<Term> = (0..d)
         .map(|i| {
             let parts = [&ends.base[i], &ends.offset[i], &ends.increment[i]];

@@ -8,7 +8,7 @@ use crate::common::{
 use leafwise_collective::{Collective, SymplecticIntegrator};
 use leafwise_core::diagnostics::TensorDefect;
 use leafwise_core::{
-    Accuracy, BuildError, Correction, Evaluator, LagrangianChart, Method, RealizationData,
+    Accuracy, BuildError, ChartCode, Correction, Evaluator, Method, RealizationData,
     RealizationWorker, StepError, StepMap, realization_worker,
 };
 use leafwise_karasev::CollocatedKarasev;
@@ -41,7 +41,7 @@ impl<R: RealizationData> RealizationData for Numbers<R> {
     fn section(&self, x: &[f64], z: &mut [f64]) {
         self.of.section(x, z);
     }
-    fn chart(&self) -> Option<&dyn LagrangianChart> {
+    fn chart(&self) -> Option<ChartCode<'_>> {
         self.of.chart()
     }
     fn worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationWorker>> {

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use crate::common::{Cayley, advance, karasev, lotka_volterra, method, rigid_body};
 use leafwise_collective::{Collective, SymplecticIntegrator};
 use leafwise_core::{
-    Accuracy, BuildError, Correction, DynamicApproximation, Integrator, Method, PartParameters,
-    RealizationCode, RealizationData, Registry, SourceTarget, StepError, StepMap,
+    Accuracy, BuildError, Correction, DynamicApproximation, Integrator, MapCode, Method,
+    PartParameters, RealizationData, Registry, SourceTarget, StepError, StepMap,
 };
 use leafwise_expression::{Graph, Term};
 
@@ -81,12 +81,14 @@ impl RealizationData for Foreign {
     fn section(&self, x: &[f64], z: &mut [f64]) {
         z[..3].copy_from_slice(x);
     }
-    fn code(&self) -> Option<&dyn RealizationCode> {
-        Some(self)
+    fn code(&self) -> Option<MapCode<'_>> {
+        Some(Box::new(|graph, epsilon, z| {
+            self.source_and_target(graph, epsilon, z)
+        }))
     }
 }
 
-impl RealizationCode for Foreign {
+impl Foreign {
     fn source_and_target(
         &self,
         _graph: &mut Graph,

@@ -1,7 +1,7 @@
 //! l·S_l = [h^{l−1}] H(α(x, Σ_{k<l} hᵏ dS_k)).
 
 use leafwise_core::dynamics::{Generating, GeneratingCode, GeneratingFunction};
-use leafwise_core::realization::{SourceSeries, SourceSeriesIn};
+use leafwise_core::realization::{SourceRecursion, SourceSeries};
 use leafwise_core::system::Agreement;
 use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::graph::lift;
@@ -25,7 +25,8 @@ pub fn generating_function(
     order: usize,
 ) -> Result<GeneratingFunction, BuildError> {
     let mut ring = Ring::new(system.dimension());
-    let (coefficients, gradients) = odd_coefficients(system, series, order, &mut ring)?;
+    let source = series.in_ring(&mut ring)?;
+    let (coefficients, gradients) = odd_coefficients(system, source, order, &mut ring)?;
     Ok(GeneratingFunction {
         ring,
         coefficients,
@@ -44,7 +45,8 @@ pub fn within(
     products: u64,
 ) -> Result<Option<GeneratingFunction>, BuildError> {
     let mut ring = Ring::limited(system.dimension(), products);
-    let formed = odd_coefficients(system, series, order, &mut ring);
+    let source = series.in_ring(&mut ring);
+    let formed = source.and_then(|source| odd_coefficients(system, source, order, &mut ring));
     if ring.refusal().is_some() {
         return Ok(None);
     }
@@ -66,7 +68,8 @@ pub fn generating_code(
     order: usize,
 ) -> Result<GeneratingCode, BuildError> {
     let mut graph = Graph::limited(MOST_NODES);
-    let (coefficients, gradients) = odd_coefficients(system, series, order, &mut graph)?;
+    let source = series.in_graph(&mut graph)?;
+    let (coefficients, gradients) = odd_coefficients(system, source, order, &mut graph)?;
     Ok(GeneratingCode {
         graph,
         coefficients,
@@ -80,16 +83,16 @@ const MOST_NODES: usize = 1 << 18;
 /// S_l and dS_l for odd l < m.
 type Coefficients<E> = (Vec<E>, Vec<Vec<E>>);
 
-fn odd_coefficients<A: DifferentialAlgebra, S: SourceSeriesIn<A> + ?Sized>(
+fn odd_coefficients<A: DifferentialAlgebra>(
     system: &PoissonSystem,
-    series: &S,
+    source: Box<dyn SourceRecursion<A>>,
     order: usize,
     algebra: &mut A,
 ) -> Result<Coefficients<A::Element>, BuildError> {
     let d = system.dimension();
     let (mut coefficients, mut gradients) = (Vec::new(), Vec::new());
     let last = order.saturating_sub(1);
-    for_each_coefficient(system, series, last, algebra, |algebra, l, s| {
+    for_each_coefficient(system, source, last, algebra, |algebra, l, s| {
         if l % 2 == 0 {
             return Ok(None);
         }
@@ -178,7 +181,8 @@ pub fn all_coefficients(
 ) -> Result<(Ring, Vec<Polynomial>), BuildError> {
     let mut ring = Ring::new(system.dimension());
     let mut all = Vec::new();
-    for_each_coefficient(system, series, last, &mut ring, |ring, _, s| {
+    let source = series.in_ring(&mut ring)?;
+    for_each_coefficient(system, source, last, &mut ring, |ring, _, s| {
         let gradient = ring.gradient(&s)?;
         all.push(s);
         Ok(Some(gradient))
@@ -187,9 +191,9 @@ pub fn all_coefficients(
 }
 
 /// Runs the recursion; `take(algebra, l, S_l)` returns dS_l, or `None` for 0.
-fn for_each_coefficient<A: DifferentialAlgebra, S: SourceSeriesIn<A> + ?Sized>(
+fn for_each_coefficient<A: DifferentialAlgebra>(
     system: &PoissonSystem,
-    series: &S,
+    mut source: Box<dyn SourceRecursion<A>>,
     last: usize,
     algebra: &mut A,
     mut take: impl FnMut(&mut A, usize, A::Element) -> Result<Option<Vec<A::Element>>, BuildError>,
@@ -215,7 +219,6 @@ fn for_each_coefficient<A: DifferentialAlgebra, S: SourceSeriesIn<A> + ?Sized>(
     let mut tape = Tape::new();
     let energy = tape.record(system.hamiltonian())?;
     let mut state = TaylorState::new(&tape);
-    let mut source = series.start(algebra)?;
     let mut alpha: Vec<A::Element> = (0..d).map(|i| algebra.coordinate(i)).collect();
     for l in 1..=last {
         let extended = state.extend(&tape, algebra, |_, i| alpha[i].clone());

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartParameters};
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
+use leafwise_core::solver::{Taken, Trajectories};
 use leafwise_core::{
     BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure,
 };
 
-use crate::one_step::{Make, OneStep, ReferenceMap};
+use crate::reference_map::ReferenceMap;
 
 /// A row of coefficients: (stage, value).
 pub(crate) type Row = &'static [(usize, f64)];
@@ -165,8 +166,8 @@ impl AdaptivePair {
     }
 }
 
-impl OneStep for AdaptivePair {
-    fn increment(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError> {
+impl AdaptivePair {
+    fn advance(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError> {
         self.state.copy_from_slice(x);
         increment.fill(0.0);
         self.refusal = None;
@@ -234,20 +235,27 @@ impl OneStep for AdaptivePair {
             correction: self.tolerance,
         })
     }
+}
+
+impl Trajectories for AdaptivePair {
+    fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
+        let step = self.advance(x, increment);
+        taken[0].take(step, false);
+    }
 
     fn operations(&self) -> Option<u64> {
         Some(self.field.operations()? + self.linear)
     }
 
-    fn restart(&mut self) {
+    fn restart(&mut self, _: usize) {
         self.proposed = 0.0;
     }
 
-    fn memory(&self) -> Vec<f64> {
+    fn memory(&self, _: usize) -> Vec<f64> {
         vec![self.proposed]
     }
 
-    fn restore(&mut self, memory: &[f64]) {
+    fn restore(&mut self, _: usize, memory: &[f64]) {
         self.proposed = memory[0];
     }
 }
@@ -287,10 +295,11 @@ pub(crate) fn adaptive_map(
             self_adjoint: Some(false),
         },
         description: format!("{} tolerance = {tolerance:e}", info.name),
-        make: Make::Apart(Box::new(move |parameters, time_step| {
+        together: 1,
+        make: Box::new(move |parameters, time_step, _| {
             Box::new(AdaptivePair::new(
                 pair, &field, parameters, time_step, tolerance,
             ))
-        })),
+        }),
     }))
 }

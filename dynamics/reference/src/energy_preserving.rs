@@ -10,7 +10,7 @@ use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator, Tableau};
 use leafwise_core::solver::judge::{Allowed, Verdict, Watch, largest, reach};
 use leafwise_core::solver::{
-    Anderson, CorrectionSize, DenseFactors, LinearIteration, check_equations,
+    Anderson, CorrectionSize, DenseFactors, LinearIteration, Taken, Trajectories, check_equations,
     elimination_operations, substitution_operations,
 };
 use leafwise_core::{
@@ -19,7 +19,7 @@ use leafwise_core::{
 use nalgebra::DMatrix;
 
 use crate::connected::{Connected, StepEquation};
-use crate::one_step::{Make, OneStep, ReferenceMap};
+use crate::reference_map::{ReferenceMap, row_major};
 
 static INFO: PartInfo = PartInfo {
     name: "energy-preserving",
@@ -394,8 +394,8 @@ impl StepEquation for EnergyPreserving {
     }
 }
 
-impl OneStep for EnergyPreserving {
-    fn increment(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError> {
+impl EnergyPreserving {
+    fn advance(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError> {
         self.start.copy_from_slice(x);
         self.watch.begin();
         let mut solved = if self.anderson.is_none() {
@@ -426,16 +426,19 @@ impl OneStep for EnergyPreserving {
         }
         Ok(evaluations)
     }
+}
 
-    fn is_rounded(&self) -> bool {
-        self.is_rounded
+impl Trajectories for EnergyPreserving {
+    fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
+        let step = self.advance(x, increment);
+        taken[0].take(step, self.is_rounded);
     }
 
     fn operations(&self) -> Option<u64> {
         Some(self.tensor.operations()? + self.gradient.operations()? + self.linear)
     }
 
-    fn tangent(&mut self) -> Option<DMatrix<f64>> {
+    fn tangent(&mut self, _: usize) -> Option<Vec<f64>> {
         let d = self.start.len();
         if self.anderson.is_some() {
             return None;
@@ -454,19 +457,19 @@ impl OneStep for EnergyPreserving {
                 tangent[(row % d, column)] += weight * slope;
             }
         }
-        Some(tangent)
+        Some(row_major(&tangent))
     }
 
-    fn restart(&mut self) {
+    fn restart(&mut self, _: usize) {
         self.slopes.fill(0.0);
         self.watch = Watch::NEW;
     }
 
-    fn memory(&self) -> Vec<f64> {
+    fn memory(&self, _: usize) -> Vec<f64> {
         [&[self.watch.memory()], self.slopes.as_slice()].concat()
     }
 
-    fn restore(&mut self, memory: &[f64]) {
+    fn restore(&mut self, _: usize, memory: &[f64]) {
         self.watch.restore(memory[0]);
         self.slopes.copy_from_slice(&memory[1..]);
     }
@@ -512,9 +515,10 @@ fn build(
             self_adjoint: Some(true),
         },
         description: format!("{} order = {order}", INFO.name),
-        make: Make::Apart(Box::new(move |parameters, time_step| {
+        together: 1,
+        make: Box::new(move |parameters, time_step, _| {
             Box::new(EnergyPreserving::new(&maps, stages, parameters, time_step))
-        })),
+        }),
     }))
 }
 

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use leafwise_core::runge_kutta::{SmoothMap, StageSolver, Tableau};
-use leafwise_core::solver::{Lockstep, Taken, check_equations};
+use leafwise_core::solver::{Taken, Trajectories, check_equations};
 use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepMap, Structure};
 use nalgebra::DMatrix;
 
-use crate::one_step::{Make, ReferenceMap, row_major};
+use crate::reference_map::{ReferenceMap, row_major};
 
 /// An implicit Runge–Kutta method for several trajectories.
 pub(crate) struct ImplicitRungeKutta(StageSolver);
@@ -25,7 +25,7 @@ impl ImplicitRungeKutta {
     }
 }
 
-impl Lockstep for ImplicitRungeKutta {
+impl Trajectories for ImplicitRungeKutta {
     fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
         self.0.solve_all(x, increment, taken);
     }
@@ -87,11 +87,12 @@ pub(crate) fn gauss_map(
             self_adjoint: Some(true),
         },
         description,
-        make: Make::Together(Box::new(move |parameters, time_step, count| {
+        together: usize::MAX,
+        make: Box::new(move |parameters, time_step, count| {
             let tableau = tableau.clone();
             Box::new(ImplicitRungeKutta::new(
                 &field, tableau, parameters, time_step, count,
             ))
-        })),
+        }),
     }))
 }

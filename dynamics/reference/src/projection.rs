@@ -8,14 +8,14 @@ use leafwise_core::part::{
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMapEvaluator, Tableau};
 use leafwise_core::solver::judge::{Verdict, larger, reach, relative};
-use leafwise_core::solver::{LinearIteration, Lockstep, Taken, check_equations};
+use leafwise_core::solver::{LinearIteration, Taken, Trajectories, check_equations};
 use leafwise_core::{
     BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure,
 };
 
 use crate::gauss::{STAGES, stages};
 use crate::implicit::ImplicitRungeKutta;
-use crate::one_step::{Make, OneStep, ReferenceMap};
+use crate::reference_map::ReferenceMap;
 use crate::rk4::Rk4;
 use crate::singular::SingularSystem;
 
@@ -47,7 +47,7 @@ const MOST_EVALUATIONS: usize = 50;
 
 /// y = x̃ + Dg(x̃)ᵀλ with g(y) = g(x), g = (H, C_1, …) and x̃ the base's next state.
 struct Projection {
-    base: Box<dyn Lockstep>,
+    base: Box<dyn Trajectories>,
     taken: [Taken; 1],
     invariants: SmoothMapEvaluator,
     /// g(x); g and Dg at a state; Dg(x̃) in units of its slopes, and these units.
@@ -65,7 +65,7 @@ struct Projection {
 }
 
 impl Projection {
-    fn new(base: Box<dyn Lockstep>, invariants: SmoothMapEvaluator) -> Self {
+    fn new(base: Box<dyn Trajectories>, invariants: SmoothMapEvaluator) -> Self {
         let (count, d) = (invariants.map().outputs(), invariants.map().inputs());
         Self {
             base,
@@ -129,8 +129,8 @@ impl Projection {
     }
 }
 
-impl OneStep for Projection {
-    fn increment(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError> {
+impl Projection {
+    fn advance(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError> {
         let d = x.len();
         self.taken[0] = Taken::NOTHING;
         // The base steps from the doubles x alone.
@@ -159,20 +159,27 @@ impl OneStep for Projection {
             self.evaluate(x, increment)?;
         }
     }
+}
+
+impl Trajectories for Projection {
+    fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
+        let step = self.advance(x, increment);
+        taken[0].take(step, false);
+    }
 
     fn operations(&self) -> Option<u64> {
         Some(self.base.operations()? + self.invariants.operations()? + self.linear)
     }
 
-    fn restart(&mut self) {
+    fn restart(&mut self, _: usize) {
         self.base.restart(0);
     }
 
-    fn memory(&self) -> Vec<f64> {
+    fn memory(&self, _: usize) -> Vec<f64> {
         self.base.memory(0)
     }
 
-    fn restore(&mut self, memory: &[f64]) {
+    fn restore(&mut self, _: usize, memory: &[f64]) {
         self.base.restore(0, memory);
     }
 }
@@ -205,8 +212,9 @@ fn build(
             None => format!("{} of {base}", INFO.name),
             Some(_) => format!("{} of {base} s = {stages}", INFO.name),
         },
-        make: Make::Apart(Box::new(move |parameters, time_step| {
-            let base: Box<dyn Lockstep> = match tableau.clone() {
+        together: 1,
+        make: Box::new(move |parameters, time_step, _| {
+            let base: Box<dyn Trajectories> = match tableau.clone() {
                 None => Box::new(Rk4::new(&field, parameters, time_step, 1)),
                 Some(tableau) => Box::new(ImplicitRungeKutta::new(
                     &field, tableau, parameters, time_step, 1,
@@ -214,7 +222,7 @@ fn build(
             };
             let invariants = invariants.evaluator(parameters, 1.0, 1.0);
             Box::new(Projection::new(base, invariants))
-        })),
+        }),
     }))
 }
 

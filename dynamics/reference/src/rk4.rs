@@ -5,11 +5,11 @@ use std::sync::Arc;
 use leafwise_core::part::{Compared, Family, PartInfo, PartKind, PartParameters, ServesNumbers};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
-use leafwise_core::solver::{Lockstep, Taken};
+use leafwise_core::solver::{Taken, Trajectories};
 use leafwise_core::{BuildError, Evaluator, MapProperties, PoissonSystem, StepMap, Structure};
 use nalgebra::DMatrix;
 
-use crate::one_step::{Make, ReferenceMap, row_major};
+use crate::reference_map::{ReferenceMap, row_major};
 
 static INFO: PartInfo = PartInfo {
     name: "rk4",
@@ -60,7 +60,7 @@ impl Rk4 {
     }
 }
 
-impl Lockstep for Rk4 {
+impl Trajectories for Rk4 {
     fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
         let (d, all) = (self.dimension(), x.len());
         for i in 0..4 {
@@ -145,9 +145,10 @@ fn build(
             self_adjoint: Some(false),
         },
         description: INFO.name.to_owned(),
-        make: Make::Together(Box::new(move |parameters, time_step, count| {
+        together: usize::MAX,
+        make: Box::new(move |parameters, time_step, count| {
             Box::new(Rk4::new(&field, parameters, time_step, count))
-        })),
+        }),
     }))
 }
 

@@ -7,7 +7,8 @@ use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
 use leafwise_core::solver::judge::{Allowed, Verdict, Watch, largest, reach};
 use leafwise_core::solver::{
-    CorrectionSize, DenseFactors, LinearIteration, elimination_operations, substitution_operations,
+    CorrectionSize, DenseFactors, LinearIteration, Taken, Trajectories, elimination_operations,
+    substitution_operations,
 };
 use leafwise_core::{
     BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure,
@@ -17,7 +18,7 @@ use leafwise_expression::{Arithmetic, Polynomial, Ring};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use crate::connected::{Connected, StepEquation};
-use crate::one_step::{Make, OneStep, ReferenceMap};
+use crate::reference_map::{ReferenceMap, row_major};
 
 static INFO: PartInfo = PartInfo {
     name: "spherical-midpoint",
@@ -202,8 +203,8 @@ fn norm(v: &Vector3<f64>) -> f64 {
     libm::sqrt(v.iter().map(|c| c * c).sum())
 }
 
-impl OneStep for SphericalMidpoint {
-    fn increment(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError> {
+impl SphericalMidpoint {
+    fn advance(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError> {
         self.start.copy_from_slice(x);
         self.watch.begin();
         let mut solved = self.solve();
@@ -218,16 +219,19 @@ impl OneStep for SphericalMidpoint {
         increment.copy_from_slice(&self.change);
         Ok(evaluations)
     }
+}
 
-    fn is_rounded(&self) -> bool {
-        self.is_rounded
+impl Trajectories for SphericalMidpoint {
+    fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
+        let step = self.advance(x, increment);
+        taken[0].take(step, self.is_rounded);
     }
 
     fn operations(&self) -> Option<u64> {
         Some(self.field.operations()? + self.linear)
     }
 
-    fn tangent(&mut self) -> Option<DMatrix<f64>> {
+    fn tangent(&mut self, _: usize) -> Option<Vec<f64>> {
         let d = self.start.len();
         self.evaluate_middle().ok()?;
         if !self.factor() {
@@ -242,19 +246,19 @@ impl OneStep for SphericalMidpoint {
                 tangent[(i, k)] += change;
             }
         }
-        Some(tangent)
+        Some(row_major(&tangent))
     }
 
-    fn restart(&mut self) {
+    fn restart(&mut self, _: usize) {
         self.change.fill(0.0);
         self.watch = Watch::NEW;
     }
 
-    fn memory(&self) -> Vec<f64> {
+    fn memory(&self, _: usize) -> Vec<f64> {
         [&[self.watch.memory()], self.change.as_slice()].concat()
     }
 
-    fn restore(&mut self, memory: &[f64]) {
+    fn restore(&mut self, _: usize, memory: &[f64]) {
         self.watch.restore(memory[0]);
         self.change.copy_from_slice(&memory[1..]);
     }
@@ -337,9 +341,10 @@ fn build(
             self_adjoint: Some(true),
         },
         description: INFO.name.to_owned(),
-        make: Make::Apart(Box::new(move |parameters, time_step| {
+        together: 1,
+        make: Box::new(move |parameters, time_step, _| {
             Box::new(SphericalMidpoint::new(&field, parameters, time_step))
-        })),
+        }),
     }))
 }
 

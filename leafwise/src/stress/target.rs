@@ -26,8 +26,8 @@ impl Target {
         let y: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
         let epsilon = graph.step_size(StepSize::Epsilon);
         let h = graph.step_size(StepSize::H);
-        let z = bisection.point(&mut graph, &epsilon, &h, &y)?;
-        let ends = realization.source_and_target(&mut graph, &epsilon, &z)?;
+        let z = bisection(&mut graph, &epsilon, &h, &y)?;
+        let ends = realization(&mut graph, &epsilon, &z)?;
         let target: Vec<Term> = (0..d)
             .map(|i| graph.add(&ends.base[i], &ends.offset[i]))
             .collect();

@@ -1,8 +1,8 @@
 //! The untruncated series of Karasev's α along p(h).
 
-use leafwise_core::realization::{SourceRecursion, SourceSeriesIn};
+use leafwise_core::realization::{SourceRecursion, SourceSeries};
 use leafwise_core::{BuildError, SystemFormulas};
-use leafwise_expression::DifferentialAlgebra;
+use leafwise_expression::{DifferentialAlgebra, Graph, Ring};
 
 use crate::curve::KarasevCurve;
 
@@ -19,19 +19,32 @@ impl KarasevSeries {
     }
 }
 
-impl<A: DifferentialAlgebra> SourceSeriesIn<A> for KarasevSeries {
-    fn start(&self, algebra: &mut A) -> Result<Box<dyn SourceRecursion<A>>, BuildError> {
-        let x: Vec<A::Element> = (0..self.system.dimension())
-            .map(|i| algebra.coordinate(i))
-            .collect();
-        Ok(Box::new(Recursion {
-            curve: KarasevCurve::new(&self.system, &x)?,
-        }))
+impl SourceSeries for KarasevSeries {
+    fn in_ring(&self, ring: &mut Ring) -> Result<Box<dyn SourceRecursion<Ring>>, BuildError> {
+        Ok(Box::new(Recursion::start(&self.system, ring)?))
+    }
+
+    fn in_graph(&self, graph: &mut Graph) -> Result<Box<dyn SourceRecursion<Graph>>, BuildError> {
+        Ok(Box::new(Recursion::start(&self.system, graph)?))
     }
 }
 
 struct Recursion<E> {
     curve: KarasevCurve<E>,
+}
+
+impl<E: Clone + std::fmt::Debug> Recursion<E> {
+    fn start<A: DifferentialAlgebra<Element = E>>(
+        system: &SystemFormulas,
+        algebra: &mut A,
+    ) -> Result<Self, BuildError> {
+        let x: Vec<E> = (0..system.dimension())
+            .map(|i| algebra.coordinate(i))
+            .collect();
+        Ok(Self {
+            curve: KarasevCurve::new(system, &x)?,
+        })
+    }
 }
 
 impl<A: DifferentialAlgebra> SourceRecursion<A> for Recursion<A::Element> {

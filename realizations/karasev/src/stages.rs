@@ -1,17 +1,17 @@
 //! K̂_ε as sweeps over a lattice: one stage an order.
 
 use leafwise_core::BuildError;
-use leafwise_core::lattice::{RealizationStages, StageBuilder, StageEnds};
+use leafwise_core::lattice::{StageBuilder, StageEnds};
 use leafwise_core::realization::RealizationData;
 use leafwise_expression::{Arithmetic, Rational, Term};
 
 use crate::curve::KarasevCurve;
 use crate::truncated::TruncatedKarasev;
 
-impl RealizationStages for TruncatedKarasev {
+impl TruncatedKarasev {
     /// Stage k computes Y_k from Y_0 … Y_{k−1} at neighbouring sites; the last one adds up
     /// α̂ − β̂ and β̂ − y at each site alone.
-    fn stages(
+    pub(crate) fn write_stages(
         &self,
         builder: &mut StageBuilder,
         epsilon: &Term,

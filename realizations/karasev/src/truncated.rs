@@ -2,13 +2,11 @@
 
 use std::sync::Arc;
 
-use leafwise_core::lattice::RealizationStages;
+use leafwise_core::lattice::StageCode;
 use leafwise_core::part::{
     Auto, ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters,
 };
-use leafwise_core::realization::{
-    Accuracy, RealizationCode, RealizationData, SourceSeries, SourceTarget,
-};
+use leafwise_core::realization::{Accuracy, MapCode, RealizationData, SourceSeries, SourceTarget};
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::{Arithmetic, Graph, Rational, Term};
@@ -123,12 +121,16 @@ impl RealizationData for TruncatedKarasev {
         format!("{} n = {}", INFO.name, self.order)
     }
 
-    fn code(&self) -> Option<&dyn RealizationCode> {
-        Some(self)
+    fn code(&self) -> Option<MapCode<'_>> {
+        Some(Box::new(|graph, epsilon, z| {
+            self.source_and_target(graph, epsilon, z)
+        }))
     }
 
-    fn stages(&self) -> Option<&dyn RealizationStages> {
-        Some(self)
+    fn stages(&self) -> Option<StageCode<'_>> {
+        Some(Box::new(|builder, epsilon, y, p| {
+            self.write_stages(builder, epsilon, y, p)
+        }))
     }
 
     fn series(&self) -> Option<&dyn SourceSeries> {
@@ -136,7 +138,7 @@ impl RealizationData for TruncatedKarasev {
     }
 }
 
-impl RealizationCode for TruncatedKarasev {
+impl TruncatedKarasev {
     fn source_and_target(
         &self,
         graph: &mut Graph,

@@ -1,7 +1,7 @@
 //! α and β as straight-line code.
 
 use leafwise_core::BuildError;
-use leafwise_core::realization::{RealizationCode, SourceTarget};
+use leafwise_core::realization::SourceTarget;
 use leafwise_expression::graph::lift;
 use leafwise_expression::{Arithmetic, Function, Graph, Polynomial, Rational, Term};
 
@@ -26,8 +26,12 @@ impl ClosedForm {
     }
 }
 
-impl RealizationCode for ClosedForm {
-    fn source_and_target(
+impl ClosedForm {
+    /// α and β at z = (x, p).
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where the structure constants have no code.
+    pub fn source_and_target(
         &self,
         graph: &mut Graph,
         epsilon: &Term,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use leafwise_core::part::{Auto, PartInfo, PartKind, PartParameters};
 use leafwise_core::realization::{
-    Accuracy, RealizationCode, RealizationData, RealizationWorker, SourceSeries,
+    Accuracy, MapCode, RealizationData, RealizationWorker, SourceSeries,
 };
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem};
@@ -87,9 +87,11 @@ impl RealizationData for LiePoisson {
         INFO.name.to_owned()
     }
 
-    fn code(&self) -> Option<&dyn RealizationCode> {
+    fn code(&self) -> Option<MapCode<'_>> {
         match &self.maps {
-            Maps::Code(form) => Some(form),
+            Maps::Code(form) => Some(Box::new(|graph, epsilon, z| {
+                form.source_and_target(graph, epsilon, z)
+            })),
             Maps::Numbers(_) => None,
         }
     }

@@ -2,9 +2,7 @@
 
 use leafwise_core::lattice::StageEnds;
 use leafwise_core::part::{Auto, PartInfo, PartKind};
-use leafwise_core::realization::{
-    Accuracy, RealizationCode, RealizationData, SourceSeries, SourceTarget,
-};
+use leafwise_core::realization::{Accuracy, MapCode, RealizationData, SourceSeries, SourceTarget};
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::{Arithmetic, Function, Graph, Rational, Term};
@@ -66,8 +64,10 @@ impl RealizationData for So3Exponential {
         INFO.name.to_owned()
     }
 
-    fn code(&self) -> Option<&dyn RealizationCode> {
-        Some(self)
+    fn code(&self) -> Option<MapCode<'_>> {
+        Some(Box::new(|graph, epsilon, z| {
+            self.source_and_target(graph, epsilon, z)
+        }))
     }
 
     fn series(&self) -> Option<&dyn SourceSeries> {
@@ -75,7 +75,7 @@ impl RealizationData for So3Exponential {
     }
 }
 
-impl RealizationCode for So3Exponential {
+impl So3Exponential {
     fn source_and_target(
         &self,
         graph: &mut Graph,

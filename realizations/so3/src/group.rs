@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters};
 use leafwise_core::realization::{
-    Accuracy, LagrangianChart, RealizationCode, RealizationData, SourceSeries, SourceTarget,
+    Accuracy, ChartCode, MapCode, RealizationData, SourceSeries, SourceTarget,
 };
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem};
@@ -91,12 +91,16 @@ impl RealizationData for So3Group {
         z[4..].copy_from_slice(x);
     }
 
-    fn code(&self) -> Option<&dyn RealizationCode> {
-        Some(self)
+    fn code(&self) -> Option<MapCode<'_>> {
+        Some(Box::new(|graph, epsilon, z| {
+            self.source_and_target(graph, epsilon, z)
+        }))
     }
 
-    fn chart(&self) -> Option<&dyn LagrangianChart> {
-        Some(self)
+    fn chart(&self) -> Option<ChartCode<'_>> {
+        Some(Box::new(|graph, epsilon, x, p| {
+            self.point(graph, epsilon, x, p)
+        }))
     }
 
     fn series(&self) -> Option<&dyn SourceSeries> {
@@ -104,7 +108,7 @@ impl RealizationData for So3Group {
     }
 }
 
-impl RealizationCode for So3Group {
+impl So3Group {
     fn source_and_target(
         &self,
         graph: &mut Graph,
@@ -142,7 +146,7 @@ impl RealizationCode for So3Group {
     }
 }
 
-impl LagrangianChart for So3Group {
+impl So3Group {
     fn point(
         &self,
         graph: &mut Graph,

@@ -11,7 +11,7 @@ use evaluation::Evaluation;
 use solve::{Means, Progress, Solve};
 
 use super::judge::{Watch, all_finite};
-use super::{Branch, Lockstep, Taken};
+use super::{Branch, Taken, Trajectories};
 use crate::dynamics::Correction;
 use crate::error::StepError;
 use crate::evaluator::Evaluator;
@@ -194,7 +194,7 @@ impl Workers {
     }
 }
 
-impl Lockstep for Workers {
+impl Trajectories for Workers {
     fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
         self.active.clear();
         self.active.extend(0..self.trajectories.len());

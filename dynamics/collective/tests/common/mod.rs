@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use leafwise_collective::{Collective, SymplecticIntegrator};
 use leafwise_core::{
-    Accuracy, BuildError, Convention, Correction, Integrator, LagrangianChart, Method,
-    PoissonSystem, RealizationCode, RealizationData, SourceTarget, StepMap, Stepper,
+    Accuracy, BuildError, ChartCode, Convention, Correction, Integrator, MapCode, Method,
+    PoissonSystem, RealizationData, SourceTarget, StepMap, Stepper,
 };
 use leafwise_expression::syntax::{Formula, Scope};
 use leafwise_expression::{Arithmetic, Expression, Graph, Rational, Term};
@@ -102,12 +102,14 @@ impl RealizationData for Cayley {
     fn describe(&self) -> String {
         "so(3)* in the Cayley chart".to_owned()
     }
-    fn code(&self) -> Option<&dyn RealizationCode> {
-        Some(self)
+    fn code(&self) -> Option<MapCode<'_>> {
+        Some(Box::new(|graph, epsilon, z| {
+            self.source_and_target(graph, epsilon, z)
+        }))
     }
 }
 
-impl RealizationCode for Cayley {
+impl Cayley {
     fn source_and_target(
         &self,
         graph: &mut Graph,
@@ -158,15 +160,19 @@ impl RealizationData for Rotations {
         z[..4].copy_from_slice(&[1.0, 0.0, 0.0, 0.0]);
         z[4..].copy_from_slice(x);
     }
-    fn code(&self) -> Option<&dyn RealizationCode> {
-        Some(self)
+    fn code(&self) -> Option<MapCode<'_>> {
+        Some(Box::new(|graph, epsilon, z| {
+            self.source_and_target(graph, epsilon, z)
+        }))
     }
-    fn chart(&self) -> Option<&dyn LagrangianChart> {
-        Some(self)
+    fn chart(&self) -> Option<ChartCode<'_>> {
+        Some(Box::new(|graph, epsilon, x, p| {
+            self.point(graph, epsilon, x, p)
+        }))
     }
 }
 
-impl RealizationCode for Rotations {
+impl Rotations {
     fn source_and_target(
         &self,
         graph: &mut Graph,
@@ -192,7 +198,7 @@ impl RealizationCode for Rotations {
     }
 }
 
-impl LagrangianChart for Rotations {
+impl Rotations {
     fn point(
         &self,
         graph: &mut Graph,

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use leafwise_core::solver::judge::{Verdict, Watch, all_finite, is_between};
 use leafwise_core::solver::{
-    Branch, CorrectionSize, Extrapolation, Lanes, LinearIteration, Trajectory,
+    Branch, CorrectionSize, Extrapolation, Lanes, LinearIteration, Taken, Trajectories,
 };
 use leafwise_core::{
     BuildError, CodeOneForm, Ends, Evaluator, LagrangianBisection, MapProperties, PoissonSystem,
@@ -46,7 +46,7 @@ impl OneForm {
         let (d, parameters) = (system.dimension(), system.parameters().len());
         if let (Some(_), Some(code)) = (bisection.generating_function(), bisection.code()) {
             let form = CodeOneForm::compile(d, parameters, |graph, epsilon, h, y| {
-                Ok(code.point(graph, epsilon, h, y)?.split_off(d))
+                Ok(code(graph, epsilon, h, y)?.split_off(d))
             });
             return Some(form.map(Self::Code));
         }
@@ -350,8 +350,8 @@ impl FusedTrajectory {
     }
 }
 
-impl Trajectory for FusedTrajectory {
-    fn step(
+impl FusedTrajectory {
+    fn advance(
         &mut self,
         x: &[f64],
         low: &[f64],
@@ -382,16 +382,20 @@ impl Trajectory for FusedTrajectory {
             .record(self.displacement.as_chunks_mut().0, &[true]);
         Ok(())
     }
+}
 
-    fn is_rounded(&self) -> bool {
-        self.is_rounded
+impl Trajectories for FusedTrajectory {
+    fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
+        let taken = &mut taken[0];
+        taken.outcome = self.advance(x, low, increment, &mut taken.evaluations);
+        taken.is_rounded = self.is_rounded;
     }
 
-    fn solution(&self) -> Option<&[f64]> {
+    fn solution(&self, _: usize) -> Option<&[f64]> {
         Some(&self.centre)
     }
 
-    fn tangent(&mut self) -> Option<Vec<f64>> {
+    fn tangent(&mut self, _: usize) -> Option<Vec<f64>> {
         let d = self.centre.len();
         // A curve of its own, so that measuring does not disturb stepping.
         let mut curve = self.collocation.curve(&self.parameters);
@@ -417,18 +421,18 @@ impl Trajectory for FusedTrajectory {
         Some(self.curve.operations()? + self.form.operations()? + self.linear)
     }
 
-    fn restart(&mut self) {
+    fn restart(&mut self, _: usize) {
         self.extrapolation.clear(0);
         self.watch = Watch::NEW;
     }
 
-    fn memory(&self) -> Vec<f64> {
+    fn memory(&self, _: usize) -> Vec<f64> {
         let mut memory = vec![self.curve.rule.points() as f64, self.watch.memory()];
         self.extrapolation.memory(0, &mut memory);
         memory
     }
 
-    fn restore(&mut self, memory: &[f64]) {
+    fn restore(&mut self, _: usize, memory: &[f64]) {
         self.curve.set_points(memory[0].max(1.0) as usize);
         self.watch.restore(memory[1]);
         self.extrapolation.restore(0, &memory[2..]);

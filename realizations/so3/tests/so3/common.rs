@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::part::PartParameters;
-use leafwise_core::realization::{
-    Accuracy, RealizationCode, RealizationData, SourceSeries, SourceTarget,
-};
+use leafwise_core::realization::{Accuracy, MapCode, RealizationData, SourceSeries, SourceTarget};
 use leafwise_core::system::Parameter;
 use leafwise_core::{BuildError, Convention, PoissonSystem, Registry};
 use leafwise_expression::{Expression, Graph, Kernel, Rational, StepSize, Term};
@@ -115,15 +113,17 @@ impl RealizationData for ThroughChart {
     fn describe(&self) -> String {
         format!("{} through its chart", self.maps.describe())
     }
-    fn code(&self) -> Option<&dyn RealizationCode> {
-        Some(self)
+    fn code(&self) -> Option<MapCode<'_>> {
+        Some(Box::new(|graph, epsilon, z| {
+            self.source_and_target(graph, epsilon, z)
+        }))
     }
     fn series(&self) -> Option<&dyn SourceSeries> {
         self.series.series()
     }
 }
 
-impl RealizationCode for ThroughChart {
+impl ThroughChart {
     fn source_and_target(
         &self,
         graph: &mut Graph,
@@ -132,11 +132,11 @@ impl RealizationCode for ThroughChart {
     ) -> Result<SourceTarget, BuildError> {
         let code = self.maps.code().expect("code");
         match self.maps.chart() {
-            None => code.source_and_target(graph, epsilon, z),
+            None => code(graph, epsilon, z),
             Some(chart) => {
                 let (x, p) = z.split_at(3);
-                let point = chart.point(graph, epsilon, x, p)?;
-                code.source_and_target(graph, epsilon, &point)
+                let point = chart(graph, epsilon, x, p)?;
+                code(graph, epsilon, &point)
             }
         }
     }
@@ -156,9 +156,7 @@ pub fn parts_at(realization: &dyn RealizationData, epsilon: f64, z: &[f64]) -> [
     let inputs: Vec<Term> = (0..z.len()).map(|i| graph.input(i)).collect();
     let size = graph.step_size(StepSize::Epsilon);
     let code = realization.code().expect("code");
-    let ends = code
-        .source_and_target(&mut graph, &size, &inputs)
-        .expect("code");
+    let ends = code(&mut graph, &size, &inputs).expect("code");
     let outputs = [ends.base, ends.offset, ends.increment].concat();
     let kernel = Kernel::compile(&graph, &outputs, 1, z.len());
     let mut workspace = kernel.workspace(1);
