@@ -7,6 +7,7 @@ use leafwise_expression::{Arithmetic, Graph, Kernel, StepSize, Term, Workspace};
 use crate::bisection::PointCode;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::{Evaluator, is_same, one_by_one};
+use crate::point_kernel::PointKernel;
 use crate::realization::{MapCode, RealizationData, RealizationWorker};
 use crate::solver::judge::{inside_chart, larger};
 
@@ -150,8 +151,8 @@ impl CodeRealization {
     pub(crate) fn worker(&self, parameters: &[f64], epsilon: f64) -> Box<dyn RealizationWorker> {
         Box::new(CodeRealizationWorker {
             ends: prepared(&self.ends, parameters, epsilon, 1.0),
-            tangents: prepared(&self.tangents, parameters, epsilon, 1.0),
-            work: [&self.ends, &self.tangents].map(|kernel| kernel.step_operations().work()),
+            tangents: PointKernel::new(&self.tangents, parameters, epsilon, 1.0),
+            work: self.ends.step_operations().work(),
             operations: 0,
             code: self.clone(),
         })
@@ -173,9 +174,9 @@ fn write_input(workspace: &mut Workspace, values: &[f64]) {
 struct CodeRealizationWorker {
     code: CodeRealization,
     ends: Workspace,
-    tangents: Workspace,
-    /// Operations of one evaluation of each kernel, and of all so far.
-    work: [u64; 2],
+    tangents: PointKernel,
+    /// Operations of one evaluation of the ends, and of all so far.
+    work: u64,
     operations: u64,
 }
 
@@ -185,7 +186,7 @@ impl Evaluator for CodeRealizationWorker {
             write_input(&mut self.ends, z);
             let kernel = &self.code.ends;
             kernel.evaluate_in_place(&mut self.ends);
-            self.operations += self.work[0];
+            self.operations += self.work;
             for (index, end) in ends.iter_mut().enumerate() {
                 *end = kernel.output(&self.ends, index)[0];
             }
@@ -200,16 +201,8 @@ impl Evaluator for CodeRealizationWorker {
     }
 
     fn jacobians(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
-        let kernel = &self.code.tangents;
-        one_by_one(kernel.inputs(), z, tangents, |z, tangents| {
-            write_input(&mut self.tangents, z);
-            kernel.evaluate_in_place(&mut self.tangents);
-            self.operations += self.work[1];
-            for (index, value) in tangents.iter_mut().enumerate() {
-                *value = kernel.output(&self.tangents, index)[0];
-            }
-            Ok(())
-        })
+        self.tangents.evaluate(z, tangents);
+        Ok(())
     }
 
     fn has_jacobian(&self) -> bool {
@@ -217,7 +210,7 @@ impl Evaluator for CodeRealizationWorker {
     }
 
     fn operations(&self) -> Option<u64> {
-        Some(self.operations)
+        Some(self.operations + self.tangents.operations())
     }
 }
 

@@ -41,6 +41,7 @@ pub mod origin;
 pub mod part;
 pub mod part_description;
 mod parts;
+mod point_kernel;
 pub mod quadrature;
 pub mod realization;
 pub mod registry;

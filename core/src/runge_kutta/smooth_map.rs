@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::{Graph, Kernel, Term, Workspace};
+use leafwise_expression::{Graph, Kernel, Term};
 
 use super::batch::batch;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
+use crate::point_kernel::PointKernel;
 use crate::solver::check_variables;
 
 /// A map z ↦ F(z), and z ↦ DF(z) where that is offered.
@@ -138,20 +139,11 @@ impl SmoothMap {
 
     /// An evaluator for fixed parameters, ε and h.
     pub fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> SmoothMapEvaluator {
-        let prepared = |kernel: &Arc<Kernel>| {
-            let mut workspace = kernel.workspace(1);
-            kernel.prepare(&mut workspace, parameters, &[epsilon], &[h]);
-            Prepared {
-                work: kernel.step_operations().work(),
-                kernel: Arc::clone(kernel),
-                workspace,
-            }
-        };
+        let prepared = |kernel: &Arc<Kernel>| PointKernel::new(kernel, parameters, epsilon, h);
         let worker = match &self.source {
             Source::Kernels { value, jacobian } => Box::new(KernelWorker {
                 value: prepared(value),
                 jacobian: jacobian.as_ref().map(prepared),
-                operations: 0,
             }),
             Source::Numbers(make) => make(parameters, epsilon, h),
         };
@@ -162,49 +154,22 @@ impl SmoothMap {
     }
 }
 
-struct Prepared {
-    kernel: Arc<Kernel>,
-    workspace: Workspace,
-    /// Operations of one evaluation.
-    work: u64,
-}
-
 struct KernelWorker {
-    value: Prepared,
-    jacobian: Option<Prepared>,
-    operations: u64,
-}
-
-impl Prepared {
-    /// Evaluates at one point or several; returns the operations.
-    #[inline]
-    fn evaluate_all(&mut self, z: &[f64], out: &mut [f64]) -> u64 {
-        let inputs = self.kernel.inputs();
-        if z.len() == inputs {
-            self.kernel.evaluate(&mut self.workspace, z, out);
-            return self.work;
-        }
-        let count = z.len() / inputs;
-        assert_eq!(z.len(), count * inputs, "whole points");
-        let points = z.chunks_exact(inputs);
-        for (z, out) in points.zip(out.chunks_exact_mut(self.kernel.outputs())) {
-            self.kernel.evaluate(&mut self.workspace, z, out);
-        }
-        count as u64 * self.work
-    }
+    value: PointKernel,
+    jacobian: Option<PointKernel>,
 }
 
 impl Evaluator for KernelWorker {
     #[inline]
     fn values(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.operations += self.value.evaluate_all(z, out);
+        self.value.evaluate(z, out);
         Ok(())
     }
 
     #[inline]
     fn jacobians(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         let kernel = self.jacobian.as_mut().ok_or(StepError::NoTangent)?;
-        self.operations += kernel.evaluate_all(z, out);
+        kernel.evaluate(z, out);
         Ok(())
     }
 
@@ -213,7 +178,8 @@ impl Evaluator for KernelWorker {
     }
 
     fn operations(&self) -> Option<u64> {
-        Some(self.operations)
+        let jacobian = self.jacobian.as_ref().map_or(0, PointKernel::operations);
+        Some(self.value.operations() + jacobian)
     }
 }
 

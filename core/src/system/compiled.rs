@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::{Arithmetic, Graph, Kernel, Term, Workspace};
+use leafwise_expression::{Arithmetic, Graph, Kernel, Term};
 
 use super::formulas::SystemFormulas;
 use super::numbers::{Derivatives, NumbersWorker, SystemNumbers, vector};
 use crate::error::{BuildError, StepError};
+use crate::point_kernel::PointKernel;
 use crate::solver::check_variables;
 
 /// Kernels of Π(y)v, H, ∇H, the Casimirs and their derivatives.
@@ -101,97 +102,26 @@ impl SystemNumbers for CompiledNumbers {
     }
 
     fn worker(&self, parameters: &[f64]) -> Box<dyn NumbersWorker> {
-        let workspaces = self.kernels.each_ref().map(|kernel| {
-            let mut workspace = kernel.workspace(1);
-            kernel.prepare(&mut workspace, parameters, &[1.0], &[1.0]);
-            workspace
-        });
+        let kernel = |kernel: &Arc<Kernel>| PointKernel::new(kernel, parameters, 1.0, 1.0);
         Box::new(CompiledWorker {
-            kernels: self.kernels.clone(),
-            workspaces,
-            wide: Default::default(),
-            parameters: parameters.to_vec(),
+            kernels: self.kernels.each_ref().map(kernel),
             dimension: self.dimension,
-            operations: 0,
         })
     }
 }
 
-/// Points of a batch that are evaluated together.
-const LANES: usize = 16;
-
 struct CompiledWorker {
-    kernels: [Arc<Kernel>; KERNELS],
-    workspaces: [Workspace; KERNELS],
-    /// Those of as many lanes, made when a batch is that long.
-    wide: [Option<Workspace>; KERNELS],
-    parameters: Vec<f64>,
+    kernels: [PointKernel; KERNELS],
     dimension: usize,
-    operations: u64,
 }
 
 impl CompiledWorker {
     /// One kernel at every point of a batch.
     fn evaluate(&mut self, which: usize, inputs: &[&[f64]], out: &mut [f64]) {
-        let results = self.kernels[which].outputs();
-        if results == 0 {
-            return;
-        }
-        let mut first = 0;
-        for out in out.chunks_mut(LANES * results) {
-            if out.len() == LANES * results {
-                self.together(which, inputs, first, out);
-            } else {
-                self.alone(which, inputs, first, out);
-            }
-            first += LANES;
-        }
-    }
-
-    /// Points from `first` on, one by one.
-    fn alone(&mut self, which: usize, inputs: &[&[f64]], first: usize, out: &mut [f64]) {
-        let (kernel, workspace) = (&self.kernels[which], &mut self.workspaces[which]);
         let d = self.dimension;
-        for (at, out) in out.chunks_exact_mut(kernel.outputs()).enumerate() {
-            let values = inputs
-                .iter()
-                .flat_map(|values| vector(values, d, first + at));
-            for (i, value) in values.enumerate() {
-                workspace.input_mut(i)[0] = *value;
-            }
-            kernel.evaluate_in_place(workspace);
-            self.operations += kernel.step_operations().work();
-            for (i, out) in out.iter_mut().enumerate() {
-                *out = kernel.output(workspace, i)[0];
-            }
-        }
-    }
-
-    /// [`LANES`] points from `first` on, side by side.
-    fn together(&mut self, which: usize, inputs: &[&[f64]], first: usize, out: &mut [f64]) {
-        let (kernel, d) = (&self.kernels[which], self.dimension);
-        let workspace = self.wide[which].get_or_insert_with(|| {
-            let mut workspace = kernel.workspace(LANES);
-            let own = |value: &f64| std::iter::repeat_n(*value, LANES);
-            let parameters: Vec<f64> = self.parameters.iter().flat_map(own).collect();
-            let one = [1.0; LANES];
-            kernel.prepare(&mut workspace, &parameters, &one, &one);
-            workspace
-        });
-        for (which, values) in inputs.iter().enumerate() {
-            for at in 0..LANES {
-                for (j, value) in vector(values, d, first + at).iter().enumerate() {
-                    workspace.input_mut(which * d + j)[at] = *value;
-                }
-            }
-        }
-        kernel.evaluate_in_place(workspace);
-        self.operations += LANES as u64 * kernel.step_operations().work();
-        let results = kernel.outputs();
-        for i in 0..results {
-            for (at, value) in kernel.output(workspace, i).iter().enumerate() {
-                out[at * results + i] = *value;
-            }
+        let point = |at| inputs.iter().flat_map(move |values| vector(values, d, at));
+        if !out.is_empty() {
+            self.kernels[which].evaluate_each(|at| point(at).copied(), out);
         }
     }
 }
@@ -234,7 +164,7 @@ impl NumbersWorker for CompiledWorker {
     }
 
     fn operations(&self) -> Option<u64> {
-        Some(self.operations)
+        Some(self.kernels.iter().map(PointKernel::operations).sum())
     }
 
     fn casimir_gradients(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
