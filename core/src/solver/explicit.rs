@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use leafwise_expression::{Graph, Kernel, OperationCount, Term, Workspace};
 
-use super::{SolverStatistics, Stepper};
+use super::{MapProperties, SolverStatistics, StepMap, Stepper};
 use crate::error::{BuildError, StepError};
 
 /// x ↦ x + f_{ε,h}(x), f given by code.
@@ -90,6 +90,47 @@ impl ExplicitMap {
             evaluations: self.evaluations,
             statistics: SolverStatistics::default(),
         })
+    }
+}
+
+/// An explicit map as a [`StepMap`].
+#[derive(Clone, Debug)]
+pub struct CodeStepMap {
+    description: String,
+    properties: MapProperties,
+    map: ExplicitMap,
+}
+
+impl CodeStepMap {
+    /// The map with what it promises.
+    pub fn new(description: String, properties: MapProperties, map: ExplicitMap) -> Self {
+        Self {
+            description,
+            properties,
+            map,
+        }
+    }
+}
+
+impl StepMap for CodeStepMap {
+    fn dimension(&self) -> usize {
+        self.map.dimension()
+    }
+
+    fn properties(&self) -> MapProperties {
+        self.properties
+    }
+
+    fn describe(&self) -> String {
+        self.description.clone()
+    }
+
+    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+        vec![("step", self.map.kernel())]
+    }
+
+    fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
+        self.map.stepper(lanes, parameters, epsilon, h)
     }
 }
 

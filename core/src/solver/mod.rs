@@ -21,7 +21,7 @@ pub use anderson::Anderson;
 pub use branch::Branch;
 pub(crate) use checked::{Checked, MakeCheck, StepCheck};
 pub(crate) use crossing::{Crossing, looks};
-pub use explicit::ExplicitMap;
+pub use explicit::{CodeStepMap, ExplicitMap};
 pub use extrapolation::Extrapolation;
 pub use judge::{CorrectionSize, LinearIteration};
 pub use lanes::{Lanes, Taken, Trajectories};

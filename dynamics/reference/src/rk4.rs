@@ -1,12 +1,16 @@
-//! The classical Runge–Kutta method of order 4: the part `rk4`.
+//! The classical Runge–Kutta method of order 4: the part `rk4`. Over formulas a step is one kernel, of any number of
+//! trajectories; over numbers, and over formulas whose step is too long a kernel, a call for each stage.
 
 use std::sync::Arc;
 
 use leafwise_core::part::{Compared, Family, PartInfo, PartKind, PartParameters, ServesNumbers};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
-use leafwise_core::solver::{Taken, Trajectories};
-use leafwise_core::{BuildError, Evaluator, MapProperties, PoissonSystem, StepMap, Structure};
+use leafwise_core::solver::{CodeStepMap, ExplicitMap, Taken, Trajectories};
+use leafwise_core::{
+    BuildError, Evaluator, MapProperties, PoissonSystem, StepMap, Structure, SystemFormulas,
+};
+use leafwise_expression::{Arithmetic, Graph, Rational, StepSize, Term};
 use nalgebra::DMatrix;
 
 use crate::reference_map::{ReferenceMap, row_major};
@@ -27,7 +31,10 @@ static INFO: PartInfo = PartInfo {
 /// Beyond this dimension no tangent is offered: its matrix takes longer to compile than a run.
 const LARGEST_TANGENT: usize = 256;
 
-/// RK4 for several trajectories.
+/// Operations of a step that is one kernel, times d: what compiling its tangent takes.
+const LONGEST: usize = 1 << 18;
+
+/// RK4 by calls, for several trajectories.
 pub(crate) struct Rk4 {
     field: SmoothMapEvaluator,
     time_step: f64,
@@ -127,11 +134,67 @@ impl Trajectories for Rk4 {
     }
 }
 
+/// x ↦ t/6 (k₁ + 2k₂ + 2k₃ + k₄) with t = εh; `None` where that is too long.
+fn code(system: &SystemFormulas) -> Result<Option<ExplicitMap>, BuildError> {
+    let d = system.dimension();
+    let mut field = Graph::limited(LONGEST / d);
+    let inputs: Vec<Term> = (0..d).map(|i| field.input(i)).collect();
+    let slopes = system.vector_field(&mut field, &inputs)?;
+    if field.refusal().is_some() {
+        return Ok(None);
+    }
+    let mut graph = Graph::limited(LONGEST / d);
+    let x: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
+    let sizes = [StepSize::Epsilon, StepSize::H].map(|size| graph.step_size(size));
+    let step = graph.multiply(&sizes[0], &sizes[1]);
+    let mut stages: Vec<Vec<Term>> = Vec::new();
+    for node in [(0, 1), (1, 2), (1, 2), (1, 1)] {
+        let size = graph.scale(&Rational::new(node.0, node.1), &step);
+        let stage: Vec<Term> = match stages.last() {
+            None => x.clone(),
+            Some(slopes) => (x.iter().zip(slopes))
+                .map(|(x, slope)| {
+                    let change = graph.multiply(&size, slope);
+                    graph.add(x, &change)
+                })
+                .collect(),
+        };
+        stages.push(graph.import(&field, &slopes, &stage)?);
+    }
+    let sixth = graph.scale(&Rational::new(1, 6), &step);
+    let weights = [1, 2, 2, 1].map(Rational::from_integer);
+    let increment = (0..d).map(|i| {
+        let slopes = weights.iter().zip(&stages);
+        let slopes: Vec<_> = slopes.map(|(b, k)| (b.clone(), k[i].clone())).collect();
+        let sum = graph.combine(&slopes);
+        graph.multiply(&sixth, &sum)
+    });
+    let increment: Vec<Term> = increment.collect();
+    if graph.refusal().is_some() {
+        return Ok(None);
+    }
+    let parameters = system.parameters().len();
+    Ok(Some(ExplicitMap::compile(graph, increment, parameters)))
+}
+
+const PROPERTIES: MapProperties = MapProperties {
+    order: 4,
+    structure: Structure::None,
+    self_adjoint: Some(false),
+};
+
 fn build(
     system: &PoissonSystem,
     parameters: &PartParameters,
 ) -> Result<Arc<dyn StepMap>, BuildError> {
     parameters.refuse_unknown(&INFO)?;
+    if let Some(formulas) = system.expressions()
+        && formulas.dimension() <= LARGEST_TANGENT
+        && let Some(code) = code(formulas)?
+    {
+        let description = INFO.name.to_owned();
+        return Ok(Arc::new(CodeStepMap::new(description, PROPERTIES, code)));
+    }
     let field = if system.dimension() <= LARGEST_TANGENT {
         system.field_map()?
     } else {
@@ -139,11 +202,7 @@ fn build(
     };
     Ok(Arc::new(ReferenceMap {
         dimension: system.dimension(),
-        properties: MapProperties {
-            order: 4,
-            structure: Structure::None,
-            self_adjoint: Some(false),
-        },
+        properties: PROPERTIES,
         description: INFO.name.to_owned(),
         together: usize::MAX,
         make: Box::new(move |parameters, time_step, count| {

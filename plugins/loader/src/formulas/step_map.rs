@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use leafwise_core::part::PartInfo;
-use leafwise_core::solver::ExplicitMap;
-use leafwise_core::{BuildError, MapProperties, PartParameters, PoissonSystem, StepMap, Stepper};
-use leafwise_expression::{AlgebraError, Expression, Graph, Kernel, StepSize, Term};
+use leafwise_core::solver::{CodeStepMap, ExplicitMap};
+use leafwise_core::{BuildError, MapProperties, PartParameters, PoissonSystem, StepMap};
+use leafwise_expression::{AlgebraError, Expression, Graph, StepSize, Term};
 
 use super::keys::{names, numbered, only, parse, refused, scope, values};
 use crate::declaration::{Dimensions, PartDeclaration};
@@ -86,38 +86,12 @@ impl FormulaStepMapPart {
             })
             .collect::<Result<Vec<Term>, AlgebraError>>()?;
         let parameters = system.parameters().len();
-        Ok(Arc::new(FormulaStepMap {
-            name: self.info.name,
-            properties: self.properties,
-            map: ExplicitMap::compile(graph, increment, parameters),
-        }))
-    }
-}
-
-struct FormulaStepMap {
-    name: &'static str,
-    properties: MapProperties,
-    map: ExplicitMap,
-}
-
-impl StepMap for FormulaStepMap {
-    fn dimension(&self) -> usize {
-        self.map.dimension()
-    }
-
-    fn properties(&self) -> MapProperties {
-        self.properties
-    }
-
-    fn describe(&self) -> String {
-        self.name.to_owned()
-    }
-
-    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
-        vec![("step", self.map.kernel())]
-    }
-
-    fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
-        self.map.stepper(lanes, parameters, epsilon, h)
+        let map = ExplicitMap::compile(graph, increment, parameters);
+        let description = self.info.name.to_owned();
+        Ok(Arc::new(CodeStepMap::new(
+            description,
+            self.properties,
+            map,
+        )))
     }
 }
