@@ -9,9 +9,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use leafwise::core::{Registry, SideBySide};
+use leafwise::run::{Quiet, RunOptions};
+use leafwise::run::{
+    ensemble::ComposedEnsemble, ensemble::Workforce, ensemble::compose_ensemble,
+    ensemble::run_ensemble,
+};
 use leafwise::scene::SceneDocument;
-use leafwise::scene::ensemble::{ComposedEnsemble, Workforce, compose_ensemble, run_ensemble};
-use leafwise::scene::run::{Quiet, RunOptions};
 use leafwise_benches::rotations::{Composition, rigid_bodies};
 
 /// The time of every run.

@@ -4,7 +4,7 @@
 use leafwise::core::Structure;
 use leafwise::core::diagnostics::StepEquation;
 use leafwise::prelude::*;
-use leafwise::scene::advice::{Advice, AdviceKind, advise, states_ahead};
+use leafwise::run::{advice::Advice, advice::AdviceKind, advice::advise, advice::states_ahead};
 
 /// A system of the library from a state, with a method.
 fn scene(library: &str, initial: &str, method: &str) -> String {

@@ -7,8 +7,9 @@ use leafwise::core::Registry;
 use leafwise::expression::{
     AnalyticFunction, Arithmetic, Execution, Function, Graph, Kernel, Rational, Term,
 };
-use leafwise::scene::run::{Quiet, run};
-use leafwise::scene::{RunOptions, SceneDocument, compose};
+use leafwise::run::RunOptions;
+use leafwise::run::{Quiet, run};
+use leafwise::scene::{SceneDocument, compose};
 use proptest::prelude::*;
 
 const INPUTS: usize = 5;

@@ -9,27 +9,33 @@ use crate::sources::{code, sources};
 
 /// Sources that serve every part alike. The figures of the paper (`reproduce`) and the cases of `stress`
 /// choose their methods as scenes do.
-const ROOMS: [&str; 9] = [
+const ROOMS: [&str; 12] = [
     "expression/src",
     "core/src",
     "systems/src",
-    "scene/src",
+    "program/scene/src",
+    "program/report/src",
+    "program/run/src",
+    "program/studies/src",
+    "program/cli/src",
     "leafwise/src",
-    "cli/src",
     "plugins/abi/src",
     "plugins/sdk/src",
     "plugins/loader/src",
 ];
-const CASES: [&str; 2] = ["leafwise/src/reproduce", "leafwise/src/stress"];
+const CASES: [&str; 2] = [
+    "program/studies/src/reproduce",
+    "program/studies/src/stress",
+];
 
 /// Words that are names of parts too, and examples in messages.
 const OTHER_MEANINGS: [(&str, &str); 7] = [
-    ("scene/src/compose/shape.rs", "constant"),
-    ("scene/src/document/bracket.rs", "log-canonical"),
-    ("scene/src/document/system.rs", "log-canonical"),
-    ("scene/src/document/method.rs", "karasev-truncated"),
-    ("scene/src/document/method.rs", "hamilton-jacobi"),
-    ("scene/src/document/method.rs", "implicit-midpoint"),
+    ("program/scene/src/compose/shape.rs", "constant"),
+    ("program/scene/src/document/bracket.rs", "log-canonical"),
+    ("program/scene/src/document/system.rs", "log-canonical"),
+    ("program/scene/src/document/method.rs", "karasev-truncated"),
+    ("program/scene/src/document/method.rs", "hamilton-jacobi"),
+    ("program/scene/src/document/method.rs", "implicit-midpoint"),
     ("plugins/loader/src/smoke/problems.rs", "log-canonical"),
 ];
 

@@ -5,7 +5,8 @@
 //! - [`karasev`], [`hamilton_jacobi`]: the built-in parts.
 //! - [`systems`]: the problem library.
 //! - [`plugins`]: parts of third parties from shared libraries.
-//! - [`scene`]: scene files, composed, run and reported.
+//! - [`scene`]: scene files, composed.
+//! - [`run`]: runs and ensembles, into directories; [`report`]: their pages.
 //! - [`conformance`]: is one part, built-in or of a plugin, what it declares?
 //! - [`verify`]: what every part really does, measured against what it declares.
 //! - [`trade`]: cost against accuracy, measured on a scene.
@@ -13,12 +14,7 @@
 //! - [`stress`]: the extremes, each with its expected outcome.
 //! - [`prelude`]: what most programs need.
 
-pub mod conformance;
 pub mod prelude;
-pub mod reproduce;
-pub mod stress;
-pub mod trade;
-pub mod verify;
 
 pub use leafwise_collective as collective;
 pub use leafwise_composition as composition;
@@ -32,9 +28,12 @@ pub use leafwise_lie_poisson as lie_poisson;
 pub use leafwise_log_canonical as log_canonical;
 pub use leafwise_plugin_loader as plugins;
 pub use leafwise_reference as reference;
+pub use leafwise_report as report;
+pub use leafwise_run as run;
 pub use leafwise_scene as scene;
 pub use leafwise_so3 as so3;
 pub use leafwise_splitting as splitting;
+pub use leafwise_studies::{conformance, reproduce, stress, trade, verify};
 pub use leafwise_systems as systems;
 
 #[cfg(doctest)]

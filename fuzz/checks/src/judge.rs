@@ -11,10 +11,9 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use leafwise::core::{Integrator, Registry, StepError, Structure};
-use leafwise::scene::run::{Quiet, run};
-use leafwise::scene::{
-    AdviceKind, ComposedRun, RunOptions, RunOutcome, SceneChecks, SceneDocument, compose,
-};
+use leafwise::run::{AdviceKind, RunOptions, RunOutcome};
+use leafwise::run::{Quiet, run};
+use leafwise::scene::{ComposedRun, SceneChecks, SceneDocument, compose};
 
 use crate::dual::Dual;
 use crate::reference::{Solution, solution};

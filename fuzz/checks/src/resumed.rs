@@ -8,8 +8,9 @@ use std::sync::OnceLock;
 use std::time::Duration;
 
 use leafwise::core::Registry;
-use leafwise::scene::run::{Progress, Quiet, Status, run};
-use leafwise::scene::{ComposedRun, RunOptions, RunOutcome, SceneDocument, compose};
+use leafwise::run::{Progress, Quiet, Status, run};
+use leafwise::run::{RunOptions, RunOutcome};
+use leafwise::scene::{ComposedRun, SceneDocument, compose};
 
 use crate::Reached;
 use crate::source::Source;

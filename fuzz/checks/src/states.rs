@@ -3,8 +3,8 @@
 use std::fs;
 
 use leafwise::core::Registry;
+use leafwise::run::ensemble::compose_ensemble;
 use leafwise::scene::SceneDocument;
-use leafwise::scene::ensemble::compose_ensemble;
 
 use crate::Reached;
 use crate::source::Source;

@@ -1,0 +1,124 @@
+//! `leafwise check`: is the tensor Poisson, are the Casimirs Casimirs?
+
+use leafwise::core::diagnostics::{IdentityCheck, Verdict};
+use leafwise::run::{advice::advise, advice::states_ahead, advice::unused_parameters};
+use leafwise::run::{json::json_number, json::json_numbers};
+use leafwise::scene::compose::{SceneChecks, compose};
+use serde_json::{Map, Value, json};
+
+use super::motion;
+use super::run::print_advice;
+use crate::arguments::{CheckArguments, PluginArguments};
+use crate::bar::while_building;
+use crate::console::Console;
+use crate::failure::{Failure, exit};
+use crate::plugins::Parts;
+use crate::table::words;
+
+/// Checks the scene; returns the exit code.
+///
+/// # Errors
+/// [`Failure`] when the scene is not valid.
+pub fn execute(
+    arguments: &CheckArguments,
+    plugins: &PluginArguments,
+    console: &mut Console<'_>,
+) -> Result<u8, Failure> {
+    let mut parts = Parts::new(plugins)?;
+    let document = parts.scene(&arguments.scene)?;
+    let is_shown = console.is_terminal;
+    let composed = while_building(is_shown, || compose(&document, &parts.registry))?;
+    let names = composed.system.variables();
+    let checks = while_building(is_shown, || {
+        SceneChecks::of(&composed.system, &composed.near)
+    })?;
+    let mut rows = vec![vec![
+        "  Jacobi identity".to_owned(),
+        describe(&checks.jacobi, "triple", names),
+    ]];
+    for casimir in &checks.casimirs {
+        rows.push(vec![
+            format!("  Casimir {}", casimir.name),
+            describe(&casimir.check, "coordinate", names),
+        ]);
+    }
+    let mut advice = unused_parameters(&document);
+    if checks.pass() {
+        let states = states_ahead(&composed);
+        advice.extend(advise(&composed, &parts.registry, &states));
+    }
+    if arguments.json {
+        let casimirs: Map<String, Value> = checks
+            .casimirs
+            .iter()
+            .map(|casimir| (casimir.name.clone(), as_json(&casimir.check, names)))
+            .collect();
+        console.json(&json!({
+            "outcome": if checks.pass() { "passed" } else { "violated" },
+            "jacobi": as_json(&checks.jacobi, names),
+            "casimirs": casimirs,
+            "motion": motion::as_json(&composed),
+            "warnings": advice,
+        }));
+    } else {
+        let motion = motion::lines(&composed);
+        let gap = (!motion.is_empty()).then(String::new);
+        for line in words(&rows).into_iter().chain(gap).chain(motion) {
+            console.result(&line);
+        }
+    }
+    print_advice(&advice, console);
+    if checks.pass() {
+        return Ok(exit::DONE);
+    }
+    if let Some(refusal) = checks.refusal(&document, &composed.system, false) {
+        console.prose("");
+        console.prose(&refusal.render(console.color));
+    }
+    Ok(exit::CHECK_FAILED)
+}
+
+fn worst(check: &IdentityCheck, names: &[String]) -> Vec<String> {
+    check
+        .worst
+        .iter()
+        .map(|index| names[*index].clone())
+        .collect()
+}
+
+fn describe(check: &IdentityCheck, what: &str, names: &[String]) -> String {
+    let differences = check.floor.map_or_else(String::new, |floor| {
+        format!(" (derivatives are differences, which tell it down to {floor:.1e})")
+    });
+    match check.verdict {
+        Verdict::Proved => "proved: its normal form is zero".to_owned(),
+        Verdict::NumericallyZero => format!(
+            "numerically zero: at most {:.1e} of its terms near the initial state{differences}",
+            check.residual
+        ),
+        Verdict::Violated if check.worst.is_empty() => {
+            format!("violated: {:.3e} of its terms{differences}", check.residual)
+        }
+        Verdict::Violated => format!(
+            "violated: {:.3e} of its terms at the worst {what} {}{differences}",
+            check.residual,
+            worst(check, names).join(", ")
+        ),
+        Verdict::Undecided => "undecided: it has no finite value near the initial state".to_owned(),
+    }
+}
+
+fn as_json(check: &IdentityCheck, names: &[String]) -> Value {
+    json!({
+        "verdict": match check.verdict {
+            Verdict::Proved => "proved",
+            Verdict::NumericallyZero => "numerically zero",
+            Verdict::Violated => "violated",
+            Verdict::Undecided => "undecided",
+        },
+        "residual": json_number(check.residual),
+        "floor": check.floor.map(json_number),
+        "worst": worst(check, names),
+        "at": json_numbers(&check.at),
+    })
+}

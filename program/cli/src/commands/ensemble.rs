@@ -1,0 +1,309 @@
+//! `leafwise ensemble`: many members, reduced into a run directory.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use leafwise::core::Registry;
+use leafwise::run::{RunOptions, RunOutcome};
+use leafwise::run::{
+    ensemble::ComposedEnsemble, ensemble::EnsembleReport, ensemble::MemberError,
+    ensemble::Workforce, ensemble::advise_ensemble, ensemble::compose_ensemble,
+    ensemble::default_ensemble_directory, ensemble::ensemble_json, ensemble::member_scene,
+    ensemble::run_ensemble,
+};
+use leafwise::scene::SceneDocument;
+use leafwise::scene::compose::compose;
+use serde_json::json;
+
+use super::run::{Told, drift, integrate, method_line, print_advice, repeating};
+use crate::arguments::{EnsembleArguments, PluginArguments};
+use crate::bar::{Bar, while_building};
+use crate::console::Console;
+use crate::failure::{Failure, exit};
+use crate::plugins::Parts;
+use crate::table::{duration, grouped, numbers, short};
+
+/// Failed members that are named on the terminal.
+const MOST_NAMED: usize = 5;
+
+/// Said of an ensemble that has come to its end before.
+const REPEATED: &str =
+    "it had come to its end before: nothing was computed or written; --force runs it anew";
+
+/// Integrates the ensemble, or one of its members; returns the exit code.
+///
+/// # Errors
+/// [`Failure`] when it cannot be started or written.
+pub fn execute(
+    arguments: &EnsembleArguments,
+    plugins: &PluginArguments,
+    console: &mut Console<'_>,
+    interrupt: &Arc<AtomicBool>,
+) -> Result<u8, Failure> {
+    let mut parts = Parts::new(plugins)?;
+    let document = parts.scene(&arguments.scene)?;
+    let file = &arguments.scene.scene;
+    let directory = file.parent().unwrap_or(Path::new(""));
+    let ensemble = compose_ensemble(&document, &parts.registry, directory)?;
+    if let Some(member) = arguments.member {
+        let scene = member_document(member, &document, &ensemble, &parts)?;
+        return execute_member(arguments, &scene, &parts, plugins, console, interrupt);
+    }
+    let options = RunOptions {
+        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
+        directory: arguments
+            .out
+            .clone()
+            .unwrap_or_else(|| default_ensemble_directory(&document)),
+        force: arguments.force,
+        allow_non_poisson: arguments.allow_non_poisson,
+        command: repeating(
+            "ensemble",
+            file.file_name(),
+            arguments.allow_non_poisson,
+            plugins,
+        ),
+    };
+    let workforce = Workforce {
+        threads: arguments
+            .threads
+            .unwrap_or_else(|| Workforce::default().threads),
+        lanes: arguments.lanes,
+    };
+    let is_shown = console.is_terminal && !arguments.quiet;
+    let total = ensemble
+        .population
+        .members()
+        .saturating_mul(ensemble.run.plan.steps);
+    let mut bar = Bar::new(total, is_shown, interrupt);
+    let report = run_ensemble(&document, &ensemble, &options, workforce, &mut bar);
+    bar.finish();
+    let report = report?;
+    let mut advice = report.advice.clone();
+    if report.outcome == RunOutcome::Done {
+        advice.extend(advise_ensemble(&ensemble, &parts.registry));
+    }
+    if !arguments.quiet {
+        for line in summary(&ensemble, &parts.registry, &report, console) {
+            console.prose(&line);
+        }
+        print_advice(&advice, console);
+    }
+    if arguments.json {
+        let mut object = ensemble_json(&ensemble, &report);
+        object["outcome"] = word(&report).into();
+        object["warnings"] = json!(advice);
+        object["run_directory"] = report.directory.display().to_string().into();
+        console.json(&object);
+    }
+    Ok(match report.outcome {
+        RunOutcome::Interrupted => exit::INTERRUPTED,
+        _ if report.reductions.done() == 0 => exit::RUN_FAILED,
+        _ => exit::DONE,
+    })
+}
+
+/// One member as a scene of its own.
+fn member_document(
+    member: u64,
+    document: &SceneDocument,
+    ensemble: &ComposedEnsemble,
+    parts: &Parts,
+) -> Result<SceneDocument, Failure> {
+    let text = member_scene(document, ensemble, member).map_err(|error| {
+        let help = match error {
+            MemberError::Absent { .. } => "members are counted from 0",
+            _ => "take another member",
+        };
+        Failure::usage(error.to_string(), help)
+    })?;
+    let stem = Path::new(&document.name).file_stem().unwrap_or_default();
+    let file = format!("{}-member-{member}.toml", stem.to_string_lossy());
+    SceneDocument::parse(&file, &text, &parts.registry)
+        .map_err(|errors| Failure::Scene(errors.diagnostics()))
+}
+
+/// That scene as an ordinary run.
+fn execute_member(
+    arguments: &EnsembleArguments,
+    scene: &SceneDocument,
+    parts: &Parts,
+    plugins: &PluginArguments,
+    console: &mut Console<'_>,
+    interrupt: &Arc<AtomicBool>,
+) -> Result<u8, Failure> {
+    let composed = while_building(console.is_terminal, || compose(scene, &parts.registry))?;
+    let file = Path::new(&scene.name);
+    let directory = arguments.out.clone();
+    let options = RunOptions {
+        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
+        directory: directory.unwrap_or_else(|| Path::new("runs").join(file.with_extension(""))),
+        force: arguments.force,
+        allow_non_poisson: arguments.allow_non_poisson,
+        command: repeating(
+            "run",
+            file.file_name(),
+            arguments.allow_non_poisson,
+            plugins,
+        ),
+    };
+    let told = Told {
+        json: arguments.json,
+        quiet: arguments.quiet,
+    };
+    integrate(
+        scene,
+        &composed,
+        &parts.registry,
+        &options,
+        told,
+        console,
+        interrupt,
+    )
+}
+
+fn word(report: &EnsembleReport) -> &'static str {
+    match report.outcome {
+        RunOutcome::Interrupted => "interrupted",
+        _ => "done",
+    }
+}
+
+fn summary(
+    ensemble: &ComposedEnsemble,
+    registry: &Registry,
+    report: &EnsembleReport,
+    console: &Console<'_>,
+) -> Vec<String> {
+    let all = &report.reductions;
+    let end = ensemble.time(ensemble.run.plan.steps);
+    let mut lines = vec![format!(
+        "{}: {} members to t = {} with {}",
+        console.bold(word(report)),
+        grouped(all.members),
+        short(end),
+        method_line(&ensemble.run, registry)
+    )];
+    if let Some(member) = report.resumed_at {
+        lines.push(format!("resumed at member {}", grouped(member)));
+    }
+    if report.is_repeated {
+        lines.push(REPEATED.to_owned());
+    }
+    if all.done() > 0 {
+        lines.push(String::new());
+        lines.extend(end_table(ensemble, report));
+        lines.push(String::new());
+        lines.extend(drift_table(ensemble, report));
+    }
+    lines.push(String::new());
+    lines.push(format!("  solver   {}", all.statistics.summary()));
+    let threads = match report.threads {
+        0 => String::new(),
+        1 => " on 1 thread".to_owned(),
+        threads => format!(" on {threads} threads"),
+    };
+    lines.push(format!(
+        "  time     {}{threads}, {} members a second",
+        duration(report.wall_seconds),
+        grouped(report.rate() as u64)
+    ));
+    lines.push(format!("  report   {}", report.report().display()));
+    if all.failed > 0 {
+        lines.push(String::new());
+        lines.extend(failures(report, console));
+    }
+    if report.outcome == RunOutcome::Interrupted {
+        lines.push(String::new());
+        lines.push(format!(
+            "stopped after {} of {} members, with a checkpoint: the same command goes on from there",
+            grouped(all.members),
+            grouped(ensemble.population.members())
+        ));
+    }
+    lines
+}
+
+/// The observables at the end.
+fn end_table(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Vec<String> {
+    let mut heading = ["  at the end", "mean", "deviation", "smallest", "largest"]
+        .map(str::to_owned)
+        .to_vec();
+    let parts = ensemble.quantiles.iter();
+    heading.extend(parts.map(|p| format!("{}%", short(100.0 * p))));
+    let mut rows = vec![heading];
+    let names = ensemble.observables();
+    let last = &report.reductions.summaries;
+    let last = &last[last.len() - names.len()..];
+    for (name, summary) in names.iter().zip(last) {
+        let values = [
+            summary.mean,
+            summary.deviation(),
+            summary.minimum.0,
+            summary.maximum.0,
+        ];
+        let quantiles = summary.quantiles(&ensemble.quantiles);
+        let mut row = vec![format!("  {name}")];
+        row.extend(values.into_iter().chain(quantiles).map(digits));
+        rows.push(row);
+    }
+    numbers(&rows)
+}
+
+/// A value with eight digits.
+fn digits(value: f64) -> String {
+    let text = format!("{value:.7e}");
+    text.parse().map_or(text, short)
+}
+
+fn drift_table(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Vec<String> {
+    let all = &report.reductions;
+    let heading = [
+        "  drift",
+        "largest",
+        "member",
+        "relative",
+        "mean of members",
+    ];
+    let mut rows = vec![heading.map(str::to_owned).to_vec()];
+    for (at, name) in ensemble.invariant_names().iter().enumerate() {
+        let whole = &all.whole[at];
+        rows.push(vec![
+            format!("  {name}"),
+            drift(whole.maximum),
+            whole.member.to_string(),
+            drift(all.relative[at].maximum),
+            drift(all.mean_deviation(whole)),
+        ]);
+    }
+    numbers(&rows)
+}
+
+fn failures(report: &EnsembleReport, console: &Console<'_>) -> Vec<String> {
+    let all = &report.reductions;
+    let mut lines = vec![format!(
+        "{} {} of {} members failed; the statistics are those of the others",
+        console.error_word(),
+        grouped(all.failed),
+        grouped(all.members)
+    )];
+    for failure in all.failures.iter().take(MOST_NAMED) {
+        lines.push(format!(
+            "  member {}, step {}, t = {}: {}",
+            failure.member,
+            failure.step,
+            short(failure.time),
+            failure.message
+        ));
+    }
+    if let Some(first) = all.failures.first() {
+        lines.push(format!(
+            "  = help: --member {} runs that one alone; {} holds the first {}",
+            first.member,
+            report.directory.join("failures.csv").display(),
+            all.failures.len()
+        ));
+    }
+    lines
+}

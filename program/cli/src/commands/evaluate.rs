@@ -1,0 +1,367 @@
+//! `leafwise evaluate`: the realization and the generating function at a point.
+
+use leafwise::core::part::ParameterSetting;
+use leafwise::core::realization::{Accuracy, Ends, RealizationData};
+use leafwise::core::{BuildError, Method, StepError, realization_worker};
+use leafwise::expression::{Arithmetic, Graph, Kernel, Rational, StepSize, Term};
+use leafwise::karasev::TruncatedKarasev;
+use leafwise::run::{json::json_number, json::json_numbers};
+use leafwise::scene::compose::{ComposedRun, compose};
+use serde_json::{Map, Value, json};
+
+use crate::arguments::{EvaluateArguments, PluginArguments};
+use crate::bar::while_building;
+use crate::console::Console;
+use crate::failure::{Failure, exit};
+use crate::plugins::Parts;
+use crate::table::words;
+
+/// Why a point has no values.
+struct Unevaluated(String);
+
+impl From<BuildError> for Unevaluated {
+    fn from(error: BuildError) -> Self {
+        Self(error.to_string())
+    }
+}
+
+impl From<StepError> for Unevaluated {
+    fn from(error: StepError) -> Self {
+        match error {
+            StepError::LeftChart { ratio } => Self::outside(ratio),
+            // What to try with a step, after a semicolon, does not help here.
+            other => {
+                let text = other.to_string();
+                Self(text.split("; ").next().unwrap_or_default().to_owned())
+            }
+        }
+    }
+}
+
+impl Unevaluated {
+    fn outside(ratio: f64) -> Self {
+        Self(format!(
+            "it is outside the realization's chart, {ratio:.3} times as far from the section as the chart reaches"
+        ))
+    }
+}
+
+/// The values at a point (x, p).
+struct Values {
+    alpha: Vec<f64>,
+    beta: Vec<f64>,
+    /// α_(0), …, α_(n) at ε = 1; empty unless the realization is a truncated series.
+    coefficients: Vec<Vec<f64>>,
+    /// l, S_l(x), dS_l(x) at the scene's ε.
+    generating: Vec<(usize, f64, Vec<f64>)>,
+}
+
+impl Values {
+    /// The values where every one is finite.
+    fn finite(self) -> Result<Self, Unevaluated> {
+        let named = |name: &str, values: &[f64]| (name.to_owned(), values.to_vec());
+        let mut all = vec![named("alpha", &self.alpha), named("beta", &self.beta)];
+        for (k, coefficient) in self.coefficients.iter().enumerate() {
+            all.push((
+                format!("alpha's coefficient of epsilon^{k}"),
+                coefficient.clone(),
+            ));
+        }
+        for (l, s, gradient) in &self.generating {
+            all.push((format!("S_{l}"), vec![*s]));
+            all.push((format!("dS_{l}"), gradient.clone()));
+        }
+        let wrong = all.iter().find_map(|(name, values)| {
+            let value = values.iter().find(|value| !value.is_finite())?;
+            Some(Unevaluated(format!("{name} is not finite there ({value})")))
+        });
+        wrong.map_or(Ok(self), Err)
+    }
+}
+
+/// Evaluates at the point of the command line; returns the exit code.
+///
+/// # Errors
+/// [`Failure`] when the scene is not valid or the point has another dimension.
+pub fn execute(
+    arguments: &EvaluateArguments,
+    plugins: &PluginArguments,
+    console: &mut Console<'_>,
+) -> Result<u8, Failure> {
+    let mut parts = Parts::new(plugins)?;
+    let document = parts.scene(&arguments.scene)?;
+    let run = while_building(console.is_terminal, || compose(&document, &parts.registry))?;
+    let Some(method) = run.method.written() else {
+        if run.method.lattice().is_none() {
+            return Err(Failure::usage(
+                "a stepper has no realization to evaluate",
+                "name a realization and dynamics, with --set method.realization=karasev-truncated",
+            ));
+        }
+        return Err(Failure::usage(
+            format!(
+                "a lattice of {} coordinates is not evaluated at a point",
+                run.dimension()
+            ),
+            "shorten it with --set system.families.NAME=8",
+        ));
+    };
+    let d = run.system.dimension();
+    let x = match &arguments.x {
+        Some(text) => numbers(text, "--x", d)?,
+        None => run
+            .plan
+            .initial
+            .iter()
+            .filter_map(|x| Rational::from_f64(*x))
+            .collect(),
+    };
+    let p = match &arguments.p {
+        Some(text) => numbers(text, "--p", d)?,
+        None => vec![Rational::zero(); d],
+    };
+    let values = evaluate(&run, method, &x, &p).and_then(Values::finite);
+    let values = values.map_err(|Unevaluated(reason)| {
+        Failure::usage(
+            format!("nothing can be evaluated at this point: {reason}"),
+            "choose --x and --p inside the domain of the scene's formulas and of the realization, which \
+             `leafwise describe` states",
+        )
+    })?;
+    if arguments.json {
+        console.json(&as_json(&values));
+    } else {
+        for line in words(&rows(&values)) {
+            console.result(&line);
+        }
+    }
+    Ok(exit::DONE)
+}
+
+/// The decimals of an option, exactly.
+fn numbers(text: &str, option: &str, dimension: usize) -> Result<Vec<Rational>, Failure> {
+    let mut values = Vec::new();
+    for piece in text.split(',') {
+        match Rational::parse_decimal(piece.trim()) {
+            Ok(value) => values.push(value),
+            Err(_) => {
+                return Err(Failure::usage(
+                    format!("{option}: `{}` is not a decimal number", piece.trim()),
+                    format!("write {dimension} numbers with commas between, as in {option} 1,3,3"),
+                ));
+            }
+        }
+    }
+    if values.len() != dimension {
+        return Err(Failure::usage(
+            format!(
+                "{option} has {} numbers, and the scene {dimension} coordinates",
+                values.len()
+            ),
+            format!("give {dimension} numbers with commas between"),
+        ));
+    }
+    Ok(values)
+}
+
+/// Code at one point. The point enters as exact numbers, so that polynomials of it are formed
+/// exactly and rounded once.
+struct Evaluator<'a> {
+    run: &'a ComposedRun,
+    graph: Graph,
+    epsilon: Term,
+    inputs: Vec<Term>,
+}
+
+impl<'a> Evaluator<'a> {
+    fn new(run: &'a ComposedRun, x: &[Rational], p: &[Rational]) -> Self {
+        let mut graph = Graph::new();
+        let inputs = x
+            .iter()
+            .chain(p)
+            .map(|value| graph.constant(value))
+            .collect();
+        let epsilon = graph.step_size(StepSize::Epsilon);
+        Self {
+            run,
+            graph,
+            epsilon,
+            inputs,
+        }
+    }
+
+    fn values(&self, outputs: &[Term]) -> Vec<f64> {
+        let parameters = self.run.system.parameter_values();
+        let kernel = Kernel::compile(&self.graph, outputs, parameters.len(), 0);
+        let mut workspace = kernel.workspace(1);
+        let plan = &self.run.plan;
+        kernel.prepare(&mut workspace, &parameters, &[plan.epsilon], &[plan.h]);
+        let mut values = vec![0.0; outputs.len()];
+        kernel.evaluate(&mut workspace, &[], &mut values);
+        values
+    }
+}
+
+/// β̂ and α̂ at χ(x, p).
+fn ends(
+    at: &mut Evaluator<'_>,
+    realization: &dyn RealizationData,
+    x: &[Rational],
+    p: &[Rational],
+) -> Result<(Vec<f64>, Vec<f64>), Unevaluated> {
+    let d = x.len();
+    let (epsilon, inputs) = (at.epsilon.clone(), at.inputs.clone());
+    let chart = realization.chart();
+    if let Some(code) = realization.code()
+        && (chart.is_some() || realization.points_are_pairs())
+    {
+        let z = match chart {
+            Some(chart) => chart(&mut at.graph, &epsilon, &inputs[..d], &inputs[d..])?,
+            None => inputs,
+        };
+        let ends = code(&mut at.graph, &epsilon, &z)?;
+        // A truncated series has its values outside too; what a closed form has there is none.
+        if let Some((first, last)) = &ends.guard
+            && realization.accuracy() == Accuracy::Exact
+        {
+            let (first, last) = (largest(&at.values(first)), largest(&at.values(last)));
+            // Not a number is outside too.
+            let is_inside = last == 0.0 || last < first;
+            if !is_inside {
+                return Err(Unevaluated::outside(last / first));
+            }
+        }
+        let target: Vec<Term> = (0..d)
+            .map(|i| at.graph.add(&ends.base[i], &ends.offset[i]))
+            .collect();
+        let source: Vec<Term> = (0..d)
+            .map(|i| at.graph.add(&target[i], &ends.increment[i]))
+            .collect();
+        return Ok((at.values(&target), at.values(&source)));
+    }
+    let parameters = at.run.system.parameter_values();
+    let epsilon = at.run.plan.epsilon;
+    let point: Vec<f64> = x.iter().chain(p).map(Rational::to_f64).collect();
+    let z = match realization.chart_worker(&parameters, epsilon) {
+        Some(mut chart) => {
+            let mut z = vec![0.0; realization.space_dimension()];
+            chart.values(&point, &mut z)?;
+            z
+        }
+        None if realization.points_are_pairs() => point,
+        None => {
+            return Err(Unevaluated(
+                "points of this realization are not pairs (x, p), and it has no chart of them"
+                    .to_owned(),
+            ));
+        }
+    };
+    let mut worker = realization_worker(realization, &parameters, epsilon)?;
+    let mut values = vec![0.0; 3 * d];
+    worker.values(&z, &mut values)?;
+    let ends = Ends::of(&values);
+    Ok((0..d).map(|i| (ends.target(i), ends.source(i))).unzip())
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| most.max(value.abs()))
+}
+
+fn evaluate(
+    run: &ComposedRun,
+    method: &Method,
+    x: &[Rational],
+    p: &[Rational],
+) -> Result<Values, Unevaluated> {
+    let d = x.len();
+    let mut at = Evaluator::new(run, x, p);
+    let (beta, alpha) = ends(&mut at, method.realization(), x, p)?;
+    let (epsilon, inputs) = (at.epsilon.clone(), at.inputs.clone());
+    let order = run
+        .plan
+        .parts
+        .iter()
+        .filter(|part| part.name == TruncatedKarasev::NAME)
+        .flat_map(|part| &part.parameters)
+        .find(|(name, _)| *name == "order")
+        .and_then(|(_, order)| match order {
+            ParameterSetting::Integer(order) => usize::try_from(*order).ok(),
+            _ => None,
+        });
+    let mut coefficients = Vec::new();
+    if let Some(order) = order {
+        let series = TruncatedKarasev::new(&run.system, order)?;
+        let (x, p) = inputs.split_at(d);
+        for terms in series.coefficients(&mut at.graph, x, p)? {
+            coefficients.push(at.values(&terms));
+        }
+    }
+    let mut generating = Vec::new();
+    if let Some(function) = method.bisection().generating_function() {
+        let square = at.graph.multiply(&epsilon, &epsilon);
+        // S_l at ε is ε^{l−1} times S_l at 1.
+        let mut power = at.graph.one();
+        for k in 0..function.len() {
+            let at_one = function.coefficient(&mut at.graph, k, &inputs[..d])?;
+            let terms: Vec<Term> = at_one
+                .iter()
+                .map(|term| at.graph.multiply(&power, term))
+                .collect();
+            let values = at.values(&terms);
+            generating.push((2 * k + 1, values[0], values[1..].to_vec()));
+            power = at.graph.multiply(&power, &square);
+        }
+    }
+    Ok(Values {
+        alpha,
+        beta,
+        coefficients,
+        generating,
+    })
+}
+
+fn as_json(values: &Values) -> Value {
+    let generating: Map<String, Value> = values
+        .generating
+        .iter()
+        .map(|(l, s, gradient)| {
+            (
+                l.to_string(),
+                json!({ "S": json_number(*s), "dS": json_numbers(gradient) }),
+            )
+        })
+        .collect();
+    let mut object = json!({
+        "alpha": json_numbers(&values.alpha),
+        "beta": json_numbers(&values.beta),
+        "hamilton_jacobi": generating,
+    });
+    if !values.coefficients.is_empty() {
+        let lists: Vec<Value> = values
+            .coefficients
+            .iter()
+            .map(|coefficient| json_numbers(coefficient))
+            .collect();
+        object["alpha_coefficients"] = Value::Array(lists);
+    }
+    object
+}
+
+fn rows(values: &Values) -> Vec<Vec<String>> {
+    let list = |numbers: &[f64]| {
+        let numbers: Vec<String> = numbers.iter().map(|value| format!("{value:?}")).collect();
+        numbers.join(", ")
+    };
+    let mut rows = vec![
+        vec!["alpha".to_owned(), list(&values.alpha)],
+        vec!["beta".to_owned(), list(&values.beta)],
+    ];
+    for (k, coefficient) in values.coefficients.iter().enumerate() {
+        rows.push(vec![format!("alpha, epsilon^{k}"), list(coefficient)]);
+    }
+    for (l, s, gradient) in &values.generating {
+        rows.push(vec![format!("S_{l}"), format!("{s:?}")]);
+        rows.push(vec![format!("dS_{l}"), list(gradient)]);
+    }
+    rows
+}

@@ -1,0 +1,88 @@
+//! ẋ as text: what `check` and `run --explain` print of a system.
+
+use leafwise::core::system::Convention;
+use leafwise::run::json::json_number;
+use leafwise::scene::compose::{ComposedRun, Motion};
+use serde_json::{Map, Value, json};
+
+use crate::table::words;
+
+/// Variables whose formulas are printed.
+const MOST_SHOWN: usize = 24;
+
+/// Characters of a formula that are printed.
+const WIDTH: usize = 200;
+
+/// ẋ of every variable, a line each; nothing where it has no value at the initial state.
+pub(super) fn lines(run: &ComposedRun) -> Vec<String> {
+    let Some(motion) = Motion::of(run) else {
+        return Vec::new();
+    };
+    let convention = run.system.expressions().map(|system| system.convention());
+    let definition = match convention {
+        Some(Convention::HamiltonianSecond) => ", x' = {x, H}",
+        Some(Convention::HamiltonianFirst) => ", x' = {H, x}",
+        None => "",
+    };
+    let (place, rows) = match motion {
+        Motion::Formulas(rows) => ("", shown(rows)),
+        Motion::Site(rows) => (" at a site i", shown(rows)),
+        Motion::Values(rows) => (
+            " at the initial state",
+            rows.into_iter()
+                .map(|(name, value)| (name, format!("{value:?}")))
+                .collect(),
+        ),
+    };
+    let more = rows.len().saturating_sub(MOST_SHOWN);
+    let rows = rows.into_iter().take(MOST_SHOWN);
+    let rows: Vec<Vec<String>> = rows
+        .map(|(name, text)| vec![format!("    {name}'"), format!("= {text}")])
+        .collect();
+    let mut lines = vec![format!("  Motion{place}{definition}:")];
+    lines.extend(words(&rows));
+    if more > 0 {
+        lines.push(format!(
+            "    … and {more} more: `leafwise check SCENE --json` prints all"
+        ));
+    }
+    lines
+}
+
+fn shown(rows: Vec<(String, Option<String>)>) -> Vec<(String, String)> {
+    let text = |formula: Option<String>| match formula {
+        None => "a formula too long to be read".to_owned(),
+        Some(formula) if formula.chars().count() > WIDTH => cut(&formula),
+        Some(formula) => formula,
+    };
+    rows.into_iter()
+        .map(|(name, formula)| (name, text(formula)))
+        .collect()
+}
+
+/// A formula's first terms.
+fn cut(formula: &str) -> String {
+    let first: String = formula.chars().take(WIDTH).collect();
+    let end = first.rfind([' ', '*']).unwrap_or(first.len());
+    format!(
+        "{} … ({} characters)",
+        first[..end].trim_end(),
+        formula.chars().count()
+    )
+}
+
+/// ẋ by the variables' names: formulas, `null` for one too long, numbers for a system of numbers.
+pub(super) fn as_json(run: &ComposedRun) -> Value {
+    let object: Map<String, Value> = match Motion::of(run) {
+        None => return Value::Null,
+        Some(Motion::Formulas(rows) | Motion::Site(rows)) => rows
+            .into_iter()
+            .map(|(name, formula)| (name, json!(formula)))
+            .collect(),
+        Some(Motion::Values(rows)) => rows
+            .into_iter()
+            .map(|(name, value)| (name, json_number(value)))
+            .collect(),
+    };
+    object.into()
+}

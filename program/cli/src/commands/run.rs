@@ -1,0 +1,347 @@
+//! `leafwise run`: a scene into a run directory.
+
+use std::ffi::OsStr;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+use leafwise::core::Registry;
+use leafwise::run::Advice;
+use leafwise::run::{
+    Failure as StepFailure, RunOptions, RunOutcome, RunReport, default_directory, run,
+};
+use leafwise::run::{json::json_number, json::json_numbers};
+use leafwise::scene::SceneDocument;
+use leafwise::scene::compose::{ComposedRun, WIDEST_STATE, compose};
+use serde_json::{Value, json};
+
+use super::explain::explain;
+use crate::arguments::{PluginArguments, RunArguments, SceneArguments};
+use crate::bar::{Bar, while_building};
+use crate::console::Console;
+use crate::failure::{Failure, exit};
+use crate::plugins::Parts;
+use crate::table::{duration, grouped, numbers, short};
+
+/// Coordinates of a state that a message shows.
+const SHOWN_COORDINATES: usize = 12;
+
+/// Said of a run that has come to its end before.
+pub(super) const REPEATED: &str = "it had come to its end before: nothing was computed or written; larger `steps` \
+                                   continue it, --force runs it anew";
+
+/// Integrates the scene; returns the exit code.
+///
+/// # Errors
+/// [`Failure`] when the run cannot be started or written.
+pub fn execute(
+    arguments: &RunArguments,
+    plugins: &PluginArguments,
+    console: &mut Console<'_>,
+    interrupt: &Arc<AtomicBool>,
+) -> Result<u8, Failure> {
+    let start = Instant::now();
+    let mut parts = Parts::new(plugins)?;
+    let document = parts.scene(&arguments.scene)?;
+    let composed = while_building(console.is_terminal, || compose(&document, &parts.registry))?;
+    if arguments.explain {
+        for line in explain(&composed, start)? {
+            console.prose(&line);
+        }
+        console.prose("");
+    }
+    let options = RunOptions {
+        directory: arguments
+            .out
+            .clone()
+            .unwrap_or_else(|| default_directory(&document)),
+        force: arguments.force,
+        allow_non_poisson: arguments.allow_non_poisson,
+        command: command(&arguments.scene, arguments.allow_non_poisson, plugins),
+        // Longer than any number of seconds that a duration holds is never.
+        checkpoint_every: Duration::try_from_secs_f64(arguments.checkpoint_every)
+            .unwrap_or(Duration::MAX),
+    };
+    let told = Told {
+        json: arguments.json,
+        quiet: arguments.quiet,
+    };
+    if document.ensemble.is_some() && !told.quiet {
+        console.prose("the initial state of [run] alone; `leafwise ensemble` runs [ensemble]");
+    }
+    integrate(
+        &document,
+        &composed,
+        &parts.registry,
+        &options,
+        told,
+        console,
+        interrupt,
+    )
+}
+
+/// What is told of a run.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Told {
+    /// One object on standard output.
+    pub json: bool,
+    /// Nothing but errors on standard error.
+    pub quiet: bool,
+}
+
+/// Integrates a composed scene; returns the exit code.
+///
+/// # Errors
+/// [`Failure`] when the run cannot be started or written.
+pub(super) fn integrate(
+    document: &SceneDocument,
+    composed: &ComposedRun,
+    registry: &Registry,
+    options: &RunOptions,
+    told: Told,
+    console: &mut Console<'_>,
+    interrupt: &Arc<AtomicBool>,
+) -> Result<u8, Failure> {
+    let is_shown = console.is_terminal && !told.quiet;
+    let mut bar = Bar::new(composed.plan.steps, is_shown, interrupt);
+    let report = run(document, composed, registry, options, &mut bar);
+    bar.finish();
+    let report = report?;
+    if !told.quiet {
+        for line in summary(composed, registry, &report, console) {
+            console.prose(&line);
+        }
+        print_advice(&report.advice, console);
+    }
+    if let RunOutcome::Failed(failure) = &report.outcome {
+        for line in failure_lines(composed, failure, &report, console) {
+            console.prose(&line);
+        }
+    }
+    if told.json {
+        console.json(&report_json(&report));
+    }
+    Ok(match report.outcome {
+        RunOutcome::Done => exit::DONE,
+        RunOutcome::Interrupted => exit::INTERRUPTED,
+        RunOutcome::Failed(_) => exit::RUN_FAILED,
+    })
+}
+
+/// What to change in the scene, a warning each.
+pub(super) fn print_advice(advice: &[Advice], console: &mut Console<'_>) {
+    for one in advice {
+        let word = console.warning_word();
+        console.prose("");
+        console.prose(&format!("{word} {}", one.message));
+        for line in one.change.lines() {
+            console.prose(&format!("  = change: {line}"));
+        }
+    }
+}
+
+/// The command that repeats the run of the scene as stored, overrides already in it.
+fn command(scene: &SceneArguments, allow_non_poisson: bool, plugins: &PluginArguments) -> String {
+    repeating("run", scene.scene.file_name(), allow_non_poisson, plugins)
+}
+
+/// The command that runs a file once more.
+pub(super) fn repeating(
+    verb: &str,
+    file: Option<&OsStr>,
+    allow_non_poisson: bool,
+    plugins: &PluginArguments,
+) -> String {
+    let file = file.unwrap_or_default().to_string_lossy();
+    let mut command = format!("leafwise {verb} {file}");
+    if allow_non_poisson {
+        command.push_str(" --allow-non-poisson");
+    }
+    for plugin in &plugins.plugins {
+        // A bare name is searched for from everywhere; a path leads there from here.
+        let path = plugin.canonicalize().ok();
+        let path = path.filter(|_| plugin.components().count() > 1);
+        let path = path.as_deref().unwrap_or(plugin);
+        command.push_str(&format!(" --plugin {}", quoted(&path.to_string_lossy())));
+    }
+    command
+}
+
+/// A word of a command line.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "/._-+".contains(c);
+    if word.chars().all(is_plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
+/// The parts of a run in one line.
+pub(super) fn method_line(composed: &ComposedRun, registry: &Registry) -> String {
+    let parts = composed.plan.parts.iter().map(|part| part.line(registry));
+    parts.collect::<Vec<_>>().join(" + ")
+}
+
+fn summary(
+    composed: &ComposedRun,
+    registry: &Registry,
+    report: &RunReport,
+    console: &Console<'_>,
+) -> Vec<String> {
+    let method = method_line(composed, registry);
+    let word = match report.outcome {
+        RunOutcome::Done => "done",
+        RunOutcome::Interrupted => "interrupted",
+        RunOutcome::Failed(_) => "failed",
+    };
+    let mut lines = vec![format!(
+        "{}: {} steps to t = {} with {method}",
+        console.bold(word),
+        grouped(report.steps),
+        short(report.time)
+    )];
+    if let Some(step) = report.resumed_at {
+        lines.push(format!("resumed at step {}", grouped(step)));
+    }
+    if report.is_repeated {
+        lines.push(REPEATED.to_owned());
+    }
+    lines.push(String::new());
+    let mut rows = vec![vec![
+        String::new(),
+        "initial".to_owned(),
+        "largest drift".to_owned(),
+        "relative".to_owned(),
+    ]];
+    for invariant in &report.invariants {
+        rows.push(vec![
+            format!("  {}", invariant.name),
+            short(invariant.initial),
+            drift(invariant.maximum),
+            invariant.relative().map_or_else(|| "-".to_owned(), drift),
+        ]);
+    }
+    lines.extend(numbers(&rows));
+    lines.push(String::new());
+    let rate = report.steps as f64 / report.wall_seconds.max(1e-9);
+    lines.push(format!("  solver   {}", report.statistics.summary()));
+    lines.push(format!(
+        "  time     {}, {} steps a second",
+        duration(report.wall_seconds),
+        grouped(rate as u64)
+    ));
+    lines.extend(states_line(composed).map(|line| format!("  states   {line}")));
+    lines.push(format!("  report   {}", report.report().display()));
+    if report.outcome == RunOutcome::Interrupted {
+        lines.push(String::new());
+        lines.push(format!(
+            "stopped at step {} of {}, with a checkpoint: the same command goes on from there",
+            grouped(report.steps),
+            grouped(composed.plan.steps)
+        ));
+    }
+    lines
+}
+
+/// Where states are that `samples.csv` does not hold, or how to record some.
+fn states_line(composed: &ComposedRun) -> Option<String> {
+    let states = &composed.plan.states;
+    if !states.are_in_samples() {
+        return Some(format!(
+            "{} coordinates at every record, in states.npy",
+            grouped(states.width() as u64)
+        ));
+    }
+    if states.is_chosen || composed.dimension() <= WIDEST_STATE {
+        return None;
+    }
+    let example = match composed.plan.families.first() {
+        Some((name, _)) => format!("\"{name}[0]\", \"{name}[::100]\""),
+        None => composed.names().first().map(|name| format!("\"{name}\""))?,
+    };
+    Some(format!(
+        "of {} coordinates only the last is kept, in final_state.bin: record = {{ states = [{example}] }} \
+         or states = \"all\" keeps them over time",
+        grouped(composed.dimension() as u64)
+    ))
+}
+
+fn failure_lines(
+    composed: &ComposedRun,
+    failure: &StepFailure,
+    report: &RunReport,
+    console: &Console<'_>,
+) -> Vec<String> {
+    let mut state: Vec<String> = composed
+        .names()
+        .iter()
+        .zip(&failure.state)
+        .take(SHOWN_COORDINATES)
+        .map(|(name, value)| format!("{name} = {value:?}"))
+        .collect();
+    if failure.state.len() > SHOWN_COORDINATES {
+        state.push(format!("… ({} coordinates)", failure.state.len()));
+    }
+    vec![
+        String::new(),
+        format!(
+            "{} step {} failed at t = {}: {}",
+            console.error_word(),
+            failure.step,
+            short(failure.time),
+            failure.message
+        ),
+        format!("  state before it: {}", state.join(", ")),
+        format!("  = help: {}", failure.hint),
+        format!(
+            "  = everything recorded before it is in {} (samples: {})",
+            report.directory.display(),
+            grouped(report.samples)
+        ),
+    ]
+}
+
+/// The object of `run --json`.
+fn report_json(report: &RunReport) -> Value {
+    let mut object = json!({
+        "outcome": match report.outcome {
+            RunOutcome::Done => "done",
+            RunOutcome::Interrupted => "interrupted",
+            RunOutcome::Failed(_) => "failed",
+        },
+        "final_state": json_numbers(&report.final_state),
+        "time": json_number(report.time),
+        "steps": report.steps,
+        "wall_seconds": report.wall_seconds,
+        "drift": report.drift_json(),
+        "invariants": report.invariants_json(),
+        "solver": {
+            "evaluations_per_step": report.statistics.evaluations_per_step(),
+            "operations_per_step": report.statistics.operations_per_step(),
+            "failures": report.statistics.failures,
+            "rounded": report.statistics.rounded,
+        },
+        "warnings": report.advice,
+        "run_directory": report.directory.display().to_string(),
+    });
+    if let RunOutcome::Failed(failure) = &report.outcome {
+        object["error"] = json!({
+            "message": failure.message,
+            "step": failure.step,
+            "time": json_number(failure.time),
+            "state": json_numbers(&failure.state),
+            "hint": failure.hint,
+        });
+    }
+    object
+}
+
+/// A deviation with three digits.
+pub(super) fn drift(value: f64) -> String {
+    if value == 0.0 {
+        "0".to_owned()
+    } else {
+        format!("{value:.2e}")
+    }
+}

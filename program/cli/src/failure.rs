@@ -1,0 +1,212 @@
+//! Errors and their exit codes.
+
+use std::io;
+use std::path::PathBuf;
+
+use leafwise::core::BuildError;
+use leafwise::plugins::PluginError;
+use leafwise::report::ReportError;
+use leafwise::reproduce::ReproduceError;
+use leafwise::run::RunError;
+use leafwise::scene::SceneDiagnostic;
+use leafwise::scene::compose::Refusal;
+use leafwise::trade::TradeError;
+use serde_json::{Value, json};
+use thiserror::Error;
+
+use crate::console::Console;
+
+/// The exit codes of the program.
+pub mod exit {
+    /// Done.
+    pub const DONE: u8 = 0;
+    /// The run failed: diverged, left its chart, or could not be written.
+    pub const RUN_FAILED: u8 = 1;
+    /// The command line asks for something that is not there or not allowed.
+    pub const USAGE: u8 = 2;
+    /// The scene is not valid.
+    pub const INVALID_SCENE: u8 = 3;
+    /// A plugin was refused.
+    pub const PLUGIN_REFUSED: u8 = 4;
+    /// A check failed.
+    pub const CHECK_FAILED: u8 = 5;
+    /// Interrupted, with a checkpoint written.
+    pub const INTERRUPTED: u8 = 130;
+}
+
+/// Why a command did not do what it was asked.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum Failure {
+    /// Something wrong on the command line, with what to do instead.
+    #[error("{message}")]
+    Usage {
+        /// What is wrong.
+        message: String,
+        /// What to do.
+        help: Option<String>,
+    },
+    /// A file that cannot be read or written.
+    #[error("cannot {action} {}: {source}", file.display())]
+    File {
+        /// "read" or "write".
+        action: &'static str,
+        /// The file.
+        file: PathBuf,
+        /// The system's error.
+        source: io::Error,
+    },
+    /// A scene that is not valid: each problem where it stands.
+    #[error("the scene is not valid")]
+    Scene(Vec<SceneDiagnostic>),
+    /// A plugin that was refused, with its place in the scene that names it.
+    #[error("{error}")]
+    Plugin {
+        /// Why.
+        error: Box<PluginError>,
+        /// Where it is named.
+        place: Option<Box<SceneDiagnostic>>,
+    },
+    /// A run that could not be started or kept on disk.
+    #[error(transparent)]
+    Run(RunError),
+    /// Methods that could not be compared.
+    #[error(transparent)]
+    Trade(TradeError),
+    /// A figure of the paper that could not be measured.
+    #[error(transparent)]
+    Reproduce(Box<ReproduceError>),
+    /// A figure that could not be drawn.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    /// A formula that could not be evaluated.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+}
+
+impl From<Refusal> for Failure {
+    fn from(refusal: Refusal) -> Self {
+        Self::Scene(vec![*refusal])
+    }
+}
+
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Self {
+        match error {
+            RunError::Refused(refusal) => refusal.into(),
+            other => Self::Run(other),
+        }
+    }
+}
+
+impl From<TradeError> for Failure {
+    fn from(error: TradeError) -> Self {
+        match error {
+            TradeError::Refused(refusal) => refusal.into(),
+            TradeError::Build(error) => error.into(),
+            other => Self::Trade(other),
+        }
+    }
+}
+
+impl From<ReproduceError> for Failure {
+    fn from(error: ReproduceError) -> Self {
+        Self::Reproduce(Box::new(error))
+    }
+}
+
+impl Failure {
+    /// A usage error with what to do instead.
+    pub fn usage(message: impl Into<String>, help: impl Into<String>) -> Self {
+        Self::Usage {
+            message: message.into(),
+            help: Some(help.into()),
+        }
+    }
+
+    /// The refusal of a plugin.
+    pub fn plugin(error: PluginError, place: Option<SceneDiagnostic>) -> Self {
+        Self::Plugin {
+            error: Box::new(error),
+            place: place.map(Box::new),
+        }
+    }
+
+    /// The program's exit code.
+    pub fn code(&self) -> u8 {
+        match self {
+            Self::Usage { .. } | Self::File { action: "read", .. } => exit::USAGE,
+            Self::File { .. } => exit::RUN_FAILED,
+            Self::Plugin { .. } => exit::PLUGIN_REFUSED,
+            Self::Scene(_) | Self::Build(_) => exit::INVALID_SCENE,
+            Self::Run(error) if error.is_usage() => exit::USAGE,
+            Self::Trade(TradeError::NoReference { .. }) | Self::Report(_) => exit::RUN_FAILED,
+            Self::Trade(_) => exit::USAGE,
+            Self::Reproduce(error) => match error.as_ref() {
+                ReproduceError::UnknownFigure { .. } => exit::USAGE,
+                _ => exit::RUN_FAILED,
+            },
+            Self::Run(_) => exit::RUN_FAILED,
+        }
+    }
+
+    /// Prints the error, as a JSON object too where one was asked for; returns the exit code.
+    pub fn print(&self, console: &mut Console<'_>, json: bool) -> u8 {
+        match self {
+            Self::Scene(problems) => {
+                for problem in problems {
+                    let text = problem.render(console.color);
+                    console.prose(&text);
+                }
+            }
+            Self::Plugin {
+                place: Some(place), ..
+            } => {
+                let text = place.render(console.color);
+                console.prose(&text);
+            }
+            _ => {
+                console.prose(&format!("{} {self}", console.error_word()));
+                if let Self::Usage {
+                    help: Some(help), ..
+                } = self
+                {
+                    console.prose(&format!("  = help: {help}"));
+                }
+            }
+        }
+        if json {
+            let outcome = if self.code() == exit::RUN_FAILED {
+                "failed"
+            } else {
+                "refused"
+            };
+            console.json(&json!({ "outcome": outcome, "error": self.as_json() }));
+        }
+        self.code()
+    }
+
+    fn as_json(&self) -> Value {
+        match self {
+            Self::Scene(problems) => {
+                let problems: Vec<Value> = problems
+                    .iter()
+                    .map(|problem| {
+                        let (line, column) = problem.line_column();
+                        json!({
+                            "message": problem.message, "file": problem.source_name,
+                            "line": line, "column": column, "help": problem.help,
+                        })
+                    })
+                    .collect();
+                json!({ "message": self.to_string(), "problems": problems })
+            }
+            Self::Plugin { error, .. } => {
+                json!({
+                    "message": self.to_string(), "plugin": error.plugin, "refusal": error.refusal,
+                })
+            }
+            _ => json!({ "message": self.to_string() }),
+        }
+    }
+}

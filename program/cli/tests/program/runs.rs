@@ -1,0 +1,262 @@
+//! Runs from the command line: objects, directories, overrides.
+
+use crate::support::{BODY, Place, gallery};
+
+#[test]
+fn a_run_prints_the_fixed_names_and_a_table() {
+    let here = Place::with(BODY);
+    let said = here.leafwise(&["run", "scene.toml", "--json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let json = said.json();
+    let names: Vec<&str> = json
+        .as_object()
+        .expect("an object")
+        .keys()
+        .map(String::as_str)
+        .collect();
+    for name in [
+        "final_state",
+        "time",
+        "steps",
+        "wall_seconds",
+        "drift",
+        "solver",
+        "run_directory",
+    ] {
+        assert!(names.contains(&name), "{name} is missing from {names:?}");
+    }
+    assert_eq!(json["steps"], 40);
+    assert_eq!(json["time"], 40.0 * 0.1);
+    assert_eq!(json["final_state"].as_array().map(Vec::len), Some(3));
+    // Quadratic Casimirs of a linear tensor are kept to round-off.
+    assert!(
+        json["drift"]["spin"]
+            .as_f64()
+            .is_some_and(|drift| drift < 19.0 * 1e-14)
+    );
+    assert!(
+        json["drift"]["energy"]
+            .as_f64()
+            .is_some_and(|drift| drift > 0.0)
+    );
+    assert!(
+        json["solver"]["evaluations_per_step"]
+            .as_f64()
+            .is_some_and(|mean| mean >= 1.0)
+    );
+    assert_eq!(json["solver"]["failures"], 0);
+    said.says(&[
+        "largest drift",
+        "energy",
+        "spin",
+        "report   runs/scene/report.html",
+    ]);
+    let directory = json["run_directory"].as_str().expect("a path");
+    for file in [
+        "scene.toml",
+        "manifest.json",
+        "samples.csv",
+        "windows.csv",
+        "checkpoint.bin",
+        "report.html",
+    ] {
+        assert!(here.path(directory).join(file).is_file(), "{file}");
+    }
+    // Steps 0, 3, …, 39 and the last one.
+    assert_eq!(
+        here.read("runs/scene/samples.csv").lines().count(),
+        1 + 14 + 1
+    );
+    assert_eq!(here.read("runs/scene/scene.toml"), BODY);
+}
+
+#[test]
+fn overrides_are_run_and_stored() {
+    let here = Place::with(BODY);
+    let said = here.leafwise(&[
+        "run",
+        "scene.toml",
+        "--set",
+        "run.steps=7",
+        "--set",
+        "method.dynamics.order=4",
+        "--out",
+        "elsewhere",
+        "--quiet",
+    ]);
+    assert_eq!(
+        (said.code, said.err.as_str(), said.out.as_str()),
+        (Some(0), "", "")
+    );
+    let stored = here.read("elsewhere/scene.toml");
+    assert!(
+        stored.contains("steps   = 7") && stored.contains("order = 4 }\ntime-step"),
+        "{stored}"
+    );
+    let said = here.leafwise(&["run", "scene.toml", "--set", "method.epsilonn=1"]);
+    assert_eq!(said.code, Some(3));
+    said.says(&["did you mean `epsilon`?"]);
+    let said = here.leafwise(&["run", "scene.toml", "--set", "system.parameters.I22=1"]);
+    assert_eq!(said.code, Some(3));
+    said.says(&["unknown parameter `I22`", "did you mean `I2`?"]);
+    let said = here.leafwise(&["run", "scene.toml", "--set", "run.steps"]);
+    assert_eq!(said.code, Some(2));
+}
+
+#[test]
+fn a_finished_run_is_told_again_or_continued_and_another_is_refused() {
+    let here = Place::with(BODY);
+    let first = here.leafwise(&["run", "scene.toml", "--json"]);
+    assert_eq!(first.code, Some(0));
+    let before = here.read("runs/scene/manifest.json");
+    let again = here.leafwise(&["run", "scene.toml", "--json"]);
+    assert_eq!(again.code, Some(0), "{}", again.err);
+    again.says(&["had come to its end before", "largest drift", "--force"]);
+    assert_eq!(again.json(), first.json());
+    assert_eq!(here.read("runs/scene/manifest.json"), before);
+    let other = ["run", "scene.toml", "--set", "method.time-step=0.2"];
+    let said = here.leafwise(&other);
+    assert_eq!(said.code, Some(2));
+    said.says(&[
+        "has finished",
+        "method.time-step: 0.1 → 0.2",
+        "--force",
+        "--out",
+    ]);
+    assert_eq!(here.read("runs/scene/manifest.json"), before);
+    let longer = here.leafwise(&["run", "scene.toml", "--set", "run.steps=50", "--json"]);
+    assert_eq!(longer.code, Some(0), "{}", longer.err);
+    longer.says(&["resumed at step 40"]);
+    assert_eq!(longer.json()["steps"], 50);
+    let shorter = here.leafwise(&["run", "scene.toml"]);
+    assert_eq!(shorter.code, Some(2));
+    shorter.says(&[
+        "has made 50 steps, and 40 are asked for",
+        "--force",
+        "--out",
+    ]);
+    let said = here.leafwise(&[&other[..], &["--force"]].concat());
+    assert_eq!(said.code, Some(0), "{}", said.err);
+}
+
+/// The folder where the program runs is a folder as any other.
+#[test]
+fn an_empty_path_does_not_take_a_folder_with_files() {
+    let here = Place::with(&BODY.replace("[run]\n", "[run]\nout = \"\"\n"));
+    for name in ["samples.csv", "report.html"] {
+        here.write(name, "mine");
+    }
+    let scene = here.read("scene.toml");
+    for arguments in [
+        &["run", "scene.toml"][..],
+        &["run", "scene.toml", "--force"],
+    ] {
+        let said = here.leafwise(arguments);
+        assert_eq!(said.code, Some(2), "{}", said.err);
+        said.says(&["is not a run directory", "--out"]);
+        assert_eq!(here.read("scene.toml"), scene);
+        assert_eq!(
+            here.read("samples.csv") + &here.read("report.html"),
+            "minemine"
+        );
+        assert!(!here.path(".lock").exists());
+    }
+}
+
+#[test]
+fn a_scene_whose_name_is_a_dot_has_a_folder_of_its_own() {
+    let here = Place::new();
+    here.write("..toml", BODY);
+    let said = here.leafwise(&["run", "..toml", "--json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert_eq!(said.json()["run_directory"], "runs/scene");
+}
+
+/// A whole number that TOML does not hold is no text.
+#[test]
+fn an_override_beyond_the_whole_numbers_says_so() {
+    let here = Place::with(BODY);
+    let said = here.leafwise(&[
+        "run",
+        "scene.toml",
+        "--set",
+        "run.steps=18446744073709551615",
+    ]);
+    assert_eq!(said.code, Some(3));
+    said.says(&["larger than any whole number", "9223372036854775807"]);
+    assert!(here.is_untouched());
+}
+
+#[test]
+fn explain_counts_the_operations_of_every_kernel() {
+    let here = Place::with(&BODY.replace("order = 2", "order = 8"));
+    let said = here.leafwise(&["run", "scene.toml", "--explain"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    said.says(&[
+        "linear (Lie-Poisson)",
+        "S_7",
+        "Step kernel of dS",
+        "Newton iteration",
+        "to first step",
+    ]);
+    let line = said
+        .err
+        .lines()
+        .find(|line| line.contains("Step kernel of dS"))
+        .expect("a line");
+    let count: usize = line
+        .split_whitespace()
+        .find_map(|word| word.parse().ok())
+        .expect("a number of operations");
+    assert!(count <= 200, "{line}");
+}
+
+/// As a user runs them: the whole of each, seconds together.
+#[test]
+fn every_scene_of_the_gallery_passes_its_check_and_runs_to_its_end() {
+    let scenes = gallery();
+    assert!(scenes.len() >= 12);
+    for scene in scenes {
+        let here = Place::new();
+        let path = scene.to_str().expect("UTF-8");
+        let said = here.leafwise(&["check", path]);
+        assert_eq!(said.code, Some(0), "{path}\n{}{}", said.out, said.err);
+        let text = std::fs::read_to_string(&scene).expect("a scene");
+        let steps = text.lines().find_map(|line| {
+            let (key, value) = line.split_once('=')?;
+            (key.trim() == "steps").then(|| value.trim().parse::<u64>().expect("a number"))
+        });
+        let said = here.leafwise(&["run", path, "--json"]);
+        assert_eq!(said.code, Some(0), "{path}\n{}", said.err);
+        assert_eq!(said.json()["outcome"], "done", "{path}");
+        assert_eq!(said.json()["steps"].as_u64(), steps, "{path}");
+        if text.contains("[ensemble]") {
+            let said = here.leafwise(&["ensemble", path, "--out", "members", "--json"]);
+            assert_eq!(said.code, Some(0), "{path}\n{}", said.err);
+            assert_eq!(said.json()["failed"], 0, "{path}");
+        }
+    }
+}
+
+/// Recorded formulas are drawn under their names; of several bodies, the orbit of the first.
+#[test]
+fn recorded_formulas_and_the_first_body_are_drawn() {
+    let here = Place::new();
+    let vortices = include_str!("../../../../scenes/point_vortices.toml");
+    let (before, _) = vortices.split_once("record").expect("a record");
+    let record =
+        "record = { every = 10, observables = [\"energy\", { radius = \"x1^2 + y1^2\" }] }\n";
+    here.write("scene.toml", &format!("{before}{record}"));
+    let said = here.leafwise(&["run", "scene.toml", "--set", "run.steps=200"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let page = here.read("runs/scene/report.html");
+    assert!(page.contains("radius at the recorded states."));
+    assert!(page.contains("Phase plane (x1, y1)"));
+    let samples = here.read("runs/scene/samples.csv");
+    assert!(
+        samples
+            .lines()
+            .next()
+            .is_some_and(|header| header.ends_with(",energy,radius"))
+    );
+}

@@ -1,0 +1,199 @@
+//! Where a scene asks for more than it uses or for less than it needs, measured at states of the
+//! run; each with the one line to change.
+//!
+//! - `probe`: the method at those states;
+//! - `truncation`: a truncation order above what a step can feel;
+//! - `dynamics`: terms of the generating function below the realization's own error;
+//! - `chart`: a step that nearly leaves the chart;
+//! - `solutions`: a step whose equation has several solutions inside it;
+//! - `defect`: a truncated realization that hardly keeps the tensor;
+//! - `direction`: Hamilton's equations that run backwards in time;
+//! - `energy`: an energy that is kept badly;
+//! - `exact`: an exact realization that costs no more;
+//! - `rounding`: a step that the state's round-off decides;
+//! - `step`: a step that is too long for its order, a tolerance that is too loose;
+//! - `stepper`: a stepper that is no Poisson map where splitting is one for no more, stages that no step
+//!   feels;
+//! - `unused`: parameters that nothing depends on;
+//! - `trial`: what a step map does over the first steps;
+//! - `walk`: trajectories by their increments.
+
+mod chart;
+mod defect;
+mod direction;
+mod dynamics;
+mod energy;
+mod exact;
+mod probe;
+mod rounding;
+mod solutions;
+mod step;
+mod stepper;
+mod trial;
+mod truncation;
+mod unused;
+mod walk;
+
+use leafwise_core::{Integrator, Registry};
+use serde::Serialize;
+
+pub(crate) use energy::EnergyError;
+use leafwise_scene::compose::ComposedRun;
+use probe::Probe;
+pub use unused::unused_parameters;
+
+/// One thing to change.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Advice {
+    /// What kind it is, for programs.
+    pub kind: AdviceKind,
+    /// What was measured.
+    pub message: String,
+    /// The line of the scene to write instead, or two.
+    pub change: String,
+}
+
+/// Message and change of each, for a page.
+pub(crate) fn lines(advice: &[Advice]) -> Vec<(String, String)> {
+    let line = |advice: &Advice| (advice.message.clone(), advice.change.clone());
+    advice.iter().map(line).collect()
+}
+
+/// The kinds of advice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AdviceKind {
+    /// A truncation order above what a step can feel.
+    TruncationOrder,
+    /// Terms of the generating function below the realization's own error.
+    DynamicsOrder,
+    /// A chart that is nearly used up.
+    Chart,
+    /// Several solutions inside the chart.
+    SeveralSolutions,
+    /// A truncated realization that hardly keeps the tensor.
+    RealizationDefect,
+    /// An exact realization that costs no more and was not taken.
+    ExactRealization,
+    /// A stepper that is no Poisson map, where splitting is one and costs no more.
+    NoPoissonMap,
+    /// Stages that no step feels.
+    Stages,
+    /// A step that is too long for its order, or a tolerance that is too loose.
+    CoarseStep,
+    /// A step that the state's round-off decides.
+    RoundOff,
+    /// A recorded formula without a finite value at some samples.
+    UndefinedObservable,
+    /// Hamilton's equations that run backwards in time.
+    BackwardTime,
+    /// An error of the energy that is a large part of its scale along the orbit.
+    EnergyError,
+    /// A parameter that no formula names.
+    UnusedParameter,
+}
+
+/// The most states that are looked at.
+pub const MOST_STATES: usize = 8;
+
+/// The most steps between two states that are looked at before a run.
+const MOST_STRIDE: u64 = 64;
+
+/// States of more coordinates than this are not looked at: the alternatives are built and solved
+/// densely.
+const LARGEST: usize = 64;
+
+/// The initial state and some that the run's first steps lead to: where a method is judged before it
+/// has run.
+pub fn states_ahead(run: &ComposedRun) -> Vec<Vec<f64>> {
+    states_from(run, &run.plan.initial, MOST_STATES)
+}
+
+/// `x` and some states that the run's method leads to from there, `count` at most.
+pub(crate) fn states_from(run: &ComposedRun, x: &[f64], count: usize) -> Vec<Vec<f64>> {
+    let mut states = vec![x.to_vec()];
+    if run.dimension() > LARGEST {
+        return states;
+    }
+    let parameters = run.system.parameter_values();
+    let (epsilon, h) = (run.plan.epsilon, run.plan.h);
+    let mut integrator = Integrator::new(run.method.map(), &parameters, epsilon, h, x);
+    let stride = (run.plan.steps / count as u64).clamp(1, MOST_STRIDE);
+    while states.len() < count {
+        if (0..stride).any(|_| integrator.step().is_err()) {
+            break;
+        }
+        states.push(integrator.state().to_vec());
+    }
+    states
+}
+
+/// `x` and the states that the run's method leads to from there with these parameters, one a step,
+/// `count` at most.
+pub(crate) fn orbit_from(
+    run: &ComposedRun,
+    parameters: &[f64],
+    x: &[f64],
+    count: u64,
+) -> Vec<Vec<f64>> {
+    let (epsilon, h) = (run.plan.epsilon, run.plan.h);
+    let mut integrator = Integrator::new(run.method.map(), parameters, epsilon, h, x);
+    let mut states = vec![x.to_vec()];
+    for _ in 0..count {
+        if integrator.step().is_err() {
+            break;
+        }
+        states.push(integrator.state().to_vec());
+    }
+    states
+}
+
+/// What to change in a scene, judged at `states` of its run; nothing that cannot be measured.
+pub fn advise(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>]) -> Vec<Advice> {
+    let mut advice: Vec<Advice> = direction::advice(run).into_iter().collect();
+    advice.extend(about_the_method(run, registry, states));
+    advice
+}
+
+/// What to change about the method; nothing for a long lattice.
+fn about_the_method(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>]) -> Vec<Advice> {
+    if run.dimension() > LARGEST {
+        return Vec::new();
+    }
+    let coarse = step::advice(run, registry, states);
+    let coarse = coarse.or_else(|| rounding::advice(run, states)).into_iter();
+    if run.method.written().is_none() {
+        return coarse
+            .chain(stepper::advice(run, registry, states))
+            .collect();
+    }
+    let Some(mut probe) = Probe::new(run, registry, states) else {
+        return coarse.collect();
+    };
+    let mut advice: Vec<Advice> = [
+        solutions::advice,
+        chart::advice,
+        exact::advice,
+        truncation::advice,
+        dynamics::advice,
+    ]
+    .iter()
+    .filter_map(|advice| advice(&mut probe))
+    .collect();
+    // Beside a better realization or a smaller step it would say the same again.
+    if advice.is_empty() {
+        advice.extend(defect::advice(&mut probe));
+    }
+    advice.extend(coarse);
+    advice
+}
+
+/// A number with two digits.
+fn number(value: f64) -> String {
+    if (1e-2..1e4).contains(&value.abs()) {
+        let digits = usize::from(value.abs() < 10.0) + usize::from(value.abs() < 1.0);
+        format!("{value:.digits$}")
+    } else {
+        format!("{value:.1e}")
+    }
+}

@@ -1,0 +1,174 @@
+//! Steps that are too long, and tolerances of adaptive steppers that are too loose: finer ones lead elsewhere.
+
+use std::sync::Arc;
+
+use leafwise_core::{Registry, StepError, StepMap};
+
+use super::probe::given;
+use super::walk::{Walk, difference};
+use super::{Advice, AdviceKind, number};
+use leafwise_scene::compose::{ComposedRun, PartChoice};
+
+/// The part of a step's motion that halving it may change. A method of order m then errs by about (2ᵐ − 1)⁻¹ of it, and
+/// its error falls as its order says, or nearly so; above, neither is known.
+const COARSE: f64 = 0.1;
+
+/// The part of the motion over the run's [`FIRST`] steps that finer ones, or still finer ones, may change:
+/// steps each a little too long err by as much as they move.
+const ASTRAY: f64 = 0.25;
+
+/// Steps that are followed from the initial state.
+const FIRST: u64 = 4;
+
+/// What a tolerance is multiplied by.
+const TIGHTER: f64 = 1e-2;
+
+/// The least tolerance.
+const LEAST: f64 = 1e-14;
+
+/// Where one step and a finer one, at the run's states, or its first steps and finer ones of two kinds differ by
+/// more, or the finer ones fail. Finer are two of half a step's length and four of a quarter; of a stepper with
+/// a tolerance, which chooses its substeps itself, tolerances of a hundredth, twice. Its errors may not exceed
+/// the root of the tolerance either.
+pub(super) fn advice(
+    run: &ComposedRun,
+    registry: &Registry,
+    states: &[Vec<f64>],
+) -> Option<Advice> {
+    let finer = Finer::of(run, registry);
+    let message = states.iter().find_map(|x| finer.over_one_step(x));
+    let message = message.or_else(|| finer.over_the_first())?;
+    Some(Advice {
+        kind: AdviceKind::CoarseStep,
+        message,
+        change: tighten(run).unwrap_or_else(|| half_the_step(run)),
+    })
+}
+
+/// The line that halves the step.
+pub(super) fn half_the_step(run: &ComposedRun) -> String {
+    // ε·h with the digits that were written: 0.1·0.3 is 0.03.
+    let half = 0.5 * run.plan.epsilon * run.plan.h;
+    let short: f64 = format!("{half:.12e}").parse().unwrap_or(half);
+    format!("time-step = {short:?}")
+}
+
+/// The line with a hundredth of the stepper's tolerance, where it has one.
+pub(super) fn tighten(run: &ComposedRun) -> Option<String> {
+    let (stepper, tolerance) = adaptive(run)?;
+    let tighter = tighter(tolerance);
+    let name = stepper.name;
+    Some(format!(
+        "stepper = {{ name = \"{name}\", tolerance = {tighter:?} }}"
+    ))
+}
+
+fn tighter(tolerance: f64) -> f64 {
+    let tighter = (TIGHTER * tolerance).max(LEAST);
+    format!("{tighter:.12e}").parse().unwrap_or(tighter)
+}
+
+/// The run's stepper with a tolerance.
+fn adaptive(run: &ComposedRun) -> Option<(&PartChoice, f64)> {
+    let mut parts = run.plan.parts.iter();
+    parts.find_map(|part| Some((part, part.tolerance()?)))
+}
+
+/// The run's map, and its stepper with a hundredth of its tolerance and that of this.
+struct Finer<'a> {
+    run: &'a ComposedRun,
+    tighter: Option<[Arc<dyn StepMap>; 2]>,
+    /// The root of the tolerance, of which errors within it stay far below; infinite without one.
+    outgrown: f64,
+}
+
+impl<'a> Finer<'a> {
+    fn of(run: &'a ComposedRun, registry: &Registry) -> Self {
+        let tighter = adaptive(run).and_then(|(stepper, tolerance)| {
+            let part = registry.stepper(stepper.name).ok()?;
+            let with = |tolerance: f64| {
+                let given = given(stepper).with("tolerance", tolerance);
+                part.build(&run.system, &given).ok()
+            };
+            let first = tighter(tolerance);
+            Some([with(first)?, with(tighter(first))?])
+        });
+        let tolerance = adaptive(run).map(|(_, tolerance)| tolerance);
+        let outgrown = tolerance.map_or(f64::INFINITY, libm::sqrt);
+        Self {
+            run,
+            tighter,
+            outgrown,
+        }
+    }
+
+    /// From x: the run's steps, finer ones and still finer ones.
+    fn walks(&self, x: &[f64]) -> [Walk; 3] {
+        let (run, own) = (self.run, self.run.method.map());
+        match &self.tighter {
+            None => [1, 2, 4].map(|parts| Walk::new(run, own, x, parts)),
+            Some([first, second]) => {
+                [own, first.as_ref(), second.as_ref()].map(|map| Walk::new(run, map, x, 1))
+            }
+        }
+    }
+
+    fn over_one_step(&self, x: &[f64]) -> Option<String> {
+        let [mut whole, mut finer, _] = self.walks(x);
+        whole.advance().ok()?;
+        if let Err(error) = finer.advance() {
+            return self.refusal(
+                "a step is taken, and two of half its length are not",
+                &error,
+            );
+        }
+        let part = difference(x, &whole.increment, &finer.increment);
+        (part > self.outgrown.min(COARSE)).then(|| match self.tighter {
+            None => format!(
+                "a step is too long for its order: two of half its length change a coordinate's motion by {} of it",
+                number(part)
+            ),
+            Some(_) => format!(
+                "errors outgrow the stepper's tolerance: a hundredth of it changes a coordinate's motion over one step \
+                 by {} of it",
+                number(part)
+            ),
+        })
+    }
+
+    fn over_the_first(&self) -> Option<String> {
+        let x = &self.run.plan.initial;
+        let [mut whole, mut finer, mut finest] = self.walks(x);
+        for step in 1..=FIRST.min(self.run.plan.steps) {
+            whole.advance().ok()?;
+            if let Err(error) = finer.advance().and_then(|()| finest.advance()) {
+                let what = format!(
+                    "the first {step} steps are taken, and those of half or a quarter of their length are not"
+                );
+                return self.refusal(&what, &error);
+            }
+            let part = difference(x, &whole.increment, &finer.increment);
+            let part = part.max(difference(x, &finer.increment, &finest.increment));
+            if part > self.outgrown.min(ASTRAY) {
+                let part = number(part);
+                return Some(match self.tighter {
+                    None => format!(
+                        "steps are too long for their order: over the first {step}, those of half or a quarter of \
+                         their length change a coordinate's motion by {part} of it"
+                    ),
+                    Some(_) => format!(
+                        "errors outgrow the stepper's tolerance: a hundredth of it, or of that, changes a coordinate's \
+                         motion over the first {step} steps by {part} of it"
+                    ),
+                });
+            }
+        }
+        None
+    }
+
+    /// Shorter steps that fail say something of the step; substeps of a smaller tolerance may be too many.
+    fn refusal(&self, what: &str, error: &StepError) -> Option<String> {
+        let is_told = self.tighter.is_none();
+        is_told.then(|| format!("{what}: {error}"))
+    }
+}

@@ -1,0 +1,73 @@
+//! Parameters that nothing depends on.
+
+use super::{Advice, AdviceKind};
+use leafwise_scene::document::{BracketSpec, InitialSpec, ParameterValue, SceneDocument};
+
+/// A warning of each parameter that stands in no formula of the scene; those of library systems are not
+/// looked at.
+pub fn unused_parameters(document: &SceneDocument) -> Vec<Advice> {
+    let system = &document.system;
+    if system.library.is_some() {
+        return Vec::new();
+    }
+    let formulas = formulas(document);
+    let is_used = |name: &str| formulas.iter().any(|formula| names(formula, name));
+    let declared = system.parameters.iter().map(|(name, _)| &name.value);
+    let unused = declared.filter(|name| !is_used(name));
+    unused
+        .map(|name| Advice {
+            kind: AdviceKind::UnusedParameter,
+            message: format!("nothing depends on the parameter `{name}`: no formula names it"),
+            change: format!(
+                "`{name}` into the formula that it is meant for, or out of [system] parameters"
+            ),
+        })
+        .collect()
+}
+
+/// Every text of a scene that may name a parameter.
+fn formulas(document: &SceneDocument) -> Vec<&str> {
+    let system = &document.system;
+    let mut formulas = vec![system.hamiltonian.value.as_str()];
+    match &system.bracket.value {
+        BracketSpec::Entries(entries) => {
+            formulas.extend(entries.iter().map(|(_, f)| f.value.as_str()))
+        }
+        BracketSpec::MagneticField(field) => {
+            formulas.extend(field.iter().map(|f| f.value.as_str()))
+        }
+        BracketSpec::LieAlgebra(_) | BracketSpec::LogCanonical(_) => {}
+    }
+    formulas.extend(system.casimirs.iter().map(|(_, f)| f.value.as_str()));
+    let ensemble = document.ensemble.iter();
+    let records = ensemble.map(|ensemble| &ensemble.record);
+    for record in records.chain([&document.run.record]) {
+        formulas.extend(record.observables.iter().map(|o| o.formula.value.as_str()));
+    }
+    if let InitialSpec::Fields(fields) = &document.run.initial.value {
+        formulas.extend(fields.iter().map(|(_, f)| f.value.as_str()));
+    }
+    let method = &document.method;
+    let parts = [
+        &method.realization,
+        &method.dynamics,
+        &method.composition,
+        &method.stepper,
+    ];
+    for (_, value) in parts
+        .into_iter()
+        .flatten()
+        .flat_map(|part| &part.parameters)
+    {
+        if let ParameterValue::Text(text) = &value.value {
+            formulas.push(text);
+        }
+    }
+    formulas
+}
+
+/// Whether a formula has this name among its words.
+fn names(formula: &str, name: &str) -> bool {
+    let is_inside = |c: char| c.is_alphanumeric() || c == '_' || c == '\'';
+    formula.split(|c| !is_inside(c)).any(|word| word == name)
+}

@@ -1,0 +1,430 @@
+//! The step loop.
+
+use std::time::{Duration, Instant};
+
+use leafwise_core::{Integrator, SolverStatistics};
+
+use super::appended::Vouched;
+use super::checkpoint::Checkpoint;
+use super::directory::RunDirectory;
+use super::error::RunError;
+use super::invariants::{Functions, Windows};
+use super::outcome::{Failure, RunOutcome};
+use super::progress::{Progress, Status};
+use super::samples::Samples;
+use super::snapshots::Snapshots;
+use super::states::StateTable;
+use crate::csv::Headings;
+use leafwise_scene::compose::{ComposedRun, Observable, WIDEST_STATE};
+
+/// How often waiting samples are handed to the operating system.
+const FLUSH_EVERY: Duration = Duration::from_millis(200);
+
+/// Coordinates stepped between two looks at the clock: about a millisecond's work.
+const COORDINATES_A_LOOK: usize = 4096;
+
+/// A run between two looks at the clock.
+pub(super) struct Session<'a> {
+    run: &'a ComposedRun,
+    directory: &'a RunDirectory,
+    checkpoint_every: Duration,
+    integrator: Integrator,
+    invariants: Functions,
+    formulas: Functions,
+    columns: Vec<Column>,
+    row: Vec<f64>,
+    windows: Windows,
+    samples: Samples,
+    /// States that are too wide for samples.
+    states: Option<StateTable>,
+    shown: Vec<f64>,
+    snapshots: Snapshots,
+    last_sample: Option<u64>,
+    undefined: Vec<u64>,
+    before: SolverStatistics,
+    wall: Duration,
+}
+
+/// Where a recorded value comes from.
+#[derive(Clone, Copy)]
+enum Column {
+    Invariant(usize),
+    Formula(usize),
+    Coordinate(usize),
+}
+
+impl<'a> Session<'a> {
+    /// The first session of a run: its initial state is recorded, and a checkpoint written.
+    pub fn begin(
+        run: &'a ComposedRun,
+        directory: &'a RunDirectory,
+        checkpoint_every: Duration,
+    ) -> Result<Self, RunError> {
+        let samples = Samples::create(&directory.path, &header(run))?;
+        let mut session = Self::new(run, directory, checkpoint_every, samples)?;
+        if let Some(width) = wide(run) {
+            session.states = Some(StateTable::create(&directory.path, width)?);
+        }
+        session.record()?;
+        session.samples.publish(&directory.path)?;
+        session.checkpoint()?;
+        Ok(session)
+    }
+
+    /// The next session of a run; no file is changed before [`go_on`](Self::go_on).
+    pub fn resume(
+        run: &'a ComposedRun,
+        directory: &'a RunDirectory,
+        checkpoint: &Checkpoint,
+        checkpoint_every: Duration,
+    ) -> Result<Self, RunError> {
+        let damaged = |reason: String| RunError::Damaged {
+            file: directory.path.join(super::checkpoint::FILE),
+            reason,
+        };
+        let (vouched, count) = (&checkpoint.vouched, checkpoint.samples);
+        let samples = Samples::resume(&directory.path, vouched, count)?;
+        let mut session = Self::new(run, directory, checkpoint_every, samples)?;
+        if let Some(width) = wide(run) {
+            session.states = Some(StateTable::resume(
+                &directory.path,
+                width,
+                &checkpoint.states,
+            )?);
+        }
+        session
+            .integrator
+            .restore(&checkpoint.integrator)
+            .map_err(|expected| damaged(format!("its lists should have {expected} numbers")))?;
+        if checkpoint.windows.initial.len() != session.windows.initial.len()
+            || checkpoint.undefined.len() != session.undefined.len()
+        {
+            return Err(damaged("it is of another system".to_owned()));
+        }
+        let (made, asked) = (checkpoint.integrator.steps, run.plan.steps);
+        if made > asked {
+            return Err(RunError::Shortened {
+                directory: directory.path.clone(),
+                made,
+                asked,
+            });
+        }
+        session.windows = checkpoint.windows.clone();
+        session.snapshots = checkpoint.snapshots.clone();
+        session.last_sample = checkpoint.last_sample;
+        session.undefined.clone_from(&checkpoint.undefined);
+        session.before = checkpoint.statistics;
+        session.wall = Duration::try_from_secs_f64(checkpoint.wall_seconds).unwrap_or_default();
+        Ok(session)
+    }
+
+    fn new(
+        run: &'a ComposedRun,
+        directory: &'a RunDirectory,
+        checkpoint_every: Duration,
+        samples: Samples,
+    ) -> Result<Self, RunError> {
+        let plan = &run.plan;
+        let mut invariants = Functions::invariants(run)?;
+        let formulas = Functions::formulas(run)?;
+        let mut columns = Vec::with_capacity(plan.observables.len());
+        let mut formula = 0;
+        for observable in &plan.observables {
+            columns.push(match observable {
+                Observable::Invariant { index, .. } => Column::Invariant(*index),
+                Observable::Formula { .. } => {
+                    formula += 1;
+                    Column::Formula(formula - 1)
+                }
+                Observable::Coordinate { index, .. } => Column::Coordinate(*index),
+            });
+        }
+        let parameters = run.system.parameter_values();
+        let (map, epsilon, h) = (run.method.map(), plan.epsilon, plan.h);
+        Ok(Self {
+            run,
+            directory,
+            checkpoint_every,
+            integrator: Integrator::new(map, &parameters, epsilon, h, &plan.initial),
+            windows: Windows::new(invariants.at(&plan.initial)),
+            invariants,
+            formulas,
+            row: vec![0.0; columns.len()],
+            columns,
+            samples,
+            states: None,
+            shown: Vec::new(),
+            snapshots: Snapshots::new(),
+            last_sample: None,
+            undefined: vec![0; formula],
+            before: SolverStatistics::default(),
+            wall: Duration::ZERO,
+        })
+    }
+
+    /// Prepares the files of an earlier session for more steps; `has_same_plan` unless the run is to
+    /// become longer.
+    pub fn go_on(&mut self, has_same_plan: bool) -> Result<(), RunError> {
+        if let Some(states) = &mut self.states {
+            states.go_on(has_same_plan)?;
+        }
+        self.samples.go_on(has_same_plan)
+    }
+
+    /// Whether all steps were made.
+    pub fn is_at_end(&self) -> bool {
+        self.integrator.steps() == self.run.plan.steps
+    }
+
+    /// Takes up the end of a run that has come to it before; no file is changed.
+    ///
+    /// # Errors
+    /// [`RunError::Damaged`] where a file does not end with the run's last row.
+    pub fn repeat_end(&mut self) -> Result<(), RunError> {
+        // The row waits, and is never handed over: the files have it.
+        if let Some(states) = &mut self.states {
+            states.freeze();
+        }
+        self.record()?;
+        self.states
+            .as_mut()
+            .map_or(Ok(()), StateTable::confirm_end)?;
+        self.samples.confirm_end()
+    }
+
+    /// Steps to the end of the plan, to a failure, or until interrupted.
+    ///
+    /// Done or interrupted, the checkpoint holds the last state. Failed, it stays behind: should
+    /// the program be killed before it has said how the run ended, the next session comes to the
+    /// same failure with the same counts.
+    pub fn drive(&mut self, progress: &mut dyn Progress) -> Result<RunOutcome, RunError> {
+        let total = self.run.plan.steps;
+        let stride = (COORDINATES_A_LOOK / self.run.dimension().max(1)).max(1);
+        let (mut flushed, mut saved) = (Instant::now(), Instant::now());
+        let mut failure = self.check_values();
+        let outcome = loop {
+            let started = Instant::now();
+            for _ in 0..stride {
+                if failure.is_some() || self.integrator.steps() >= total {
+                    break;
+                }
+                failure = self.step()?;
+            }
+            self.wall += started.elapsed();
+            progress.show(&self.status());
+            if let Some(failure) = failure {
+                break RunOutcome::Failed(failure);
+            }
+            if self.integrator.steps() >= total {
+                break RunOutcome::Done;
+            }
+            if progress.is_interrupted() {
+                break RunOutcome::Interrupted;
+            }
+            if saved.elapsed() >= self.checkpoint_every {
+                self.checkpoint()?;
+                (flushed, saved) = (Instant::now(), Instant::now());
+            } else if flushed.elapsed() >= FLUSH_EVERY {
+                self.states.as_mut().map_or(Ok(()), StateTable::flush)?;
+                self.samples.flush()?;
+                flushed = Instant::now();
+            }
+        };
+        // The last state is a sample, if the plan's grid has it or not. The checkpoint does not count
+        // one off the grid: a run that goes on leaves the same file as one that never stopped.
+        if !matches!(outcome, RunOutcome::Failed(_)) {
+            self.checkpoint()?;
+        }
+        if outcome != RunOutcome::Interrupted {
+            self.record()?;
+            self.states.as_mut().map_or(Ok(()), StateTable::end)?;
+            self.samples.end()?;
+        }
+        Ok(outcome)
+    }
+
+    /// One step with its observers.
+    fn step(&mut self) -> Result<Option<Failure>, RunError> {
+        if let Err(error) = self.integrator.step() {
+            let (steps, time) = (self.integrator.steps(), self.integrator.time());
+            let mut failure = Failure::of_step(&error, steps, time, self.integrator.state());
+            failure.of_parts(&self.run.plan.parts);
+            return Ok(Some(failure));
+        }
+        let values = self.invariants.at(self.integrator.state());
+        let is_finite = values.iter().all(|value| value.is_finite());
+        if is_finite {
+            let (before, integrator) = (&self.before, &self.integrator);
+            self.windows.push(values, || {
+                before.evaluations + integrator.statistics().evaluations
+            });
+        }
+        if self.integrator.steps().is_multiple_of(self.run.plan.every) {
+            self.record()?;
+        }
+        Ok(if is_finite { None } else { self.check_values() })
+    }
+
+    /// A failure where the energy or a Casimir has no finite value.
+    fn check_values(&mut self) -> Option<Failure> {
+        let values = self.invariants.at(self.integrator.state());
+        let at = values.iter().position(|value| !value.is_finite())?;
+        let name = invariant_name(self.run, at);
+        let (steps, time) = (self.integrator.steps(), self.integrator.time());
+        Some(Failure::of_observable(
+            name,
+            steps,
+            time,
+            self.integrator.state(),
+        ))
+    }
+
+    /// Records the present state, once.
+    fn record(&mut self) -> Result<(), RunError> {
+        let steps = self.integrator.steps();
+        if self.last_sample == Some(steps) {
+            return Ok(());
+        }
+        let state = self.integrator.state();
+        let invariants = self.invariants.at(state);
+        let formulas = self.formulas.at(state);
+        for (count, value) in self.undefined.iter_mut().zip(formulas) {
+            *count += u64::from(!value.is_finite());
+        }
+        for (value, column) in self.row.iter_mut().zip(&self.columns) {
+            *value = match *column {
+                Column::Invariant(index) => invariants[index],
+                Column::Formula(index) => formulas[index],
+                Column::Coordinate(index) => state[index],
+            };
+        }
+        let recorded = self.run.plan.states.coordinates().map(|at| state[at]);
+        self.shown.clear();
+        match &mut self.states {
+            Some(states) => states.push(recorded)?,
+            None => self.shown.extend(recorded),
+        }
+        self.samples
+            .push(self.integrator.time(), &self.shown, &self.row)?;
+        if let Some(geometry) = self.run.method.lattice()
+            && state.len() > WIDEST_STATE
+        {
+            self.snapshots.push(geometry, self.integrator.time(), state);
+        }
+        self.last_sample = Some(steps);
+        Ok(())
+    }
+
+    fn checkpoint(&mut self) -> Result<(), RunError> {
+        let states = self.states.as_mut().map(StateTable::sync).transpose()?;
+        let vouched = self.samples.sync()?;
+        let checkpoint = Checkpoint {
+            integrator: self.integrator.checkpoint(),
+            statistics: self.statistics(),
+            wall_seconds: self.wall.as_secs_f64(),
+            vouched,
+            states: states.unwrap_or(Vouched::NOTHING),
+            samples: self.samples.count(),
+            last_sample: self.last_sample,
+            undefined: self.undefined.clone(),
+            windows: self.windows.clone(),
+            snapshots: self.snapshots.clone(),
+        };
+        checkpoint.write(&self.directory.path)
+    }
+
+    /// The solver's work, earlier sessions included.
+    pub fn statistics(&self) -> SolverStatistics {
+        self.before.and(self.integrator.statistics())
+    }
+
+    /// Where the run stands.
+    pub fn status(&self) -> Status {
+        Status {
+            steps: self.integrator.steps(),
+            total: self.run.plan.steps,
+            time: self.integrator.time(),
+            energy_drift: self.windows.largest().first().copied().unwrap_or(0.0),
+        }
+    }
+
+    /// The present state.
+    pub fn state(&self) -> &[f64] {
+        self.integrator.state()
+    }
+
+    /// The invariants' deviations.
+    pub fn windows(&self) -> &Windows {
+        &self.windows
+    }
+
+    /// Fields of a long lattice.
+    pub fn snapshots(&self) -> &Snapshots {
+        &self.snapshots
+    }
+
+    /// Samples recorded.
+    pub fn samples(&self) -> u64 {
+        self.samples.count()
+    }
+
+    /// For each recorded formula, its name and the samples at which it has no finite value.
+    pub fn undefined(&self) -> impl Iterator<Item = (&str, u64)> {
+        let observables = self.run.plan.observables.iter();
+        let formulas = observables.filter(|o| matches!(o, Observable::Formula { .. }));
+        formulas
+            .map(Observable::name)
+            .zip(self.undefined.iter().copied())
+    }
+
+    /// Seconds of integration, earlier sessions included.
+    pub fn wall_seconds(&self) -> f64 {
+        self.wall.as_secs_f64()
+    }
+}
+
+/// The number of recorded coordinates where they are too many for `samples.csv`.
+fn wide(run: &ComposedRun) -> Option<usize> {
+    let states = &run.plan.states;
+    (!states.are_in_samples()).then(|| states.width())
+}
+
+/// The name of the energy (0) or of a Casimir.
+pub(super) fn invariant_name(run: &ComposedRun, index: usize) -> &str {
+    match index.checked_sub(1) {
+        None => "energy",
+        Some(casimir) => run.system.casimir_names()[casimir],
+    }
+}
+
+/// The kind of an invariant, beside its name.
+fn invariant_kind(index: usize) -> &'static str {
+    if index == 0 { "Hamiltonian" } else { "Casimir" }
+}
+
+/// The first line of `samples.csv`.
+pub(super) fn header(run: &ComposedRun) -> String {
+    let mut headings = Headings::default();
+    headings.push("t", "time");
+    if run.plan.states.are_in_samples() {
+        headings.extend(run.plan.states.names(), "variable");
+    }
+    for observable in &run.plan.observables {
+        let kind = match observable {
+            Observable::Invariant { index, .. } => invariant_kind(*index),
+            Observable::Formula { .. } | Observable::Coordinate { .. } => "observable",
+        };
+        headings.push(observable.name(), kind);
+    }
+    headings.line()
+}
+
+/// The first line of `windows.csv`.
+pub(super) fn windows_header(run: &ComposedRun, invariants: usize) -> String {
+    let mut headings = Headings::default();
+    headings.push("t_end", "time");
+    for index in 0..invariants {
+        headings.push(invariant_name(run, index), invariant_kind(index));
+    }
+    headings.line()
+}

@@ -1,0 +1,89 @@
+//! What to change in the scene of an ensemble.
+
+use leafwise_core::Registry;
+
+use super::plan::ComposedEnsemble;
+use super::report::EnsembleReport;
+use super::tables::summaries;
+use crate::advice::{
+    Advice, AdviceKind, EnergyError, MOST_STATES, advise, orbit_from, states_from,
+    unused_parameters,
+};
+use crate::short;
+use leafwise_scene::document::SceneDocument;
+
+/// Members at whose states the method is judged.
+const JUDGED: u64 = 4;
+
+/// States of a member that tell how far its orbit reaches.
+const MOST_ORBIT_STATES: u64 = 1000;
+
+/// What an ensemble has shown: an energy kept badly, observables without a value.
+pub(super) fn measured(
+    document: &SceneDocument,
+    ensemble: &ComposedEnsemble,
+    report: &EnsembleReport,
+) -> Vec<Advice> {
+    let all = &report.reductions;
+    let mut advice = unused_parameters(document);
+    let worst = all.whole.first().filter(|energy| energy.maximum > 0.0);
+    let worst = worst.and_then(|energy| Some((energy, ensemble.population.draw(energy.member)?)));
+    if let Some((energy, (state, parameters))) = worst {
+        let worker = ensemble.invariants.worker(1, &parameters);
+        let values = worker.map(|mut worker| worker.at(&state).to_vec());
+        let initial = values.ok().and_then(|values| values.first().copied());
+        let error = EnergyError {
+            parameters: &parameters,
+            initial: initial.unwrap_or(0.0),
+            largest: energy.maximum,
+            whose: &format!(" of member {}", energy.member),
+        };
+        if error.is_notable() {
+            let steps = ensemble.run.plan.steps.min(MOST_ORBIT_STATES);
+            let states = orbit_from(&ensemble.run, &parameters, &state, steps);
+            advice.extend(error.advice(document, &ensemble.run, &states));
+        }
+    }
+    let names = ensemble.observables();
+    let mut told = vec![false; names.len()];
+    for (at, (steps, _, summary)) in summaries(ensemble, report).enumerate() {
+        let column = at % names.len();
+        if summary.undefined > 0 && !std::mem::replace(&mut told[column], true) {
+            advice.push(Advice {
+                kind: AdviceKind::UndefinedObservable,
+                message: format!(
+                    "`{}` has no finite value for {} of {} members, first at t = {}: the statistics are those of \
+                     the others",
+                    names[column],
+                    summary.undefined,
+                    all.done(),
+                    short(ensemble.time(steps))
+                ),
+                change: "observables = [a formula that has values there: no ln or root of a negative \
+                         number, no division by zero]"
+                    .to_owned(),
+            });
+        }
+    }
+    advice
+}
+
+/// What to change in the scene of an ensemble, judged at states of some of its members with the
+/// scene's own parameters; see [`advise`].
+pub fn advise_ensemble(ensemble: &ComposedEnsemble, registry: &Registry) -> Vec<Advice> {
+    let members = ensemble.population.members();
+    let judged = JUDGED.min(members);
+    let each = MOST_STATES / JUDGED as usize;
+    let states: Vec<Vec<f64>> = (0..judged)
+        .filter_map(|k| {
+            ensemble
+                .population
+                .draw((u128::from(k) * u128::from(members) / u128::from(judged)) as u64)
+        })
+        .flat_map(|(state, _)| states_from(&ensemble.run, &state, each))
+        .collect();
+    if states.is_empty() {
+        return Vec::new();
+    }
+    advise(&ensemble.run, registry, &states)
+}

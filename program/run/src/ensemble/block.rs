@@ -1,0 +1,323 @@
+//! A block of members, side by side, from their initial states to the end.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use leafwise_core::{BuildError, SideBySide, SolverStatistics};
+
+use super::observers::Worker;
+use super::plan::{Column, ComposedEnsemble};
+use super::population::NO_LEAF;
+use super::statistics::{MemberFailure, Reductions};
+use crate::Failure;
+
+/// Coordinates stepped between two looks at the flag: about a millisecond's work.
+const COORDINATES_A_LOOK: usize = 4096;
+
+/// What a block tells and is told while it runs.
+#[derive(Debug, Default)]
+pub(super) struct Signals {
+    /// Steps of all members.
+    pub steps: AtomicU64,
+    /// Whether blocks are to stop where they are.
+    pub stop: AtomicBool,
+}
+
+/// What the members of a block leave behind.
+pub(super) struct Record {
+    first: u64,
+    lanes: usize,
+    /// Observables at each time, for each lane.
+    samples: Vec<f64>,
+    /// The invariants' largest deviations in each window, for each lane.
+    windows: Vec<f64>,
+    /// The invariants at the initial states.
+    initial: Vec<f64>,
+    /// Initial states, last states and parameters, lane after lane.
+    pub initial_states: Vec<Vec<f64>>,
+    pub states: Vec<Vec<f64>>,
+    pub parameters: Vec<Vec<f64>>,
+    failures: Vec<Option<MemberFailure>>,
+    statistics: SolverStatistics,
+}
+
+/// Steps the members `first .. first + lanes`; `None` where it was told to stop.
+///
+/// # Errors
+/// [`BuildError`] where an observer cannot be made.
+pub(super) fn run(
+    ensemble: &ComposedEnsemble,
+    first: u64,
+    lanes: usize,
+    signals: &Signals,
+) -> Result<Option<Record>, BuildError> {
+    let mut block = Block::new(ensemble, first, lanes)?;
+    let total = ensemble.run.plan.steps;
+    let stride = (COORDINATES_A_LOOK / (lanes * ensemble.population.dimension())).max(1) as u64;
+    block.start();
+    let mut steps = 0;
+    while steps < total {
+        if signals.stop.load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        let until = total.min(steps + stride);
+        let before = steps;
+        while steps < until && block.integrator.living() > 0 {
+            steps += 1;
+            block.step(steps);
+        }
+        if block.integrator.living() == 0 {
+            signals
+                .steps
+                .fetch_add((total - before) * lanes as u64, Ordering::Relaxed);
+            break;
+        }
+        signals
+            .steps
+            .fetch_add((steps - before) * lanes as u64, Ordering::Relaxed);
+    }
+    Ok(Some(block.finish()))
+}
+
+struct Block<'a> {
+    ensemble: &'a ComposedEnsemble,
+    integrator: SideBySide,
+    invariants: Worker<'a>,
+    formulas: Worker<'a>,
+    record: Record,
+    /// The time and the window to be filled next.
+    sample: usize,
+    window: usize,
+    window_end: u64,
+    sampled: Vec<u64>,
+    window_ends: Vec<u64>,
+}
+
+impl<'a> Block<'a> {
+    fn new(ensemble: &'a ComposedEnsemble, first: u64, lanes: usize) -> Result<Self, BuildError> {
+        let plan = &ensemble.run.plan;
+        let shape = ensemble.shape();
+        let mut failures: Vec<Option<MemberFailure>> = (0..lanes).map(|_| None).collect();
+        let (mut states, mut parameters) = (Vec::new(), Vec::new());
+        for lane in 0..lanes {
+            let member = first + lane as u64;
+            let (state, own) = ensemble.population.draw(member).unwrap_or_else(|| {
+                failures[lane] = Some(MemberFailure {
+                    member,
+                    step: 0,
+                    time: 0.0,
+                    message: NO_LEAF.to_owned(),
+                    state: Vec::new(),
+                });
+                (plan.initial.clone(), ensemble.run.system.parameter_values())
+            });
+            states.push(state);
+            parameters.push(own);
+        }
+        let (initial, values) = (interleaved(&states), interleaved(&parameters));
+        let map = ensemble.run.method.map();
+        let integrator = SideBySide::new(map, lanes, &values, plan.epsilon, plan.h, &initial);
+        let window_ends = ensemble.window_ends();
+        Ok(Self {
+            invariants: ensemble.invariants.worker(lanes, &values)?,
+            formulas: ensemble.formulas.worker(lanes, &values)?,
+            integrator,
+            record: Record {
+                first,
+                lanes,
+                samples: vec![0.0; shape.times * shape.observables * lanes],
+                windows: vec![0.0; shape.windows * shape.invariants * lanes],
+                initial: Vec::new(),
+                initial_states: states.clone(),
+                states,
+                parameters,
+                failures,
+                statistics: SolverStatistics::default(),
+            },
+            sample: 0,
+            window: 0,
+            window_end: window_ends.first().copied().unwrap_or(0),
+            sampled: ensemble.sampled_steps(),
+            window_ends,
+            ensemble,
+        })
+    }
+
+    /// Takes in the initial states.
+    fn start(&mut self) {
+        for lane in 0..self.record.lanes {
+            if self.record.failures[lane].is_some() {
+                self.integrator.rest(lane);
+            }
+        }
+        self.record.initial = self.invariants.at(self.integrator.state()).to_vec();
+        self.check_invariants(0);
+        self.take_sample();
+    }
+
+    fn step(&mut self, steps: u64) {
+        let (record, ensemble) = (&mut self.record, self.ensemble);
+        let mut any = false;
+        let mut errors = Vec::new();
+        self.integrator.step(|lane, error| {
+            any = true;
+            errors.push((lane, error));
+        });
+        if any {
+            for (lane, error) in errors {
+                let (made, state) = self.integrator.last(lane);
+                let failure = Failure::of_step(&error, made, ensemble.time(made), &state);
+                record.failures[lane] = Some(told(record.first + lane as u64, failure));
+            }
+        }
+        let is_last = steps == ensemble.run.plan.steps;
+        if steps.is_multiple_of(ensemble.drift_every) || is_last {
+            self.take_drift(steps);
+        }
+        if self.sampled.get(self.sample) == Some(&steps) {
+            self.take_sample();
+        }
+        if steps == self.window_end {
+            self.window += 1;
+            self.window_end = self.window_ends.get(self.window).copied().unwrap_or(0);
+        }
+    }
+
+    fn take_drift(&mut self, steps: u64) {
+        let values = self.invariants.at(self.integrator.state());
+        let size = values.len();
+        let window = &mut self.record.windows[self.window * size..][..size];
+        let mut sum = 0.0;
+        for ((largest, value), initial) in window.iter_mut().zip(values).zip(&self.record.initial) {
+            let deviation = (value - initial).abs();
+            *largest = if deviation > *largest {
+                deviation
+            } else {
+                *largest
+            };
+            sum += deviation;
+        }
+        if !sum.is_finite() {
+            self.check_invariants(steps);
+        }
+    }
+
+    /// Ends the members whose energy or a Casimir has no finite value.
+    fn check_invariants(&mut self, steps: u64) {
+        let names = self.ensemble.invariant_names();
+        let values = self.invariants.at(self.integrator.state());
+        let lanes = self.record.lanes;
+        for lane in 0..lanes {
+            let mut own = values.iter().skip(lane).step_by(lanes);
+            let Some(at) = own.position(|value| !value.is_finite()) else {
+                continue;
+            };
+            if !self.integrator.lives(lane) {
+                continue;
+            }
+            self.integrator.rest(lane);
+            let (_, state) = self.integrator.last(lane);
+            let time = self.ensemble.time(steps);
+            let failure = Failure::of_observable(names[at], steps, time, &state);
+            let member = self.record.first + lane as u64;
+            self.record.failures[lane] = Some(told(member, failure));
+        }
+    }
+
+    fn take_sample(&mut self) {
+        let lanes = self.record.lanes;
+        let state = self.integrator.state();
+        let invariants = self.invariants.at(state);
+        let formulas = self.formulas.at(state);
+        let size = self.ensemble.columns.len() * lanes;
+        let row = &mut self.record.samples[self.sample * size..][..size];
+        for (values, column) in row.chunks_exact_mut(lanes).zip(&self.ensemble.columns) {
+            let (all, at) = match column {
+                Column::Invariant(at) => (invariants, at),
+                Column::Formula(at) => (formulas, at),
+            };
+            values.copy_from_slice(&all[at * lanes..][..lanes]);
+        }
+        self.sample += 1;
+    }
+
+    fn finish(mut self) -> Record {
+        self.record.statistics = self.integrator.statistics();
+        for (lane, state) in self.record.states.iter_mut().enumerate() {
+            *state = self.integrator.last(lane).1;
+        }
+        self.record
+    }
+}
+
+fn told(member: u64, failure: Failure) -> MemberFailure {
+    MemberFailure {
+        member,
+        step: failure.step,
+        time: failure.time,
+        message: failure.message,
+        state: failure.state,
+    }
+}
+
+/// A structure of arrays of columns.
+fn interleaved(columns: &[Vec<f64>]) -> Vec<f64> {
+    let rows = columns.first().map_or(0, Vec::len);
+    let row = |i: usize| columns.iter().map(move |column| column[i]);
+    (0..rows).flat_map(row).collect()
+}
+
+impl Record {
+    /// The members, their lanes, and whether they reached the end.
+    pub fn members(&self) -> impl Iterator<Item = (u64, usize, bool)> + '_ {
+        (0..self.lanes).map(|lane| {
+            let member = self.first + lane as u64;
+            (member, lane, self.failures[lane].is_none())
+        })
+    }
+
+    /// The observables of a lane at the last time.
+    pub fn last_sample(&self, lane: usize, observables: usize) -> impl Iterator<Item = f64> + '_ {
+        let from = self.samples.len() - observables * self.lanes;
+        let row = self.samples[from..].iter().skip(lane);
+        row.step_by(self.lanes).copied()
+    }
+
+    /// The largest deviation of each invariant of a lane.
+    pub fn largest_deviations(&self, lane: usize) -> impl Iterator<Item = f64> + '_ {
+        let invariants = self.initial.len() / self.lanes;
+        let own = self.windows.iter().skip(lane).step_by(self.lanes);
+        (0..invariants).map(move |at| {
+            let windows = own.clone().skip(at).step_by(invariants);
+            windows.fold(0.0, |largest: f64, deviation| largest.max(*deviation))
+        })
+    }
+
+    /// Takes the members in, one after the other.
+    pub fn fold(&mut self, into: &mut Reductions) {
+        into.add_work(self.statistics);
+        let lanes = self.lanes;
+        for lane in 0..lanes {
+            into.members += 1;
+            if let Some(failure) = self.failures[lane].clone() {
+                into.push_failure(failure);
+                continue;
+            }
+            let member = self.first + lane as u64;
+            let own = |values: &'_ [f64], at: usize| values[at * lanes + lane];
+            for (at, summary) in into.summaries.iter_mut().enumerate() {
+                summary.push(own(&self.samples, at), member);
+            }
+            for (at, window) in into.windows.iter_mut().enumerate() {
+                window.push(own(&self.windows, at), member);
+            }
+            for (at, deviation) in self.largest_deviations(lane).enumerate() {
+                let initial = own(&self.initial, at);
+                into.whole[at].push(deviation, member);
+                into.initial[at].push(initial, member);
+                if initial != 0.0 {
+                    into.relative[at].push(deviation / initial.abs(), member);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,446 @@
+//! The members: their initial states and parameters.
+
+use std::path::Path;
+
+use leafwise_core::Evaluator;
+use leafwise_core::runge_kutta::SmoothMap;
+use leafwise_core::solver::judge::Verdict;
+use leafwise_core::solver::{CorrectionSize, DenseFactors, LinearIteration};
+
+use super::random::Random;
+use super::states::read_states;
+use leafwise_scene::compose::{ComposedRun, Refusal};
+use leafwise_scene::document::{
+    Distribution, EnsembleSection, InitialDraw, Located, ParameterDraw, SceneDocument,
+};
+use leafwise_scene::input::read_text;
+
+/// Budget of the way onto a leaf.
+const MOST_EVALUATIONS: usize = 50;
+
+/// Members by number: each one's initial state and parameters follow from the scene, the seed and the
+/// number alone.
+pub struct Population {
+    members: u64,
+    seed: u64,
+    center: Vec<f64>,
+    start: Start,
+    parameters: Vec<f64>,
+    /// Parameters that differ, by place, in the order of the scene.
+    draws: Vec<(usize, ParameterDraw)>,
+    /// Points of the grid; 1 where there is none.
+    points: u64,
+    /// Energy and Casimirs, for leaves.
+    invariants: Option<SmoothMap>,
+    /// Of a file of states, so that a changed one is not resumed from.
+    fingerprint: u64,
+}
+
+enum Start {
+    Same,
+    Drawn(Distribution),
+    Rows(Vec<f64>),
+}
+
+/// A member that has no initial state.
+pub(super) const NO_LEAF: &str =
+    "no way along the Casimirs' gradients leads from the drawn state to the center's leaf";
+
+impl Population {
+    /// The members of a scene; `directory` is where its files are.
+    ///
+    /// # Errors
+    /// What does not fit, underlined in the scene.
+    pub fn of(
+        document: &SceneDocument,
+        ensemble: &EnsembleSection,
+        run: &ComposedRun,
+        directory: &Path,
+    ) -> Result<Self, Refusal> {
+        let d = run.dimension();
+        let mut center = run.plan.initial.clone();
+        let (mut invariants, mut rows, mut fingerprint) = (None, None, 0);
+        let start = match ensemble.initial.as_ref().map(|initial| &initial.value) {
+            None => Start::Same,
+            Some(InitialDraw::Drawn {
+                distribution,
+                center: given,
+            }) => {
+                if let Some(given) = given {
+                    center.copy_from_slice(given);
+                }
+                if matches!(distribution, Distribution::Leaf(_)) {
+                    invariants = Some(leaves(document, ensemble, run, &center)?);
+                }
+                Start::Drawn(distribution.clone())
+            }
+            Some(InitialDraw::File(file)) => {
+                let path = directory.join(file);
+                let states = states(document, ensemble, &path, &run.names())?;
+                rows = Some((states.len() / d) as u64);
+                fingerprint = hash(&states);
+                Start::Rows(states)
+            }
+        };
+        let declared = run.system.parameters();
+        let draws: Vec<_> = ensemble
+            .parameters
+            .iter()
+            .filter_map(|(name, draw)| {
+                let at = declared.iter().position(|p| p.name == name.value)?;
+                Some((at, draw.value.clone()))
+            })
+            .collect();
+        let sizes = draws.iter().map(|(_, draw)| draw.points());
+        let points = sizes.fold(1, u64::saturating_mul);
+        let members = members(document, ensemble, rows, points)?;
+        Ok(Self {
+            members,
+            seed: ensemble.seed,
+            center,
+            start,
+            parameters: run.system.parameter_values(),
+            draws,
+            points,
+            invariants,
+            fingerprint,
+        })
+    }
+
+    /// How many members there are.
+    pub fn members(&self) -> u64 {
+        self.members
+    }
+
+    /// d.
+    pub fn dimension(&self) -> usize {
+        self.center.len()
+    }
+
+    /// A number that changes with the states that were read from a file.
+    pub(super) fn fingerprint(&self) -> u64 {
+        self.fingerprint
+    }
+
+    /// The places of the parameters that differ.
+    pub fn varied(&self) -> Vec<usize> {
+        self.draws.iter().map(|(at, _)| *at).collect()
+    }
+
+    /// A member's initial state and parameters; `None` where its distribution has no state for it.
+    pub fn draw(&self, member: u64) -> Option<(Vec<f64>, Vec<f64>)> {
+        let mut parameters = self.parameters.clone();
+        // The last direction of the grid varies first.
+        let mut place = member % self.points;
+        for (at, draw) in self.draws.iter().rev() {
+            let random = || Random::new(self.seed, member, 1 + *at as u32);
+            let count = draw.points();
+            let point = place % count;
+            place /= count;
+            parameters[*at] = match draw {
+                ParameterDraw::Uniform(from, to) => {
+                    let s = random().uniform();
+                    from * (1.0 - s) + to * s
+                }
+                ParameterDraw::Normal(mean, deviation) => mean + deviation * random().normal(),
+                ParameterDraw::Values(values) => values[point as usize],
+                ParameterDraw::Range(from, to, _) => {
+                    let s = point as f64 / (count - 1) as f64;
+                    from * (1.0 - s) + to * s
+                }
+            };
+        }
+        let mut random = Random::new(self.seed, member, 0);
+        let mut state = self.center.clone();
+        match &self.start {
+            Start::Same => {}
+            Start::Drawn(distribution) => displace(&mut state, distribution, &mut random),
+            Start::Rows(rows) => {
+                let row = (member / self.points) as usize;
+                let d = state.len();
+                state.copy_from_slice(&rows[row * d..][..d]);
+            }
+        }
+        if let Some(invariants) = &self.invariants {
+            onto_leaf(invariants, &parameters, &self.center, &mut state)?;
+        }
+        Some((state, parameters))
+    }
+}
+
+/// Moves a state from the centre to where a distribution draws it.
+fn displace(state: &mut [f64], distribution: &Distribution, random: &mut Random) {
+    match distribution {
+        Distribution::Box(widths) => {
+            for (x, width) in state.iter_mut().zip(widths) {
+                *x += width * (2.0 * random.uniform() - 1.0);
+            }
+        }
+        Distribution::Normal(deviations) => {
+            for (x, deviation) in state.iter_mut().zip(deviations) {
+                *x += deviation * random.normal();
+            }
+        }
+        Distribution::Sphere(radius) => along_sphere(state, *radius, random),
+        Distribution::Ball(radius) | Distribution::Leaf(radius) => {
+            let part = libm::pow(random.uniform(), 1.0 / state.len() as f64);
+            along_sphere(state, radius * part, random);
+        }
+    }
+}
+
+fn along_sphere(state: &mut [f64], radius: f64, random: &mut Random) {
+    let direction: Vec<f64> = state.iter().map(|_| random.normal()).collect();
+    let length = libm::sqrt(direction.iter().map(|v| v * v).sum());
+    for (x, v) in state.iter_mut().zip(direction) {
+        *x += radius * (v / length);
+    }
+}
+
+/// Newton's method along the Casimirs' gradients: x ← x − DCᵀ(DC DCᵀ)⁻¹(C(x) − C(c)).
+fn onto_leaf(
+    invariants: &SmoothMap,
+    parameters: &[f64],
+    center: &[f64],
+    state: &mut [f64],
+) -> Option<()> {
+    let (d, count) = (state.len(), invariants.outputs() - 1);
+    let mut map = invariants.evaluator(parameters, 1.0, 1.0);
+    let (mut wanted, mut values) = (vec![0.0; count + 1], vec![0.0; count + 1]);
+    let mut rows = vec![0.0; (count + 1) * d];
+    map.values(center, &mut wanted).ok()?;
+    let mut gram = vec![0.0; count * count];
+    let mut factors = DenseFactors::new(count);
+    let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
+    loop {
+        map.values(state, &mut values).ok()?;
+        map.jacobians(state, &mut rows).ok()?;
+        // The energy is the first of them.
+        let rows = &rows[d..];
+        for (at, entry) in gram.iter_mut().enumerate() {
+            let (a, b) = (&rows[at / count * d..][..d], &rows[at % count * d..][..d]);
+            *entry = a.iter().zip(b).map(|(a, b)| a * b).sum();
+        }
+        let mut multipliers: Vec<f64> = (1..=count).map(|k| wanted[k] - values[k]).collect();
+        if !factors.factor(&gram) {
+            return None;
+        }
+        factors.solve(&mut multipliers);
+        let mut size = CorrectionSize::default();
+        let scale = state.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        for (i, x) in state.iter_mut().enumerate() {
+            let slopes = rows.iter().skip(i).step_by(d);
+            let change: f64 = slopes.zip(&multipliers).map(|(v, m)| v * m).sum();
+            size.take(change, scale);
+            *x += change;
+        }
+        if iteration.judge_correction(&size).ok()? == Verdict::Converged {
+            return state.iter().all(|x| x.is_finite()).then_some(());
+        }
+    }
+}
+
+/// The corank of Π at a point, and how many of the declared Casimirs are independent there; `None` where
+/// they have no value.
+fn ranks(run: &ComposedRun, invariants: &SmoothMap, x: &[f64]) -> Option<(usize, usize)> {
+    let d = x.len();
+    let parameters = run.system.parameter_values();
+    let numbers = run.system.numbers().ok()?;
+    let mut numbers = numbers.worker(&parameters);
+    let mut tensor = vec![0.0; d * d];
+    for (k, column) in tensor.chunks_exact_mut(d).enumerate() {
+        let mut unit = vec![0.0; d];
+        unit[k] = 1.0;
+        numbers.tensor(x, &unit, column).ok()?;
+    }
+    let mut map = invariants.evaluator(&parameters, 1.0, 1.0);
+    let mut rows = vec![0.0; invariants.outputs() * d];
+    let mut values = vec![0.0; invariants.outputs()];
+    map.values(x, &mut values).ok()?;
+    map.jacobians(x, &mut rows).ok()?;
+    Some((d - rank(tensor, d), rank(rows.split_off(d), d)))
+}
+
+/// Entries below this part of what they were formed from are round-off.
+const ROUND_OFF: f64 = 1e-11;
+
+/// The rank of a matrix with rows of `width` numbers, whatever the units of its rows and columns: both are
+/// scaled to 1, then eliminated with the largest entry that is left as pivot.
+fn rank(mut matrix: Vec<f64>, width: usize) -> usize {
+    let height = matrix.len() / width;
+    for _ in 0..4 {
+        for row in matrix.chunks_exact_mut(width) {
+            let most = row.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+            if most > 0.0 {
+                row.iter_mut().for_each(|value| *value /= most);
+            }
+        }
+        for column in 0..width {
+            let entries = (0..height).map(|row| matrix[row * width + column].abs());
+            let most = entries.fold(0.0, f64::max);
+            if most > 0.0 {
+                (0..height).for_each(|row| matrix[row * width + column] /= most);
+            }
+        }
+    }
+    let mut rows: Vec<Vec<f64>> = matrix.chunks_exact(width).map(<[f64]>::to_vec).collect();
+    let mut rank = 0;
+    while !rows.is_empty() {
+        let entries = rows.iter().enumerate().flat_map(|(i, row)| {
+            let entries = row.iter().enumerate();
+            entries.map(move |(j, value)| (value.abs(), i, j))
+        });
+        let largest = entries.fold(
+            (0.0, 0, 0),
+            |most, entry| if entry.0 > most.0 { entry } else { most },
+        );
+        let (size, i, j) = largest;
+        if size <= ROUND_OFF {
+            break;
+        }
+        let pivot = rows.swap_remove(i);
+        for row in &mut rows {
+            let factor = row[j] / pivot[j];
+            row.iter_mut()
+                .zip(&pivot)
+                .for_each(|(value, p)| *value -= factor * p);
+            row[j] = 0.0;
+        }
+        rank += 1;
+    }
+    rank
+}
+
+fn leaves(
+    document: &SceneDocument,
+    ensemble: &EnsembleSection,
+    run: &ComposedRun,
+    center: &[f64],
+) -> Result<SmoothMap, Refusal> {
+    let place = ensemble.initial.as_ref().map(Located::place);
+    let refuse = |message: String| {
+        let place = place.as_ref().unwrap_or(&ensemble.place);
+        let help =
+            "declare the missing Casimirs, draw from a ball, or start on another leaf".to_owned();
+        Box::new(document.diagnostic(place, message, "here", Some(help)))
+    };
+    let map = run
+        .system
+        .invariants_map()
+        .map_err(|error| refuse(error.to_string()))?;
+    if map.has_jacobian() && map.outputs() > 1 {
+        let ranks = ranks(run, &map, center);
+        if let Some((corank, independent)) = ranks.filter(|(corank, own)| corank > own) {
+            return Err(refuse(format!(
+                "the leaf through the center has {corank} equations, the corank of the tensor there, and \
+                 {independent} independent Casimirs are declared: what they fix is more than the leaf"
+            )));
+        }
+        return Ok(map);
+    }
+    Err(refuse(
+        "the way onto a leaf needs the Casimirs' gradients, and this system offers none".to_owned(),
+    ))
+}
+
+/// The rows of a file, one number for each coordinate, in the order of `names`.
+fn states(
+    document: &SceneDocument,
+    ensemble: &EnsembleSection,
+    path: &Path,
+    names: &[String],
+) -> Result<Vec<f64>, Refusal> {
+    let refuse = |message: String| {
+        let place = ensemble.initial.as_ref().map(Located::place);
+        let place = place.as_ref().unwrap_or(&ensemble.place);
+        let help = "one row of coordinates for each member: CSV, with the coordinates' names in the first \
+                    line or without, or a JSON list of lists";
+        Box::new(document.diagnostic(place, message, "this file", Some(help.to_owned())))
+    };
+    let text = read_text(path)
+        .map_err(|error| refuse(format!("cannot read {}: {error}", path.display())))?;
+    read_states(&text, names).map_err(|reason| refuse(format!("{}: {reason}", path.display())))
+}
+
+/// Members of an ensemble, at most: more than a machine steps in years, so that a slip of the keyboard
+/// is told as one.
+const MOST_MEMBERS: u64 = 1_000_000_000_000;
+
+/// The number of members, checked against [`MOST_MEMBERS`].
+fn members(
+    document: &SceneDocument,
+    ensemble: &EnsembleSection,
+    rows: Option<u64>,
+    points: u64,
+) -> Result<u64, Refusal> {
+    let members = asked_members(document, ensemble, rows, points)?;
+    if members <= MOST_MEMBERS {
+        return Ok(members);
+    }
+    let given = ensemble.members.as_ref().map(Located::place);
+    let place = given.as_ref().unwrap_or(&ensemble.place);
+    Err(Box::new(document.diagnostic(
+        place,
+        format!("{members} members, at most {MOST_MEMBERS} are taken"),
+        "here",
+        Some("take a coarser grid, or `members` drawn at random".to_owned()),
+    )))
+}
+
+/// The number of members, checked against the rows of a file and the points of a grid.
+fn asked_members(
+    document: &SceneDocument,
+    ensemble: &EnsembleSection,
+    rows: Option<u64>,
+    points: u64,
+) -> Result<u64, Refusal> {
+    let most = rows.map(|rows| rows.saturating_mul(points));
+    let Some(given) = &ensemble.members else {
+        if let Some(most) = most {
+            return Ok(most);
+        }
+        if points > 1 {
+            return Ok(points);
+        }
+        let help = Some("for example: members = 10000".to_owned());
+        let message = "[ensemble] needs `members`";
+        return Err(Box::new(document.diagnostic(
+            &ensemble.place,
+            message,
+            "`members` is missing",
+            help,
+        )));
+    };
+    let refuse = |message: String, help: String| {
+        Box::new(document.diagnostic(&given.place(), message, "here", Some(help)))
+    };
+    let wanted = given.value;
+    if let Some(most) = most.filter(|most| wanted > *most) {
+        let message = format!("{wanted} members, and the file has states for {most}");
+        return Err(refuse(
+            message,
+            "leave `members` out to take all".to_owned(),
+        ));
+    }
+    if !wanted.is_multiple_of(points) {
+        let below = wanted / points * points;
+        let above = wanted.div_ceil(points).saturating_mul(points);
+        let nearest = if below == 0 {
+            format!("{above}")
+        } else {
+            format!("{below} or {above}")
+        };
+        let message =
+            format!("{wanted} members do not fill the grid of {points} parameter sets evenly");
+        return Err(refuse(message, format!("take {nearest}")));
+    }
+    Ok(wanted)
+}
+
+/// FNV-1a over the doubles' bytes.
+fn hash(values: &[f64]) -> u64 {
+    let bytes = values.iter().flat_map(|value| value.to_le_bytes());
+    bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    })
+}

@@ -1,0 +1,211 @@
+//! Why a run could not be started or kept on disk.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use leafwise_core::BuildError;
+use thiserror::Error;
+
+use leafwise_report::ReportError;
+use leafwise_scene::compose::Refusal;
+
+/// Why a run could not be started or kept on disk. A numerical failure is not one of these: it is
+/// an outcome, [`RunOutcome::Failed`](super::RunOutcome::Failed).
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// The tensor is not Poisson, or a Casimir is not one.
+    #[error("{0}")]
+    Refused(Refusal),
+    /// The directory holds a run that has failed.
+    #[error(
+        "{} holds a run that has failed; run again with --force to replace it, or with --out DIR \
+         to write elsewhere",
+        directory.display()
+    )]
+    Failed {
+        /// The run directory.
+        directory: PathBuf,
+    },
+    /// The directory holds a finished run of another scene.
+    #[error(
+        "{} holds a run that has finished, of a different scene:\n{difference}\nrun again with --force \
+         to replace it, or with --out DIR to write elsewhere",
+        directory.display()
+    )]
+    Ended {
+        /// The run directory.
+        directory: PathBuf,
+        /// The keys that differ, each with the stored value and the given one.
+        difference: String,
+    },
+    /// The directory holds a run that has gone further than the scene asks.
+    #[error(
+        "{} holds a run of the same scene that has made {made} steps, and {asked} are asked for; write \
+         elsewhere with --out DIR, or replace it with --force",
+        directory.display()
+    )]
+    Shortened {
+        /// The run directory.
+        directory: PathBuf,
+        /// The steps it has made.
+        made: u64,
+        /// The steps of the scene.
+        asked: u64,
+    },
+    /// The directory holds an unfinished run of another scene.
+    #[error(
+        "{} holds an unfinished run of a different scene:\n{difference}\nundo the change to resume \
+         it, or run again with --force to replace it, or with --out DIR to write elsewhere",
+        directory.display()
+    )]
+    SceneChanged {
+        /// The run directory.
+        directory: PathBuf,
+        /// The keys that differ, each with the stored value and the given one.
+        difference: String,
+    },
+    /// The directory holds an unfinished run of another version of the program.
+    #[error(
+        "{} was begun by version {version}, which may round differently; run again with --force \
+         to replace it, or with --out DIR to write elsewhere",
+        directory.display()
+    )]
+    VersionChanged {
+        /// The run directory.
+        directory: PathBuf,
+        /// The version that began it.
+        version: String,
+    },
+    /// The unfinished run was begun with another file of a plugin.
+    #[error(
+        "{} holds a run begun with another {} (sha256 {} then); continuing it would mix the two; \
+         use --force to start afresh",
+        directory.display(), plugin.display(), sha256.get(..12).unwrap_or(sha256)
+    )]
+    PluginChanged {
+        /// The run directory.
+        directory: PathBuf,
+        /// The library.
+        plugin: PathBuf,
+        /// The hash of the file that began the run.
+        sha256: String,
+    },
+    /// The directory holds a run of one trajectory where an ensemble is asked for, or the reverse.
+    #[error(
+        "{} holds {other}; write elsewhere with --out DIR, or replace it with --force",
+        directory.display()
+    )]
+    OtherKind {
+        /// The run directory.
+        directory: PathBuf,
+        /// What it holds.
+        other: &'static str,
+    },
+    /// The directory holds something else.
+    #[error(
+        "{} exists and is not a run directory: it holds files, and no manifest.json of a run that can \
+         be read; choose another with --out DIR",
+        directory.display()
+    )]
+    Foreign {
+        /// The directory.
+        directory: PathBuf,
+    },
+    /// Another process writes to the directory.
+    #[error("another program is writing to {}; wait for it, or use --out DIR", directory.display())]
+    Busy {
+        /// The run directory.
+        directory: PathBuf,
+    },
+    /// A file of an unfinished run that cannot be continued.
+    #[error(
+        "{} cannot be resumed from: {reason}; run again with --force to start over, or with --out DIR \
+         to keep what is there",
+        file.display()
+    )]
+    Damaged {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// Reading or writing failed.
+    #[error("cannot write {}: {source}", file.display())]
+    Io {
+        /// The file.
+        file: PathBuf,
+        /// The system's error.
+        source: io::Error,
+    },
+    /// Writing failed in the midst of a run; what was recorded up to the last checkpoint is on disk.
+    #[error(
+        "cannot write {}: {source}; the run is kept in {} as of its last checkpoint: once there is \
+         room, the same command goes on from there",
+        file.display(), directory.display()
+    )]
+    Kept {
+        /// The file.
+        file: PathBuf,
+        /// The system's error.
+        source: io::Error,
+        /// The run directory.
+        directory: PathBuf,
+    },
+    /// An observable without code.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// The report could not be drawn.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+}
+
+impl RunError {
+    /// For `map_err` on opening a file that an unfinished run must have.
+    pub(crate) fn resuming(file: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
+        let file = file.into();
+        move |source| {
+            if source.kind() == io::ErrorKind::NotFound {
+                let reason = "it is missing".to_owned();
+                Self::Damaged { file, reason }
+            } else {
+                Self::Io { file, source }
+            }
+        }
+    }
+
+    /// For `map_err` on operations on a file.
+    pub(crate) fn io(file: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
+        let file = file.into();
+        move |source| Self::Io { file, source }
+    }
+
+    /// An error of the file system, after a checkpoint was written to `directory`.
+    pub(super) fn with_a_checkpoint(self, directory: &Path) -> Self {
+        match self {
+            Self::Io { file, source } => Self::Kept {
+                file,
+                source,
+                directory: directory.to_owned(),
+            },
+            other => other,
+        }
+    }
+
+    /// Whether the command line asks for something that the directory's content forbids.
+    pub fn is_usage(&self) -> bool {
+        matches!(
+            self,
+            Self::Failed { .. }
+                | Self::Ended { .. }
+                | Self::Shortened { .. }
+                | Self::SceneChanged { .. }
+                | Self::VersionChanged { .. }
+                | Self::PluginChanged { .. }
+                | Self::Foreign { .. }
+                | Self::OtherKind { .. }
+                | Self::Busy { .. }
+                | Self::Damaged { .. }
+        )
+    }
+}

@@ -1,0 +1,241 @@
+//! From a composed scene to a complete run directory.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use leafwise_core::Registry;
+
+use super::checkpoint::{Checkpoint, replace};
+use super::directory::{Asked, REPORT, RunDirectory, SCENE, WINDOWS};
+use super::drive::{Session, header, invariant_name, windows_header};
+use super::error::RunError;
+use super::manifest::{Beginning, Kind, plugins};
+use super::outcome::{InvariantDrift, RunOutcome, RunReport};
+use super::progress::Progress;
+use super::states::FINAL_STATE;
+use super::summary::{self, report_data, short};
+use crate::advice::{Advice, AdviceKind, advise, unused_parameters};
+use leafwise_report::render_report;
+use leafwise_scene::compose::{ComposedRun, SceneChecks};
+use leafwise_scene::document::SceneDocument;
+
+/// Where a run is written and what is let pass.
+#[derive(Clone, Debug)]
+pub struct RunOptions {
+    /// The run directory.
+    pub directory: PathBuf,
+    /// Replaces the run that the directory holds.
+    pub force: bool,
+    /// Integrates a tensor that violates the Jacobi identity.
+    pub allow_non_poisson: bool,
+    /// The command that repeats this run, for the report.
+    pub command: String,
+    /// How often a checkpoint is written: what a kill costs at most.
+    pub checkpoint_every: Duration,
+}
+
+impl RunOptions {
+    /// The usual [`checkpoint_every`](Self::checkpoint_every).
+    pub const CHECKPOINT_EVERY: Duration = Duration::from_secs(2);
+}
+
+/// Checks the scene with the parts that it may name, then steps it into its directory; an unfinished run of the same scene is
+/// resumed, to the same bits as without interruption. So is one, finished or not, whose scene asks for more steps. A
+/// finished run of the same scene is reported again, with nothing computed or written.
+///
+/// Nothing is written before the scene has passed its checks. A numerical failure is an outcome,
+/// not an error: the directory is then complete, with everything recorded up to the failure.
+///
+/// # Errors
+/// [`RunError::Refused`] for a tensor that is not Poisson or a Casimir that is not one; the
+/// directory's refusals; failures of the file system.
+pub fn run(
+    document: &SceneDocument,
+    composed: &ComposedRun,
+    registry: &Registry,
+    options: &RunOptions,
+    progress: &mut dyn Progress,
+) -> Result<RunReport, RunError> {
+    let checks = SceneChecks::of(&composed.system, &composed.near)?;
+    if let Some(refusal) = checks.refusal(document, &composed.system, options.allow_non_poisson) {
+        return Err(RunError::Refused(refusal));
+    }
+    let kind = Kind::Run;
+    let asked = Asked {
+        kind,
+        scene: &document.text,
+        plugins: &plugins(composed),
+    };
+    let directory = RunDirectory::open(&options.directory, &asked, options.force)?;
+    let held = directory.held.as_ref();
+    let checkpoint = match held {
+        Some(_) => Checkpoint::of_unfinished(&directory.path, &header(composed))?,
+        None => None,
+    };
+    let every = options.checkpoint_every;
+    let resumed = checkpoint.as_ref();
+    let mut resumed = resumed
+        .map(|checkpoint| Session::resume(composed, &directory, checkpoint, every))
+        .transpose()?;
+    let resumed_at = checkpoint.map(|checkpoint| checkpoint.integrator.steps);
+    if let Some(session) = resumed.as_mut()
+        && held.is_some_and(|held| held.is_done)
+        && session.is_at_end()
+    {
+        session.repeat_end()?;
+        let mut report = describe(composed, session, RunOutcome::Done, None, &directory);
+        report.is_repeated = true;
+        report.advice = advice(document, composed, registry, session, &report)?;
+        return Ok(report);
+    }
+    let command = &options.command;
+    let started = held.map(|held| held.started.clone());
+    let beginning = Beginning::new(kind, document, composed, &checks, command, started);
+    // From here on the directory is that of this run, with nothing in it yet or all that was
+    // recorded. The scene comes last: should a run that becomes longer be killed before, what is
+    // there is the shorter one, unfinished.
+    beginning.write_running(&directory.path)?;
+    if let Some(session) = &mut resumed {
+        session.go_on(held.is_some_and(|held| held.has_same_steps))?;
+    }
+    replace(&directory.path.join(SCENE), document.text.as_bytes())?;
+    let mut session = match resumed {
+        Some(session) => session,
+        None => Session::begin(composed, &directory, every)?,
+    };
+    let mut finish = |progress: &mut dyn Progress| -> Result<RunReport, RunError> {
+        let outcome = session.drive(progress)?;
+        let mut report = describe(composed, &session, outcome, resumed_at, &directory);
+        // Who interrupts a run wants it to end.
+        if report.outcome != RunOutcome::Interrupted {
+            report.advice = advice(document, composed, registry, &session, &report)?;
+        }
+        write_end(document, composed, &session, &report, &options.command)?;
+        beginning.write_ended(&report, composed.method.map())?;
+        Ok(report)
+    };
+    finish(progress).map_err(|error| error.with_a_checkpoint(&directory.path))
+}
+
+/// What to change in the scene.
+fn advice(
+    document: &SceneDocument,
+    composed: &ComposedRun,
+    registry: &Registry,
+    session: &Session<'_>,
+    report: &RunReport,
+) -> Result<Vec<Advice>, RunError> {
+    let states = summary::states(composed, report).map_err(RunError::io(&report.directory))?;
+    let mut advice = unused_parameters(document);
+    advice.extend(advise(composed, registry, &states));
+    let energy = summary::energy_error(document, composed, report);
+    advice.extend(energy.map_err(RunError::io(&report.directory))?);
+    let undefined: Vec<_> = session
+        .undefined()
+        .filter(|(_, samples)| *samples > 0)
+        .collect();
+    if undefined.is_empty() {
+        return Ok(advice);
+    }
+    let first = summary::first_undefined(composed, report);
+    let first = first.map_err(RunError::io(&report.directory))?;
+    let time = |name: &str| {
+        let found = first.iter().find(|(known, _)| known == name);
+        found.map_or_else(String::new, |(_, time)| {
+            format!(", first at t = {}", short(*time))
+        })
+    };
+    advice.extend(undefined.into_iter().map(|(name, samples)| Advice {
+        kind: AdviceKind::UndefinedObservable,
+        message: format!(
+            "`{name}` has no finite value at {samples} of {} samples{}: they are recorded as NaN or inf",
+            report.samples,
+            time(name)
+        ),
+        change: "observables = [a formula that has values there: no ln or root of a negative \
+                 number, no division by zero]"
+            .to_owned(),
+    }));
+    Ok(advice)
+}
+
+/// Everything of a run directory that is written when the run has ended, but the manifest.
+fn write_end(
+    document: &SceneDocument,
+    composed: &ComposedRun,
+    session: &Session<'_>,
+    report: &RunReport,
+    command: &str,
+) -> Result<(), RunError> {
+    let directory = &report.directory;
+    write_windows(composed, session, directory)?;
+    if !composed.plan.states.is_whole_in_samples() {
+        let bytes: Vec<u8> = report
+            .final_state
+            .iter()
+            .flat_map(|x| x.to_le_bytes())
+            .collect();
+        replace(&directory.join(FINAL_STATE), &bytes)?;
+    }
+    let data = report_data(document, composed, session, report, command)?;
+    let page = render_report(&data)?;
+    replace(&directory.join(REPORT), page.as_bytes())
+}
+
+fn describe(
+    composed: &ComposedRun,
+    session: &Session<'_>,
+    outcome: RunOutcome,
+    resumed_at: Option<u64>,
+    directory: &RunDirectory,
+) -> RunReport {
+    let windows = session.windows();
+    let invariants = windows
+        .initial
+        .iter()
+        .zip(windows.largest())
+        .enumerate()
+        .map(|(index, (initial, maximum))| InvariantDrift {
+            name: invariant_name(composed, index).to_owned(),
+            initial: *initial,
+            maximum,
+        })
+        .collect();
+    let status = session.status();
+    RunReport {
+        outcome,
+        final_state: session.state().to_vec(),
+        time: status.time,
+        steps: status.steps,
+        wall_seconds: session.wall_seconds(),
+        invariants,
+        statistics: session.statistics(),
+        samples: session.samples(),
+        resumed_at,
+        is_repeated: false,
+        advice: Vec::new(),
+        directory: directory.path.clone(),
+    }
+}
+
+/// `windows.csv`: the end of each window and the invariants' largest deviations in it.
+fn write_windows(
+    composed: &ComposedRun,
+    session: &Session<'_>,
+    directory: &Path,
+) -> Result<(), RunError> {
+    let windows = session.windows();
+    let time_step = composed.plan.epsilon * composed.plan.h;
+    let columns: Vec<Vec<f64>> = (0..windows.initial.len())
+        .map(|index| windows.series(index))
+        .collect();
+    let mut text = windows_header(composed, columns.len());
+    for (row, end) in windows.ends().into_iter().enumerate() {
+        text.push_str(&format!("{:?}", end as f64 * time_step));
+        for column in &columns {
+            text.push_str(&format!(",{:?}", column[row]));
+        }
+        text.push('\n');
+    }
+    replace(&directory.join(WINDOWS), text.as_bytes())
+}

@@ -1,0 +1,232 @@
+//! Energy and Casimirs at every step, and their deviations' maxima over windows.
+
+use leafwise_core::system::SystemObservables;
+use leafwise_core::{BuildError, Observe};
+use leafwise_expression::Expression;
+
+use leafwise_scene::compose::{ComposedRun, Observable, Stepping};
+
+/// The most windows that are kept; one more and neighbours are merged.
+const MOST_WINDOWS: usize = 2048;
+
+/// A compiled list of functions of the state, with their last values.
+pub(super) struct Functions {
+    observer: Box<dyn Observe>,
+    values: Vec<f64>,
+}
+
+impl Functions {
+    fn new(observer: Box<dyn Observe>) -> Self {
+        let values = vec![0.0; observer.observables()];
+        Self { observer, values }
+    }
+
+    /// Energy, then each Casimir.
+    pub fn invariants(run: &ComposedRun) -> Result<Self, BuildError> {
+        run.invariants().map(Self::new)
+    }
+
+    /// The formulas of the state that the scene records.
+    pub fn formulas(run: &ComposedRun) -> Result<Self, BuildError> {
+        match &run.method {
+            Stepping::Lattice(lattice) => Ok(Self::new(Box::new(lattice.formulas.clone()))),
+            Stepping::Written(_) | Stepping::Map(_) => {
+                let formulas: Vec<_> = run
+                    .plan
+                    .observables
+                    .iter()
+                    .filter_map(|observable| match observable {
+                        Observable::Invariant { .. } | Observable::Coordinate { .. } => None,
+                        Observable::Formula { expression, .. } => Some(expression),
+                    })
+                    .collect();
+                Self::compile(run, &formulas)
+            }
+        }
+    }
+
+    fn compile(run: &ComposedRun, formulas: &[&Expression]) -> Result<Self, BuildError> {
+        let values = run.system.parameter_values();
+        let observer = SystemObservables::new(&run.system, formulas, &values)?;
+        Ok(Self::new(Box::new(observer)))
+    }
+
+    /// The values at a state.
+    pub fn at(&mut self, state: &[f64]) -> &[f64] {
+        if !self.values.is_empty() {
+            self.observer.evaluate(state, &mut self.values);
+        }
+        &self.values
+    }
+}
+
+/// Maxima of |I(x_k) − I(x_0)| over windows of steps, for each invariant, and the solver's
+/// evaluations in each window. Windows double in width when there are too many, so that a run of
+/// any length keeps between a thousand and two thousand of them.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Windows {
+    /// I(x_0).
+    pub initial: Vec<f64>,
+    /// Steps in a full window.
+    pub width: u64,
+    /// Steps in the window that is being filled.
+    pub filled: u64,
+    /// The maxima of the window that is being filled.
+    pub current: Vec<f64>,
+    /// The maxima of full windows, one row of invariants after the other.
+    pub maxima: Vec<f64>,
+    /// Evaluations up to the end of each full window.
+    pub evaluations: Vec<u64>,
+}
+
+impl Windows {
+    /// No step yet.
+    pub fn new(initial: &[f64]) -> Self {
+        Self {
+            initial: initial.to_vec(),
+            width: 1,
+            filled: 0,
+            current: vec![0.0; initial.len()],
+            maxima: Vec::with_capacity(initial.len() * MOST_WINDOWS),
+            evaluations: Vec::with_capacity(MOST_WINDOWS),
+        }
+    }
+
+    /// Takes in the values after one more step; `evaluations` are the solver's so far.
+    pub fn push(&mut self, values: &[f64], evaluations: impl FnOnce() -> u64) {
+        for ((value, initial), maximum) in values.iter().zip(&self.initial).zip(&mut self.current) {
+            *maximum = larger(*maximum, (value - initial).abs());
+        }
+        self.filled += 1;
+        if self.filled < self.width {
+            return;
+        }
+        self.maxima.extend_from_slice(&self.current);
+        self.evaluations.push(evaluations());
+        self.current.fill(0.0);
+        self.filled = 0;
+        if self.evaluations.len() == MOST_WINDOWS {
+            self.merge();
+        }
+    }
+
+    /// Joins neighbours; their number is even.
+    fn merge(&mut self) {
+        let count = self.initial.len();
+        for window in 0..MOST_WINDOWS / 2 {
+            for at in 0..count {
+                let (a, b) = (2 * window * count + at, (2 * window + 1) * count + at);
+                self.maxima[window * count + at] = larger(self.maxima[a], self.maxima[b]);
+            }
+            self.evaluations[window] = self.evaluations[2 * window + 1];
+        }
+        self.maxima.truncate(MOST_WINDOWS / 2 * count);
+        self.evaluations.truncate(MOST_WINDOWS / 2);
+        self.width *= 2;
+    }
+
+    /// The largest deviation of each invariant over every step.
+    pub fn largest(&self) -> Vec<f64> {
+        let mut largest = self.current.clone();
+        let count = self.initial.len().max(1);
+        for row in self.maxima.chunks_exact(count) {
+            for (maximum, value) in largest.iter_mut().zip(row) {
+                *maximum = larger(*maximum, *value);
+            }
+        }
+        largest
+    }
+
+    /// The step at which each window ends, the last one as far as it is filled.
+    pub fn ends(&self) -> Vec<u64> {
+        let full = self.evaluations.len() as u64;
+        let mut ends: Vec<u64> = (1..=full).map(|window| window * self.width).collect();
+        if self.filled > 0 {
+            ends.push(full * self.width + self.filled);
+        }
+        ends
+    }
+
+    /// One invariant's maximum in each window of [`ends`](Self::ends).
+    pub fn series(&self, invariant: usize) -> Vec<f64> {
+        let count = self.initial.len();
+        let mut series: Vec<f64> = self
+            .maxima
+            .chunks_exact(count)
+            .map(|row| row[invariant])
+            .collect();
+        if self.filled > 0 {
+            series.push(self.current[invariant]);
+        }
+        series
+    }
+
+    /// Mean evaluations a step in each full window.
+    pub fn evaluations_per_step(&self) -> Vec<f64> {
+        let mut before = 0;
+        self.evaluations
+            .iter()
+            .map(|&evaluations| {
+                let mean = evaluations.saturating_sub(before) as f64 / self.width as f64;
+                before = evaluations;
+                mean
+            })
+            .collect()
+    }
+}
+
+/// The larger of two deviations; NaN once either is.
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a || b.is_nan() { b } else { a }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn windows_hold_the_maximum_over_every_step_at_any_length() {
+        let mut windows = Windows::new(&[10.0, 0.0]);
+        let steps = 10_000_u64;
+        for k in 1..=steps {
+            let peak = if k == 4321 { 7.0 } else { 0.0 };
+            windows.push(&[10.0 + peak, -(k as f64)], || 3 * k);
+        }
+        assert_eq!(windows.largest(), [7.0, steps as f64]);
+        assert!(windows.evaluations.len() < MOST_WINDOWS);
+        assert_eq!(windows.ends().last(), Some(&steps));
+        assert_eq!(windows.ends().len(), windows.series(0).len());
+        assert_eq!(
+            windows
+                .series(0)
+                .iter()
+                .filter(|value| **value == 7.0)
+                .count(),
+            1
+        );
+        let growing = windows.series(1);
+        assert_eq!(
+            growing,
+            windows
+                .ends()
+                .iter()
+                .map(|&end| end as f64)
+                .collect::<Vec<_>>()
+        );
+        assert!(
+            windows
+                .evaluations_per_step()
+                .iter()
+                .all(|mean| *mean == 3.0)
+        );
+    }
+
+    #[test]
+    fn a_deviation_that_is_not_a_number_is_kept() {
+        let mut windows = Windows::new(&[1.0]);
+        for value in [1.5, f64::NAN, 2.0] {
+            windows.push(&[value], || 0);
+        }
+        assert!(windows.largest()[0].is_nan());
+    }
+}

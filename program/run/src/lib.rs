@@ -1,0 +1,59 @@
+//! A composed scene, stepped into a run directory.
+//!
+//! - [`ensemble`]: many members at once, reduced into such a directory;
+//! - [`advice`]: what a scene asks for and does not use, or needs and does not ask for;
+//! - [`json`]: numbers as JSON;
+//! - `execute`: [`run`], from a composed scene to a complete directory;
+//! - `drive`: the step loop;
+//! - `invariants`: energy and Casimirs at every step, their maxima over windows;
+//! - `samples`: recorded states, appended to `samples.csv`;
+//! - `appended`: a file that only grows, with a digest;
+//! - `states`: recorded states too wide for `samples.csv`;
+//! - `snapshots`: fields of long lattices, thinned out for the report;
+//! - `checkpoint`: everything later steps depend on, written atomically;
+//! - `manifest`: what was run, with what, and how it ended;
+//! - `directory`: start afresh, resume, or refuse;
+//! - `difference`: what changed between two scenes;
+//! - `summary`: `report.html` from what the directory holds;
+//! - `progress`: what a program shows meanwhile;
+//! - `outcome`, `error`: how a run ends.
+
+pub mod advice;
+mod appended;
+mod checkpoint;
+mod csv;
+mod difference;
+mod directory;
+mod drive;
+pub mod ensemble;
+mod error;
+mod execute;
+mod invariants;
+pub mod json;
+mod manifest;
+mod outcome;
+mod progress;
+mod samples;
+mod snapshots;
+mod states;
+mod summary;
+#[cfg(test)]
+mod tests;
+mod time;
+
+pub use advice::{Advice, AdviceKind, advise};
+pub(crate) use appended::{Appended, Vouched};
+pub(crate) use checkpoint::{
+    FILE as CHECKPOINT, NOT_WHOLE, Reader, Writer, replace, sealed, unsealed,
+};
+pub use directory::default_directory;
+pub(crate) use directory::{
+    Asked, FAILURES, REPORT, RunDirectory, SCENE, STATISTICS, WINDOWS, stem,
+};
+pub use error::RunError;
+pub use execute::{RunOptions, run};
+pub(crate) use manifest::{Beginning, outcome_word, plugins};
+pub use manifest::{Kind, Manifest, PROGRAM_VERSION, PluginRecord};
+pub use outcome::{Failure, InvariantDrift, RunOutcome, RunReport};
+pub use progress::{Progress, Quiet, Status};
+pub(crate) use summary::{file_name, method_lines, short, title};

@@ -1,0 +1,483 @@
+//! What `report.html` shows, from what the directory holds.
+
+use std::io;
+
+use leafwise_expression::words::counted;
+
+use super::drive::{Session, header};
+use super::error::RunError;
+use super::invariants::Functions;
+use super::manifest::{PROGRAM_VERSION, plugins};
+use super::outcome::{RunOutcome, RunReport};
+use super::samples;
+use super::snapshots::spacing;
+use crate::advice::{Advice, EnergyError, MOST_STATES, lines};
+use leafwise_report::{Ellipsoid, InvariantSeries, Outcome, ReportData, TimeSeries, Trajectory};
+use leafwise_scene::compose::{ComposedRun, Observable, WIDEST_STATE, tensor_shape};
+use leafwise_scene::document::SceneDocument;
+
+/// The most samples that a report is drawn from.
+const MOST_ROWS: u64 = 50_000;
+
+/// The most states that tell how far an orbit reaches.
+const MOST_ORBIT_STATES: u64 = 1000;
+
+/// Runs of more steps than this are drawn over a logarithmic time axis.
+const LONG_RUN: u64 = 200_000;
+
+/// Gathers the report of a run that has ended.
+pub(super) fn report_data(
+    document: &SceneDocument,
+    run: &ComposedRun,
+    session: &Session<'_>,
+    report: &RunReport,
+    command: &str,
+) -> Result<ReportData, RunError> {
+    let stride = usize::try_from(report.samples.div_ceil(MOST_ROWS))
+        .unwrap_or(1)
+        .max(1);
+    let rows = samples::read(&report.directory, &header(run), report.samples, stride)
+        .map_err(RunError::io(&report.directory))?;
+    let times: Vec<f64> = rows.iter().map(|row| row[0]).collect();
+    let width = columns_of_states(run);
+    let column = |at: usize| -> Vec<f64> {
+        rows.iter()
+            .map(|row| row.get(at).copied().unwrap_or(f64::NAN))
+            .collect()
+    };
+    let energy = run
+        .plan
+        .observables
+        .iter()
+        .position(|o| matches!(o, Observable::Invariant { index: 0, .. }));
+    let formulas = run.plan.observables.iter().enumerate();
+    let formulas = formulas.filter(|(_, o)| !matches!(o, Observable::Invariant { .. }));
+    let windows = session.windows();
+    let time_step = run.plan.epsilon * run.plan.h;
+    let ends: Vec<f64> = windows
+        .ends()
+        .into_iter()
+        .map(|end| end as f64 * time_step)
+        .collect();
+    let invariants = report
+        .invariants
+        .iter()
+        .enumerate()
+        .map(|(index, invariant)| InvariantSeries {
+            name: invariant.name.clone(),
+            reference: invariant.initial,
+            times: ends.clone(),
+            deviations: windows.series(index),
+        })
+        .collect();
+    let evaluations = windows.evaluations_per_step();
+    let solver = TimeSeries {
+        times: ends.iter().take(evaluations.len()).copied().collect(),
+        values: evaluations,
+    };
+    Ok(ReportData {
+        title: title(&document.name),
+        version: format!("leafwise {PROGRAM_VERSION}"),
+        command: command.to_owned(),
+        scene_name: file_name(&document.name),
+        scene_text: document.text.clone(),
+        outcome: outcome(run, report),
+        method: method_lines(run),
+        advice: lines(&report.advice),
+        facts: facts(run, report),
+        invariants,
+        logarithmic_time: report.steps > LONG_RUN,
+        energy: energy.map(|at| TimeSeries {
+            times: times.clone(),
+            values: column(1 + width + at),
+        }),
+        observables: formulas
+            .map(|(at, observable)| {
+                let series = TimeSeries {
+                    times: times.clone(),
+                    values: column(1 + width + at),
+                };
+                (observable.name().to_owned(), series)
+            })
+            .collect(),
+        trajectory: trajectory(run, session, times.clone(), &rows, width),
+        solver: (!solver.times.is_empty()).then_some(solver),
+    })
+}
+
+/// States of the run to judge its method at: the first, the last, and recorded ones between.
+pub(super) fn states(run: &ComposedRun, report: &RunReport) -> io::Result<Vec<Vec<f64>>> {
+    let d = run.dimension();
+    let mut states = vec![run.plan.initial.clone(), report.final_state.clone()];
+    if run.plan.states.is_whole_in_samples() {
+        let stride = report.samples.div_ceil(MOST_STATES as u64 - 2).max(1);
+        let stride = usize::try_from(stride).unwrap_or(usize::MAX);
+        let rows = samples::read(&report.directory, &header(run), report.samples, stride)?;
+        states.extend(rows.iter().skip(1).map(|row| row[1..=d].to_vec()));
+    }
+    states.dedup();
+    states.truncate(MOST_STATES);
+    Ok(states)
+}
+
+/// An energy kept badly, judged along the recorded orbit.
+pub(super) fn energy_error(
+    document: &SceneDocument,
+    run: &ComposedRun,
+    report: &RunReport,
+) -> io::Result<Option<Advice>> {
+    let Some(energy) = report.invariants.first() else {
+        return Ok(None);
+    };
+    let error = EnergyError {
+        parameters: &run.system.parameter_values(),
+        initial: energy.initial,
+        largest: energy.maximum,
+        whose: "",
+    };
+    if !error.is_notable() {
+        return Ok(None);
+    }
+    let d = run.dimension();
+    let mut states = Vec::new();
+    if run.plan.states.is_whole_in_samples() {
+        let stride = report.samples.div_ceil(MOST_ORBIT_STATES).max(1);
+        let stride = usize::try_from(stride).unwrap_or(usize::MAX);
+        let rows = samples::read(&report.directory, &header(run), report.samples, stride)?;
+        states.extend(rows.iter().map(|row| row[1..=d].to_vec()));
+    }
+    Ok(error.advice(document, run, &states))
+}
+
+/// The observables that have no finite value somewhere, each with the first time.
+pub(super) fn first_undefined(
+    run: &ComposedRun,
+    report: &RunReport,
+) -> io::Result<Vec<(String, f64)>> {
+    let start = 1 + columns_of_states(run);
+    let observables = &run.plan.observables;
+    let (header, count) = (header(run), observables.len());
+    let times = samples::first_undefined(&report.directory, &header, report.samples, start, count)?;
+    let named = observables.iter().zip(times);
+    Ok(named
+        .filter_map(|(observable, time)| Some((observable.name().to_owned(), time?)))
+        .collect())
+}
+
+/// Columns of `samples.csv` between the time and the observables.
+fn columns_of_states(run: &ComposedRun) -> usize {
+    match run.plan.states.are_in_samples() {
+        true => run.plan.states.width(),
+        false => 0,
+    }
+}
+
+/// A path's last part.
+pub(crate) fn file_name(path: &str) -> String {
+    let name = std::path::Path::new(path).file_name();
+    name.map_or_else(
+        || path.to_owned(),
+        |name| name.to_string_lossy().into_owned(),
+    )
+}
+
+/// "rigid_body.toml" as "Rigid body".
+pub(crate) fn title(name: &str) -> String {
+    let stem = std::path::Path::new(name)
+        .file_stem()
+        .map(|stem| stem.to_string_lossy());
+    let words = stem.unwrap_or_default().replace(['_', '-'], " ");
+    let mut letters = words.chars();
+    match letters.next() {
+        Some(first) => first.to_uppercase().chain(letters).collect(),
+        None => "Run".to_owned(),
+    }
+}
+
+fn outcome(run: &ComposedRun, report: &RunReport) -> Outcome {
+    let at = format!("t = {}", short(report.time));
+    match &report.outcome {
+        RunOutcome::Done => Outcome::Done {
+            message: format!("{} to {at}", counted(report.steps as usize, "step")),
+        },
+        RunOutcome::Interrupted => Outcome::Interrupted {
+            message: format!(
+                "after {} of {} steps, at {at}; the same command resumes the run",
+                report.steps, run.plan.steps
+            ),
+        },
+        RunOutcome::Failed(failure) => Outcome::Failed {
+            message: failure.message.clone(),
+            step: failure.step,
+            time: failure.time,
+            state: run
+                .names()
+                .into_iter()
+                .zip(failure.state.iter().copied())
+                .collect(),
+            hint: failure.hint.clone(),
+        },
+    }
+}
+
+pub(crate) fn method_lines(run: &ComposedRun) -> Vec<(String, String)> {
+    let method = &run.method;
+    let line = |label: &str, text: String| (label.to_owned(), text);
+    let mut lines: Vec<_> = method
+        .parts()
+        .into_iter()
+        .map(|(label, text)| line(label, text))
+        .collect();
+    lines.extend([
+        line(
+            "Declared order",
+            format!(
+                "{} in t = εh (a lower bound: Theorem 2)",
+                method.declared_order()
+            ),
+        ),
+        line(
+            "Step",
+            format!(
+                "ε = {}, h = {}: t advances by {}",
+                short(run.plan.epsilon),
+                short(run.plan.h),
+                short(run.plan.epsilon * run.plan.h)
+            ),
+        ),
+        line("Tensor", tensor_shape(&run.system).to_string()),
+    ]);
+    lines.extend(plugins(run).into_iter().map(|library| {
+        let parts: Vec<String> = library.parts.keys().cloned().collect();
+        line(
+            "Library",
+            format!(
+                "{}: {} {}, sha256 {}",
+                parts.join(", "),
+                library.path.display(),
+                library.version,
+                library.sha256
+            ),
+        )
+    }));
+    lines.extend(
+        method
+            .costs()
+            .into_iter()
+            .map(|(label, cost)| line(label, cost)),
+    );
+    lines
+}
+
+fn facts(run: &ComposedRun, report: &RunReport) -> Vec<(String, String)> {
+    let statistics = &report.statistics;
+    let mut facts = vec![
+        ("Steps".to_owned(), report.steps.to_string()),
+        ("Time reached".to_owned(), short(report.time)),
+        ("Solver".to_owned(), statistics.summary()),
+        (
+            "Integration".to_owned(),
+            format!(
+                "{} s, {:.0} steps a second",
+                rounded(report.wall_seconds, 3),
+                report.steps as f64 / report.wall_seconds.max(1e-9)
+            ),
+        ),
+        (
+            "Samples".to_owned(),
+            match run.plan.every {
+                1 => format!("{}, at every step", report.samples),
+                every => format!("{}, every {every} steps", report.samples),
+            },
+        ),
+        ("Data".to_owned(), report.directory.display().to_string()),
+    ];
+    let parameters: Vec<String> = run
+        .system
+        .parameters()
+        .iter()
+        .map(|parameter| format!("{} = {}", parameter.name, short(parameter.value)))
+        .collect();
+    if !parameters.is_empty() {
+        facts.push(("Parameters".to_owned(), parameters.join(", ")));
+    }
+    facts
+}
+
+/// A number with up to twelve digits.
+pub(crate) fn short(value: f64) -> String {
+    rounded(value, 12)
+}
+
+/// A number with up to this many digits, at least one.
+fn rounded(value: f64, digits: usize) -> String {
+    let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
+    if rounded == 0.0 || (1e-4..1e9).contains(&rounded.abs()) {
+        format!("{rounded}")
+    } else {
+        format!("{rounded:e}")
+    }
+}
+
+fn trajectory(
+    run: &ComposedRun,
+    session: &Session<'_>,
+    times: Vec<f64>,
+    rows: &[Vec<f64>],
+    width: usize,
+) -> Option<Trajectory> {
+    let is_whole = run.plan.states.is_whole_in_samples();
+    let lattice = run.method.lattice();
+    if let Some(geometry) = lattice.filter(|_| run.dimension() > WIDEST_STATE) {
+        let snapshots = session.snapshots();
+        return Some(Trajectory::Lattice {
+            name: geometry.families.first()?.0.clone(),
+            times: snapshots.times.clone(),
+            spacing: spacing(geometry),
+            fields: snapshots.fields(),
+        });
+    }
+    if rows.is_empty() || width == 0 {
+        return None;
+    }
+    if let Some((name, length)) = run.plan.families.first().filter(|_| is_whole) {
+        let singles = width
+            - run
+                .plan
+                .families
+                .iter()
+                .map(|(_, length)| length)
+                .sum::<usize>();
+        let fields = rows
+            .iter()
+            .map(|row| row[1 + singles..1 + singles + length].to_vec())
+            .collect();
+        return Some(Trajectory::Lattice {
+            name: name.clone(),
+            times,
+            spacing: 1,
+            fields,
+        });
+    }
+    let names = run.plan.states.names();
+    if let Some(places) = first_body(&names) {
+        let point = |row: &Vec<f64>| places.iter().map(|at| row[1 + at]).collect();
+        return Some(Trajectory::Orbit {
+            names: places.iter().map(|at| names[*at].clone()).collect(),
+            times,
+            points: rows.iter().map(point).collect(),
+            leaf: None,
+        });
+    }
+    Some(Trajectory::Orbit {
+        names,
+        times,
+        points: rows.iter().map(|row| row[1..=width].to_vec()).collect(),
+        leaf: is_whole.then(|| leaf(run)).flatten(),
+    })
+}
+
+/// Of several bodies with coordinates such as x0, x1, …, y0, y1, … those of the first: x0 and y0, and z0
+/// where there is one.
+fn first_body(names: &[String]) -> Option<Vec<usize>> {
+    let first = names.first()?;
+    let body = first.strip_prefix('x')?;
+    let place = |name: String| names.iter().position(|known| *known == name);
+    let second = place(format!("y{body}"))?;
+    let third = place(format!("z{body}"));
+    let is_alone = names.len() <= 3 || body.is_empty();
+    (!is_alone).then(|| {
+        [Some(0), Some(second), third]
+            .into_iter()
+            .flatten()
+            .collect()
+    })
+}
+
+/// The symplectic leaf through the initial state, where a Casimir of a three-dimensional system
+/// makes it an ellipsoid: C(x) = C(0) + Σ (a_i x_i² + b_i x_i) with a_i of one sign. The form is
+/// read off C at seven points and tested at others.
+fn leaf(run: &ComposedRun) -> Option<Ellipsoid> {
+    if run.dimension() != 3 {
+        return None;
+    }
+    let mut invariants = Functions::invariants(run).ok()?;
+    let start = invariants.at(&run.plan.initial).to_vec();
+    (1..start.len()).find_map(|index| {
+        let mut casimir = |x: [f64; 3]| invariants.at(&x)[index];
+        ellipsoid(&mut casimir, start[index], &run.plan.initial)
+    })
+}
+
+fn ellipsoid(
+    casimir: &mut dyn FnMut([f64; 3]) -> f64,
+    level: f64,
+    initial: &[f64],
+) -> Option<Ellipsoid> {
+    let origin = casimir([0.0; 3]);
+    let (mut a, mut b) = ([0.0; 3], [0.0; 3]);
+    for i in 0..3 {
+        let mut unit = [0.0; 3];
+        unit[i] = 1.0;
+        let plus = casimir(unit) - origin;
+        unit[i] = -1.0;
+        let minus = casimir(unit) - origin;
+        a[i] = (plus + minus) / 2.0;
+        b[i] = (plus - minus) / 2.0;
+    }
+    let form = |x: &[f64; 3]| {
+        (0..3)
+            .map(|i| (a[i] * x[i] + b[i]) * x[i])
+            .fold(origin, |sum, term| sum + term)
+    };
+    let probes = [
+        [0.7, -1.3, 2.1],
+        [-2.9, 0.4, 1.6],
+        [initial[0], initial[1], initial[2]],
+    ];
+    let agrees = probes.iter().all(|x| {
+        let (value, expected) = (casimir(*x), form(x));
+        let size = (0..3)
+            .map(|i| (a[i] * x[i] * x[i]).abs() + (b[i] * x[i]).abs())
+            .sum::<f64>();
+        (value - expected).abs() <= 1e-12 * (size + origin.abs())
+    });
+    let center = [0, 1, 2].map(|i| -b[i] / (2.0 * a[i]));
+    let radius = level - form(&center);
+    let semi_axes = [0, 1, 2].map(|i| libm::sqrt(radius / a[i]));
+    let is_ellipsoid = semi_axes.iter().all(|axis| axis.is_finite() && *axis > 0.0);
+    (agrees && is_ellipsoid).then_some(Ellipsoid { center, semi_axes })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quadratic_casimir_gives_its_ellipsoid_and_others_give_none() {
+        let start = [1.0, 3.0, 3.0];
+        let mut sphere = |x: [f64; 3]| x.iter().map(|x| x * x).sum::<f64>();
+        let leaf = ellipsoid(&mut sphere, 19.0, &start).expect("a sphere");
+        assert_eq!(leaf.center, [0.0; 3]);
+        assert!(
+            leaf.semi_axes
+                .iter()
+                .all(|a| (a - libm::sqrt(19.0)).abs() < 1e-15)
+        );
+        let mut ratio = |x: [f64; 3]| x[0] * x[2] / x[1];
+        assert_eq!(ellipsoid(&mut ratio, 1.0, &start), None);
+        let mut saddle = |x: [f64; 3]| x[0] * x[0] + x[1] * x[1] - x[2] * x[2];
+        assert_eq!(ellipsoid(&mut saddle, 1.0, &start), None);
+        let mut mixed = |x: [f64; 3]| x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + x[0] * x[1];
+        assert_eq!(ellipsoid(&mut mixed, 22.0, &start), None);
+    }
+
+    #[test]
+    fn titles_and_numbers_read_well() {
+        assert_eq!(title("scenes/rigid_body.toml"), "Rigid body");
+        assert_eq!(short(0.1 * 2.0 * 1000.0), "200");
+        assert_eq!(short(0.30000000000000004), "0.3");
+        assert_eq!(short(6e-25), "6e-25");
+        assert_eq!(rounded(0.005_192_3, 3), "0.00519");
+    }
+}

@@ -1,0 +1,112 @@
+//! Runs in directories.
+
+mod damage;
+mod directories;
+mod recorded;
+mod resuming;
+
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::fs;
+use std::path::Path;
+
+use leafwise_core::Registry;
+
+use super::{Progress, RunError, RunOptions, RunReport, Status, run};
+use leafwise_scene::compose::{ComposedRun, compose};
+use leafwise_scene::document::SceneDocument;
+
+const SCENE: &str = r#"
+[system]
+variables   = ["x1", "x2", "x3"]
+bracket     = { "x1,x2" = "-x3", "x2,x3" = "-x1", "x3,x1" = "-x2" }
+hamiltonian = "x1^2/2 + x2^2/1.5 + x3^2/2.5"
+casimirs    = { spin = "x1^2 + x2^2 + x3^2" }
+[method]
+realization = { name = "karasev-truncated", order = 4 }
+dynamics    = { name = "hamilton-jacobi", order = 2 }
+time-step   = 0.1
+[run]
+initial = [1, 2, -0.5]
+steps   = 20000
+record  = { every = 7, observables = ["energy", "x1*x2"] }
+"#;
+
+/// Stops after a number of looks.
+struct StopAfter(u32);
+
+impl Progress for StopAfter {
+    fn show(&mut self, _status: &Status) {
+        self.0 = self.0.saturating_sub(1);
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.0 == 0
+    }
+}
+
+fn attempt(
+    text: &str,
+    directory: &Path,
+    force: bool,
+    progress: &mut dyn Progress,
+) -> Result<RunReport, RunError> {
+    Prepared::new(text).attempt(directory, force, progress)
+}
+
+/// A scene, read and composed once.
+struct Prepared {
+    document: SceneDocument,
+    registry: Registry,
+    composed: ComposedRun,
+}
+
+impl Prepared {
+    fn new(text: &str) -> Self {
+        let document = SceneDocument::parse("top.toml", text, &Registry::empty()).expect("a scene");
+        let registry = Registry::with_builtin();
+        let composed = compose(&document, &registry).expect("a run");
+        Self {
+            document,
+            registry,
+            composed,
+        }
+    }
+
+    fn attempt(
+        &self,
+        directory: &Path,
+        force: bool,
+        progress: &mut dyn Progress,
+    ) -> Result<RunReport, RunError> {
+        let options = RunOptions {
+            directory: directory.to_owned(),
+            force,
+            allow_non_poisson: false,
+            command: "leafwise run top.toml".to_owned(),
+            checkpoint_every: RunOptions::CHECKPOINT_EVERY,
+        };
+        let Self {
+            document,
+            registry,
+            composed,
+        } = self;
+        run(document, composed, registry, &options, progress)
+    }
+}
+
+/// The names and contents of a directory.
+fn contents(directory: &Path) -> BTreeMap<OsString, Vec<u8>> {
+    let entries = fs::read_dir(directory).expect("a readable directory");
+    let entries = entries.map(|entry| entry.expect("an entry"));
+    entries
+        .map(|entry| (entry.file_name(), fs::read(entry.path()).expect("a file")))
+        .collect()
+}
+
+/// A short run whose samples are all on the grid.
+fn short_scene() -> String {
+    SCENE
+        .replace("steps   = 20000", "steps   = 8")
+        .replace("every = 7", "every = 1")
+}

@@ -1,0 +1,59 @@
+//! From a scene's text to a Poisson system, a method and the plan of a run.
+//!
+//! - `names`: what formulas may refer to, and their errors placed in the file;
+//! - `tensor`, `lie_algebra`: the ways to write a bracket;
+//! - `instantiate`: templates over families written out at chosen lengths;
+//! - `system`: [`compose_system`], the Poisson system with its initial state;
+//! - `initial`: the initial state;
+//! - `observables`: what a run watches and what it records;
+//! - `parts`: realization and dynamic approximation by name;
+//! - `lattice`, `stepping`: families too long to be written out;
+//! - `fit`: whether a part of a library fits the system;
+//! - `run`: [`compose`], all of it as a [`ComposedRun`];
+//! - `motion`: ẋ as formulas to read;
+//! - `states`: the coordinates that a run records;
+//! - `path`: whether a run's numbers come from formulas or from calls;
+//! - `checks`: the Jacobi identity and the Casimirs;
+//! - `shape`: constant, linear, log-canonical, polynomial, general.
+
+mod checks;
+mod fit;
+mod fragment;
+mod initial;
+mod instantiate;
+mod lattice;
+mod lie_algebra;
+mod motion;
+mod names;
+mod observables;
+mod parts;
+mod path;
+mod run;
+mod shape;
+mod states;
+mod stepping;
+mod system;
+mod tensor;
+#[cfg(test)]
+mod tests;
+
+pub use checks::{CasimirCheck, SceneChecks};
+pub use fit::{check_first_order, check_tensor};
+pub use fragment::system_of_fragment;
+pub use instantiate::{Instantiated, instantiate};
+pub use lattice::DENSE_LIMIT;
+pub use lie_algebra::{LIE_ALGEBRAS, LieAlgebra, StructureEntry};
+pub use motion::Motion;
+pub use observables::Observable;
+pub use parts::PartChoice;
+pub use parts::exact_realization;
+pub use run::{ComposedRun, RunPlan, compose};
+pub use shape::{TensorShape, tensor_shape};
+pub use states::{RecordedStates, StateSlice, WIDEST_STATE};
+pub use stepping::{LatticeBase, LatticeStepping, Stepping};
+pub use system::{ComposedSystem, compose_system};
+
+use crate::diagnostic::SceneDiagnostic;
+
+/// A scene that cannot be composed: what is wrong, underlined where it stands.
+pub type Refusal = Box<SceneDiagnostic>;

@@ -1,0 +1,267 @@
+//! The `[method]` table: the parts of the integrator and its step.
+
+use leafwise_core::{PartKind, Registry};
+
+use super::error::SceneProblemCause;
+use super::located::{Located, Number};
+use super::reader::{Item, Problems, Table};
+
+/// A parameter of a part.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ParameterValue {
+    /// A number, such as `order = 6`.
+    Number(Number),
+    /// A word, such as `correction = "none"`.
+    Text(String),
+    /// A truth value.
+    Flag(bool),
+}
+
+/// A part by name, with its parameters in the order of the text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartSpec {
+    /// The part's id.
+    pub name: Located<String>,
+    /// Its parameters.
+    pub parameters: Vec<(Located<String>, Located<ParameterValue>)>,
+}
+
+/// The step: t advances by `epsilon * h`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StepSpec {
+    /// Both factors.
+    Factors {
+        /// ε, finite and not zero.
+        epsilon: Located<Number>,
+        /// h, finite and not zero; negative runs backward in time.
+        h: Located<Number>,
+    },
+    /// Their product alone; only the product matters (paper, Algorithm 1).
+    TimeStep(Located<Number>),
+}
+
+impl StepSpec {
+    /// ε; 1 when only the product is given.
+    pub fn epsilon(&self) -> f64 {
+        match self {
+            Self::Factors { epsilon, .. } => epsilon.value.value,
+            Self::TimeStep(_) => 1.0,
+        }
+    }
+
+    /// h; the whole time step when only the product is given.
+    pub fn h(&self) -> f64 {
+        match self {
+            Self::Factors { h, .. } => h.value.value,
+            Self::TimeStep(step) => step.value.value,
+        }
+    }
+
+    /// εh, the time one step advances.
+    pub fn time_step(&self) -> f64 {
+        self.epsilon() * self.h()
+    }
+}
+
+/// The `[method]` table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MethodSection {
+    /// The realization; absent beside a stepper, or to be chosen.
+    pub realization: Option<PartSpec>,
+    /// The dynamic approximation; absent beside a stepper, or to be chosen.
+    pub dynamics: Option<PartSpec>,
+    /// A composition of steps; `"none"` reads as absent.
+    pub composition: Option<PartSpec>,
+    /// A step map in place of realization and dynamics.
+    pub stepper: Option<PartSpec>,
+    /// The step.
+    pub step: StepSpec,
+    /// Values of parameters from which the parts choose what they are made of, in place of the system's:
+    /// the pieces of a splitting, the multiples of Casimirs.
+    pub chosen_at: Vec<(Located<String>, Located<Number>)>,
+}
+
+pub(super) const KEYS: [&str; 8] = [
+    "realization",
+    "dynamics",
+    "composition",
+    "stepper",
+    "epsilon",
+    "h",
+    "time-step",
+    CHOSEN_AT,
+];
+
+/// The key of [`MethodSection::chosen_at`].
+pub const CHOSEN_AT: &str = "chosen-at";
+
+/// Reads `[method]`.
+pub(super) fn read_method(
+    table: &Table<'_>,
+    registry: &Registry,
+    problems: &mut Problems,
+) -> Option<MethodSection> {
+    table.only(&KEYS, problems);
+    let mut part = |key: &str, kind| match table.get(key) {
+        Some(item) => read_part(item, example(registry, kind), problems).map(Some),
+        None => Some(None),
+    };
+    let realization = part("realization", PartKind::Realization);
+    let dynamics = part("dynamics", PartKind::Dynamics);
+    let composition = part("composition", PartKind::Composition);
+    let stepper = part("stepper", PartKind::Stepper);
+    if table.get("stepper").is_some() {
+        for key in ["realization", "dynamics"] {
+            conflict(
+                table,
+                "stepper",
+                key,
+                "a stepper stands in place of both parts",
+                problems,
+            );
+        }
+    }
+    let step = read_step(table, problems);
+    let chosen_at = match table.get(CHOSEN_AT) {
+        Some(item) => item.pairs("a table of numbers", problems, Item::number),
+        None => Some(Vec::new()),
+    };
+    Some(MethodSection {
+        realization: realization?,
+        dynamics: dynamics?,
+        composition: composition?.filter(|part| part.name.value != "none"),
+        stepper: stepper?,
+        step: step?,
+        chosen_at: chosen_at?,
+    })
+}
+
+fn read_part(item: &Item<'_>, example: &str, problems: &mut Problems) -> Option<PartSpec> {
+    if item.is_string() {
+        return Some(PartSpec {
+            name: item.string(problems)?,
+            parameters: Vec::new(),
+        });
+    }
+    let title = item.title.clone();
+    let table = item.table(&title, "a name or a table { name = \"…\" }", problems)?;
+    let example = format!("{title} = {{ name = \"{example}\" }}");
+    let name = table
+        .require("name", &example, problems)
+        .and_then(|name| name.string(problems));
+    let parameters: Vec<_> = table
+        .items
+        .iter()
+        .filter(|item| item.key.value != "name")
+        .map(|item| Some((item.key.clone(), read_parameter(item, problems)?)))
+        .collect();
+    Some(PartSpec {
+        name: name?,
+        parameters: parameters.into_iter().collect::<Option<_>>()?,
+    })
+}
+
+/// The name that a message shows: of the part that serves every system, or that is compared first.
+fn example(registry: &Registry, kind: PartKind) -> &'static str {
+    let compared = || registry.compared(kind).first().copied();
+    let part = registry.of_order(kind).ok().or_else(compared);
+    part.map_or("auto", |info| info.name)
+}
+
+/// The value of a parameter of a part.
+pub(super) fn read_parameter(
+    item: &Item<'_>,
+    problems: &mut Problems,
+) -> Option<Located<ParameterValue>> {
+    if item.is_string() {
+        return item
+            .string(problems)
+            .map(|text| text.map(ParameterValue::Text));
+    }
+    if let Some(flag) = item.flag() {
+        return Some(Located::new(ParameterValue::Flag(flag), item.place()));
+    }
+    if item.is_list() || item.is_table() {
+        item.wrong_type("a number, a word or a truth value", problems);
+        return None;
+    }
+    item.number(problems)
+        .map(|number| number.map(ParameterValue::Number))
+}
+
+fn read_step(table: &Table<'_>, problems: &mut Problems) -> Option<StepSpec> {
+    if let Some(item) = table.get("time-step") {
+        let advice = "give `epsilon` and `h`, or `time-step` alone: one step advances t by \
+                      epsilon*h";
+        let is_alone = !conflict(table, "time-step", "epsilon", advice, problems)
+            & !conflict(table, "time-step", "h", advice, problems);
+        let step = nonzero(item, problems)?;
+        return is_alone.then_some(StepSpec::TimeStep(step));
+    }
+    if table.get("epsilon").is_none() && table.get("h").is_none() {
+        table.require(
+            "time-step",
+            "time-step = 0.2, or epsilon = 0.1 and h = 2.0",
+            problems,
+        );
+        return None;
+    }
+    let epsilon = table
+        .require("epsilon", "epsilon = 0.1", problems)
+        .and_then(|item| nonzero(item, problems));
+    let h = table
+        .require("h", "h = 2.0", problems)
+        .and_then(|item| nonzero(item, problems));
+    let (epsilon, h) = (epsilon?, h?);
+    let product = epsilon.value.value * h.value.value;
+    if !product.is_finite() || product == 0.0 {
+        problems.push(
+            SceneProblemCause::OutOfRange {
+                key: "epsilon*h".to_owned(),
+                value: product.to_string(),
+                allowed: "finite and not zero".to_owned(),
+            },
+            h.place(),
+        );
+        return None;
+    }
+    Some(StepSpec::Factors { epsilon, h })
+}
+
+fn nonzero(item: &Item<'_>, problems: &mut Problems) -> Option<Located<Number>> {
+    let number = item.number(problems)?;
+    if number.value.value == 0.0 {
+        problems.push(
+            SceneProblemCause::OutOfRange {
+                key: item.title.clone(),
+                value: number.value.literal.clone(),
+                allowed: "different from zero".to_owned(),
+            },
+            number.place(),
+        );
+        return None;
+    }
+    Some(number)
+}
+
+/// Records that `second`, if present, may not stand beside `first`; tells whether it is.
+fn conflict(
+    table: &Table<'_>,
+    first: &str,
+    second: &str,
+    advice: &str,
+    problems: &mut Problems,
+) -> bool {
+    let Some(item) = table.get(second) else {
+        return false;
+    };
+    problems.push(
+        SceneProblemCause::Conflict {
+            first: first.to_owned(),
+            second: second.to_owned(),
+            advice: advice.to_owned(),
+        },
+        item.key.place(),
+    );
+    true
+}

@@ -1,0 +1,46 @@
+//! The scene's text as typed sections, every value with its place in the text.
+//!
+//! - `located`: values that remember where they were written;
+//! - `system`, `bracket`, `method`, `run`, `ensemble`, `plugin`: one table or list of the scene each;
+//! - `system_section`: what `[system]` says, be it read from the scene, a library or a system without formulas;
+//! - `numbers`: systems that have no formulas;
+//! - `method_table`: a method as a value, written into a scene's text;
+//! - `overrides`: `--set path=value`, applied by rewriting the text;
+//! - `keys`: every key that a scene may have;
+//! - `library`: where `library = "…"` is looked up;
+//! - `error`, `suggest`: what is wrong, and the nearest valid name;
+//! - `reader`: typed access to parsed TOML.
+
+mod bracket;
+mod ensemble;
+mod error;
+mod keys;
+mod located;
+mod method;
+mod method_table;
+mod numbers;
+mod overrides;
+mod plugin;
+mod reader;
+mod run;
+mod scene;
+mod suggest;
+mod system;
+mod system_section;
+#[cfg(test)]
+mod tests;
+
+pub use bracket::BracketSpec;
+pub use ensemble::{Distribution, EnsembleSection, FinalStates, InitialDraw, ParameterDraw};
+pub use error::{SceneErrors, SceneProblem, SceneProblemCause};
+pub use keys::scene_keys;
+pub use located::{Located, Number, Place, Source};
+pub use method::CHOSEN_AT;
+pub use method::{MethodSection, ParameterValue, PartSpec, StepSpec};
+pub use method_table::{MethodParts, MethodTable, PartUse, RewriteError};
+pub use plugin::PluginSpec;
+pub use run::ALL_STATES;
+pub use run::{InitialSpec, ObservableSpec, RecordSpec, RunSection};
+pub use scene::SceneDocument;
+pub use suggest::nearest;
+pub use system_section::{Boundary, Convention, NumbersSystem, SystemSection};

@@ -1,0 +1,190 @@
+//! The `[run]` table: where to start, how far to go, what to keep.
+
+use super::error::SceneProblemCause;
+use super::located::{Located, Number, Place};
+use super::reader::{Item, Problems, Table};
+use super::system_section::SystemSection;
+
+/// The initial state.
+#[derive(Clone, Debug, PartialEq)]
+pub enum InitialSpec {
+    /// One number for each coordinate of the state.
+    Vector(Vec<Located<Number>>),
+    /// A formula for each variable or family, as `"x[i]" = "1 + 0.1*sin(2*pi*i/N)"`.
+    Fields(Vec<(Located<String>, Located<String>)>),
+}
+
+/// What to keep of the run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecordSpec {
+    /// Every how many steps a sample is kept; at least 1.
+    pub every: u64,
+    /// Observables; energy and all Casimirs unless the scene says otherwise.
+    pub observables: Vec<ObservableSpec>,
+    /// The coordinates that are recorded, by names and slices; where not said, all of a small system.
+    pub states: Option<Vec<Located<String>>>,
+}
+
+/// One observable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObservableSpec {
+    /// What its column is called, where the scene gives it a name.
+    pub name: Option<Located<String>>,
+    /// `energy`, a Casimir's name, or a formula of the state.
+    pub formula: Located<String>,
+}
+
+impl ObservableSpec {
+    /// The heading of its column.
+    pub fn heading(&self) -> &str {
+        &self.name.as_ref().unwrap_or(&self.formula).value
+    }
+}
+
+/// In `states`, every coordinate.
+pub const ALL_STATES: &str = "all";
+
+/// The `[run]` table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunSection {
+    /// The initial state.
+    pub initial: Located<InitialSpec>,
+    /// The number of steps.
+    pub steps: Located<u64>,
+    /// What to keep.
+    pub record: RecordSpec,
+    /// The run directory, when the scene names one.
+    pub out: Option<Located<String>>,
+}
+
+pub(super) const KEYS: [&str; 4] = ["initial", "steps", "record", "out"];
+pub(super) const RECORD_KEYS: [&str; 3] = ["every", "observables", "states"];
+
+/// Reads `[run]`; `system` fixes the dimension and the default observables.
+pub(super) fn read_run(
+    table: &Table<'_>,
+    system: Option<&SystemSection>,
+    problems: &mut Problems,
+) -> Option<RunSection> {
+    table.only(&KEYS, problems);
+    let initial = table
+        .require("initial", "initial = [1, 3, 3]", problems)
+        .and_then(|item| read_initial(item, system, problems));
+    let steps = table
+        .require("steps", "steps = 1000", problems)
+        .and_then(|item| item.whole(0, problems));
+    let record = read_record(table, system, problems);
+    let out = match table.get("out") {
+        Some(item) => item.string(problems).map(Some),
+        None => Some(None),
+    };
+    Some(RunSection {
+        initial: initial?,
+        steps: steps?,
+        record: record?,
+        out: out?,
+    })
+}
+
+fn read_initial(
+    item: &Item<'_>,
+    system: Option<&SystemSection>,
+    problems: &mut Problems,
+) -> Option<Located<InitialSpec>> {
+    let expected = "a list of numbers or a table of formulas";
+    if item.is_table() {
+        let fields = item.pairs(expected, problems, Item::formula)?;
+        return Some(Located::new(InitialSpec::Fields(fields), item.place()));
+    }
+    let numbers = item.list_of(expected, problems, Item::number)?;
+    if let Some(dimension) = system.map(SystemSection::dimension)
+        && dimension != numbers.len()
+    {
+        problems.push(
+            SceneProblemCause::Shape {
+                what: item.title.clone(),
+                found: format!("{} entries", numbers.len()),
+                expected: format!("{dimension}, one for each variable"),
+            },
+            item.place(),
+        );
+        return None;
+    }
+    Some(Located::new(InitialSpec::Vector(numbers), item.place()))
+}
+
+fn read_record(
+    table: &Table<'_>,
+    system: Option<&SystemSection>,
+    problems: &mut Problems,
+) -> Option<RecordSpec> {
+    let Some(item) = table.get("record") else {
+        return Some(RecordSpec {
+            every: 1,
+            observables: read_observables(None, &table.place, system, problems)?,
+            states: None,
+        });
+    };
+    let record = item.table("record", "a table", problems)?;
+    record.only(&RECORD_KEYS, problems);
+    let every = match record.get("every") {
+        Some(every) => every.whole(1, problems).map(|every| every.value),
+        None => Some(1),
+    };
+    let observables = read_observables(Some(&record), &table.place, system, problems);
+    let states = match record.get("states") {
+        Some(one) if one.is_string() => one.string(problems).map(|one| Some(vec![one])),
+        Some(list) => {
+            let expected = "\"all\" or a list such as [\"q[0]\", \"q[::100]\", \"p\"]";
+            list.list_of(expected, problems, Item::string).map(Some)
+        }
+        None => Some(None),
+    };
+    Some(RecordSpec {
+        every: every?,
+        observables: observables?,
+        states: states?,
+    })
+}
+
+/// The observables of a `record` table; energy and every Casimir where it gives none.
+pub(super) fn read_observables(
+    record: Option<&Table<'_>>,
+    section: &Place,
+    system: Option<&SystemSection>,
+    problems: &mut Problems,
+) -> Option<Vec<ObservableSpec>> {
+    if let Some(list) = record.and_then(|record| record.get("observables")) {
+        let entries = list.list_of("a list of names and formulas", problems, read_observable)?;
+        return Some(entries.concat());
+    }
+    let energy = Located::new("energy".to_owned(), section.clone());
+    let casimirs = system.into_iter().flat_map(|system| &system.casimirs);
+    let names = casimirs.map(|(name, _)| name.clone());
+    let formulas = std::iter::once(energy).chain(names);
+    Some(formulas.map(unnamed).collect())
+}
+
+fn unnamed(formula: Located<String>) -> ObservableSpec {
+    ObservableSpec {
+        name: None,
+        formula,
+    }
+}
+
+/// A name or a formula, or formulas by the names of their columns.
+fn read_observable(item: &Item<'_>, problems: &mut Problems) -> Option<Vec<ObservableSpec>> {
+    if !item.is_table() {
+        return item.string(problems).map(|one| vec![unnamed(one)]);
+    }
+    let pairs = item.pairs(
+        "a formula, or { name = \"formula\" }",
+        problems,
+        Item::formula,
+    )?;
+    let named = pairs.into_iter().map(|(name, formula)| ObservableSpec {
+        name: Some(name),
+        formula,
+    });
+    Some(named.collect())
+}

@@ -1,0 +1,21 @@
+//! A scene file, from its text to a composed run.
+//!
+//! - [`document`]: the text as typed sections, every value with its place in the text;
+//! - [`diagnostic`]: what is wrong, underlined where it stands;
+//! - [`compose`](mod@compose): the text as a Poisson system, a method and the plan of a run;
+//! - [`input`]: files that are read whole, within bounds.
+
+pub mod compose;
+pub mod diagnostic;
+pub mod document;
+pub mod input;
+
+pub use compose::{ComposedRun, ComposedSystem, Refusal, SceneChecks, compose, compose_system};
+pub use diagnostic::{SceneDiagnostic, formula_span, string_content};
+pub use document::{
+    Boundary, BracketSpec, Convention, Distribution, EnsembleSection, FinalStates, InitialDraw,
+    InitialSpec, Located, MethodParts, MethodSection, MethodTable, Number, NumbersSystem,
+    ParameterDraw, ParameterValue, PartSpec, PartUse, Place, PluginSpec, RecordSpec, RewriteError,
+    RunSection, SceneDocument, SceneErrors, SceneProblem, SceneProblemCause, Source, StepSpec,
+    SystemSection,
+};
