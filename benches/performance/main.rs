@@ -1,7 +1,8 @@
 //! Everything that `docs/performance.md` reports, each ratio from one run.
 //!
 //! `cargo bench -p leafwise-benches --bench performance` measures all and writes the tables into the
-//! page; `-- accuracy` and the other names of [`SECTIONS`] one of them.
+//! page; `-- accuracy` and the other names of [`SECTIONS`] one of them. `-- formulas` writes the formulas by hand that
+//! `steps` compares with: once, and after a change of what kernels hold.
 
 #![allow(clippy::print_stdout)]
 
@@ -53,11 +54,19 @@ fn main() {
     }
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     if asked == ["formulas"] {
-        return source::write_all(&here.join("performance/formulas"));
+        source::write_all(&here.join("performance/formulas"));
+        println!("written; the next run of this bench compiles them");
+        return;
     }
     let page = here.join("../docs/performance.md");
     for (name, measure) in SECTIONS {
         if asked.is_empty() || asked.iter().any(|a| a == name) {
+            if name == "steps" && !cfg!(has_formulas) {
+                println!(
+                    "steps: no formulas by hand to compare with: run `-- formulas` once, then this again"
+                );
+                continue;
+            }
             let text = measure();
             println!("{text}");
             document::write_section(&page, name, &text);

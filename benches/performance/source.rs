@@ -13,8 +13,9 @@ use leafwise_benches::STEP_CASES;
 /// kernels hold.
 ///
 /// # Panics
-/// Where the folder is not there.
+/// Where the folder cannot be written.
 pub fn write_all(folder: &Path) {
+    std::fs::create_dir_all(folder).expect("a folder for the formulas");
     for case in &STEP_CASES {
         let run = case.composed();
         let method = run.method.written().expect("a written method");
