@@ -25,6 +25,7 @@ mod paper_slopes;
 mod part_names;
 mod poles;
 mod reference;
+mod schema;
 mod sources;
 mod stress;
 mod theorems;

@@ -95,6 +95,8 @@ pub enum Command {
     Stress(StressArguments),
     /// Write a commented scene file to start from
     New(NewArguments),
+    /// Print the JSON Schema of scenes, for editors
+    Schema,
     /// List plugins, or check one
     #[command(subcommand)]
     Plugin(PluginCommand),
@@ -151,7 +153,7 @@ impl Command {
             Self::Stress(arguments) => arguments.json,
             Self::Plugin(PluginCommand::List(arguments)) => arguments.json,
             Self::Plugin(PluginCommand::Check(arguments)) => arguments.json,
-            Self::Plugin(PluginCommand::Probe { .. }) | Self::New(_) => false,
+            Self::Plugin(PluginCommand::Probe { .. }) | Self::New(_) | Self::Schema => false,
         }
     }
 }

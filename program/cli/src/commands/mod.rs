@@ -12,6 +12,7 @@ pub mod new;
 pub mod plugin;
 pub mod reproduce;
 pub mod run;
+pub mod schema;
 pub mod stress;
 pub mod tune;
 pub mod verify;

@@ -3,6 +3,7 @@
 use super::error::SceneProblemCause;
 use super::located::{Located, Number};
 use super::reader::{Item, Problems};
+use super::schema::{BRACKET, has, names};
 use super::suggest::nearest;
 
 /// How the Poisson tensor is given.
@@ -18,8 +19,6 @@ pub enum BracketSpec {
     MagneticField(Vec<Located<String>>),
 }
 
-pub(super) const KINDS: [&str; 3] = ["lie-algebra", "log-canonical", "magnetic-field"];
-
 /// What `magnetic-field` was once called, with another sign.
 const MAGNETIC: &str = "magnetic";
 
@@ -33,7 +32,7 @@ pub(super) fn read_bracket(item: &Item<'_>, problems: &mut Problems) -> Option<B
     let kind = table
         .items
         .iter()
-        .find(|entry| KINDS.contains(&entry.key.value.as_str()));
+        .find(|entry| has(&BRACKET, &entry.key.value));
     let Some(kind) = kind else {
         let entries: Vec<_> = table
             .items
@@ -84,7 +83,7 @@ fn check_pair(entry: &Item<'_>, problems: &mut Problems) {
         problems.push(
             SceneProblemCause::BracketKey {
                 key: key.clone(),
-                nearest: nearest(key, KINDS),
+                nearest: nearest(key, names(&BRACKET)),
             },
             entry.key.place(),
         );

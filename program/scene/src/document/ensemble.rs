@@ -4,20 +4,9 @@ use super::error::SceneProblemCause;
 use super::located::{Located, Place};
 use super::reader::{Item, Problems, Table};
 use super::run::{RecordSpec, read_observables};
+use super::schema::{CENTER, DRAWS, ENSEMBLE, ENSEMBLE_RECORD, Key, WAYS, has, names};
 use super::suggest::nearest;
 use super::system_section::SystemSection;
-
-pub(super) const KEYS: [&str; 7] = [
-    "members",
-    "seed",
-    "initial",
-    "parameters",
-    "record",
-    "final-states",
-    "out",
-];
-
-pub(super) const RECORD_KEYS: [&str; 4] = ["every", "observables", "quantiles", "drift-every"];
 
 /// The `[ensemble]` table.
 #[derive(Clone, Debug, PartialEq)]
@@ -125,7 +114,7 @@ pub(super) fn read_ensemble(
     system: Option<&SystemSection>,
     problems: &mut Problems,
 ) -> Option<EnsembleSection> {
-    table.only(&KEYS, problems);
+    table.only(&ENSEMBLE, problems);
     let members = optional(table, "members", problems, |item, problems| {
         item.whole(1, problems)
     });
@@ -174,25 +163,16 @@ fn optional<T>(
     }
 }
 
-/// Ways to draw a parameter.
-pub(super) const WAYS: [&str; 4] = ["uniform", "normal", "values", "range"];
-
-/// Beside a distribution.
-pub(super) const CENTER: [&str; 1] = ["center"];
-
-/// Ways to draw initial states.
-pub(super) const DISTRIBUTIONS: [&str; 6] = ["ball", "box", "normal", "sphere", "leaf", "file"];
-
 fn read_initial(
     item: &Item<'_>,
     system: Option<&SystemSection>,
     problems: &mut Problems,
 ) -> Option<InitialDraw> {
     let table = item.table("initial", "a table such as { ball = 0.1 }", problems)?;
-    table.only(&[&DISTRIBUTIONS[..], &CENTER].concat(), problems);
-    let chosen = one_of(&table, &DISTRIBUTIONS, "initial = { ball = 0.1 }", problems)?;
+    table.only(&DRAWS, problems);
+    let chosen = one_of(&table, &DRAWS, "initial = { ball = 0.1 }", problems)?;
     let dimension = system.map(SystemSection::dimension);
-    let center = optional(&table, "center", problems, |item, problems| {
+    let center = optional(&table, CENTER, problems, |item, problems| {
         vector(item, dimension, problems)
     })?;
     let distribution = match chosen.key.value.as_str() {
@@ -220,7 +200,7 @@ fn read_initial(
         "box" => Distribution::Box(lengths(chosen, dimension, problems)?),
         "normal" => Distribution::Normal(lengths(chosen, dimension, problems)?),
         _ => {
-            if let Some(center) = table.get("center") {
+            if let Some(center) = table.get(CENTER) {
                 problems.push(
                     SceneProblemCause::Conflict {
                         first: "file".to_owned(),
@@ -239,29 +219,31 @@ fn read_initial(
     })
 }
 
-/// The one entry whose key is among `keys`.
+/// The one entry whose key is among `keys`, beside [`CENTER`].
 fn one_of<'t, 'a>(
     table: &'t Table<'a>,
-    keys: &[&str],
+    keys: &[Key],
     example: &str,
     problems: &mut Problems,
 ) -> Option<&'t Item<'a>> {
-    let is_choice = |item: &&Item<'a>| keys.contains(&item.key.value.as_str());
+    let is_center = |item: &Item<'a>| item.key.value == CENTER;
+    let is_choice = |item: &&Item<'a>| has(keys, &item.key.value) && !is_center(item);
     let mut given = table.items.iter().filter(is_choice);
     let first = given.next();
     if let (Some(first), Some(second)) = (first, given.next()) {
+        let choices: Vec<_> = names(keys).filter(|name| *name != CENTER).collect();
         problems.push(
             SceneProblemCause::Conflict {
                 first: first.key.value.clone(),
                 second: second.key.value.clone(),
-                advice: format!("keep one of {}", keys.join(", ")),
+                advice: format!("keep one of {}", choices.join(", ")),
             },
             second.key.place(),
         );
         return None;
     }
-    if first.is_none() && table.items.iter().all(|item| item.key.value == "center") {
-        table.require(keys[0], example, problems);
+    if first.is_none() && table.items.iter().all(is_center) {
+        table.require(keys[0].name, example, problems);
     }
     first
 }
@@ -417,7 +399,7 @@ fn read_record(
         return Some((record, false, Vec::new(), 1));
     };
     let record = item.table("record", "a table", problems)?;
-    record.only(&RECORD_KEYS, problems);
+    record.only(&ENSEMBLE_RECORD, problems);
     let whole = |item: &Item<'_>, problems: &mut Problems| item.whole(1, problems);
     let every = optional(&record, "every", problems, whole);
     let drift_every = optional(&record, "drift-every", problems, whole);

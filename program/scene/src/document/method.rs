@@ -5,6 +5,7 @@ use leafwise_core::{PartKind, Registry};
 use super::error::SceneProblemCause;
 use super::located::{Located, Number};
 use super::reader::{Item, Problems, Table};
+use super::schema::{CHOSEN_AT, METHOD};
 
 /// A parameter of a part.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,27 +82,13 @@ pub struct MethodSection {
     pub chosen_at: Vec<(Located<String>, Located<Number>)>,
 }
 
-pub(super) const KEYS: [&str; 8] = [
-    "realization",
-    "dynamics",
-    "composition",
-    "stepper",
-    "epsilon",
-    "h",
-    "time-step",
-    CHOSEN_AT,
-];
-
-/// The key of [`MethodSection::chosen_at`].
-pub const CHOSEN_AT: &str = "chosen-at";
-
 /// Reads `[method]`.
 pub(super) fn read_method(
     table: &Table<'_>,
     registry: &Registry,
     problems: &mut Problems,
 ) -> Option<MethodSection> {
-    table.only(&KEYS, problems);
+    table.only(&METHOD, problems);
     let mut part = |key: &str, kind| match table.get(key) {
         Some(item) => read_part(item, example(registry, kind), problems).map(Some),
         None => Some(None),

@@ -5,12 +5,10 @@ use std::sync::Arc;
 
 use toml_edit::{DocumentMut, InlineTable, Item, Key, TableLike, Value};
 
-use super::ensemble;
 use super::error::SceneProblemCause;
 use super::located::{Place, Source};
-use super::method;
 use super::reader::Problems;
-use super::run;
+use super::schema::{Inner, ROOT};
 use super::suggest::nearest;
 
 /// Keys that give the same thing in other words: setting the first removes the rest.
@@ -169,44 +167,29 @@ fn remove_alternatives(table: &mut dyn TableLike, key: &str) {
 /// Refuses a path the scene format does not have.
 fn check_path(keys: &[Key], path: &str) -> Result<(), Refusal> {
     let names: Vec<_> = keys.iter().map(Key::get).collect();
-    for depth in 0..names.len() {
-        let (table, valid): (String, &[&str]) = match &names[..depth] {
-            [] => (
-                "the scene".to_owned(),
-                &["system", "method", "run", "ensemble", "plugins"],
-            ),
-            ["system"] => ("[system]".to_owned(), &super::system::KEYS),
-            ["method"] => ("[method]".to_owned(), &method::KEYS),
-            ["run"] => ("[run]".to_owned(), &run::KEYS),
-            ["run", "record"] => ("record".to_owned(), &run::RECORD_KEYS),
-            ["ensemble"] => ("[ensemble]".to_owned(), &ensemble::KEYS),
-            ["ensemble", "record"] => ("record".to_owned(), &ensemble::RECORD_KEYS),
-            ["system", "parameters" | "families" | "bracket" | "casimirs"]
-            | [
-                "method",
-                "realization" | "dynamics" | "composition" | "stepper" | method::CHOSEN_AT,
-            ]
-            | ["run", "initial"]
-            | ["ensemble", "initial" | "parameters"]
-            | ["ensemble", "parameters", _] => continue,
-            _ => {
-                let reason = format!("`{}` has no keys", names[..depth].join("."));
-                let cause = SceneProblemCause::Override {
-                    path: path.to_owned(),
-                    reason,
-                };
-                return Err((cause, segment(path, names[depth])));
+    let mut shape = &ROOT;
+    for (depth, name) in names.iter().enumerate() {
+        let cause = match shape.inner(name) {
+            Inner::Known(inner) => {
+                shape = inner;
+                continue;
             }
+            Inner::Unknown(valid) => SceneProblemCause::UnknownKey {
+                key: (*name).to_owned(),
+                table: match names[..depth] {
+                    [] => "the scene".to_owned(),
+                    [section] => format!("[{section}]"),
+                    [.., table] => table.to_owned(),
+                },
+                nearest: nearest(name, valid.iter().copied()),
+                valid: valid.into_iter().map(str::to_owned).collect(),
+            },
+            Inner::Keyless => SceneProblemCause::Override {
+                path: path.to_owned(),
+                reason: format!("`{}` has no keys", names[..depth].join(".")),
+            },
         };
-        if !valid.contains(&names[depth]) {
-            let cause = SceneProblemCause::UnknownKey {
-                key: names[depth].to_owned(),
-                table,
-                nearest: nearest(names[depth], valid.iter().copied()),
-                valid: valid.iter().map(|&key| key.to_owned()).collect(),
-            };
-            return Err((cause, segment(path, names[depth])));
-        }
+        return Err((cause, segment(path, name)));
     }
     if names.len() == 1 && names[0] != "plugins" {
         let cause = SceneProblemCause::Override {

@@ -3,6 +3,7 @@
 use super::located::Located;
 use super::overrides::apply_overrides;
 use super::reader::{Item, Problems, Table, end_of};
+use super::schema::PLUGIN;
 use toml::de::DeTable;
 
 /// A shared library to load before the scene is composed.
@@ -47,7 +48,7 @@ fn read_plugin(item: &Item<'_>, problems: &mut Problems) -> Option<PluginSpec> {
         });
     }
     let table = item.table(&item.title, "a path or a table { path = \"…\" }", problems)?;
-    table.only(&["path", "sha256"], problems);
+    table.only(&PLUGIN, problems);
     let path = table
         .require("path", "{ path = \"./libacme.so\" }", problems)
         .and_then(|path| path.string(problems));

@@ -7,6 +7,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::error::{SceneProblem, SceneProblemCause};
 use super::located::{Located, Number, Place, Source};
+use super::schema::{Key, has, names};
 use super::suggest::nearest;
 
 /// The problems found so far.
@@ -103,15 +104,15 @@ impl<'a> Table<'a> {
     }
 
     /// Records every key that is not among `valid`.
-    pub fn only(&self, valid: &[&str], problems: &mut Problems) {
+    pub fn only(&self, valid: &[Key], problems: &mut Problems) {
         for item in &self.items {
-            if !valid.contains(&item.key.value.as_str()) {
+            if !has(valid, &item.key.value) {
                 problems.push(
                     SceneProblemCause::UnknownKey {
                         key: item.key.value.clone(),
                         table: self.title.clone(),
-                        nearest: nearest(&item.key.value, valid.iter().copied()),
-                        valid: valid.iter().map(|&key| key.to_owned()).collect(),
+                        nearest: nearest(&item.key.value, names(valid)),
+                        valid: names(valid).map(str::to_owned).collect(),
                     },
                     item.key.place(),
                 );

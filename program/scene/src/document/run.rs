@@ -3,6 +3,7 @@
 use super::error::SceneProblemCause;
 use super::located::{Located, Number, Place};
 use super::reader::{Item, Problems, Table};
+use super::schema::{RECORD, RUN};
 use super::system_section::SystemSection;
 
 /// The initial state.
@@ -57,16 +58,13 @@ pub struct RunSection {
     pub out: Option<Located<String>>,
 }
 
-pub(super) const KEYS: [&str; 4] = ["initial", "steps", "record", "out"];
-pub(super) const RECORD_KEYS: [&str; 3] = ["every", "observables", "states"];
-
 /// Reads `[run]`; `system` fixes the dimension and the default observables.
 pub(super) fn read_run(
     table: &Table<'_>,
     system: Option<&SystemSection>,
     problems: &mut Problems,
 ) -> Option<RunSection> {
-    table.only(&KEYS, problems);
+    table.only(&RUN, problems);
     let initial = table
         .require("initial", "initial = [1, 3, 3]", problems)
         .and_then(|item| read_initial(item, system, problems));
@@ -126,7 +124,7 @@ fn read_record(
         });
     };
     let record = item.table("record", "a table", problems)?;
-    record.only(&RECORD_KEYS, problems);
+    record.only(&RECORD, problems);
     let every = match record.get("every") {
         Some(every) => every.whole(1, problems).map(|every| every.value),
         None => Some(1),

@@ -13,6 +13,7 @@ use super::overrides::apply_overrides;
 use super::plugin::{PluginSpec, read_plugins};
 use super::reader::{Problems, Table, end_of};
 use super::run::{RunSection, read_run};
+use super::schema::SCENE;
 use super::system::read_system;
 use super::system_section::SystemSection;
 use crate::diagnostic::{SceneDiagnostic, formula_span};
@@ -37,8 +38,6 @@ pub struct SceneDocument {
     /// Shared libraries to load first.
     pub plugins: Vec<PluginSpec>,
 }
-
-pub(super) const KEYS: [&str; 5] = ["system", "method", "run", "ensemble", "plugins"];
 
 impl SceneDocument {
     /// Reads a scene; `name` is the file's name, for messages, and `registry` has the systems that it may
@@ -196,7 +195,7 @@ fn read(
         }
     };
     let root = Table::new("the scene", document.get_ref(), end_of(text), text);
-    root.only(&KEYS, problems);
+    root.only(&SCENE, problems);
     let mut section = |key: &str, example: &str| {
         root.require(key, example, problems)
             .and_then(|item| item.table(&format!("[{key}]"), "a table", problems))

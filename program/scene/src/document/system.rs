@@ -12,20 +12,9 @@ use super::error::SceneProblemCause;
 use super::located::{Located, Place, Source};
 use super::numbers::{asks_for_numbers, read_numbers};
 use super::reader::{Item, Problems, Table};
+use super::schema::{SYSTEM, has};
 use super::suggest::nearest;
 use super::system_section::{Boundary, Convention, SystemSection};
-
-pub(super) const KEYS: [&str; 9] = [
-    "library",
-    "variables",
-    "families",
-    "parameters",
-    "bracket",
-    "boundary",
-    "convention",
-    "hamiltonian",
-    "casimirs",
-];
 
 /// Reads `[system]`, going to the library when it names one; the fragment used is left in
 /// `fragment` as id and text.
@@ -36,13 +25,13 @@ pub(super) fn read_system(
     problems: &mut Problems,
 ) -> Option<SystemSection> {
     let Some(item) = table.get("library") else {
-        table.only(&KEYS, problems);
+        table.only(&SYSTEM, problems);
         return read_inline(table, problems);
     };
-    table.only(&KEYS, problems);
+    table.only(&SYSTEM, problems);
     for other in &table.items {
         let key = other.key.value.as_str();
-        if KEYS.contains(&key) && !["library", "parameters", "families"].contains(&key) {
+        if has(&SYSTEM, key) && !["library", "parameters", "families"].contains(&key) {
             problems.push(
                 SceneProblemCause::Conflict {
                     first: "library".to_owned(),
@@ -106,7 +95,7 @@ fn read_fragment(id: &str, text: &str, problems: &mut Problems) -> Option<System
     let table = root
         .require("system", "[system]", problems)?
         .table("[system]", "a table", problems)?;
-    table.only(&KEYS[1..], problems);
+    table.only(&SYSTEM[1..], problems);
     read_inline(&table, problems)
 }
 

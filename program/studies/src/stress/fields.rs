@@ -27,7 +27,7 @@ pub(super) const CASES: [Case; 2] = [
 ];
 
 /// Scenes that between them hold every key of [`scene_keys`].
-const SCENES: [&str; 7] = [
+pub const SCENES_WITH_EVERY_KEY: [&str; 7] = [
     r#"
     plugins = []
     [system]
@@ -151,8 +151,8 @@ const DRAWS: [(&str, &str); 6] = [
 ];
 
 fn scenes() -> impl Iterator<Item = String> {
-    let last = SCENES[SCENES.len() - 1];
-    let written = SCENES.map(str::to_owned).into_iter();
+    let last = SCENES_WITH_EVERY_KEY[SCENES_WITH_EVERY_KEY.len() - 1];
+    let written = SCENES_WITH_EVERY_KEY.map(str::to_owned).into_iter();
     written.chain(DRAWS.map(|(from, to)| last.replacen(from, to, 1)))
 }
 

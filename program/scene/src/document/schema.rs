@@ -1,0 +1,425 @@
+//! Every key that a scene may have, with the shape of its value: what the reader accepts, `--set` may set, and editors
+//! complete.
+
+use leafwise_core::PartKind;
+
+/// A key of a table.
+pub(super) struct Key {
+    pub name: &'static str,
+    pub shape: Shape,
+    /// One line, for editors.
+    pub about: &'static str,
+}
+
+/// What a value may be.
+pub(super) enum Shape {
+    Text,
+    /// A string, or a number that stands for itself.
+    Formula,
+    Number,
+    /// A whole number of at least this.
+    Whole(u64),
+    Words(&'static [&'static str]),
+    List(&'static Shape),
+    Table(Keys),
+    /// A table of names that the scene chooses.
+    Names(&'static Shape),
+    /// A table of pairs of variables, `"x,y"`.
+    Pairs(&'static Shape),
+    Either(&'static [Shape]),
+    /// A part by its name, or a table with the name and its parameters.
+    Part(PartKind),
+    /// A system of the library.
+    System,
+}
+
+/// What a key leads to.
+pub(super) enum Inner<'a> {
+    Known(&'a Shape),
+    /// Nothing: these are the keys.
+    Unknown(Vec<&'static str>),
+    /// Nothing: the value is no table.
+    Keyless,
+}
+
+impl Shape {
+    /// What a key in a value of this shape leads to.
+    pub(super) fn inner(&self, name: &str) -> Inner<'_> {
+        match self {
+            Self::Table(table) => match table.keys.iter().find(|key| key.name == name) {
+                Some(key) => Inner::Known(&key.shape),
+                None => Inner::Unknown(names(table.keys).collect()),
+            },
+            Self::Names(each) | Self::Pairs(each) => Inner::Known(each),
+            Self::Part(_) => Inner::Known(&Self::Text),
+            Self::Either(shapes) => {
+                let mut best = Inner::Keyless;
+                for shape in *shapes {
+                    match shape.inner(name) {
+                        known @ Inner::Known(_) => return known,
+                        Inner::Keyless => {}
+                        unknown @ Inner::Unknown(_) => best = unknown,
+                    }
+                }
+                best
+            }
+            _ => Inner::Keyless,
+        }
+    }
+}
+
+/// The keys of a table.
+pub(super) struct Keys {
+    pub keys: &'static [Key],
+    /// Sets of keys, of which one has to be there whole.
+    pub needs: &'static [&'static [&'static str]],
+}
+
+/// Whether a key of this name is among `keys`.
+pub(super) fn has(keys: &[Key], name: &str) -> bool {
+    keys.iter().any(|key| key.name == name)
+}
+
+/// The names of keys.
+pub(super) fn names(keys: &[Key]) -> impl Iterator<Item = &'static str> + Clone {
+    keys.iter().map(|key| key.name)
+}
+
+const fn key(name: &'static str, shape: Shape, about: &'static str) -> Key {
+    Key { name, shape, about }
+}
+
+const fn table(keys: &'static [Key], needs: &'static [&'static [&'static str]]) -> Shape {
+    Shape::Table(Keys { keys, needs })
+}
+
+const NUMBERS: Shape = Shape::List(&Shape::Number);
+const FORMULAS: Shape = Shape::Names(&Shape::Formula);
+
+/// The scene.
+pub(super) static ROOT: Shape = table(&SCENE, &[&["system", "method", "run"]]);
+
+pub(super) static SCENE: [Key; 5] = [
+    key(
+        "system",
+        table(
+            &SYSTEM,
+            &[
+                &["library"],
+                &["variables", "bracket", "hamiltonian"],
+                &["families", "bracket", "hamiltonian"],
+            ],
+        ),
+        "The Poisson manifold and the Hamiltonian",
+    ),
+    key(
+        "method",
+        table(&METHOD, &[&["time-step"], &["epsilon", "h"]]),
+        "The integrator and its step",
+    ),
+    key(
+        "run",
+        table(&RUN, &[&["initial", "steps"]]),
+        "Where to start, how far to go, what to keep",
+    ),
+    key(
+        "ensemble",
+        table(&ENSEMBLE, &[]),
+        "Many initial states or parameter sets at once",
+    ),
+    key(
+        "plugins",
+        Shape::List(&Shape::Either(&[Shape::Text, table(&PLUGIN, &[&["path"]])])),
+        "Shared libraries whose parts the scene uses: paths, or names to search for",
+    ),
+];
+
+pub(super) static SYSTEM: [Key; 9] = [
+    key(
+        "library",
+        Shape::System,
+        "A system of the library, by its id",
+    ),
+    key(
+        "variables",
+        Shape::List(&Shape::Text),
+        "The coordinates' names",
+    ),
+    key(
+        "families",
+        Shape::Names(&Shape::Whole(1)),
+        "Indexed variables of a lattice and how many there are: { q = 1000, p = 1000 }",
+    ),
+    key(
+        "parameters",
+        Shape::Names(&Shape::Either(&[Shape::Number, Shape::Text])),
+        "Named numbers that formulas may use",
+    ),
+    key(
+        "bracket",
+        Shape::Either(&[
+            table(
+                &BRACKET,
+                &[&["lie-algebra"], &["log-canonical"], &["magnetic-field"]],
+            ),
+            Shape::Pairs(&Shape::Formula),
+        ]),
+        "The Poisson tensor: { \"x,y\" = \"formula\" } for each pair that is not zero, or a kind by its name",
+    ),
+    key(
+        "boundary",
+        Shape::Words(&["periodic", "open"]),
+        "Whether the ends of a lattice meet",
+    ),
+    key(
+        "convention",
+        Shape::Words(&["{H,x}", "{x,H}"]),
+        "The equation of motion: x' = {H, x}, or x' = {x, H}",
+    ),
+    key(
+        "hamiltonian",
+        Shape::Formula,
+        "H, a formula of the variables",
+    ),
+    key(
+        "casimirs",
+        FORMULAS,
+        "Functions that commute with all others, by names",
+    ),
+];
+
+pub(super) static BRACKET: [Key; 3] = [
+    key(
+        "lie-algebra",
+        Shape::Text,
+        "The linear bracket of a Lie algebra: `leafwise list lie-algebras`",
+    ),
+    key(
+        "log-canonical",
+        Shape::List(&NUMBERS),
+        "{x_i, x_j} = a_ij x_i x_j: the rows of the antisymmetric matrix a",
+    ),
+    key(
+        "magnetic-field",
+        Shape::List(&Shape::Formula),
+        "Positions and velocities with v' = v x B + ...: the formulas of B",
+    ),
+];
+
+/// The key of [`MethodSection::chosen_at`](super::MethodSection::chosen_at).
+pub const CHOSEN_AT: &str = "chosen-at";
+
+pub(super) static METHOD: [Key; 8] = [
+    key(
+        "realization",
+        Shape::Part(PartKind::Realization),
+        "The geometric approximation",
+    ),
+    key(
+        "dynamics",
+        Shape::Part(PartKind::Dynamics),
+        "The dynamic approximation",
+    ),
+    key(
+        "composition",
+        Shape::Part(PartKind::Composition),
+        "A symmetric composition of steps, for higher order",
+    ),
+    key(
+        "stepper",
+        Shape::Part(PartKind::Stepper),
+        "A step map in place of realization and dynamics",
+    ),
+    key("epsilon", Shape::Number, "One factor of the time step"),
+    key("h", Shape::Number, "The other factor of the time step"),
+    key(
+        "time-step",
+        Shape::Number,
+        "What one step advances t by, in place of epsilon and h",
+    ),
+    key(
+        CHOSEN_AT,
+        Shape::Names(&Shape::Number),
+        "Values of parameters from which the parts choose what they are made of",
+    ),
+];
+
+const OBSERVABLES: Shape = Shape::List(&Shape::Either(&[Shape::Text, FORMULAS]));
+
+pub(super) static RUN: [Key; 4] = [
+    key(
+        "initial",
+        Shape::Either(&[NUMBERS, FORMULAS]),
+        "A number for each variable, or a formula for each variable or family",
+    ),
+    key("steps", Shape::Whole(0), "How many steps"),
+    key("record", table(&RECORD, &[]), "What to keep of the run"),
+    key("out", Shape::Text, "The run directory"),
+];
+
+pub(super) static RECORD: [Key; 3] = [
+    key(
+        "every",
+        Shape::Whole(1),
+        "Every how many steps a sample is kept",
+    ),
+    key(
+        "observables",
+        OBSERVABLES,
+        "`energy`, names of Casimirs, formulas, or { name = \"formula\" }",
+    ),
+    key(
+        "states",
+        Shape::Either(&[Shape::Text, Shape::List(&Shape::Text)]),
+        "\"all\", or the coordinates to keep: [\"q[0]\", \"q[::100]\", \"p\"]",
+    ),
+];
+
+pub(super) static ENSEMBLE: [Key; 7] = [
+    key(
+        "members",
+        Shape::Whole(1),
+        "How many; as many as a file or a grid has where not said",
+    ),
+    key(
+        "seed",
+        Shape::Whole(0),
+        "What the random numbers depend on, beside the member",
+    ),
+    key(
+        "initial",
+        table(
+            &DRAWS,
+            &[
+                &["ball"],
+                &["box"],
+                &["normal"],
+                &["sphere"],
+                &["leaf"],
+                &["file"],
+            ],
+        ),
+        "Where members start",
+    ),
+    key(
+        "parameters",
+        Shape::Names(&table(
+            &WAYS,
+            &[&["uniform"], &["normal"], &["values"], &["range"]],
+        )),
+        "Parameters that differ from member to member",
+    ),
+    key("record", table(&ENSEMBLE_RECORD, &[]), "What is reduced"),
+    key(
+        "final-states",
+        Shape::Words(&["none", "csv", "binary"]),
+        "Whether each member's last state is kept",
+    ),
+    key("out", Shape::Text, "The run directory"),
+];
+
+const LENGTHS: Shape = Shape::Either(&[Shape::Number, NUMBERS]);
+
+/// Beside a distribution.
+pub(super) const CENTER: &str = "center";
+
+/// Ways to draw initial states, and [`CENTER`].
+pub(super) static DRAWS: [Key; 7] = [
+    key("ball", Shape::Number, "Uniform in the ball of this radius"),
+    key(
+        "box",
+        LENGTHS,
+        "Uniform within these distances of each coordinate",
+    ),
+    key("normal", LENGTHS, "Normal, of these standard deviations"),
+    key(
+        "sphere",
+        Shape::Number,
+        "Uniform on the sphere of this radius",
+    ),
+    key(
+        "leaf",
+        Shape::Number,
+        "As `ball`, moved onto the symplectic leaf of the centre",
+    ),
+    key(
+        "file",
+        Shape::Text,
+        "The rows of a file, .csv or .npy, beside the scene",
+    ),
+    key(
+        CENTER,
+        NUMBERS,
+        "About what; the scene's initial state where not said",
+    ),
+];
+
+/// Ways to draw a parameter.
+pub(super) static WAYS: [Key; 4] = [
+    key("uniform", NUMBERS, "[from, to]"),
+    key("normal", NUMBERS, "[mean, standard deviation]"),
+    key(
+        "values",
+        NUMBERS,
+        "One after the other: a direction of a grid",
+    ),
+    key(
+        "range",
+        NUMBERS,
+        "[from, to, count], equidistant: a direction of a grid",
+    ),
+];
+
+pub(super) static ENSEMBLE_RECORD: [Key; 4] = [
+    key(
+        "every",
+        Shape::Whole(1),
+        "Every how many steps statistics are taken",
+    ),
+    key(
+        "observables",
+        OBSERVABLES,
+        "`energy`, names of Casimirs, formulas, or { name = \"formula\" }",
+    ),
+    key("quantiles", NUMBERS, "Numbers between 0 and 1"),
+    key(
+        "drift-every",
+        Shape::Whole(1),
+        "Every how many steps drifts are taken in",
+    ),
+];
+
+pub(super) static PLUGIN: [Key; 2] = [
+    key(
+        "path",
+        Shape::Text,
+        "A path, relative to the scene, or a name to search for",
+    ),
+    key("sha256", Shape::Text, "What the file must hash to"),
+];
+
+/// The paths of the keys, as `run.record.every`: what a test of every field has to cover. `*` stands for a name that
+/// the scene chooses; where that is all a table holds, such as the values of parameters, or the parameters of a part,
+/// it is not among them. Nor are the keys of entries of lists.
+pub fn scene_keys() -> Vec<String> {
+    let mut paths = Vec::new();
+    of_keys("", &SCENE, &mut paths);
+    paths
+}
+
+fn of_keys(prefix: &str, keys: &[Key], paths: &mut Vec<String>) {
+    for key in keys {
+        let path = format!("{prefix}{}", key.name);
+        paths.push(path.clone());
+        of_shape(&path, &key.shape, paths);
+    }
+}
+
+fn of_shape(path: &str, shape: &Shape, paths: &mut Vec<String>) {
+    match shape {
+        Shape::Table(table) => of_keys(&format!("{path}."), table.keys, paths),
+        Shape::Names(each) => of_shape(&format!("{path}.*"), each, paths),
+        Shape::Either(shapes) => shapes.iter().for_each(|shape| of_shape(path, shape, paths)),
+        _ => {}
+    }
+}
