@@ -309,6 +309,10 @@ fn methods_are_read_by_name_and_errors_say_what_is_wrong() {
         name("yoshida-6/karasev-truncated:6+collective").expect("a pair"),
         "yoshida-6 of karasev-truncated 6 + collective"
     );
+    assert_eq!(
+        name("auto+hamilton-jacobi:8:energy-casimir").expect("a pair"),
+        "auto + hamilton-jacobi 8 energy-casimir"
+    );
     for (text, reason) in [
         ("gaus", "no stepper is called `gaus`"),
         (

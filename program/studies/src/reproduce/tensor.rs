@@ -127,6 +127,8 @@ pub(super) fn errors(
 #[cfg(test)]
 mod tests {
     use leafwise_core::Registry;
+    use leafwise_hamilton_jacobi as _;
+    use leafwise_karasev as _;
 
     use super::{H, errors};
     use crate::reproduce::scene::FigureScene;

@@ -9,18 +9,7 @@ use super::error::TradeError;
 /// Reads a method from the command line: `realization+dynamics`, `stepper`, or
 /// `composition/…` of one of them; `name:value:…` gives a part's parameters in their order. Names of
 /// parts from plugins hold a `/` of their own, as in `suzuki-4/acme/strang`.
-///
-/// ```
-/// use leafwise::core::Registry;
-/// use leafwise::trade::parse_method;
-///
-/// let registry = Registry::with_builtin();
-/// let method = parse_method("suzuki-4/so3-cayley+hamilton-jacobi:4", &registry).expect("a method");
-/// assert_eq!(method.to_string(), "suzuki-4 of so3-cayley + hamilton-jacobi 4");
-///
-/// let method = parse_method("auto+hamilton-jacobi:8:energy-casimir", &registry).expect("a method");
-/// assert_eq!(method.to_string(), "auto + hamilton-jacobi 8 energy-casimir");
-/// ```
+/// `suzuki-4/so3-cayley+hamilton-jacobi:4` is suzuki-4 of so3-cayley + hamilton-jacobi 4.
 ///
 /// # Errors
 /// [`TradeError::Method`] with what is wrong.
