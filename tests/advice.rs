@@ -331,6 +331,26 @@ fn a_tolerance_that_is_too_loose_is_told() {
     assert!(error(&text) < 0.16, "{}", error(&text));
 }
 
+/// asinh(1e300 x) has the slope 1/x, and 1e300/√(1 + 1e600 x²) is 0 in doubles; asinh(1e140 x) has it there too.
+#[test]
+fn a_derivative_that_leaves_the_range_of_doubles_is_told() {
+    let text = |factor: &str| {
+        format!(
+            "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = \"-1\" }}\n\
+             hamiltonian = \"p^2/2 + asinh({factor}*q)\"\n\
+             [method]\nstepper = \"rk4\"\ntime-step = 0.01\n\
+             [run]\ninitial = [1.5, 0.5]\nsteps = 4\n"
+        )
+    };
+    let found = of_kind(&text("1e300"), AdviceKind::RoundOff).expect("told");
+    assert!(
+        found.message.contains("by q it is 0, by differences 0.67"),
+        "{}",
+        found.message
+    );
+    assert_eq!(of_kind(&text("1e140"), AdviceKind::RoundOff), None);
+}
+
 /// cos(kq) with kq = 2e16 and 2e9: round-off of q is 2 radians and 2e-7 of one.
 #[test]
 fn a_step_that_the_states_round_off_decides_is_told() {

@@ -10,7 +10,7 @@
 //! - `direction`: Hamilton's equations that run backwards in time;
 //! - `energy`: an energy that is kept badly;
 //! - `exact`: an exact realization that costs no more;
-//! - `rounding`: a step that the state's round-off decides;
+//! - `rounding`: a step that the state's round-off decides, an energy that doubles do not hold;
 //! - `step`: a step that is too long for its order, a tolerance that is too loose;
 //! - `stepper`: a stepper that is no Poisson map where splitting is one for no more, stages that no step
 //!   feels;
@@ -81,7 +81,7 @@ pub enum AdviceKind {
     Stages,
     /// A step that is too long for its order, or a tolerance that is too loose.
     CoarseStep,
-    /// A step that the state's round-off decides.
+    /// A step that the state's round-off decides, an energy or a derivative of it that doubles do not hold.
     RoundOff,
     /// A recorded formula without a finite value at some samples.
     UndefinedObservable,
@@ -190,7 +190,9 @@ fn about_the_method(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>])
 
 /// A number with two digits.
 fn number(value: f64) -> String {
-    if (1e-2..1e4).contains(&value.abs()) {
+    if value == 0.0 {
+        "0".to_owned()
+    } else if (1e-2..1e4).contains(&value.abs()) {
         let digits = usize::from(value.abs() < 10.0) + usize::from(value.abs() < 1.0);
         format!("{value:.digits$}")
     } else {

@@ -1,7 +1,8 @@
-//! What round-off decides: a step that leads elsewhere from the neighbouring double, and an energy whose
-//! changes are below its own round-off.
+//! What doubles decide: a step that leads elsewhere from the neighbouring one, an energy whose changes are below its
+//! own round-off, slopes of an energy that leave their range.
 
 use leafwise_core::Evaluator;
+use leafwise_expression::Expression;
 
 use super::walk::{difference, increment};
 use super::{Advice, AdviceKind, number};
@@ -15,7 +16,9 @@ const DECIDED: f64 = 1e-3;
 const UNRESOLVED: f64 = 0.01;
 
 pub(super) fn advice(run: &ComposedRun, states: &[Vec<f64>]) -> Option<Advice> {
-    of_the_step(run, states).or_else(|| of_the_energy(run))
+    of_the_step(run, states)
+        .or_else(|| of_the_energy(run))
+        .or_else(|| of_the_slopes(run))
 }
 
 /// At the first of the run's states where a step from there and one from its neighbour differ by more.
@@ -41,19 +44,24 @@ fn of_the_step(run: &ComposedRun, states: &[Vec<f64>]) -> Option<Advice> {
     })
 }
 
-/// H of −3.5e299 beside terms of 1: its drift is 0 in doubles, whatever the step.
-fn of_the_energy(run: &ComposedRun) -> Option<Advice> {
+/// H as a formula, and ∂H/∂x_i at the initial state as steps take it; nothing of a long lattice, of which only the
+/// formulas of its cells are there.
+fn energy(run: &ComposedRun) -> Option<(&Expression, Vec<f64>)> {
     let (parameters, x) = (run.system.parameter_values(), &run.plan.initial);
-    // Of a long lattice only the formulas of its cells are there.
-    let system = run
-        .system
-        .expressions()
-        .filter(|_| run.system.dimension() == x.len())?;
-    let round_off = f64::EPSILON * system.hamiltonian().evaluate(x, &parameters).abs();
+    let is_whole = run.system.dimension() == x.len();
+    let system = run.system.expressions().filter(|_| is_whole)?;
     let gradient = run.system.gradient_values().ok()?;
     let mut slopes = vec![0.0; x.len()];
     let mut gradient = gradient.evaluator(&parameters, 1.0, 1.0);
     gradient.values(x, &mut slopes).ok()?;
+    Some((system.hamiltonian(), slopes))
+}
+
+/// H of −3.5e299 beside terms of 1: its drift is 0 in doubles, whatever the step.
+fn of_the_energy(run: &ComposedRun) -> Option<Advice> {
+    let (parameters, x) = (run.system.parameter_values(), &run.plan.initial);
+    let (hamiltonian, slopes) = energy(run)?;
+    let round_off = f64::EPSILON * hamiltonian.evaluate(x, &parameters).abs();
     let scale: f64 = x
         .iter()
         .zip(&slopes)
@@ -69,4 +77,57 @@ fn of_the_energy(run: &ComposedRun) -> Option<Advice> {
         ),
         change: "hamiltonian: without its large constant".to_owned(),
     })
+}
+
+/// What differences of H over several distances may differ by to be its slope, relative to it.
+const AGREES: f64 = 1e-3;
+
+/// The part of the larger one that a slope and differences may differ by.
+const APART: f64 = 0.1;
+
+/// The part of all slopes, times the coordinates, below which one does not matter.
+const MATTERS: f64 = 1e-6;
+
+/// ∂H/∂x_i of `asinh(1e300*x)` is 1e300/√(1 + 1e600x²), 0 in doubles and 1/x in truth: where differences of H over
+/// three distances agree, and the derivative that steps are made with is another.
+fn of_the_slopes(run: &ComposedRun) -> Option<Advice> {
+    let (parameters, x) = (run.system.parameter_values(), &run.plan.initial);
+    let (hamiltonian, slopes) = energy(run)?;
+    let all: f64 = (x.iter().zip(&slopes))
+        .map(|(x, slope)| (x * slope).abs())
+        .sum();
+    let mut at = x.clone();
+    (0..x.len()).find_map(|i| {
+        let mut energy = |moved: f64| {
+            at[i] = moved;
+            let energy = hamiltonian.evaluate(&at, &parameters);
+            at[i] = x[i];
+            energy
+        };
+        let differences = [10, 14, 18, 22, 26, 30].map(|k| {
+            let (from, to) = (x[i] - libm::ldexp(x[i], -k), x[i] + libm::ldexp(x[i], -k));
+            (energy(to) - energy(from)) / (to - from)
+        });
+        let slope = of_agreeing(&differences)?;
+        let size = slope.abs().max(slopes[i].abs());
+        let is_apart = (slope - slopes[i]).abs() > APART * size;
+        let matters = (x[i] * size).abs() > MATTERS * all;
+        (is_apart && matters).then(|| Advice {
+            kind: AdviceKind::RoundOff,
+            message: format!(
+                "a derivative of the energy leaves the range of doubles: by {} it is {}, by differences {}",
+                run.system.variables()[i],
+                number(slopes[i]),
+                number(slope)
+            ),
+            change: "hamiltonian: without numbers beyond 1e150 within functions".to_owned(),
+        })
+    })
+}
+
+/// The middle one of the last three neighbours that agree. Differences that are 0 are below the round-off of H.
+fn of_agreeing(differences: &[f64]) -> Option<f64> {
+    let near = |a: f64, b: f64| b != 0.0 && (a - b).abs() <= AGREES * b.abs();
+    let mut triples = differences.windows(3).rev();
+    triples.find_map(|of| (near(of[0], of[1]) && near(of[2], of[1])).then_some(of[1]))
 }
