@@ -321,7 +321,7 @@ fn a_scene_is_verified_with_its_own_method() {
         full: false,
         threads: NonZeroUsize::MIN,
     };
-    let survey = survey(&registry, &[problem], &options, &mut Told::default()).expect("a flow");
+    let survey = survey(&registry, &[problem], &options, &mut Recorded::default()).expect("a flow");
     assert!(survey.is_met());
     let own: Vec<_> = survey.rows.iter().filter(|row| row.is_own).collect();
     assert_eq!(own.len(), 1);
@@ -331,9 +331,9 @@ fn a_scene_is_verified_with_its_own_method() {
 
 /// What a survey tells, in its order.
 #[derive(Default)]
-struct Told(Vec<String>);
+struct Recorded(Vec<String>);
 
-impl Progress for Told {
+impl Progress for Recorded {
     fn problem(&mut self, name: &str, _: usize) {
         self.0.push(name.to_owned());
     }
@@ -384,7 +384,7 @@ fn a_survey_does_not_depend_on_its_threads() {
             full: false,
             threads: NonZeroUsize::new(threads).expect("not 0"),
         };
-        let mut told = Told::default();
+        let mut told = Recorded::default();
         let survey = survey(&registry, &problems, &options, &mut told).expect("a flow");
         assert!(survey.is_met());
         (without_times(&survey.rows), survey.refused, told.0)

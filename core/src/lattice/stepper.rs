@@ -8,7 +8,7 @@ use crate::error::StepError;
 use crate::solver::judge::{
     Allowed, CorrectionSize, LinearIteration, Verdict, is_between, largest,
 };
-use crate::solver::{Extrapolation, Taken, Trajectories};
+use crate::solver::{Extrapolation, StepReport, Trajectories};
 
 /// Budget of one step. At t‖DX‖ = 1 the iteration gains a factor of about two each time.
 const MOST_EVALUATIONS: usize = 200;
@@ -112,7 +112,7 @@ impl LatticeTrajectory {
 }
 
 impl Trajectories for LatticeTrajectory {
-    fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
+    fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [StepReport]) {
         let taken = &mut taken[0];
         let mut solved = self.solve(x, low, increment, &mut taken.evaluations);
         if solved.is_err() && !self.extrapolation.is_cold(0) {

@@ -67,13 +67,13 @@ pub(super) struct StageSolve {
     pub(super) iteration: LinearIteration,
     allowed: Allowed,
     pub(super) watch: Watch,
-    means: Means,
+    corrections: CorrectionMethod,
     /// Operations of the sums over stages and the solves.
     pub(super) linear: u64,
 }
 
 /// How corrections are found.
-enum Means {
+enum CorrectionMethod {
     /// Newton's iteration: the size of the last correction, and whether the Jacobians are kept.
     Newton { last: f64, contracts: bool },
     /// For fields without a Jacobian; whether the stages are solved, and their slopes lag behind.
@@ -96,13 +96,13 @@ impl StageSolve {
             iteration: LinearIteration::new(0),
             allowed: Allowed::new(0.0),
             watch: Watch::NEW,
-            means: if has_jacobian {
-                Means::Newton {
+            corrections: if has_jacobian {
+                CorrectionMethod::Newton {
                     last: f64::INFINITY,
                     contracts: false,
                 }
             } else {
-                Means::Acceleration {
+                CorrectionMethod::Acceleration {
                     anderson: Box::new(Anderson::new(all)),
                     lags: false,
                 }
@@ -120,12 +120,12 @@ impl StageSolve {
 
     fn begin_again(&mut self) {
         self.allowed = Allowed::new(largest(&self.start) + largest(&self.displacements));
-        let most = match &mut self.means {
-            Means::Newton { last, contracts } => {
+        let most = match &mut self.corrections {
+            CorrectionMethod::Newton { last, contracts } => {
                 (*last, *contracts) = (f64::INFINITY, false);
                 MOST_EVALUATIONS
             }
-            Means::Acceleration { anderson, lags } => {
+            CorrectionMethod::Acceleration { anderson, lags } => {
                 anderson.clear();
                 *lags = false;
                 MOST_ACCELERATED
@@ -148,8 +148,8 @@ impl StageSolve {
     /// Whether DF is wanted there too.
     pub(super) fn wants_jacobians(&self) -> bool {
         matches!(
-            self.means,
-            Means::Newton {
+            self.corrections,
+            CorrectionMethod::Newton {
                 contracts: false,
                 ..
             }
@@ -188,9 +188,9 @@ impl StageSolve {
         slopes: &[f64],
     ) -> Result<Option<usize>, StepError> {
         self.slopes.copy_from_slice(slopes);
-        match self.means {
-            Means::Newton { .. } => self.newton(coefficients),
-            Means::Acceleration { .. } => self.accelerate(coefficients),
+        match self.corrections {
+            CorrectionMethod::Newton { .. } => self.newton(coefficients),
+            CorrectionMethod::Acceleration { .. } => self.accelerate(coefficients),
         }
     }
 
@@ -204,7 +204,7 @@ impl StageSolve {
         self.factors.solve(&mut self.correction);
         let correction = self.correct(coefficients);
         let size = correction.component();
-        if let Means::Newton { last, contracts } = &mut self.means {
+        if let CorrectionMethod::Newton { last, contracts } = &mut self.corrections {
             self.watch.take_correction(&correction);
             *contracts = size <= SLOW * *last;
             *last = size;
@@ -217,7 +217,7 @@ impl StageSolve {
     }
 
     fn accelerate(&mut self, coefficients: &Coefficients) -> Result<Option<usize>, StepError> {
-        if let Means::Acceleration { lags: true, .. } = self.means {
+        if let CorrectionMethod::Acceleration { lags: true, .. } = self.corrections {
             return Ok(Some(self.iteration.evaluations() + 1));
         }
         let n = self.start.len();
@@ -231,7 +231,7 @@ impl StageSolve {
             *scale = self.start[row % n].abs() + self.allowed.scale(change);
             size.take(self.correction[row], *scale);
         }
-        if let Means::Acceleration { anderson, .. } = &mut self.means {
+        if let CorrectionMethod::Acceleration { anderson, .. } = &mut self.corrections {
             anderson.correct(&mut self.correction, &self.scales);
         }
         for (row, change) in self.correction.iter().enumerate() {
@@ -239,7 +239,7 @@ impl StageSolve {
             self.displacements[row] += change;
         }
         let is_solved = self.iteration.judge_correction(&size)? == Verdict::Converged;
-        if let Means::Acceleration { lags, .. } = &mut self.means {
+        if let CorrectionMethod::Acceleration { lags, .. } = &mut self.corrections {
             // The slopes lag one correction behind: they are wanted once more.
             *lags = is_solved;
         }

@@ -8,7 +8,7 @@ use super::tableau::PartitionedTableau;
 use crate::error::StepError;
 use crate::evaluator::Evaluator;
 use crate::solver::judge::all_finite;
-use crate::solver::{Branch, Taken};
+use crate::solver::{Branch, StepReport};
 
 /// Solves Z_i = z + τ Σ_j a_ij F(Z_j) and returns τ Σ_j b_j F(Z_j), for ż = F(z) and a step τ, of one
 /// trajectory or of several in lockstep: F is evaluated at once at all stages of all that iterate.
@@ -35,7 +35,7 @@ pub struct StageSolver {
     jacobians: Vec<f64>,
     /// Room for 1 − τ a_ij DF(Z_j), and how single solves went.
     matrix: Vec<f64>,
-    alone: [Taken; 1],
+    alone: [StepReport; 1],
     /// Room for the path to the stages that are connected with z, and its start.
     branch: Branch,
     nothing: Vec<f64>,
@@ -69,7 +69,7 @@ impl StageSolver {
             linearized: vec![0.0; count * size],
             jacobians: vec![0.0; count * size * n],
             matrix: vec![0.0; size * size],
-            alone: [Taken::NOTHING],
+            alone: [StepReport::NOTHING],
             branch: Branch::new(size),
             nothing: vec![0.0; size],
             coefficients: Coefficients { tableau, time_step },
@@ -88,10 +88,10 @@ impl StageSolver {
     /// # Errors
     /// [`StepError::NoConvergence`], [`StepError::NonFinite`]; the next solve then starts cold.
     pub fn solve(&mut self, start: &[f64], change: &mut [f64]) -> Result<usize, StepError> {
-        let mut taken = std::mem::replace(&mut self.alone, [Taken::NOTHING]);
+        let mut taken = std::mem::replace(&mut self.alone, [StepReport::NOTHING]);
         self.solve_all(start, change, &mut taken);
         let [
-            Taken {
+            StepReport {
                 evaluations,
                 outcome,
                 ..
@@ -102,7 +102,7 @@ impl StageSolver {
 
     /// The same for every trajectory, from starts one behind the other; where one fails, its `change` is
     /// unspecified and its next solve starts cold.
-    pub fn solve_all(&mut self, starts: &[f64], changes: &mut [f64], taken: &mut [Taken]) {
+    pub fn solve_all(&mut self, starts: &[f64], changes: &mut [f64], taken: &mut [StepReport]) {
         let n = self.dimension();
         for (trajectory, start) in self.trajectories.iter_mut().zip(starts.chunks_exact(n)) {
             trajectory.begin(start);
@@ -124,7 +124,7 @@ impl StageSolver {
         }
     }
 
-    fn iterate(&mut self, changes: &mut [f64], taken: &mut [Taken]) {
+    fn iterate(&mut self, changes: &mut [f64], taken: &mut [StepReport]) {
         while !self.active.is_empty() {
             self.evaluate_slopes(taken);
             self.evaluate_jacobians(taken);
@@ -135,7 +135,7 @@ impl StageSolver {
     /// Makes sure that the stages are those connected with z, and takes these where the solve found
     /// others or none.
     #[cold]
-    fn settle(&mut self, at: usize, changes: &mut [f64], taken: &mut [Taken]) {
+    fn settle(&mut self, at: usize, changes: &mut [f64], taken: &mut [StepReport]) {
         let (s, n) = (self.coefficients.tableau.stages(), self.dimension());
         let all = s * n;
         let Self {
@@ -194,7 +194,7 @@ impl StageSolver {
     }
 
     /// The stages of those that iterate, and F there.
-    fn evaluate_slopes(&mut self, taken: &mut [Taken]) {
+    fn evaluate_slopes(&mut self, taken: &mut [StepReport]) {
         let (s, n) = (self.coefficients.tableau.stages(), self.dimension());
         let all = self.active.len() * s * n;
         let (stages, slopes) = (&mut self.stages[..all], &mut self.slopes[..all]);
@@ -207,7 +207,7 @@ impl StageSolver {
     }
 
     /// DF there, for those that want it.
-    fn evaluate_jacobians(&mut self, taken: &mut [Taken]) {
+    fn evaluate_jacobians(&mut self, taken: &mut [StepReport]) {
         let (s, n) = (self.coefficients.tableau.stages(), self.dimension());
         self.wanting.clear();
         for (place, at) in self.active.iter().enumerate() {
@@ -235,7 +235,7 @@ impl StageSolver {
     }
 
     /// A correction of every trajectory that iterates; those that are solved or fail do so no longer.
-    fn advance(&mut self, changes: &mut [f64], taken: &mut [Taken]) {
+    fn advance(&mut self, changes: &mut [f64], taken: &mut [StepReport]) {
         let (s, n) = (self.coefficients.tableau.stages(), self.dimension());
         let mut slopes = self.slopes.chunks_exact(s * n);
         self.active.retain(|&at| {

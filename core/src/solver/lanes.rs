@@ -15,7 +15,7 @@ pub trait Trajectories: Send {
     /// Φ(x + low) − (x + low) of every trajectory, where `low` carries what the compensated state holds
     /// beyond a double. `taken` says of each how it went, its evaluations also where it fails. The caller
     /// refuses an increment that is not finite, and restarts what failed.
-    fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [Taken]);
+    fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [StepReport]);
     /// The solution y of β̂(L(y)) = x of a trajectory's last step, `None` for a map without a bisection.
     fn solution(&self, at: usize) -> Option<&[f64]> {
         let _ = at;
@@ -46,7 +46,7 @@ pub trait Trajectories: Send {
 
 /// How one trajectory's step went.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Taken {
+pub struct StepReport {
     /// Its evaluations.
     pub evaluations: u64,
     /// Whether it counts as [`SolverStatistics::rounded`].
@@ -55,7 +55,7 @@ pub struct Taken {
     pub outcome: Result<(), StepError>,
 }
 
-impl Taken {
+impl StepReport {
     /// Nothing yet.
     pub const NOTHING: Self = Self {
         evaluations: 0,
@@ -90,7 +90,7 @@ pub struct Lanes<T> {
     low: Vec<f64>,
     increment: Vec<f64>,
     /// How it went; nothing between steps.
-    taken: Vec<Taken>,
+    taken: Vec<StepReport>,
     statistics: SolverStatistics,
 }
 
@@ -148,7 +148,7 @@ impl<T: Trajectories> Lanes<T> {
             x: room(),
             low: room(),
             increment: room(),
-            taken: vec![Taken::NOTHING; most],
+            taken: vec![StepReport::NOTHING; most],
             statistics: SolverStatistics::default(),
         }
     }
@@ -169,7 +169,7 @@ fn step<T: Trajectories>(
     trajectories: &mut T,
     (x, low): (&[f64], &[f64]),
     increment: &mut [f64],
-    taken: &mut [Taken],
+    taken: &mut [StepReport],
     statistics: &mut SolverStatistics,
 ) {
     trajectories.step(x, low, increment, taken);
@@ -199,7 +199,7 @@ impl<T: Trajectories> Stepper for Lanes<T> {
         outcome: &mut [Result<(), StepError>],
     ) {
         let (d, lanes, statistics) = (self.dimension, self.lanes, &mut self.statistics);
-        let told = |taken: &mut Taken| std::mem::replace(taken, Taken::NOTHING).outcome;
+        let told = |taken: &mut StepReport| std::mem::replace(taken, StepReport::NOTHING).outcome;
         for group in &mut self.groups {
             let (first, count) = (group.first, group.count);
             let (group, taken) = (&mut group.trajectories, &mut self.taken[..count]);
@@ -286,7 +286,7 @@ impl<T> Group<T> {
 }
 
 impl<T: Trajectories + ?Sized> Trajectories for Box<T> {
-    fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
+    fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [StepReport]) {
         (**self).step(x, low, increment, taken);
     }
 

@@ -24,7 +24,7 @@ pub(crate) use crossing::{Crossing, looks};
 pub use explicit::{CodeStepMap, ExplicitMap};
 pub use extrapolation::Extrapolation;
 pub use judge::{CorrectionSize, LinearIteration};
-pub use lanes::{Lanes, Taken, Trajectories};
+pub use lanes::{Lanes, StepReport, Trajectories};
 pub use linear::{
     DenseFactors, MOST_EQUATIONS, MOST_VARIABLES, check_equations, check_variables,
     elimination_operations, substitution_operations,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartParameters};
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
-use leafwise_core::solver::{Taken, Trajectories};
+use leafwise_core::solver::{StepReport, Trajectories};
 use leafwise_core::{
     BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure,
 };
@@ -238,7 +238,7 @@ impl AdaptivePair {
 }
 
 impl Trajectories for AdaptivePair {
-    fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
+    fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [StepReport]) {
         let step = self.advance(x, increment);
         taken[0].take(step, false);
     }

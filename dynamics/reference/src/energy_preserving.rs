@@ -10,8 +10,8 @@ use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator, Tableau};
 use leafwise_core::solver::judge::{Allowed, Verdict, Watch, largest, reach};
 use leafwise_core::solver::{
-    Anderson, CorrectionSize, DenseFactors, LinearIteration, Taken, Trajectories, check_equations,
-    elimination_operations, substitution_operations,
+    Anderson, CorrectionSize, DenseFactors, LinearIteration, StepReport, Trajectories,
+    check_equations, elimination_operations, substitution_operations,
 };
 use leafwise_core::{
     BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure,
@@ -429,7 +429,7 @@ impl EnergyPreserving {
 }
 
 impl Trajectories for EnergyPreserving {
-    fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
+    fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [StepReport]) {
         let step = self.advance(x, increment);
         taken[0].take(step, self.is_rounded);
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::runge_kutta::{SmoothMap, StageSolver, Tableau};
-use leafwise_core::solver::{Taken, Trajectories, check_equations};
+use leafwise_core::solver::{StepReport, Trajectories, check_equations};
 use leafwise_core::{BuildError, MapProperties, PoissonSystem, StepMap, Structure};
 use nalgebra::DMatrix;
 
@@ -26,7 +26,7 @@ impl ImplicitRungeKutta {
 }
 
 impl Trajectories for ImplicitRungeKutta {
-    fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
+    fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [StepReport]) {
         self.0.solve_all(x, increment, taken);
     }
 

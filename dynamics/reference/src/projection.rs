@@ -8,7 +8,7 @@ use leafwise_core::part::{
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMapEvaluator, Tableau};
 use leafwise_core::solver::judge::{Verdict, larger, reach, relative};
-use leafwise_core::solver::{LinearIteration, Taken, Trajectories, check_equations};
+use leafwise_core::solver::{LinearIteration, StepReport, Trajectories, check_equations};
 use leafwise_core::{
     BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure,
 };
@@ -48,7 +48,7 @@ const MOST_EVALUATIONS: usize = 50;
 /// y = x̃ + Dg(x̃)ᵀλ with g(y) = g(x), g = (H, C_1, …) and x̃ the base's next state.
 struct Projection {
     base: Box<dyn Trajectories>,
-    taken: [Taken; 1],
+    taken: [StepReport; 1],
     invariants: SmoothMapEvaluator,
     /// g(x); g and Dg at a state; Dg(x̃) in units of its slopes, and these units.
     kept: Vec<f64>,
@@ -69,7 +69,7 @@ impl Projection {
         let (count, d) = (invariants.map().outputs(), invariants.map().inputs());
         Self {
             base,
-            taken: [Taken::NOTHING],
+            taken: [StepReport::NOTHING],
             invariants,
             kept: vec![0.0; count],
             values: vec![0.0; count],
@@ -132,7 +132,7 @@ impl Projection {
 impl Projection {
     fn advance(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError> {
         let d = x.len();
-        self.taken[0] = Taken::NOTHING;
+        self.taken[0] = StepReport::NOTHING;
         // The base steps from the doubles x alone.
         self.base.step(x, &[], increment, &mut self.taken);
         self.taken[0].outcome.clone()?;
@@ -162,7 +162,7 @@ impl Projection {
 }
 
 impl Trajectories for Projection {
-    fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
+    fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [StepReport]) {
         let step = self.advance(x, increment);
         taken[0].take(step, false);
     }

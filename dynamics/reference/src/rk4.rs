@@ -6,7 +6,7 @@ use std::sync::Arc;
 use leafwise_core::part::{Compared, Family, PartInfo, PartKind, PartParameters, ServesNumbers};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
-use leafwise_core::solver::{CodeStepMap, ExplicitMap, Taken, Trajectories};
+use leafwise_core::solver::{CodeStepMap, ExplicitMap, StepReport, Trajectories};
 use leafwise_core::{
     BuildError, Evaluator, MapProperties, PoissonSystem, StepMap, Structure, SystemFormulas,
 };
@@ -68,7 +68,7 @@ impl Rk4 {
 }
 
 impl Trajectories for Rk4 {
-    fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
+    fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [StepReport]) {
         let (d, all) = (self.dimension(), x.len());
         for i in 0..4 {
             let size = self.time_step * NODES[i];

@@ -7,8 +7,8 @@ use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
 use leafwise_core::solver::judge::{Allowed, Verdict, Watch, largest, reach};
 use leafwise_core::solver::{
-    CorrectionSize, DenseFactors, LinearIteration, Taken, Trajectories, elimination_operations,
-    substitution_operations,
+    CorrectionSize, DenseFactors, LinearIteration, StepReport, Trajectories,
+    elimination_operations, substitution_operations,
 };
 use leafwise_core::{
     BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure,
@@ -222,7 +222,7 @@ impl SphericalMidpoint {
 }
 
 impl Trajectories for SphericalMidpoint {
-    fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
+    fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [StepReport]) {
         let step = self.advance(x, increment);
         taken[0].take(step, self.is_rounded);
     }

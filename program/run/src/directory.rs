@@ -43,7 +43,7 @@ pub(crate) fn stem(document: &SceneDocument) -> String {
 
 /// A run that wants a directory.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Asked<'a> {
+pub(crate) struct RunRequest<'a> {
     /// One trajectory or many.
     pub kind: Kind,
     /// The scene as run.
@@ -78,7 +78,7 @@ impl RunDirectory {
     ///
     /// A directory without the manifest of a run must be empty: nothing else tells that its files are
     /// ours. With `force` the run it holds is removed: only the files that a run of its kind writes.
-    pub fn open(path: &Path, run: &Asked<'_>, force: bool) -> Result<Self, RunError> {
+    pub fn open(path: &Path, run: &RunRequest<'_>, force: bool) -> Result<Self, RunError> {
         // No path at all is the folder where the program runs.
         let path = if path.as_os_str().is_empty() {
             Path::new(".")
@@ -142,7 +142,7 @@ fn lock(path: &Path) -> Result<File, RunError> {
 
 /// The run of a directory, refused where it has failed or is another one. Other comments and other
 /// spaces are the same scene; another number of steps is the same run of one trajectory.
-fn held(path: &Path, stored: &Manifest, run: &Asked<'_>) -> Result<Held, RunError> {
+fn held(path: &Path, stored: &Manifest, run: &RunRequest<'_>) -> Result<Held, RunError> {
     let directory = path.to_owned();
     if stored.kind != run.kind {
         let other = stored.kind.words();

@@ -6,7 +6,7 @@ use std::time::Duration;
 use leafwise_core::Registry;
 
 use super::checkpoint::{Checkpoint, replace};
-use super::directory::{Asked, REPORT, RunDirectory, SCENE, WINDOWS};
+use super::directory::{REPORT, RunDirectory, RunRequest, SCENE, WINDOWS};
 use super::drive::{Session, header, invariant_name, windows_header};
 use super::error::RunError;
 use super::manifest::{Beginning, Kind, plugins};
@@ -61,7 +61,7 @@ pub fn run(
         return Err(RunError::Refused(refusal));
     }
     let kind = Kind::Run;
-    let asked = Asked {
+    let asked = RunRequest {
         kind,
         scene: &document.text,
         plugins: &plugins(composed),

@@ -48,7 +48,7 @@ pub(crate) use checkpoint::{
 };
 pub use directory::default_directory;
 pub(crate) use directory::{
-    Asked, FAILURES, REPORT, RunDirectory, SCENE, STATISTICS, WINDOWS, stem,
+    FAILURES, REPORT, RunDirectory, RunRequest, SCENE, STATISTICS, WINDOWS, stem,
 };
 pub use error::RunError;
 pub use execute::{RunOptions, run};

@@ -1,6 +1,6 @@
 //! Any number of trajectories.
 
-use super::block::{Columns, Trajectories, trajectories};
+use super::block::{Columns, LaneBlock, lane_block};
 use super::kernel::NewtonKernel;
 use crate::error::StepError;
 use crate::solver::{SolverStatistics, Stepper, tangent_of_map};
@@ -17,8 +17,8 @@ const WIDE: usize = 8;
 /// order, without another evaluation. A lane stops on its own test, so its result does not depend on
 /// its neighbours.
 pub struct NewtonStepper {
-    wide: Vec<Box<dyn Trajectories>>,
-    single: Vec<Box<dyn Trajectories>>,
+    wide: Vec<Box<dyn LaneBlock>>,
+    single: Vec<Box<dyn LaneBlock>>,
     lanes: usize,
     kernel: NewtonKernel,
     statistics: SolverStatistics,
@@ -37,11 +37,11 @@ impl NewtonStepper {
     ) -> Self {
         let wide = (0..lanes / WIDE).map(|block| {
             let own = columns(parameters, lanes, block * WIDE, WIDE);
-            trajectories::<WIDE>(kernel, &own, epsilon, h)
+            lane_block::<WIDE>(kernel, &own, epsilon, h)
         });
         let single = (lanes / WIDE * WIDE..lanes).map(|lane| {
             let own = columns(parameters, lanes, lane, 1);
-            trajectories::<1>(kernel, &own, epsilon, h)
+            lane_block::<1>(kernel, &own, epsilon, h)
         });
         Self {
             wide: wide.collect(),

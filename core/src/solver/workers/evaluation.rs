@@ -4,7 +4,7 @@ use crate::error::StepError;
 use crate::evaluator::Evaluator;
 use crate::realization::RealizationWorker;
 use crate::runge_kutta::batch::batch;
-use crate::solver::Taken;
+use crate::solver::StepReport;
 
 /// Two workers and room for what they compute, one point behind the other.
 pub(super) struct Evaluation {
@@ -51,7 +51,7 @@ impl Evaluation {
     pub(super) fn evaluate(
         &mut self,
         active: &mut Vec<usize>,
-        taken: &mut [Taken],
+        taken: &mut [StepReport],
         wants_tangents: bool,
     ) {
         let each = [Self::points, Self::maps, Self::of_points, Self::of_maps];
@@ -106,7 +106,7 @@ impl Evaluation {
     }
 
     /// Moves the points of those that did not fail up to the front.
-    fn leave_out(&mut self, active: &mut Vec<usize>, taken: &[Taken]) {
+    fn leave_out(&mut self, active: &mut Vec<usize>, taken: &[StepReport]) {
         let (d, space) = (self.dimension, self.space);
         let rows = [
             (&mut self.y, d),

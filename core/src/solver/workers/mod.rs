@@ -8,10 +8,10 @@ mod evaluation;
 mod solve;
 
 use evaluation::Evaluation;
-use solve::{Means, Progress, Solve};
+use solve::{CorrectionMethod, Progress, Solve};
 
 use super::judge::{Watch, all_finite};
-use super::{Branch, Taken, Trajectories};
+use super::{Branch, StepReport, Trajectories};
 use crate::dynamics::Correction;
 use crate::error::StepError;
 use crate::evaluator::Evaluator;
@@ -25,7 +25,7 @@ use crate::realization::RealizationWorker;
 pub(crate) struct Workers {
     evaluation: Evaluation,
     correction: Correction,
-    means: Means,
+    corrections: CorrectionMethod,
     dimension: usize,
     trajectories: Vec<Solve>,
     /// Those that iterate, in the order of the evaluation's points.
@@ -49,33 +49,37 @@ impl Workers {
     ) -> Self {
         let d = dimension;
         let has_tangents = realization.has_jacobian() && bisection.has_jacobian();
-        let means = match (is_near_identity, has_tangents) {
-            (true, _) => Means::Residuals,
-            (false, true) => Means::Newton,
-            (false, false) => Means::Acceleration,
+        let corrections = match (is_near_identity, has_tangents) {
+            (true, _) => CorrectionMethod::Residuals,
+            (false, true) => CorrectionMethod::Newton,
+            (false, false) => CorrectionMethod::Acceleration,
         };
         Self {
             evaluation: Evaluation::new((realization, bisection), (d, space), count),
             correction,
-            means,
+            corrections,
             dimension,
             trajectories: (0..count).map(|_| Solve::new(d)).collect(),
             active: Vec::with_capacity(count),
             target: vec![0.0; d * d],
             change: vec![0.0; d * d],
-            branch: Branch::new(if means == Means::Newton { d } else { 0 }),
+            branch: Branch::new(if corrections == CorrectionMethod::Newton {
+                d
+            } else {
+                0
+            }),
             first: vec![0.0; d],
         }
     }
 
     /// One round of evaluations, after which some no longer iterate.
-    fn advance(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
+    fn advance(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [StepReport]) {
         let d = self.dimension;
         for (place, at) in self.active.iter().enumerate() {
             self.evaluation.place(place, &self.trajectories[*at].y);
             taken[*at].evaluations += u64::from(!self.trajectories[*at].is_last);
         }
-        let newton = self.means == Means::Newton;
+        let newton = self.corrections == CorrectionMethod::Newton;
         self.evaluation.evaluate(&mut self.active, taken, newton);
         let mut place = 0;
         self.active.retain(|&at| {
@@ -88,11 +92,13 @@ impl Workers {
                 own.linear += self.evaluation.tangents(place, target, change);
             }
             place += 1;
-            match own.take(self.means, (x, low), ends, &self.target) {
+            match own.take(self.corrections, (x, low), ends, &self.target) {
                 Ok(Progress::Iterates) => true,
                 Ok(Progress::Solved) => {
                     taken.evaluations += u64::from(own.is_last);
-                    if let Err(error) = own.finish(self.means, x, ends, &self.change, increment) {
+                    if let Err(error) =
+                        own.finish(self.corrections, x, ends, &self.change, increment)
+                    {
                         taken.fail(error);
                     }
                     false
@@ -113,13 +119,13 @@ impl Workers {
         at: usize,
         (x, low): (&[f64], &[f64]),
         increment: &mut [f64],
-        taken: &mut [Taken],
+        taken: &mut [StepReport],
     ) {
         let d = self.dimension;
         let own = &mut self.trajectories[at];
         let state = &x[at * d..][..d];
         let solved = std::mem::replace(&mut taken[at].outcome, Ok(()));
-        if self.means == Means::Newton {
+        if self.corrections == CorrectionMethod::Newton {
             let (evaluation, active) = (&mut self.evaluation, &mut self.active);
             let (low, change) = (&low[at * d..][..d], &mut self.change);
             // −F at the state, of which less and less is left.
@@ -130,9 +136,9 @@ impl Workers {
                     evaluation.place(0, point);
                     active.clear();
                     active.push(0);
-                    let mut alone = [Taken::NOTHING];
+                    let mut alone = [StepReport::NOTHING];
                     evaluation.evaluate(active, &mut alone, true);
-                    let [Taken { outcome, .. }] = alone;
+                    let [StepReport { outcome, .. }] = alone;
                     outcome?;
                     let ends = evaluation.ends(0);
                     for i in 0..d {
@@ -169,13 +175,13 @@ impl Workers {
         while !self.active.is_empty() {
             self.advance(x, low, increment, taken);
         }
-        if self.means == Means::Newton && taken[at].outcome.is_ok() {
+        if self.corrections == CorrectionMethod::Newton && taken[at].outcome.is_ok() {
             taken[at].outcome = self.branch.confirm_end(&self.trajectories[at].y);
         }
     }
 
     /// α̂(L(x)) − x.
-    fn uncorrected(&mut self, x: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
+    fn uncorrected(&mut self, x: &[f64], increment: &mut [f64], taken: &mut [StepReport]) {
         let d = self.dimension;
         for (place, at) in self.active.iter().enumerate() {
             taken[*at].evaluations = 1;
@@ -195,7 +201,7 @@ impl Workers {
 }
 
 impl Trajectories for Workers {
-    fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
+    fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [StepReport]) {
         self.active.clear();
         self.active.extend(0..self.trajectories.len());
         if self.correction == Correction::None {
@@ -209,7 +215,10 @@ impl Trajectories for Workers {
         }
         for at in 0..self.trajectories.len() {
             let is_open = match &taken[at].outcome {
-                Ok(()) => self.means == Means::Newton && self.trajectories[at].watch.wanders(),
+                Ok(()) => {
+                    self.corrections == CorrectionMethod::Newton
+                        && self.trajectories[at].watch.wanders()
+                }
                 Err(error) => {
                     error.is_of_a_solve() || matches!(error, StepError::OtherBranch { .. })
                 }
@@ -230,7 +239,7 @@ impl Trajectories for Workers {
 
     fn tangent(&mut self, at: usize) -> Option<Vec<f64>> {
         self.evaluation.place(0, &self.trajectories[at].y);
-        let (mut active, mut taken) = (vec![0], [Taken::NOTHING]);
+        let (mut active, mut taken) = (vec![0], [StepReport::NOTHING]);
         self.evaluation.evaluate(&mut active, &mut taken, true);
         if active.is_empty() {
             return None;

@@ -13,7 +13,7 @@ const MOST_EVALUATIONS: usize = 100;
 
 /// Where corrections come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Means {
+pub(super) enum CorrectionMethod {
     /// The tangents of both workers.
     Newton,
     /// The residual itself, where D(β̂∘L) is near the identity.
@@ -101,7 +101,7 @@ impl Solve {
     /// [`StepError::NoConvergence`], [`StepError::NonFinite`].
     pub(super) fn take(
         &mut self,
-        means: Means,
+        corrections: CorrectionMethod,
         (x, low): (&[f64], &[f64]),
         ends: &[f64],
         target: &[f64],
@@ -113,7 +113,7 @@ impl Solve {
         for i in 0..d {
             self.residual[i] = x[i] - ends[i] - ends[d + i] + low[i];
         }
-        if means == Means::Newton {
+        if corrections == CorrectionMethod::Newton {
             self.linear += elimination_operations(d) + substitution_operations(d);
             if !self.factors.factor(target) {
                 return Err(StepError::NonFinite {
@@ -129,7 +129,7 @@ impl Solve {
             self.scales[i] = x[i].abs() + self.allowed.scale(ends[2 * d + i]);
             correction.take(self.residual[i], self.scales[i]);
         }
-        if means == Means::Acceleration {
+        if corrections == CorrectionMethod::Acceleration {
             self.anderson.correct(&mut self.residual, &self.scales);
         }
         for i in 0..d {
@@ -144,7 +144,8 @@ impl Solve {
         self.watch.take_end(&correction);
         // The increment varies with y far more than the residual does: without its tangent the last
         // correction enters by one more evaluation.
-        self.is_last = means != Means::Newton && self.residual.iter().any(|r| *r != 0.0);
+        self.is_last =
+            corrections != CorrectionMethod::Newton && self.residual.iter().any(|r| *r != 0.0);
         Ok(if self.is_last {
             Progress::Iterates
         } else {
@@ -159,7 +160,7 @@ impl Solve {
     /// [`StepError::OtherBranch`] where y is not of a step from x with this increment.
     pub(super) fn finish(
         &mut self,
-        means: Means,
+        corrections: CorrectionMethod,
         x: &[f64],
         ends: &[f64],
         change: &[f64],
@@ -167,7 +168,7 @@ impl Solve {
     ) -> Result<(), StepError> {
         let d = x.len();
         for i in 0..d {
-            let first_order: f64 = if means == Means::Newton {
+            let first_order: f64 = if corrections == CorrectionMethod::Newton {
                 let row = &change[i * d..][..d];
                 row.iter().zip(&self.residual).map(|(k, r)| k * r).sum()
             } else {

@@ -31,7 +31,7 @@ pub(super) struct Plan {
 
 /// Where a result is in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Home {
+pub(super) enum Location {
     /// In an output slot.
     Slot(u32),
     /// In a place of the scratch memory.
@@ -112,7 +112,7 @@ struct Held {
 
 struct Planner {
     next: NextUses,
-    homes: Vec<Option<Home>>,
+    homes: Vec<Option<Location>>,
     held: Vec<Held>,
     free: Vec<u32>,
     plan: Plan,
@@ -213,7 +213,7 @@ impl Planner {
                 self.plan.places += 1;
                 self.plan.places as u32 - 1
             });
-            self.homes[result as usize] = Some(Home::Place(place));
+            self.homes[result as usize] = Some(Location::Place(place));
             self.plan.steps.push(Step::Spill(result, place));
         }
     }
@@ -235,7 +235,7 @@ impl Planner {
             self.plan.steps.push(Step::Forget(source));
         }
         if let Source::Result(result) = source
-            && let Some(Home::Place(place)) = self.homes[result as usize]
+            && let Some(Location::Place(place)) = self.homes[result as usize]
         {
             self.free.push(place);
         }
@@ -245,7 +245,7 @@ impl Planner {
     fn keep(&mut self, at: usize, output: Option<u32>) {
         let source = Source::Result(at as u32);
         if let Some(slot) = output {
-            self.homes[at] = Some(Home::Slot(slot));
+            self.homes[at] = Some(Location::Slot(slot));
             self.plan.steps.push(Step::Output(at as u32));
         }
         if self.next.result[at] == NEVER {

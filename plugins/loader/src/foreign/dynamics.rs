@@ -14,7 +14,7 @@ use super::batch::{Input, Output};
 use super::callee::Callee;
 use super::failure::CallFailure;
 use super::instance::{Call, Instance};
-use super::making::{Lent, Making};
+use super::making::{HostObjects, Making};
 use super::part::{ForeignPart, Properties};
 use crate::host::{HostSystem, RealizationToLend};
 use crate::smoke::states;
@@ -233,8 +233,8 @@ fn lent(
     system: &PoissonSystem,
     realization: &RealizationToLend,
     parameters: &[f64],
-) -> Result<Lent, BuildError> {
-    Ok(Lent {
+) -> Result<HostObjects, BuildError> {
+    Ok(HostObjects {
         system: Some(HostSystem::new(system, parameters)?),
         realization: Some(realization.lend(parameters)),
     })

@@ -7,7 +7,7 @@ use leafwise_plugin_abi::{LW_FATAL, LW_OK, LwMapCall, LwMapFn};
 
 use super::batch::{Input, Output, is_unwritten};
 use super::failure::{CallFailure, MESSAGE, error_into, failure};
-use super::making::{Lent, Making, with_arguments};
+use super::making::{HostObjects, Making, with_arguments};
 use super::part::ForeignPart;
 use crate::exits::in_call;
 
@@ -19,7 +19,7 @@ pub(crate) struct Instance {
     broken: Option<String>,
     message: Box<[c_char; MESSAGE]>,
     /// Dropped behind `destroy`.
-    _lent: Lent,
+    _lent: HostObjects,
 }
 
 // SAFETY: the contract of plugins: consecutive calls on an instance may come from different threads,
@@ -62,7 +62,7 @@ impl Instance {
     pub(crate) fn new(
         part: &Arc<ForeignPart>,
         making: Making<'_>,
-        lent: Lent,
+        lent: HostObjects,
     ) -> Result<Self, CallFailure> {
         let mut message = Box::new([0; MESSAGE]);
         let mut pointer = std::ptr::null_mut();

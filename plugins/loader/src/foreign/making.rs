@@ -20,7 +20,7 @@ pub(crate) struct Making<'a> {
 
 /// What the host lends an instance: dropped after it.
 #[derive(Default)]
-pub(crate) struct Lent {
+pub(crate) struct HostObjects {
     /// The system to serve.
     pub system: Option<HostSystem>,
     /// The realization to serve.
@@ -30,7 +30,7 @@ pub(crate) struct Lent {
 /// Calls `call` with the arguments of `create` and `properties`.
 pub(super) fn with_arguments<T>(
     making: Making<'_>,
-    lent: &Lent,
+    lent: &HostObjects,
     call: impl FnOnce(&LwCreate) -> T,
 ) -> T {
     let json: serde_json::Map<String, serde_json::Value> = making

@@ -21,7 +21,7 @@ pub(crate) use batch::{Input, Output, is_unwritten, unwritten};
 pub(crate) use dynamics::ForeignDynamicsPart;
 pub(crate) use failure::CallFailure;
 pub(crate) use instance::{Call, Instance};
-pub(crate) use making::{Lent, Making};
+pub(crate) use making::{HostObjects, Making};
 pub(crate) use part::{ForeignPart, check_dimension, own_settings};
 pub(crate) use realization::ForeignRealizationPart;
 pub(crate) use step_map::{ForeignStepMapPart, promises};

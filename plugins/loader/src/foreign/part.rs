@@ -5,7 +5,7 @@ use leafwise_core::{BuildError, PartParameters};
 use leafwise_plugin_abi::{LwLifecycle, LwProperties};
 
 use super::failure::{CallFailure, MESSAGE, error_into, failure};
-use super::making::{Lent, Making, with_arguments};
+use super::making::{HostObjects, Making, with_arguments};
 use crate::declaration::{Dimensions, Flags, Functions, PartDeclaration, broken_promise};
 use crate::exits::in_call;
 
@@ -102,7 +102,7 @@ impl ForeignPart {
         if let Some(properties) = self.lifecycle().properties {
             let mut message = [0; MESSAGE];
             let mut error = error_into(&mut message);
-            let status = with_arguments(making, &Lent::default(), |arguments| {
+            let status = with_arguments(making, &HostObjects::default(), |arguments| {
                 in_call(&self.info.name, || {
                     // SAFETY: the arguments, the properties and the error live during the call.
                     unsafe { properties(arguments, &mut raw, &mut error) }

@@ -13,7 +13,7 @@ use super::batch::{Input, Output};
 use super::callee::Callee;
 use super::failure::CallFailure;
 use super::instance::{Call, Instance};
-use super::making::{Lent, Making};
+use super::making::{HostObjects, Making};
 use super::part::{ForeignPart, Properties};
 use crate::host::HostSystem;
 use crate::smoke::states;
@@ -46,10 +46,10 @@ impl ForeignRealizationPart {
             dimension: d,
             settings: &settings,
         };
-        let lent = || -> Result<Lent, BuildError> {
-            Ok(Lent {
+        let lent = || -> Result<HostObjects, BuildError> {
+            Ok(HostObjects {
                 system: Some(HostSystem::new(system, &system.parameter_values())?),
-                ..Lent::default()
+                ..HostObjects::default()
             })
         };
         let trial = Instance::new(&self.part, making, lent()?).map_err(of_build)?;
@@ -146,9 +146,9 @@ impl ForeignRealization {
             let lent = lent.map_err(|error| CallFailure::Unsupported {
                 message: error.to_string(),
             })?;
-            let lent = Lent {
+            let lent = HostObjects {
                 system: Some(lent),
-                ..Lent::default()
+                ..HostObjects::default()
             };
             Instance::new(&part, making, lent)
         })

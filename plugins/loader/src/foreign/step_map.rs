@@ -13,7 +13,7 @@ use super::batch::{Input, Output};
 use super::callee::Callee;
 use super::failure::CallFailure;
 use super::instance::{Call, Instance};
-use super::making::{Lent, Making};
+use super::making::{HostObjects, Making};
 use super::part::{ForeignPart, Properties};
 use crate::host::HostSystem;
 use crate::smoke::states;
@@ -95,10 +95,10 @@ impl ForeignStepMap {
 }
 
 /// What an instance is lent.
-fn lent(system: &PoissonSystem, parameters: &[f64]) -> Result<Lent, BuildError> {
-    Ok(Lent {
+fn lent(system: &PoissonSystem, parameters: &[f64]) -> Result<HostObjects, BuildError> {
+    Ok(HostObjects {
         system: Some(HostSystem::new(system, parameters)?),
-        ..Lent::default()
+        ..HostObjects::default()
     })
 }
 

@@ -12,7 +12,7 @@ use leafwise_plugin_abi::{LwMapFn, LwSystem};
 use super::batch::{Input, Output};
 use super::callee::Callee;
 use super::instance::{Call, Instance};
-use super::making::{Lent, Making};
+use super::making::{HostObjects, Making};
 use super::part::ForeignPart;
 use crate::handshake::memory::{LONGEST_TEXT, text};
 use crate::smoke::states;
@@ -49,7 +49,7 @@ impl ForeignSystemPart {
             settings: &settings,
         };
         let refused = |reason: String| BuildError::NotMade { part: name, reason };
-        let trial = Instance::new(&self.part, making, Lent::default())
+        let trial = Instance::new(&self.part, making, HostObjects::default())
             .map_err(|failure| refused(failure.to_string()))?;
         let own: Vec<&str> = settings.iter().map(|(name, _)| name.as_str()).collect();
         let (variables, casimirs) = names(&trial, &self.table, &own).map_err(refused)?;
@@ -211,7 +211,7 @@ impl SystemNumbers for ForeignNumbers {
                 dimension: 0,
                 settings: &settings,
             };
-            Instance::new(&part, making, Lent::default())
+            Instance::new(&part, making, HostObjects::default())
         };
         Box::new(Worker {
             callee: Callee::new(&self.part, make),

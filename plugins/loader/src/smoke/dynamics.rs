@@ -7,7 +7,7 @@ use super::compare::{derivative, largest, within};
 use super::function::{Function, Points};
 use super::problems::{lend as lend_system, problems, states};
 use super::{SmokeFailure, Subject};
-use crate::foreign::{ForeignPart, Lent};
+use crate::foreign::{ForeignPart, HostObjects};
 use crate::host::RealizationToLend;
 
 /// A step at which functions are tried, and one that hardly moves.
@@ -21,7 +21,7 @@ pub(super) fn try_part(subject: &mut Subject, table: &LwDynamics) -> Result<(), 
         let lend = || {
             let values = problem.system.parameter_values();
             let lend = RealizationToLend::new(&problem.realization, &values).ok()?;
-            Some(Lent {
+            Some(HostObjects {
                 realization: Some(lend.lend(&values)),
                 ..lend_system(&problem)?
             })

@@ -23,7 +23,7 @@ use leafwise_core::part::{ParameterSetting, PartInfo};
 
 use crate::declaration::{Functions, PartDeclaration};
 use crate::floating_point::ControlWord;
-use crate::foreign::{CallFailure, ForeignPart, Instance, Lent, Making, own_settings};
+use crate::foreign::{CallFailure, ForeignPart, HostObjects, Instance, Making, own_settings};
 
 use answers::Tester;
 pub use failure::SmokeFailure;
@@ -89,7 +89,7 @@ impl Subject {
         &mut self,
         problem: &str,
         dimension: usize,
-        lend: &(dyn Fn() -> Option<Lent> + Sync),
+        lend: &(dyn Fn() -> Option<HostObjects> + Sync),
         run: &mut dyn FnMut(&ForeignPart, &mut Tester) -> Result<bool, SmokeFailure>,
     ) -> Result<(), SmokeFailure> {
         let Some(lent) = lend() else {
@@ -152,7 +152,7 @@ impl Maker {
     fn instance(
         &self,
         dimension: usize,
-        lent: Lent,
+        lent: HostObjects,
         settings: &[(String, ParameterSetting)],
     ) -> Result<Instance, (&'static str, CallFailure)> {
         let of_whole = match self.part.functions {

@@ -9,7 +9,7 @@ use leafwise_plugin_abi::{LW_FLAG_COTANGENT_CHART, LW_FLAG_EXACT, LW_FLAG_REVERS
 use leafwise_scene::compose::system_of_fragment;
 
 use crate::declaration::{Dimensions, Flags, PartDeclaration};
-use crate::foreign::Lent;
+use crate::foreign::HostObjects;
 use crate::formulas::FormulaRealizationPart;
 use crate::host::HostSystem;
 
@@ -40,11 +40,11 @@ pub(crate) fn problems(dimensions: Dimensions) -> Vec<TestProblem> {
 }
 
 /// What an instance for a problem's system is lent.
-pub(super) fn lend(problem: &TestProblem) -> Option<Lent> {
+pub(super) fn lend(problem: &TestProblem) -> Option<HostObjects> {
     let system = HostSystem::new(&problem.system, &problem.system.parameter_values());
-    Some(Lent {
+    Some(HostObjects {
         system: Some(system.ok()?),
-        ..Lent::default()
+        ..HostObjects::default()
     })
 }
 

@@ -7,7 +7,7 @@ use super::compare::{derivative, equal, largest};
 use super::function::{Function, Points};
 use super::problems::{momenta, states};
 use super::{SmokeFailure, Subject};
-use crate::foreign::{ForeignPart, Lent, names};
+use crate::foreign::{ForeignPart, HostObjects, names};
 
 /// Tries every function of the part's own system.
 pub(super) fn try_part(subject: &mut Subject, table: &LwSystem) -> Result<(), SmokeFailure> {
@@ -43,7 +43,7 @@ pub(super) fn try_part(subject: &mut Subject, table: &LwSystem) -> Result<(), Sm
         }
         Ok(false)
     };
-    subject.on_problem("itself", 0, &|| Some(Lent::default()), &mut run)
+    subject.on_problem("itself", 0, &|| Some(HostObjects::default()), &mut run)
 }
 
 struct Trial<'a> {

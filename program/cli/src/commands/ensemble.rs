@@ -16,7 +16,7 @@ use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::compose;
 use serde_json::json;
 
-use super::run::{Told, drift, integrate, method_line, print_advice, repeating};
+use super::run::{RunOutput, drift, integrate, method_line, print_advice, repeating};
 use crate::arguments::{EnsembleArguments, PluginArguments};
 use crate::bar::{Bar, while_building};
 use crate::console::Console;
@@ -148,7 +148,7 @@ fn execute_member(
             plugins,
         ),
     };
-    let told = Told {
+    let told = RunOutput {
         json: arguments.json,
         quiet: arguments.quiet,
     };

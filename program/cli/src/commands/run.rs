@@ -62,7 +62,7 @@ pub fn execute(
         checkpoint_every: Duration::try_from_secs_f64(arguments.checkpoint_every)
             .unwrap_or(Duration::MAX),
     };
-    let told = Told {
+    let told = RunOutput {
         json: arguments.json,
         quiet: arguments.quiet,
     };
@@ -82,7 +82,7 @@ pub fn execute(
 
 /// What is told of a run.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Told {
+pub(super) struct RunOutput {
     /// One object on standard output.
     pub json: bool,
     /// Nothing but errors on standard error.
@@ -98,7 +98,7 @@ pub(super) fn integrate(
     composed: &ComposedRun,
     registry: &Registry,
     options: &RunOptions,
-    told: Told,
+    told: RunOutput,
     console: &mut Console<'_>,
     interrupt: &Arc<AtomicBool>,
 ) -> Result<u8, Failure> {

@@ -12,7 +12,7 @@ use super::statistics::Reductions;
 use super::store::{FinalStore, has_begun_at_most};
 use super::{page, tables};
 use crate::{
-    Asked, Beginning, Kind, Progress, REPORT, RunDirectory, RunError, RunOptions, RunOutcome,
+    Beginning, Kind, Progress, REPORT, RunDirectory, RunError, RunOptions, RunOutcome, RunRequest,
     SCENE, outcome_word, plugins, replace,
 };
 use leafwise_report::render_ensemble;
@@ -47,7 +47,7 @@ pub fn run_ensemble(
         return Err(RunError::Refused(refusal));
     }
     let kind = Kind::Ensemble;
-    let asked = Asked {
+    let asked = RunRequest {
         kind,
         scene: &document.text,
         plugins: &plugins(composed),

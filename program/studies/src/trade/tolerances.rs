@@ -33,7 +33,7 @@ pub(super) struct Limits {
 
 /// By how much a run misses what is asked.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Excess {
+pub(super) struct Violation {
     /// The largest ratio of what was measured to what is allowed: at most 1 where all is met.
     pub ratio: f64,
     /// What it is the ratio of: `None` for the state, else the invariant's place.
@@ -81,9 +81,9 @@ impl Tolerances {
 
 impl Limits {
     /// By how much a run misses them; the reference's own error counts against it.
-    pub fn excess(&self, trial: &Trial, reference: &Reference) -> Excess {
+    pub fn excess(&self, trial: &Trial, reference: &Reference) -> Violation {
         let error = reference.error_of(trial) + reference.error;
-        let mut worst = Excess {
+        let mut worst = Violation {
             ratio: error / self.error,
             invariant: None,
             relative: error / self.norm,
@@ -91,7 +91,7 @@ impl Limits {
         for (at, drift) in trial.drift.iter().enumerate() {
             let ratio = drift / self.drift[at];
             if ratio > worst.ratio {
-                worst = Excess {
+                worst = Violation {
                     ratio,
                     invariant: Some(at),
                     relative: drift / self.sizes[at],

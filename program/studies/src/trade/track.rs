@@ -5,7 +5,7 @@ use leafwise_core::{Integrator, Structure};
 use super::candidate::{Bench, Candidate, Knob, Setting};
 use super::grid::{Grid, tolerance};
 use super::plateau::Plateau;
-use super::tolerances::Excess;
+use super::tolerances::Violation;
 use super::trial::Trial;
 
 /// One run of a candidate.
@@ -15,7 +15,7 @@ pub(super) struct Tried {
     pub trial: Trial,
     /// The distance from the reference where runs are judged.
     pub error: f64,
-    pub excess: Excess,
+    pub excess: Violation,
     /// Whether the run is that of a Poisson map; judged where it meets what is asked.
     pub is_poisson: bool,
 }

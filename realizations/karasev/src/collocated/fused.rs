@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use leafwise_core::solver::judge::{Verdict, Watch, all_finite, is_between};
 use leafwise_core::solver::{
-    Branch, CorrectionSize, Extrapolation, Lanes, LinearIteration, Taken, Trajectories,
+    Branch, CorrectionSize, Extrapolation, Lanes, LinearIteration, StepReport, Trajectories,
 };
 use leafwise_core::{
     BuildError, CodeOneForm, Ends, Evaluator, LagrangianBisection, MapProperties, PoissonSystem,
@@ -385,7 +385,7 @@ impl FusedTrajectory {
 }
 
 impl Trajectories for FusedTrajectory {
-    fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [Taken]) {
+    fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [StepReport]) {
         let taken = &mut taken[0];
         taken.outcome = self.advance(x, low, increment, &mut taken.evaluations);
         taken.is_rounded = self.is_rounded;

@@ -3,7 +3,7 @@
 mod settle;
 mod trajectories;
 
-pub(super) use trajectories::{Columns, Trajectories, trajectories};
+pub(super) use trajectories::{Columns, LaneBlock, lane_block};
 
 use leafwise_expression::Workspace;
 

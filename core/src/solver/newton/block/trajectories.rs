@@ -9,7 +9,7 @@ use crate::solver::newton::convergence::Convergence;
 use crate::solver::newton::kernel::NewtonKernel;
 
 /// What a stepper asks of its blocks, whatever their dimension.
-pub(in crate::solver::newton) trait Trajectories: Send {
+pub(in crate::solver::newton) trait LaneBlock: Send {
     /// Steps from x + low, `from` telling which columns of these structures of arrays are the
     /// block's.
     fn advance(&mut self, from: Columns, x: &[f64], low: &[f64], increment: &mut [f64]);
@@ -35,7 +35,7 @@ pub(in crate::solver::newton) trait Trajectories: Send {
     fn restore(&mut self, lane: usize, memory: &[f64]);
 }
 
-impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Trajectories for Block<W, D, V, M> {
+impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block<W, D, V, M> {
     fn advance(&mut self, from: Columns, x: &[f64], low: &[f64], increment: &mut [f64]) {
         let d = dimension::<D>(self.dimension);
         let (own_x, own_low) = (&mut self.x.as_mut()[..d], &mut self.low.as_mut()[..d]);
@@ -163,12 +163,12 @@ impl Columns {
 }
 
 /// W trajectories; `parameters` is a structure of arrays over them.
-pub(in crate::solver::newton) fn trajectories<const W: usize>(
+pub(in crate::solver::newton) fn lane_block<const W: usize>(
     kernel: &NewtonKernel,
     parameters: &[f64],
     epsilon: f64,
     h: f64,
-) -> Box<dyn Trajectories> {
+) -> Box<dyn LaneBlock> {
     macro_rules! block {
         ($dimension:expr, $vector:ty, $matrix:ty) => {
             Box::new(Block::<W, $dimension, $vector, $matrix>::new(

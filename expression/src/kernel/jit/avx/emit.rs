@@ -6,7 +6,7 @@ use crate::expression::Function;
 use crate::kernel::code::Instruction;
 use crate::kernel::jit::functions;
 use crate::kernel::jit::program::{Operation, Program, Source};
-use crate::kernel::jit::registers::{Home, Plan, Step, is_call};
+use crate::kernel::jit::registers::{Location, Plan, Step, is_call};
 
 /// Bytes of a number.
 const NUMBER: i32 = size_of::<f64>() as i32;
@@ -95,7 +95,7 @@ struct Emitter<'a> {
     /// [`INSIDE`] the places of the scratch memory.
     scratch: Gpr,
     registers: Vec<Option<Source>>,
-    homes: Vec<Option<Home>>,
+    homes: Vec<Option<Location>>,
 }
 
 impl Emitter<'_> {
@@ -128,9 +128,9 @@ impl Emitter<'_> {
                 }
                 Step::Output(at) => {
                     let slot = self.program.operations[at as usize].output;
-                    self.store(at, Home::Slot(slot.expect("an output has a slot")));
+                    self.store(at, Location::Slot(slot.expect("an output has a slot")));
                 }
-                Step::Spill(at, place) => self.store(at, Home::Place(place)),
+                Step::Spill(at, place) => self.store(at, Location::Place(place)),
                 Step::Forget(source) => {
                     if let Some(register) = self.find(source) {
                         self.registers[register as usize] = None;
@@ -156,7 +156,7 @@ impl Emitter<'_> {
     /// Where a number that has no register stands.
     fn memory(&self, source: Source) -> Memory {
         match source {
-            Source::Slot(slot) => self.address(Home::Slot(slot)),
+            Source::Slot(slot) => self.address(Location::Slot(slot)),
             Source::Result(result) => {
                 let home = self.homes[result as usize];
                 self.address(home.expect("a result without a register is stored"))
@@ -164,10 +164,10 @@ impl Emitter<'_> {
         }
     }
 
-    fn address(&self, home: Home) -> Memory {
+    fn address(&self, home: Location) -> Memory {
         let (base, offset) = match home {
-            Home::Slot(slot) => (self.slots, slot as i32 * self.slot_bytes),
-            Home::Place(place) => {
+            Location::Slot(slot) => (self.slots, slot as i32 * self.slot_bytes),
+            Location::Place(place) => {
                 let bytes = self.width.lanes() as i32 * NUMBER;
                 (self.scratch, place as i32 * bytes)
             }
@@ -186,7 +186,7 @@ impl Emitter<'_> {
         }
     }
 
-    fn store(&mut self, at: u32, home: Home) {
+    fn store(&mut self, at: u32, home: Location) {
         let register = self.find(Source::Result(at));
         let register = register.expect("what is stored is in a register");
         self.homes[at as usize] = Some(home);

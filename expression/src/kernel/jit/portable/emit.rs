@@ -14,7 +14,7 @@ use crate::expression::Function;
 use crate::kernel::code::Instruction;
 use crate::kernel::jit::functions;
 use crate::kernel::jit::program::{Operation, Program, Source};
-use crate::kernel::jit::registers::{Home, Plan, Step};
+use crate::kernel::jit::registers::{Location, Plan, Step};
 
 const NUMBER: i64 = size_of::<f64>() as i64;
 
@@ -126,7 +126,7 @@ struct Emitter<'a> {
     slot_values: Vec<Option<Value>>,
     /// The registers that hold results.
     results: Vec<Option<Value>>,
-    homes: Vec<Option<Home>>,
+    homes: Vec<Option<Location>>,
 }
 
 impl Emitter<'_> {
@@ -165,9 +165,9 @@ impl Emitter<'_> {
                 }
                 Step::Output(at) => {
                     let slot = self.program.operations[at as usize].output;
-                    self.store(at, Home::Slot(slot.expect("an output has a slot")));
+                    self.store(at, Location::Slot(slot.expect("an output has a slot")));
                 }
-                Step::Spill(at, place) => self.store(at, Home::Place(place)),
+                Step::Spill(at, place) => self.store(at, Location::Place(place)),
                 Step::Forget(source) => *self.register(source) = None,
             }
         }
@@ -247,7 +247,7 @@ impl Emitter<'_> {
 
     fn load(&mut self, source: Source) -> Value {
         let home = match source {
-            Source::Slot(slot) => Home::Slot(slot),
+            Source::Slot(slot) => Location::Slot(slot),
             Source::Result(result) => {
                 self.homes[result as usize].expect("a result without a register is stored")
             }
@@ -257,7 +257,7 @@ impl Emitter<'_> {
         self.builder.ins().load(self.number, flags, base, offset)
     }
 
-    fn store(&mut self, at: u32, home: Home) {
+    fn store(&mut self, at: u32, home: Location) {
         let value = self.results[at as usize].expect("what is stored is in a register");
         self.homes[at as usize] = Some(home);
         let (base, offset) = self.address(home);
@@ -265,10 +265,10 @@ impl Emitter<'_> {
         self.builder.ins().store(flags, value, base, offset);
     }
 
-    fn address(&self, home: Home) -> (Value, i32) {
+    fn address(&self, home: Location) -> (Value, i32) {
         let (base, bytes) = match home {
-            Home::Slot(slot) => (self.slots, i64::from(slot) * self.lanes as i64 * NUMBER),
-            Home::Place(place) => (
+            Location::Slot(slot) => (self.slots, i64::from(slot) * self.lanes as i64 * NUMBER),
+            Location::Place(place) => (
                 self.scratch,
                 i64::from(place) * i64::from(self.number.bytes()),
             ),
