@@ -2,7 +2,8 @@
 //!
 //! - [`core`]: the vocabulary: systems, realizations, dynamic approximations, methods.
 //! - [`expression`]: formulas, exact algebra, straight-line kernels.
-//! - [`karasev`], [`hamilton_jacobi`]: the built-in parts.
+//! - [`karasev`], [`lie_poisson`], [`so3`] and others: realizations; [`hamilton_jacobi`], [`collective`], [`splitting`] and others:
+//!   dynamics and steppers.
 //! - [`systems`]: the problem library.
 //! - [`plugins`]: parts of third parties from shared libraries.
 //! - [`scene`]: scene files, composed.

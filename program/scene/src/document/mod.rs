@@ -8,7 +8,6 @@
 //! - `overrides`: `--set path=value`, applied by rewriting the text;
 //! - `schema`: every key that a scene may have, with the shape of its value;
 //! - `json_schema`: the same for editors;
-//! - `library`: where `library = "…"` is looked up;
 //! - `error`, `suggest`: what is wrong, and the nearest valid name;
 //! - `reader`: typed access to parsed TOML.
 
