@@ -1,12 +1,12 @@
-//! What lanes save: interpreted kernels and elementary functions, a lane each, against one lane
-//! and against `libm`, in one run.
+//! What lanes save: steppers over formulas, interpreted kernels and elementary functions, a lane each, against one
+//! lane and against `libm`, in one run.
 
 #![allow(clippy::print_stdout)]
 
 use std::hint::black_box;
 use std::time::Instant;
 
-use leafwise::core::Registry;
+use leafwise::core::{Registry, SideBySide};
 use leafwise::expression::{
     Arithmetic, Execution, Function, Graph, Kernel, StepSize, Term, elementary,
 };
@@ -156,7 +156,51 @@ fn function_table() {
     }
 }
 
+/// A step of baselines over formulas on trajectories side by side: all with the same parameters, and each with its own.
+fn stepper_table() {
+    println!("steppers over formulas, ns a step and lane (times one lane's speed)");
+    for (name, system) in [
+        ("rigid body", RIGID_BODY),
+        ("periodic Lotka-Volterra", PERIODIC_LOTKA_VOLTERRA),
+    ] {
+        for stepper in ["rk4", "gauss", "implicit-midpoint", "dop853"] {
+            let (library, initial) = system;
+            let text = format!(
+                "[system]\nlibrary = \"{library}\"\n[method]\nstepper = \"{stepper}\"\ntime-step = 0.05\n\
+                 [run]\ninitial = {initial}\nsteps = 1\n"
+            );
+            let document = SceneDocument::parse("bench.toml", &text, &Registry::with_builtin());
+            let run = compose(&document.expect("a scene"), &Registry::with_builtin());
+            let run = run.expect("a stepper");
+            let parameters = run.system.parameter_values();
+            for (which, apart) in [("the same parameters", 0.0), ("their own", 1e-3)] {
+                let mut alone = 0.0;
+                print!("  {name}, {stepper}, {which}:");
+                for lanes in [1, 8, 16, 64] {
+                    let own =
+                        |value: f64| (0..lanes).map(move |w| value * (1.0 + apart * w as f64));
+                    let all: Vec<f64> = parameters.iter().flat_map(|value| own(*value)).collect();
+                    let each = |x: &f64| std::iter::repeat_n(*x, lanes);
+                    let initial: Vec<f64> = run.plan.initial.iter().flat_map(each).collect();
+                    let map = run.method.map();
+                    let mut going = SideBySide::new(map, lanes, &all, 1.0, 0.05, &initial);
+                    let steps = 20_000 / lanes;
+                    let time = nanoseconds(steps, || {
+                        going.step(|lane, error| panic!("lane {lane}: {error}"));
+                    }) / lanes as f64;
+                    if lanes == 1 {
+                        alone = time;
+                    }
+                    print!("  {lanes}: {time:6.1} ({:4.1})", alone / time);
+                }
+                println!();
+            }
+        }
+    }
+}
+
 fn main() {
+    stepper_table();
     function_table();
     kernel_table(
         "dS of order 8, rigid body",

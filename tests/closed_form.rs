@@ -3,11 +3,9 @@
 use std::sync::Arc;
 
 use leafwise::core::{PoissonSystem, RealizationData};
-use leafwise_realization_claims::realizations::{dual_pair_error, inversion_and_section_error};
-use leafwise_realization_claims::steps::{is_even_order, measured_order, method, structure_error};
-use leafwise_realization_claims::systems::{from_formulas, library};
-use proptest::collection::vec;
-use proptest::prelude::*;
+use leafwise_tests::library;
+use leafwise_tests::realizations::{assert_dual_pair, assert_orders, assert_poisson_steps};
+use leafwise_tests::systems::from_formulas;
 
 mod form {
     use leafwise_core::{
@@ -66,13 +64,9 @@ fn twisted() -> PoissonSystem {
     from_formulas(
         &["x", "y", "z", "u", "v"],
         &[("a", 0.6)],
-        &[
-            ("x", "y", "a*sin(z) + 2"),
-            ("u", "v", "-z^2"),
-            ("x", "v", "exp(-z)"),
-        ],
+        &[("x,y", "a*sin(z) + 2"), ("u,v", "-z^2"), ("x,v", "exp(-z)")],
         "(x^2 + y^2 + u^2 + v^2)/2 + x*u*z/5 + y^4/8 + cos(v)",
-        &["z"],
+        &[("z", "z")],
     )
 }
 
@@ -80,44 +74,32 @@ fn data(system: &PoissonSystem) -> Arc<dyn RealizationData> {
     Arc::new(form::realize(system).expect("it fits"))
 }
 
-proptest! {
-    #[test]
-    fn its_maps_are_a_dual_pair(
-        x in vec(-2.0..2.0_f64, 5),
-        p in vec(-3.0..3.0_f64, 5),
-        epsilon in 0.01..2.0_f64,
-    ) {
-        let system = twisted();
-        let data = data(&system);
-        let error = dual_pair_error(&system, &data, epsilon, &x, &p).expect("maps");
-        prop_assert!(error <= 1e-13, "{error:e}");
-        let error = inversion_and_section_error(&system, data.as_ref(), epsilon, &x, &p);
-        prop_assert!(error.expect("maps") <= 4.0 * f64::EPSILON);
-    }
-
-    #[test]
-    fn its_steps_are_poisson_and_keep_the_casimir(x in vec(0.2..1.5_f64, 5), half in 1..4_usize) {
-        let system = twisted();
-        let map = method(&system, &data(&system), 2 * half);
-        let error = structure_error(&system, &map, 0.1, &x).expect("a step");
-        prop_assert!(error.tensor <= 64.0 && error.casimirs <= 64.0, "{error:?}");
-    }
+/// The brackets of α and β at random x, p, ε; β(x, p) = α(x, −p) and the section to 8 roundings.
+#[test]
+fn its_maps_are_a_dual_pair() {
+    let system = twisted();
+    let domain = (-2.0..2.0, -3.0..3.0, 0.01..2.0);
+    assert_dual_pair(&system, &data(&system), domain, 8.0);
 }
 
+/// Steps of εh = 0.1 from random x, of orders 2 to 8.
+#[test]
+fn its_steps_are_poisson_and_keep_the_casimir() {
+    let system = twisted();
+    assert_poisson_steps(&system, &data(&system), 0.2..1.5, 0.1);
+}
+
+/// The error after t = 1 falls with h to the power m.
 #[test]
 fn its_orders_are_those_of_the_generating_function() {
     let system = twisted();
-    let data = data(&system);
-    let x = [0.5, -0.3, 0.8, 1.1, -0.6];
-    for (order, steps) in [
+    let orders = [
         (2, [16, 32, 64, 128]),
         (4, [16, 32, 64, 128]),
         (6, [8, 16, 32, 64]),
-    ] {
-        let map = method(&system, &data, order);
-        let slope = measured_order(&system, &map, &x, 1.0, &steps).expect("points");
-        assert!(is_even_order(slope, order), "{order}: {slope:?}");
-    }
+    ];
+    let start = (&[0.5, -0.3, 0.8, 1.1, -0.6][..], 1.0);
+    assert_orders(&system, &data(&system), start, &orders);
 }
 
 #[test]
@@ -129,12 +111,17 @@ fn a_tensor_that_does_not_fit_is_named() {
     );
 }
 
+/// But for the part, which this program does not have.
 #[test]
 fn the_document_holds_the_same_lines() {
     let document = include_str!("../docs/design/closed-forms.md");
-    let (_, rest) = document.split_once("```rust\n").expect("a block of code");
-    let (block, _) = rest.split_once("```").expect("its end");
     let lines = |text: &'static str| text.lines().map(str::trim).collect::<Vec<_>>();
-    let (block, own) = (lines(block), lines(include_str!("closed_form.rs")));
-    assert!(own.windows(block.len()).any(|lines| lines == block));
+    let own = lines(include_str!("closed_form.rs"));
+    let blocks = document.split("```rust\n").skip(1);
+    let blocks: Vec<_> = blocks.filter_map(|rest| rest.split_once("```")).collect();
+    assert_eq!(blocks.len(), 3);
+    for (block, _) in [blocks[0], blocks[2]] {
+        let block = lines(block);
+        assert!(own.windows(block.len()).any(|lines| lines == block));
+    }
 }

@@ -5,7 +5,8 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
-use leafwise::core::{Integrator, StepMap};
+use leafwise::core::diagnostics::measure_drift;
+use leafwise::core::{Integrator, Observe, Registry, StepMap};
 use leafwise_tests::numbers::{UNIT_ROUNDOFF, distance, largest};
 use leafwise_tests::{library, method};
 
@@ -13,7 +14,7 @@ const STEPS: usize = 1_000_000;
 
 /// max_k |C(x_k) − C(x_0)| / C(x_0) for C = |x|², with what the state holds beyond a double: the
 /// sum of squares itself is rounded three times, which alone is 3e-16 relative.
-fn drift(n: i64, m: i64, epsilon: f64, h: f64) -> f64 {
+fn drift(n: usize, m: usize, epsilon: f64, h: f64) -> f64 {
     let body = library("rigid-body");
     let method = method(&body.system, n, m);
     let parameters = body.system.parameter_values();
@@ -95,5 +96,29 @@ fn dying_species_keep_their_relative_accuracy() {
         assert!(x.iter().all(|x| *x > 0.0), "{x:?}");
         let drift = (x[0] * x[2] / x[1] - 1.0).abs();
         assert!(drift <= 1e-9, "step {}: {drift:e}", integrator.steps());
+    }
+}
+
+/// An observable without a value at one step: its deviation is none that is small, whatever follows.
+#[test]
+fn a_value_that_is_lost_at_one_step_is_not_forgotten() {
+    struct LostAt(usize, usize);
+    impl Observe for LostAt {
+        fn observables(&self) -> usize {
+            1
+        }
+        fn evaluate(&mut self, _: &[f64], values: &mut [f64]) {
+            values[0] = if self.0 == self.1 { f64::NAN } else { 1.0 };
+            self.1 += 1;
+        }
+    }
+    let problem = library("rigid-body");
+    let values = problem.system.parameter_values();
+    let registry = Registry::with_builtin();
+    let method = registry.automatic(&problem.system, 2).expect("a method");
+    for lost in 0..20 {
+        let mut integrator = Integrator::new(&method, &values, 1.0, 0.01, &problem.initial);
+        let drifts = measure_drift(&mut integrator, &mut LostAt(lost, 0), 10).expect("steps");
+        assert_eq!(drifts[0].largest.is_nan(), lost <= 10, "lost at {lost}");
     }
 }

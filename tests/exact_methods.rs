@@ -111,7 +111,7 @@ fn assert_poisson(case: &Case, map: &dyn StepMap) {
     let drifts = measure_drift(&mut integrator, &mut observer, 100).expect("steps");
     let summands = summands(problem);
     let casimirs = drifts.iter().zip(&summands).skip(1);
-    let casimirs = largest(&casimirs.map(|(d, s)| d.largest / s).collect::<Vec<_>>());
+    let casimirs = largest(casimirs.map(|(d, s)| d.largest / s));
     let name = map.describe();
     println!(
         "{}, {name}: defect {:.1e}, Casimirs {casimirs:.1e}",

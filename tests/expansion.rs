@@ -13,7 +13,7 @@ fn canonical(hamiltonian: &str) -> PoissonSystem {
 }
 
 /// The distance of Hamilton–Jacobi steps of order m over time 0.4 from a Gauss method of high order.
-fn error(system: &PoissonSystem, m: i64, initial: &[f64], steps: usize) -> f64 {
+fn error(system: &PoissonSystem, m: usize, initial: &[f64], steps: usize) -> f64 {
     let (time, map) = (0.4, method(system, 1, m));
     let found = run(system, &map, (1.0, time / steps as f64), steps, initial).expect("steps");
     distance(&found, &flow(system, initial, time, 64))

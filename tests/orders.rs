@@ -38,7 +38,13 @@ fn reference(problem: &Problem) -> Vec<f64> {
 }
 
 /// Errors relative to the state for ε = `epsilon` and h = t/ε.
-fn errors(problem: &Problem, exact: &[f64], n: i64, m: i64, steps: &[usize]) -> Vec<(f64, f64)> {
+fn errors(
+    problem: &Problem,
+    exact: &[f64],
+    n: usize,
+    m: usize,
+    steps: &[usize],
+) -> Vec<(f64, f64)> {
     let method = method(&problem.system, n, m);
     let epsilon = 0.5;
     steps
@@ -53,14 +59,14 @@ fn errors(problem: &Problem, exact: &[f64], n: i64, m: i64, steps: &[usize]) -> 
         .collect()
 }
 
-fn order(problem: &Problem, exact: &[f64], n: i64, m: i64, coarsest: usize) -> MeasuredOrder {
+fn order(problem: &Problem, exact: &[f64], n: usize, m: usize, coarsest: usize) -> MeasuredOrder {
     let points = errors(problem, exact, n, m, &STEPS[coarsest..]);
     measure(&points, ROUND_OFF, 2.0)
         .unwrap_or_else(|| panic!("n = {n}, m = {m}: too few points above round-off: {points:?}"))
 }
 
 /// The measured order of every pair, printed beside Theorem 2's bound min(n, m).
-fn table(name: &str, problem: &Problem, coarsest: usize, expected: fn(i64, i64) -> i64) {
+fn table(name: &str, problem: &Problem, coarsest: usize, expected: fn(usize, usize) -> usize) {
     let exact = reference(problem);
     println!("{name}: measured order (Theorem 2: at least min(n, m))");
     let mut rows = BTreeMap::new();
@@ -87,7 +93,7 @@ fn table(name: &str, problem: &Problem, coarsest: usize, expected: fn(i64, i64) 
 fn over_lotka_volterra_the_order_is_min_m_and_2_ceil_half_n() {
     let problem = library("lotka-volterra-periodic");
     table("Lotka-Volterra", &problem, 0, |n, m| {
-        m.min(2 * ((n + 1) / 2))
+        m.min(2 * n.div_ceil(2))
     });
 }
 
@@ -98,7 +104,7 @@ fn over_so3_the_order_is_min_m_and_2_floor_half_n_plus_2() {
     table("so(3)*", &problem, 1, |n, m| m.min(2 * (n / 2) + 2));
 }
 
-fn dynamic_orders(name: &str, problem: &Problem, n: i64, coarsest: usize) {
+fn dynamic_orders(name: &str, problem: &Problem, n: usize, coarsest: usize) {
     let exact = reference(problem);
     for m in [2, 4, 6, 8] {
         let measured = order(problem, &exact, n, m, coarsest);

@@ -14,7 +14,7 @@ use leafwise::expression::graph::lift;
 use leafwise::expression::{Arithmetic, Graph, Rational, Term};
 use leafwise_hamilton_jacobi::coefficients::{generating_code, generating_function};
 use leafwise_tests::coefficients::natural_size;
-use leafwise_tests::methods::run;
+use leafwise_tests::methods::{evaluate, run};
 use leafwise_tests::numbers::{
     UNIT_ROUNDOFF, decimal, decimals, distance, largest, relative_error,
 };
@@ -43,8 +43,9 @@ fn system(case: &Value) -> PoissonSystem {
     library(id).system
 }
 
-fn integer(value: &Value) -> i64 {
-    value.as_i64().expect("an integer")
+fn integer(value: &Value) -> usize {
+    let value = value.as_u64().expect("a whole number");
+    usize::try_from(value).expect("a small one")
 }
 
 /// The coefficients α_(0) … α_(n) at a point given in exact decimals: the curve in the exact ring,
@@ -66,7 +67,7 @@ fn exact_coefficients(system: &PoissonSystem, case: &Value, order: usize) -> Vec
         .collect();
     let y: Vec<Term> = (0..x.len()).map(|i| graph.input(i)).collect();
     let code = lift(&mut graph, &ring, &outputs, &y).expect("code");
-    coefficients::evaluate(system, &graph, &code, &vec![0.0; x.len()])
+    evaluate(system, &graph, &code, &vec![0.0; x.len()])
 }
 
 /// Exact arithmetic leaves one rounding, and where there are parameters a sum of a few powers of
@@ -81,7 +82,7 @@ fn karasev_coefficients_agree_to_thirteen_digits() {
     for case in cases("karasev_coefficients") {
         let system = system(&case);
         let (x, p) = (decimals(&case["x"]), decimals(&case["p"]));
-        let (d, order) = (system.dimension(), integer(&case["order"]) as usize);
+        let (d, order) = (system.dimension(), integer(&case["order"]));
         let all = exact_coefficients(&system, &case, order);
         let compiled = coefficients::compiled(&system, order, &x, &p);
         let (mut worst, mut worst_compiled) = (0.0_f64, 0.0_f64);
@@ -137,7 +138,7 @@ fn hamilton_jacobi_coefficients_agree_to_twelve_digits() {
                 let mut graph = Graph::new();
                 let y: Vec<Term> = (0..x.len()).map(|i| graph.input(i)).collect();
                 let code = generating.coefficient(&mut graph, index, &y).expect("code");
-                let found = coefficients::evaluate(&system, &graph, &code, &x);
+                let found = evaluate(&system, &graph, &code, &x);
                 let gradient = decimals(&expected["dS"]);
                 let value = relative_error(&found[..1], &[decimal(&expected["S"])], 1.0);
                 let slope = relative_error(&found[1..], &gradient, largest(&gradient));

@@ -35,7 +35,7 @@ struct Subject {
 }
 
 impl Subject {
-    fn new(id: &str, n: i64, m: i64) -> Self {
+    fn new(id: &str, n: usize, m: usize) -> Self {
         let system = library(id).system;
         let method = method(&system, n, m);
         Self { system, method }
@@ -98,7 +98,7 @@ proptest! {
         entries in vec(decimal(), 10),
         hamiltonian in polynomial(&["x1", "x2", "x3", "x4", "x5"]),
         x in state(5),
-        n in 1..=4_i64,
+        n in 1..=4_usize,
     ) {
         let names = ["x1", "x2", "x3", "x4", "x5"];
         let mut bracket = Vec::new();
@@ -156,8 +156,8 @@ proptest! {
     fn on_so3_every_truncation_keeps_the_casimir(
         x in state(3),
         t in 0.01..0.3_f64,
-        n in 1..=10_i64,
-        m in prop::sample::select(vec![2_i64, 4, 6]),
+        n in 1..=10_usize,
+        m in prop::sample::select(vec![2_usize, 4, 6]),
     ) {
         let subject = Subject::new("rigid-body", n, m);
         let change = subject.step(1.0, t, &x);

@@ -74,4 +74,4 @@ pub use side_by_side::SideBySide;
 pub use solver::{
     MapProperties, Observe, SolverStatistics, StepMap, Stepper, Structure, WithoutPoles,
 };
-pub use system::{Convention, PoissonSystem, SystemFormulas, SystemNumbers};
+pub use system::{Convention, PoissonSystem, SystemBuilder, SystemFormulas, SystemNumbers};

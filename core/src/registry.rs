@@ -2,12 +2,16 @@
 //! what is loaded at run time.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use thiserror::Error;
 
 use crate::error::BuildError;
+use crate::method::Method;
 use crate::origin::Origin;
 use crate::part::{Auto, Family, PartInfo, PartKind, PartParameters};
+use crate::realization::RealizationData;
+use crate::system::PoissonSystem;
 
 pub use crate::parts::{
     CompositionPart, DynamicsPart, Part, RealizationPart, StepperPart, SystemPart,
@@ -80,6 +84,16 @@ pub enum RegistryError {
         /// Where it comes from.
         offered: Box<Origin>,
     },
+}
+
+/// An exact realization of a system, found by its tensor.
+pub struct Exact {
+    /// The realization.
+    pub realization: Arc<dyn RealizationData>,
+    /// What its part declares.
+    pub info: &'static PartInfo,
+    /// Why it is taken.
+    pub reason: &'static str,
 }
 
 #[derive(Clone)]
@@ -172,6 +186,42 @@ impl Registry {
             .into_iter()
             .map(|(_, info, reason)| (info, reason))
             .collect()
+    }
+
+    /// The first exact realization, by rank, that fits the system's tensor, and why it is taken; of a
+    /// long lattice, one that can be swept.
+    pub fn exact_realization(&self, system: &PoissonSystem, is_long: bool) -> Option<Exact> {
+        let mut exact = self.exact_realizations().into_iter();
+        exact.find_map(|(info, reason)| {
+            let part = self.realization(info.name).ok()?;
+            let realization = part.build(system, &PartParameters::new()).ok()?;
+            (!is_long || realization.stages().is_some()).then_some(Exact {
+                realization,
+                info,
+                reason,
+            })
+        })
+    }
+
+    /// The method of a scene whose realization is `auto`, of order m: the dynamic approximation that
+    /// serves every system, over [`exact_realization`](Self::exact_realization) or, where none fits,
+    /// over the realization that serves every system, of order m too.
+    ///
+    /// # Errors
+    /// [`BuildError::UnknownPart`] where the registry has no such part, [`BuildError::Parameter`] for
+    /// an odd order, and those of [`Method::compose`].
+    pub fn automatic(&self, system: &PoissonSystem, m: u32) -> Result<Method, BuildError> {
+        let order = PartParameters::new().with("order", i64::from(m));
+        let dynamics = self.dynamics(self.of_order(PartKind::Dynamics)?.name)?;
+        let dynamics = dynamics.build(&order)?;
+        let realization = match self.exact_realization(system, false) {
+            Some(exact) => exact.realization,
+            None => {
+                let general = self.of_order(PartKind::Realization)?;
+                self.realization(general.name)?.build(system, &order)?
+            }
+        };
+        Method::compose(system, realization, dynamics)
     }
 
     /// The realization or the dynamic approximation that serves every system, to an order.

@@ -3,6 +3,7 @@
 //! - [`rational`]: exact rationals of arbitrary precision.
 //! - [`syntax`]: scene formulas with byte spans, indexed families and typed errors.
 //! - [`expression`]: resolved formulas over numbered variables and parameters.
+//! - [`operators`]: formulas written in Rust.
 //! - [`elementary`]: `libm`'s functions on many numbers at once, to the same bits.
 //! - [`analytic`]: functions that a crate evaluates itself, with their derivatives.
 //! - [`arithmetic`]: the operations a formula needs, over any algebra.
@@ -24,6 +25,7 @@ mod evaluate;
 pub mod expression;
 pub mod graph;
 pub mod kernel;
+pub mod operators;
 pub mod rational;
 mod reach;
 pub mod series;
@@ -40,4 +42,5 @@ pub use evaluate::VariableIn;
 pub use expression::{Expression, Function};
 pub use graph::{Graph, StepSize, Term};
 pub use kernel::{Execution, Kernel, MachineCodeSize, OperationCount, Workspace};
+pub use operators::Quantity;
 pub use rational::Rational;

@@ -2,6 +2,7 @@
 
 pub use leafwise_core::{
     Integrator, Method, PartParameters, PoissonSystem, Registry, SolverStatistics, StepError,
-    StepMap,
+    StepMap, SystemBuilder,
 };
+pub use leafwise_expression::{Expression, Quantity};
 pub use leafwise_scene::{ComposedRun, SceneDiagnostic, SceneDocument, compose};

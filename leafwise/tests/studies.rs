@@ -1,9 +1,10 @@
-//! Claims about comparisons, tuning, verification and lattices, a module each:
+//! Claims about comparisons, examples, tuning, verification and lattices, a module each:
 //! `cargo test --test studies compare`.
 
 mod chain;
 mod compare;
 mod conformance;
+mod examples;
 mod fit;
 mod lattice;
 mod lattice_splitting;

@@ -8,6 +8,7 @@ mod midpoints;
 use leafwise::core::{Integrator, StepError};
 use leafwise::prelude::{Registry, SceneDocument};
 use leafwise::scene::{ComposedRun, compose};
+use leafwise_tests::numbers::{distance, largest};
 use proptest::prelude::*;
 
 fn cases() -> u32 {
@@ -41,20 +42,6 @@ fn one_step(run: &ComposedRun, h: f64) -> Result<Vec<f64>, StepError> {
     let mut integrator = Integrator::new(map, &parameters, plan.epsilon, h, &plan.initial);
     integrator.step()?;
     Ok(integrator.state().to_vec())
-}
-
-fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(0.0, |m: f64, v| {
-        if m.is_nan() || v.is_nan() {
-            f64::NAN
-        } else {
-            m.max(v.abs())
-        }
-    })
-}
-
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    largest(a.iter().zip(b).map(|(a, b)| a - b))
 }
 
 /// Steps of the lengths h/200, 2h/200, … h, each by itself, do not jump as long as they are taken.

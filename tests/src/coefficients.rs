@@ -1,9 +1,10 @@
 //! Karasev's coefficients α_(0) … α_(n) at a point, exact and compiled.
 
-use leafwise::core::PoissonSystem;
-use leafwise::expression::{Arithmetic, Graph, Kernel, Polynomial, Rational, Ring, Term};
+use leafwise_core::PoissonSystem;
+use leafwise_expression::{Arithmetic, Graph, Polynomial, Rational, Ring, Term};
 use leafwise_karasev::{KarasevCurve, TruncatedKarasev};
 
+use crate::methods::evaluate;
 use crate::numbers::largest;
 
 /// The coefficients at a point given in exact numbers, one vector after the other, as constants of
@@ -46,22 +47,6 @@ pub fn compiled(system: &PoissonSystem, order: usize, x: &[f64], p: &[f64]) -> V
     let (code_x, code_p) = inputs.split_at(x.len());
     let code = part.coefficients(&mut graph, code_x, code_p).expect("code");
     evaluate(system, &graph, &code.concat(), &[x, p].concat())
-}
-
-/// The values of code at `inputs` and the system's parameters.
-pub fn evaluate(
-    system: &PoissonSystem,
-    graph: &Graph,
-    outputs: &[Term],
-    inputs: &[f64],
-) -> Vec<f64> {
-    let parameters = system.parameter_values();
-    let kernel = Kernel::compile(graph, outputs, parameters.len(), inputs.len());
-    let mut workspace = kernel.workspace(1);
-    kernel.prepare(&mut workspace, &parameters, &[1.0], &[1.0]);
-    let mut values = vec![0.0; outputs.len()];
-    kernel.evaluate(&mut workspace, inputs, &mut values);
-    values
 }
 
 /// The size against which round-off of the compiled α_(k) is judged, for exact coefficients of

@@ -4,7 +4,7 @@
 //! Integration*, section II.1.3), on the compiled vector field alone: it shares neither the
 //! realization nor the Hamilton–Jacobi series with the methods under test.
 
-use leafwise::core::PoissonSystem;
+use leafwise_core::PoissonSystem;
 
 const STAGES: usize = 6;
 
@@ -61,19 +61,23 @@ impl Tableau {
     }
 }
 
+/// x ↦ X_H(x).
+fn vector_field(system: &PoissonSystem) -> impl FnMut(&[f64], &mut [f64]) {
+    let formulas = system.expressions().expect("formulas");
+    let kernel = formulas.vector_field_kernel();
+    let kernel = kernel.expect("a vector field with code");
+    let mut workspace = kernel.workspace(1);
+    kernel.prepare(&mut workspace, &system.parameter_values(), &[1.0], &[1.0]);
+    move |x, field| kernel.evaluate(&mut workspace, x, field)
+}
+
 /// The flow of ẋ = X_H(x) over `time` in `steps` steps, with a compensated update.
 ///
 /// # Panics
 /// When the vector field has no code or an iteration does not settle.
 pub fn flow(system: &PoissonSystem, initial: &[f64], time: f64, steps: usize) -> Vec<f64> {
     let tableau = Tableau::new();
-    let kernel = system
-        .expressions()
-        .expect("formulas")
-        .vector_field_kernel()
-        .expect("a vector field with code");
-    let mut workspace = kernel.workspace(1);
-    kernel.prepare(&mut workspace, &system.parameter_values(), &[1.0], &[1.0]);
+    let mut vector_field = vector_field(system);
     let d = initial.len();
     let step = time / steps as f64;
     let (mut x, mut low) = (initial.to_vec(), vec![0.0; d]);
@@ -93,7 +97,7 @@ pub fn flow(system: &PoissonSystem, initial: &[f64], time: f64, steps: usize) ->
                     stage[k] = x[k] + (low[k] + step * sum);
                 }
                 let mut field = vec![0.0; d];
-                kernel.evaluate(&mut workspace, &stage, &mut field);
+                vector_field(&stage, &mut field);
                 for k in 0..d {
                     change = change.max((field[k] - fields[i][k]).abs());
                 }
@@ -116,4 +120,20 @@ pub fn flow(system: &PoissonSystem, initial: &[f64], time: f64, steps: usize) ->
         }
     }
     x
+}
+
+/// x⁺ = x + h X_H((x + x⁺)/2), the rule with one stage, by fixed-point iteration on the vector field
+/// alone.
+///
+/// # Panics
+/// When the vector field has no code.
+pub fn implicit_midpoint(system: &PoissonSystem, h: f64, x: &[f64]) -> Vec<f64> {
+    let mut vector_field = vector_field(system);
+    let (mut next, mut field) = (x.to_vec(), vec![0.0; x.len()]);
+    for _ in 0..MOST_ITERATIONS {
+        let middle: Vec<f64> = x.iter().zip(&next).map(|(a, b)| 0.5 * (a + b)).collect();
+        vector_field(&middle, &mut field);
+        next = x.iter().zip(&field).map(|(x, f)| x + h * f).collect();
+    }
+    next
 }

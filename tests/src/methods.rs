@@ -1,29 +1,40 @@
-//! Realizations, dynamic approximations and methods by part name; runs.
+//! Methods of `karasev-truncated` and `hamilton-jacobi`, or of the latter over any realization; runs.
 
 use std::sync::Arc;
 
-use leafwise::core::{
-    BuildError, Integrator, Method, PartParameters, PoissonSystem, RealizationData, Registry,
-    StepError, StepMap,
+use leafwise_core::{
+    BuildError, Integrator, Method, PoissonSystem, RealizationData, StepError, StepMap,
 };
+use leafwise_expression::{Expression, Graph, Kernel, Term};
+use leafwise_hamilton_jacobi::HamiltonJacobi;
+use leafwise_karasev::TruncatedKarasev;
 
 /// `karasev-truncated` of order n.
 ///
 /// # Panics
 /// When the part refuses.
-pub fn realization(system: &PoissonSystem, order: i64) -> Arc<dyn RealizationData> {
-    Registry::with_builtin()
-        .realization("karasev-truncated")
-        .expect("a built-in realization")
-        .build(system, &PartParameters::new().with("order", order))
-        .expect("a realization of this order")
+pub fn realization(system: &PoissonSystem, order: usize) -> Arc<dyn RealizationData> {
+    Arc::new(TruncatedKarasev::new(system, order).expect("a realization of this order"))
+}
+
+/// `hamilton-jacobi` of order m over a realization.
+///
+/// # Panics
+/// When the order is odd or the parts do not fit.
+pub fn hamilton_jacobi(
+    system: &PoissonSystem,
+    realization: &Arc<dyn RealizationData>,
+    m: usize,
+) -> Method {
+    let dynamics = HamiltonJacobi::new(m).expect("an even order");
+    Method::compose(system, Arc::clone(realization), Arc::new(dynamics)).expect("the parts fit")
 }
 
 /// `karasev-truncated` of order n with `hamilton-jacobi` of order m.
 ///
 /// # Panics
 /// When a part refuses.
-pub fn method(system: &PoissonSystem, n: i64, m: i64) -> Method {
+pub fn method(system: &PoissonSystem, n: usize, m: usize) -> Method {
     compose(system, n, m).expect("the parts fit")
 }
 
@@ -34,13 +45,9 @@ pub fn method(system: &PoissonSystem, n: i64, m: i64) -> Method {
 ///
 /// # Panics
 /// When a part refuses its order.
-pub fn compose(system: &PoissonSystem, n: i64, m: i64) -> Result<Method, BuildError> {
-    let dynamics = Registry::with_builtin()
-        .dynamics("hamilton-jacobi")
-        .expect("a built-in dynamic approximation")
-        .build(&PartParameters::new().with("order", m))
-        .expect("a dynamic approximation of this order");
-    Method::compose(system, realization(system, n), dynamics)
+pub fn compose(system: &PoissonSystem, n: usize, m: usize) -> Result<Method, BuildError> {
+    let dynamics = HamiltonJacobi::new(m).expect("an even order");
+    Method::compose(system, realization(system, n), Arc::new(dynamics))
 }
 
 /// The state after `steps` steps of size `epsilon`·`h` from `initial`.
@@ -88,11 +95,7 @@ pub fn increment(
 ///
 /// # Panics
 /// When a formula has no code.
-pub fn observe(
-    system: &PoissonSystem,
-    formulas: &[&leafwise::expression::Expression],
-    x: &[f64],
-) -> Vec<f64> {
+pub fn observe(system: &PoissonSystem, formulas: &[&Expression], x: &[f64]) -> Vec<f64> {
     let kernel = system
         .expressions()
         .expect("formulas")
@@ -102,5 +105,21 @@ pub fn observe(
     kernel.prepare(&mut workspace, &system.parameter_values(), &[1.0], &[1.0]);
     let mut values = vec![0.0; formulas.len()];
     kernel.evaluate(&mut workspace, x, &mut values);
+    values
+}
+
+/// The values of code at `inputs` and the system's parameters.
+pub fn evaluate(
+    system: &PoissonSystem,
+    graph: &Graph,
+    outputs: &[Term],
+    inputs: &[f64],
+) -> Vec<f64> {
+    let parameters = system.parameter_values();
+    let kernel = Kernel::compile(graph, outputs, parameters.len(), inputs.len());
+    let mut workspace = kernel.workspace(1);
+    kernel.prepare(&mut workspace, &parameters, &[1.0], &[1.0]);
+    let mut values = vec![0.0; outputs.len()];
+    kernel.evaluate(&mut workspace, inputs, &mut values);
     values
 }

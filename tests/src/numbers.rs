@@ -1,4 +1,6 @@
-//! Decimal strings of reference data, componentwise errors.
+//! Sizes and distances of vectors, componentwise errors, decimal strings of reference data.
+
+use std::borrow::Borrow;
 
 use serde_json::Value;
 
@@ -24,19 +26,20 @@ pub fn decimals(value: &Value) -> Vec<f64> {
     list.iter().map(decimal).collect()
 }
 
-/// The largest absolute value.
-pub fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(
-        0.0,
-        |m, v| if v.is_nan() { f64::NAN } else { v.abs().max(m) },
-    )
+/// max |vᵢ|; NaN if any entry is.
+pub fn largest<V>(values: V) -> f64
+where
+    V: IntoIterator,
+    V::Item: Borrow<f64>,
+{
+    let sizes = values.into_iter().map(|v| v.borrow().abs());
+    sizes.fold(0.0, |m: f64, v| if m.is_nan() || v <= m { m } else { v })
 }
 
-/// max |found_i − expected_i|.
-pub fn distance(found: &[f64], expected: &[f64]) -> f64 {
-    assert_eq!(found.len(), expected.len(), "vectors of one length");
-    let differences: Vec<f64> = found.iter().zip(expected).map(|(a, b)| a - b).collect();
-    largest(&differences)
+/// max |aᵢ − bᵢ|; NaN if any entry is.
+pub fn distance(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len(), "vectors of one length");
+    largest(a.iter().zip(b).map(|(a, b)| a - b))
 }
 
 /// max |found_i − expected_i| / |expected_i|; where an expected entry is 0, relative to `scale`.

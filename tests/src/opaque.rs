@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use leafwise::core::system::{Derivatives, NumbersWorker, OpaqueSystem, SystemNumbers};
-use leafwise::core::{PoissonSystem, StepError};
+use leafwise_core::system::{Derivatives, NumbersWorker, OpaqueSystem, SystemNumbers};
+use leafwise_core::{PoissonSystem, StepError};
 
 /// The same system as numbers, with every derivative.
 ///

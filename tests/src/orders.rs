@@ -1,6 +1,11 @@
 //! A measured order with a tolerance that follows from the points.
 
-use leafwise::core::diagnostics::{Slope, fit_slope};
+use leafwise_core::diagnostics::{Slope, fit_slope};
+use leafwise_core::{PoissonSystem, StepMap};
+
+use crate::gauss::flow;
+use crate::methods::run;
+use crate::numbers::{UNIT_ROUNDOFF, distance, largest};
 
 /// A fitted exponent and how far it may lie from the true one.
 #[derive(Clone, Copy, Debug)]
@@ -44,6 +49,28 @@ pub fn measure(points: &[(f64, f64)], roundoff: f64, gap: f64) -> Option<Measure
         slope,
         tolerance: 3.0 * slope.standard_error + noise + next,
     })
+}
+
+/// The order of a self-adjoint map: its error after `time` against the flow, for each number of
+/// steps. `None` where fewer than four errors are above a thousand roundings of the state.
+///
+/// # Panics
+/// When a step fails.
+pub fn of_even_order(
+    system: &PoissonSystem,
+    map: &dyn StepMap,
+    initial: &[f64],
+    time: f64,
+    steps: &[usize],
+) -> Option<MeasuredOrder> {
+    let end = flow(system, initial, time, 64);
+    let error = |&steps: &usize| {
+        let h = time / steps as f64;
+        let found = run(system, map, (1.0, h), steps, initial).expect("a step");
+        (h, distance(&found, &end))
+    };
+    let points: Vec<_> = steps.iter().map(error).collect();
+    measure(&points, 100.0 * UNIT_ROUNDOFF * largest(&end), 2.0)
 }
 
 impl MeasuredOrder {

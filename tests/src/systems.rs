@@ -1,9 +1,8 @@
 //! Poisson systems of the library by id, or from a few formulas: the way a scene takes.
 
-use leafwise::core::PoissonSystem;
-use leafwise::prelude::{Registry, SceneDocument};
-use leafwise::scene::compose_system;
-use leafwise::systems::find;
+use leafwise_core::{PoissonSystem, Registry};
+use leafwise_scene::{SceneDocument, compose_system};
+use leafwise_systems::find;
 use toml::{Table, Value};
 
 /// A system with the state and the time step its library text starts from.

@@ -2,14 +2,20 @@
 //! with nothing left to be decided at run time but what the orbit decides.
 //!
 //! It takes the same evaluations and rounds alike, so that orbits have the same bits as the
-//! library's.
+//! library's. It does not look whether its solution is on the branch that begins at the state.
 
 /// The largest relative remainder that ends a solve.
 const LARGEST_REMAINDER: f64 = f64::EPSILON / 1024.0;
 /// How much larger than the observed convergence constant the true one may be.
 const SAFETY: f64 = 16.0;
-/// Below this a correction is too much round-off to observe the constant by.
-const OBSERVABLE: f64 = 16.0 * f64::EPSILON;
+/// Below this a correction is too much round-off to observe the constant by: it bounds it.
+const OBSERVABLE: f64 = 4.0 * f64::EPSILON;
+/// The smallest constant that a decision relies on.
+const LEAST_CONSTANT: f64 = 1.0 / 16.0;
+/// A first correction whose spread is larger by this than where the constant was last observed is followed by another.
+const OUTGROWN: f64 = 16.0;
+/// How many times the size of a state what a step adds to it may be and still serve as a scale.
+const MOST_GROWTH: f64 = 1024.0;
 /// An old Jacobian does not serve a component that is smaller than this part of what it was,
 const HALVED: f64 = 0.5;
 /// unless it moved by less than this part of its scale.
@@ -58,6 +64,7 @@ pub struct Trajectory<F, const D: usize> {
     order: usize,
     constant: f64,
     first: f64,
+    seen: f64,
     pub evaluations: u64,
 }
 
@@ -78,6 +85,7 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
             order: 0,
             constant: f64::INFINITY,
             first: f64::INFINITY,
+            seen: 0.0,
             evaluations: 0,
         }
     }
@@ -95,8 +103,10 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
         }
         let mut distance = 0.0;
         let mut outgrown = false;
+        let mut allowed = 0.0_f64;
         for i in 0..D {
             y[i] = x[i] + predicted[i];
+            allowed = allowed.max(x[i].abs() + predicted[i].abs());
             let (anchor, scale) = (self.anchor[i], self.scale[i]);
             let away = (y[i] - anchor).abs();
             distance = larger(distance, relative(away, scale));
@@ -106,6 +116,7 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
             self.anchored && !outgrown && self.chords(distance, self.first, F::MOST_CHORDS);
         let mut is_newton = !by_old;
         let (mut last, mut spread, mut stuck) = (f64::INFINITY, f64::INFINITY, 0);
+        let mut least_grown = f64::INFINITY;
         for evaluation in 0..100 {
             let Residual {
                 base,
@@ -119,19 +130,24 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
             };
             self.evaluations += 1;
             let mut correction = [0.0; D];
-            let mut state = 0.0_f64;
+            let mut grown = 0.0_f64;
             for i in 0..D {
                 correction[i] = x[i] - base[i] - offset[i] + self.low[i];
-                state = state.max(x[i].abs() + increment[i].abs());
+                grown = grown.max(increment[i].abs());
             }
             self.solve(&mut correction);
+            least_grown = least_grown.min(grown);
+            if evaluation > 0 {
+                allowed = allowed.max(least_grown);
+            }
             let mut size = 0.0;
             for i in 0..D {
                 let mut reach = 0.0;
                 for j in 0..D {
                     reach += self.slope[i][j] * (y[j].abs() + correction[j].abs());
                 }
-                self.scale[i] = x[i].abs() + increment[i].abs() + reach.min(state);
+                let own = x[i].abs() + increment[i].abs().min(MOST_GROWTH * allowed);
+                self.scale[i] = own + reach.min(allowed);
             }
             for i in 0..D {
                 size = larger(size, relative(correction[i].abs(), self.scale[i]));
@@ -145,26 +161,32 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
             if is_newton {
                 distance = 0.0;
             }
-            if spread.is_finite() && spread > 0.0 && size > OBSERVABLE {
-                let observed = size / spread;
-                self.constant = if self.constant.is_finite() {
-                    observed.max(0.9 * self.constant)
-                } else {
-                    observed
-                };
+            if spread.is_finite() && spread > 0.0 {
+                if evaluation == 1 {
+                    self.seen = spread;
+                }
+                let observed = larger(size, OBSERVABLE) / spread;
+                let lowered = larger(observed, 0.9 * self.constant);
+                if self.constant.is_infinite() {
+                    self.constant = observed;
+                } else if size > OBSERVABLE || lowered < self.constant {
+                    self.constant = lowered;
+                }
             }
             let is_stuck = size >= 0.5 * last;
             stuck = if is_stuck { stuck + 1 } else { 0 };
             last = size;
             spread = (2.0 * distance + size) * size;
-            let remainder = self.constant * spread;
+            let remainder = larger(self.constant, LEAST_CONSTANT) * spread;
+            let is_observed = evaluation > 0 || spread <= OUTGROWN * self.seen;
+            let noise = if is_newton { 64.0 } else { 4.0 } * f64::EPSILON;
             for i in 0..D {
                 y[i] += correction[i];
             }
             if size <= LARGEST_REMAINDER
-                || SAFETY * remainder <= LARGEST_REMAINDER
-                || is_stuck && size <= 64.0 * f64::EPSILON
-                || stuck >= 2
+                || is_observed && SAFETY * remainder <= LARGEST_REMAINDER
+                || is_stuck && size <= noise
+                || stuck >= 2 && self.is_round_off(&correction)
             {
                 let [first, last] =
                     guard.map(|term| term.iter().fold(0.0_f64, |m, v| m.max(v.abs())));
@@ -241,7 +263,7 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
     /// Whether `most` corrections by a Jacobian taken at `distance` reduce `error` to nothing.
     #[inline(always)]
     fn chords(&self, distance: f64, error: f64, most: u32) -> bool {
-        let rate = 2.0 * self.constant * distance;
+        let rate = 2.0 * larger(self.constant, LEAST_CONSTANT) * distance;
         let mut error = SAFETY * error;
         for _ in 0..most {
             error *= rate;
@@ -250,6 +272,12 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
             }
         }
         false
+    }
+
+    /// Whether a correction is round-off beside the state as a whole.
+    fn is_round_off(&self, correction: &[f64; D]) -> bool {
+        let largest = |values: &[f64; D]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        largest(correction) / largest(&self.scale) <= 16.0 * f64::EPSILON
     }
 
     #[inline(always)]

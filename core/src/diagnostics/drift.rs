@@ -3,6 +3,7 @@
 use crate::error::StepError;
 use crate::integrator::Integrator;
 use crate::solver::Observe;
+use crate::solver::judge::larger;
 
 /// How far an invariant moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +54,7 @@ pub fn measure_drift(
                 .filter(|(_, inside)| *inside)
             {
                 // Keeps a NaN: a value that is lost is not a small deviation.
-                *maximum = if change <= *maximum { *maximum } else { change };
+                *maximum = larger(*maximum, change);
             }
         }
     }

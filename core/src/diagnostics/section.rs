@@ -4,6 +4,7 @@ use super::round_off::sizes;
 use crate::code_workers::realization_worker;
 use crate::error::{BuildError, StepError};
 use crate::realization::{Ends, RealizationData};
+use crate::solver::judge::larger;
 
 /// max |α̂(σ(x)) − x| and max |β̂(σ(x)) − x| over the coordinates, each relative to x_i: the section
 /// identity α̂∘σ = β̂∘σ = id. Coordinates that are 0 count in units of the largest.
@@ -30,8 +31,7 @@ pub fn section_defect(
         let alpha = beta + ends.increment[i];
         [beta, alpha].into_iter().fold(largest, |largest, off| {
             // A NaN is no small defect.
-            let off = off.abs() / sizes[i];
-            if off <= largest { largest } else { off }
+            larger(largest, off.abs() / sizes[i])
         })
     });
     Ok(Ok(defect))

@@ -3,6 +3,7 @@
 use super::{one_step, round_off};
 use crate::error::StepError;
 use crate::solver::StepMap;
+use crate::solver::judge::larger;
 
 /// max_i |Φ_{−h}(Φ_h(x)) − x|_i / s_i from cold starts: round-off for a self-adjoint map, for which
 /// Φ_{−h}∘Φ_h = id.
@@ -44,8 +45,6 @@ pub fn self_adjointness_defect(
         0.0 => 0.0,
         off => off / size,
     });
-    Ok(defects.fold(0.0, |largest, defect| {
-        // A NaN is no small defect.
-        if defect <= largest { largest } else { defect }
-    }))
+    // A NaN is no small defect.
+    Ok(defects.fold(0.0, larger))
 }

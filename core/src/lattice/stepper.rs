@@ -5,13 +5,14 @@ use std::sync::Arc;
 use super::program::{LatticeProgram, LatticeWorker};
 use super::stages::MethodFields;
 use crate::error::StepError;
-use crate::solver::judge::{
-    Allowed, CorrectionSize, LinearIteration, Verdict, is_between, largest,
-};
-use crate::solver::{Extrapolation, StepReport, Trajectories};
+use crate::solver::judge::{Verdict, is_between, largest};
+use crate::solver::{CorrectionMethod, Extrapolation, Iteration, StepReport, Trajectories};
 
 /// Budget of one step. At t‖DX‖ = 1 the iteration gains a factor of about two each time.
 const MOST_EVALUATIONS: usize = 200;
+
+/// Rows that are corrected and measured at a time.
+const ROWS: usize = 64;
 
 /// Levels of differences that the start is extrapolated from, a number a coordinate each.
 const EXTRAPOLATION: usize = 7;
@@ -27,8 +28,9 @@ pub(super) struct LatticeTrajectory {
     worker: LatticeWorker,
     extrapolation: Extrapolation,
     displacement: Vec<f64>,
+    /// Of the residuals alone, row after row: no room for unknowns.
+    iteration: Iteration,
     evaluations: u64,
-    is_rounded: bool,
 }
 
 impl LatticeTrajectory {
@@ -47,8 +49,8 @@ impl LatticeTrajectory {
             worker,
             extrapolation: Extrapolation::new(dimension, EXTRAPOLATION),
             displacement: vec![0.0; dimension],
+            iteration: Iteration::new(CorrectionMethod::Residual, 0),
             evaluations: 0,
-            is_rounded: false,
         }
     }
 }
@@ -65,12 +67,12 @@ impl LatticeTrajectory {
         let Self {
             worker,
             displacement,
+            iteration,
             fields,
             ..
         } = self;
         self.extrapolation.predict(displacement.as_chunks_mut().0);
-        let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
-        let mut allowed = Allowed::new(largest(x) + largest(displacement));
+        iteration.begin(MOST_EVALUATIONS, largest(x) + largest(displacement));
         loop {
             let y = worker.field_mut(fields.y);
             for ((y, x), displacement) in y.iter_mut().zip(x).zip(&*displacement) {
@@ -81,24 +83,32 @@ impl LatticeTrajectory {
             self.evaluations += 1;
             let (offset, change) = (worker.field(fields.offset), worker.field(fields.increment));
             let y = worker.field(fields.y);
-            let mut size = CorrectionSize::default();
             let mut finite = true;
-            allowed.take(largest(change));
-            for i in 0..displacement.len() {
-                // x − y is exact: they are close.
-                let correction = (x[i] - y[i]) - offset[i] + low[i];
-                displacement[i] = (y[i] - x[i]) + correction;
-                finite &= correction.is_finite() && change[i].is_finite();
-                size.take(correction, x[i].abs() + allowed.scale(change[i]));
+            iteration.take_change(largest(change));
+            for start in (0..displacement.len()).step_by(ROWS) {
+                let end = displacement.len().min(start + ROWS);
+                let (x, y, low) = (&x[start..end], &y[start..end], &low[start..end]);
+                let (offset, change) = (&offset[start..end], &change[start..end]);
+                let displacement = &mut displacement[start..end];
+                let [mut corrections, mut scales] = [[0.0; ROWS]; 2];
+                for i in 0..displacement.len() {
+                    // x − y is exact: they are close.
+                    let correction = (x[i] - y[i]) - offset[i] + low[i];
+                    displacement[i] = (y[i] - x[i]) + correction;
+                    finite &= correction.is_finite() && change[i].is_finite();
+                    corrections[i] = correction;
+                    scales[i] = iteration.scale(x[i], change[i]);
+                }
+                let rows = ..displacement.len();
+                iteration.take_rows(&corrections[rows], &scales[rows]);
             }
-            let verdict = iteration.judge_correction(&size)?;
+            let verdict = iteration.judge()?;
             if !finite {
                 return Err(StepError::NonFinite {
                     what: "a correction of the lattice",
                 });
             }
             if verdict == Verdict::Converged {
-                self.is_rounded = iteration.is_rounded();
                 if !is_between(x, y, change) {
                     return Err(StepError::OtherBranch { reached: 0.0 });
                 }
@@ -120,7 +130,7 @@ impl Trajectories for LatticeTrajectory {
             self.extrapolation.clear(0);
             solved = self.solve(x, low, increment, &mut taken.evaluations);
         }
-        (taken.outcome, taken.is_rounded) = (solved, self.is_rounded);
+        (taken.outcome, taken.is_rounded) = (solved, self.iteration.is_rounded());
     }
 
     fn solution(&self, _: usize) -> Option<&[f64]> {

@@ -2,10 +2,9 @@
 
 use super::tableau::PartitionedTableau;
 use crate::error::StepError;
-use crate::solver::judge::{Allowed, Verdict, Watch, largest, reach};
+use crate::solver::judge::{Verdict, largest, reach};
 use crate::solver::{
-    Anderson, CorrectionSize, DenseFactors, LinearIteration, elimination_operations,
-    substitution_operations,
+    CorrectionMethod, DenseFactors, Iteration, elimination_operations, substitution_operations,
 };
 
 /// Budget of one solve by Newton's iteration.
@@ -57,56 +56,42 @@ pub(super) struct StageSolve {
     displacements: Vec<f64>,
     slopes: Vec<f64>,
     jacobians: Vec<f64>,
-    /// Those of 1 − τ a_ij DF(Z_j); a correction of the displacements and its scale.
+    /// Those of 1 − τ a_ij DF(Z_j); a correction of the displacements.
     factors: DenseFactors,
     pub(super) correction: Vec<f64>,
-    scales: Vec<f64>,
     /// z.
     start: Vec<f64>,
     stage: Vec<f64>,
-    pub(super) iteration: LinearIteration,
-    allowed: Allowed,
-    pub(super) watch: Watch,
-    corrections: CorrectionMethod,
+    pub(super) iteration: Iteration,
+    /// Newton's last correction, and whether the Jacobians are kept.
+    last: f64,
+    contracts: bool,
+    /// Of accelerated stages: whether they are solved, and their slopes lag behind.
+    lags: bool,
     /// Operations of the sums over stages and the solves.
     pub(super) linear: u64,
-}
-
-/// How corrections are found.
-enum CorrectionMethod {
-    /// Newton's iteration: the size of the last correction, and whether the Jacobians are kept.
-    Newton { last: f64, contracts: bool },
-    /// For fields without a Jacobian; whether the stages are solved, and their slopes lag behind.
-    Acceleration { anderson: Box<Anderson>, lags: bool },
 }
 
 impl StageSolve {
     /// For z of n coordinates and s stages; cold.
     pub(super) fn new(n: usize, stages: usize, has_jacobian: bool) -> Self {
         let (all, size) = (stages * n, if has_jacobian { stages * n } else { 0 });
+        let method = match has_jacobian {
+            true => CorrectionMethod::Newton,
+            false => CorrectionMethod::Acceleration,
+        };
         Self {
             displacements: vec![0.0; all],
             slopes: vec![0.0; all],
             jacobians: vec![0.0; size * n],
             factors: DenseFactors::new(size),
             correction: vec![0.0; all],
-            scales: vec![0.0; all],
             start: vec![0.0; n],
             stage: vec![0.0; n],
-            iteration: LinearIteration::new(0),
-            allowed: Allowed::new(0.0),
-            watch: Watch::NEW,
-            corrections: if has_jacobian {
-                CorrectionMethod::Newton {
-                    last: f64::INFINITY,
-                    contracts: false,
-                }
-            } else {
-                CorrectionMethod::Acceleration {
-                    anderson: Box::new(Anderson::new(all)),
-                    lags: false,
-                }
-            },
+            iteration: Iteration::new(method, all),
+            last: f64::INFINITY,
+            contracts: false,
+            lags: false,
             linear: 0,
         }
     }
@@ -114,24 +99,22 @@ impl StageSolve {
     /// Begins a solve.
     pub(super) fn begin(&mut self, start: &[f64]) {
         self.start.copy_from_slice(start);
-        self.watch.begin();
+        self.iteration.begin_step();
         self.begin_again();
     }
 
     fn begin_again(&mut self) {
-        self.allowed = Allowed::new(largest(&self.start) + largest(&self.displacements));
-        let most = match &mut self.corrections {
-            CorrectionMethod::Newton { last, contracts } => {
-                (*last, *contracts) = (f64::INFINITY, false);
-                MOST_EVALUATIONS
-            }
-            CorrectionMethod::Acceleration { anderson, lags } => {
-                anderson.clear();
-                *lags = false;
-                MOST_ACCELERATED
-            }
+        (self.last, self.contracts, self.lags) = (f64::INFINITY, false, false);
+        let most = match self.is_newton() {
+            true => MOST_EVALUATIONS,
+            false => MOST_ACCELERATED,
         };
-        self.iteration = LinearIteration::new(most);
+        let size = largest(&self.start) + largest(&self.displacements);
+        self.iteration.begin(most, size);
+    }
+
+    fn is_newton(&self) -> bool {
+        self.iteration.method() == CorrectionMethod::Newton
     }
 
     /// Writes the Z_i, at which F is wanted next.
@@ -147,13 +130,7 @@ impl StageSolve {
 
     /// Whether DF is wanted there too.
     pub(super) fn wants_jacobians(&self) -> bool {
-        matches!(
-            self.corrections,
-            CorrectionMethod::Newton {
-                contracts: false,
-                ..
-            }
-        )
+        self.is_newton() && !self.contracts
     }
 
     /// Takes in the DF(Z_i); `matrix` is room.
@@ -169,7 +146,7 @@ impl StageSolve {
         let size = self.slopes.len();
         self.linear += (2 * size * size) as u64 + elimination_operations(size);
         if self.factor(coefficients, jacobians, matrix) {
-            self.watch.take(!self.factors.is_near_identity());
+            self.iteration.take_factors(&self.factors);
             return Ok(());
         }
         Err(StepError::NonFinite {
@@ -188,9 +165,9 @@ impl StageSolve {
         slopes: &[f64],
     ) -> Result<Option<usize>, StepError> {
         self.slopes.copy_from_slice(slopes);
-        match self.corrections {
-            CorrectionMethod::Newton { .. } => self.newton(coefficients),
-            CorrectionMethod::Acceleration { .. } => self.accelerate(coefficients),
+        match self.is_newton() {
+            true => self.newton(coefficients),
+            false => self.accelerate(coefficients),
         }
     }
 
@@ -202,54 +179,40 @@ impl StageSolve {
         self.take_change(coefficients);
         self.residual(coefficients);
         self.factors.solve(&mut self.correction);
-        let correction = self.correct(coefficients);
-        let size = correction.component();
-        if let CorrectionMethod::Newton { last, contracts } = &mut self.corrections {
-            self.watch.take_correction(&correction);
-            *contracts = size <= SLOW * *last;
-            *last = size;
-        }
-        if self.iteration.judge_correction(&correction)? == Verdict::Converged {
-            self.watch.take_end(&correction);
-            return Ok(Some(self.iteration.evaluations()));
-        }
-        Ok(None)
+        self.correct(coefficients);
+        let size = self.iteration.size().component();
+        self.contracts = size <= SLOW * self.last;
+        self.last = size;
+        let is_solved = self.iteration.judge()? == Verdict::Converged;
+        Ok(is_solved.then(|| self.iteration.evaluations()))
     }
 
     fn accelerate(&mut self, coefficients: &Coefficients) -> Result<Option<usize>, StepError> {
-        if let CorrectionMethod::Acceleration { lags: true, .. } = self.corrections {
+        if self.lags {
             return Ok(Some(self.iteration.evaluations() + 1));
         }
         let n = self.start.len();
-        self.linear += (2 * self.scales.len() * coefficients.tableau.stages()) as u64;
+        self.linear += (2 * self.slopes.len() * coefficients.tableau.stages()) as u64;
         self.take_change(coefficients);
         self.residual(coefficients);
-        let mut size = CorrectionSize::default();
-        for (row, scale) in self.scales.iter_mut().enumerate() {
-            let displacement = self.displacements[row];
-            let change = displacement.abs() + self.correction[row].abs();
-            *scale = self.start[row % n].abs() + self.allowed.scale(change);
-            size.take(self.correction[row], *scale);
-        }
-        if let CorrectionMethod::Acceleration { anderson, .. } = &mut self.corrections {
-            anderson.correct(&mut self.correction, &self.scales);
-        }
-        for (row, change) in self.correction.iter().enumerate() {
-            size.take(*change, self.scales[row]);
-            self.displacements[row] += change;
-        }
-        let is_solved = self.iteration.judge_correction(&size)? == Verdict::Converged;
-        if let CorrectionMethod::Acceleration { lags, .. } = &mut self.corrections {
-            // The slopes lag one correction behind: they are wanted once more.
-            *lags = is_solved;
-        }
+        let start = &self.start;
+        let measure = |row: usize, displacement: f64, correction: f64| {
+            (start[row % n], displacement.abs() + correction.abs())
+        };
+        let (correction, displacements) = (&mut self.correction, &mut self.displacements);
+        let way = |_, displacement| displacement;
+        let verdict = self
+            .iteration
+            .correct(correction, displacements, 1.0, measure, way)?;
+        // The slopes lag one correction behind: they are wanted once more.
+        self.lags = verdict == Verdict::Converged;
         Ok(None)
     }
 
     /// Takes in how far the slopes reach in a step.
     fn take_change(&mut self, coefficients: &Coefficients) {
         let reach = coefficients.time_step.abs() * largest(&self.slopes);
-        self.allowed.take(reach);
+        self.iteration.take_change(reach);
     }
 
     /// τ Σ_j b_j F(Z_j).
@@ -288,11 +251,10 @@ impl StageSolve {
         }
     }
 
-    /// Adds the correction to the stages, and to the slopes to first order; returns its size against
-    /// z and what is added to it, and the effect of its round-off.
-    fn correct(&mut self, coefficients: &Coefficients) -> CorrectionSize {
+    /// Adds the correction to the stages, and to the slopes to first order; it is measured against z,
+    /// what is added to it, and the effect of its round-off.
+    fn correct(&mut self, coefficients: &Coefficients) {
         let n = self.start.len();
-        let mut size = CorrectionSize::default();
         for (displacement, change) in self.displacements.iter_mut().zip(&self.correction) {
             *displacement += change;
         }
@@ -307,12 +269,12 @@ impl StageSolve {
                 self.slopes[i * n + c] += terms.map(|(slope, change)| slope * change).sum::<f64>();
                 let round_off = coefficients.time_step * reach(row, &self.stage);
                 let change = self.displacements[i * n + c].abs() + round_off.abs();
-                let scale = self.start[c].abs() + self.allowed.scale(change);
-                size.take(correction[c], scale);
-                size.take_way(self.displacements[i * n + c], scale);
+                let scale = self.iteration.scale(self.start[c], change);
+                self.iteration.take(correction[c], scale);
+                self.iteration
+                    .take_way(self.displacements[i * n + c], scale);
             }
         }
-        size
     }
 
     /// Sets the displacements, and begins anew from there.
@@ -342,7 +304,7 @@ impl StageSolve {
     /// Forgets earlier solves.
     pub(super) fn clear(&mut self) {
         self.displacements.fill(0.0);
-        self.watch = Watch::NEW;
+        self.iteration.restart();
     }
 
     /// z.

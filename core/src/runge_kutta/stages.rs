@@ -115,7 +115,7 @@ impl StageSolver {
         }
         for at in 0..self.trajectories.len() {
             let is_open = match &taken[at].outcome {
-                Ok(()) => self.trajectories[at].watch.wanders(),
+                Ok(()) => self.trajectories[at].iteration.wanders(),
                 Err(error) => error.is_of_a_solve(),
             };
             if is_open {
@@ -316,7 +316,7 @@ impl StageSolver {
     /// memory.
     pub fn memory(&self, at: usize) -> Vec<f64> {
         let own = &self.trajectories[at];
-        let watch = [own.watch.memory()];
+        let watch = [own.iteration.memory()];
         [&watch[..], own.displacements(), &self.field.memory()].concat()
     }
 
@@ -326,7 +326,7 @@ impl StageSolver {
     /// When `memory` has another length.
     pub fn restore(&mut self, at: usize, memory: &[f64]) {
         let own = &mut self.trajectories[at];
-        own.watch.restore(memory[0]);
+        own.iteration.restore(memory[0]);
         let (displacements, field) = memory[1..].split_at(own.displacements().len());
         own.restore(displacements);
         self.field.restore(field);

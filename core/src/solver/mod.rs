@@ -7,6 +7,7 @@ mod crossing;
 mod elimination;
 mod explicit;
 mod extrapolation;
+mod iteration;
 pub mod judge;
 mod lanes;
 mod linear;
@@ -23,6 +24,7 @@ pub(crate) use checked::{Checked, MakeCheck, StepCheck};
 pub(crate) use crossing::{Crossing, looks};
 pub use explicit::{CodeStepMap, ExplicitMap};
 pub use extrapolation::Extrapolation;
+pub use iteration::{CorrectionMethod, Iteration};
 pub use judge::{CorrectionSize, LinearIteration};
 pub use lanes::{Lanes, StepReport, Trajectories};
 pub use linear::{

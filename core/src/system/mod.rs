@@ -1,6 +1,7 @@
 //! Poisson systems: tensor, Hamiltonian, Casimirs, parameters, sign convention.
 //!
 //! - [`agreement`]: what exact algebra made of formulas, against the formulas.
+//! - [`builder`]: systems written in Rust.
 //! - [`formulas`]: systems given by expressions, from which everything can be derived.
 //! - [`numbers`]: systems that only compute values, such as those of a loaded library.
 //! - [`energy_casimir`]: H less multiples of Casimirs, which has the motion of H.
@@ -8,6 +9,7 @@
 //! - [`observables`]: energy, Casimirs and other functions of the state.
 
 pub mod agreement;
+pub mod builder;
 pub mod compiled;
 pub mod energy_casimir;
 mod field;
@@ -21,6 +23,7 @@ use std::sync::Arc;
 use leafwise_expression::Expression;
 
 pub use agreement::Agreement;
+pub use builder::SystemBuilder;
 pub use compiled::CompiledNumbers;
 pub use formulas::SystemFormulas;
 pub use numbers::{Derivatives, NumbersWorker, OpaqueSystem, SystemNumbers};

@@ -8,18 +8,15 @@ use leafwise_core::part::{
 use leafwise_core::quadrature::{GaussLegendre, legendre};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator, Tableau};
-use leafwise_core::solver::judge::{Allowed, Verdict, Watch, largest, reach};
-use leafwise_core::solver::{
-    Anderson, CorrectionSize, DenseFactors, LinearIteration, StepReport, Trajectories,
-    check_equations, elimination_operations, substitution_operations,
-};
+use leafwise_core::solver::judge::{largest, reach};
+use leafwise_core::solver::{StepReport, Trajectories, check_equations};
 use leafwise_core::{
     BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure,
 };
 use nalgebra::DMatrix;
 
-use crate::connected::{Connected, StepEquation};
 use crate::reference_map::{ReferenceMap, row_major};
+use crate::step_equation::{StepEquation, StepSolve};
 
 static INFO: PartInfo = PartInfo {
     name: "energy-preserving",
@@ -45,14 +42,11 @@ static INFO: PartInfo = PartInfo {
 
 /// Nodes of the averages: exact to degree 31.
 const QUADRATURE: usize = 16;
-/// Budget of one solve by Newton's iteration, and of one without derivatives.
-const MOST_EVALUATIONS: usize = 50;
-const MOST_ACCELERATED: usize = 100;
 
 /// U(τ) = x + t Σ_j K_j ∫₀^τ ℓ_j with K_i = −Π(U(c_i)) ∫₀¹ ℓ_i(τ)/b_i ∇H(U(τ)) dτ and
 /// x⁺ = U(1), for Gauss nodes c_i: the energy changes by
 /// t Σ b_i W_i·K_i = −t Σ b_i W_iᵀ Π(U(c_i)) W_i = 0.
-struct EnergyPreserving {
+struct AveragedStages {
     /// (u, w) ↦ −Π(u) w and x ↦ ∇H(x).
     tensor: SmoothMapEvaluator,
     gradient: SmoothMapEvaluator,
@@ -76,21 +70,10 @@ struct EnergyPreserving {
     place: Vec<f64>,
     value: Vec<f64>,
     slope: Vec<f64>,
-    /// 1 − ∂(−ΠW)/∂K, its factors, and a correction of K with its scale.
-    matrix: Vec<f64>,
-    factors: DenseFactors,
-    correction: Vec<f64>,
-    scales: Vec<f64>,
-    /// Whether it is not plain that K is the solution that is connected with a step of size 0; room
-    /// for the path to that.
-    watch: Watch,
-    is_rounded: bool,
-    connected: Option<Box<Connected>>,
-    /// For systems without derivatives.
-    anderson: Option<Anderson>,
-    /// Operations of the averages, the stages and the solves.
-    linear: u64,
-    /// Those of one iteration.
+    /// Whether the system has derivatives.
+    is_exact: bool,
+    /// Operations of the averages and the stages, and those of one evaluation.
+    averaged: u64,
     work: u64,
 }
 
@@ -111,19 +94,17 @@ enum Coefficients {
 }
 
 /// At each node the place, the averages and their two derivatives; at each stage the place, two
-/// products of matrices and what enters the slopes; the solve. Without derivatives the places and
-/// the averages.
-fn iteration_operations(d: usize, s: usize, is_exact: bool) -> u64 {
+/// products of matrices and what enters the slopes. Without derivatives the places and the averages.
+fn evaluation_operations(d: usize, s: usize, is_exact: bool) -> u64 {
     if !is_exact {
         return (QUADRATURE * 4 * d * s + 2 * d * s * s) as u64;
     }
     let node = 2 * d * s + s * (2 * d + 2 * d * d * (1 + s));
     let stage = 2 * d * s + 2 * d * d * d * (s + 1) + 2 * d * d * (s + 1);
-    let solve = elimination_operations(s * d) + substitution_operations(s * d);
-    (QUADRATURE * node + s * stage) as u64 + solve
+    (QUADRATURE * node + s * stage) as u64
 }
 
-impl EnergyPreserving {
+impl AveragedStages {
     fn new(maps: &[SmoothMap; 2], stages: usize, parameters: &[f64], time_step: f64) -> Self {
         let [tensor, gradient] = maps
             .each_ref()
@@ -172,16 +153,9 @@ impl EnergyPreserving {
             place: vec![0.0; 2 * d],
             value: vec![0.0; d],
             slope: vec![0.0; 2 * d * d],
-            matrix: vec![0.0; size * size],
-            factors: DenseFactors::new(size),
-            correction: vec![0.0; size],
-            scales: vec![0.0; size],
-            watch: Watch::NEW,
-            is_rounded: false,
-            connected: is_exact.then(|| Box::new(Connected::new(size))),
-            anderson: (!is_exact).then(|| Anderson::new(size)),
-            linear: 0,
-            work: iteration_operations(d, stages, is_exact),
+            is_exact,
+            averaged: 0,
+            work: evaluation_operations(d, stages, is_exact),
         }
     }
 
@@ -218,7 +192,7 @@ impl EnergyPreserving {
                     *sum += weight * value;
                 }
             }
-            if self.anderson.is_some() {
+            if !self.is_exact {
                 continue;
             }
             let hessian = &mut self.slope[..d * d];
@@ -242,8 +216,10 @@ impl EnergyPreserving {
         Ok(())
     }
 
-    /// Evaluates the stages at the current K, and their derivatives where the system has them.
-    fn evaluate_stages(&mut self) -> Result<(), StepError> {
+    /// Evaluates the stages at K, and their derivatives where the system has them.
+    fn evaluate(&mut self, slopes: &[f64]) -> Result<(), StepError> {
+        self.slopes.copy_from_slice(slopes);
+        self.averaged += self.work;
         let (d, s) = (self.start.len(), self.tableau.stages());
         self.average()?;
         for i in 0..s {
@@ -251,7 +227,7 @@ impl EnergyPreserving {
             let own = i * d..(i + 1) * d;
             self.place[d..].copy_from_slice(&self.averages_of_gradient.values[own.clone()]);
             self.tensor.values(&self.place, &mut self.values[own])?;
-            if self.anderson.is_none() {
+            if self.is_exact {
                 self.tensor.jacobians(&self.place, &mut self.slope)?;
                 self.differentiate(i);
             }
@@ -284,146 +260,81 @@ impl EnergyPreserving {
         }
     }
 
-    /// 1 − ∂(−ΠW)/∂K.
-    fn assemble(&mut self) {
-        let size = self.slopes.len();
-        for (at, entry) in self.matrix.iter_mut().enumerate() {
-            let unit = if at / size == at % size { 1.0 } else { 0.0 };
-            *entry = unit - self.by_slopes[at];
-        }
-    }
-
-    /// Factors it; `false` where it is singular.
-    fn factor(&mut self) -> bool {
-        self.assemble();
-        self.factors.factor(&self.matrix)
-    }
-
-    /// −Π(U) W − K.
-    fn residual(&mut self) {
-        for (at, residual) in self.correction.iter_mut().enumerate() {
-            *residual = self.values[at] - self.slopes[at];
-        }
-    }
-
-    /// K ← −Π(U) W with Anderson's acceleration, for systems without derivatives.
-    fn accelerate(&mut self) -> Result<usize, StepError> {
+    /// t Σ_i b_i K_i for the K of `slopes`.
+    fn increment(&self, slopes: &[f64], increment: &mut [f64]) {
         let d = self.start.len();
-        let t = self.time_step.abs();
-        let mut iteration = LinearIteration::new(MOST_ACCELERATED);
-        let mut allowed = Allowed::new(largest(&self.start) + t * largest(&self.slopes));
-        if let Some(anderson) = &mut self.anderson {
-            anderson.clear();
-        }
-        loop {
-            self.evaluate_stages()?;
-            self.linear += self.work;
-            self.residual();
-            let mut size = CorrectionSize::default();
-            allowed.take(t * largest(&self.values));
-            for (at, scale) in self.scales.iter_mut().enumerate() {
-                *scale = self.start[at % d].abs() + allowed.scale(t * self.values[at]);
-                size.take(t * self.correction[at], *scale);
-            }
-            if let Some(anderson) = &mut self.anderson {
-                anderson.correct(&mut self.correction, &self.scales);
-            }
-            for (at, slope) in self.slopes.iter_mut().enumerate() {
-                *slope += self.correction[at];
-                size.take(t * self.correction[at], self.scales[at]);
-            }
-            if iteration.judge_correction(&size)? == Verdict::Converged {
-                self.is_rounded = iteration.is_rounded();
-                // The energy is kept as far as K is −Π(U) W: once more, without acceleration.
-                self.evaluate_stages()?;
-                self.linear += self.work;
-                self.slopes.copy_from_slice(&self.values);
-                return Ok(iteration.evaluations() + 1);
-            }
+        for (c, increment) in increment.iter_mut().enumerate() {
+            let terms = self.tableau.weights.iter().zip(slopes.chunks(d));
+            let sum: f64 = terms.map(|(b, slope)| b * slope[c]).sum();
+            *increment = self.time_step * sum;
         }
     }
 }
 
-impl StepEquation for EnergyPreserving {
-    fn unknowns(&mut self) -> &mut [f64] {
-        &mut self.slopes
-    }
-
+impl StepEquation for AveragedStages {
     fn time_step(&mut self) -> &mut f64 {
         &mut self.time_step
     }
 
-    fn linearize(&mut self) -> Result<(&[f64], &[f64]), StepError> {
-        self.evaluate_stages()?;
-        self.residual();
-        self.assemble();
-        Ok((&self.correction, &self.matrix))
+    /// −Π(U) W − K and 1 − ∂(−ΠW)/∂K.
+    fn linearize(
+        &mut self,
+        slopes: &[f64],
+        residual: &mut [f64],
+        matrix: &mut [f64],
+    ) -> Result<(), StepError> {
+        self.evaluate(slopes)?;
+        for (at, residual) in residual.iter_mut().enumerate() {
+            *residual = self.values[at] - slopes[at];
+        }
+        let size = slopes.len();
+        for (at, entry) in matrix.iter_mut().enumerate() {
+            let unit = if at / size == at % size { 1.0 } else { 0.0 };
+            *entry = unit - self.by_slopes[at];
+        }
+        Ok(())
     }
 
-    fn solve(&mut self) -> Result<usize, StepError> {
-        let (d, t) = (self.start.len(), self.time_step.abs());
-        let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
-        let mut allowed = Allowed::new(largest(&self.start) + t * largest(&self.slopes));
-        loop {
-            self.evaluate_stages()?;
-            self.linear += self.work;
-            self.residual();
-            if !self.factor() {
-                return Err(StepError::NonFinite {
-                    what: "a correction of the stages",
-                });
-            }
-            self.watch.take(!self.factors.is_near_identity());
-            self.factors.solve(&mut self.correction);
-            allowed.take(t * largest(&self.reaches));
-            let mut size = CorrectionSize::default();
-            for (at, slope) in self.slopes.iter_mut().enumerate() {
-                let correction = self.correction[at];
-                *slope += correction;
-                let scale = self.start[at % d].abs() + allowed.scale(t * self.reaches[at]);
-                size.take(t * correction, scale);
-                size.take_way(t * *slope, scale);
-            }
-            self.watch.take_correction(&size);
-            if iteration.judge_correction(&size)? == Verdict::Converged {
-                self.is_rounded = iteration.is_rounded();
-                self.watch.take_end(&size);
-                return Ok(iteration.evaluations());
-            }
-        }
+    fn change(&self) -> f64 {
+        let reaches = match self.is_exact {
+            true => &self.reaches,
+            false => &self.values,
+        };
+        self.unit() * largest(reaches)
     }
+
+    fn measure(&self, row: usize) -> (f64, f64) {
+        let reaches = match self.is_exact {
+            true => &self.reaches,
+            false => &self.values,
+        };
+        let state = self.start[row % self.start.len()];
+        (state, self.unit() * reaches[row])
+    }
+
+    fn unit(&self) -> f64 {
+        self.time_step.abs()
+    }
+}
+
+/// The equation of a step and its solve.
+struct EnergyPreserving {
+    stages: AveragedStages,
+    solve: StepSolve,
 }
 
 impl EnergyPreserving {
     fn advance(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError> {
-        self.start.copy_from_slice(x);
-        self.watch.begin();
-        let mut solved = if self.anderson.is_none() {
-            self.solve()
-        } else {
-            self.accelerate()
-        };
-        let is_plain = solved.is_ok() && !self.watch.wanders();
-        if let Some(mut connected) = self.connected.take_if(|_| !is_plain) {
-            // K is measured against x/t.
-            for (at, scale) in self.scales.iter_mut().enumerate() {
-                *scale = x[at % x.len()].abs() / self.time_step.abs();
-            }
-            let sizes = std::mem::take(&mut self.scales);
-            solved = connected.settle(solved, &sizes, self);
-            (self.scales, self.connected) = (sizes, Some(connected));
+        let (stages, solve) = (&mut self.stages, &mut self.solve);
+        stages.start.copy_from_slice(x);
+        let mut evaluations = solve.solve(stages, x)?;
+        if !stages.is_exact {
+            // The energy is kept as far as K is −Π(U) W: once more, without acceleration.
+            stages.evaluate(&solve.unknowns)?;
+            solve.unknowns.copy_from_slice(&stages.values);
+            evaluations += 1;
         }
-        let evaluations = solved?;
-        for (c, increment) in increment.iter_mut().enumerate() {
-            let sum: f64 = self
-                .tableau
-                .weights
-                .iter()
-                .zip(self.slopes.chunks(x.len()))
-                .map(|(b, slope)| b * slope[c])
-                .sum();
-            *increment = self.time_step * sum;
-        }
+        stages.increment(&solve.unknowns, increment);
         Ok(evaluations)
     }
 }
@@ -431,29 +342,28 @@ impl EnergyPreserving {
 impl Trajectories for EnergyPreserving {
     fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [StepReport]) {
         let step = self.advance(x, increment);
-        taken[0].take(step, self.is_rounded);
+        taken[0].take(step, self.solve.iteration.is_rounded());
     }
 
     fn operations(&self) -> Option<u64> {
-        Some(self.tensor.operations()? + self.gradient.operations()? + self.linear)
+        let stages = &self.stages;
+        let kernels = stages.tensor.operations()? + stages.gradient.operations()?;
+        Some(kernels + stages.averaged + self.solve.operations())
     }
 
     fn tangent(&mut self, _: usize) -> Option<Vec<f64>> {
-        let d = self.start.len();
-        if self.anderson.is_some() {
-            return None;
-        }
-        self.evaluate_stages().ok()?;
-        if !self.factor() {
+        let stages = &mut self.stages;
+        let d = stages.start.len();
+        if !self.solve.factor(stages) {
             return None;
         }
         let mut tangent = DMatrix::identity(d, d);
         for column in 0..d {
-            let slopes = self.by_start.iter().skip(column).step_by(d);
+            let slopes = stages.by_start.iter().skip(column).step_by(d);
             let mut slopes: Vec<f64> = slopes.copied().collect();
-            self.factors.solve(&mut slopes);
+            self.solve.factors.solve(&mut slopes);
             for (row, slope) in slopes.iter().enumerate() {
-                let weight = self.tableau.weights[row / d] * self.time_step;
+                let weight = stages.tableau.weights[row / d] * stages.time_step;
                 tangent[(row % d, column)] += weight * slope;
             }
         }
@@ -461,17 +371,15 @@ impl Trajectories for EnergyPreserving {
     }
 
     fn restart(&mut self, _: usize) {
-        self.slopes.fill(0.0);
-        self.watch = Watch::NEW;
+        self.solve.restart();
     }
 
     fn memory(&self, _: usize) -> Vec<f64> {
-        [&[self.watch.memory()], self.slopes.as_slice()].concat()
+        self.solve.memory()
     }
 
     fn restore(&mut self, _: usize, memory: &[f64]) {
-        self.watch.restore(memory[0]);
-        self.slopes.copy_from_slice(&memory[1..]);
+        self.solve.restore(memory);
     }
 }
 
@@ -517,7 +425,9 @@ fn build(
         description: format!("{} order = {order}", INFO.name),
         together: 1,
         make: Box::new(move |parameters, time_step, _| {
-            Box::new(EnergyPreserving::new(&maps, stages, parameters, time_step))
+            let stages = AveragedStages::new(&maps, stages, parameters, time_step);
+            let solve = StepSolve::new(stages.slopes.len(), stages.is_exact);
+            Box::new(EnergyPreserving { stages, solve })
         }),
     }))
 }

@@ -11,13 +11,13 @@
 //! - [`spherical_midpoint`]: a Poisson map on products of so(3)*.
 //! - [`projection`]: a method followed by projection onto energy and Casimirs.
 //!
-//! - `one_step`: a method as a step map, one trajectory a lane.
+//! - `reference_map`: a method as a step map.
 //! - `adaptive`: what the embedded pairs share.
 //! - `implicit`: what the implicit Runge–Kutta methods share.
+//! - `step_equation`: the solve of the other implicit methods.
 
 mod adaptive;
-pub mod connected;
-mod dop853;
+pub mod dop853;
 mod dop853_coefficients;
 pub mod dormand_prince45;
 pub mod energy_preserving;
@@ -29,3 +29,4 @@ mod reference_map;
 pub mod rk4;
 mod singular;
 pub mod spherical_midpoint;
+mod step_equation;

@@ -134,15 +134,13 @@ impl Trajectories for Rk4 {
     }
 }
 
-/// x ↦ t/6 (k₁ + 2k₂ + 2k₃ + k₄) with t = εh; `None` where that is too long.
-fn code(system: &SystemFormulas) -> Result<Option<ExplicitMap>, BuildError> {
+/// x ↦ t/6 (k₁ + 2k₂ + 2k₃ + k₄) with t = εh; `None` where that is too long, or has no code: calls then say why.
+fn code(system: &SystemFormulas) -> Option<ExplicitMap> {
     let d = system.dimension();
     let mut field = Graph::limited(LONGEST / d);
     let inputs: Vec<Term> = (0..d).map(|i| field.input(i)).collect();
-    let slopes = system.vector_field(&mut field, &inputs)?;
-    if field.refusal().is_some() {
-        return Ok(None);
-    }
+    let slopes = system.vector_field(&mut field, &inputs).ok()?;
+    field.unless_refused(()).ok()?;
     let mut graph = Graph::limited(LONGEST / d);
     let x: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
     let sizes = [StepSize::Epsilon, StepSize::H].map(|size| graph.step_size(size));
@@ -159,7 +157,7 @@ fn code(system: &SystemFormulas) -> Result<Option<ExplicitMap>, BuildError> {
                 })
                 .collect(),
         };
-        stages.push(graph.import(&field, &slopes, &stage)?);
+        stages.push(graph.import(&field, &slopes, &stage).ok()?);
     }
     let sixth = graph.scale(&Rational::new(1, 6), &step);
     let weights = [1, 2, 2, 1].map(Rational::from_integer);
@@ -170,11 +168,9 @@ fn code(system: &SystemFormulas) -> Result<Option<ExplicitMap>, BuildError> {
         graph.multiply(&sixth, &sum)
     });
     let increment: Vec<Term> = increment.collect();
-    if graph.refusal().is_some() {
-        return Ok(None);
-    }
+    graph.unless_refused(()).ok()?;
     let parameters = system.parameters().len();
-    Ok(Some(ExplicitMap::compile(graph, increment, parameters)))
+    Some(ExplicitMap::compile(graph, increment, parameters))
 }
 
 const PROPERTIES: MapProperties = MapProperties {
@@ -190,7 +186,7 @@ fn build(
     parameters.refuse_unknown(&INFO)?;
     if let Some(formulas) = system.expressions()
         && formulas.dimension() <= LARGEST_TANGENT
-        && let Some(code) = code(formulas)?
+        && let Some(code) = code(formulas)
     {
         let description = INFO.name.to_owned();
         return Ok(Arc::new(CodeStepMap::new(description, PROPERTIES, code)));

@@ -5,11 +5,8 @@ use std::sync::Arc;
 use leafwise_core::part::{Compared, Family, PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
-use leafwise_core::solver::judge::{Allowed, Verdict, Watch, largest, reach};
-use leafwise_core::solver::{
-    CorrectionSize, DenseFactors, LinearIteration, StepReport, Trajectories,
-    elimination_operations, substitution_operations,
-};
+use leafwise_core::solver::judge::{largest, reach};
+use leafwise_core::solver::{StepReport, Trajectories};
 use leafwise_core::{
     BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure,
     SystemFormulas,
@@ -17,8 +14,8 @@ use leafwise_core::{
 use leafwise_expression::{Arithmetic, Polynomial, Ring};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
-use crate::connected::{Connected, StepEquation};
 use crate::reference_map::{ReferenceMap, row_major};
+use crate::step_equation::{StepEquation, StepSolve};
 
 static INFO: PartInfo = PartInfo {
     name: "spherical-midpoint",
@@ -35,12 +32,10 @@ static INFO: PartInfo = PartInfo {
 
 /// Operations of a triple's middle and its derivatives, the two roots weighted.
 const TRIPLE: usize = 100;
-/// Budget of one solve.
-const MOST_EVALUATIONS: usize = 50;
 
 /// D = t X(Γ(x, D)) with Γ = |x| (2x + D)/|2x + D| in each triple. X(Γ) is normal to Γ, so
 /// |x + D|² − |x|² = D·(2x + D) = 0.
-struct SphericalMidpoint {
+struct Midpoint {
     field: SmoothMapEvaluator,
     time_step: f64,
     start: Vec<f64>,
@@ -51,20 +46,11 @@ struct SphericalMidpoint {
     /// ∂Γ/∂D and ∂Γ/∂x of each triple.
     turns: Vec<Matrix3<f64>>,
     stretches: Vec<Matrix3<f64>>,
-    /// 1 − t DX(Γ) ∂Γ/∂D, its factors, and a correction of D.
-    matrix: Vec<f64>,
-    factors: DenseFactors,
-    correction: Vec<f64>,
-    /// Operations of the triples and the solves.
-    linear: u64,
-    /// Whether it is not plain that D is the solution that begins at 0; room for the path to that.
-    watch: Watch,
-    is_rounded: bool,
-    connected: Option<Box<Connected>>,
-    sizes: Vec<f64>,
+    /// Operations of the triples.
+    triples: u64,
 }
 
-impl SphericalMidpoint {
+impl Midpoint {
     fn new(field: &SmoothMap, parameters: &[f64], time_step: f64) -> Self {
         let d = field.inputs();
         let room = || vec![0.0; d];
@@ -78,14 +64,7 @@ impl SphericalMidpoint {
             jacobian: vec![0.0; d * d],
             turns: vec![Matrix3::zeros(); d / 3],
             stretches: vec![Matrix3::zeros(); d / 3],
-            matrix: vec![0.0; d * d],
-            factors: DenseFactors::new(d),
-            correction: room(),
-            linear: 0,
-            watch: Watch::NEW,
-            is_rounded: false,
-            connected: Some(Box::new(Connected::new(d))),
-            sizes: room(),
+            triples: 0,
         }
     }
 
@@ -103,18 +82,6 @@ impl SphericalMidpoint {
         (unit * radius, turn, stretch + 2.0 * turn)
     }
 
-    /// X(Γ), DX(Γ) and the derivatives of Γ at the current change.
-    fn evaluate_middle(&mut self) -> Result<(), StepError> {
-        for triple in 0..self.turns.len() {
-            let (middle, turn, stretch) = self.middle(triple);
-            self.middle[3 * triple..][..3].copy_from_slice(middle.as_slice());
-            self.turns[triple] = turn;
-            self.stretches[triple] = stretch;
-        }
-        self.field.values(&self.middle, &mut self.values)?;
-        self.field.jacobians(&self.middle, &mut self.jacobian)
-    }
-
     /// Entry (i, k) of t DX(Γ)·B for a matrix B of these blocks.
     fn through(&self, blocks: &[Matrix3<f64>], i: usize, k: usize) -> f64 {
         let row = &self.jacobian[i * self.start.len() + k / 3 * 3..][..3];
@@ -122,80 +89,54 @@ impl SphericalMidpoint {
         let sum: f64 = row.iter().zip(column.iter()).map(|(a, b)| a * b).sum();
         self.time_step * sum
     }
-
-    /// 1 − t DX(Γ) ∂Γ/∂D.
-    fn assemble(&mut self) {
-        let d = self.start.len();
-        for at in 0..d * d {
-            let unit = if at / d == at % d { 1.0 } else { 0.0 };
-            self.matrix[at] = unit - self.through(&self.turns, at / d, at % d);
-        }
-    }
-
-    /// Factors it; `false` where it is singular.
-    fn factor(&mut self) -> bool {
-        self.assemble();
-        self.factors.factor(&self.matrix)
-    }
-
-    /// t X(Γ) − D.
-    fn residual(&mut self) {
-        for (c, residual) in self.correction.iter_mut().enumerate() {
-            *residual = self.time_step * self.values[c] - self.change[c];
-        }
-    }
 }
 
-impl StepEquation for SphericalMidpoint {
-    fn unknowns(&mut self) -> &mut [f64] {
-        &mut self.change
-    }
-
+impl StepEquation for Midpoint {
     fn time_step(&mut self) -> &mut f64 {
         &mut self.time_step
     }
 
-    fn linearize(&mut self) -> Result<(&[f64], &[f64]), StepError> {
-        self.evaluate_middle()?;
-        self.residual();
-        self.assemble();
-        Ok((&self.correction, &self.matrix))
+    /// t X(Γ) − D and 1 − t DX(Γ) ∂Γ/∂D.
+    fn linearize(
+        &mut self,
+        change: &[f64],
+        residual: &mut [f64],
+        matrix: &mut [f64],
+    ) -> Result<(), StepError> {
+        let d = self.start.len();
+        // Radii, the middle and its two derivatives; the matrix, block by block.
+        self.triples += (TRIPLE * d / 3 + 7 * d * d) as u64;
+        self.change.copy_from_slice(change);
+        for triple in 0..self.turns.len() {
+            let (middle, turn, stretch) = self.middle(triple);
+            self.middle[3 * triple..][..3].copy_from_slice(middle.as_slice());
+            self.turns[triple] = turn;
+            self.stretches[triple] = stretch;
+        }
+        self.field.values(&self.middle, &mut self.values)?;
+        self.field.jacobians(&self.middle, &mut self.jacobian)?;
+        for (c, residual) in residual.iter_mut().enumerate() {
+            *residual = self.time_step * self.values[c] - change[c];
+        }
+        for (at, entry) in matrix.iter_mut().enumerate() {
+            let unit = if at / d == at % d { 1.0 } else { 0.0 };
+            *entry = unit - self.through(&self.turns, at / d, at % d);
+        }
+        Ok(())
     }
 
-    fn solve(&mut self) -> Result<usize, StepError> {
+    fn change(&self) -> f64 {
+        largest(&self.values) * self.time_step.abs()
+    }
+
+    fn measure(&self, row: usize) -> (f64, f64) {
         let d = self.start.len();
-        let t = self.time_step;
-        let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
-        let mut allowed = Allowed::new(largest(&self.start) + largest(&self.change));
-        loop {
-            self.evaluate_middle()?;
-            allowed.take(largest(&self.values) * t.abs());
-            // Radii, the middle and its two derivatives; the matrix, block by block; the solve.
-            let blocks = (TRIPLE * d / 3 + 7 * d * d) as u64;
-            self.linear += blocks + elimination_operations(d) + substitution_operations(d);
-            self.residual();
-            if !self.factor() {
-                return Err(StepError::NonFinite {
-                    what: "a correction of the midpoint",
-                });
-            }
-            self.watch.take(!self.factors.is_near_identity());
-            self.factors.solve(&mut self.correction);
-            let mut size = CorrectionSize::default();
-            for c in 0..d {
-                self.change[c] += self.correction[c];
-                let sensitivity = reach(&self.jacobian[c * d..][..d], &self.middle);
-                let scale = self.start[c].abs() + allowed.scale(t * sensitivity);
-                size.take(self.correction[c], scale);
-                size.take_way(self.change[c], scale);
-            }
-            self.watch.take_correction(&size);
-            if iteration.judge_correction(&size)? == Verdict::Converged {
-                self.is_rounded = iteration.is_rounded();
-                self.watch.take_end(&size);
-                return Ok(iteration.evaluations());
-            }
-        }
+        let sensitivity = reach(&self.jacobian[row * d..][..d], &self.middle);
+        (self.start[row], self.time_step * sensitivity)
+    }
+
+    fn unit(&self) -> f64 {
+        1.0
     }
 }
 
@@ -203,45 +144,35 @@ fn norm(v: &Vector3<f64>) -> f64 {
     libm::sqrt(v.iter().map(|c| c * c).sum())
 }
 
-impl SphericalMidpoint {
-    fn advance(&mut self, x: &[f64], increment: &mut [f64]) -> Result<usize, StepError> {
-        self.start.copy_from_slice(x);
-        self.watch.begin();
-        let mut solved = self.solve();
-        let is_plain = solved.is_ok() && !self.watch.wanders();
-        if let Some(mut connected) = self.connected.take_if(|_| !is_plain) {
-            self.sizes.copy_from_slice(x);
-            let sizes = std::mem::take(&mut self.sizes);
-            solved = connected.settle(solved, &sizes, self);
-            (self.sizes, self.connected) = (sizes, Some(connected));
-        }
-        let evaluations = solved?;
-        increment.copy_from_slice(&self.change);
-        Ok(evaluations)
-    }
+/// The equation of a step and its solve.
+struct SphericalMidpoint {
+    midpoint: Midpoint,
+    solve: StepSolve,
 }
 
 impl Trajectories for SphericalMidpoint {
     fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [StepReport]) {
-        let step = self.advance(x, increment);
-        taken[0].take(step, self.is_rounded);
+        self.midpoint.start.copy_from_slice(x);
+        let step = self.solve.solve(&mut self.midpoint, x);
+        increment.copy_from_slice(&self.solve.unknowns);
+        taken[0].take(step, self.solve.iteration.is_rounded());
     }
 
     fn operations(&self) -> Option<u64> {
-        Some(self.field.operations()? + self.linear)
+        let midpoint = &self.midpoint;
+        Some(midpoint.field.operations()? + midpoint.triples + self.solve.operations())
     }
 
     fn tangent(&mut self, _: usize) -> Option<Vec<f64>> {
-        let d = self.start.len();
-        self.evaluate_middle().ok()?;
-        if !self.factor() {
+        let d = self.midpoint.start.len();
+        if !self.solve.factor(&mut self.midpoint) {
             return None;
         }
         let mut tangent = DMatrix::identity(d, d);
         for k in 0..d {
-            let column = (0..d).map(|i| self.through(&self.stretches, i, k));
-            let mut column: Vec<f64> = column.collect();
-            self.factors.solve(&mut column);
+            let through = |i| self.midpoint.through(&self.midpoint.stretches, i, k);
+            let mut column: Vec<f64> = (0..d).map(through).collect();
+            self.solve.factors.solve(&mut column);
             for (i, change) in column.iter().enumerate() {
                 tangent[(i, k)] += change;
             }
@@ -250,17 +181,15 @@ impl Trajectories for SphericalMidpoint {
     }
 
     fn restart(&mut self, _: usize) {
-        self.change.fill(0.0);
-        self.watch = Watch::NEW;
+        self.solve.restart();
     }
 
     fn memory(&self, _: usize) -> Vec<f64> {
-        [&[self.watch.memory()], self.change.as_slice()].concat()
+        self.solve.memory()
     }
 
     fn restore(&mut self, _: usize, memory: &[f64]) {
-        self.watch.restore(memory[0]);
-        self.change.copy_from_slice(&memory[1..]);
+        self.solve.restore(memory);
     }
 }
 
@@ -343,7 +272,10 @@ fn build(
         description: INFO.name.to_owned(),
         together: 1,
         make: Box::new(move |parameters, time_step, _| {
-            Box::new(SphericalMidpoint::new(&field, parameters, time_step))
+            Box::new(SphericalMidpoint {
+                midpoint: Midpoint::new(&field, parameters, time_step),
+                solve: StepSolve::new(field.inputs(), true),
+            })
         }),
     }))
 }

@@ -3,7 +3,9 @@
 use crate::common::{
     lotka_volterra, map, none, parts, pendulum, rigid_body, spins, system, try_map,
 };
-use leafwise_core::{BuildError, Convention, Integrator, StepError, Stepper};
+use leafwise_core::{
+    BuildError, Convention, Evaluator, Integrator, PoissonSystem, StepError, Stepper,
+};
 
 #[test]
 fn parameters_out_of_range_are_refused() {
@@ -150,6 +152,69 @@ fn lanes_have_the_bits_of_single_runs() {
             }
             let own: Vec<f64> = together.iter().skip(lane).step_by(2).copied().collect();
             assert_eq!(bits(&alone), bits(&own), "{part}");
+        }
+    }
+}
+
+/// x ↦ t/6 (k₁ + 2k₂ + 2k₃ + k₄) by evaluations of the field.
+fn classical(system: &PoissonSystem, t: f64, x: &[f64]) -> Vec<f64> {
+    let field = system.field_map().expect("a field");
+    let mut field = field.evaluator(&[], 1.0, 1.0);
+    let (mut sum, mut slope) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+    for (node, weight) in [(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)] {
+        let stage = x.iter().zip(&slope).map(|(x, k)| x + node * t * k);
+        let stage: Vec<f64> = stage.collect();
+        field.values(&stage, &mut slope).expect("a value");
+        for (sum, k) in sum.iter_mut().zip(&slope) {
+            *sum += t / 6.0 * weight * k;
+        }
+    }
+    sum
+}
+
+/// A step is one kernel, of no more operations than four evaluations of the field and 15 d for the sums; or, of a
+/// field too long for that, calls. Both are the classical method, to the round-off of some 64 terms a component.
+#[test]
+fn rk4_is_one_kernel_or_calls() {
+    let d = 64;
+    let couplings: Vec<String> = (1..=d)
+        .flat_map(|i| (i + 1..=d).map(move |j| format!("sin(x{i}*x{j})")))
+        .collect();
+    let pairs: Vec<((usize, usize), &str)> =
+        (1..=d / 2).map(|i| ((2 * i - 1, 2 * i), "1")).collect();
+    let long = system(
+        d,
+        &pairs,
+        &couplings.join(" + "),
+        &[],
+        Convention::HamiltonianFirst,
+    );
+    for (system, is_kernel) in [(rigid_body(), true), (long, false)] {
+        let (d, t) = (system.dimension(), 0.01);
+        let x: Vec<f64> = (0..d).map(|i| 0.5 + libm::sin(i as f64)).collect();
+        let map = map("rk4", &system, &none());
+        assert_eq!(map.kernels().len(), usize::from(is_kernel));
+        let mut stepper = map.stepper(1, &[], 0.5, t / 0.5);
+        let mut increment = vec![0.0; d];
+        let mut outcome = [Ok(())];
+        stepper.increment(&x, &vec![0.0; d], &mut increment, &mut outcome);
+        assert_eq!(outcome, [Ok(())]);
+        let expected = classical(&system, t, &x);
+        let size = expected.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        for (found, expected) in increment.iter().zip(&expected) {
+            let error = (found - expected).abs();
+            assert!(error <= 64.0 * f64::EPSILON * size, "d = {d}: {error:e}");
+        }
+        assert!(stepper.tangent(0).is_some(), "d = {d}: an exact tangent");
+        let field = system
+            .expressions()
+            .expect("formulas")
+            .vector_field_kernel();
+        let field = field.expect("a field").step_operations().work();
+        let found = stepper.statistics().operations.expect("counted");
+        if is_kernel {
+            let most = 4 * field + 15 * d as u64;
+            assert!(found <= most, "{found} operations, calls take {most}");
         }
     }
 }

@@ -5,6 +5,7 @@ use super::formula::Formula;
 use super::scope::{Bound, LENGTH, Place, SUM, Scope, find};
 use super::tree::{Kind, Node, Reference, Span};
 use crate::expression::Expression;
+use crate::operators::{negated, quotient};
 use crate::rational::Rational;
 
 /// The greatest magnitude of a constant exponent of an expression.
@@ -93,10 +94,10 @@ impl<'a> Resolver<'a> {
             Kind::SumOver { index, body } => self.sum_over(node.span, *index, body, bound),
             Kind::Sum(terms) => self.expressions(terms, bound).map(Expression::Sum),
             Kind::Product(factors) => self.expressions(factors, bound).map(Expression::Product),
-            Kind::Negate(operand) => self.boxed(operand, bound).map(negated),
+            Kind::Negate(operand) => self.expression(operand, bound).map(negated),
             Kind::Quotient(pair) => {
-                let numerator = self.boxed(&pair[0], bound)?;
-                Ok(quotient(numerator, self.boxed(&pair[1], bound)?))
+                let numerator = self.expression(&pair[0], bound)?;
+                Ok(quotient(numerator, self.expression(&pair[1], bound)?))
             }
             Kind::Power(pair) => {
                 let base = self.boxed(&pair[0], bound)?;
@@ -198,15 +199,13 @@ impl<'a> Resolver<'a> {
                     Some(Expression::Sum(kept))
                 })
             }
-            Kind::Negate(operand) => Ok(self
-                .inside(operand, inner)?
-                .map(|kept| negated(Box::new(kept)))),
+            Kind::Negate(operand) => Ok(self.inside(operand, inner)?.map(negated)),
             Kind::Quotient(pair) if pair[1].is_constant() => {
                 let Some(above) = self.inside(&pair[0], inner)? else {
                     return Ok(None);
                 };
-                let below = self.boxed(&pair[1], Some(inner))?;
-                Ok(Some(quotient(Box::new(above), below)))
+                let below = self.expression(&pair[1], Some(inner))?;
+                Ok(Some(quotient(above, below)))
             }
             Kind::Product(factors)
                 if factors
@@ -271,21 +270,4 @@ pub(super) fn check_terms(terms: usize, span: Span) -> Result<(), SyntaxError> {
         return Err(SyntaxError::new(span, kind));
     }
     Ok(())
-}
-
-fn negated(operand: Box<Expression>) -> Expression {
-    match *operand {
-        Expression::Constant(number) => Expression::Constant(-number),
-        _ => Expression::Negate(operand),
-    }
-}
-
-fn quotient(numerator: Box<Expression>, denominator: Box<Expression>) -> Expression {
-    if let (Expression::Constant(numerator), Expression::Constant(denominator)) =
-        (numerator.as_ref(), denominator.as_ref())
-        && let Some(value) = numerator.checked_div(denominator)
-    {
-        return Expression::Constant(value);
-    }
-    Expression::Quotient(numerator, denominator)
 }

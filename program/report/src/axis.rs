@@ -1,7 +1,7 @@
 //! Axes: where a value stands, and which values get a label.
 
 use super::canvas::{AXIS, Anchor, Canvas, GRID, TEXT};
-use super::html::power_of_ten;
+use super::number::power_of_ten;
 
 /// A linear or logarithmic axis over a finite, nonempty range.
 #[derive(Clone, Copy, Debug, PartialEq)]

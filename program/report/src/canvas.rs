@@ -9,6 +9,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, RGBColor, ShapeStyle, TextStyle};
 
 use super::error::ReportError;
+use super::html::escaped;
 
 /// How many SVG units make a logical pixel.
 const SCALE: f64 = 4.0;
@@ -226,7 +227,7 @@ impl Canvas {
             .present()
             .map_err(|error| failed(error.to_string()))?;
         drop(backend);
-        let label = super::html::escape(description);
+        let label = escaped(description);
         Ok(svg.replacen(
             "<svg ",
             &format!("<svg role=\"img\" aria-label=\"{label}\" "),

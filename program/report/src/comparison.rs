@@ -1,12 +1,14 @@
 //! The page of a comparison of methods: figures, legend, table, how to reproduce.
 
+use serde::Serialize;
+
 use super::error::ReportError;
-use super::html::escape;
-use super::page::{ending, head, two_columns};
+use super::figure::Figure;
+use super::template::render;
 use super::work_precision::{Curve, Plot, work_precision_figure};
 
 /// Methods compared on a scene, ready to be drawn.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ComparisonData {
     /// The heading.
     pub title: String,
@@ -25,6 +27,7 @@ pub struct ComparisonData {
     /// The methods.
     pub curves: Vec<Curve>,
     /// The pictures.
+    #[serde(skip)]
     pub plots: Vec<Plot>,
     /// The table's headings, numbers from `numbers_from` on.
     pub headings: Vec<String>,
@@ -43,98 +46,26 @@ pub struct ComparisonData {
 /// # Errors
 /// Only if the drawing library refuses a figure.
 pub fn render_comparison(data: &ComparisonData) -> Result<String, ReportError> {
-    let mut page = head(&data.title, &data.scene_name, &data.version);
-    page.push_str(&two_columns(&data.facts));
-    page.push_str("<h2>Work and precision</h2>\n");
-    page.push_str(&legend(data));
-    page.push_str("<div class=\"figures\">\n");
-    let mut small = Vec::new();
-    for plot in &data.plots {
-        let figure = work_precision_figure(plot, &data.curves)?.html();
-        if plot.is_wide {
-            page.push_str(&figure);
-        } else {
-            small.push(figure);
-        }
-    }
-    for pair in small.chunks(2) {
-        page.push_str(&format!("<div class=\"pair\">\n{}</div>\n", pair.concat()));
-    }
-    page.push_str("</div>\n<h2>The fronts</h2>\n");
-    page.push_str(&table(data));
-    if !data.failures.is_empty() {
-        let count = data.failures.len();
-        page.push_str(&format!(
-            "<details class=\"card\"><summary>What could not be measured ({count})</summary>\n{}\
-             </details>\n",
-            two_columns(&data.failures)
-        ));
-    }
-    page.push_str(&ending(
-        &data.scene_name,
-        &data.version,
-        &data.command,
-        &data.scene_text,
-    ));
-    Ok(page)
-}
-
-/// The numbered methods, family by family.
-fn legend(data: &ComparisonData) -> String {
-    let mut html = "<div class=\"card methods\">\n".to_owned();
-    for (at, family) in data.families.iter().enumerate() {
-        let of_family = data.curves.iter().filter(|curve| curve.family == at);
-        let items: String = of_family
-            .filter_map(|curve| Some((curve.number?, &curve.name)))
-            .map(|(number, name)| format!("<li value=\"{number}\">{}</li>", escape(name)))
-            .collect();
-        if items.is_empty() {
-            continue;
-        }
-        html.push_str(&format!(
-            "<section class=\"s{at}\"><h3>{}</h3><ol>{items}</ol></section>\n",
-            escape(family)
-        ));
-    }
-    let others = data.curves.iter().filter(|curve| curve.number.is_none());
-    let names: Vec<String> = others.map(|curve| escape(&curve.name)).collect();
-    html.push_str("</div>\n");
-    if !names.is_empty() {
-        html.push_str(&format!(
-            "<p class=\"reading\">In the background, on no front: {}.</p>\n",
-            names.join("; ")
-        ));
-    }
-    html
-}
-
-fn table(data: &ComparisonData) -> String {
-    let class = |at: usize| {
-        if at >= data.numbers_from {
-            " class=\"number\""
-        } else {
-            ""
-        }
+    let mut page = Page {
+        data,
+        wide: Vec::new(),
+        small: Vec::new(),
     };
-    let mut html = "<div class=\"card scroll\"><table>\n<thead><tr>".to_owned();
-    for (at, heading) in data.headings.iter().enumerate() {
-        html.push_str(&format!(
-            "<th scope=\"col\"{}>{}</th>",
-            class(at),
-            escape(heading)
-        ));
+    for plot in &data.plots {
+        let figures = if plot.is_wide {
+            &mut page.wide
+        } else {
+            &mut page.small
+        };
+        figures.push(work_precision_figure(plot, &data.curves)?);
     }
-    html.push_str("</tr></thead>\n<tbody>\n");
-    for row in &data.rows {
-        html.push_str("<tr>");
-        for (at, cell) in row.iter().enumerate() {
-            html.push_str(&format!("<td{}>{}</td>", class(at), escape(cell)));
-        }
-        html.push_str("</tr>\n");
-    }
-    html.push_str(&format!(
-        "</tbody></table>\n<p class=\"reading\">{}</p></div>\n",
-        escape(&data.reading)
-    ));
-    html
+    render("comparison.html", &page)
+}
+
+/// What `comparison.html` is filled with.
+#[derive(Serialize)]
+struct Page<'a> {
+    data: &'a ComparisonData,
+    wide: Vec<Figure>,
+    small: Vec<Figure>,
 }

@@ -1,7 +1,9 @@
 //! What a report is made from.
 
+use serde::Serialize;
+
 /// Everything a report shows; plain recorded data, nothing is recomputed.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct ReportData {
     /// The heading, as "Rigid body".
     pub title: String,
@@ -22,21 +24,27 @@ pub struct ReportData {
     /// Label and value for each line of the summary.
     pub facts: Vec<(String, String)>,
     /// Deviation of each invariant, maxima over windows of every step.
+    #[serde(skip)]
     pub invariants: Vec<InvariantSeries>,
     /// Whether the drift plot has a logarithmic time axis, for long runs.
     pub logarithmic_time: bool,
     /// Energy at the recorded states.
+    #[serde(skip)]
     pub energy: Option<TimeSeries>,
     /// Recorded formulas by their names.
+    #[serde(skip)]
     pub observables: Vec<(String, TimeSeries)>,
     /// The recorded states to draw.
+    #[serde(skip)]
     pub trajectory: Option<Trajectory>,
     /// Solver evaluations a step.
+    #[serde(skip)]
     pub solver: Option<TimeSeries>,
 }
 
 /// How a run ended.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
 pub enum Outcome {
     /// All steps were made.
     Done {

@@ -6,7 +6,7 @@ use super::data::InvariantSeries;
 use super::decimate::maxima;
 use super::error::ReportError;
 use super::figure::Figure;
-use super::html::number;
+use super::number::number;
 
 /// Where exact zeros are drawn, unless a deviation is smaller.
 const FLOOR: f64 = 1e-17;

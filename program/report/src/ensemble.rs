@@ -1,16 +1,18 @@
 //! The page of an ensemble: its observables over time, drifts, failures.
 
+use serde::Serialize;
+
 use super::axis::{Axis, Frame};
 use super::canvas::{Canvas, FAINT, GRID, SERIES};
 use super::data::{InvariantSeries, Outcome};
 use super::drift::drift_figure;
 use super::error::ReportError;
 use super::figure::Figure;
-use super::html::{escape, number};
-use super::page::{advice, banner, ending, head, two_columns};
+use super::number::number;
+use super::template::render;
 
 /// What the page of an ensemble is made from.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct EnsembleData {
     /// The heading.
     pub title: String,
@@ -33,8 +35,10 @@ pub struct EnsembleData {
     /// The quantiles that were asked for.
     pub parts: Vec<f64>,
     /// The observables.
+    #[serde(skip)]
     pub bands: Vec<Band>,
     /// The invariants' largest deviations over all members.
+    #[serde(skip)]
     pub drifts: Vec<InvariantSeries>,
     /// Every how many steps deviations were taken in.
     pub drift_every: u64,
@@ -74,85 +78,63 @@ impl Band {
 /// # Errors
 /// Only if the drawing library refuses a figure.
 pub fn render_ensemble(data: &EnsembleData) -> Result<String, ReportError> {
-    let mut page = head(&data.title, &data.scene_name, &data.version);
-    page.push_str(&banner(&data.outcome));
-    page.push_str(&advice(&data.advice));
-    page.push_str(&format!("<h2>Summary</h2>\n{}", two_columns(&data.facts)));
-    page.push_str(&format!("<h2>At the end</h2>\n{}", table(data)));
-    page.push_str("<h2>Figures</h2>\n<div class=\"figures\">\n");
-    let mut figures = Vec::new();
-    for band in data.bands.iter().filter(|band| band.times.len() > 1) {
-        figures.push(band_figure(band, &data.parts)?.html());
-    }
-    for pair in figures.chunks(2) {
-        page.push_str(&format!("<div class=\"pair\">\n{}</div>\n", pair.concat()));
-    }
-    if data.drifts.iter().any(|series| !series.times.is_empty()) {
-        let mut figure = drift_figure(&data.drifts, false)?;
-        let over = match data.drift_every {
-            1 => "every step".to_owned(),
-            every => format!("every {every}th step"),
-        };
-        figure.caption = format!(
-            "The largest deviation of each invariant from its initial value over all members and \
-             {over} of each window."
-        );
-        page.push_str(&figure.html());
-    }
-    page.push_str("</div>\n");
-    if !data.failures.is_empty() {
-        page.push_str(&format!(
-            "<h2>Failed members</h2>\n{}",
-            two_columns(&data.failures)
-        ));
-    }
-    page.push_str(&format!("<h2>Method</h2>\n{}", two_columns(&data.method)));
-    page.push_str(&ending(
-        &data.scene_name,
-        &data.version,
-        &data.command,
-        &data.scene_text,
-    ));
-    Ok(page)
+    let shown = data.bands.iter().filter(|band| band.times.len() > 1);
+    let bands: Result<Vec<Figure>, ReportError> =
+        shown.map(|band| band_figure(band, &data.parts)).collect();
+    let page = Page {
+        data,
+        ends: data.bands.iter().filter_map(End::of).collect(),
+        bands: bands?,
+        drift: drift(data)?,
+    };
+    render("ensemble.html", &page)
 }
 
-fn table(data: &EnsembleData) -> String {
-    let mut headings = ["mean", "deviation", "smallest", "largest"]
-        .map(str::to_owned)
-        .to_vec();
-    headings.extend(
-        data.parts
-            .iter()
-            .map(|p| format!("{}%", number(100.0 * p, 4))),
-    );
-    let cell = |text: &str| format!("<td class=\"number\">{text}</td>");
-    let mut html = "<div class=\"card scroll\"><table>\n<thead><tr>\
-                    <th scope=\"col\">Observable</th>"
-        .to_owned();
-    for heading in headings {
-        html.push_str(&format!(
-            "<th scope=\"col\" class=\"number\">{heading}</th>"
-        ));
-    }
-    html.push_str("</tr></thead>\n<tbody>\n");
-    for band in data.bands.iter().filter(|band| !band.times.is_empty()) {
-        let last = band.times.len() - 1;
+/// What `ensemble.html` is filled with.
+#[derive(Serialize)]
+struct Page<'a> {
+    data: &'a EnsembleData,
+    ends: Vec<End<'a>>,
+    bands: Vec<Figure>,
+    drift: Option<Figure>,
+}
+
+/// An observable at its last time.
+#[derive(Serialize)]
+struct End<'a> {
+    name: &'a str,
+    /// Mean, deviation, smallest, largest, quantiles.
+    values: Vec<f64>,
+}
+
+impl<'a> End<'a> {
+    fn of(band: &'a Band) -> Option<Self> {
+        let last = band.times.len().checked_sub(1)?;
         let (smallest, largest) = band.ranges[last];
-        let mut row = [band.means[last], band.deviations[last], smallest, largest].to_vec();
-        row.extend(&band.quantiles[last]);
-        html.push_str(&format!(
-            "<tr><th scope=\"row\" class=\"name\">{}</th>{}</tr>\n",
-            escape(&band.name),
-            row.iter()
-                .map(|value| cell(&number(*value, 8)))
-                .collect::<String>()
-        ));
+        let mut values = vec![band.means[last], band.deviations[last], smallest, largest];
+        values.extend(&band.quantiles[last]);
+        Some(Self {
+            name: &band.name,
+            values,
+        })
     }
-    html.push_str(
-        "</tbody></table>\n<p class=\"reading\">Over the members that reached the end. A percentage \
-         heads the value that this part of them does not exceed.</p></div>\n",
+}
+
+/// The drifts over all members, where there are some.
+fn drift(data: &EnsembleData) -> Result<Option<Figure>, ReportError> {
+    if data.drifts.iter().all(|series| series.times.is_empty()) {
+        return Ok(None);
+    }
+    let mut figure = drift_figure(&data.drifts, false)?;
+    let over = match data.drift_every {
+        1 => "every step".to_owned(),
+        every => format!("every {every}th step"),
+    };
+    figure.caption = format!(
+        "The largest deviation of each invariant from its initial value over all members and \
+         {over} of each window."
     );
-    html
+    Ok(Some(figure))
 }
 
 /// Mean, one standard deviation about it, and the range.

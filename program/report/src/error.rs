@@ -14,4 +14,12 @@ pub enum ReportError {
         /// The library's message.
         message: String,
     },
+    /// A template does not fit the values that it was given.
+    #[error("cannot write the page {page}: {message}")]
+    Page {
+        /// The template.
+        page: &'static str,
+        /// What does not fit.
+        message: String,
+    },
 }

@@ -6,7 +6,7 @@ use super::data::TimeSeries;
 use super::decimate::{envelope, means};
 use super::error::ReportError;
 use super::figure::Figure;
-use super::html::number;
+use super::number::number;
 
 /// Relative variation below which the initial energy is subtracted.
 const OFFSET_BELOW: f64 = 1e-2;

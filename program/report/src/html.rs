@@ -1,79 +1,21 @@
-//! Text and numbers in HTML.
+//! Text in HTML.
 
-/// The text with the five characters that mean something in HTML replaced.
-pub(super) fn escape(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\'' => escaped.push_str("&#39;"),
-            other => escaped.push(other),
-        }
-    }
-    escaped
-}
+use minijinja::HtmlEscape;
 
-/// 10 to a whole power, as "10⁻¹²".
-pub(super) fn power_of_ten(exponent: i32) -> String {
-    let digits = exponent.to_string();
-    let raised = digits.chars().map(|digit| match digit {
-        '-' => '⁻',
-        '1' => '¹',
-        '2' => '²',
-        '3' => '³',
-        '0' => '⁰',
-        '4' => '⁴',
-        '5' => '⁵',
-        '6' => '⁶',
-        '7' => '⁷',
-        '8' => '⁸',
-        _ => '⁹',
-    });
-    std::iter::once('1').chain(['0']).chain(raised).collect()
-}
-
-/// A number with the given count of significant digits, as "0.25", "1000" or "3.1×10⁻¹³".
-pub(super) fn number(value: f64, digits: usize) -> String {
-    if value.is_nan() {
-        return "NaN".to_owned();
-    }
-    if value.is_infinite() {
-        return if value > 0.0 { "∞" } else { "−∞" }.to_owned();
-    }
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let scientific = format!("{value:.*e}", digits.saturating_sub(1));
-    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
-    let exponent: i32 = exponent.parse().unwrap_or(0);
-    let trimmed = |text: &str| match text.contains('.') {
-        true => text
-            .trim_end_matches('0')
-            .trim_end_matches('.')
-            .replace('-', "−"),
-        false => text.replace('-', "−"),
-    };
-    if (-4..6).contains(&exponent) {
-        let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
-        return trimmed(&format!("{value:.decimals$}"));
-    }
-    format!("{}×{}", trimmed(mantissa), power_of_ten(exponent))
+/// Text with the characters replaced that mean something in HTML. A slash means nothing in text or between
+/// quotes: it stays, so that paths can be searched for.
+pub(super) fn escaped(text: &str) -> String {
+    HtmlEscape(text).to_string().replace("&#x2f;", "/")
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::escaped;
 
     #[test]
-    fn numbers_read_as_physicists_write_them() {
-        assert_eq!(number(0.25, 3), "0.25");
-        assert_eq!(number(-3.14159e-13, 3), "−3.14×10⁻¹³");
-        assert_eq!(number(1000.0, 3), "1000");
-        assert_eq!(number(f64::NAN, 3), "NaN");
-        assert_eq!(number(0.0, 3), "0");
-        assert_eq!(number(1e300, 2), "1×10³⁰⁰");
+    fn what_means_something_is_replaced_and_paths_stay() {
+        let text = "<a href=\"x/y\">'&#x2f;'</a>";
+        let html = "&lt;a href=&quot;x/y&quot;&gt;&#x27;&amp;#x2f;&#x27;&lt;/a&gt;";
+        assert_eq!(escaped(text), html);
     }
 }

@@ -5,7 +5,7 @@ use super::canvas::{ALARM, Anchor, Canvas, Ink, SERIES};
 use super::decimate::envelope;
 use super::error::ReportError;
 use super::figure::Figure;
-use super::html::number;
+use super::number::number;
 
 /// The most cells across and up.
 const CELLS: (usize, usize) = (96, 60);

@@ -1,12 +1,15 @@
 //! Recorded data as one self-contained HTML page.
 //!
 //! - `data`: what a report is made from;
-//! - `page`, `html`, `figure`: the page and its pieces;
+//! - `template`: pages from `templates/`, with every value escaped;
+//! - `run`, `figure`: the page of a run, and a picture with what stands around it;
 //! - `comparison`, `work_precision`: methods compared, as a page of its own;
 //! - `ensemble`: many members, as a page of its own;
 //! - `reproduction`, `panel`: what a paper prints beside what was measured, as a page of its own;
+//! - `survey`: what parts declare beside what was measured, as a page of its own;
 //! - `drift`, `history`, `orbit`, `space`, `lattice`: the figures;
-//! - `axis`, `decimate`, `canvas`, `stroke`: axes, long series reduced to pixels, drawing, points of orbits.
+//! - `axis`, `decimate`, `canvas`, `stroke`: axes, long series reduced to pixels, drawing, points of orbits;
+//! - `html`, `number`: text and numbers in HTML.
 
 mod axis;
 mod canvas;
@@ -20,12 +23,15 @@ mod figure;
 mod history;
 mod html;
 mod lattice;
+mod number;
 mod orbit;
-mod page;
 mod panel;
 mod reproduction;
+mod run;
 mod space;
 mod stroke;
+mod survey;
+mod template;
 #[cfg(test)]
 mod tests;
 mod work_precision;
@@ -34,7 +40,10 @@ pub use comparison::{ComparisonData, render_comparison};
 pub use data::{Ellipsoid, InvariantSeries, Outcome, ReportData, TimeSeries, Trajectory};
 pub use ensemble::{Band, EnsembleData, render_ensemble};
 pub use error::ReportError;
-pub use page::render_report;
 pub use panel::{Panel, PanelAxis, PanelSeries, Stroke};
 pub use reproduction::{Compared, ReproducedFigure, ReproductionData, render_reproduction};
+pub use run::render_report;
+pub use survey::{
+    ErrorLine, RefusedParts, SurveyData, SurveyedMap, SurveyedProblem, render_survey,
+};
 pub use work_precision::{Curve, CurvePoint, Plot};

@@ -1,12 +1,14 @@
 //! The page of a reproduction: what was printed beside what was measured.
 
+use serde::Serialize;
+
 use super::error::ReportError;
-use super::html::escape;
-use super::page::head;
+use super::figure::Figure;
 use super::panel::{Panel, panel_figure};
+use super::template::render;
 
 /// Printed and measured, ready to be drawn.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ReproductionData {
     /// The heading.
     pub title: String,
@@ -23,7 +25,7 @@ pub struct ReproductionData {
 }
 
 /// A figure.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ReproducedFigure {
     /// Its name in the page's table, such as "Figure 3".
     pub label: String,
@@ -32,6 +34,7 @@ pub struct ReproducedFigure {
     /// What is set, and where the source leaves it open.
     pub setting: String,
     /// The pictures.
+    #[serde(skip)]
     pub panels: Vec<Panel>,
     /// What was printed, and what was measured.
     pub comparisons: Vec<Compared>,
@@ -40,7 +43,7 @@ pub struct ReproducedFigure {
 }
 
 /// A statement of the source beside the measurement.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Compared {
     /// What it is about.
     pub quantity: String,
@@ -61,83 +64,19 @@ pub struct Compared {
 /// # Errors
 /// Only if the drawing library refuses a figure.
 pub fn render_reproduction(data: &ReproductionData) -> Result<String, ReportError> {
-    let mut page = head(&data.title, &data.source, &data.version);
-    for paragraph in &data.introduction {
-        page.push_str(&format!("<p>{}</p>\n", escape(paragraph)));
-    }
-    page.push_str("<h2>All statements</h2>\n");
-    page.push_str(&overview(&data.figures));
-    for (at, figure) in data.figures.iter().enumerate() {
-        page.push_str(&format!(
-            "<h2 id=\"f{at}\">{}</h2>\n<p>{}</p>\n",
-            escape(&format!("{}: {}", figure.label, figure.title)),
-            escape(&figure.setting)
-        ));
-        page.push_str("<div class=\"figures\">\n");
-        for pair in figure.panels.chunks(2) {
-            let drawn = pair.iter().map(|panel| Ok(panel_figure(panel)?.html()));
-            let drawn: Result<String, ReportError> = drawn.collect();
-            page.push_str(&format!("<div class=\"pair\">\n{}</div>\n", drawn?));
-        }
-        page.push_str("</div>\n");
-        page.push_str(&comparisons(figure));
-        if let Some(scene) = &figure.scene {
-            page.push_str(&format!(
-                "<details><summary>The scene</summary><pre><code>{}</code></pre></details>\n",
-                escape(scene)
-            ));
-        }
-    }
-    page.push_str(&format!(
-        "<h2>How to reproduce</h2>\n<div class=\"card\"><p>With {}:</p><pre><code>{}</code></pre>\
-         </div>\n<footer>Written by {0}.</footer>\n</main>\n</body>\n</html>\n",
-        escape(&data.version),
-        escape(&data.command)
-    ));
-    Ok(page)
+    let drawn = |figure: &ReproducedFigure| figure.panels.iter().map(panel_figure).collect();
+    let panels: Result<Vec<Vec<Figure>>, ReportError> = data.figures.iter().map(drawn).collect();
+    let page = Page {
+        data,
+        panels: panels?,
+    };
+    render("reproduction.html", &page)
 }
 
-const HEADINGS: [&str; 5] = ["Figure", "Quantity", "Printed", "Measured", ""];
-
-fn overview(figures: &[ReproducedFigure]) -> String {
-    let headings = HEADINGS.map(|heading| format!("<th scope=\"col\">{heading}</th>"));
-    let mut html = format!(
-        "<div class=\"card scroll\"><table>\n<thead><tr>{}</tr></thead>\n<tbody>\n",
-        headings.concat()
-    );
-    for (at, figure) in figures.iter().enumerate() {
-        for compared in &figure.comparisons {
-            html.push_str(&format!(
-                "<tr><td><a href=\"#f{at}\">{}</a></td><td>{}</td><td>{}</td><td>{}</td>{}</tr>\n",
-                escape(&figure.label),
-                escape(&compared.quantity),
-                escape(&compared.printed),
-                escape(&compared.measured),
-                verdict(compared)
-            ));
-        }
-    }
-    html.push_str("</tbody></table></div>\n");
-    html
-}
-
-fn verdict(compared: &Compared) -> String {
-    let class = if compared.is_good { "good" } else { "bad" };
-    format!("<td class=\"{class}\">{}</td>", escape(&compared.verdict))
-}
-
-fn comparisons(figure: &ReproducedFigure) -> String {
-    let mut html = "<div class=\"card compared\">\n".to_owned();
-    for compared in &figure.comparisons {
-        html.push_str(&format!(
-            "<section><h3>{}</h3>\n<dl><dt>The paper</dt><dd>{}</dd><dt>Here</dt><dd>{}</dd>\
-             <dt>Theory</dt><dd>{}</dd></dl></section>\n",
-            escape(&compared.quantity),
-            escape(&compared.printed),
-            escape(&compared.measured),
-            escape(&compared.explanation)
-        ));
-    }
-    html.push_str("</div>\n");
-    html
+/// What `reproduction.html` is filled with.
+#[derive(Serialize)]
+struct Page<'a> {
+    data: &'a ReproductionData,
+    /// The pictures of each figure.
+    panels: Vec<Vec<Figure>>,
 }

@@ -3,7 +3,7 @@
 use super::canvas::{AXIS, Anchor, Canvas, GRID, LEAF, SURFACE, TEXT};
 use super::data::Ellipsoid;
 use super::error::ReportError;
-use super::html::number;
+use super::number::number;
 use super::stroke::{Stroke, draw_ends, draw_orbit};
 
 const WIDTH: f64 = 480.0;

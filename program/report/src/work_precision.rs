@@ -1,12 +1,14 @@
 //! Cost against accuracy of many methods, log–log.
 
+use serde::Serialize;
+
 use super::axis::{Axis, Frame};
 use super::canvas::{AXIS, Anchor, Canvas, Ink, LEAF, PAPER, SERIES, SURFACE, TEXT};
 use super::error::ReportError;
 use super::figure::Figure;
 
 /// A method.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Curve {
     /// Its name.
     pub name: String,

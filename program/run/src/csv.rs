@@ -1,15 +1,102 @@
-//! Comma-separated values (RFC 4180): every heading and every text of a table goes through here.
+//! Comma-separated values (RFC 4180): every table that the program writes goes through here.
+//!
+//! Why not the crate `csv`: it quotes by one style for a whole file, and has no rule for cells that
+//! begin like a formula.
 
-use std::borrow::Cow;
+use std::fmt::Write as _;
 
-/// A cell of text: in quotes where it holds a comma, a quote or a line break, and where a spreadsheet
-/// would take it for a formula.
-pub(crate) fn text_cell(text: &str) -> Cow<'_, str> {
-    if text.contains([',', '"', '\n', '\r']) || text.starts_with(['=', '+', '-', '@']) {
-        Cow::Owned(format!("\"{}\"", text.replace('"', "\"\"")))
-    } else {
-        Cow::Borrowed(text)
+/// A table as text, written cell after cell and row after row.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Table {
+    text: String,
+    /// Whether the row that is being written has a cell.
+    is_begun: bool,
+}
+
+impl Table {
+    /// A table that begins with these headings.
+    pub fn new(headings: impl IntoIterator<Item = impl AsRef<str>>) -> Self {
+        let mut table = Self::default();
+        for heading in headings {
+            table.text(heading.as_ref());
+        }
+        table.end_row();
+        table
     }
+
+    /// A cell of text: in quotes where it holds a comma, a quote or a line break, and where it begins
+    /// like a formula of a spreadsheet.
+    pub fn text(&mut self, text: &str) -> &mut Self {
+        self.begin_cell();
+        if text.contains([',', '"', '\n', '\r']) || text.starts_with(['=', '+', '-', '@']) {
+            self.text.push('"');
+            self.text.push_str(&text.replace('"', "\"\""));
+            self.text.push('"');
+        } else {
+            self.text.push_str(text);
+        }
+        self
+    }
+
+    /// A cell with a double: the shortest decimals that read back as the same one, `NaN`, `inf` or `-inf`.
+    pub fn number(&mut self, value: f64) -> &mut Self {
+        self.begin_cell();
+        // Writing to a string cannot fail.
+        let _ = write!(self.text, "{value:?}");
+        self
+    }
+
+    /// A cell with a double; an empty one where there is none.
+    pub fn optional(&mut self, value: Option<f64>) -> &mut Self {
+        match value {
+            Some(value) => self.number(value),
+            None => self.text(""),
+        }
+    }
+
+    /// A cell for each of these doubles.
+    pub fn numbers(&mut self, values: impl IntoIterator<Item = f64>) -> &mut Self {
+        for value in values {
+            self.number(value);
+        }
+        self
+    }
+
+    /// A cell with a whole number.
+    pub fn whole(&mut self, value: u64) -> &mut Self {
+        self.begin_cell();
+        let _ = write!(self.text, "{value}");
+        self
+    }
+
+    /// Ends the row.
+    pub fn end_row(&mut self) {
+        self.text.push('\n');
+        self.is_begun = false;
+    }
+
+    /// Forgets every row, and keeps the memory.
+    pub fn clear(&mut self) {
+        self.text.clear();
+        self.is_begun = false;
+    }
+
+    /// The rows so far.
+    pub fn as_str(&self) -> &str {
+        &self.text
+    }
+
+    fn begin_cell(&mut self) {
+        if self.is_begun {
+            self.text.push(',');
+        }
+        self.is_begun = true;
+    }
+}
+
+/// The numbers of a row that holds nothing else; NaN where a cell is none.
+pub(crate) fn numbers(row: &str) -> impl Iterator<Item = f64> {
+    row.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN))
 }
 
 /// The headings of a table, each of them once.
@@ -38,10 +125,9 @@ impl Headings {
         }
     }
 
-    /// The line of headings, its end included; of several lines where a name has several.
-    pub fn line(&self) -> String {
-        let cells: Vec<_> = self.0.iter().map(|heading| text_cell(heading)).collect();
-        cells.join(",") + "\n"
+    /// The table that begins with them.
+    pub fn table(&self) -> Table {
+        Table::new(&self.0)
     }
 }
 
@@ -61,8 +147,29 @@ mod tests {
             ("=HYPERLINK(1)", "\"=HYPERLINK(1)\""),
             ("-q", "\"-q\""),
         ] {
-            assert_eq!(text_cell(text), cell);
+            assert_eq!(Table::default().text(text).as_str(), cell);
         }
+    }
+
+    #[test]
+    fn numbers_read_back_to_the_same_bits() {
+        let values = [0.1, -0.0, 5e-324, f64::MAX, 1e16, f64::INFINITY, -7.0];
+        let mut table = Table::default();
+        table.numbers(values).end_row();
+        let row = "0.1,-0.0,5e-324,1.7976931348623157e308,1e16,inf,-7.0\n";
+        assert_eq!(table.as_str(), row);
+        assert!(numbers(row.trim_end()).eq(values));
+        assert!(numbers("NaN,word").all(f64::is_nan));
+    }
+
+    #[test]
+    fn rows_have_a_cell_for_each_heading_and_empty_ones_count() {
+        let mut table = Table::new(["method", "steps", "error"]);
+        table.text("rk4").whole(10).optional(None).end_row();
+        table.text("").whole(0).optional(Some(0.5)).end_row();
+        assert_eq!(table.as_str(), "method,steps,error\nrk4,10,\n,0,0.5\n");
+        table.clear();
+        assert_eq!(table.as_str(), "");
     }
 
     #[test]
@@ -72,6 +179,6 @@ mod tests {
         headings.extend(["q", "t", "p (Casimir)"], "variable");
         headings.extend(["q", "p", "q"], "Casimir");
         let line = "t,q,t (variable),p (Casimir),q (Casimir),p,q (Casimir 2)\n";
-        assert_eq!(headings.line(), line);
+        assert_eq!(headings.table().as_str(), line);
     }
 }

@@ -14,7 +14,7 @@ use super::progress::{Progress, Status};
 use super::samples::Samples;
 use super::snapshots::Snapshots;
 use super::states::StateTable;
-use crate::csv::Headings;
+use crate::csv::{Headings, Table};
 use leafwise_scene::compose::{ComposedRun, Observable, WIDEST_STATE};
 
 /// How often waiting samples are handed to the operating system.
@@ -416,15 +416,15 @@ pub(super) fn header(run: &ComposedRun) -> String {
         };
         headings.push(observable.name(), kind);
     }
-    headings.line()
+    headings.table().as_str().to_owned()
 }
 
-/// The first line of `windows.csv`.
-pub(super) fn windows_header(run: &ComposedRun, invariants: usize) -> String {
+/// `windows.csv` without a row.
+pub(super) fn windows_table(run: &ComposedRun, invariants: usize) -> Table {
     let mut headings = Headings::default();
     headings.push("t_end", "time");
     for index in 0..invariants {
         headings.push(invariant_name(run, index), invariant_kind(index));
     }
-    headings.line()
+    headings.table()
 }

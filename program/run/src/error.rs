@@ -130,6 +130,21 @@ pub enum RunError {
         /// What is wrong with it.
         reason: String,
     },
+    /// A file of an unfinished run in another format than this version of the program reads.
+    #[error(
+        "{} is of format {found}, and this version of leafwise reads format {read}: finish the run with \
+         the version that began it, or run again with --force to start over, or with --out DIR to keep \
+         what is there",
+        file.display()
+    )]
+    Format {
+        /// The file.
+        file: PathBuf,
+        /// The digit of its format.
+        found: char,
+        /// The digit of the format that is read.
+        read: char,
+    },
     /// Reading or writing failed.
     #[error("cannot write {}: {source}", file.display())]
     Io {
@@ -206,6 +221,7 @@ impl RunError {
                 | Self::OtherKind { .. }
                 | Self::Busy { .. }
                 | Self::Damaged { .. }
+                | Self::Format { .. }
         )
     }
 }

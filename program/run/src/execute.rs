@@ -5,13 +5,14 @@ use std::time::Duration;
 
 use leafwise_core::Registry;
 
-use super::checkpoint::{Checkpoint, replace};
+use super::checkpoint::Checkpoint;
 use super::directory::{REPORT, RunDirectory, RunRequest, SCENE, WINDOWS};
-use super::drive::{Session, header, invariant_name, windows_header};
+use super::drive::{Session, header, invariant_name, windows_table};
 use super::error::RunError;
 use super::manifest::{Beginning, Kind, plugins};
 use super::outcome::{InvariantDrift, RunOutcome, RunReport};
 use super::progress::Progress;
+use super::replaced::replace;
 use super::states::FINAL_STATE;
 use super::summary::{self, report_data, short};
 use crate::advice::{Advice, AdviceKind, advise, unused_parameters};
@@ -229,13 +230,13 @@ fn write_windows(
     let columns: Vec<Vec<f64>> = (0..windows.initial.len())
         .map(|index| windows.series(index))
         .collect();
-    let mut text = windows_header(composed, columns.len());
+    let mut table = windows_table(composed, columns.len());
     for (row, end) in windows.ends().into_iter().enumerate() {
-        text.push_str(&format!("{:?}", end as f64 * time_step));
-        for column in &columns {
-            text.push_str(&format!(",{:?}", column[row]));
-        }
-        text.push('\n');
+        let maxima = columns.iter().map(|column| column[row]);
+        table
+            .number(end as f64 * time_step)
+            .numbers(maxima)
+            .end_row();
     }
-    replace(&directory.join(WINDOWS), text.as_bytes())
+    replace(&directory.join(WINDOWS), table.as_str().as_bytes())
 }

@@ -3,6 +3,7 @@
 use leafwise_core::system::SystemObservables;
 use leafwise_core::{BuildError, Observe};
 use leafwise_expression::Expression;
+use serde::{Deserialize, Serialize};
 
 use leafwise_scene::compose::{ComposedRun, Observable, Stepping};
 
@@ -63,7 +64,7 @@ impl Functions {
 /// Maxima of |I(x_k) − I(x_0)| over windows of steps, for each invariant, and the solver's
 /// evaluations in each window. Windows double in width when there are too many, so that a run of
 /// any length keeps between a thousand and two thousand of them.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Windows {
     /// I(x_0).
     pub initial: Vec<f64>,

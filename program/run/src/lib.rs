@@ -3,6 +3,7 @@
 //! - [`ensemble`]: many members at once, reduced into such a directory;
 //! - [`advice`]: what a scene asks for and does not use, or needs and does not ask for;
 //! - [`json`]: numbers as JSON;
+//! - [`csv`]: tables as CSV;
 //! - `execute`: [`run`], from a composed scene to a complete directory;
 //! - `drive`: the step loop;
 //! - `invariants`: energy and Casimirs at every step, their maxima over windows;
@@ -10,6 +11,8 @@
 //! - `appended`: a file that only grows, with a digest;
 //! - `states`: recorded states too wide for `samples.csv`;
 //! - `snapshots`: fields of long lattices, thinned out for the report;
+//! - `replaced`: a file that is replaced as a whole;
+//! - `sealed`: files that are read back to every bit, or refused;
 //! - `checkpoint`: everything later steps depend on, written atomically;
 //! - `manifest`: what was run, with what, and how it ended;
 //! - `directory`: start afresh, resume, or refuse;
@@ -21,7 +24,7 @@
 pub mod advice;
 mod appended;
 mod checkpoint;
-mod csv;
+pub mod csv;
 mod difference;
 mod directory;
 mod drive;
@@ -33,7 +36,9 @@ pub mod json;
 mod manifest;
 mod outcome;
 mod progress;
+mod replaced;
 mod samples;
+mod sealed;
 mod snapshots;
 mod states;
 mod summary;
@@ -43,9 +48,7 @@ mod time;
 
 pub use advice::{Advice, AdviceKind, advise};
 pub(crate) use appended::{Appended, Vouched};
-pub(crate) use checkpoint::{
-    FILE as CHECKPOINT, NOT_WHOLE, Reader, Writer, replace, sealed, unsealed,
-};
+pub(crate) use checkpoint::{FILE as CHECKPOINT, StatisticsFields};
 pub use directory::default_directory;
 pub(crate) use directory::{
     FAILURES, REPORT, RunDirectory, RunRequest, SCENE, STATISTICS, WINDOWS, stem,
@@ -56,4 +59,6 @@ pub(crate) use manifest::{Beginning, outcome_word, plugins};
 pub use manifest::{Kind, Manifest, PROGRAM_VERSION, PluginRecord};
 pub use outcome::{Failure, InvariantDrift, RunOutcome, RunReport};
 pub use progress::{Progress, Quiet, Status};
+pub(crate) use replaced::replace;
+pub(crate) use sealed::Format;
 pub(crate) use summary::{file_name, method_lines, short, title};

@@ -9,9 +9,9 @@ use leafwise_expression::OperationCount;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use super::checkpoint::replace;
 use super::error::RunError;
 use super::outcome::{RunOutcome, RunReport};
+use super::replaced::replace;
 use super::time::now;
 use super::{samples, states};
 use crate::json::{json_number, json_numbers};

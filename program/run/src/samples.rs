@@ -1,11 +1,11 @@
 //! Recorded states, appended to `samples.csv`.
 
-use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Seek, SeekFrom};
 use std::path::Path;
 
 use super::appended::{Appended, Vouched};
+use super::csv::{Table, numbers};
 use super::error::RunError;
 
 /// The file's name in the run directory, and before it is published.
@@ -16,7 +16,7 @@ pub(super) const UNPUBLISHED: &str = "samples.new";
 /// read back as the same doubles.
 pub(super) struct Samples {
     file: Appended,
-    row: String,
+    row: Table,
     count: u64,
 }
 
@@ -28,7 +28,7 @@ impl Samples {
         file.push(header.as_bytes())?;
         Ok(Self {
             file,
-            row: String::new(),
+            row: Table::default(),
             count: 0,
         })
     }
@@ -44,7 +44,7 @@ impl Samples {
     pub fn resume(directory: &Path, vouched: &Vouched, count: u64) -> Result<Self, RunError> {
         Ok(Self {
             file: Appended::resume(&directory.join(FILE), vouched)?,
-            row: String::new(),
+            row: Table::default(),
             count,
         })
     }
@@ -62,14 +62,10 @@ impl Samples {
     /// Appends one row.
     pub fn push(&mut self, time: f64, state: &[f64], observables: &[f64]) -> Result<(), RunError> {
         self.row.clear();
-        // Writing to a string cannot fail.
-        let _ = write!(self.row, "{time:?}");
-        for value in state.iter().chain(observables) {
-            let _ = write!(self.row, ",{value:?}");
-        }
-        self.row.push('\n');
+        let values = state.iter().chain(observables).copied();
+        self.row.number(time).numbers(values).end_row();
         self.count += 1;
-        self.file.push(self.row.as_bytes())
+        self.file.push(self.row.as_str().as_bytes())
     }
 
     /// Hands all rows to the operating system: they survive this program.
@@ -116,24 +112,19 @@ pub(super) fn read(
 ) -> io::Result<Vec<Vec<f64>>> {
     let count = usize::try_from(count).unwrap_or(usize::MAX);
     let mut lines = rows_behind(directory, header)?.take(count);
-    let parse = |line: &str| -> Vec<f64> {
-        line.split(',')
-            .map(|cell| cell.parse().unwrap_or(f64::NAN))
-            .collect()
-    };
     let mut rows = Vec::new();
     let mut last: Option<String> = None;
     let mut at = 0_usize;
     while let Some(line) = lines.next().transpose()? {
         last = if at.is_multiple_of(stride) {
-            rows.push(parse(&line));
+            rows.push(numbers(&line).collect());
             None
         } else {
             Some(line)
         };
         at += 1;
     }
-    rows.extend(last.as_deref().map(parse));
+    rows.extend(last.map(|line| numbers(&line).collect::<Vec<f64>>()));
     Ok(rows)
 }
 
@@ -161,10 +152,9 @@ pub(super) fn first_undefined(
         if !line.contains("NaN") && !line.contains("inf") {
             continue;
         }
-        let time = line.split(',').next().and_then(|t| t.parse().ok());
-        for (first, cell) in found.iter_mut().zip(line.split(',').skip(start)) {
-            let is_finite = cell.parse::<f64>().is_ok_and(f64::is_finite);
-            if first.is_none() && !is_finite {
+        let time = numbers(&line).next();
+        for (first, value) in found.iter_mut().zip(numbers(&line).skip(start)) {
+            if first.is_none() && !value.is_finite() {
                 *first = time;
             }
         }

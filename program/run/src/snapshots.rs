@@ -1,6 +1,7 @@
 //! A field over sites and times, thinned out to what a picture can show.
 
 use leafwise_core::lattice::LatticeGeometry;
+use serde::{Deserialize, Serialize};
 
 /// The most snapshots that are kept; one more and every other is dropped.
 const MOST_TIMES: usize = 256;
@@ -10,7 +11,7 @@ const MOST_SITES: usize = 512;
 
 /// Snapshots of the first family of a lattice whose states are too long for `samples.csv`:
 /// between 128 and 256 of them whatever the length of the run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Snapshots {
     /// Samples from one snapshot to the next.
     pub every: u64,

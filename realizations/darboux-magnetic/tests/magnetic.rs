@@ -10,14 +10,14 @@ use std::sync::Arc;
 
 use leafwise_core::{BuildError, PartParameters, PoissonSystem, RealizationData, Registry};
 use leafwise_darboux_magnetic::DarbouxMagnetic;
-use leafwise_realization_claims::realizations::{
-    dual_pair_error, inversion_and_section_error, source_and_target,
+use leafwise_tests::gauss::implicit_midpoint;
+use leafwise_tests::library;
+use leafwise_tests::methods::{hamilton_jacobi, run};
+use leafwise_tests::numbers::{UNIT_ROUNDOFF, distance, largest};
+use leafwise_tests::realizations::{
+    assert_dual_pair, assert_orders, assert_poisson_steps, source_and_target,
 };
-use leafwise_realization_claims::steps::{
-    implicit_midpoint, is_even_order, measured_order, method, run, structure_error,
-};
-use leafwise_realization_claims::systems::{from_formulas, library};
-use leafwise_realization_claims::{UNIT_ROUNDOFF, distance, largest};
+use leafwise_tests::systems::from_formulas;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -33,9 +33,9 @@ fn systems() -> [(PoissonSystem, &'static str); 3] {
         &["px", "x", "y", "py"],
         &[("b", 0.7), ("k", 1.3)],
         &[
-            ("x", "px", "1"),
-            ("y", "py", "1"),
-            ("px", "py", "-b - k*cos(k*x) - x/sqrt(1 + x^2 + y^2)"),
+            ("x,px", "1"),
+            ("y,py", "1"),
+            ("px,py", "-b - k*cos(k*x) - x/sqrt(1 + x^2 + y^2)"),
         ],
         "(px^2 + py^2)/2 + x^2/2 + y^4/4 + x*y/5",
         &[],
@@ -51,32 +51,22 @@ fn realization(system: &PoissonSystem, potential: &str) -> Arc<dyn RealizationDa
     Arc::new(DarbouxMagnetic::realize(system, potential).expect("a magnetic bracket"))
 }
 
+#[test]
+fn the_maps_are_a_dual_pair() {
+    for (system, potential) in systems() {
+        let domain = (-2.0..2.0, -2.0..2.0, 0.01..1.0);
+        assert_dual_pair(&system, &realization(&system, potential), domain, 16.0);
+    }
+}
+
+#[test]
+fn steps_are_poisson() {
+    for (system, potential) in systems() {
+        assert_poisson_steps(&system, &realization(&system, potential), 0.2..1.5, 0.05);
+    }
+}
+
 proptest! {
-    #[test]
-    fn the_maps_are_a_dual_pair(
-        at in 0..3_usize,
-        x in vec(-2.0..2.0_f64, 6),
-        p in vec(-2.0..2.0_f64, 6),
-        epsilon in 0.01..1.0_f64,
-    ) {
-        let (system, potential) = systems()[at].clone();
-        let d = system.dimension();
-        let realization = realization(&system, potential);
-        let (x, p) = (&x[..d], &p[..d]);
-        let error = dual_pair_error(&system, &realization, epsilon, x, p).expect("maps");
-        prop_assert!(error <= 1e-13, "{potential}: {error:e}");
-        let error = inversion_and_section_error(&system, realization.as_ref(), epsilon, x, p);
-        prop_assert!(error.expect("maps") <= 16.0 * UNIT_ROUNDOFF);
-    }
-
-    #[test]
-    fn steps_are_poisson(at in 0..3_usize, half_order in 1..=3_usize, x in vec(0.2..1.5_f64, 6)) {
-        let (system, potential) = systems()[at].clone();
-        let map = method(&system, &realization(&system, potential), 2 * half_order);
-        let error = structure_error(&system, &map, 0.05, &x[..system.dimension()]).expect("a step");
-        prop_assert!(error.tensor <= 64.0, "{potential}: {error:?}");
-    }
-
     /// The formula of the definition, evaluated by hand for the paper's potential.
     #[test]
     fn the_maps_are_those_of_darboux_coordinates(
@@ -113,7 +103,7 @@ fn the_first_coefficient_gives_the_midpoint_rule_in_darboux_coordinates() {
     let darboux = from_formulas(
         &["x", "y", "z", "px", "py", "pz"],
         &[],
-        &[("x", "px", "-1"), ("y", "py", "-1"), ("z", "pz", "-1")],
+        &[("x,px", "-1"), ("y,py", "-1"), ("z,pz", "-1")],
         "(px^2 + (py + x^3/3)^2 + (pz + y^2/2 + x*z)^2 + x^2 + y^2 + z^2)/2",
         &[],
     );
@@ -127,13 +117,13 @@ fn the_first_coefficient_gives_the_midpoint_rule_in_darboux_coordinates() {
             x[1] * x[1] / 2.0 + x[0] * x[2],
         ]
     };
-    let map = method(&system, &realization(&system, potential), 2);
+    let map = hamilton_jacobi(&system, &realization(&system, potential), 2);
     let x = [1.0, 0.5, -0.5, 0.3, 0.2, 0.4];
     for h in [0.01, 0.05, 0.2] {
         let start: Vec<f64> = x.iter().zip(a(&x)).map(|(x, a)| x - a).collect();
         let end = implicit_midpoint(&darboux, h, &start);
         let expected: Vec<f64> = end.iter().zip(a(&end)).map(|(x, a)| x + a).collect();
-        let found = run(&system, &map, h, 1, &x).expect("a step");
+        let found = run(&system, &map, (1.0, h), 1, &x).expect("a step");
         let bound = 16.0 * UNIT_ROUNDOFF * largest(expected.clone());
         assert!(
             distance(&found, &expected) <= bound,
@@ -144,20 +134,15 @@ fn the_first_coefficient_gives_the_midpoint_rule_in_darboux_coordinates() {
 
 #[test]
 fn measured_orders_are_those_declared() {
+    let orders = [
+        (2, [16, 32, 64, 128]),
+        (4, [16, 24, 32, 64]),
+        (6, [12, 16, 20, 24]),
+    ];
     for (system, potential) in systems() {
-        let realization = realization(&system, potential);
         let x = [0.8, 0.5, -0.5, 0.3, 0.2, 0.4];
-        let x = &x[..system.dimension()];
-        for (m, steps) in [
-            (2, [16, 32, 64, 128]),
-            (4, [16, 24, 32, 64]),
-            (6, [12, 16, 20, 24]),
-        ] {
-            let map = method(&system, &realization, m);
-            let slope = measured_order(&system, &map, x, 1.0, &steps).expect("points");
-            println!("darboux-magnetic, A = {potential}, m = {m}: {slope:?}");
-            assert!(is_even_order(slope, m), "m = {m}: {slope:?}");
-        }
+        let start = (&x[..system.dimension()], 1.0);
+        assert_orders(&system, &realization(&system, potential), start, &orders);
     }
 }
 
@@ -179,7 +164,7 @@ fn what_does_not_fit_is_named() {
         "{px, pz} is not -dA(px)/dz + dA(pz)/dx, so that px - A(px) and pz - A(pz) do not commute"
     );
     assert!(reason(&library("rigid-body").system, POTENTIAL).contains("`x1`"));
-    let scaled = from_formulas(&["x", "p"], &[], &[("x", "p", "2")], "x", &[]);
+    let scaled = from_formulas(&["x", "p"], &[], &[("x,p", "2")], "x", &[]);
     assert!(reason(&scaled, "0").contains("{x, p} is not 1 or -1"));
 }
 

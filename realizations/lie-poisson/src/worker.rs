@@ -1,5 +1,6 @@
 //! α, β and their tangents as numbers.
 
+use leafwise_core::solver::judge::larger;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -133,9 +134,7 @@ fn norm(matrix: &DMatrix<f64>) -> f64 {
     let columns = matrix
         .column_iter()
         .map(|column| column.iter().map(|v| v.abs()).sum::<f64>());
-    let largest = |sums: &mut dyn Iterator<Item = f64>| {
-        sums.fold(0.0, |m: f64, v| if v <= m { m } else { v })
-    };
+    let largest = |sums: &mut dyn Iterator<Item = f64>| sums.fold(0.0, larger);
     let (rows, columns) = (
         largest(&mut rows.into_iter()),
         largest(&mut columns.into_iter()),

@@ -7,7 +7,7 @@ use leafwise_karasev::CollocatedKarasev;
 use leafwise_lie_poisson::LiePoisson;
 use leafwise_lie_poisson::structure::StructureConstants;
 use leafwise_lie_poisson::worker::LiePoissonWorker;
-use leafwise_realization_claims::{UNIT_ROUNDOFF, distance, largest};
+use leafwise_tests::numbers::{UNIT_ROUNDOFF, distance, largest};
 use proptest::collection::vec;
 use proptest::prelude::*;
 

@@ -12,11 +12,11 @@ use leafwise_core::diagnostics::fit_slope;
 use leafwise_core::{BuildError, PoissonSystem, RealizationData, StepError};
 use leafwise_karasev::TruncatedKarasev;
 use leafwise_lie_poisson::LiePoisson;
-use leafwise_realization_claims::realizations::{
+use leafwise_tests::numbers::{UNIT_ROUNDOFF, distance, largest};
+use leafwise_tests::realizations::{
     dual_pair_error, inversion_and_section_error, source_and_target,
 };
-use leafwise_realization_claims::systems::from_formulas;
-use leafwise_realization_claims::{UNIT_ROUNDOFF, distance, largest};
+use leafwise_tests::systems::from_formulas;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -265,7 +265,7 @@ fn truncations_approach_it_with_their_order() {
 #[test]
 fn an_entry_that_is_not_linear_is_named() {
     for entry in ["x + 1", "x*y", "sin(x)", "1/x"] {
-        let bracket = [("y", "z", "y"), ("x", "y", entry)];
+        let bracket = [("y,z", "y"), ("x,y", entry)];
         let system = from_formulas(&["x", "y", "z"], &[], &bracket, "x", &[]);
         let refusal = LiePoisson::new(&system).expect_err("not linear");
         let BuildError::DoesNotFit { part, reason } = refusal else {

@@ -11,10 +11,10 @@ use crate::common::{ALGEBRAS, algebra};
 use leafwise_collective::{Collective, SymplecticIntegrator};
 use leafwise_core::{Correction, Method, PoissonSystem, RealizationData, StepError, StepMap};
 use leafwise_lie_poisson::LiePoisson;
-use leafwise_realization_claims::steps::{
-    is_even_order, measured_order, method, run, structure_error,
-};
-use leafwise_realization_claims::{UNIT_ROUNDOFF, largest};
+use leafwise_tests::methods::{hamilton_jacobi, run};
+use leafwise_tests::numbers::{UNIT_ROUNDOFF, largest};
+use leafwise_tests::realizations::assert_orders;
+use leafwise_tests::structure::structure_error;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -38,7 +38,7 @@ proptest! {
         x in vec(0.3..1.5_f64, 10),
     ) {
         let system = algebra(ALGEBRAS[at]);
-        let map = method(&system, &realization(&system), 2 * half_order);
+        let map = hamilton_jacobi(&system, &realization(&system), 2 * half_order);
         let error = structure_error(&system, &map, 0.1, &x[..system.dimension()]).expect("a step");
         prop_assert!(error.tensor <= 64.0 && error.casimirs <= 64.0, "{}: {error:?}", ALGEBRAS[at]);
     }
@@ -71,7 +71,7 @@ fn collective_steps_are_poisson_and_keep_the_casimirs() {
 fn newton_converges_over_code_and_over_numbers() {
     for name in ALGEBRAS {
         let system = algebra(name);
-        let map = method(&system, &realization(&system), 4);
+        let map = hamilton_jacobi(&system, &realization(&system), 4);
         let path = if name == "so5" {
             "workers"
         } else {
@@ -135,9 +135,9 @@ fn casimirs_do_not_drift() {
             kernel.evaluate(&mut workspace, x, &mut values);
             values
         };
-        let map = method(&system, &realization(&system), 4);
+        let map = hamilton_jacobi(&system, &realization(&system), 4);
         let x = start(system.dimension());
-        let end = run(&system, &map, 0.05 * STEPS as f64, STEPS, &x).expect("steps");
+        let end = run(&system, &map, (1.0, 0.05), STEPS, &x).expect("steps");
         let (before, after) = (values(&x), values(&end));
         for (before, after) in before.iter().zip(&after) {
             let size = largest(x.iter().chain(&end).copied());
@@ -153,20 +153,15 @@ fn casimirs_do_not_drift() {
 
 #[test]
 fn measured_orders_are_those_declared() {
+    let orders = [
+        (2, [16, 32, 64, 128]),
+        (4, [16, 24, 32, 48]),
+        (6, [12, 16, 20, 24]),
+    ];
     for (name, time) in [("rigid-body", 1.0), ("heavy-top", 1.0), ("sl2", 0.5)] {
         let system = algebra(name);
-        let realization = realization(&system);
         let x = start(system.dimension());
-        for (m, steps) in [
-            (2, [16, 32, 64, 128]),
-            (4, [16, 24, 32, 48]),
-            (6, [12, 16, 20, 24]),
-        ] {
-            let map = method(&system, &realization, m);
-            let slope = measured_order(&system, &map, &x, time, &steps).expect("points");
-            println!("{name}, m = {m}: {slope:?}");
-            assert!(is_even_order(slope, m), "{name}, m = {m}: {slope:?}");
-        }
+        assert_orders(&system, &realization(&system), (&x, time), &orders);
     }
 }
 
@@ -174,8 +169,8 @@ fn measured_orders_are_those_declared() {
 #[test]
 fn a_step_past_the_wall_is_refused() {
     let system = algebra("rigid-body");
-    let map = method(&system, &realization(&system), 2);
-    let outcome = run(&system, &map, 40.0, 1, &[1.0, 3.0, 3.0]);
+    let map = hamilton_jacobi(&system, &realization(&system), 2);
+    let outcome = run(&system, &map, (1.0, 40.0), 1, &[1.0, 3.0, 3.0]);
     let refused = matches!(
         outcome,
         Err(StepError::LeftChart { .. }

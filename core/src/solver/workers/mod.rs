@@ -8,10 +8,10 @@ mod evaluation;
 mod solve;
 
 use evaluation::Evaluation;
-use solve::{CorrectionMethod, Progress, Solve};
+use solve::{Progress, Solve};
 
-use super::judge::{Watch, all_finite};
-use super::{Branch, StepReport, Trajectories};
+use super::judge::all_finite;
+use super::{Branch, CorrectionMethod, StepReport, Trajectories};
 use crate::dynamics::Correction;
 use crate::error::StepError;
 use crate::evaluator::Evaluator;
@@ -50,7 +50,7 @@ impl Workers {
         let d = dimension;
         let has_tangents = realization.has_jacobian() && bisection.has_jacobian();
         let corrections = match (is_near_identity, has_tangents) {
-            (true, _) => CorrectionMethod::Residuals,
+            (true, _) => CorrectionMethod::Residual,
             (false, true) => CorrectionMethod::Newton,
             (false, false) => CorrectionMethod::Acceleration,
         };
@@ -59,7 +59,7 @@ impl Workers {
             correction,
             corrections,
             dimension,
-            trajectories: (0..count).map(|_| Solve::new(d)).collect(),
+            trajectories: (0..count).map(|_| Solve::new(corrections, d)).collect(),
             active: Vec::with_capacity(count),
             target: vec![0.0; d * d],
             change: vec![0.0; d * d],
@@ -92,13 +92,11 @@ impl Workers {
                 own.linear += self.evaluation.tangents(place, target, change);
             }
             place += 1;
-            match own.take(self.corrections, (x, low), ends, &self.target) {
+            match own.take((x, low), ends, &self.target) {
                 Ok(Progress::Iterates) => true,
                 Ok(Progress::Solved) => {
                     taken.evaluations += u64::from(own.is_last);
-                    if let Err(error) =
-                        own.finish(self.corrections, x, ends, &self.change, increment)
-                    {
+                    if let Err(error) = own.finish(x, ends, &self.change, increment) {
                         taken.fail(error);
                     }
                     false
@@ -217,7 +215,7 @@ impl Trajectories for Workers {
             let is_open = match &taken[at].outcome {
                 Ok(()) => {
                     self.corrections == CorrectionMethod::Newton
-                        && self.trajectories[at].watch.wanders()
+                        && self.trajectories[at].iteration.wanders()
                 }
                 Err(error) => {
                     error.is_of_a_solve() || matches!(error, StepError::OtherBranch { .. })
@@ -260,19 +258,19 @@ impl Trajectories for Workers {
 
     fn restart(&mut self, at: usize) {
         self.trajectories[at].extrapolation.clear(0);
-        self.trajectories[at].watch = Watch::NEW;
+        self.trajectories[at].iteration.restart();
         self.evaluation.restart();
     }
 
     fn memory(&self, at: usize) -> Vec<f64> {
-        let mut memory = vec![self.trajectories[at].watch.memory()];
+        let mut memory = vec![self.trajectories[at].iteration.memory()];
         self.trajectories[at].extrapolation.memory(0, &mut memory);
         memory.extend(self.evaluation.memory());
         memory
     }
 
     fn restore(&mut self, at: usize, memory: &[f64]) {
-        self.trajectories[at].watch.restore(memory[0]);
+        self.trajectories[at].iteration.restore(memory[0]);
         let extrapolation = &mut self.trajectories[at].extrapolation;
         let (history, parts) = memory[1..].split_at(extrapolation.memory_len());
         extrapolation.restore(0, history);

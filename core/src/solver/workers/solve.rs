@@ -2,25 +2,12 @@
 
 use crate::error::StepError;
 use crate::solver::extrapolation::DEPTH;
-use crate::solver::judge::{
-    Allowed, CorrectionSize, LinearIteration, Verdict, Watch, is_between, largest,
-};
+use crate::solver::judge::{Verdict, is_between, largest};
 use crate::solver::linear::{DenseFactors, elimination_operations, substitution_operations};
-use crate::solver::{Anderson, Extrapolation};
+use crate::solver::{CorrectionMethod, Extrapolation, Iteration};
 
 /// Budget of one step.
 const MOST_EVALUATIONS: usize = 100;
-
-/// Where corrections come from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum CorrectionMethod {
-    /// The tangents of both workers.
-    Newton,
-    /// The residual itself, where D(β̂∘L) is near the identity.
-    Residuals,
-    /// The residual with Anderson's acceleration, for parts without tangents.
-    Acceleration,
-}
 
 /// Where a solve stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,18 +26,14 @@ pub(super) struct Solve {
     pub(super) extrapolation: Extrapolation,
     displacement: Vec<f64>,
     residual: Vec<f64>,
-    scales: Vec<f64>,
     factors: DenseFactors,
-    pub(super) iteration: LinearIteration,
-    allowed: Allowed,
-    pub(super) watch: Watch,
-    anderson: Anderson,
+    pub(super) iteration: Iteration,
     /// Operations of the products and solves.
     pub(super) linear: u64,
 }
 
 impl Solve {
-    pub(super) fn new(dimension: usize) -> Self {
+    pub(super) fn new(method: CorrectionMethod, dimension: usize) -> Self {
         let d = dimension;
         Self {
             y: vec![0.0; d],
@@ -58,19 +41,15 @@ impl Solve {
             extrapolation: Extrapolation::new(d, DEPTH),
             displacement: vec![0.0; d],
             residual: vec![0.0; d],
-            scales: vec![0.0; d],
             factors: DenseFactors::new(d),
-            iteration: LinearIteration::new(MOST_EVALUATIONS),
-            allowed: Allowed::new(0.0),
-            watch: Watch::NEW,
-            anderson: Anderson::new(d),
+            iteration: Iteration::new(method, d),
             linear: 0,
         }
     }
 
     /// Begins a step.
     pub(super) fn begin(&mut self, x: &[f64]) {
-        self.watch.begin();
+        self.iteration.begin_step();
         self.extrapolation
             .predict(self.displacement.as_chunks_mut().0);
         self.begin_at_displacement(x);
@@ -88,10 +67,13 @@ impl Solve {
         for (i, y) in self.y.iter_mut().enumerate() {
             *y = x[i] + self.displacement[i];
         }
-        self.anderson.clear();
-        self.iteration = LinearIteration::new(MOST_EVALUATIONS);
-        self.allowed = Allowed::new(largest(x) + largest(&self.displacement));
+        let size = largest(x) + largest(&self.displacement);
+        self.iteration.begin(MOST_EVALUATIONS, size);
         self.is_last = false;
+    }
+
+    fn is_newton(&self) -> bool {
+        self.iteration.method() == CorrectionMethod::Newton
     }
 
     /// Takes in the ends at y, base, offset and increment, and for Newton's method D(β̂∘L), and corrects
@@ -101,7 +83,6 @@ impl Solve {
     /// [`StepError::NoConvergence`], [`StepError::NonFinite`].
     pub(super) fn take(
         &mut self,
-        corrections: CorrectionMethod,
         (x, low): (&[f64], &[f64]),
         ends: &[f64],
         target: &[f64],
@@ -113,39 +94,27 @@ impl Solve {
         for i in 0..d {
             self.residual[i] = x[i] - ends[i] - ends[d + i] + low[i];
         }
-        if corrections == CorrectionMethod::Newton {
+        if self.is_newton() {
             self.linear += elimination_operations(d) + substitution_operations(d);
             if !self.factors.factor(target) {
                 return Err(StepError::NonFinite {
                     what: "a Newton correction",
                 });
             }
-            self.watch.take(!self.factors.is_near_identity());
+            self.iteration.take_factors(&self.factors);
             self.factors.solve(&mut self.residual);
         }
-        let mut correction = CorrectionSize::default();
-        self.allowed.take(largest(&ends[2 * d..]));
-        for i in 0..d {
-            self.scales[i] = x[i].abs() + self.allowed.scale(ends[2 * d + i]);
-            correction.take(self.residual[i], self.scales[i]);
-        }
-        if corrections == CorrectionMethod::Acceleration {
-            self.anderson.correct(&mut self.residual, &self.scales);
-        }
-        for i in 0..d {
-            correction.take(self.residual[i], self.scales[i]);
-            self.y[i] += self.residual[i];
-            correction.take_way(self.y[i] - x[i], self.scales[i]);
-        }
-        self.watch.take_correction(&correction);
-        if self.iteration.judge_correction(&correction)? != Verdict::Converged {
+        let change = &ends[2 * d..];
+        self.iteration.take_change(largest(change));
+        let measure = |i: usize, _, _| (x[i], change[i]);
+        let way = |i: usize, y: f64| y - x[i];
+        let (residual, y) = (&mut self.residual, &mut self.y);
+        if self.iteration.correct(residual, y, 1.0, measure, way)? != Verdict::Converged {
             return Ok(Progress::Iterates);
         }
-        self.watch.take_end(&correction);
         // The increment varies with y far more than the residual does: without its tangent the last
         // correction enters by one more evaluation.
-        self.is_last =
-            corrections != CorrectionMethod::Newton && self.residual.iter().any(|r| *r != 0.0);
+        self.is_last = !self.is_newton() && self.residual.iter().any(|r| *r != 0.0);
         Ok(if self.is_last {
             Progress::Iterates
         } else {
@@ -160,7 +129,6 @@ impl Solve {
     /// [`StepError::OtherBranch`] where y is not of a step from x with this increment.
     pub(super) fn finish(
         &mut self,
-        corrections: CorrectionMethod,
         x: &[f64],
         ends: &[f64],
         change: &[f64],
@@ -168,7 +136,7 @@ impl Solve {
     ) -> Result<(), StepError> {
         let d = x.len();
         for i in 0..d {
-            let first_order: f64 = if corrections == CorrectionMethod::Newton {
+            let first_order: f64 = if self.is_newton() {
                 let row = &change[i * d..][..d];
                 row.iter().zip(&self.residual).map(|(k, r)| k * r).sum()
             } else {
@@ -195,6 +163,6 @@ impl Solve {
     }
 
     pub(super) fn operations(&self) -> u64 {
-        self.linear + self.anderson.operations()
+        self.linear + self.iteration.operations()
     }
 }

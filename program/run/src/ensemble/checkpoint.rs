@@ -1,20 +1,23 @@
 //! What a resumed ensemble needs, in one file that is replaced atomically.
 
-use std::fs;
 use std::path::Path;
 
-use super::quantiles::Sketch;
-use super::statistics::{Deviation, MemberFailure, Reductions, Summary};
-use crate::{CHECKPOINT, NOT_WHOLE, Reader, RunError, Vouched, Writer, replace, sealed, unsealed};
+use serde::{Deserialize, Serialize};
 
-/// The file begins with this: name and format version.
-const MAGIC: &[u8; 8] = b"leafens3";
+use super::statistics::Reductions;
+use crate::{CHECKPOINT, Format, RunError, Vouched};
 
-/// An ensemble between two members.
-#[derive(Clone, Debug, PartialEq)]
+/// What the file holds, and how.
+const FORMAT: Format = Format {
+    name: b"leafens",
+    number: b'4',
+};
+
+/// An ensemble between two members. Another field, order or type is another format.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Checkpoint {
     /// Of a file of states.
-    pub fingerprint: u64,
+    pub fingerprint: Option<[u8; 32]>,
     /// Members of the whole ensemble.
     pub members: u64,
     /// Seconds of integration so far.
@@ -28,167 +31,22 @@ pub(super) struct Checkpoint {
 impl Checkpoint {
     /// Writes the checkpoint of a directory.
     pub fn write(&self, directory: &Path) -> Result<(), RunError> {
-        replace(&directory.join(CHECKPOINT), &self.encode())
+        FORMAT.write(&directory.join(CHECKPOINT), self)
     }
 
     /// Reads the checkpoint of a directory.
     pub fn read(directory: &Path) -> Result<Self, RunError> {
-        let path = directory.join(CHECKPOINT);
-        let bytes = fs::read(&path).map_err(RunError::resuming(&path))?;
-        Self::decode(&bytes).map_err(|reason| RunError::Damaged {
-            file: path,
-            reason: reason.to_owned(),
-        })
+        FORMAT.read(&directory.join(CHECKPOINT))
     }
-
-    /// Every number in 8 bytes, least significant first, lists behind their length; [`sealed`].
-    fn encode(&self) -> Vec<u8> {
-        let mut out = Writer(MAGIC.to_vec());
-        out.whole(self.fingerprint);
-        out.whole(self.members);
-        out.number(self.wall_seconds);
-        out.vouched(&self.vouched);
-        let all = &self.reductions;
-        out.whole(all.members);
-        out.whole(all.failed);
-        out.statistics(&all.statistics);
-        out.whole(all.failures.len() as u64);
-        for failure in &all.failures {
-            out.whole(failure.member);
-            out.whole(failure.step);
-            out.number(failure.time);
-            out.text(&failure.message);
-            out.list(&failure.state);
-        }
-        for summaries in [&all.summaries, &all.initial] {
-            out.whole(summaries.len() as u64);
-            summaries
-                .iter()
-                .for_each(|summary| write_summary(&mut out, summary));
-        }
-        for deviations in [&all.windows, &all.whole, &all.relative] {
-            out.whole(deviations.len() as u64);
-            for deviation in deviations {
-                out.number(deviation.maximum);
-                out.whole(deviation.member);
-                out.number(deviation.sum);
-            }
-        }
-        sealed(out)
-    }
-
-    /// The bytes of exactly one checkpoint; what is wrong with any other.
-    fn decode(bytes: &[u8]) -> Result<Self, &'static str> {
-        Self::content(unsealed(bytes, MAGIC)?).ok_or(NOT_WHOLE)
-    }
-
-    fn content(mut from: Reader<'_>) -> Option<Self> {
-        let (fingerprint, total) = (from.whole()?, from.whole()?);
-        let (wall_seconds, vouched) = (from.number()?, from.vouched()?);
-        let (members, failed) = (from.whole()?, from.whole()?);
-        let statistics = from.statistics()?;
-        let mut failures = Vec::new();
-        for _ in 0..from.length()? {
-            failures.push(MemberFailure {
-                member: from.whole()?,
-                step: from.whole()?,
-                time: from.number()?,
-                message: from.text()?,
-                state: from.list()?,
-            });
-        }
-        let (summaries, initial) = (read_summaries(&mut from)?, read_summaries(&mut from)?);
-        let mut deviations = || -> Option<Vec<Deviation>> {
-            let deviation = |from: &mut Reader<'_>| {
-                Some(Deviation {
-                    maximum: from.number()?,
-                    member: from.whole()?,
-                    sum: from.number()?,
-                })
-            };
-            (0..from.length()?).map(|_| deviation(&mut from)).collect()
-        };
-        let (windows, whole, relative) = (deviations()?, deviations()?, deviations()?);
-        from.0.is_empty().then_some(Self {
-            fingerprint,
-            members: total,
-            wall_seconds,
-            vouched,
-            reductions: Reductions {
-                members,
-                failed,
-                failures,
-                summaries,
-                windows,
-                whole,
-                relative,
-                initial,
-                statistics,
-            },
-        })
-    }
-}
-
-fn write_summary(out: &mut Writer, summary: &Summary) {
-    out.whole(summary.count);
-    out.whole(summary.undefined);
-    out.number(summary.mean);
-    out.number(summary.squares);
-    for (value, member) in [summary.minimum, summary.maximum] {
-        out.number(value);
-        out.whole(member);
-    }
-    let levels = summary
-        .sketch
-        .as_ref()
-        .map(|sketch| sketch.levels.len() + 1);
-    out.whole(levels.unwrap_or(0) as u64);
-    if let Some(sketch) = &summary.sketch {
-        for (level, compactions) in sketch.levels.iter().zip(&sketch.compactions) {
-            out.list(level);
-            out.whole(*compactions);
-        }
-    }
-}
-
-fn read_summaries(from: &mut Reader<'_>) -> Option<Vec<Summary>> {
-    (0..from.length()?).map(|_| read_summary(from)).collect()
-}
-
-fn read_summary(from: &mut Reader<'_>) -> Option<Summary> {
-    let (count, undefined) = (from.whole()?, from.whole()?);
-    let (mean, squares) = (from.number()?, from.number()?);
-    let minimum = (from.number()?, from.whole()?);
-    let maximum = (from.number()?, from.whole()?);
-    let sketch = match from.length()?.checked_sub(1) {
-        None => None,
-        Some(levels) => {
-            let mut sketch = Sketch::default();
-            for _ in 0..levels {
-                sketch.levels.push(from.list()?);
-                sketch.compactions.push(from.whole()?);
-            }
-            Some(sketch)
-        }
-    };
-    Some(Summary {
-        count,
-        undefined,
-        mean,
-        squares,
-        minimum,
-        maximum,
-        sketch,
-    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ensemble::statistics::Shape;
+    use crate::ensemble::statistics::{MemberFailure, Shape};
 
     #[test]
-    fn a_checkpoint_reads_back_whole_and_not_otherwise() {
+    fn a_checkpoint_reads_back_to_the_same_bits() {
         let mut reductions = Reductions::new(Shape {
             times: 2,
             observables: 1,
@@ -209,7 +67,7 @@ mod tests {
         });
         reductions.statistics.operations = None;
         let checkpoint = Checkpoint {
-            fingerprint: 5,
+            fingerprint: Some([5; 32]),
             members: 10_000,
             wall_seconds: 1.5,
             vouched: Vouched {
@@ -218,11 +76,11 @@ mod tests {
             },
             reductions,
         };
-        let bytes = checkpoint.encode();
-        assert_eq!(Checkpoint::decode(&bytes), Ok(checkpoint));
-        for cut in [0, 7, 8, 40, bytes.len() / 2, bytes.len() - 1] {
-            assert!(Checkpoint::decode(&bytes[..cut]).is_err(), "{cut} bytes");
-        }
-        assert!(Checkpoint::decode(&[bytes, vec![0]].concat()).is_err());
+        let root = tempfile::tempdir().expect("a directory");
+        checkpoint.write(root.path()).expect("written");
+        assert_eq!(
+            Checkpoint::read(root.path()).expect("a checkpoint"),
+            checkpoint
+        );
     }
 }

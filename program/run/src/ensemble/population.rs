@@ -7,6 +7,8 @@ use leafwise_core::runge_kutta::SmoothMap;
 use leafwise_core::solver::judge::Verdict;
 use leafwise_core::solver::{CorrectionSize, DenseFactors, LinearIteration};
 
+use sha2::{Digest, Sha256};
+
 use super::random::Random;
 use super::states::read_states;
 use leafwise_scene::compose::{ComposedRun, Refusal};
@@ -33,7 +35,7 @@ pub struct Population {
     /// Energy and Casimirs, for leaves.
     invariants: Option<SmoothMap>,
     /// Of a file of states, so that a changed one is not resumed from.
-    fingerprint: u64,
+    fingerprint: Option<[u8; 32]>,
 }
 
 enum Start {
@@ -59,7 +61,7 @@ impl Population {
     ) -> Result<Self, Refusal> {
         let d = run.dimension();
         let mut center = run.plan.initial.clone();
-        let (mut invariants, mut rows, mut fingerprint) = (None, None, 0);
+        let (mut invariants, mut rows, mut fingerprint) = (None, None, None);
         let start = match ensemble.initial.as_ref().map(|initial| &initial.value) {
             None => Start::Same,
             Some(InitialDraw::Drawn {
@@ -78,7 +80,7 @@ impl Population {
                 let path = directory.join(file);
                 let states = states(document, ensemble, &path, &run.names())?;
                 rows = Some((states.len() / d) as u64);
-                fingerprint = hash(&states);
+                fingerprint = Some(digest(&states));
                 Start::Rows(states)
             }
         };
@@ -117,8 +119,8 @@ impl Population {
         self.center.len()
     }
 
-    /// A number that changes with the states that were read from a file.
-    pub(super) fn fingerprint(&self) -> u64 {
+    /// The digest of the states that were read from a file.
+    pub(super) fn fingerprint(&self) -> Option<[u8; 32]> {
         self.fingerprint
     }
 
@@ -437,10 +439,11 @@ fn asked_members(
     Ok(wanted)
 }
 
-/// FNV-1a over the doubles' bytes.
-fn hash(values: &[f64]) -> u64 {
-    let bytes = values.iter().flat_map(|value| value.to_le_bytes());
-    bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-    })
+/// SHA-256 of the doubles' bytes.
+fn digest(values: &[f64]) -> [u8; 32] {
+    let mut digest = Sha256::new();
+    for value in values {
+        digest.update(value.to_le_bytes());
+    }
+    digest.finalize().into()
 }

@@ -1,5 +1,7 @@
 //! Quantiles of a stream of numbers in bounded memory.
 
+use serde::{Deserialize, Serialize};
+
 /// Numbers a level holds before half of them move on, with twice the weight.
 const CAPACITY: usize = 1024;
 
@@ -10,7 +12,7 @@ const CAPACITY: usize = 1024;
 /// (1980)). Each time ranks change by at most 2ˡ, up and down by turns: the error of a rank is at most
 /// Σ_l ⌈c_l/2⌉ 2ˡ for c_l compactions of level l. Up to a thousand numbers are kept as they are.
 /// The result depends on the numbers and their order alone.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Sketch {
     /// The numbers of each level.
     pub levels: Vec<Vec<f64>>,

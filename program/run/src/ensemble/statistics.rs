@@ -1,14 +1,16 @@
 //! What an ensemble is reduced to, member after member.
 
 use leafwise_core::SolverStatistics;
+use serde::{Deserialize, Serialize};
 
 use super::quantiles::Sketch;
+use crate::StatisticsFields;
 
 /// The most failed members that are told one by one.
 pub(super) const MOST_NAMED: usize = 1000;
 
 /// One observable at one time, over the members.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Members with a finite value.
     pub count: u64,
@@ -86,7 +88,7 @@ impl Summary {
 }
 
 /// An invariant's deviations |I(x_k) − I(x_0)| in one window of steps, over the members.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Deviation {
     /// The largest.
     pub maximum: f64,
@@ -114,7 +116,7 @@ impl Deviation {
 }
 
 /// A member that did not reach the end.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MemberFailure {
     /// Which one.
     pub member: u64,
@@ -129,7 +131,7 @@ pub struct MemberFailure {
 }
 
 /// Everything an ensemble is reduced to. Members that fail are counted, and enter nothing else.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reductions {
     /// Members that were taken in, in their order.
     pub members: u64,
@@ -148,6 +150,7 @@ pub struct Reductions {
     /// I(x_0) over the members.
     pub initial: Vec<Summary>,
     /// The solver's work, failed members included.
+    #[serde(with = "StatisticsFields")]
     pub statistics: SolverStatistics,
 }
 

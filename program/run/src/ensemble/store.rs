@@ -1,11 +1,10 @@
 //! Each member's last state, appended to a file.
 
-use std::fmt::Write as _;
 use std::path::Path;
 
 use super::block::Record;
 use super::plan::ComposedEnsemble;
-use crate::csv::Headings;
+use crate::csv::{Headings, Table};
 use crate::{Appended, RunError, Vouched};
 use leafwise_scene::document::FinalStates;
 
@@ -74,6 +73,7 @@ impl FinalStore {
             return Ok(());
         };
         let varied = ensemble.population.varied();
+        let mut rows = Table::default();
         for (member, lane, is_done) in record.members() {
             let state = &record.states[lane];
             if ensemble.final_states == FinalStates::Binary {
@@ -82,7 +82,6 @@ impl FinalStore {
                 continue;
             }
             let outcome = if is_done { "done" } else { "failed" };
-            let mut row = format!("{member},{outcome}");
             let parameters = varied.iter().map(|at| record.parameters[lane][*at]);
             let measured = record
                 .last_sample(lane, ensemble.columns.len())
@@ -90,18 +89,16 @@ impl FinalStore {
             let drifts = record
                 .largest_deviations(lane)
                 .map(|value| if is_done { value } else { f64::NAN });
-            for value in parameters
-                .chain(state.iter().copied())
-                .chain(measured)
-                .chain(record.initial_states[lane].iter().copied())
-                .chain(drifts)
-            {
-                // Writing to a string cannot fail.
-                let _ = write!(row, ",{value:?}");
-            }
-            row.push('\n');
-            file.push(row.as_bytes())?;
+            rows.whole(member)
+                .text(outcome)
+                .numbers(parameters)
+                .numbers(state.iter().copied())
+                .numbers(measured)
+                .numbers(record.initial_states[lane].iter().copied())
+                .numbers(drifts)
+                .end_row();
         }
+        file.push(rows.as_str().as_bytes())?;
         file.flush()
     }
 
@@ -136,5 +133,5 @@ fn heading(ensemble: &ComposedEnsemble) -> String {
         invariants.iter().map(|name| format!("{name}_drift")),
         "invariant",
     );
-    headings.line()
+    headings.table().as_str().to_owned()
 }

@@ -1,19 +1,32 @@
 //! What an ensemble was reduced to, as files and as JSON.
 
-use std::fmt::Write as _;
-
 use serde_json::{Map, Value, json};
 
 use super::plan::ComposedEnsemble;
 use super::report::EnsembleReport;
 use super::statistics::{Deviation, Summary};
-use crate::csv::{Headings, text_cell};
+use crate::csv::{Headings, Table};
 use crate::json::{json_number, json_numbers};
 use crate::{FAILURES, RunError, STATISTICS, WINDOWS, replace};
 
+/// The columns of `statistics.csv` before the quantiles.
+const MOMENTS: [&str; 10] = [
+    "t",
+    "observable",
+    "count",
+    "undefined",
+    "mean",
+    "variance",
+    "minimum",
+    "minimum_member",
+    "maximum",
+    "maximum_member",
+];
+
 /// Writes `statistics.csv`, `windows.csv` and, where members failed, `failures.csv`.
 pub(super) fn write(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Result<(), RunError> {
-    let put = |name: &str, text: String| replace(&report.directory.join(name), text.as_bytes());
+    let put =
+        |name: &str, table: Table| replace(&report.directory.join(name), table.as_str().as_bytes());
     put(STATISTICS, statistics(ensemble, report))?;
     put(WINDOWS, windows(ensemble, report))?;
     if report.reductions.failed > 0 {
@@ -23,37 +36,27 @@ pub(super) fn write(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Res
 }
 
 /// A row for each observable and time.
-fn statistics(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> String {
-    let mut text = String::from(
-        "t,observable,count,undefined,mean,variance,minimum,minimum_member,maximum,maximum_member",
-    );
-    // Writing to a string cannot fail.
-    for p in &ensemble.quantiles {
-        let _ = write!(text, ",q{p:?}");
-    }
-    text.push('\n');
+fn statistics(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Table {
+    let quantiles = ensemble.quantiles.iter().map(|p| format!("q{p:?}"));
+    let columns = MOMENTS.map(str::to_owned).into_iter().chain(quantiles);
+    let mut table = Table::new(columns);
     for (steps, name, summary) in summaries(ensemble, report) {
         let (minimum, maximum) = (summary.minimum, summary.maximum);
-        let _ = write!(
-            text,
-            "{:?},{},{},{},{:?},{:?},{:?},{},{:?},{}",
-            ensemble.time(steps),
-            text_cell(name),
-            summary.count,
-            summary.undefined,
-            summary.mean,
-            summary.variance(),
-            minimum.0,
-            minimum.1,
-            maximum.0,
-            maximum.1
-        );
-        for value in summary.quantiles(&ensemble.quantiles) {
-            let _ = write!(text, ",{value:?}");
-        }
-        text.push('\n');
+        table
+            .number(ensemble.time(steps))
+            .text(name)
+            .whole(summary.count)
+            .whole(summary.undefined)
+            .number(summary.mean)
+            .number(summary.variance())
+            .number(minimum.0)
+            .whole(minimum.1)
+            .number(maximum.0)
+            .whole(maximum.1)
+            .numbers(summary.quantiles(&ensemble.quantiles))
+            .end_row();
     }
-    text
+    table
 }
 
 /// Every summary with its step and observable.
@@ -70,7 +73,7 @@ pub(super) fn summaries<'a>(
 
 /// The end of each window, and each invariant's largest deviation in it: over all members, whose it
 /// is, and the members' mean.
-fn windows(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> String {
+fn windows(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Table {
     let names = ensemble.invariant_names();
     let mut headings = Headings::default();
     headings.push("t_end", "time");
@@ -79,40 +82,36 @@ fn windows(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> String {
             headings.push(&format!("{name}{heading}"), "invariant");
         }
     }
-    let mut text = headings.line();
+    let mut table = headings.table();
     let rows = report.reductions.windows.chunks_exact(names.len());
     for (steps, row) in ensemble.window_ends().into_iter().zip(rows) {
-        let _ = write!(text, "{:?}", ensemble.time(steps));
+        table.number(ensemble.time(steps));
         for deviation in row {
-            let mean = report.reductions.mean_deviation(deviation);
-            let (maximum, member) = (deviation.maximum, deviation.member);
-            let _ = write!(text, ",{maximum:?},{member},{mean:?}");
+            table
+                .number(deviation.maximum)
+                .whole(deviation.member)
+                .number(report.reductions.mean_deviation(deviation));
         }
-        text.push('\n');
+        table.end_row();
     }
-    text
+    table
 }
 
-fn failures(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> String {
+fn failures(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Table {
     let mut headings = Headings::default();
     headings.extend(["member", "step", "t", "message"], "of the failure");
     headings.extend(ensemble.run.names(), "variable");
-    let mut text = headings.line();
+    let mut table = headings.table();
     for failure in &report.reductions.failures {
-        let _ = write!(
-            text,
-            "{},{},{:?},{}",
-            failure.member,
-            failure.step,
-            failure.time,
-            text_cell(&failure.message)
-        );
-        for value in &failure.state {
-            let _ = write!(text, ",{value:?}");
-        }
-        text.push('\n');
+        table
+            .whole(failure.member)
+            .whole(failure.step)
+            .number(failure.time)
+            .text(&failure.message)
+            .numbers(failure.state.iter().copied())
+            .end_row();
     }
-    text
+    table
 }
 
 /// The object of `ensemble --json`, but for its outcome and directory; the manifest's end.

@@ -52,7 +52,7 @@ fn names_of_several_lines_are_one_heading_and_the_run_ends() {
 }
 
 #[test]
-fn every_column_has_a_heading_of_its_own_and_none_is_a_formula_of_a_spreadsheet() {
+fn every_column_has_a_heading_of_its_own_and_none_begins_like_a_formula() {
     let root = tempfile::tempdir().expect("a directory");
     let scene = short_scene()
         .replace("{ spin =", "{ \"=x1\" = \"2*(x1^2 + x2^2 + x3^2)\", x2 =")

@@ -334,29 +334,19 @@ pub fn exact_realization(
     registry: &Registry,
     is_long: bool,
 ) -> Option<(Arc<dyn RealizationData>, PartChoice)> {
-    let mut exact = registry.exact_realizations().into_iter();
-    exact.find_map(|(info, reason)| {
-        let part = registry.realization(info.name).ok()?;
-        let realization = part.build(system, &PartParameters::new()).ok()?;
-        if is_long && realization.stages().is_none() {
-            return None;
-        }
-        let parameters = info
-            .parameters
-            .iter()
-            .map(|p| (p.name, p.default.into()))
-            .collect();
-        let choice = PartChoice {
-            kind: PartKind::Realization,
-            name: info.name,
-            parameters,
-            is_automatic: true,
-            reason: Some(reason),
-            origin: registry.origin(info.name).cloned(),
-            path: None,
-        };
-        Some((realization, choice))
-    })
+    let exact = registry.exact_realization(system, is_long)?;
+    let info = exact.info;
+    let parameters = info.parameters.iter().map(|p| (p.name, p.default.into()));
+    let choice = PartChoice {
+        kind: PartKind::Realization,
+        name: info.name,
+        parameters: parameters.collect(),
+        is_automatic: true,
+        reason: Some(exact.reason),
+        origin: registry.origin(info.name).cloned(),
+        path: None,
+    };
+    Some((exact.realization, choice))
 }
 
 /// The part that stands in for one that the scene leaves open, where no exact one fits.

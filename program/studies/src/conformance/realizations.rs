@@ -1,5 +1,6 @@
 //! A realization by itself, and under dynamic approximations.
 
+use leafwise_core::solver::judge::larger;
 use std::sync::Arc;
 
 use leafwise_core::diagnostics::realization_error::Relative;
@@ -253,7 +254,7 @@ impl Charted {
         let (there, back) = (Ends::of(&there), Ends::of(&back));
         let off = |i: usize| (there.target(i) - back.source(i)).abs();
         let size = largest(x).max(f64::MIN_POSITIVE);
-        Ok((0..x.len()).map(off).fold(0.0, f64::max) / size)
+        Ok((0..x.len()).map(off).fold(0.0, larger) / size)
     }
 }
 

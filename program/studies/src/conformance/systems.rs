@@ -3,6 +3,7 @@
 use leafwise_core::diagnostics::differences::{Differences, jacobian_by_differences};
 use leafwise_core::diagnostics::{check_casimir, check_jacobi};
 use leafwise_core::part::PartInfo;
+use leafwise_core::solver::judge::larger;
 use leafwise_core::system::NumbersWorker;
 use leafwise_core::{BuildError, Registry, StepError};
 use nalgebra::DMatrix;
@@ -206,7 +207,7 @@ fn agreement(
                     .iter()
                     .zip(b)
                     .map(|(a, b)| (a - b).abs())
-                    .fold(0.0, f64::max);
+                    .fold(0.0, larger);
                 let quantity = format!("{name} by functions and by formulas");
                 findings.push(if a.len() == b.len() {
                     place.at_most(quantity, off / size, ROUND_OFF)

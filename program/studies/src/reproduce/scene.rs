@@ -1,6 +1,7 @@
 //! The scenes behind the figures.
 
 use leafwise_core::Registry;
+use leafwise_core::solver::judge::larger;
 use leafwise_scene::{ComposedRun, SceneDocument, compose};
 
 use super::error::ReproduceError;
@@ -120,7 +121,7 @@ impl History {
 
 /// Keeps a NaN: a value that is lost is not a small deviation.
 fn largest(rows: &[(f64, f64, f64)]) -> (f64, f64) {
-    let wider = |a: f64, b: f64| if b.abs() <= a { a } else { b.abs() };
-    rows.iter()
-        .fold((0.0, 0.0), |(h, c), row| (wider(h, row.1), wider(c, row.2)))
+    rows.iter().fold((0.0, 0.0), |(h, c), row| {
+        (larger(h, row.1.abs()), larger(c, row.2.abs()))
+    })
 }

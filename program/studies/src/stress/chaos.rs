@@ -1,5 +1,6 @@
 //! Chaotic orbits, where the state cannot be a test.
 
+use leafwise_core::solver::judge::larger;
 use leafwise_core::{Integrator, StepMap};
 
 use super::case::{Case, Outcome, StressError, StressOptions};
@@ -50,11 +51,11 @@ fn reversible_steps(_: &StressOptions) -> Result<Outcome, StressError> {
             let there = one_step(&method, &parameters, 0.1, &x)?;
             let back = one_step(&method, &parameters, -0.1, &there)?;
             let defect = distance(&back, &x) / largest(&x);
-            worst = if defect <= worst { worst } else { defect };
+            worst = larger(worst, defect);
         }
         integrator.step()?;
         let change = distance(&casimirs(integrator.state()), &start);
-        drift = if change <= drift { drift } else { change };
+        drift = larger(drift, change);
     }
     Ok(Outcome {
         is_met: worst <= 32.0 * UNIT_ROUNDOFF && drift <= 1e-13,

@@ -1,6 +1,7 @@
 //! Starts at the distance 1e-12 from something degenerate.
 
 use leafwise_core::Integrator;
+use leafwise_core::solver::judge::larger;
 
 use super::case::{Case, Outcome, StressError, StressOptions};
 use super::setup::{UNIT_ROUNDOFF, composed, method};
@@ -49,7 +50,7 @@ fn unstable_axis(_: &StressOptions) -> Result<Outcome, StressError> {
         integrator.step()?;
         let exact = NEAR * libm::cosh(lambda * 0.1 * f64::from(step));
         let error = (integrator.state()[1] - exact).abs() / exact;
-        worst = if error <= worst { worst } else { error };
+        worst = larger(worst, error);
     }
     Ok(Outcome {
         is_met: worst <= 1e-11,
@@ -102,7 +103,7 @@ fn coordinate_plane(_: &StressOptions) -> Result<Outcome, StressError> {
     for _ in 0..run.plan.steps {
         integrator.step()?;
         let drift = (casimir(integrator.state()) - start).abs();
-        worst = if drift <= worst { worst } else { drift };
+        worst = larger(worst, drift);
         smallest = smallest.min(integrator.state()[0]);
     }
     // Relative to its largest logarithm.

@@ -1,5 +1,6 @@
 //! Orbits that run into the smallest numbers.
 
+use leafwise_core::solver::judge::larger;
 use leafwise_core::{Integrator, StepMap};
 
 use super::case::{Case, Outcome, StressError, StressOptions};
@@ -42,7 +43,7 @@ fn die_out(map: &dyn StepMap) -> Result<(f64, f64, u64), StressError> {
             return Ok((worst, smallest, integrator.steps()));
         }
         let drift = (x[0] * x[2] / x[1] - 1.0).abs();
-        worst = if drift <= worst { worst } else { drift };
+        worst = larger(worst, drift);
     }
 }
 

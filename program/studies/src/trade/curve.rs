@@ -1,6 +1,7 @@
 //! The reference solution between its steps.
 
 use leafwise_core::Integrator;
+use leafwise_core::solver::judge::larger;
 use leafwise_scene::ComposedRun;
 
 use super::norm::{distance, norm};
@@ -90,12 +91,7 @@ impl Curve {
             distance(own, &state)
         });
         // A NaN is no small error.
-        errors.fold(
-            0.0,
-            |largest, error| {
-                if error <= largest { largest } else { error }
-            },
-        )
+        errors.fold(0.0, larger)
     }
 
     /// The polynomial at `place`, in units of the nodes' spacing; the nodes are every `stride`-th state.

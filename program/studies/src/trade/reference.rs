@@ -3,6 +3,7 @@
 use leafwise_core::PartKind;
 use leafwise_core::part::Family;
 use leafwise_core::registry::CompositionPart;
+use leafwise_core::solver::judge::larger;
 use leafwise_scene::document::{MethodTable, PartUse};
 
 use super::candidate::{Bench, Candidate, Knob, Setting};
@@ -137,7 +138,7 @@ impl Reference {
         let end = distance(&trial.state, &self.state);
         trial
             .largest_error
-            .map_or(end, |largest| if end <= largest { largest } else { end })
+            .map_or(end, |largest| larger(largest, end))
     }
 
     /// The smallest error that can be told from the reference's own.

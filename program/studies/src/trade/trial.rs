@@ -1,5 +1,6 @@
 //! One run of one method: what it costs and what it keeps.
 
+use leafwise_core::solver::judge::larger;
 use std::mem::discriminant;
 use std::time::Instant;
 
@@ -154,11 +155,7 @@ pub(super) fn run_counted(
             let part = taken as f64 / steps as f64;
             let error = curve.distance(part, integrator.state(), &mut buffer);
             // A NaN is no small error.
-            largest_error = if error <= largest_error {
-                largest_error
-            } else {
-                error
-            };
+            largest_error = larger(largest_error, error);
         }
     }
     Ok(Trial {
@@ -228,7 +225,7 @@ pub fn tensor_defect(run: &ComposedRun, time_step: f64, states: &[&[f64]]) -> Op
     for state in states {
         let defect = instrument.measure(state).ok()?.relative()?;
         // A NaN is no small defect.
-        largest = if defect <= largest { largest } else { defect };
+        largest = larger(largest, defect);
     }
     Some(largest)
 }

@@ -1,5 +1,6 @@
 //! Invariants and cost along an orbit.
 
+use leafwise_core::solver::judge::larger;
 use std::time::Instant;
 
 use leafwise_core::diagnostics::{InvariantDrift, measure_drift};
@@ -55,7 +56,7 @@ impl Drift {
             casimirs: casimirs
                 .iter()
                 .map(InvariantDrift::relative)
-                .fold(0.0, f64::max),
+                .fold(0.0, larger),
             evaluations: integrator.statistics().evaluations_per_step(),
             nanoseconds,
         })

@@ -1,10 +1,9 @@
 //! The nodal values Y_j = x + ε Σ_k A_jk Π(Y_k) p at fixed (x, p).
 
 use leafwise_core::StepError;
-use leafwise_core::solver::judge::{Allowed, Verdict, larger, largest};
+use leafwise_core::solver::judge::{Verdict, larger, largest};
 use leafwise_core::solver::{
-    Anderson, CorrectionSize, DenseFactors, LinearIteration, elimination_operations,
-    substitution_operations,
+    CorrectionMethod, DenseFactors, Iteration, elimination_operations, substitution_operations,
 };
 
 use super::field::{Field, FieldWorker};
@@ -31,13 +30,11 @@ pub(super) struct Curve {
     pub(super) nodes: Vec<f64>,
     /// V(Y_j, p), q × d.
     pub(super) values: Vec<f64>,
-    /// Y_j − x, its corrections and what they are measured against, q × d.
+    /// Y_j − x, its corrections, and ε Σ_k A_jk V_k, q × d.
     pub(super) offsets: Vec<f64>,
     corrections: Vec<f64>,
-    scales: Vec<f64>,
-    anderson: Anderson,
-    accelerates: bool,
-    allowed: Allowed,
+    sums: Vec<f64>,
+    pub(super) iteration: Iteration,
     /// Room for the linearized equations, made when they are first asked for.
     linearization: Option<Linearization>,
     /// Nothing but zeros, d of them.
@@ -59,10 +56,8 @@ impl Curve {
             values: vec![0.0; q * d],
             offsets: vec![0.0; q * d],
             corrections: vec![0.0; q * d],
-            scales: vec![0.0; q * d],
-            anderson: Anderson::new(q * d),
-            accelerates: false,
-            allowed: Allowed::new(0.0),
+            sums: vec![0.0; q * d],
+            iteration: Iteration::new(CorrectionMethod::Acceleration, q * d),
             linearization: None,
             nothing: vec![0.0; d],
             accelerated: 0,
@@ -72,7 +67,9 @@ impl Curve {
 
     /// Weighted operations so far: V and its slopes, sums over nodes, solves.
     pub(super) fn operations(&self) -> Option<u64> {
-        Some(self.field.operations()? + self.linear + self.accelerated + self.anderson.operations())
+        Some(
+            self.field.operations()? + self.linear + self.accelerated + self.iteration.operations(),
+        )
     }
 
     /// Counts a solve of the linearized equations for so many right-hand sides, and the sums of
@@ -100,11 +97,11 @@ impl Curve {
             &mut self.values,
             &mut self.offsets,
             &mut self.corrections,
-            &mut self.scales,
+            &mut self.sums,
         ];
         room.into_iter().for_each(|room| *room = vec![0.0; size]);
-        self.accelerated += self.anderson.operations();
-        self.anderson = Anderson::new(size);
+        self.accelerated += self.iteration.operations();
+        self.iteration = Iteration::new(CorrectionMethod::Acceleration, size);
         self.linearization = None;
     }
 
@@ -129,11 +126,11 @@ impl Curve {
         epsilon * sum
     }
 
-    /// ε Σ_k A_jk V_k of every node, [`combination`](Self::combination) of each row, into `scales`.
+    /// ε Σ_k A_jk V_k of every node, [`combination`](Self::combination) of each row, into `sums`.
     fn sum_over_nodes(&mut self, epsilon: f64) {
         let (q, d) = (self.rule.points(), self.dimension);
         let rows = self.rule.matrix.chunks_exact(q);
-        for (sums, row) in self.scales.chunks_exact_mut(d).zip(rows) {
+        for (sums, row) in self.sums.chunks_exact_mut(d).zip(rows) {
             sums.fill(-0.0);
             for (a, value) in row.iter().zip(self.values.chunks_exact(d)) {
                 for (sum, v) in sums.iter_mut().zip(value) {
@@ -188,82 +185,81 @@ impl Curve {
         Ok(true)
     }
 
-    /// Whether evaluations are so dear that fewer of them pay for Anderson's acceleration.
-    pub(super) fn is_foreign(&self) -> bool {
-        self.field.is_foreign()
+    /// Anderson's acceleration where evaluations are so dear that fewer of them pay for it.
+    pub(super) fn method(&self) -> CorrectionMethod {
+        match self.field.is_foreign() {
+            true => CorrectionMethod::Acceleration,
+            false => CorrectionMethod::Residual,
+        }
     }
 
-    /// Begins an iteration, accelerated or not, from the curve at `offset(rule, j, i)` =
-    /// Y_j − x, component i.
+    /// Begins an iteration with a budget of evaluations from the curve at `offset(rule, j, i)` = Y_j − x,
+    /// component i.
     pub(super) fn begin(
         &mut self,
         x: &[f64],
-        accelerates: bool,
+        (method, most): (CorrectionMethod, usize),
         offset: impl Fn(&CollocationRule, usize, usize) -> f64,
     ) {
         let d = self.dimension;
-        self.accelerates = accelerates;
-        self.anderson.clear();
         for (at, node) in self.nodes.iter_mut().enumerate() {
             self.offsets[at] = offset(&self.rule, at / d, at % d);
             *node = x[at % d] + self.offsets[at];
         }
-        self.allowed = Allowed::new(largest(x) + largest(&self.offsets));
+        self.iteration.set_method(method);
+        self.iteration
+            .begin(most, largest(x) + largest(&self.offsets));
     }
 
     /// Moves the nodes to Y_j = x + shift + ε Σ_k A_jk V_k, or towards it where the iteration is
     /// accelerated; V as last evaluated.
-    pub(super) fn correct(&mut self, epsilon: f64, x: &[f64], shift: &[f64]) -> CorrectionSize {
+    ///
+    /// # Errors
+    /// Those of [`Iteration::judge`].
+    pub(super) fn correct(
+        &mut self,
+        epsilon: f64,
+        x: &[f64],
+        shift: &[f64],
+    ) -> Result<Verdict, StepError> {
         let d = self.dimension;
-        let mut size = CorrectionSize::default();
         self.sum_over_nodes(epsilon);
         let corrections = self.corrections.chunks_exact_mut(d);
         let known = corrections.zip(self.offsets.chunks_exact(d));
-        for (offsets, (corrections, known)) in self.scales.chunks_exact_mut(d).zip(known) {
+        for (offsets, (corrections, known)) in self.sums.chunks_exact_mut(d).zip(known) {
             for i in 0..d {
                 offsets[i] += shift[i];
                 corrections[i] = offsets[i] - known[i];
             }
         }
-        self.allowed.take(largest(&self.scales));
-        for scales in self.scales.chunks_exact_mut(d) {
-            for (scale, x) in scales.iter_mut().zip(x) {
-                *scale = x.abs() + self.allowed.scale(*scale);
-            }
-        }
-        let take_all = |size: &mut CorrectionSize, corrections: &[f64], scales: &[f64]| {
-            for (correction, scale) in corrections.iter().zip(scales) {
-                size.take(*correction, *scale);
-            }
-        };
-        take_all(&mut size, &self.corrections, &self.scales);
-        if self.accelerates {
-            self.anderson.correct(&mut self.corrections, &self.scales);
-            take_all(&mut size, &self.corrections, &self.scales);
-        }
-        for (offset, correction) in self.offsets.iter_mut().zip(&self.corrections) {
-            *offset += correction;
-        }
+        self.iteration.take_change(largest(&self.sums));
+        let (corrections, sums) = (&mut self.corrections, &self.sums);
+        let verdict = self.iteration.correct(
+            corrections,
+            &mut self.offsets,
+            1.0,
+            |at, _, _| (x[at % d], sums[at]),
+            |_, offset| offset,
+        );
         let offsets = self.offsets.chunks_exact(d);
         for (nodes, offsets) in self.nodes.chunks_exact_mut(d).zip(offsets) {
             for (node, (x, offset)) in nodes.iter_mut().zip(x.iter().zip(offsets)) {
                 *node = x + offset;
             }
         }
-        size
+        verdict
     }
 
     /// Solves for the nodal values: the iteration from the constant curve, then, where the system has
     /// slopes, Newton's method.
     pub(super) fn solve(&mut self, epsilon: f64, x: &[f64], p: &[f64]) -> Result<(), StepError> {
-        self.begin(x, self.is_foreign(), |_, _, _| 0.0);
-        let mut iteration = LinearIteration::new(MOST_ITERATIONS);
+        self.begin(x, (self.method(), MOST_ITERATIONS), |_, _, _| 0.0);
         loop {
             self.evaluate(p)?;
             let nothing = std::mem::take(&mut self.nothing);
-            let size = self.correct(epsilon, x, &nothing);
+            let verdict = self.correct(epsilon, x, &nothing);
             self.nothing = nothing;
-            match iteration.judge_correction(&size) {
+            match verdict {
                 Ok(Verdict::Continue) => {}
                 Ok(Verdict::Converged) => return self.evaluate(p),
                 Err(_) if self.field.has_slopes() => return self.newton(epsilon, x, p),
@@ -274,13 +270,12 @@ impl Curve {
 
     fn newton(&mut self, epsilon: f64, x: &[f64], p: &[f64]) -> Result<(), StepError> {
         let (q, d) = (self.rule.points(), self.dimension);
-        self.begin(x, false, |_, _, _| 0.0);
-        let mut iteration = LinearIteration::new(MOST_NEWTON);
+        self.begin(x, (CorrectionMethod::Newton, MOST_NEWTON), |_, _, _| 0.0);
         loop {
             self.evaluate(p)?;
             self.sum_over_nodes(epsilon);
             for (at, correction) in self.corrections.iter_mut().enumerate() {
-                *correction = (x[at % d] - self.nodes[at]) + self.scales[at];
+                *correction = (x[at % d] - self.nodes[at]) + self.sums[at];
             }
             let mut linearization = self.linearize(epsilon, p)?;
             self.linear += elimination_operations(q * d) + substitution_operations(q * d);
@@ -292,16 +287,17 @@ impl Curve {
                     what: "a Newton correction of the curve",
                 });
             }
-            let mut size = CorrectionSize::default();
             let offsets = self.nodes.iter().enumerate();
             let reached = offsets.fold(0.0, |m, (at, y)| larger(m, (y - x[at % d]).abs()));
-            self.allowed.take(reached);
-            for (index, change) in self.corrections.iter().enumerate() {
-                self.nodes[index] += change;
-                let offset = self.allowed.scale(self.nodes[index] - x[index % d]);
-                size.take(*change, x[index % d].abs() + offset);
-            }
-            if iteration.judge_correction(&size)? == Verdict::Converged {
+            self.iteration.take_change(reached);
+            let verdict = self.iteration.correct(
+                &mut self.corrections,
+                &mut self.nodes,
+                1.0,
+                |at, node, correction| (x[at % d], node + correction - x[at % d]),
+                |at, node| node - x[at % d],
+            )?;
+            if verdict == Verdict::Converged {
                 return self.evaluate(p);
             }
         }

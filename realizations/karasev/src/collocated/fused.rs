@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use leafwise_core::solver::judge::{Verdict, Watch, all_finite, is_between};
 use leafwise_core::solver::{
-    Branch, CorrectionSize, Extrapolation, Lanes, LinearIteration, StepReport, Trajectories,
+    Branch, CorrectionMethod, CorrectionSize, Extrapolation, Lanes, StepReport, Trajectories,
 };
 use leafwise_core::{
     BuildError, CodeOneForm, Ends, Evaluator, LagrangianBisection, MapProperties, PoissonSystem,
@@ -128,7 +128,6 @@ impl StepMap for FusedStep {
                 p: vec![0.0; d],
                 start: vec![0.0; d],
                 watch: Watch::NEW,
-                is_rounded: false,
                 path: None,
             }
         }))
@@ -154,7 +153,6 @@ struct FusedTrajectory {
     start: Vec<f64>,
     /// Not plain where the plain iteration converges slowly or not at all.
     watch: Watch,
-    is_rounded: bool,
     /// Room for the path to that, made when it is first asked for.
     path: Option<Box<Path>>,
 }
@@ -264,11 +262,13 @@ impl FusedTrajectory {
     /// One solve at the present number of nodes: by the plain iteration where it contracts, else
     /// accelerated.
     fn solve(&mut self, x: &[f64], low: &[f64], evaluations: &mut u64) -> Result<(), StepError> {
-        if !self.curve.is_foreign() && self.iterate(x, low, evaluations, false).is_ok() {
+        let method = self.curve.method();
+        if method == CorrectionMethod::Residual && self.iterate(x, low, evaluations, method).is_ok()
+        {
             return Ok(());
         }
         self.watch.take(true);
-        self.iterate(x, low, evaluations, true)
+        self.iterate(x, low, evaluations, CorrectionMethod::Acceleration)
     }
 
     /// Makes sure that the mean is the one connected with the state, and takes that where the solve
@@ -308,7 +308,7 @@ impl FusedTrajectory {
         x: &[f64],
         low: &[f64],
         evaluations: &mut u64,
-        accelerates: bool,
+        method: CorrectionMethod,
     ) -> Result<(), StepError> {
         let (d, epsilon) = (x.len(), self.epsilon);
         let q = self.curve.rule.points();
@@ -318,11 +318,11 @@ impl FusedTrajectory {
         }
         // The straight curve through the predicted mean and the fixed end.
         let displacement = &self.displacement;
-        self.curve.begin(x, accelerates, |rule, j, i| {
-            2.0 * rule.remaining[j] * displacement[i]
-        });
+        self.curve
+            .begin(x, (method, MOST_EVALUATIONS), |rule, j, i| {
+                2.0 * rule.remaining[j] * displacement[i]
+            });
         self.form.values(&self.centre, &mut self.p)?;
-        let mut iteration = LinearIteration::new(MOST_EVALUATIONS);
         loop {
             *evaluations += 1;
             self.curve.evaluate(&self.p)?;
@@ -330,7 +330,7 @@ impl FusedTrajectory {
                 let end = self.curve.combination(epsilon, &self.curve.rule.end, i);
                 self.shift[i] = low[i] - end;
             }
-            let size = self.curve.correct(epsilon, x, &self.shift);
+            let verdict = self.curve.correct(epsilon, x, &self.shift)?;
             for i in 0..d {
                 let offsets = self.curve.offsets.iter().skip(i).step_by(d);
                 let weights = self.curve.rule.weights.iter();
@@ -339,8 +339,8 @@ impl FusedTrajectory {
             }
             self.linear += (2 * q * d) as u64;
             self.form.values(&self.centre, &mut self.p)?;
-            if iteration.judge_correction(&size)? == Verdict::Converged {
-                self.is_rounded = iteration.is_rounded();
+            if verdict == Verdict::Converged {
+                let iteration = &self.curve.iteration;
                 self.watch.take(iteration.evaluations() > PLAIN_EVALUATIONS);
                 // V lags one correction behind.
                 *evaluations += 1;
@@ -388,7 +388,7 @@ impl Trajectories for FusedTrajectory {
     fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [StepReport]) {
         let taken = &mut taken[0];
         taken.outcome = self.advance(x, low, increment, &mut taken.evaluations);
-        taken.is_rounded = self.is_rounded;
+        taken.is_rounded = self.curve.iteration.is_rounded();
     }
 
     fn solution(&self, _: usize) -> Option<&[f64]> {

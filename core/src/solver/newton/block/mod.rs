@@ -45,6 +45,8 @@ pub(super) struct Block<const W: usize, const D: usize, V, M> {
     most_chords: u32,
     full: Workspace,
     residual: Workspace,
+    /// The full kernel's for half the step, made when a solution is first followed.
+    halved: Option<Workspace>,
     x: V,
     low: V,
     increment: V,
@@ -114,6 +116,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             most_chords: kernel.most_chords(),
             full: prepared(&kernel.full),
             residual: prepared(&kernel.residual),
+            halved: None,
             kernel: kernel.clone(),
             x: V::zeros(d),
             low: V::zeros(d),

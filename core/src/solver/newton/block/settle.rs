@@ -23,9 +23,10 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             self.from[i] = x[i][w];
             self.found[i] = self.y.as_ref()[i][w];
         }
-        let (kernel, full, y, from) = (
+        let (kernel, full, halved, y, from) = (
             &self.kernel.full,
             &mut self.full,
+            &mut self.halved,
             self.y.as_mut(),
             &self.from,
         );
@@ -41,15 +42,25 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             solved.map(|()| &self.found[..]),
             &mut spent,
             |part, point, residual, jacobian| {
-                if part != prepared {
-                    prepare(full, part);
-                    prepared = part;
-                }
+                // Most paths look at the middle and the end, and no other part is prepared.
+                let workspace = if part == 0.5 {
+                    halved.get_or_insert_with(|| {
+                        let mut workspace = kernel.workspace(W);
+                        prepare(&mut workspace, part);
+                        workspace
+                    })
+                } else {
+                    if part != prepared {
+                        prepare(full, part);
+                        prepared = part;
+                    }
+                    &mut *full
+                };
                 for i in 0..d {
                     y[i][w] = point[i];
                 }
-                kernel.evaluate_rows(full, y);
-                let (ends, rest) = kernel.output_rows::<W>(full).split_at(3 * d);
+                kernel.evaluate_rows(workspace, y);
+                let (ends, rest) = kernel.output_rows::<W>(workspace).split_at(3 * d);
                 for i in 0..d {
                     residual[i] = from[i] - ends[i][w] - ends[d + i][w] + low[i][w];
                 }

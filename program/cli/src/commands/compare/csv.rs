@@ -1,75 +1,90 @@
 //! One line a point.
 
-use std::fmt::Write as _;
-
-use leafwise::trade::{Comparison, Measured, Point};
+use leafwise::run::csv::Table;
+use leafwise::trade::{Comparison, Measured};
 
 use super::json::structure;
 
-const HEADINGS: &str = "method,order,structure,steps,time_step,tolerance,operations,evaluations,\
-                        wall_seconds,wall_spread,repetitions,error,relative_error,end_error,at_floor,\
-                        energy_drift,casimir_drift,tensor_defect,poisson,front,poisson_front,\
-                        wall_front,failure\n";
+const HEADINGS: [&str; 23] = [
+    "method",
+    "order",
+    "structure",
+    "steps",
+    "time_step",
+    "tolerance",
+    "operations",
+    "evaluations",
+    "wall_seconds",
+    "wall_spread",
+    "repetitions",
+    "error",
+    "relative_error",
+    "end_error",
+    "at_floor",
+    "energy_drift",
+    "casimir_drift",
+    "tensor_defect",
+    "poisson",
+    "front",
+    "poisson_front",
+    "wall_front",
+    "failure",
+];
+
+/// Columns of what is measured: those between `tolerance` and `failure`.
+const MEASURED: usize = 16;
 
 /// All points; a point that failed has its reason in the last column.
-pub(super) fn text(comparison: &Comparison) -> String {
-    let mut text = HEADINGS.to_owned();
+pub(super) fn table(comparison: &Comparison) -> Table {
+    let mut table = Table::new(HEADINGS);
     for point in &comparison.points {
         let method = &comparison.methods[point.method];
-        // Writing to a String cannot fail.
-        let _ = write!(
-            text,
-            "{},{},{},{},{},{},",
-            quoted(&method.name),
-            method.order,
-            structure(method.structure),
-            point.setting.steps,
-            point.time_step,
-            point.setting.tolerance.map_or_else(String::new, number),
-        );
-        text.push_str(&outcome(point));
-        text.push('\n');
+        table
+            .text(&method.name)
+            .whole(method.order as u64)
+            .text(&structure(method.structure))
+            .whole(point.setting.steps)
+            .number(point.time_step)
+            .optional(point.setting.tolerance);
+        match &point.outcome {
+            Ok(measured) => {
+                cells(&mut table, measured);
+                table.text("");
+            }
+            Err(failure) => {
+                (0..MEASURED).for_each(|_| {
+                    table.text("");
+                });
+                table.text(&failure.to_string());
+            }
+        }
+        table.end_row();
     }
-    text
+    table
 }
 
-fn outcome(point: &Point) -> String {
-    match &point.outcome {
-        Ok(measured) => cells(measured).join(","),
-        Err(failure) => format!("{}{}", ",".repeat(16), quoted(&failure.to_string())),
-    }
+fn cells(table: &mut Table, measured: &Measured) {
+    let (wall, front) = (measured.wall, &measured.front);
+    let or_empty = |count: Option<u64>| count.map_or_else(String::new, |count| count.to_string());
+    table
+        .text(&or_empty(measured.operations))
+        .whole(measured.evaluations)
+        .optional(wall.map(|wall| wall.seconds))
+        .optional(wall.map(|wall| wall.spread))
+        .text(&or_empty(wall.map(|wall| wall.repetitions as u64)))
+        .number(measured.error)
+        .number(measured.relative_error)
+        .number(measured.end_error)
+        .text(word(measured.at_floor))
+        .number(measured.energy_drift)
+        .optional(measured.casimir_drift)
+        .optional(measured.tensor_defect)
+        .text(word(measured.is_poisson))
+        .text(word(front.all))
+        .text(word(front.poisson))
+        .text(word(front.wall));
 }
 
-fn cells(measured: &Measured) -> [String; 17] {
-    let wall = measured.wall;
-    let or_empty = |value: Option<f64>| value.map_or_else(String::new, number);
-    [
-        measured
-            .operations
-            .map_or_else(String::new, |count| count.to_string()),
-        measured.evaluations.to_string(),
-        or_empty(wall.map(|wall| wall.seconds)),
-        or_empty(wall.map(|wall| wall.spread)),
-        wall.map_or_else(String::new, |wall| wall.repetitions.to_string()),
-        number(measured.error),
-        number(measured.relative_error),
-        number(measured.end_error),
-        measured.at_floor.to_string(),
-        number(measured.energy_drift),
-        or_empty(measured.casimir_drift),
-        or_empty(measured.tensor_defect),
-        measured.is_poisson.to_string(),
-        measured.front.all.to_string(),
-        measured.front.poisson.to_string(),
-        measured.front.wall.to_string(),
-        String::new(),
-    ]
-}
-
-fn number(value: f64) -> String {
-    format!("{value:?}")
-}
-
-fn quoted(text: &str) -> String {
-    format!("\"{}\"", text.replace('"', "\"\""))
+fn word(is_so: bool) -> &'static str {
+    if is_so { "true" } else { "false" }
 }

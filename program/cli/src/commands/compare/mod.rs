@@ -137,7 +137,7 @@ fn write_files(
     comparison: &Comparison,
 ) -> Result<(), Failure> {
     if let Some(file) = &arguments.csv {
-        write(file, &csv::text(comparison))?;
+        write(file, csv::table(comparison).as_str())?;
     }
     let Some(directory) = &arguments.out else {
         return Ok(());
@@ -147,7 +147,7 @@ fn write_files(
     for (name, figure) in comparison_figures(comparison)? {
         write(&directory.join(format!("{name}.svg")), &figure)?;
     }
-    write(&directory.join(TABLE), &csv::text(comparison))?;
+    write(&directory.join(TABLE), csv::table(comparison).as_str())?;
     let object = format!("{:#}\n", json::object(document, comparison));
     write(&directory.join(OBJECT), &object)
 }

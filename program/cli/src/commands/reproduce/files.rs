@@ -1,10 +1,10 @@
 //! Figures as files: a picture and its numbers for each panel, a page, an object.
 
-use std::fmt::Write as _;
 use std::path::Path;
 
 use leafwise::report::{Panel, Stroke};
 use leafwise::reproduce::{Reproduced, reproduction_page};
+use leafwise::run::csv::Table;
 
 use super::json;
 use crate::failure::Failure;
@@ -26,7 +26,7 @@ pub(super) fn write(
         for (at, panel) in figure.panels.iter().enumerate() {
             let name = format!("figure-{}-{}", figure.paper.number, at + 1);
             put(&format!("{name}.svg"), &panel.svg()?)?;
-            put(&format!("{name}.csv"), &numbers(panel))?;
+            put(&format!("{name}.csv"), numbers(panel).as_str())?;
         }
     }
     put(PAGE, &reproduction_page(figures, command)?)?;
@@ -34,22 +34,12 @@ pub(super) fn write(
 }
 
 /// A panel's points, one a line.
-fn numbers(panel: &Panel) -> String {
-    let mut text = format!(
-        "series,{},{}\n",
-        quoted(&panel.x.title),
-        quoted(&panel.y.title)
-    );
+fn numbers(panel: &Panel) -> Table {
+    let mut table = Table::new(["series", &panel.x.title, &panel.y.title]);
     for series in panel.series.iter().filter(|s| s.stroke != Stroke::Guide) {
-        let name = quoted(&series.name);
         for (x, y) in &series.points {
-            // Writing to a String cannot fail.
-            let _ = writeln!(text, "{name},{x:?},{y:?}");
+            table.text(&series.name).number(*x).number(*y).end_row();
         }
     }
-    text
-}
-
-fn quoted(text: &str) -> String {
-    format!("\"{}\"", text.replace('"', "\"\""))
+    table
 }

@@ -1,21 +1,20 @@
 //! `leafwise verify`: what every part really does, against what it declares.
 
-mod figure;
-mod html;
 mod json;
 mod live;
 mod page;
 mod row;
 
-use std::fs;
 use std::num::NonZeroUsize;
 use std::time::Instant;
 
+use leafwise::report::render_survey;
 use leafwise::verify::{Problem, Survey, SurveyOptions, survey};
 
 use crate::arguments::{PluginArguments, SceneArguments, VerifyArguments};
 use crate::console::Console;
 use crate::failure::{Failure, exit};
+use crate::files;
 use crate::plugins::Parts;
 use crate::table::duration;
 
@@ -54,11 +53,7 @@ pub fn execute(
         )
     })?;
     if let Some(file) = &arguments.html {
-        fs::write(file, page::page(&survey)).map_err(|source| Failure::File {
-            action: "write",
-            file: file.clone(),
-            source,
-        })?;
+        files::write(file, &render_survey(&page::data(&survey))?)?;
     }
     if arguments.json {
         console.json(&json::object(&survey, seconds));

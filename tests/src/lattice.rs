@@ -9,7 +9,7 @@ use leafwise_expression::Expression;
 use leafwise_expression::syntax::{Boundary, Formula, Scope, VariablePattern};
 use leafwise_hamilton_jacobi::HamiltonJacobi;
 
-use crate::steps::method;
+use crate::methods::hamilton_jacobi;
 
 /// A chain `x[0]` … `x[N−1]` with one bracket template.
 #[derive(Clone, Debug)]
@@ -108,7 +108,7 @@ pub fn by_templates_and_written_out(
     let dynamics = Arc::new(HamiltonJacobi::new(m).expect("an even order"));
     let lattice = LatticeMethod::compose(chain, &|system| Ok(realize(system)), dynamics);
     let system = chain.write_out(&chain.geometry).expect("fits");
-    let dense = method(&system, &realize(&system), m);
+    let dense = hamilton_jacobi(&system, &realize(&system), m);
     let run = |map: &dyn StepMap| {
         let mut integrator = Integrator::new(map, &[], 1.0, time_step, initial);
         for _ in 0..steps {

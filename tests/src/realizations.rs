@@ -1,13 +1,83 @@
-//! The ends α, β and the identities of a dual pair.
+//! Property tests of an exact realization, ready to be called by the author of a new one.
+//!
+//! [`assert_dual_pair`], [`assert_poisson_steps`] and [`assert_orders`] are what every exact
+//! realization keeps; the functions below them measure one identity at one point.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use leafwise_core::diagnostics::RealizationInstrument;
 use leafwise_core::{Ends, PoissonSystem, RealizationData, StepError, realization_worker};
 
 use nalgebra::DMatrix;
+use proptest::collection::vec;
+use proptest::proptest;
 
-use crate::largest;
+use crate::methods::hamilton_jacobi;
+use crate::numbers::{UNIT_ROUNDOFF, distance, largest};
+use crate::orders::of_even_order;
+use crate::structure::structure_error;
+
+/// Asserts that α is a Poisson map and β an anti-Poisson map for επ, that they commute, that
+/// β(x, p) = α(x, −p) and that both are x on the section, at random (x, p, ε).
+///
+/// The brackets may err by 10⁻¹³ of their largest summand, the ends by `roundings` of the state's.
+///
+/// # Panics
+/// Where one of them fails, with the smallest such point.
+pub fn assert_dual_pair(
+    system: &PoissonSystem,
+    realization: &Arc<dyn RealizationData>,
+    (x, p, epsilon): (Range<f64>, Range<f64>, Range<f64>),
+    roundings: f64,
+) {
+    let d = system.dimension();
+    proptest!(|(x in vec(x, d), p in vec(p, d), epsilon in epsilon)| {
+        let error = dual_pair_error(system, realization, epsilon, &x, &p).expect("maps");
+        assert!(error <= 1e-13, "the brackets of α and β: {error:e}");
+        let ends = inversion_and_section_error(system, realization.as_ref(), epsilon, &x, &p);
+        let error = ends.expect("maps") / UNIT_ROUNDOFF;
+        assert!(error <= roundings, "β(x, p), α(x, -p) and the section: {error} roundings");
+    });
+}
+
+/// Asserts that one step of `hamilton-jacobi` of order 2, 4, 6 or 8 is a Poisson map and keeps every
+/// Casimir of the system, to 64 of the roundings that [`structure_error`] counts, at random x.
+///
+/// # Panics
+/// Where it is not, with the smallest such point.
+pub fn assert_poisson_steps(
+    system: &PoissonSystem,
+    realization: &Arc<dyn RealizationData>,
+    x: Range<f64>,
+    time_step: f64,
+) {
+    let maps = [2, 4, 6, 8].map(|m| hamilton_jacobi(system, realization, m));
+    proptest!(|(x in vec(x, system.dimension()), at in 0..maps.len())| {
+        let error = structure_error(system, &maps[at], time_step, &x).expect("a step");
+        let is_kept = error.tensor <= 64.0 && error.casimirs <= 64.0;
+        assert!(is_kept, "{error:?}");
+    });
+}
+
+/// Asserts that `hamilton-jacobi` of each order m has that order over the realization: the error
+/// after `time` for each number of steps, of which those that fall below 10⁻¹³ of the state are dropped.
+///
+/// # Panics
+/// Where a measured order is not m, or the points left do not tell it from its neighbours.
+pub fn assert_orders(
+    system: &PoissonSystem,
+    realization: &Arc<dyn RealizationData>,
+    (initial, time): (&[f64], f64),
+    orders: &[(usize, [usize; 4])],
+) {
+    for (m, steps) in orders {
+        let map = hamilton_jacobi(system, realization, *m);
+        let found = of_even_order(system, &map, initial, time, steps)
+            .unwrap_or_else(|| panic!("m = {m}: too few errors above round-off"));
+        assert!(found.is(*m as f64, 2.0), "m = {m}: measured {found}");
+    }
+}
 
 /// The base x, β − x and α − β at a point of S, by the realization's code or numbers: see [`Ends`].
 ///
@@ -102,6 +172,6 @@ pub fn inversion_and_section_error(
     let fixed = Ends::of(&fixed);
     let section = fixed.base.iter().zip(x).map(|(b, x)| b - x);
     let section = section.chain(fixed.offset.iter().chain(fixed.increment).copied());
-    let inversion = crate::distance(&beta, &source).max(crate::distance(&alpha, &target));
+    let inversion = distance(&beta, &source).max(distance(&alpha, &target));
     Ok(largest(section).max(inversion) / size)
 }

@@ -1,0 +1,204 @@
+//! The corrections of one solve, whatever equation it is of.
+
+use super::judge::{Allowed, CorrectionSize, LinearIteration, Verdict, Watch};
+use super::{Anderson, DenseFactors};
+use crate::error::StepError;
+
+/// Where corrections come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CorrectionMethod {
+    /// The residual and its Jacobian.
+    Newton,
+    /// The residual itself, where the Jacobian is near the identity.
+    Residual,
+    /// The residual with Anderson's acceleration, for parts without Jacobians.
+    Acceleration,
+}
+
+/// u ← u + δ, until what a further correction would add is negligible.
+///
+/// The caller forms δ from its equation: the residual, by Newton's method with the Jacobian. Row i of δ is measured
+/// against |state| + |change|, the change [as far as it serves](Allowed) as a scale; [`LinearIteration`] judges the
+/// measured sizes. Newton's method also keeps a [`Watch`] on whether its solution is plainly on the branch that begins
+/// at the state.
+#[derive(Clone, Debug)]
+pub struct Iteration {
+    method: CorrectionMethod,
+    corrections: LinearIteration,
+    allowed: Allowed,
+    watch: Watch,
+    size: CorrectionSize,
+    scales: Vec<f64>,
+    anderson: Option<Anderson>,
+}
+
+impl Iteration {
+    /// For n unknowns that [`correct`](Self::correct) corrects.
+    pub fn new(method: CorrectionMethod, n: usize) -> Self {
+        Self {
+            method,
+            corrections: LinearIteration::new(0),
+            allowed: Allowed::new(0.0),
+            watch: Watch::NEW,
+            size: CorrectionSize::default(),
+            scales: vec![0.0; n],
+            anderson: (method == CorrectionMethod::Acceleration).then(|| Anderson::new(n)),
+        }
+    }
+
+    /// Where the corrections come from.
+    pub fn method(&self) -> CorrectionMethod {
+        self.method
+    }
+
+    /// Takes the corrections from elsewhere; accelerates them only if it was made for that.
+    pub fn set_method(&mut self, method: CorrectionMethod) {
+        self.method = method;
+    }
+
+    /// Begins a step.
+    pub fn begin_step(&mut self) {
+        self.watch.begin();
+    }
+
+    /// Begins a solve with a budget of evaluations; `size` is that of the state and of the change that it starts from.
+    pub fn begin(&mut self, most: usize, size: f64) {
+        self.corrections = LinearIteration::new(most);
+        self.allowed = Allowed::new(size);
+        self.size = CorrectionSize::default();
+        if let Some(anderson) = &mut self.anderson {
+            anderson.clear();
+        }
+    }
+
+    /// Takes in the largest change of the state at the present iterate.
+    pub fn take_change(&mut self, change: f64) {
+        self.allowed.take(change);
+    }
+
+    /// Takes in the factors of a new Jacobian.
+    pub fn take_factors(&mut self, factors: &DenseFactors) {
+        self.watch.take(!factors.is_near_identity());
+    }
+
+    /// What a row is measured against.
+    #[inline(always)]
+    pub fn scale(&self, state: f64, change: f64) -> f64 {
+        state.abs() + self.allowed.scale(change)
+    }
+
+    /// Takes in one row of a correction.
+    #[inline(always)]
+    pub fn take(&mut self, correction: f64, scale: f64) {
+        self.size.take(correction, scale);
+    }
+
+    /// [`take`](Self::take) of many rows.
+    #[inline(always)]
+    pub fn take_rows(&mut self, corrections: &[f64], scales: &[f64]) {
+        self.size.take_rows(corrections, scales);
+    }
+
+    /// Takes in how far a row's unknown has come since the start of the step.
+    #[inline(always)]
+    pub fn take_way(&mut self, way: f64, scale: f64) {
+        self.size.take_way(way, scale);
+    }
+
+    /// Judges the rows that were taken in.
+    ///
+    /// # Errors
+    /// [`StepError::NonFinite`] for a correction that is not finite, [`StepError::NoConvergence`] when the budget is
+    /// spent.
+    pub fn judge(&mut self) -> Result<Verdict, StepError> {
+        let size = std::mem::take(&mut self.size);
+        let is_newton = self.method == CorrectionMethod::Newton;
+        if is_newton {
+            self.watch.take_correction(&size);
+        }
+        let verdict = self.corrections.judge_correction(&size)?;
+        if is_newton && verdict == Verdict::Converged {
+            self.watch.take_end(&size);
+        }
+        Ok(verdict)
+    }
+
+    /// Adds the corrections, accelerated where the method says so, to the unknowns, and judges them. `measure(i, u, δ)`
+    /// is (state, change) of a row, and `way(i, u)` how far it has come with the unknown u; a correction counts `unit`
+    /// times in the state.
+    ///
+    /// # Errors
+    /// Those of [`judge`](Self::judge).
+    pub fn correct(
+        &mut self,
+        corrections: &mut [f64],
+        unknowns: &mut [f64],
+        unit: f64,
+        measure: impl Fn(usize, f64, f64) -> (f64, f64),
+        way: impl Fn(usize, f64) -> f64,
+    ) -> Result<Verdict, StepError> {
+        for (i, correction) in corrections.iter().enumerate() {
+            let (state, change) = measure(i, unknowns[i], *correction);
+            self.scales[i] = self.scale(state, change);
+            self.size.take(unit * correction, self.scales[i]);
+        }
+        if let (CorrectionMethod::Acceleration, Some(anderson)) = (self.method, &mut self.anderson)
+        {
+            anderson.correct(corrections, &self.scales);
+            for (correction, scale) in corrections.iter().zip(&self.scales) {
+                self.size.take(unit * correction, *scale);
+            }
+        }
+        for (unknown, correction) in unknowns.iter_mut().zip(&*corrections) {
+            *unknown += correction;
+        }
+        if self.method == CorrectionMethod::Newton {
+            for (i, unknown) in unknowns.iter().enumerate() {
+                self.size.take_way(way(i, *unknown), self.scales[i]);
+            }
+        }
+        self.judge()
+    }
+
+    /// The rows taken in since they were judged last.
+    pub fn size(&self) -> CorrectionSize {
+        self.size
+    }
+
+    /// Evaluations of this solve.
+    pub fn evaluations(&self) -> usize {
+        self.corrections.evaluations()
+    }
+
+    /// Whether the solve ended as a whole alone: a component still changed.
+    pub fn is_rounded(&self) -> bool {
+        self.corrections.is_rounded()
+    }
+
+    /// Whether the solution is not plainly on the branch that begins at the state.
+    pub fn wanders(&self) -> bool {
+        self.watch.wanders()
+    }
+
+    /// Operations of the acceleration so far, as [`SolverStatistics::operations`] counts them.
+    ///
+    /// [`SolverStatistics::operations`]: crate::SolverStatistics::operations
+    pub fn operations(&self) -> u64 {
+        self.anderson.as_ref().map_or(0, Anderson::operations)
+    }
+
+    /// Forgets earlier steps.
+    pub fn restart(&mut self) {
+        self.watch = Watch::NEW;
+    }
+
+    /// What the next step depends on.
+    pub fn memory(&self) -> f64 {
+        self.watch.memory()
+    }
+
+    /// Restores [`memory`](Self::memory).
+    pub fn restore(&mut self, memory: f64) {
+        self.watch.restore(memory);
+    }
+}

@@ -1,0 +1,186 @@
+//! The equation of an implicit step, solved on the branch that begins at a step of size 0.
+
+use leafwise_core::StepError;
+use leafwise_core::solver::judge::{Verdict, all_finite, largest};
+use leafwise_core::solver::{
+    Branch, CorrectionMethod, DenseFactors, Iteration, elimination_operations,
+    substitution_operations,
+};
+
+/// Budget of one solve by Newton's method, and of one without Jacobians.
+const MOST_EVALUATIONS: usize = 50;
+const MOST_ACCELERATED: usize = 100;
+
+/// r(u) = 0 for the unknowns u of a step, which are 0 for a step of size 0.
+pub(crate) trait StepEquation {
+    /// The step's size t.
+    fn time_step(&mut self) -> &mut f64;
+    /// Writes r(u) and, for Newton's method, −Dr(u), row-major; `matrix` is empty elsewhere.
+    fn linearize(
+        &mut self,
+        unknowns: &[f64],
+        residual: &mut [f64],
+        matrix: &mut [f64],
+    ) -> Result<(), StepError>;
+    /// The largest change of the state, for the last u.
+    fn change(&self) -> f64;
+    /// What a row of a correction is measured against: the state and its change, for the last u.
+    fn measure(&self, row: usize) -> (f64, f64);
+    /// How much an unknown counts in the state.
+    fn unit(&self) -> f64;
+}
+
+/// The unknowns and their iteration.
+pub(crate) struct StepSolve {
+    pub(crate) unknowns: Vec<f64>,
+    pub(crate) iteration: Iteration,
+    /// r, then a correction; −Dr and its factors.
+    residual: Vec<f64>,
+    matrix: Vec<f64>,
+    pub(crate) factors: DenseFactors,
+    /// Room for the path to the solution that is connected with 0.
+    branch: Branch,
+    nothing: Vec<f64>,
+    sizes: Vec<f64>,
+    /// Operations of the solves.
+    linear: u64,
+}
+
+impl StepSolve {
+    /// For n unknowns, of an equation with a Jacobian or without.
+    pub(crate) fn new(n: usize, has_jacobian: bool) -> Self {
+        let (method, linear) = match has_jacobian {
+            true => (CorrectionMethod::Newton, n),
+            false => (CorrectionMethod::Acceleration, 0),
+        };
+        Self {
+            unknowns: vec![0.0; n],
+            iteration: Iteration::new(method, n),
+            residual: vec![0.0; n],
+            matrix: vec![0.0; linear * linear],
+            factors: DenseFactors::new(linear),
+            branch: Branch::new(linear),
+            nothing: vec![0.0; linear],
+            sizes: vec![0.0; linear],
+            linear: 0,
+        }
+    }
+
+    pub(crate) fn has_jacobian(&self) -> bool {
+        self.iteration.method() == CorrectionMethod::Newton
+    }
+
+    /// Solves for a step from the state x, beginning at the last solution; returns the evaluations. By Newton's
+    /// method the solution is the one connected with a step of size 0.
+    pub(crate) fn solve(
+        &mut self,
+        equation: &mut impl StepEquation,
+        x: &[f64],
+    ) -> Result<usize, StepError> {
+        self.iteration.begin_step();
+        let solved = self.iterate(equation, x);
+        if self.has_jacobian() && (solved.is_err() || self.iteration.wanders()) {
+            return self.settle(solved, equation, x);
+        }
+        solved
+    }
+
+    fn iterate(&mut self, equation: &mut impl StepEquation, x: &[f64]) -> Result<usize, StepError> {
+        let (n, unit) = (self.unknowns.len(), equation.unit());
+        let most = match self.has_jacobian() {
+            true => MOST_EVALUATIONS,
+            false => MOST_ACCELERATED,
+        };
+        let size = largest(x) + unit * largest(&self.unknowns);
+        self.iteration.begin(most, size);
+        loop {
+            equation.linearize(&self.unknowns, &mut self.residual, &mut self.matrix)?;
+            self.iteration.take_change(equation.change());
+            if self.has_jacobian() {
+                self.linear += elimination_operations(n) + substitution_operations(n);
+                if !self.factors.factor(&self.matrix) {
+                    return Err(StepError::NonFinite {
+                        what: "a correction of the step's equation",
+                    });
+                }
+                self.iteration.take_factors(&self.factors);
+                self.factors.solve(&mut self.residual);
+            }
+            let verdict = self.iteration.correct(
+                &mut self.residual,
+                &mut self.unknowns,
+                unit,
+                |row, _, _| equation.measure(row),
+                |_, unknown| unit * unknown,
+            )?;
+            if verdict == Verdict::Converged {
+                return Ok(self.iteration.evaluations());
+            }
+        }
+    }
+
+    /// Makes sure that what was `solved` is the solution that begins at 0, and takes that where another or none was
+    /// found.
+    #[cold]
+    fn settle(
+        &mut self,
+        solved: Result<usize, StepError>,
+        equation: &mut impl StepEquation,
+        x: &[f64],
+    ) -> Result<usize, StepError> {
+        let unit = equation.unit();
+        for (row, size) in self.sizes.iter_mut().enumerate() {
+            *size = equation.measure(row).0.abs() / unit;
+        }
+        let whole = *equation.time_step();
+        let mut spent = 0;
+        let settled = self.branch.settle(
+            &self.nothing,
+            &self.sizes,
+            solved.clone().map(|_| &self.unknowns[..]),
+            &mut spent,
+            |part, point, residual, matrix| {
+                *equation.time_step() = part * whole;
+                equation.linearize(point, residual, matrix)?;
+                all_finite(residual, matrix, "a correction of the step's equation")
+            },
+        );
+        *equation.time_step() = whole;
+        let spent = spent as usize;
+        if settled? {
+            return solved.map(|evaluations| evaluations + spent);
+        }
+        self.unknowns.copy_from_slice(self.branch.end());
+        let evaluations = self.iterate(equation, x)?;
+        self.branch.confirm_end(&self.unknowns)?;
+        Ok(evaluations + spent)
+    }
+
+    /// Factors −Dr at the solution; `false` where it is singular or there is none.
+    pub(crate) fn factor(&mut self, equation: &mut impl StepEquation) -> bool {
+        let (residual, matrix) = (&mut self.residual, &mut self.matrix);
+        let is_defined = equation.linearize(&self.unknowns, residual, matrix);
+        is_defined.is_ok() && self.has_jacobian() && self.factors.factor(&self.matrix)
+    }
+
+    pub(crate) fn operations(&self) -> u64 {
+        self.linear + self.iteration.operations()
+    }
+
+    /// Forgets earlier solves.
+    pub(crate) fn restart(&mut self) {
+        self.unknowns.fill(0.0);
+        self.iteration.restart();
+    }
+
+    /// What the next solve depends on.
+    pub(crate) fn memory(&self) -> Vec<f64> {
+        [&[self.iteration.memory()], self.unknowns.as_slice()].concat()
+    }
+
+    /// Restores [`memory`](Self::memory).
+    pub(crate) fn restore(&mut self, memory: &[f64]) {
+        self.iteration.restore(memory[0]);
+        self.unknowns.copy_from_slice(&memory[1..]);
+    }
+}

@@ -1,0 +1,134 @@
+//! The page of a run: how it ended, tables, figures, how to reproduce.
+
+use serde::Serialize;
+
+use super::data::{InvariantSeries, ReportData, Trajectory};
+use super::drift::drift_figure;
+use super::error::ReportError;
+use super::figure::Figure;
+use super::history::{energy_figure, observable_figure, solver_figure};
+use super::lattice::lattice_figures;
+use super::orbit::orbit_figure;
+use super::template::render;
+
+/// Recorded formulas that are drawn.
+const MOST_OBSERVABLES: usize = 8;
+
+/// The report as one HTML page: no scripts, nothing fetched, light and dark.
+///
+/// # Errors
+/// Only if the drawing library refuses a figure; values that are not finite, empty series and
+/// series of unequal lengths are drawn as far as they go.
+pub fn render_report(data: &ReportData) -> Result<String, ReportError> {
+    let page = Page {
+        data,
+        invariants: data.invariants.iter().map(InvariantRow::of).collect(),
+        figures: Figures::of(data)?,
+    };
+    render("run.html", &page)
+}
+
+/// What `run.html` is filled with.
+#[derive(Serialize)]
+struct Page<'a> {
+    data: &'a ReportData,
+    invariants: Vec<InvariantRow<'a>>,
+    figures: Figures,
+}
+
+/// A row of the table of invariants.
+#[derive(Serialize)]
+struct InvariantRow<'a> {
+    name: &'a str,
+    reference: f64,
+    drift: Option<f64>,
+    relative: Option<f64>,
+    growth: Option<f64>,
+}
+
+impl<'a> InvariantRow<'a> {
+    fn of(series: &'a InvariantSeries) -> Self {
+        let drift = largest(&series.deviations);
+        let has_scale = series.reference != 0.0;
+        Self {
+            name: &series.name,
+            reference: series.reference,
+            drift,
+            relative: drift
+                .filter(|_| has_scale)
+                .map(|drift| drift / series.reference.abs()),
+            growth: growth(&series.deviations),
+        }
+    }
+}
+
+/// The largest deviation; NaN or infinite if one is.
+fn largest(deviations: &[f64]) -> Option<f64> {
+    let wilder = |a: f64, b: f64| {
+        if a.is_nan() || b.is_nan() {
+            f64::NAN
+        } else {
+            a.max(b)
+        }
+    };
+    deviations.iter().map(|value| value.abs()).reduce(wilder)
+}
+
+/// (max over the last tenth)/(max over the first tenth), where both mean something.
+fn growth(deviations: &[f64]) -> Option<f64> {
+    let tenth = deviations.len() / 10;
+    if tenth == 0 {
+        return None;
+    }
+    let first = largest(&deviations[..tenth])?;
+    let last = largest(&deviations[deviations.len() - tenth..])?;
+    (first > 0.0).then_some(last / first)
+}
+
+/// The pictures: wide ones, the orbit, and small ones beside it.
+#[derive(Default, Serialize)]
+struct Figures {
+    wide: Vec<Figure>,
+    orbit: Option<Figure>,
+    small: Vec<Figure>,
+}
+
+impl Figures {
+    fn of(data: &ReportData) -> Result<Self, ReportError> {
+        let mut figures = Self::default();
+        if !data.invariants.is_empty() {
+            let drift = drift_figure(&data.invariants, data.logarithmic_time)?;
+            figures.wide.push(drift);
+        }
+        match &data.trajectory {
+            Some(Trajectory::Orbit {
+                names,
+                times,
+                points,
+                leaf,
+            }) => {
+                figures.orbit = Some(orbit_figure(names, times, points, leaf.as_ref())?);
+            }
+            Some(Trajectory::Lattice {
+                name,
+                times,
+                spacing,
+                fields,
+            }) => {
+                let fields = lattice_figures(name, times, *spacing, fields)?;
+                figures.wide.extend(fields);
+            }
+            None => {}
+        }
+        if let Some(energy) = &data.energy {
+            figures.small.push(energy_figure(energy)?);
+        }
+        for (name, series) in data.observables.iter().take(MOST_OBSERVABLES) {
+            figures.small.push(observable_figure(name, series)?);
+        }
+        if let Some(solver) = &data.solver {
+            figures.small.push(solver_figure(solver)?);
+        }
+        Ok(figures)
+    }
+}

@@ -1,0 +1,25 @@
+//! A file that is replaced as a whole.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::Path;
+
+use super::appended::create_anew;
+use super::error::RunError;
+
+/// Replaces `path` in one operation: readers see the old content or the new.
+pub(crate) fn replace(path: &Path, content: &[u8]) -> Result<(), RunError> {
+    let temporary = path.with_extension("new");
+    let written = write_whole(&temporary, content).and_then(|()| fs::rename(&temporary, path));
+    written.map_err(|source| {
+        // What a full disk has no room for does not stay there either.
+        let _ = fs::remove_file(&temporary);
+        RunError::io(path)(source)
+    })
+}
+
+fn write_whole(path: &Path, content: &[u8]) -> io::Result<()> {
+    let mut file = create_anew(path)?;
+    file.write_all(content)?;
+    file.sync_data()
+}

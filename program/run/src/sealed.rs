@@ -1,0 +1,188 @@
+//! Files that are read back to every bit or refused: name, format, content, digest.
+//!
+//! A name of 7 bytes, the format's number as a digit, the content as the crate `postcard` writes it through
+//! serde, and the SHA-256 of all before. A double is its 8 bytes, least significant first.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use sha2::{Digest, Sha256};
+
+use super::error::RunError;
+use super::replaced::replace;
+
+/// Why a file is refused whose digest fits.
+const NOT_WHOLE: &str = "it is not a whole checkpoint";
+
+/// Bytes of a SHA-256.
+const DIGEST: usize = 32;
+
+/// What a file holds, and how it is written.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Format {
+    /// The name, of any format.
+    pub name: &'static [u8; 7],
+    /// The digit.
+    pub number: u8,
+}
+
+/// Why bytes are refused.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Unsealed {
+    /// They are not what was written.
+    Damaged(&'static str),
+    /// They are what was written, in the format of this digit.
+    Format(char),
+}
+
+impl Format {
+    /// Replaces a file in one operation.
+    pub fn write(&self, path: &Path, content: &impl Serialize) -> Result<(), RunError> {
+        let bytes = self.seal(content);
+        let bytes = bytes.map_err(|error| RunError::io(path)(io::Error::other(error)))?;
+        replace(path, &bytes)
+    }
+
+    /// Reads what [`write`](Self::write) wrote.
+    pub fn read<T: DeserializeOwned>(&self, path: &Path) -> Result<T, RunError> {
+        let bytes = fs::read(path).map_err(RunError::resuming(path))?;
+        self.open(&bytes).map_err(|unsealed| match unsealed {
+            Unsealed::Damaged(reason) => RunError::Damaged {
+                file: path.to_owned(),
+                reason: reason.to_owned(),
+            },
+            Unsealed::Format(found) => RunError::Format {
+                file: path.to_owned(),
+                found,
+                read: char::from(self.number),
+            },
+        })
+    }
+
+    /// The bytes of a file.
+    pub fn seal(&self, content: &impl Serialize) -> Result<Vec<u8>, postcard::Error> {
+        let mut head = self.name.to_vec();
+        head.push(self.number);
+        Ok(with_digest(postcard::to_extend(content, head)?))
+    }
+
+    /// The content of exactly one file.
+    pub fn open<T: DeserializeOwned>(&self, bytes: &[u8]) -> Result<T, Unsealed> {
+        let (head, digest) = bytes
+            .split_last_chunk::<DIGEST>()
+            .ok_or(Unsealed::Damaged(NOT_WHOLE))?;
+        let named = head.strip_prefix(self.name.as_slice());
+        let Some((number, content)) = named.and_then(<[u8]>::split_first) else {
+            return Err(Unsealed::Damaged("it is not a checkpoint of this kind"));
+        };
+        if Sha256::digest(head)[..] != digest[..] {
+            return Err(Unsealed::Damaged(
+                "it is not what was written: it was changed since, or damaged",
+            ));
+        }
+        if *number != self.number {
+            return Err(Unsealed::Format(char::from(*number)));
+        }
+        match postcard::take_from_bytes(content) {
+            Ok((content, [])) => Ok(content),
+            _ => Err(Unsealed::Damaged(NOT_WHOLE)),
+        }
+    }
+}
+
+/// Bytes with their digest behind them: no bit of them changes unseen.
+fn with_digest(mut bytes: Vec<u8>) -> Vec<u8> {
+    let digest = Sha256::digest(&bytes);
+    bytes.extend_from_slice(&digest);
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FORMAT: Format = Format {
+        name: b"example",
+        number: b'2',
+    };
+
+    fn sealed(values: &[f64]) -> Vec<u8> {
+        FORMAT.seal(&values).expect("bytes")
+    }
+
+    fn opened(bytes: &[u8]) -> Result<Vec<f64>, Unsealed> {
+        FORMAT.open(bytes)
+    }
+
+    #[test]
+    fn doubles_keep_every_bit() {
+        let bits = [
+            0,
+            1,
+            1 << 63,
+            f64::INFINITY.to_bits(),
+            f64::NEG_INFINITY.to_bits(),
+            // NaN, quiet and signalling, of either sign, with what it carries.
+            0x7ff8_0000_0000_0000,
+            0x7ff0_0000_0000_0001,
+            0xfff4_dead_beef_0123,
+            0x3fb9_9999_9999_999a,
+        ];
+        let values: Vec<f64> = bits.into_iter().map(f64::from_bits).collect();
+        let back = opened(&sealed(&values)).expect("doubles");
+        assert!(back.into_iter().map(f64::to_bits).eq(bits));
+    }
+
+    /// The layout that other programs may rely on.
+    #[test]
+    fn the_bytes_are_name_digit_length_and_doubles() {
+        let bytes = sealed(&[-2.0]);
+        assert_eq!(bytes.len(), 8 + 1 + 8 + DIGEST);
+        assert_eq!(&bytes[..17], b"example2\x01\0\0\0\0\0\0\0\xc0");
+    }
+
+    #[test]
+    fn every_flipped_bit_is_damage() {
+        let good = sealed(&[0.5, -0.0, f64::NAN]);
+        for bit in 0..8 * good.len() {
+            let mut flipped = good.clone();
+            flipped[bit / 8] ^= 1 << (bit % 8);
+            let refused = opened(&flipped).expect_err("damage");
+            assert!(matches!(refused, Unsealed::Damaged(_)), "bit {bit}");
+        }
+    }
+
+    #[test]
+    fn a_cut_or_lengthened_file_is_damaged() {
+        let bytes = sealed(&[0.5; 3]);
+        for cut in 0..bytes.len() {
+            assert!(opened(&bytes[..cut]).is_err(), "{cut} bytes");
+        }
+        assert!(opened(&[bytes.clone(), vec![0]].concat()).is_err());
+        // With a digest that fits: a number more, one less, and a list longer than any memory.
+        let content = &bytes[..bytes.len() - DIGEST];
+        let mut endless = content[..8].to_vec();
+        endless.extend([0xff; 9]);
+        endless.push(1);
+        endless.extend_from_slice(&content[9..]);
+        let (less, more) = (&content[..content.len() - 8], [content, &[0; 8]].concat());
+        for other in [less.to_vec(), more, endless] {
+            let refused = opened(&with_digest(other));
+            assert_eq!(refused, Err(Unsealed::Damaged(NOT_WHOLE)));
+        }
+        assert!(opened(&with_digest(content.to_vec())).is_ok());
+    }
+
+    #[test]
+    fn an_older_format_is_named_and_never_read() {
+        let older = Format {
+            number: b'1',
+            ..FORMAT
+        };
+        let bytes = older.seal(&vec![1.0]).expect("bytes");
+        assert_eq!(opened(&bytes), Err(Unsealed::Format('1')));
+    }
+}
