@@ -13,7 +13,7 @@ const WATCHED: u32 = 64;
 ///
 /// It is where Jacobians are near the identity, corrections halve and the start, extrapolated from the
 /// steps before, met the solution up to half of the way from the state: in small steps but the first.
-/// Elsewhere a [`Branch`](super::Branch) is to be followed.
+/// Elsewhere a [`Branch`](crate::solver::Branch) is to be followed.
 #[derive(Clone, Copy, Debug)]
 pub struct Watch {
     wanders: bool,
