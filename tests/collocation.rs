@@ -11,7 +11,7 @@ use std::sync::Arc;
 use leafwise::core::diagnostics::{RealizationInstrument, TensorDefect};
 use leafwise::core::{
     Accuracy, Ends, Integrator, Method, PartParameters, PoissonSystem, RealizationData, Registry,
-    realization_worker,
+    realization_evaluator,
 };
 use leafwise::prelude::SceneDocument;
 use leafwise::scene::compose;
@@ -61,11 +61,11 @@ fn source(
     epsilon: f64,
     x: &[f64],
 ) -> Vec<f64> {
-    let mut worker =
-        realization_worker(realization.as_ref(), parameters, epsilon).expect("maps on T*M");
+    let mut evaluator =
+        realization_evaluator(realization.as_ref(), parameters, epsilon).expect("maps on T*M");
     let z: Vec<f64> = x.iter().chain(&P).copied().collect();
     let mut values = vec![0.0; 3 * x.len()];
-    worker.values(&z, &mut values).expect("in the chart");
+    evaluator.values(&z, &mut values).expect("in the chart");
     let ends = Ends::of(&values);
     (0..x.len()).map(|i| ends.source(i)).collect()
 }
@@ -130,12 +130,13 @@ fn a_field_that_is_even_about_the_middle_takes_the_nodes_it_needs() {
             SceneDocument::parse("even", &text, &Registry::with_builtin()).expect("a scene");
         let run = compose(&document, &Registry::with_builtin()).expect("a run");
         let realization = collocated(&run.system, 0);
-        let mut worker = realization_worker(realization.as_ref(), &[], 1.0).expect("maps on T*M");
+        let mut evaluator =
+            realization_evaluator(realization.as_ref(), &[], 1.0).expect("maps on T*M");
         let z: Vec<f64> = (0..2 * d)
             .map(|at| f64::from(u8::from(at >= d && at % 2 == 1)))
             .collect();
         let mut values = vec![0.0; 3 * d];
-        worker.values(&z, &mut values).expect("in the chart");
+        evaluator.values(&z, &mut values).expect("in the chart");
         let ends = Ends::of(&values);
         let exact = size * libm::tan(0.5);
         let error = (ends.offset[0].abs() - exact).abs();
@@ -182,7 +183,7 @@ fn the_fused_and_the_generic_step_agree() {
         let (fused, generic) = methods(&problem.system, m);
         assert_eq!(
             (fused.path().as_str(), generic.path().as_str()),
-            ("fused", "workers")
+            ("fused", "evaluators")
         );
         let mut a = Integrator::new(&fused, &values, 1.0, t, &problem.initial);
         let mut b = Integrator::new(&generic, &values, 1.0, t, &problem.initial);
@@ -276,18 +277,18 @@ fn second_derivatives_are_exact_through_the_curve() {
         let p = (0..d).map(|i| 0.2 * libm::sin(1.0 + 2.3 * i as f64));
         let z: Vec<f64> = problem.initial.iter().copied().chain(p).collect();
         let covector: Vec<f64> = (0..d).map(|i| 1.0 / (1.0 + i as f64)).collect();
-        let mut worker =
-            realization_worker(collocated(&problem.system, 10).as_ref(), &parameters, 1.0)
+        let mut evaluator =
+            realization_evaluator(collocated(&problem.system, 10).as_ref(), &parameters, 1.0)
                 .expect("numbers");
         let mut hessian = vec![0.0; 4 * d * d];
-        worker
+        evaluator
             .source_hessian(&z, &covector, &mut hessian)
             .expect("second derivatives");
         let mut gradient = |at: usize, shift: f64| -> Vec<f64> {
             let mut moved = z.clone();
             moved[at] += shift;
             let mut tangents = vec![0.0; 4 * d * d];
-            worker.jacobians(&moved, &mut tangents).expect("inside");
+            evaluator.jacobians(&moved, &mut tangents).expect("inside");
             let (target, increment) = tangents.split_at(2 * d * d);
             (0..2 * d)
                 .map(|k| {

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use leafwise::core::system::{Derivatives, NumbersWorker, OpaqueSystem, SystemNumbers};
+use leafwise::core::system::{Derivatives, OpaqueSystem, SystemEvaluator, SystemNumbers};
 use leafwise::core::{
     Method, PartParameters, PoissonSystem, Registry, StepError, StepMap, Stepper,
 };
@@ -20,8 +20,8 @@ struct Watched {
     edge: f64,
 }
 
-struct WatchedWorker {
-    inner: Box<dyn NumbersWorker>,
+struct WatchedEvaluator {
+    inner: Box<dyn SystemEvaluator>,
     calls: Arc<AtomicU64>,
     edge: f64,
 }
@@ -45,17 +45,17 @@ impl SystemNumbers for Watched {
     fn derivatives(&self) -> Derivatives {
         self.inner.derivatives()
     }
-    fn worker(&self, parameters: &[f64]) -> Box<dyn NumbersWorker> {
-        Box::new(WatchedWorker {
-            inner: self.inner.worker(parameters),
+    fn evaluator(&self, parameters: &[f64]) -> Box<dyn SystemEvaluator> {
+        Box::new(WatchedEvaluator {
+            inner: self.inner.evaluator(parameters),
             calls: Arc::clone(&self.calls),
             edge: self.edge,
         })
     }
 }
 
-impl WatchedWorker {
-    fn watch(&mut self, y: &[f64]) -> Result<&mut dyn NumbersWorker, StepError> {
+impl WatchedEvaluator {
+    fn watch(&mut self, y: &[f64]) -> Result<&mut dyn SystemEvaluator, StepError> {
         self.calls.fetch_add(1, Ordering::Relaxed);
         match y.iter().step_by(3).find(|x| **x >= self.edge) {
             Some(x) => Err(StepError::LeftChart {
@@ -66,7 +66,7 @@ impl WatchedWorker {
     }
 }
 
-impl NumbersWorker for WatchedWorker {
+impl SystemEvaluator for WatchedEvaluator {
     fn tensor(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         self.watch(y)?.tensor(y, v, out)
     }
@@ -122,7 +122,7 @@ fn maps(edge: f64) -> Vec<Arc<dyn StepMap>> {
         let dynamics = registry.dynamics("hamilton-jacobi").expect("built in");
         let dynamics = dynamics.build(&none).expect("order 2");
         let method = Method::compose(system, realization, dynamics).expect("a method");
-        assert_eq!(method.path(), "workers");
+        assert_eq!(method.path(), "evaluators");
         maps.push(Arc::new(method));
     }
     maps

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use leafwise::core::{
     Accuracy, BuildError, ChartMaps, DynamicApproximation, Evaluator, LagrangianBisection, Method,
-    PartParameters, PoissonSystem, RealizationData, RealizationMaps, RealizationWorker, Registry,
-    StepError, StepMap, Structure,
+    PartParameters, PoissonSystem, RealizationData, RealizationEvaluator, RealizationMaps,
+    Registry, StepError, StepMap, Structure,
 };
 use leafwise_tests::library;
 use leafwise_tests::numbers::distance;
@@ -54,28 +54,28 @@ impl RealizationData for Numbers {
     fn section(&self, x: &[f64], z: &mut [f64]) {
         self.inner.section(x, z);
     }
-    fn worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationWorker>> {
-        Some(Box::new(Worker {
-            inner: self.maps.worker(parameters, epsilon),
+    fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationEvaluator>> {
+        Some(Box::new(InnerEvaluator {
+            inner: self.maps.evaluator(parameters, epsilon),
             has_tangents: self.has_tangents,
         }))
     }
-    fn chart_worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn Evaluator>> {
-        Some(self.chart.as_ref()?.worker(parameters, epsilon))
+    fn chart_evaluator(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn Evaluator>> {
+        Some(self.chart.as_ref()?.evaluator(parameters, epsilon))
     }
     fn is_reversible(&self) -> bool {
         self.is_reversible
     }
 }
 
-struct Worker {
-    inner: Box<dyn RealizationWorker>,
+struct InnerEvaluator {
+    inner: Box<dyn RealizationEvaluator>,
     has_tangents: bool,
 }
 
-impl RealizationWorker for Worker {}
+impl RealizationEvaluator for InnerEvaluator {}
 
-impl Evaluator for Worker {
+impl Evaluator for InnerEvaluator {
     fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
         self.inner.values(z, ends)
     }
@@ -136,7 +136,7 @@ fn values_alone_give_the_steps_of_the_formulas() {
                 ..Numbers::of(name, &system)
             };
             let method = with_hamilton_jacobi(&system, Arc::new(numbers), 2).expect("a method");
-            assert_eq!(method.path(), "workers");
+            assert_eq!(method.path(), "evaluators");
             assert_eq!(method.properties(), expected.properties());
             let (found, own) = orbit(&system, &method, 0.1);
             let error = distance(&found, &state);

@@ -14,7 +14,7 @@ pub trait LagrangianBisection: Send + Sync + std::fmt::Debug {
         None
     }
     /// y ↦ L(y) as numbers, for a bisection that offers no code.
-    fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn Evaluator>> {
+    fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn Evaluator>> {
         let _ = (parameters, epsilon, h);
         None
     }

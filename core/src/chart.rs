@@ -48,7 +48,7 @@ impl ChartMaps {
             return Ok(Some(Self { kind }));
         }
         let is_offered = realization
-            .chart_worker(&vec![1.0; parameters], 1.0)
+            .chart_evaluator(&vec![1.0; parameters], 1.0)
             .is_some();
         Ok(is_offered.then(|| Self {
             kind: Kind::Numbers(Arc::clone(realization)),
@@ -64,12 +64,12 @@ impl ChartMaps {
     ///
     /// # Panics
     /// When a realization that offered a chart as numbers offers none for these parameters.
-    pub fn worker(&self, parameters: &[f64], epsilon: f64) -> Box<dyn Evaluator> {
+    pub fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Box<dyn Evaluator> {
         match &self.kind {
             Kind::Pairs(dimension) => Box::new(Pairs(*dimension)),
             Kind::Code(map) => Box::new(map.evaluator(parameters, epsilon, 1.0)),
             Kind::Numbers(realization) => realization
-                .chart_worker(parameters, epsilon)
+                .chart_evaluator(parameters, epsilon)
                 .expect("a chart was offered when the method was composed"),
         }
     }

@@ -77,11 +77,11 @@ impl LagrangianBisection for GraphOfDifferential {
         }))
     }
 
-    fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn Evaluator>> {
+    fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn Evaluator>> {
         let (form, chart) = self.numbers.as_ref()?;
         Some(Box::new(GraphOfOneForm::new(
-            form.worker(parameters, epsilon, h),
-            chart.worker(parameters, epsilon),
+            form.evaluator(parameters, epsilon, h),
+            chart.evaluator(parameters, epsilon),
             self.realization.dimension(),
             self.realization.space_dimension(),
         )))

@@ -4,7 +4,7 @@ use crate::compensation::two_sum;
 use crate::error::StepError;
 use crate::solver::{SolverStatistics, StepMap, Stepper};
 
-/// The state x_k of one trajectory and the worker that advances it.
+/// The state x_k of one trajectory and the stepper that advances it.
 ///
 /// The state is compensated: what rounding takes from x_k ← x_k + Δ is kept in a second double and
 /// enters the next step, so that round-off grows like a random walk of steps' round-off, not of

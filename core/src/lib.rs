@@ -25,7 +25,7 @@
 pub mod bisection;
 pub mod chart;
 pub mod closed_form;
-mod code_workers;
+mod code_evaluators;
 mod compensation;
 pub mod diagnostics;
 pub mod dynamics;
@@ -53,7 +53,7 @@ pub mod system;
 pub use bisection::{LagrangianBisection, PointCode};
 pub use chart::ChartMaps;
 pub use closed_form::{ChartPoint, ClosedForm, ClosedRealization};
-pub use code_workers::{RealizationMaps, realization_worker};
+pub use code_evaluators::{RealizationMaps, realization_evaluator};
 pub use compensation::two_sum;
 pub use dynamics::{Correction, DynamicApproximation};
 pub use error::{BuildError, StepError};
@@ -61,12 +61,12 @@ pub use evaluator::Evaluator;
 pub use generating::GraphOfDifferential;
 pub use integrator::Integrator;
 pub use lattice::LatticeMethod;
-pub use method::{Method, MethodWorkers};
+pub use method::{Method, MethodEvaluators};
 pub use one_form::{CodeOneForm, GraphOfOneForm};
 pub use origin::Origin;
 pub use part::{PartInfo, PartKind, PartParameters};
 pub use realization::{
-    Accuracy, ChartCode, Ends, MapCode, RealizationData, RealizationWorker, SourceRecursion,
+    Accuracy, ChartCode, Ends, MapCode, RealizationData, RealizationEvaluator, SourceRecursion,
     SourceSeries, SourceTarget,
 };
 pub use registry::{Part, Registry, RegistryError};

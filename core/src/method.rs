@@ -5,14 +5,14 @@ use std::sync::Arc;
 use leafwise_expression::{AlgebraError, Graph, Kernel, StepSize, Term};
 
 use crate::bisection::LagrangianBisection;
-use crate::code_workers::{CodeBisection, CodeRealization, realization_worker};
+use crate::code_evaluators::{CodeBisection, CodeRealization, realization_evaluator};
 use crate::dynamics::{Correction, DynamicApproximation};
 use crate::error::BuildError;
 use crate::evaluator::Evaluator;
-use crate::realization::{Accuracy, RealizationData, RealizationWorker};
+use crate::realization::{Accuracy, RealizationData, RealizationEvaluator};
 use crate::solver::{
-    Checked, KeptSigns, Lanes, MakeCheck, MapProperties, NewtonKernel, NewtonStepper, Poles,
-    StepMap, Stepper, Structure, Workers, check_variables, kept_signs,
+    Checked, KeptSigns, Lanes, MakeCheck, MapProperties, NewtonKernel, NewtonStepper,
+    NumericSolver, Poles, StepMap, Stepper, Structure, check_variables, kept_signs,
 };
 use crate::system::PoissonSystem;
 
@@ -31,9 +31,9 @@ pub struct Method {
 }
 
 /// A method's two parts as numbers, for fixed parameters, ε and h.
-pub struct MethodWorkers {
+pub struct MethodEvaluators {
     /// α̂ and β̂.
-    pub maps: Box<dyn RealizationWorker>,
+    pub maps: Box<dyn RealizationEvaluator>,
     /// y ↦ L(y).
     pub points: Box<dyn Evaluator>,
 }
@@ -46,10 +46,10 @@ enum Path {
     /// The realization brought its own solve.
     Fused(Arc<dyn StepMap>),
     /// At least one part computes numbers.
-    Workers {
+    Evaluators {
         code: Option<CodeRealization>,
         points: Option<CodeBisection>,
-        /// Whether several trajectories share both workers.
+        /// Whether several trajectories share both evaluators.
         together: bool,
     },
 }
@@ -59,14 +59,14 @@ impl std::fmt::Debug for Path {
         f.write_str(match self {
             Self::Code(_) => "one kernel",
             Self::Fused(_) => "fused",
-            Self::Workers { .. } => "workers",
+            Self::Evaluators { .. } => "evaluators",
         })
     }
 }
 
 impl Method {
     /// Combines the two approximations for a system and compiles what its steps need, by the
-    /// shortest path: one fused solve, one kernel, or workers.
+    /// shortest path: one fused solve, one kernel, or evaluators.
     ///
     /// # Errors
     /// [`BuildError::Incompatible`] when the realization lacks what the bisection needs,
@@ -147,19 +147,19 @@ impl Method {
             }
             (code, points) => {
                 let probe = system.parameter_values();
-                if code.is_none() && realization.worker(&probe, 1.0).is_none() {
+                if code.is_none() && realization.evaluator(&probe, 1.0).is_none() {
                     return Err(missing("it offers neither code nor numbers for its maps"));
                 }
-                if points.is_none() && bisection.worker(&probe, 1.0, 1.0).is_none() {
+                if points.is_none() && bisection.evaluator(&probe, 1.0, 1.0).is_none() {
                     return Err(missing("the bisection offers neither code nor numbers"));
                 }
                 let space = realization.space_dimension();
-                let maps = realization.worker(&probe, 1.0);
+                let maps = realization.evaluator(&probe, 1.0);
                 let code = match code.filter(|_| maps.is_none()) {
                     None => None,
                     Some(code) => Some(CodeRealization::compile(&code, d, space, parameters)?),
                 };
-                let embedding = bisection.worker(&probe, 1.0, 1.0);
+                let embedding = bisection.evaluator(&probe, 1.0, 1.0);
                 let points = match points.filter(|_| embedding.is_none()) {
                     None => None,
                     Some(points) => Some(CodeBisection::compile(&points, d, space, parameters)?),
@@ -167,7 +167,7 @@ impl Method {
                 // Code serves any number.
                 let together = maps.is_none_or(|maps| maps.is_pointwise())
                     && embedding.is_none_or(|points| points.is_pointwise());
-                Path::Workers {
+                Path::Evaluators {
                     code,
                     points,
                     together,
@@ -212,23 +212,23 @@ impl Method {
     ///
     /// # Errors
     /// [`BuildError`] where one cannot be compiled or is not offered alone.
-    pub fn workers(
+    pub fn evaluators(
         &self,
         parameters: &[f64],
         epsilon: f64,
         h: f64,
-    ) -> Result<MethodWorkers, BuildError> {
+    ) -> Result<MethodEvaluators, BuildError> {
         let (d, space) = (
             self.realization.dimension(),
             self.realization.space_dimension(),
         );
         let points = match (
-            self.bisection.worker(parameters, epsilon, h),
+            self.bisection.evaluator(parameters, epsilon, h),
             self.bisection.code(),
         ) {
-            (Some(worker), _) => worker,
+            (Some(evaluator), _) => evaluator,
             (None, Some(code)) => CodeBisection::compile(&code, d, space, parameters.len())?
-                .worker(parameters, epsilon, h),
+                .evaluator(parameters, epsilon, h),
             (None, None) => {
                 return Err(BuildError::Incompatible {
                     dynamics: self.dynamics.describe(),
@@ -237,14 +237,14 @@ impl Method {
                 });
             }
         };
-        let maps = match self.realization.worker(parameters, epsilon) {
-            Some(worker) => worker,
-            None => realization_worker(self.realization.as_ref(), parameters, epsilon)?,
+        let maps = match self.realization.evaluator(parameters, epsilon) {
+            Some(evaluator) => evaluator,
+            None => realization_evaluator(self.realization.as_ref(), parameters, epsilon)?,
         };
-        Ok(MethodWorkers { maps, points })
+        Ok(MethodEvaluators { maps, points })
     }
 
-    /// How a step is computed, for reports: `one kernel`, `fused` or `workers`.
+    /// How a step is computed, for reports: `one kernel`, `fused` or `evaluators`.
     pub fn path(&self) -> String {
         format!("{:?}", self.path)
     }
@@ -312,7 +312,7 @@ impl StepMap for Method {
                 ("residual alone", newton.residual_kernel()),
             ],
             Path::Fused(map) => map.kernels(),
-            Path::Workers { code, points, .. } => {
+            Path::Evaluators { code, points, .. } => {
                 let maps = code.iter().flat_map(CodeRealization::kernels);
                 maps.chain(points.iter().map(CodeBisection::kernel))
                     .collect()
@@ -326,7 +326,7 @@ impl StepMap for Method {
                 Box::new(NewtonStepper::new(newton, lanes, parameters, epsilon, h))
             }
             Path::Fused(map) => map.stepper(lanes, parameters, epsilon, h),
-            Path::Workers {
+            Path::Evaluators {
                 code,
                 points,
                 together,
@@ -334,7 +334,7 @@ impl StepMap for Method {
                 let (d, space) = (self.dimension(), self.realization.space_dimension());
                 let correction = self.dynamics.correction();
                 let is_near = self.bisection.is_near_identity();
-                let offered = "a worker was offered when the method was composed";
+                let offered = "an evaluator was offered when the method was composed";
                 let most = if *together { usize::MAX } else { 1 };
                 Box::new(Lanes::together(
                     lanes,
@@ -343,20 +343,20 @@ impl StepMap for Method {
                     parameters,
                     |parameters, count| {
                         let maps = match code {
-                            Some(code) => code.worker(parameters, epsilon),
+                            Some(code) => code.evaluator(parameters, epsilon),
                             None => {
-                                let worker = self.realization.worker(parameters, epsilon);
-                                worker.expect(offered)
+                                let evaluator = self.realization.evaluator(parameters, epsilon);
+                                evaluator.expect(offered)
                             }
                         };
                         let points = match points {
-                            Some(points) => points.worker(parameters, epsilon, h),
+                            Some(points) => points.evaluator(parameters, epsilon, h),
                             None => {
-                                let worker = self.bisection.worker(parameters, epsilon, h);
-                                worker.expect(offered)
+                                let evaluator = self.bisection.evaluator(parameters, epsilon, h);
+                                evaluator.expect(offered)
                             }
                         };
-                        Workers::new((maps, points), (d, space), (correction, is_near), count)
+                        NumericSolver::new((maps, points), (d, space), (correction, is_near), count)
                     },
                 ))
             }

@@ -142,7 +142,7 @@ impl CodeOneForm {
     }
 
     /// An evaluator for fixed parameters, ε and h.
-    pub fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Evaluator> {
+    pub fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Evaluator> {
         Box::new(self.map.evaluator(parameters, epsilon, h))
     }
 }

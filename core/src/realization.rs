@@ -48,7 +48,7 @@ pub trait RealizationData: Send + Sync + std::fmt::Debug {
         None
     }
     /// α̂ and β̂ as numbers, for a realization that offers no code.
-    fn worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationWorker>> {
+    fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationEvaluator>> {
         let _ = (parameters, epsilon);
         None
     }
@@ -58,7 +58,7 @@ pub trait RealizationData: Send + Sync + std::fmt::Debug {
         None
     }
     /// (x, p) ↦ χ(x, p) as numbers, for a realization that offers no code.
-    fn chart_worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn Evaluator>> {
+    fn chart_evaluator(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn Evaluator>> {
         let _ = (parameters, epsilon);
         None
     }
@@ -135,7 +135,7 @@ pub struct Ends<'a> {
 }
 
 impl<'a> Ends<'a> {
-    /// The parts of what a [`RealizationWorker`] writes at a point, 3d numbers.
+    /// The parts of what a [`RealizationEvaluator`] writes at a point, 3d numbers.
     ///
     /// # Panics
     /// When the length is no multiple of 3.
@@ -164,7 +164,7 @@ impl<'a> Ends<'a> {
 ///
 /// Its values at a point z of d_S numbers are base, β̂ − base and α̂ − β̂, 3d numbers: see [`Ends`]. Its Jacobians are
 /// Dβ̂ and D(α̂ − β̂), row-major d × d_S each. At the point of the last call nothing is computed twice.
-pub trait RealizationWorker: Evaluator {
+pub trait RealizationEvaluator: Evaluator {
     /// The Hessian of z ↦ λ·α̂(z), row-major d_S × d_S, for a covector λ of d numbers.
     ///
     /// # Errors

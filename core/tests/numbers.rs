@@ -47,38 +47,40 @@ fn compiled_values_are_those_of_the_formulas_at_every_point_of_a_batch() {
             casimirs: true
         }
     );
-    let mut worker = numbers.worker(&[2.0]);
+    let mut evaluator = numbers.evaluator(&[2.0]);
     let mut out = [0.0; 6];
     // Π = [[0, xy, 0], [−xy, 0, 2yz], [0, −2yz, 0]] on v = (1, 10, 100), one vector for all points.
-    worker
+    evaluator
         .tensor(&POINTS, &[1.0, 10.0, 100.0], &mut out)
         .expect("values");
     assert_eq!(out, [20.0, 1598.0, -160.0, -30.0, -97.0, 10.0]);
     // One point, three unit vectors: the columns of Π.
     let mut columns = [0.0; 9];
     let units = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
-    worker
+    evaluator
         .tensor(&POINTS[..3], &units, &mut columns)
         .expect("values");
     assert_eq!(columns, [0.0, -2.0, 0.0, 2.0, 0.0, -16.0, 0.0, 16.0, 0.0]);
     let mut energy = [0.0; 2];
-    worker.hamiltonian(&POINTS, &mut energy).expect("values");
+    evaluator.hamiltonian(&POINTS, &mut energy).expect("values");
     assert_eq!(energy, [8.0, 3.5]);
-    worker.gradient(&POINTS, &mut out).expect("values");
+    evaluator.gradient(&POINTS, &mut out).expect("values");
     assert_eq!(out, [4.0, 4.0, 1.0, 1.0, -6.0, 1.0]);
     let mut volume = [0.0; 2];
-    worker.casimirs(&POINTS, &mut volume).expect("values");
+    evaluator.casimirs(&POINTS, &mut volume).expect("values");
     assert_eq!(volume, [8.0, -1.5]);
-    worker.casimir_gradients(&POINTS, &mut out).expect("values");
+    evaluator
+        .casimir_gradients(&POINTS, &mut out)
+        .expect("values");
     assert_eq!(out, [8.0, 4.0, 2.0, -0.5, 1.5, -3.0]);
     // D²H v = (2y v_y, 2y v_x + 2x v_y, 0).
-    worker
+    evaluator
         .hessian(&POINTS, &[1.0, 1.0, 1.0], &mut out)
         .expect("values");
     assert_eq!(out, [4.0, 6.0, 0.0, -2.0, 4.0, 0.0]);
     // D(Πv)w = ((x w_y + y w_x) v_y, −(x w_y + y w_x) v_x + 2(y w_z + z w_y) v_z, …) for v = w = 1.
     let one = [1.0, 1.0, 1.0];
-    worker
+    evaluator
         .tensor_tangent(&POINTS, &one, &one, &mut out)
         .expect("values");
     assert_eq!(out, [3.0, 9.0, -12.0, 2.0, -3.0, 1.0]);

@@ -110,7 +110,7 @@ fn a_map_belongs_to_its_own_system_alone() {
     for problem in problems() {
         let (system, near) = (&problem.system, problem.initial.as_slice());
         let values = system.parameter_values();
-        let mut numbers = system.numbers().expect("formulas").worker(&values);
+        let mut numbers = system.numbers().expect("formulas").evaluator(&values);
         let (mut gradient, mut field) = (vec![0.0; near.len()], vec![0.0; near.len()]);
         numbers.gradient(near, &mut gradient).expect("values");
         numbers.tensor(near, &gradient, &mut field).expect("values");

@@ -177,14 +177,14 @@ proptest! {
             let next: Vec<f64> = x.iter().zip(&increment).map(|(x, i)| x + i).collect();
             let casimir = [f64::from(c), -f64::from(b), f64::from(a)];
             let y = stepper.solution(0).expect("a solution");
-            let mut workers = method.workers(&parameters, run.plan.epsilon, run.plan.h).expect("workers");
+            let mut evaluators = method.evaluators(&parameters, run.plan.epsilon, run.plan.h).expect("evaluators");
             // β̂(L(y)) at y with so many ulps added to each component.
             let mut target = |ulps: f64| -> Vec<f64> {
                 let y: Vec<f64> = y.iter().map(|y| y * (1.0 + ulps * f64::EPSILON)).collect();
                 let mut z = vec![0.0; 6];
-                workers.points.values(&y, &mut z).expect("a point");
+                evaluators.points.values(&y, &mut z).expect("a point");
                 let mut values = [0.0; 9];
-                workers.maps.values(&z, &mut values).expect("ends");
+                evaluators.maps.values(&z, &mut values).expect("ends");
                 let ends = leafwise::core::Ends::of(&values);
                 (0..3).map(|i| ends.target(i)).collect()
             };

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::system::{Derivatives, NumbersWorker, OpaqueSystem, SystemNumbers};
+use leafwise_core::system::{Derivatives, OpaqueSystem, SystemEvaluator, SystemNumbers};
 use leafwise_core::{PoissonSystem, StepError};
 
 /// The same system as numbers, with every derivative.
@@ -36,14 +36,14 @@ impl SystemNumbers for ValuesOnly {
         Derivatives::default()
     }
 
-    fn worker(&self, parameters: &[f64]) -> Box<dyn NumbersWorker> {
-        Box::new(ValuesWorker(self.0.worker(parameters)))
+    fn evaluator(&self, parameters: &[f64]) -> Box<dyn SystemEvaluator> {
+        Box::new(ValuesEvaluator(self.0.evaluator(parameters)))
     }
 }
 
-struct ValuesWorker(Box<dyn NumbersWorker>);
+struct ValuesEvaluator(Box<dyn SystemEvaluator>);
 
-impl NumbersWorker for ValuesWorker {
+impl SystemEvaluator for ValuesEvaluator {
     fn tensor(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         self.0.tensor(y, v, out)
     }

@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use leafwise_core::diagnostics::RealizationInstrument;
-use leafwise_core::{Ends, PoissonSystem, RealizationData, StepError, realization_worker};
+use leafwise_core::{Ends, PoissonSystem, RealizationData, StepError, realization_evaluator};
 
 use nalgebra::DMatrix;
 use proptest::collection::vec;
@@ -92,10 +92,10 @@ pub fn ends(
     epsilon: f64,
     z: &[f64],
 ) -> Result<Vec<f64>, StepError> {
-    let mut worker = realization_worker(realization, &system.parameter_values(), epsilon)
+    let mut evaluator = realization_evaluator(realization, &system.parameter_values(), epsilon)
         .expect("maps of some kind");
     let mut ends = vec![0.0; 3 * system.dimension()];
-    worker.values(z, &mut ends)?;
+    evaluator.values(z, &mut ends)?;
     Ok(ends)
 }
 
@@ -136,10 +136,11 @@ pub fn dual_pair_error(
     let mut instrument =
         RealizationInstrument::new(system, realization, &parameters).expect("maps on T*M");
     let error = instrument.measure(epsilon, x, p)?;
-    let mut worker = realization_worker(realization.as_ref(), &parameters, epsilon).expect("maps");
+    let mut evaluator =
+        realization_evaluator(realization.as_ref(), &parameters, epsilon).expect("maps");
     let d = x.len();
     let mut tangents = vec![0.0; 4 * d * d];
-    worker.jacobians(&[x, p].concat(), &mut tangents)?;
+    evaluator.jacobians(&[x, p].concat(), &mut tangents)?;
     let (target, increment) = tangents.split_at(2 * d * d);
     let target = DMatrix::from_row_slice(d, 2 * d, target);
     let source = &target + DMatrix::from_row_slice(d, 2 * d, increment);

@@ -7,7 +7,7 @@ use super::differences::jacobian_by_differences;
 use super::round_off::sizes;
 use super::verdict::{IdentityCheck, ROUND_OFF, Verdict, sample_states};
 use crate::error::StepError;
-use crate::system::numbers::{Derivatives, NumbersWorker, OpaqueSystem};
+use crate::system::numbers::{Derivatives, OpaqueSystem, SystemEvaluator};
 
 /// The largest dimension in which a violation is traced to a triple of coordinates.
 const TRACED: usize = 16;
@@ -54,20 +54,20 @@ pub(super) fn casimir(
     near: &[f64],
 ) -> IdentityCheck {
     let (d, count) = (near.len(), system.casimirs.len());
-    let mut worker = system.numbers.worker(parameters);
+    let mut evaluator = system.numbers.evaluator(parameters);
     let is_exact = system.numbers.derivatives().casimirs;
     let mut check = Check::new(near, !is_exact);
     for state in sample_states(near) {
         let gradient = if is_exact {
             let mut all = vec![0.0; count * d];
             let own = |all: Vec<f64>| (all[index * d..][..d].to_vec(), vec![0.0; d]);
-            worker
+            evaluator
                 .casimir_gradients(&state, &mut all)
                 .map(|()| own(all))
         } else {
             let mut values = vec![0.0; count];
             let slope = jacobian_by_differences(&state, 1, |at, out| {
-                worker.casimirs(at, &mut values)?;
+                evaluator.casimirs(at, &mut values)?;
                 out[0] = values[index];
                 Ok(())
             });
@@ -76,7 +76,7 @@ pub(super) fn casimir(
         let Ok((gradient, error)) = gradient else {
             continue;
         };
-        if let Ok(rows) = rows(worker.as_mut(), &state, &gradient, &error) {
+        if let Ok(rows) = rows(evaluator.as_mut(), &state, &gradient, &error) {
             let worst = rows.worst;
             check.take(&rows.terms, &state, || vec![worst]);
         }
@@ -100,7 +100,7 @@ struct Rows {
 /// (Π ∇C)_i against the largest |Σ_j ±Π_ij ∂_j C|: the signs are the bits of j, so that of two entries
 /// that cancel some choice adds.
 fn rows(
-    worker: &mut dyn NumbersWorker,
+    evaluator: &mut dyn SystemEvaluator,
     state: &[f64],
     gradient: &[f64],
     error: &[f64],
@@ -108,8 +108,8 @@ fn rows(
     let d = state.len();
     let sizes = sizes(state);
     let mut image = vec![0.0; d];
-    let mut largest = |worker: &mut dyn NumbersWorker, v: &[f64]| {
-        worker.tensor(state, v, &mut image)?;
+    let mut largest = |evaluator: &mut dyn SystemEvaluator, v: &[f64]| {
+        evaluator.tensor(state, v, &mut image)?;
         let rows = image.iter().zip(&sizes).map(|(r, s)| r.abs() / s);
         let (worst, size) =
             rows.enumerate().fold(
@@ -120,7 +120,7 @@ fn rows(
             );
         Ok::<_, StepError>((worst, size))
     };
-    let (worst, sum) = largest(worker, gradient)?;
+    let (worst, sum) = largest(evaluator, gradient)?;
     let (mut size, mut noise) = (sum, 0.0_f64);
     for bit in 0..usize::BITS - d.leading_zeros() {
         let signed = |values: &[f64]| -> Vec<f64> {
@@ -131,8 +131,8 @@ fn rows(
                 .map(|(j, v)| sign(j) * v)
                 .collect()
         };
-        size = size.max(largest(worker, &signed(gradient))?.1);
-        noise = noise.max(largest(worker, &signed(error))?.1);
+        size = size.max(largest(evaluator, &signed(gradient))?.1);
+        noise = noise.max(largest(evaluator, &signed(error))?.1);
     }
     Ok(Rows {
         terms: Terms {
@@ -146,7 +146,7 @@ fn rows(
 
 /// {a, {b, c}} of linear functions.
 struct Bracket {
-    worker: Box<dyn NumbersWorker>,
+    evaluator: Box<dyn SystemEvaluator>,
     derivatives: Derivatives,
     images: [Vec<f64>; 3],
     slope: Vec<f64>,
@@ -156,7 +156,7 @@ struct Bracket {
 impl Bracket {
     fn new(system: &OpaqueSystem, parameters: &[f64], d: usize) -> Self {
         Self {
-            worker: system.numbers.worker(parameters),
+            evaluator: system.numbers.evaluator(parameters),
             derivatives: system.numbers.derivatives(),
             images: [vec![0.0; d], vec![0.0; d], vec![0.0; d]],
             slope: vec![0.0; d],
@@ -167,7 +167,7 @@ impl Bracket {
     /// {a, {b, c}} = −b·D(Πc)(Πa) and its cyclic permutations.
     fn jacobiator(&mut self, state: &[f64], covectors: [&[f64]; 3]) -> Result<Terms, StepError> {
         for (covector, image) in covectors.iter().zip(&mut self.images) {
-            self.worker.tensor(state, covector, image)?;
+            self.evaluator.tensor(state, covector, image)?;
         }
         let mut terms = Terms {
             sum: 0.0,
@@ -195,7 +195,7 @@ impl Bracket {
         let direction = &self.images[image];
         let along = |values: &[f64]| b.iter().zip(values).map(|(b, v)| b * v).sum::<f64>();
         if self.derivatives.tensor {
-            self.worker
+            self.evaluator
                 .tensor_tangent(state, c, direction, &mut self.slope)?;
             return Ok((along(&self.slope), 0.0));
         }
@@ -209,12 +209,12 @@ impl Bracket {
         if !reach.is_finite() {
             return Ok((0.0, 0.0));
         }
-        let (worker, point, slope) = (&mut self.worker, &mut self.point, &mut self.slope);
+        let (evaluator, point, slope) = (&mut self.evaluator, &mut self.point, &mut self.slope);
         let found = jacobian_by_differences(&[0.0], 1, |at, out| {
             for (i, place) in point.iter_mut().enumerate() {
                 *place = state[i] + at[0] * reach * direction[i];
             }
-            worker.tensor(point, c, slope)?;
+            evaluator.tensor(point, c, slope)?;
             out[0] = along(slope);
             Ok(())
         })?;

@@ -7,10 +7,10 @@ use nalgebra::DMatrix;
 use super::differences::jacobian_by_differences;
 use super::round_off;
 use crate::chart::ChartMaps;
-use crate::code_workers::RealizationMaps;
+use crate::code_evaluators::RealizationMaps;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
-use crate::realization::{Ends, RealizationData, RealizationWorker};
+use crate::realization::{Ends, RealizationData, RealizationEvaluator};
 use crate::system::{PoissonSystem, TensorMatrix};
 
 /// ε Π(α̂) − {α̂, α̂}_ω and {α̂_i, β̂_j}_ω at points χ(x, p) of a cotangent chart about the section, from
@@ -68,7 +68,7 @@ struct Tangents {
 
 /// Both maps through the chart.
 struct Charted {
-    realization: Box<dyn RealizationWorker>,
+    realization: Box<dyn RealizationEvaluator>,
     chart: Box<dyn Evaluator>,
     z: Vec<f64>,
     /// Base, offset and increment.
@@ -113,8 +113,8 @@ impl RealizationInstrument {
     ) -> Result<RealizationError, StepError> {
         let d = x.len();
         let mut charted = Charted {
-            realization: self.maps.worker(&self.parameters, epsilon),
-            chart: self.chart.worker(&self.parameters, epsilon),
+            realization: self.maps.evaluator(&self.parameters, epsilon),
+            chart: self.chart.evaluator(&self.parameters, epsilon),
             z: vec![0.0; self.space],
             values: vec![0.0; 3 * d],
         };

@@ -1,7 +1,7 @@
 //! Is σ a section of both maps?
 
 use super::round_off::sizes;
-use crate::code_workers::realization_worker;
+use crate::code_evaluators::realization_evaluator;
 use crate::error::{BuildError, StepError};
 use crate::realization::{Ends, RealizationData};
 use crate::solver::judge::larger;
@@ -17,11 +17,11 @@ pub fn section_defect(
     epsilon: f64,
     x: &[f64],
 ) -> Result<Result<f64, StepError>, BuildError> {
-    let mut worker = realization_worker(realization, parameters, epsilon)?;
+    let mut evaluator = realization_evaluator(realization, parameters, epsilon)?;
     let mut z = vec![0.0; realization.space_dimension()];
     realization.section(x, &mut z);
     let mut values = vec![0.0; 3 * x.len()];
-    if let Err(error) = worker.values(&z, &mut values) {
+    if let Err(error) = evaluator.values(&z, &mut values) {
         return Ok(Err(error));
     }
     let ends = Ends::of(&values);

@@ -3,8 +3,8 @@
 use crate::dynamics::Correction;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
-use crate::method::{Method, MethodWorkers};
-use crate::realization::{Ends, RealizationWorker};
+use crate::method::{Method, MethodEvaluators};
+use crate::realization::{Ends, RealizationEvaluator};
 use crate::solver::DenseFactors;
 
 /// Newton iterations from one start.
@@ -18,7 +18,7 @@ const SAME: f64 = 1e-6;
 
 /// β̂(L(y)) = x for one method and one step size, by Newton's method from any start.
 pub struct StepEquation {
-    maps: Box<dyn RealizationWorker>,
+    maps: Box<dyn RealizationEvaluator>,
     points: Box<dyn Evaluator>,
     correction: Correction,
     dimension: usize,
@@ -49,7 +49,7 @@ impl StepEquation {
         epsilon: f64,
         h: f64,
     ) -> Result<Self, BuildError> {
-        let MethodWorkers { maps, points } = method.workers(parameters, epsilon, h)?;
+        let MethodEvaluators { maps, points } = method.evaluators(parameters, epsilon, h)?;
         Ok(Self {
             maps,
             points,

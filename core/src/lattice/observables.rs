@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use leafwise_expression::{Expression, Graph, Term};
 
-use super::program::LatticeWorker;
+use super::program::LatticeEvaluator;
 use super::sites::SiteNumbers;
 use super::source::LatticeSource;
 pub use super::source::SiteDensity;
@@ -15,7 +15,7 @@ use crate::solver::Observe;
 #[derive(Clone, Debug)]
 pub struct LatticeObservables {
     densities: SiteNumbers,
-    worker: LatticeWorker,
+    evaluator: LatticeEvaluator,
     constants: Vec<f64>,
 }
 
@@ -49,7 +49,7 @@ impl LatticeObservables {
         };
         let densities = SiteNumbers::compile(source.geometry(), parameters.len(), &mut of_site)?;
         Ok(Self {
-            worker: densities.worker(parameters),
+            evaluator: densities.evaluator(parameters),
             densities,
             constants,
         })
@@ -72,9 +72,9 @@ impl Observe for LatticeObservables {
 
     fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
         let state = state.iter().copied();
-        self.densities.evaluate(&mut self.worker, state);
+        self.densities.evaluate(&mut self.evaluator, state);
         for (number, (value, constant)) in values.iter_mut().zip(&self.constants).enumerate() {
-            *value = compensated_sum(*constant, self.densities.of_sites(&self.worker, number));
+            *value = compensated_sum(*constant, self.densities.of_sites(&self.evaluator, number));
         }
     }
 }

@@ -9,7 +9,7 @@ use leafwise_expression::{Graph, Term};
 
 use super::geometry::{LatticeGeometry, SiteClass, site_classes};
 use super::observables::code;
-use super::program::LatticeWorker;
+use super::program::LatticeEvaluator;
 use super::sites::{SiteNumbers, proxy_of};
 use super::source::LatticeSource;
 use crate::error::{BuildError, StepError};
@@ -153,10 +153,10 @@ impl MakeCheck for LatticePoles {
         let of_lane = |lane: usize| {
             let own = parameters.iter().skip(lane).step_by(lanes).copied();
             let own: Vec<f64> = own.collect();
-            (self.numbers.worker(&own), own)
+            (self.numbers.evaluator(&own), own)
         };
         Box::new(Crossings {
-            workers: (0..lanes).map(of_lane).collect(),
+            evaluators: (0..lanes).map(of_lane).collect(),
             before: vec![0.0; self.numbers.sites() * self.numbers.count()],
             poles: self,
         })
@@ -167,7 +167,7 @@ impl MakeCheck for LatticePoles {
 struct Crossings {
     poles: Arc<LatticePoles>,
     /// With the parameters of the lane.
-    workers: Vec<(LatticeWorker, Vec<f64>)>,
+    evaluators: Vec<(LatticeEvaluator, Vec<f64>)>,
     before: Vec<f64>,
 }
 
@@ -177,19 +177,21 @@ type Way<'a> = (&'a [f64], &'a [f64]);
 impl Crossings {
     /// Evaluates the denominators of a lane at a part of its step.
     fn look(&mut self, lane: usize, (x, increment): Way<'_>, part: f64) {
-        let lanes = self.workers.len();
+        let lanes = self.evaluators.len();
         let at = (0..x.len() / lanes).map(|row| {
             let at = row * lanes + lane;
             x[at] + part * increment[at]
         });
-        self.poles.numbers.evaluate(&mut self.workers[lane].0, at);
+        self.poles
+            .numbers
+            .evaluate(&mut self.evaluators[lane].0, at);
     }
 
     fn keep(&mut self, lane: usize) {
         let numbers = &self.poles.numbers;
         let sites = numbers.sites();
         for (which, before) in self.before.chunks_exact_mut(sites).enumerate() {
-            before.copy_from_slice(numbers.of_sites(&self.workers[lane].0, which));
+            before.copy_from_slice(numbers.of_sites(&self.evaluators[lane].0, which));
         }
     }
 
@@ -203,7 +205,7 @@ impl Crossings {
             let numbers = &self.poles.numbers;
             let sites = numbers.sites();
             for (which, before) in self.before.chunks_exact(sites).enumerate() {
-                let after = numbers.of_sites(&self.workers[lane].0, which);
+                let after = numbers.of_sites(&self.evaluators[lane].0, which);
                 for site in 0..sites {
                     let keeps = before[site].signum() == after[site].signum();
                     if !keeps && self.is_pole(lane, way, (site, which), (parts[0], parts[1])) {
@@ -225,7 +227,7 @@ impl Crossings {
         between: (f64, f64),
     ) -> bool {
         let poles = &self.poles;
-        let (lanes, here) = (self.workers.len(), poles.proxy_site(site));
+        let (lanes, here) = (self.evaluators.len(), poles.proxy_site(site));
         let around = |values: &[f64]| {
             let of_proxy = 0..poles.proxy.dimension();
             let value = |coordinate: usize| values[coordinate * lanes + lane];
@@ -237,7 +239,7 @@ impl Crossings {
             graph: &poles.graph,
             field: &poles.field,
             denominator: &poles.denominators[here][which],
-            parameters: self.workers[lane].1.clone(),
+            parameters: self.evaluators[lane].1.clone(),
             start: around(x),
             increment: around(increment),
         };

@@ -154,10 +154,10 @@ impl LatticeProgram {
         }
     }
 
-    /// A worker for all stages with these parameters and step sizes.
-    pub fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> LatticeWorker {
+    /// An evaluator for all stages with these parameters and step sizes.
+    pub fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> LatticeEvaluator {
         let stages = 0..self.stages.len();
-        LatticeWorker {
+        LatticeEvaluator {
             prepared: stages
                 .map(|stage| self.prepare(stage, parameters, epsilon, h))
                 .collect(),
@@ -165,10 +165,10 @@ impl LatticeProgram {
         }
     }
 
-    /// Runs every stage on the fields of `worker`.
-    pub fn run(&self, worker: &mut LatticeWorker) {
-        for (stage, prepared) in worker.prepared.iter_mut().enumerate() {
-            self.run_stage(stage, prepared, &mut worker.fields);
+    /// Runs every stage on the fields of `evaluator`.
+    pub fn run(&self, evaluator: &mut LatticeEvaluator) {
+        for (stage, prepared) in evaluator.prepared.iter_mut().enumerate() {
+            self.run_stage(stage, prepared, &mut evaluator.fields);
         }
     }
 }
@@ -222,12 +222,12 @@ impl Fields {
 
 /// The fields and prepared kernels of one trajectory.
 #[derive(Clone, Debug)]
-pub struct LatticeWorker {
+pub struct LatticeEvaluator {
     prepared: Vec<Prepared>,
     fields: Fields,
 }
 
-impl LatticeWorker {
+impl LatticeEvaluator {
     /// A field's values.
     pub fn field(&self, field: Field) -> &[f64] {
         self.fields.get(field)

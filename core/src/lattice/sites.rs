@@ -3,7 +3,7 @@
 use leafwise_expression::{Arithmetic, Graph, Term};
 
 use super::geometry::{LatticeGeometry, Proxy};
-use super::program::{LatticeProgram, LatticeWorker};
+use super::program::{LatticeEvaluator, LatticeProgram};
 use super::stages::{Field, StageBuilder};
 use crate::error::BuildError;
 
@@ -90,22 +90,22 @@ impl SiteNumbers {
     }
 
     /// Room to evaluate them.
-    pub(super) fn worker(&self, parameters: &[f64]) -> LatticeWorker {
-        self.program.worker(parameters, 1.0, 1.0)
+    pub(super) fn evaluator(&self, parameters: &[f64]) -> LatticeEvaluator {
+        self.program.evaluator(parameters, 1.0, 1.0)
     }
 
     /// Evaluates them at a state.
     pub(super) fn evaluate(
         &self,
-        worker: &mut LatticeWorker,
+        evaluator: &mut LatticeEvaluator,
         state: impl ExactSizeIterator<Item = f64>,
     ) {
-        let field = worker.field_mut(self.state);
+        let field = evaluator.field_mut(self.state);
         field
             .iter_mut()
             .zip(state)
             .for_each(|(to, value)| *to = value);
-        self.program.run(worker);
+        self.program.run(evaluator);
     }
 
     /// How many of them a site has.
@@ -114,8 +114,8 @@ impl SiteNumbers {
     }
 
     /// One of them at every site, after an evaluation.
-    pub(super) fn of_sites<'a>(&self, worker: &'a LatticeWorker, number: usize) -> &'a [f64] {
+    pub(super) fn of_sites<'a>(&self, evaluator: &'a LatticeEvaluator, number: usize) -> &'a [f64] {
         let start = self.program.longest_start();
-        &worker.field(self.numbers[number])[start..][..self.sites]
+        &evaluator.field(self.numbers[number])[start..][..self.sites]
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::program::{LatticeProgram, LatticeWorker};
+use super::program::{LatticeEvaluator, LatticeProgram};
 use super::stages::MethodFields;
 use crate::error::StepError;
 use crate::solver::judge::{Verdict, is_between, largest};
@@ -25,7 +25,7 @@ const EXTRAPOLATION: usize = 7;
 pub(super) struct LatticeTrajectory {
     program: Arc<LatticeProgram>,
     fields: MethodFields,
-    worker: LatticeWorker,
+    evaluator: LatticeEvaluator,
     extrapolation: Extrapolation,
     displacement: Vec<f64>,
     /// Of the residuals alone, row after row: no room for unknowns.
@@ -41,12 +41,12 @@ impl LatticeTrajectory {
         epsilon: f64,
         h: f64,
     ) -> Self {
-        let worker = program.worker(parameters, epsilon, h);
-        let dimension = worker.field(fields.y).len();
+        let evaluator = program.evaluator(parameters, epsilon, h);
+        let dimension = evaluator.field(fields.y).len();
         Self {
             program: Arc::clone(program),
             fields,
-            worker,
+            evaluator,
             extrapolation: Extrapolation::new(dimension, EXTRAPOLATION),
             displacement: vec![0.0; dimension],
             iteration: Iteration::new(CorrectionMethod::Residual, 0),
@@ -65,7 +65,7 @@ impl LatticeTrajectory {
         evaluations: &mut u64,
     ) -> Result<(), StepError> {
         let Self {
-            worker,
+            evaluator,
             displacement,
             iteration,
             fields,
@@ -74,15 +74,18 @@ impl LatticeTrajectory {
         self.extrapolation.predict(displacement.as_chunks_mut().0);
         iteration.begin(MOST_EVALUATIONS, largest(x) + largest(displacement));
         loop {
-            let y = worker.field_mut(fields.y);
+            let y = evaluator.field_mut(fields.y);
             for ((y, x), displacement) in y.iter_mut().zip(x).zip(&*displacement) {
                 *y = x + displacement;
             }
-            self.program.run(worker);
+            self.program.run(evaluator);
             *evaluations += 1;
             self.evaluations += 1;
-            let (offset, change) = (worker.field(fields.offset), worker.field(fields.increment));
-            let y = worker.field(fields.y);
+            let (offset, change) = (
+                evaluator.field(fields.offset),
+                evaluator.field(fields.increment),
+            );
+            let y = evaluator.field(fields.y);
             let mut finite = true;
             iteration.take_change(largest(change));
             for start in (0..displacement.len()).step_by(ROWS) {
@@ -134,7 +137,7 @@ impl Trajectories for LatticeTrajectory {
     }
 
     fn solution(&self, _: usize) -> Option<&[f64]> {
-        Some(self.worker.field(self.fields.y))
+        Some(self.evaluator.field(self.fields.y))
     }
 
     fn operations(&self) -> Option<u64> {

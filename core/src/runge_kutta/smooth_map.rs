@@ -140,8 +140,8 @@ impl SmoothMap {
     /// An evaluator for fixed parameters, ε and h.
     pub fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> SmoothMapEvaluator {
         let prepared = |kernel: &Arc<Kernel>| PointKernel::new(kernel, parameters, epsilon, h);
-        let worker = match &self.source {
-            Source::Kernels { value, jacobian } => Box::new(KernelWorker {
+        let evaluator = match &self.source {
+            Source::Kernels { value, jacobian } => Box::new(KernelEvaluator {
                 value: prepared(value),
                 jacobian: jacobian.as_ref().map(prepared),
             }),
@@ -149,17 +149,17 @@ impl SmoothMap {
         };
         SmoothMapEvaluator {
             map: self.clone(),
-            worker,
+            evaluator,
         }
     }
 }
 
-struct KernelWorker {
+struct KernelEvaluator {
     value: PointKernel,
     jacobian: Option<PointKernel>,
 }
 
-impl Evaluator for KernelWorker {
+impl Evaluator for KernelEvaluator {
     #[inline]
     fn values(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         self.value.evaluate(z, out);
@@ -186,7 +186,7 @@ impl Evaluator for KernelWorker {
 /// One thread's evaluator of a [`SmoothMap`].
 pub struct SmoothMapEvaluator {
     map: SmoothMap,
-    worker: Box<dyn Evaluator>,
+    evaluator: Box<dyn Evaluator>,
 }
 
 impl SmoothMapEvaluator {
@@ -223,12 +223,12 @@ impl SmoothMapEvaluator {
 impl Evaluator for SmoothMapEvaluator {
     #[inline]
     fn values(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.worker.values(z, out)
+        self.evaluator.values(z, out)
     }
 
     #[inline]
     fn jacobians(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
-        self.worker.jacobians(z, out)
+        self.evaluator.jacobians(z, out)
     }
 
     fn has_jacobian(&self) -> bool {
@@ -236,22 +236,22 @@ impl Evaluator for SmoothMapEvaluator {
     }
 
     fn is_pointwise(&self) -> bool {
-        self.worker.is_pointwise()
+        self.evaluator.is_pointwise()
     }
 
     fn operations(&self) -> Option<u64> {
-        self.worker.operations()
+        self.evaluator.operations()
     }
 
     fn restart(&mut self) {
-        self.worker.restart();
+        self.evaluator.restart();
     }
 
     fn memory(&self) -> Vec<f64> {
-        self.worker.memory()
+        self.evaluator.memory()
     }
 
     fn restore(&mut self, memory: &[f64]) {
-        self.worker.restore(memory);
+        self.evaluator.restore(memory);
     }
 }

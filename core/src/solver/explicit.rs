@@ -64,7 +64,7 @@ impl ExplicitMap {
         &self.shared.step
     }
 
-    /// A worker that steps `lanes` trajectories at once, as [`StepMap::stepper`].
+    /// A stepper of `lanes` trajectories at once, as [`StepMap::stepper`].
     ///
     /// [`StepMap::stepper`]: super::StepMap::stepper
     pub fn stepper(

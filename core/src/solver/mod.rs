@@ -12,11 +12,11 @@ pub mod judge;
 mod lanes;
 mod linear;
 mod newton;
+mod numeric;
 pub mod poles;
 mod properties;
 mod signs;
 mod statistics;
-mod workers;
 
 pub use anderson::Anderson;
 pub use branch::Branch;
@@ -32,11 +32,11 @@ pub use linear::{
     elimination_operations, substitution_operations,
 };
 pub use newton::{NewtonKernel, NewtonStepper};
+pub(crate) use numeric::NumericSolver;
 pub use poles::{Poles, WithoutPoles};
 pub use properties::{MapProperties, Structure};
 pub(crate) use signs::{KeptSigns, kept_signs};
 pub use statistics::SolverStatistics;
-pub(crate) use workers::Workers;
 
 use std::sync::Arc;
 
@@ -65,14 +65,14 @@ pub trait StepMap: Send + Sync {
     fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
         Vec::new()
     }
-    /// A worker that steps `lanes` trajectories at once with these parameters (a structure of
+    /// A stepper of `lanes` trajectories at once with these parameters (a structure of
     /// arrays over the lanes) and step sizes.
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper>;
     /// χ and χ* where Φ_h = χ*_{h/2} ∘ χ_{h/2}: a map of order 1 and its adjoint, χ*_h = χ_{−h}⁻¹.
     fn factors(&self) -> Option<[Arc<dyn StepMap>; 2]> {
         None
     }
-    /// A worker of … ∘ χ*_{α_4 h} ∘ χ_{α_3 h} ∘ χ*_{α_2 h} ∘ χ_{α_1 h} over the [`factors`](Self::factors), where
+    /// A stepper of … ∘ χ*_{α_4 h} ∘ χ_{α_3 h} ∘ χ*_{α_2 h} ∘ χ_{α_1 h} over the [`factors`](Self::factors), where
     /// that takes less than one factor after the other; Φ_{γ_s h} ∘ … ∘ Φ_{γ_1 h} has
     /// α_{2i−1} = α_{2i} = γ_i/2. Two factors count as an evaluation.
     fn product_stepper(
@@ -88,7 +88,7 @@ pub trait StepMap: Send + Sync {
     }
 }
 
-/// One thread's worker of a [`StepMap`].
+/// One thread's stepper of a [`StepMap`].
 pub trait Stepper: Send {
     /// Φ(x + low) − (x + low) for each lane, where `low` carries what the compensated state holds
     /// beyond a double. Arrays are structures of arrays, coordinate j of lane w at `[j*lanes + w]`.

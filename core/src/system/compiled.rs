@@ -5,7 +5,7 @@ use std::sync::Arc;
 use leafwise_expression::{Arithmetic, Graph, Kernel, Term};
 
 use super::formulas::SystemFormulas;
-use super::numbers::{Derivatives, NumbersWorker, SystemNumbers, vector};
+use super::numbers::{Derivatives, SystemEvaluator, SystemNumbers, vector};
 use crate::error::{BuildError, StepError};
 use crate::point_kernel::PointKernel;
 use crate::solver::check_variables;
@@ -101,21 +101,21 @@ impl SystemNumbers for CompiledNumbers {
         }
     }
 
-    fn worker(&self, parameters: &[f64]) -> Box<dyn NumbersWorker> {
+    fn evaluator(&self, parameters: &[f64]) -> Box<dyn SystemEvaluator> {
         let kernel = |kernel: &Arc<Kernel>| PointKernel::new(kernel, parameters, 1.0, 1.0);
-        Box::new(CompiledWorker {
+        Box::new(CompiledEvaluator {
             kernels: self.kernels.each_ref().map(kernel),
             dimension: self.dimension,
         })
     }
 }
 
-struct CompiledWorker {
+struct CompiledEvaluator {
     kernels: [PointKernel; KERNELS],
     dimension: usize,
 }
 
-impl CompiledWorker {
+impl CompiledEvaluator {
     /// One kernel at every point of a batch.
     fn evaluate(&mut self, which: usize, inputs: &[&[f64]], out: &mut [f64]) {
         let d = self.dimension;
@@ -126,7 +126,7 @@ impl CompiledWorker {
     }
 }
 
-impl NumbersWorker for CompiledWorker {
+impl SystemEvaluator for CompiledEvaluator {
     fn tensor(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         self.evaluate(TENSOR, &[y, v], out);
         Ok(())

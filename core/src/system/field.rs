@@ -3,7 +3,7 @@
 use leafwise_expression::{Arithmetic, Graph, Term};
 use nalgebra::DMatrix;
 
-use super::numbers::{NumbersWorker, OpaqueSystem};
+use super::numbers::{OpaqueSystem, SystemEvaluator};
 use super::{Definition, PoissonSystem};
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
@@ -147,8 +147,8 @@ fn map_of(system: &OpaqueSystem, value: Value) -> SmoothMap {
     };
     let numbers = system.numbers.clone();
     SmoothMap::from_numbers(inputs, outputs, has_jacobian, move |parameters, _, _| {
-        Box::new(Worker {
-            numbers: numbers.worker(parameters),
+        Box::new(FieldEvaluator {
+            numbers: numbers.evaluator(parameters),
             value,
             has_jacobian,
             dimension: d,
@@ -161,8 +161,8 @@ fn map_of(system: &OpaqueSystem, value: Value) -> SmoothMap {
     })
 }
 
-struct Worker {
-    numbers: Box<dyn NumbersWorker>,
+struct FieldEvaluator {
+    numbers: Box<dyn SystemEvaluator>,
     value: Value,
     has_jacobian: bool,
     dimension: usize,
@@ -177,7 +177,7 @@ struct Worker {
     spread: [Vec<f64>; 3],
 }
 
-impl Worker {
+impl FieldEvaluator {
     fn inputs(&self) -> usize {
         match self.value {
             Value::Tensor => 2 * self.dimension,
@@ -186,7 +186,7 @@ impl Worker {
     }
 }
 
-impl Evaluator for Worker {
+impl Evaluator for FieldEvaluator {
     fn values(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         let d = self.dimension;
         let count = z.len() / self.inputs();

@@ -26,7 +26,7 @@ pub use agreement::Agreement;
 pub use builder::SystemBuilder;
 pub use compiled::CompiledNumbers;
 pub use formulas::SystemFormulas;
-pub use numbers::{Derivatives, NumbersWorker, OpaqueSystem, SystemNumbers};
+pub use numbers::{Derivatives, OpaqueSystem, SystemEvaluator, SystemNumbers};
 pub use observables::{SystemInvariants, SystemObservables};
 pub(crate) use tensor_matrix::TensorMatrix;
 

@@ -40,9 +40,9 @@ pub struct OpaqueSystem {
     pub name: String,
     /// The variables' names; as many as M has dimensions.
     pub variables: Vec<String>,
-    /// The parameters, in the order in which [`SystemNumbers::worker`] takes their values.
+    /// The parameters, in the order in which [`SystemNumbers::evaluator`] takes their values.
     pub parameters: Vec<Parameter>,
-    /// The Casimirs' names, in the order of [`NumbersWorker::casimirs`].
+    /// The Casimirs' names, in the order of [`SystemEvaluator::casimirs`].
     pub casimirs: Vec<String>,
     /// The values.
     pub numbers: Arc<dyn SystemNumbers>,
@@ -65,17 +65,17 @@ pub trait SystemNumbers: Send + Sync + std::fmt::Debug {
     /// Which derivatives there are beside ∇H.
     fn derivatives(&self) -> Derivatives;
     /// One thread's evaluator for these values of the parameters.
-    fn worker(&self, parameters: &[f64]) -> Box<dyn NumbersWorker>;
+    fn evaluator(&self, parameters: &[f64]) -> Box<dyn SystemEvaluator>;
 }
 
 /// Derivatives that a system of numbers offers, exact to round-off.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Derivatives {
-    /// [`NumbersWorker::tensor_tangent`].
+    /// [`SystemEvaluator::tensor_tangent`].
     pub tensor: bool,
-    /// [`NumbersWorker::hessian`].
+    /// [`SystemEvaluator::hessian`].
     pub hamiltonian: bool,
-    /// [`NumbersWorker::casimir_gradients`].
+    /// [`SystemEvaluator::casimir_gradients`].
     pub casimirs: bool,
 }
 
@@ -91,7 +91,7 @@ impl Derivatives {
 /// Every function takes a batch of points, one behind the other: d numbers a point, and as many points
 /// as `out` holds results. A vector argument holds d numbers for each point, or d numbers that serve
 /// all of them; so may the point itself, where vectors differ. What is written for a point depends on that point alone.
-pub trait NumbersWorker: Send {
+pub trait SystemEvaluator: Send {
     /// Π(y)v, (Πv)_i = Σ_j Π_ij(y) v_j: d results a point.
     ///
     /// # Errors
@@ -151,7 +151,7 @@ pub trait NumbersWorker: Send {
     }
 }
 
-/// The vector of point `at` of a batch argument of [`NumbersWorker`]: its own, or the one that serves
+/// The vector of point `at` of a batch argument of [`SystemEvaluator`]: its own, or the one that serves
 /// all points.
 pub fn vector(values: &[f64], dimension: usize, at: usize) -> &[f64] {
     if values.len() == dimension {

@@ -2,7 +2,7 @@
 
 use leafwise_expression::{Expression, Graph, Kernel, Term, Workspace};
 
-use super::numbers::NumbersWorker;
+use super::numbers::SystemEvaluator;
 use super::{Definition, PoissonSystem};
 use crate::error::BuildError;
 use crate::solver::Observe;
@@ -64,7 +64,7 @@ pub struct SystemInvariants {
 enum Values {
     Formulas(Box<SystemObservables>),
     Numbers {
-        worker: Box<dyn NumbersWorker>,
+        evaluator: Box<dyn SystemEvaluator>,
         casimirs: usize,
     },
 }
@@ -86,7 +86,7 @@ impl SystemInvariants {
                 )?))
             }
             Definition::Numbers(opaque) => Values::Numbers {
-                worker: opaque.numbers.worker(parameters),
+                evaluator: opaque.numbers.evaluator(parameters),
                 casimirs: opaque.casimirs.len(),
             },
         };
@@ -105,12 +105,15 @@ impl Observe for SystemInvariants {
     fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
         match &mut self.values {
             Values::Formulas(formulas) => formulas.evaluate(state, values),
-            Values::Numbers { worker, casimirs } => {
+            Values::Numbers {
+                evaluator,
+                casimirs,
+            } => {
                 let (energy, rest) = values.split_at_mut(1);
-                if worker.hamiltonian(state, energy).is_err() {
+                if evaluator.hamiltonian(state, energy).is_err() {
                     energy.fill(f64::NAN);
                 }
-                if *casimirs > 0 && worker.casimirs(state, rest).is_err() {
+                if *casimirs > 0 && evaluator.casimirs(state, rest).is_err() {
                     rest.fill(f64::NAN);
                 }
             }

@@ -3,7 +3,7 @@
 use leafwise_expression::{Kernel, Workspace};
 use nalgebra::DMatrix;
 
-use super::numbers::NumbersWorker;
+use super::numbers::SystemEvaluator;
 use super::{Definition, PoissonSystem, observables};
 use crate::error::{BuildError, StepError};
 
@@ -19,7 +19,7 @@ enum Source {
         workspace: Box<Workspace>,
         entries: Vec<(usize, usize)>,
     },
-    Numbers(Box<dyn NumbersWorker>),
+    Numbers(Box<dyn SystemEvaluator>),
 }
 
 impl TensorMatrix {
@@ -30,7 +30,7 @@ impl TensorMatrix {
     pub(crate) fn new(system: &PoissonSystem, parameters: &[f64]) -> Result<Self, BuildError> {
         let dimension = system.dimension();
         let source = match &system.definition {
-            Definition::Numbers(system) => Source::Numbers(system.numbers.worker(parameters)),
+            Definition::Numbers(system) => Source::Numbers(system.numbers.evaluator(parameters)),
             Definition::Formulas(system) => {
                 let formulas: Vec<_> = system.tensor().values().collect();
                 let kernel = observables::kernel(&formulas, dimension, parameters.len())?;
@@ -68,10 +68,10 @@ impl TensorMatrix {
                 Ok(matrix)
             }
             // Point j of the batch is x with the unit vector e_j: column j of Π.
-            Source::Numbers(worker) => {
+            Source::Numbers(evaluator) => {
                 let units = DMatrix::identity(d, d);
                 let mut columns = vec![0.0; d * d];
-                worker.tensor(x, units.as_slice(), &mut columns)?;
+                evaluator.tensor(x, units.as_slice(), &mut columns)?;
                 Ok(DMatrix::from_vec(d, d, columns))
             }
         }

@@ -36,12 +36,12 @@ impl ImageOfSection {
 }
 
 impl LagrangianBisection for ImageOfSection {
-    fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn Evaluator>> {
+    fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn Evaluator>> {
         let field = self.field.evaluator(parameters, epsilon, h);
         let n = field.map().inputs();
-        Some(Box::new(Worker {
+        Some(Box::new(BisectionEvaluator {
             stages: StageSolver::new(field, self.tableau.clone(), h, 1),
-            chart: self.chart.worker(parameters, epsilon),
+            chart: self.chart.evaluator(parameters, epsilon),
             y: Vec::with_capacity(n / 2),
             end: vec![0.0; n],
             change: vec![0.0; n],
@@ -55,7 +55,7 @@ impl LagrangianBisection for ImageOfSection {
     }
 }
 
-struct Worker {
+struct BisectionEvaluator {
     stages: StageSolver,
     chart: Box<dyn Evaluator>,
     /// The point of the last call; empty where it failed.
@@ -66,7 +66,7 @@ struct Worker {
     of_chart: Vec<f64>,
 }
 
-impl Evaluator for Worker {
+impl Evaluator for BisectionEvaluator {
     fn values(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
         self.y.clear();
         let (base, covector) = self.end.split_at_mut(y.len());

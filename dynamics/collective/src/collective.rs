@@ -228,8 +228,8 @@ impl DynamicApproximation for Collective {
             }
             _ => {
                 let maps = RealizationMaps::new(realization, &parameters)?;
-                let worker = maps.worker(&parameters, 1.0);
-                if !worker.has_jacobian() || !chart.worker(&parameters, 1.0).has_jacobian() {
+                let evaluator = maps.evaluator(&parameters, 1.0);
+                if !evaluator.has_jacobian() || !chart.evaluator(&parameters, 1.0).has_jacobian() {
                     return Err(missing(
                         "it offers no tangents of its source map, which the gradient of the \
                          collective Hamiltonian needs",
@@ -237,7 +237,7 @@ impl DynamicApproximation for Collective {
                 }
                 let gradient = system.gradient_map()?;
                 let has_jacobian =
-                    chart.has_pairs() && worker.has_source_hessian() && gradient.has_jacobian();
+                    chart.has_pairs() && evaluator.has_source_hessian() && gradient.has_jacobian();
                 collective_numbers(gradient, maps, chart.clone(), space, has_jacobian)
             }
         };

@@ -2,7 +2,7 @@
 
 use leafwise_core::evaluator::{Evaluator, one_by_one};
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
-use leafwise_core::{ChartMaps, Ends, RealizationMaps, RealizationWorker, StepError};
+use leafwise_core::{ChartMaps, Ends, RealizationEvaluator, RealizationMaps, StepError};
 
 /// (x, p) ↦ (−∂K/∂p, ∂K/∂x) for K = H∘α̂_ε∘χ, from ∇K = (Dα̂ Dχ)ᵀ ∇H; `space` is the number of
 /// coordinates of a point of S.
@@ -19,8 +19,8 @@ pub fn collective_numbers(
     let d = gradient.inputs();
     SmoothMap::from_numbers(2 * d, 2 * d, has_jacobian, move |parameters, epsilon, h| {
         Box::new(NumericField {
-            maps: maps.worker(parameters, epsilon),
-            chart: chart.worker(parameters, epsilon),
+            maps: maps.evaluator(parameters, epsilon),
+            chart: chart.evaluator(parameters, epsilon),
             has_pairs: chart.has_pairs(),
             gradient: gradient.evaluator(parameters, epsilon, h),
             ends: vec![0.0; 3 * d],
@@ -39,7 +39,7 @@ pub fn collective_numbers(
 }
 
 struct NumericField {
-    maps: Box<dyn RealizationWorker>,
+    maps: Box<dyn RealizationEvaluator>,
     chart: Box<dyn Evaluator>,
     has_pairs: bool,
     /// ∇H and D²H.

@@ -9,7 +9,7 @@ use leafwise_collective::{Collective, SymplecticIntegrator};
 use leafwise_core::diagnostics::TensorDefect;
 use leafwise_core::{
     Accuracy, BuildError, ChartCode, Correction, Evaluator, Method, RealizationData,
-    RealizationWorker, StepError, StepMap, realization_worker,
+    RealizationEvaluator, StepError, StepMap, realization_evaluator,
 };
 use leafwise_karasev::CollocatedKarasev;
 
@@ -20,8 +20,8 @@ struct Numbers<R> {
     tangents: bool,
 }
 
-struct Worker {
-    of: Box<dyn RealizationWorker>,
+struct ShortEvaluator {
+    of: Box<dyn RealizationEvaluator>,
     tangents: bool,
 }
 
@@ -44,17 +44,17 @@ impl<R: RealizationData> RealizationData for Numbers<R> {
     fn chart(&self) -> Option<ChartCode<'_>> {
         self.of.chart()
     }
-    fn worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationWorker>> {
-        Some(Box::new(Worker {
-            of: realization_worker(&self.of, parameters, epsilon).expect("maps"),
+    fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationEvaluator>> {
+        Some(Box::new(ShortEvaluator {
+            of: realization_evaluator(&self.of, parameters, epsilon).expect("maps"),
             tangents: self.tangents,
         }))
     }
 }
 
-impl RealizationWorker for Worker {}
+impl RealizationEvaluator for ShortEvaluator {}
 
-impl Evaluator for Worker {
+impl Evaluator for ShortEvaluator {
     fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
         self.of.values(z, ends)
     }

@@ -58,10 +58,10 @@ impl GraphOfEnergy {
 }
 
 impl LagrangianBisection for GraphOfEnergy {
-    fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn Evaluator>> {
+    fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn Evaluator>> {
         Some(Box::new(GraphOfOneForm::new(
             self.form(parameters, h),
-            self.chart.worker(parameters, epsilon),
+            self.chart.evaluator(parameters, epsilon),
             self.dimension,
             self.space,
         )))

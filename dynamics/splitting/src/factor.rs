@@ -25,7 +25,7 @@ impl<S: Splits + Clone + 'static> Factor<S> {
 
 /// A splitting that makes steppers of any product of χ and χ*.
 pub(crate) trait Splits: StepMap {
-    /// A worker of … ∘ χ*_{α_2 h} ∘ χ_{α_1 h}, of any size.
+    /// A stepper of … ∘ χ*_{α_2 h} ∘ χ_{α_1 h}, of any size.
     fn passes_stepper(
         &self,
         parts: &[f64],

@@ -126,7 +126,7 @@ typedef struct LwCreate LwCreate;
 #define LW_FLAG_REVERSIBLE 32
 
 // Any part: calls on one instance may overlap in time. Whatever it says, this host makes an instance for
-// each of its workers, and instances run in parallel.
+// each of its evaluators, and instances run in parallel.
 #define LW_FLAG_SHAREABLE 64
 
 // Dynamic approximation: the host takes y = x_k instead of solving β̂(L(y)) = x_k.

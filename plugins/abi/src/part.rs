@@ -28,7 +28,7 @@ pub const LW_FLAG_COTANGENT_CHART: u32 = 16;
 /// Realization with a cotangent chart: β̂(x, p) = α̂(x, −p).
 pub const LW_FLAG_REVERSIBLE: u32 = 32;
 /// Any part: calls on one instance may overlap in time. Whatever it says, this host makes an instance for
-/// each of its workers, and instances run in parallel.
+/// each of its evaluators, and instances run in parallel.
 pub const LW_FLAG_SHAREABLE: u32 = 64;
 /// Dynamic approximation: the host takes y = x_k instead of solving β̂(L(y)) = x_k.
 pub const LW_FLAG_UNCORRECTED: u32 = 128;

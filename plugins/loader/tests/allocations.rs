@@ -59,7 +59,7 @@ fn calls_allocate_nothing() {
     let system = registry.system("example-c/gyrostat").expect("the gyrostat");
     let system = system.build(&PartParameters::new()).expect("its defaults");
     let values = system.parameter_values();
-    let mut numbers = system.numbers().expect("numbers").worker(&values);
+    let mut numbers = system.numbers().expect("numbers").evaluator(&values);
     let (y, v, mut out) = ([1.0; 6], [2.0; 3], [0.0; 6]);
     let of_system = allocations(|| {
         numbers.tensor(&y, &v, &mut out).expect("values");
@@ -73,11 +73,11 @@ fn calls_allocate_nothing() {
         .expect("a realization");
     let numbers = PartParameters::new().with("path", "numbers");
     let realization = part.build(&system, &numbers).expect("it fits");
-    let mut worker = realization.worker(&values, 0.5).expect("numbers");
+    let mut evaluator = realization.evaluator(&values, 0.5).expect("numbers");
     let (z, mut ends, mut tangents) = ([0.1; 6], [0.0; 9], [0.0; 36]);
     let of_realization = allocations(|| {
-        worker.values(&z, &mut ends).expect("values");
-        worker.jacobians(&z, &mut tangents).expect("values");
+        evaluator.values(&z, &mut ends).expect("values");
+        evaluator.jacobians(&z, &mut tangents).expect("values");
     });
     assert_eq!(of_realization, 0);
 

@@ -30,7 +30,7 @@ fn a_realization_of_numbers_steps_to_the_same_bits_loaded_or_compiled_in() {
     let dynamics = ("hamilton-jacobi", Some(2));
     let here = method(&registry, &system, Arc::new(RodriguesTwin), dynamics).expect("a method");
     let there = method(&registry, &system, loaded, dynamics).expect("a method");
-    assert_eq!(there.path(), "workers");
+    assert_eq!(there.path(), "evaluators");
     assert_eq!(there.properties(), here.properties());
     assert_eq!(there.properties().structure, Structure::Exact);
     assert_eq!(orbit(&system, &there, 500), orbit(&system, &here, 500));
@@ -378,13 +378,13 @@ fn gyrostat_of(workshop: &Workshop, name: &str) -> PoissonSystem {
 fn an_output_that_is_not_written_is_a_failure() {
     let system = gyrostat_of(&Workshop::new(), "unwritten");
     let numbers = system.opaque().expect("numbers");
-    let mut worker = numbers.numbers.worker(&system.parameter_values());
+    let mut evaluator = numbers.numbers.evaluator(&system.parameter_values());
     let mut gradient = [7.0; 3];
-    worker
+    evaluator
         .gradient(&[1.5, 0.5, 2.0], &mut gradient)
         .expect("written");
     assert_eq!(gradient, [1.5, 0.5 / 0.75, 2.0 / 1.25 - 0.3]);
-    let error = worker.gradient(&[2.5, 0.5, 2.0], &mut gradient);
+    let error = evaluator.gradient(&[2.5, 0.5, 2.0], &mut gradient);
     let text = error
         .expect_err("the last coordinate is missing")
         .to_string();
@@ -401,21 +401,21 @@ fn a_changed_rounding_is_noticed_and_undone() {
     let system = gyrostat_of(&Workshop::new(), "rounds_later");
     let numbers = system.opaque().expect("numbers");
     let sum = || std::hint::black_box(1.0) + std::hint::black_box(f64::EPSILON / 4.0);
-    let mut worker = numbers.numbers.worker(&system.parameter_values());
+    let mut evaluator = numbers.numbers.evaluator(&system.parameter_values());
     let mut gradient = [0.0; 3];
-    let failed = (0..64).find_map(|_| worker.gradient(&[2.5, 0.5, 2.0], &mut gradient).err());
+    let failed = (0..64).find_map(|_| evaluator.gradient(&[2.5, 0.5, 2.0], &mut gradient).err());
     let text = failed.expect("a change").to_string();
     assert!(
         text.contains("floating-point environment changed when it was called"),
         "{text}"
     );
     assert_eq!(sum(), 1.0);
-    // Fewer calls: it is told when the worker ends.
-    worker
+    // Fewer calls: it is told when the evaluator ends.
+    evaluator
         .gradient(&[2.5, 0.5, 2.0], &mut gradient)
         .expect("a call");
     assert_ne!(sum(), 1.0);
-    drop(worker);
+    drop(evaluator);
     assert_eq!(sum(), 1.0);
     let change = leafwise_plugin_loader::change_of_arithmetic().expect("a change");
     assert!(change.contains("gallery/rounds-later"), "{change}");

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use leafwise_core::evaluator::one_by_one;
 use leafwise_core::part::ParameterSetting;
 use leafwise_core::part_description::{ParameterDescription, PartDescription};
-use leafwise_core::system::NumbersWorker;
+use leafwise_core::system::SystemEvaluator;
 use leafwise_core::{
     BuildError, DynamicApproximation, Evaluator, Integrator, LagrangianBisection, Method, Origin,
     PartKind, PartParameters, PoissonSystem, RealizationData, Registry, StepError, StepMap,
@@ -64,7 +64,11 @@ impl DynamicApproximation for Shear {
 impl ShearBisection {
     fn shear(&self, parameters: &[f64], h: f64) -> ShearForm {
         ShearForm {
-            numbers: self.system.numbers().expect("formulas").worker(parameters),
+            numbers: self
+                .system
+                .numbers()
+                .expect("formulas")
+                .evaluator(parameters),
             dimension: self.system.dimension(),
             h,
         }
@@ -72,7 +76,7 @@ impl ShearBisection {
 }
 
 impl LagrangianBisection for ShearBisection {
-    fn worker(&self, parameters: &[f64], _: f64, h: f64) -> Option<Box<dyn Evaluator>> {
+    fn evaluator(&self, parameters: &[f64], _: f64, h: f64) -> Option<Box<dyn Evaluator>> {
         Some(Box::new(ShearPoint(self.shear(parameters, h))))
     }
     fn one_form(&self, parameters: &[f64], _: f64, h: f64) -> Option<Box<dyn Evaluator>> {
@@ -83,7 +87,7 @@ impl LagrangianBisection for ShearBisection {
 
 /// θ = h dH.
 struct ShearForm {
-    numbers: Box<dyn NumbersWorker>,
+    numbers: Box<dyn SystemEvaluator>,
     dimension: usize,
     h: f64,
 }
@@ -150,8 +154,8 @@ fn dynamics_of_numbers_step_to_the_same_bits_loaded_or_compiled_in() {
     load(&workshop.compile("bisections"), None, &mut registry).expect("six parts");
     let system = rigid_body();
     for (name, is_one_form, on, path) in [
-        ("bisections/embedding", false, "so3-cayley", "workers"),
-        ("bisections/one-form", true, "so3-cayley", "workers"),
+        ("bisections/embedding", false, "so3-cayley", "evaluators"),
+        ("bisections/one-form", true, "so3-cayley", "evaluators"),
         ("bisections/one-form", true, "karasev-collocated", "fused"),
     ] {
         let on = || realization(&registry, on, &system, PartParameters::new()).expect("it fits");
@@ -205,7 +209,7 @@ fn a_realization_of_numbers_steps_several_trajectories_to_the_same_bits() {
         method.expect("a method")
     };
     let (there, here) = (on(there.expect("it fits")), on(Arc::new(RodriguesTwin)));
-    assert_eq!([there.path(), here.path()], ["workers", "workers"]);
+    assert_eq!([there.path(), here.path()], ["evaluators", "evaluators"]);
     let alone = orbit(&system, &here, 300);
     assert_eq!(orbit(&system, &there, 300), alone);
     let all = orbits(&system, &there, 17, 300);

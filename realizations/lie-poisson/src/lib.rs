@@ -11,15 +11,15 @@
 //! - [`doubling`]: g as code, on numbers, dual numbers and pairs of roots alike.
 //! - [`closed_form`]: α and β of such algebras as straight-line code.
 //! - [`even_part`]: W g(W) by partial fractions of a continued fraction, for every other algebra.
-//! - [`worker`]: α, β and their tangents from them as numbers.
+//! - [`evaluator`]: α, β and their tangents from them as numbers.
 //! - [`realization`]: [`LiePoisson`], the realization data.
 
 pub mod closed_form;
 pub mod doubling;
+pub mod evaluator;
 pub mod even_part;
 pub mod realization;
 pub mod relations;
 pub mod structure;
-pub mod worker;
 
 pub use realization::LiePoisson;

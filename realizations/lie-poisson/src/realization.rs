@@ -4,17 +4,17 @@ use std::sync::Arc;
 
 use leafwise_core::part::{Auto, PartInfo, PartKind, PartParameters};
 use leafwise_core::realization::{
-    Accuracy, MapCode, RealizationData, RealizationWorker, SourceSeries,
+    Accuracy, MapCode, RealizationData, RealizationEvaluator, SourceSeries,
 };
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_karasev::series::KarasevSeries;
 
 use crate::closed_form::ClosedForm;
+use crate::evaluator::LiePoissonEvaluator;
 use crate::relations::classes;
 use crate::structure::NAME;
 use crate::structure::StructureConstants;
-use crate::worker::LiePoissonWorker;
 
 static INFO: PartInfo = PartInfo {
     name: NAME,
@@ -96,12 +96,12 @@ impl RealizationData for LiePoisson {
         }
     }
 
-    fn worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationWorker>> {
+    fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationEvaluator>> {
         match &self.maps {
             Maps::Code(_) => None,
             Maps::Numbers(structure) => {
                 let algebra = structure.at(parameters);
-                Some(Box::new(LiePoissonWorker::new(algebra, epsilon)))
+                Some(Box::new(LiePoissonEvaluator::new(algebra, epsilon)))
             }
         }
     }

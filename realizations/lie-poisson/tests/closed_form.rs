@@ -1,12 +1,12 @@
 //! The closed form in code beside the partial fractions in numbers.
 
 use crate::common::{ALGEBRAS, algebra};
-use leafwise_core::realization::RealizationWorker;
-use leafwise_core::{RealizationData, StepError, realization_worker};
+use leafwise_core::realization::RealizationEvaluator;
+use leafwise_core::{RealizationData, StepError, realization_evaluator};
 use leafwise_karasev::CollocatedKarasev;
 use leafwise_lie_poisson::LiePoisson;
+use leafwise_lie_poisson::evaluator::LiePoissonEvaluator;
 use leafwise_lie_poisson::structure::StructureConstants;
-use leafwise_lie_poisson::worker::LiePoissonWorker;
 use leafwise_tests::numbers::{UNIT_ROUNDOFF, distance, largest};
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -23,11 +23,11 @@ fn algebras_with_at_most_two_roots_a_coordinate_have_code() {
 }
 
 /// Offset and increment of the ends, and their tangents.
-fn values(worker: &mut dyn RealizationWorker, z: &[f64]) -> Result<[Vec<f64>; 2], StepError> {
+fn values(evaluator: &mut dyn RealizationEvaluator, z: &[f64]) -> Result<[Vec<f64>; 2], StepError> {
     let d = z.len() / 2;
     let (mut ends, mut tangents) = (vec![0.0; 3 * d], vec![0.0; 4 * d * d]);
-    worker.values(z, &mut ends)?;
-    worker.jacobians(z, &mut tangents)?;
+    evaluator.values(z, &mut ends)?;
+    evaluator.jacobians(z, &mut tangents)?;
     Ok([ends.split_off(d), tangents])
 }
 
@@ -50,8 +50,8 @@ proptest! {
         let parameters = system.parameter_values();
         let realization = LiePoisson::new(&system).expect("a linear tensor");
         let structure = StructureConstants::new(system.expressions().expect("formulas")).expect("a linear tensor");
-        let mut code = realization_worker(&realization, &parameters, 1.0).expect("code");
-        let mut numbers = LiePoissonWorker::new(structure.at(&parameters), 1.0);
+        let mut code = realization_evaluator(&realization, &parameters, 1.0).expect("code");
+        let mut numbers = LiePoissonEvaluator::new(structure.at(&parameters), 1.0);
         let full = [&x[..d], &p[..d]].concat();
         let scale = match values(&mut numbers, &full) {
             Err(StepError::LeftChart { ratio }) => 0.9 * scale / ratio,
@@ -90,13 +90,13 @@ fn second_derivatives_are_those_of_the_curve() {
         let formulas = system.expressions().expect("formulas");
         let structure = StructureConstants::new(formulas).expect("a linear tensor");
         let collocated = CollocatedKarasev::new(&system, Some(12)).expect("code");
-        let mut workers: [Box<dyn RealizationWorker>; 2] = [
-            Box::new(LiePoissonWorker::new(structure.at(&parameters), 0.9)),
-            collocated.worker(&parameters, 0.9).expect("numbers"),
+        let mut evaluators: [Box<dyn RealizationEvaluator>; 2] = [
+            Box::new(LiePoissonEvaluator::new(structure.at(&parameters), 0.9)),
+            collocated.evaluator(&parameters, 0.9).expect("numbers"),
         ];
-        let hessians = workers.each_mut().map(|worker| {
+        let hessians = evaluators.each_mut().map(|evaluator| {
             let mut hessian = vec![0.0; 4 * d * d];
-            worker
+            evaluator
                 .source_hessian(&z, &covector, &mut hessian)
                 .expect("second derivatives");
             hessian

@@ -73,7 +73,7 @@ fn newton_converges_over_code_and_over_numbers() {
         let system = algebra(name);
         let map = hamilton_jacobi(&system, &realization(&system), 4);
         let path = if name == "so5" {
-            "workers"
+            "evaluators"
         } else {
             "one kernel"
         };

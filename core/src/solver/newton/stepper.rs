@@ -27,7 +27,7 @@ pub struct NewtonStepper {
 }
 
 impl NewtonStepper {
-    /// A worker for `lanes` trajectories.
+    /// A stepper for `lanes` trajectories.
     pub fn new(
         kernel: &NewtonKernel,
         lanes: usize,

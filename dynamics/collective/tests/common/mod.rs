@@ -243,7 +243,7 @@ pub fn run(map: &dyn StepMap, t: f64, steps: usize, initial: &[f64]) -> Vec<f64>
     integrator.state().to_vec()
 }
 
-/// One step of a worker.
+/// One step of a stepper.
 pub fn advance(stepper: &mut dyn Stepper, x: &mut [f64; 3]) {
     let mut increment = [0.0; 3];
     let mut outcome = [Ok(())];

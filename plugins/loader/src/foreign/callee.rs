@@ -1,4 +1,4 @@
-//! An instance that a worker calls, or the reason why there is none.
+//! An instance that an evaluator calls, or the reason why there is none.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use super::instance::{Call, Instance};
 use super::part::ForeignPart;
 use crate::floating_point::{ControlWord, note_change};
 
-/// One worker's instance. Where it could not be made, every call says why: a worker is asked for
+/// One evaluator's instance. Where it could not be made, every call says why: an evaluator is asked for
 /// where no refusal can be given any more, for other values of parameters that did well before.
 pub(super) struct Callee {
     part: Arc<ForeignPart>,

@@ -157,12 +157,12 @@ impl ForeignBisection {
     }
 
     fn chart(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn Evaluator>> {
-        Some(self.lend.chart()?.worker(parameters, epsilon))
+        Some(self.lend.chart()?.evaluator(parameters, epsilon))
     }
 }
 
 impl ForeignBisection {
-    /// An instance for one worker.
+    /// An instance for one evaluator.
     fn caller(&self, parameters: &[f64], epsilon: f64, h: f64) -> Caller {
         let (part, parameters) = (Arc::clone(&self.dynamics.part), parameters.to_vec());
         let (system, lend) = (self.system.clone(), self.lend.clone());
@@ -200,7 +200,7 @@ impl LagrangianBisection for ForeignBisection {
         Some(self.form(parameters, epsilon, h))
     }
 
-    fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn Evaluator>> {
+    fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn Evaluator>> {
         let (d, space) = (self.system.dimension(), self.realization.space_dimension());
         let table = self.dynamics.table;
         if table.one_form.is_some() {
@@ -240,7 +240,7 @@ fn lent(
     })
 }
 
-/// The instance of one worker, with its step sizes.
+/// The instance of one evaluator, with its step sizes.
 struct Caller {
     callee: Callee,
     table: LwDynamics,

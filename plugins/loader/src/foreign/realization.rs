@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use leafwise_core::part::ParameterSetting;
 use leafwise_core::{
     Accuracy, BuildError, Evaluator, PartParameters, PoissonSystem, RealizationData,
-    RealizationWorker, StepError,
+    RealizationEvaluator, StepError,
 };
 use leafwise_plugin_abi::{LwMapFn, LwRealization};
 
@@ -197,9 +197,9 @@ impl RealizationData for ForeignRealization {
         }
     }
 
-    fn worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationWorker>> {
+    fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationEvaluator>> {
         let d = self.dimension();
-        Some(Box::new(Worker {
+        Some(Box::new(ForeignEvaluator {
             callee: self.callee(parameters),
             table: self.table,
             dimension: d,
@@ -210,7 +210,7 @@ impl RealizationData for ForeignRealization {
         }))
     }
 
-    fn chart_worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn Evaluator>> {
+    fn chart_evaluator(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn Evaluator>> {
         self.table.chart?;
         Some(Box::new(Chart {
             callee: self.callee(parameters),
@@ -230,7 +230,7 @@ impl RealizationData for ForeignRealization {
     }
 }
 
-struct Worker {
+struct ForeignEvaluator {
     callee: Callee,
     table: LwRealization,
     dimension: usize,
@@ -241,9 +241,9 @@ struct Worker {
     second: Vec<f64>,
 }
 
-impl RealizationWorker for Worker {}
+impl RealizationEvaluator for ForeignEvaluator {}
 
-impl Evaluator for Worker {
+impl Evaluator for ForeignEvaluator {
     fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
         let (d, count) = (self.dimension, z.len() / self.space);
         let call = Call::at(count, self.epsilon, 0.0, Input::points(z, self.space));

@@ -77,7 +77,7 @@ struct ForeignStepMap {
 }
 
 impl ForeignStepMap {
-    /// An instance for one worker.
+    /// An instance for one evaluator.
     fn callee(&self, parameters: &[f64]) -> Callee {
         let (part, system) = (Arc::clone(&self.part), self.system.clone());
         let (settings, parameters) = (self.settings.clone(), parameters.to_vec());

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use leafwise_core::part::ParameterSetting;
-use leafwise_core::system::{Derivatives, NumbersWorker, OpaqueSystem, Parameter, SystemNumbers};
+use leafwise_core::system::{Derivatives, OpaqueSystem, Parameter, SystemEvaluator, SystemNumbers};
 use leafwise_core::{BuildError, PartParameters, PoissonSystem, StepError};
 use leafwise_expression::syntax::Scope;
 use leafwise_plugin_abi::{LwMapFn, LwSystem};
@@ -197,7 +197,7 @@ impl SystemNumbers for ForeignNumbers {
         }
     }
 
-    fn worker(&self, parameters: &[f64]) -> Box<dyn NumbersWorker> {
+    fn evaluator(&self, parameters: &[f64]) -> Box<dyn SystemEvaluator> {
         let mut values = parameters.iter();
         let mut settings = self.settings.clone();
         for (_, setting) in &mut settings {
@@ -213,7 +213,7 @@ impl SystemNumbers for ForeignNumbers {
             };
             Instance::new(&part, making, HostObjects::default())
         };
-        Box::new(Worker {
+        Box::new(ForeignEvaluator {
             callee: Callee::new(&self.part, make),
             table: self.table,
             dimension: self.dimension,
@@ -222,14 +222,14 @@ impl SystemNumbers for ForeignNumbers {
     }
 }
 
-struct Worker {
+struct ForeignEvaluator {
     callee: Callee,
     table: LwSystem,
     dimension: usize,
     casimirs: usize,
 }
 
-impl Worker {
+impl ForeignEvaluator {
     /// One function of y and up to two vectors, with `results` numbers a point.
     #[inline(always)]
     fn evaluate(
@@ -264,7 +264,7 @@ impl Worker {
     }
 }
 
-impl NumbersWorker for Worker {
+impl SystemEvaluator for ForeignEvaluator {
     fn tensor(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         let function = ("tensor", self.table.tensor);
         self.evaluate(function, y, [v, &[]], out, self.dimension)

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use leafwise_core::{
-    Accuracy, BuildError, ChartMaps, Ends, Evaluator, RealizationData, RealizationMaps,
-    RealizationWorker, StepError,
+    Accuracy, BuildError, ChartMaps, Ends, Evaluator, RealizationData, RealizationEvaluator,
+    RealizationMaps, StepError,
 };
 use leafwise_plugin_abi::{
     LW_ERROR, LW_FLAG_COTANGENT_CHART, LW_FLAG_EXACT, LW_FLAG_REVERSIBLE, LwError,
@@ -68,7 +68,7 @@ struct Shared {
 }
 
 struct State {
-    workers: Option<Workers>,
+    evaluators: Option<Evaluators>,
     buffers: Buffers,
     /// Base, offset and increment.
     ends: Vec<f64>,
@@ -79,9 +79,9 @@ struct State {
 }
 
 /// Evaluators for one ε.
-struct Workers {
+struct Evaluators {
     epsilon: u64,
-    maps: Box<dyn RealizationWorker>,
+    maps: Box<dyn RealizationEvaluator>,
     chart: Option<Box<dyn Evaluator>>,
 }
 
@@ -104,15 +104,15 @@ impl HostRealization {
                 raw.flags |= LW_FLAG_REVERSIBLE;
             }
         }
-        let workers = Workers::new(&source, &parameters, 1.0);
-        let functions = table(&workers, !realization.points_are_pairs());
+        let evaluators = Evaluators::new(&source, &parameters, 1.0);
+        let functions = table(&evaluators, !realization.points_are_pairs());
         let mut shared = Box::new(Shared {
             raw,
             functions,
             parameters,
             is_called: AtomicBool::new(false),
             state: UnsafeCell::new(State {
-                workers: Some(workers),
+                evaluators: Some(evaluators),
                 buffers: Buffers::default(),
                 ends: vec![0.0; 3 * d],
                 tangents: vec![0.0; 2 * d * space],
@@ -131,35 +131,35 @@ impl HostRealization {
     }
 }
 
-impl Workers {
+impl Evaluators {
     fn new(source: &RealizationToLend, parameters: &[f64], epsilon: f64) -> Self {
         Self {
             epsilon: epsilon.to_bits(),
-            maps: source.maps.worker(parameters, epsilon),
+            maps: source.maps.evaluator(parameters, epsilon),
             chart: source
                 .chart
                 .as_ref()
-                .map(|chart| chart.worker(parameters, epsilon)),
+                .map(|chart| chart.evaluator(parameters, epsilon)),
         }
     }
 }
 
 /// The functions that a realization of these abilities has; a chart where its points are not pairs.
-fn table(workers: &Workers, needs_chart: bool) -> LwRealization {
+fn table(evaluators: &Evaluators, needs_chart: bool) -> LwRealization {
     let mut table = LwRealization::empty();
     table.space_dimension = Some(space_dimension);
     table.alpha = Some(alpha);
     table.beta = Some(beta);
     table.sigma = Some(sigma);
     table.ends = Some(ends);
-    if workers.maps.has_jacobian() {
+    if evaluators.maps.has_jacobian() {
         table.alpha_jacobian = Some(alpha_jacobian);
         table.beta_with_jacobian = Some(beta_with_jacobian);
         table.ends_jacobian = Some(ends_jacobian);
     }
-    if let Some(worker) = workers.chart.as_ref().filter(|_| needs_chart) {
+    if let Some(evaluator) = evaluators.chart.as_ref().filter(|_| needs_chart) {
         table.chart = Some(chart);
-        if worker.has_jacobian() {
+        if evaluator.has_jacobian() {
             table.chart_jacobian = Some(chart_jacobian);
         }
     }
@@ -186,7 +186,7 @@ unsafe extern "C" fn space_dimension(instance: *mut c_void) -> usize {
 /// The evaluators and buffers of a call.
 struct Maps<'a> {
     realization: &'a dyn RealizationData,
-    workers: &'a mut Workers,
+    evaluators: &'a mut Evaluators,
     ends: &'a mut [f64],
     tangents: &'a mut [f64],
     pair: &'a mut [f64],
@@ -194,13 +194,13 @@ struct Maps<'a> {
 
 impl Maps<'_> {
     fn ends(&mut self, z: &[f64]) -> Result<(), StepError> {
-        self.workers.maps.values(z, self.ends)
+        self.evaluators.maps.values(z, self.ends)
     }
 
     /// Dβ̂ and D(α̂ − β̂) at z, after the values there.
     fn tangents(&mut self, z: &[f64]) -> Result<(&[f64], &[f64]), StepError> {
         self.ends(z)?;
-        self.workers.maps.jacobians(z, self.tangents)?;
+        self.evaluators.maps.jacobians(z, self.tangents)?;
         Ok(self.tangents.split_at(self.tangents.len() / 2))
     }
 
@@ -216,7 +216,7 @@ impl Maps<'_> {
         let (first, second) = self.pair.split_at_mut(x.len());
         first.copy_from_slice(x);
         second.copy_from_slice(p);
-        let chart = self.workers.chart.as_mut().ok_or(StepError::NoTangent)?;
+        let chart = self.evaluators.chart.as_mut().ok_or(StepError::NoTangent)?;
         Ok((chart.as_mut(), self.pair))
     }
 }
@@ -245,15 +245,15 @@ unsafe fn evaluate(
     // SAFETY: passed on to the caller; a NULL call is refused by `batches`.
     let epsilon = unsafe { call.as_ref() }.map_or(1.0, |call| call.epsilon);
     let known = state
-        .workers
+        .evaluators
         .take()
-        .filter(|workers| workers.epsilon == epsilon.to_bits());
-    let mut workers =
-        known.unwrap_or_else(|| Workers::new(&shared.source, &shared.parameters, epsilon));
+        .filter(|evaluators| evaluators.epsilon == epsilon.to_bits());
+    let mut evaluators =
+        known.unwrap_or_else(|| Evaluators::new(&shared.source, &shared.parameters, epsilon));
     let realization = shared.source.realization.as_ref();
     let mut evaluator = Maps {
         realization,
-        workers: &mut workers,
+        evaluators: &mut evaluators,
         ends: &mut state.ends,
         tangents: &mut state.tangents,
         pair: &mut state.pair,
@@ -266,7 +266,7 @@ unsafe fn evaluate(
             function(&mut evaluator, [point, v], out)
         })
     };
-    state.workers = Some(workers);
+    state.evaluators = Some(evaluators);
     shared.is_called.store(false, Ordering::Release);
     status
 }

@@ -4,13 +4,13 @@ use std::cell::UnsafeCell;
 use std::ffi::{CString, c_char, c_void};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use leafwise_core::system::{Derivatives, NumbersWorker};
+use leafwise_core::system::{Derivatives, SystemEvaluator};
 use leafwise_core::{BuildError, PoissonSystem, StepError};
 use leafwise_plugin_abi::{LW_ERROR, LwError, LwHostSystem, LwMapCall, LwStatus, LwSystem};
 
 use super::points::{Buffers, Shape, batches, fail};
 
-/// Points that are handed over to a worker at once, at most.
+/// Points that are handed over to an evaluator at once, at most.
 const BATCH: usize = 64;
 
 /// The system of one instance, lent from `create` to `destroy`.
@@ -30,7 +30,7 @@ struct Shared {
 }
 
 struct State {
-    worker: Box<dyn NumbersWorker>,
+    evaluator: Box<dyn SystemEvaluator>,
     buffers: Buffers,
 }
 
@@ -60,7 +60,7 @@ impl HostSystem {
             casimirs,
             is_called: AtomicBool::new(false),
             state: UnsafeCell::new(State {
-                worker: numbers.worker(parameters),
+                evaluator: numbers.evaluator(parameters),
                 buffers: Buffers::default(),
             }),
         });
@@ -145,7 +145,7 @@ unsafe fn evaluate(
     call: *const LwMapCall,
     err: *mut LwError,
     shape: impl FnOnce(usize, usize) -> Shape,
-    mut function: impl FnMut(&mut dyn NumbersWorker, [&[f64]; 3], &mut [f64]) -> Result<(), StepError>,
+    mut function: impl FnMut(&mut dyn SystemEvaluator, [&[f64]; 3], &mut [f64]) -> Result<(), StepError>,
 ) -> LwStatus {
     // SAFETY: passed on to the caller.
     let shared = unsafe { shared(instance) };
@@ -157,12 +157,12 @@ unsafe fn evaluate(
     // SAFETY: nobody else is between the two changes of `is_called`.
     let state = unsafe { &mut *shared.state.get() };
     let shape = shape(shared.dimension, shared.casimirs.len());
-    let worker = state.worker.as_mut();
+    let evaluator = state.evaluator.as_mut();
     // SAFETY: passed on to the caller.
     let status = unsafe {
         let buffers = &mut state.buffers;
         batches(call, err, (shape, BATCH), buffers, |y, v, w, out| {
-            function(worker, [y, v, w], out)
+            function(evaluator, [y, v, w], out)
         })
     };
     shared.is_called.store(false, Ordering::Release);
@@ -189,15 +189,15 @@ macro_rules! maps {
 }
 
 maps! {
-    tensor(1, 0) -> |d, _| d, |worker, [y, v, _], out| worker.tensor(y, v, out);
-    hamiltonian(0, 0) -> |_, _| 1, |worker, [y, _, _], out| worker.hamiltonian(y, out);
-    gradient(0, 0) -> |d, _| d, |worker, [y, _, _], out| worker.gradient(y, out);
-    casimirs(0, 0) -> |_, c| c, |worker, [y, _, _], out| worker.casimirs(y, out);
-    casimir_gradients(0, 0) -> |d, c| d * c, |worker, [y, _, _], out| {
-        worker.casimir_gradients(y, out)
+    tensor(1, 0) -> |d, _| d, |evaluator, [y, v, _], out| evaluator.tensor(y, v, out);
+    hamiltonian(0, 0) -> |_, _| 1, |evaluator, [y, _, _], out| evaluator.hamiltonian(y, out);
+    gradient(0, 0) -> |d, _| d, |evaluator, [y, _, _], out| evaluator.gradient(y, out);
+    casimirs(0, 0) -> |_, c| c, |evaluator, [y, _, _], out| evaluator.casimirs(y, out);
+    casimir_gradients(0, 0) -> |d, c| d * c, |evaluator, [y, _, _], out| {
+        evaluator.casimir_gradients(y, out)
     };
-    tensor_tangent(1, 1) -> |d, _| d, |worker, [y, v, w], out| {
-        worker.tensor_tangent(y, v, w, out)
+    tensor_tangent(1, 1) -> |d, _| d, |evaluator, [y, v, w], out| {
+        evaluator.tensor_tangent(y, v, w, out)
     };
-    hessian(1, 0) -> |d, _| d, |worker, [y, v, _], out| worker.hessian(y, v, out);
+    hessian(1, 0) -> |d, _| d, |evaluator, [y, v, _], out| evaluator.hessian(y, v, out);
 }

@@ -5,9 +5,9 @@
 use std::sync::Arc;
 
 use leafwise_core::system::numbers::vector;
-use leafwise_core::system::{Derivatives, NumbersWorker, OpaqueSystem, SystemNumbers};
+use leafwise_core::system::{Derivatives, OpaqueSystem, SystemEvaluator, SystemNumbers};
 use leafwise_core::{
-    Accuracy, Evaluator, MapProperties, PoissonSystem, RealizationData, RealizationWorker,
+    Accuracy, Evaluator, MapProperties, PoissonSystem, RealizationData, RealizationEvaluator,
     SolverStatistics, StepError, StepMap, Stepper, Structure,
 };
 use leafwise_example_plugin::Rodrigues;
@@ -27,16 +27,16 @@ impl RealizationData for RodriguesTwin {
     fn describe(&self) -> String {
         "rodrigues".to_owned()
     }
-    fn worker(&self, _: &[f64], epsilon: f64) -> Option<Box<dyn RealizationWorker>> {
-        Some(Box::new(RodriguesWorker { epsilon }))
+    fn evaluator(&self, _: &[f64], epsilon: f64) -> Option<Box<dyn RealizationEvaluator>> {
+        Some(Box::new(RodriguesEvaluator { epsilon }))
     }
 }
 
-struct RodriguesWorker {
+struct RodriguesEvaluator {
     epsilon: f64,
 }
 
-impl RodriguesWorker {
+impl RodriguesEvaluator {
     fn parts(&self, z: &[f64], base: &mut [f64], even: &mut [f64], odd: &mut [f64]) {
         let (x, p) = z.split_at(3);
         Rodrigues
@@ -61,9 +61,9 @@ impl RodriguesWorker {
     }
 }
 
-impl RealizationWorker for RodriguesWorker {}
+impl RealizationEvaluator for RodriguesEvaluator {}
 
-impl Evaluator for RodriguesWorker {
+impl Evaluator for RodriguesEvaluator {
     fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
         for (z, ends) in z.chunks_exact(6).zip(ends.chunks_exact_mut(9)) {
             let (base, rest) = ends.split_at_mut(3);
@@ -89,7 +89,7 @@ impl Evaluator for RodriguesWorker {
 /// The gyrostat of the C example.
 struct Gyrostat;
 
-impl NumbersWorker for Gyrostat {
+impl SystemEvaluator for Gyrostat {
     fn tensor(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
         for (at, out) in out.chunks_exact_mut(3).enumerate() {
             let (y, v) = (vector(y, 3, at), vector(v, 3, at));
@@ -160,7 +160,7 @@ impl SystemNumbers for GyrostatNumbers {
         }
     }
 
-    fn worker(&self, _: &[f64]) -> Box<dyn NumbersWorker> {
+    fn evaluator(&self, _: &[f64]) -> Box<dyn SystemEvaluator> {
         Box::new(Gyrostat)
     }
 }
@@ -182,7 +182,7 @@ pub fn gyrostat_twin(loaded: &PoissonSystem) -> PoissonSystem {
 pub struct HeunTwin(pub PoissonSystem);
 
 struct Heun {
-    worker: Box<dyn NumbersWorker>,
+    evaluator: Box<dyn SystemEvaluator>,
     t: f64,
     weight: f64,
 }
@@ -190,8 +190,8 @@ struct Heun {
 impl Heun {
     fn field(&mut self, y: &[f64; 3]) -> [f64; 3] {
         let (mut gradient, mut out) = ([0.0; 3], [0.0; 3]);
-        self.worker.gradient(y, &mut gradient).expect("formulas");
-        self.worker
+        self.evaluator.gradient(y, &mut gradient).expect("formulas");
+        self.evaluator
             .tensor(y, &gradient, &mut out)
             .expect("formulas");
         out.map(|v| -v)
@@ -247,7 +247,7 @@ impl StepMap for HeunTwin {
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
         let own: Vec<f64> = parameters.iter().step_by(lanes).copied().collect();
         Box::new(Heun {
-            worker: self.0.numbers().expect("formulas").worker(&own),
+            evaluator: self.0.numbers().expect("formulas").evaluator(&own),
             t: epsilon * h,
             weight: 0.25,
         })

@@ -2,7 +2,7 @@
 
 use leafwise::core::part::ParameterSetting;
 use leafwise::core::realization::{Accuracy, Ends, RealizationData};
-use leafwise::core::{BuildError, Method, StepError, realization_worker};
+use leafwise::core::{BuildError, Method, StepError, realization_evaluator};
 use leafwise::expression::{Arithmetic, Graph, Kernel, Rational, StepSize, Term};
 use leafwise::karasev::TruncatedKarasev;
 use leafwise::run::{json::json_number, json::json_numbers};
@@ -242,7 +242,7 @@ fn ends(
     let parameters = at.run.system.parameter_values();
     let epsilon = at.run.plan.epsilon;
     let point: Vec<f64> = x.iter().chain(p).map(Rational::to_f64).collect();
-    let z = match realization.chart_worker(&parameters, epsilon) {
+    let z = match realization.chart_evaluator(&parameters, epsilon) {
         Some(mut chart) => {
             let mut z = vec![0.0; realization.space_dimension()];
             chart.values(&point, &mut z)?;
@@ -256,9 +256,9 @@ fn ends(
             ));
         }
     };
-    let mut worker = realization_worker(realization, &parameters, epsilon)?;
+    let mut evaluator = realization_evaluator(realization, &parameters, epsilon)?;
     let mut values = vec![0.0; 3 * d];
-    worker.values(&z, &mut values)?;
+    evaluator.values(&z, &mut values)?;
     let ends = Ends::of(&values);
     Ok((0..d).map(|i| (ends.target(i), ends.source(i))).unzip())
 }

@@ -1,6 +1,6 @@
 //! A step that nearly leaves the realization's chart.
 
-use leafwise_core::realization_worker;
+use leafwise_core::realization_evaluator;
 
 use super::probe::{Place, Probe};
 use super::step::half_the_step;
@@ -37,10 +37,11 @@ fn last_term(probe: &Probe<'_>, place: &Place) -> usize {
     let epsilon = probe.run.plan.epsilon;
     let ratio_of = |order: usize| {
         let shorter = probe.truncated(order).ok()?;
-        let mut worker = realization_worker(shorter.as_ref(), &probe.parameters, epsilon).ok()?;
+        let mut evaluator =
+            realization_evaluator(shorter.as_ref(), &probe.parameters, epsilon).ok()?;
         // Outside the chart too, the ratio is what is asked.
-        let _ = worker.values(&place.solution.point, &mut vec![0.0; 3 * place.x.len()]);
-        worker.chart_ratio()
+        let _ = evaluator.values(&place.solution.point, &mut vec![0.0; 3 * place.x.len()]);
+        evaluator.chart_ratio()
     };
     while order > 2 && ratio_of(order - 1) == place.solution.chart_ratio {
         order -= 1;

@@ -1,6 +1,6 @@
 //! A truncation order above what a step can feel.
 
-use leafwise_core::{Ends, RealizationData, realization_worker};
+use leafwise_core::{Ends, RealizationData, realization_evaluator};
 
 use super::probe::{Probe, distance, size};
 use super::{Advice, AdviceKind};
@@ -43,11 +43,11 @@ pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
 
 /// Base, β̂ − base and α̂ − β̂ at the run's points.
 fn ends(probe: &Probe<'_>, realization: &dyn RealizationData) -> Option<Vec<Vec<f64>>> {
-    let mut worker =
-        realization_worker(realization, &probe.parameters, probe.run.plan.epsilon).ok()?;
+    let mut evaluator =
+        realization_evaluator(realization, &probe.parameters, probe.run.plan.epsilon).ok()?;
     let ends = probe.places.iter().map(|place| {
         let mut ends = vec![0.0; 3 * place.x.len()];
-        worker.values(&place.solution.point, &mut ends).ok()?;
+        evaluator.values(&place.solution.point, &mut ends).ok()?;
         Some(ends)
     });
     ends.collect()

@@ -29,8 +29,8 @@ pub(super) fn measured(
     let worst = all.whole.first().filter(|energy| energy.maximum > 0.0);
     let worst = worst.and_then(|energy| Some((energy, ensemble.population.draw(energy.member)?)));
     if let Some((energy, (state, parameters))) = worst {
-        let worker = ensemble.invariants.worker(1, &parameters);
-        let values = worker.map(|mut worker| worker.at(&state).to_vec());
+        let evaluator = ensemble.invariants.evaluator(1, &parameters);
+        let values = evaluator.map(|mut evaluator| evaluator.at(&state).to_vec());
         let initial = values.ok().and_then(|values| values.first().copied());
         let error = EnergyError {
             parameters: &parameters,

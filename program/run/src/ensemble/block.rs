@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use leafwise_core::{BuildError, SideBySide, SolverStatistics};
 
-use super::observers::Worker;
+use super::observers::ObservableEvaluator;
 use super::plan::{Column, ComposedEnsemble};
 use super::population::NO_LEAF;
 use super::statistics::{MemberFailure, Reductions};
@@ -81,8 +81,8 @@ pub(super) fn run(
 struct Block<'a> {
     ensemble: &'a ComposedEnsemble,
     integrator: SideBySide,
-    invariants: Worker<'a>,
-    formulas: Worker<'a>,
+    invariants: ObservableEvaluator<'a>,
+    formulas: ObservableEvaluator<'a>,
     record: Record,
     /// The time and the window to be filled next.
     sample: usize,
@@ -118,8 +118,8 @@ impl<'a> Block<'a> {
         let integrator = SideBySide::new(map, lanes, &values, plan.epsilon, plan.h, &initial);
         let window_ends = ensemble.window_ends();
         Ok(Self {
-            invariants: ensemble.invariants.worker(lanes, &values)?,
-            formulas: ensemble.formulas.worker(lanes, &values)?,
+            invariants: ensemble.invariants.evaluator(lanes, &values)?,
+            formulas: ensemble.formulas.evaluator(lanes, &values)?,
             integrator,
             record: Record {
                 first,

@@ -58,8 +58,12 @@ impl Functions {
     /// An evaluator for lanes with their parameters, a structure of arrays.
     ///
     /// # Errors
-    /// [`BuildError`] where a system of numbers has no worker.
-    pub fn worker(&self, lanes: usize, parameters: &[f64]) -> Result<Worker<'_>, BuildError> {
+    /// [`BuildError`] where a system of numbers has no evaluator.
+    pub fn evaluator(
+        &self,
+        lanes: usize,
+        parameters: &[f64],
+    ) -> Result<ObservableEvaluator<'_>, BuildError> {
         let evaluator = match self {
             Self::Code(kernel) => {
                 let mut workspace = kernel.workspace(lanes);
@@ -84,7 +88,7 @@ impl Functions {
                 }
             }
         };
-        Ok(Worker {
+        Ok(ObservableEvaluator {
             evaluator,
             values: vec![0.0; self.count() * lanes],
         })
@@ -92,7 +96,7 @@ impl Functions {
 }
 
 /// Values of functions in all lanes.
-pub(super) struct Worker<'a> {
+pub(super) struct ObservableEvaluator<'a> {
     evaluator: Evaluator<'a>,
     values: Vec<f64>,
 }
@@ -106,7 +110,7 @@ enum Evaluator<'a> {
     },
 }
 
-impl Worker<'_> {
+impl ObservableEvaluator<'_> {
     /// The values at states, both structures of arrays.
     pub fn at(&mut self, states: &[f64]) -> &[f64] {
         match &mut self.evaluator {

@@ -248,7 +248,7 @@ fn ranks(run: &ComposedRun, invariants: &SmoothMap, x: &[f64]) -> Option<(usize,
     let d = x.len();
     let parameters = run.system.parameter_values();
     let numbers = run.system.numbers().ok()?;
-    let mut numbers = numbers.worker(&parameters);
+    let mut numbers = numbers.evaluator(&parameters);
     let mut tensor = vec![0.0; d * d];
     for (k, column) in tensor.chunks_exact_mut(d).enumerate() {
         let mut unit = vec![0.0; d];

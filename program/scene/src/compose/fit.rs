@@ -170,10 +170,10 @@ impl Seen {
 
 /// −Π ∇H at a state, where it is to be had.
 fn field(system: &PoissonSystem, values: &[f64], x: &[f64]) -> Option<Vec<f64>> {
-    let mut worker = system.numbers().ok()?.worker(values);
+    let mut evaluator = system.numbers().ok()?.evaluator(values);
     let (mut gradient, mut field) = (vec![0.0; x.len()], vec![0.0; x.len()]);
-    worker.gradient(x, &mut gradient).ok()?;
-    worker.tensor(x, &gradient, &mut field).ok()?;
+    evaluator.gradient(x, &mut gradient).ok()?;
+    evaluator.tensor(x, &gradient, &mut field).ok()?;
     field.iter_mut().for_each(|v| *v = -*v);
     field.iter().all(|v| v.is_finite()).then_some(field)
 }

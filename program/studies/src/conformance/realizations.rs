@@ -221,8 +221,12 @@ impl Charted {
         let mut z = vec![0.0; self.space];
         let mut ends = vec![0.0; 3 * x.len()];
         let pair = [x, p].concat();
-        self.chart.worker(&self.values, 1.0).values(&pair, &mut z)?;
-        self.maps.worker(&self.values, 1.0).values(&z, &mut ends)?;
+        self.chart
+            .evaluator(&self.values, 1.0)
+            .values(&pair, &mut z)?;
+        self.maps
+            .evaluator(&self.values, 1.0)
+            .values(&z, &mut ends)?;
         Ok(ends)
     }
 

@@ -4,7 +4,7 @@ use leafwise_core::diagnostics::differences::{Differences, jacobian_by_differenc
 use leafwise_core::diagnostics::{check_casimir, check_jacobi};
 use leafwise_core::part::PartInfo;
 use leafwise_core::solver::judge::larger;
-use leafwise_core::system::NumbersWorker;
+use leafwise_core::system::SystemEvaluator;
 use leafwise_core::{BuildError, Registry, StepError};
 use nalgebra::DMatrix;
 
@@ -65,7 +65,7 @@ fn alone(
     let Some(opaque) = system.opaque() else {
         return Ok(());
     };
-    let mut worker = opaque.numbers.worker(&values);
+    let mut evaluator = opaque.numbers.evaluator(&values);
     let offered = opaque.numbers.derivatives();
     let casimirs = system.casimir_names().len();
     let checks: [(&str, bool, Derivative); 4] = [
@@ -79,7 +79,7 @@ fn alone(
         ),
     ];
     let mut counted = Counted {
-        worker: worker.as_mut(),
+        evaluator: evaluator.as_mut(),
         casimirs,
     };
     for (quantity, is_offered, derivative) in checks {
@@ -93,9 +93,9 @@ fn alone(
     Ok(())
 }
 
-/// A worker with the number of its system's Casimirs.
+/// An evaluator with the number of its system's Casimirs.
 struct Counted<'a> {
-    worker: &'a mut dyn NumbersWorker,
+    evaluator: &'a mut dyn SystemEvaluator,
     casimirs: usize,
 }
 
@@ -103,10 +103,10 @@ struct Counted<'a> {
 type Derivative = fn(&mut Counted<'_>, &[f64]) -> Result<(DMatrix<f64>, Differences), StepError>;
 
 fn gradient(system: &mut Counted<'_>, y: &[f64]) -> Result<(DMatrix<f64>, Differences), StepError> {
-    let worker = &mut *system.worker;
+    let evaluator = &mut *system.evaluator;
     let mut own = vec![0.0; y.len()];
-    worker.gradient(y, &mut own)?;
-    let found = jacobian_by_differences(y, 1, |at, out| worker.hamiltonian(at, out))?;
+    evaluator.gradient(y, &mut own)?;
+    let found = jacobian_by_differences(y, 1, |at, out| evaluator.hamiltonian(at, out))?;
     Ok((DMatrix::from_row_slice(1, y.len(), &own), found))
 }
 
@@ -114,17 +114,17 @@ fn tensor_tangent(
     system: &mut Counted<'_>,
     y: &[f64],
 ) -> Result<(DMatrix<f64>, Differences), StepError> {
-    let (worker, d) = (&mut *system.worker, y.len());
+    let (evaluator, d) = (&mut *system.evaluator, y.len());
     let v: Vec<f64> = (0..d).map(|i| 1.0 - 0.375 * (i % 5) as f64).collect();
-    let own = columns(d, |unit, out| worker.tensor_tangent(y, &v, unit, out))?;
-    let found = jacobian_by_differences(y, d, |at, out| worker.tensor(at, &v, out))?;
+    let own = columns(d, |unit, out| evaluator.tensor_tangent(y, &v, unit, out))?;
+    let found = jacobian_by_differences(y, d, |at, out| evaluator.tensor(at, &v, out))?;
     Ok((own, found))
 }
 
 fn hessian(system: &mut Counted<'_>, y: &[f64]) -> Result<(DMatrix<f64>, Differences), StepError> {
-    let (worker, d) = (&mut *system.worker, y.len());
-    let own = columns(d, |unit, out| worker.hessian(y, unit, out))?;
-    let found = jacobian_by_differences(y, d, |at, out| worker.gradient(at, out))?;
+    let (evaluator, d) = (&mut *system.evaluator, y.len());
+    let own = columns(d, |unit, out| evaluator.hessian(y, unit, out))?;
+    let found = jacobian_by_differences(y, d, |at, out| evaluator.gradient(at, out))?;
     Ok((own, found))
 }
 
@@ -132,10 +132,10 @@ fn casimir_gradients(
     system: &mut Counted<'_>,
     y: &[f64],
 ) -> Result<(DMatrix<f64>, Differences), StepError> {
-    let (worker, count) = (&mut *system.worker, system.casimirs);
+    let (evaluator, count) = (&mut *system.evaluator, system.casimirs);
     let mut own = vec![0.0; count * y.len()];
-    worker.casimir_gradients(y, &mut own)?;
-    let found = jacobian_by_differences(y, count, |at, out| worker.casimirs(at, out))?;
+    evaluator.casimir_gradients(y, &mut own)?;
+    let found = jacobian_by_differences(y, count, |at, out| evaluator.casimirs(at, out))?;
     Ok((DMatrix::from_row_slice(count, y.len(), &own), found))
 }
 
@@ -179,15 +179,15 @@ fn agreement(
         let Ok(source) = system.numbers() else {
             return Ok(Vec::new());
         };
-        let mut worker = source.worker(&system.parameter_values());
+        let mut evaluator = source.evaluator(&system.parameter_values());
         let room = |n: usize| vec![0.0; n];
         let (mut tensor, mut energy, mut gradient) = (room(d), room(1), room(d));
         let mut casimirs = room(system.casimir_names().len());
-        worker.gradient(y, &mut gradient)?;
-        worker.tensor(y, &gradient, &mut tensor)?;
-        worker.hamiltonian(y, &mut energy)?;
+        evaluator.gradient(y, &mut gradient)?;
+        evaluator.tensor(y, &gradient, &mut tensor)?;
+        evaluator.hamiltonian(y, &mut energy)?;
         if !casimirs.is_empty() {
-            worker.casimirs(y, &mut casimirs)?;
+            evaluator.casimirs(y, &mut casimirs)?;
         }
         Ok(vec![
             ("Pi grad H", tensor),

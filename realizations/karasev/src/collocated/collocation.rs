@@ -3,8 +3,8 @@
 use leafwise_expression::Kernel;
 
 use super::curve::Curve;
+use super::evaluator::FEWEST_POINTS;
 use super::field::Field;
-use super::worker::FEWEST_POINTS;
 
 /// Where the automatic choice gives up: the curve is then too long for its chart.
 const MOST_POINTS: usize = 24;

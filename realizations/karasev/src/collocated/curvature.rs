@@ -27,8 +27,8 @@ impl Curvature {
         self.kernel.get_or_init(compiled).as_ref()
     }
 
-    pub(super) fn worker(&self, parameters: &[f64]) -> CurvatureWorker {
-        CurvatureWorker {
+    pub(super) fn evaluator(&self, parameters: &[f64]) -> CurvatureEvaluator {
+        CurvatureEvaluator {
             curvature: self.clone(),
             parameters: parameters.to_vec(),
             workspace: None,
@@ -39,7 +39,7 @@ impl Curvature {
 }
 
 /// One thread's evaluator of a [`Curvature`].
-pub(super) struct CurvatureWorker {
+pub(super) struct CurvatureEvaluator {
     curvature: Curvature,
     parameters: Vec<f64>,
     workspace: Option<Workspace>,
@@ -48,7 +48,7 @@ pub(super) struct CurvatureWorker {
     pub(super) operations: u64,
 }
 
-impl CurvatureWorker {
+impl CurvatureEvaluator {
     /// Whether [`evaluate`](Self::evaluate) has code.
     pub(super) fn is_offered(&self) -> bool {
         self.curvature.kernel().is_some()

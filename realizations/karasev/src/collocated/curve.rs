@@ -6,7 +6,7 @@ use leafwise_core::solver::{
     CorrectionMethod, DenseFactors, Iteration, elimination_operations, substitution_operations,
 };
 
-use super::field::{Field, FieldWorker};
+use super::field::{Field, FieldEvaluator};
 use super::rule::CollocationRule;
 
 /// Budget of the iteration, before Newton's method takes over.
@@ -24,7 +24,7 @@ const LEAST_COMPONENT: f64 = 1e-5;
 /// The curve at q nodes, and V there.
 pub(super) struct Curve {
     pub(super) rule: CollocationRule,
-    pub(super) field: FieldWorker,
+    pub(super) field: FieldEvaluator,
     dimension: usize,
     /// Y_j, q × d.
     pub(super) nodes: Vec<f64>,
@@ -50,7 +50,7 @@ impl Curve {
         let d = field.dimension;
         Self {
             rule: CollocationRule::new(q),
-            field: field.worker(parameters),
+            field: field.evaluator(parameters),
             dimension: d,
             nodes: vec![0.0; q * d],
             values: vec![0.0; q * d],

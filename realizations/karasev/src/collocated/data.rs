@@ -8,13 +8,13 @@ use leafwise_core::part::{
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{
     Accuracy, BuildError, LagrangianBisection, MapProperties, PoissonSystem, RealizationData,
-    RealizationWorker, SourceSeries, StepMap,
+    RealizationEvaluator, SourceSeries, StepMap,
 };
 
 use super::collocation::Collocation;
+use super::evaluator::CollocatedEvaluator;
 use super::field::{Field, NAME};
 use super::fused::{FusedStep, OneForm};
-use super::worker::CollocatedWorker;
 use crate::series::KarasevSeries;
 
 static INFO: PartInfo = PartInfo {
@@ -100,11 +100,11 @@ impl RealizationData for CollocatedKarasev {
             .map(|series| series as &dyn SourceSeries)
     }
 
-    fn worker(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationWorker>> {
+    fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Option<Box<dyn RealizationEvaluator>> {
         let curve = self.collocation.curve(parameters);
         let (most, d) = (self.collocation.most_points(), self.dimension());
-        let worker = CollocatedWorker::new(curve, epsilon, most, d);
-        Some(Box::new(worker))
+        let evaluator = CollocatedEvaluator::new(curve, epsilon, most, d);
+        Some(Box::new(evaluator))
     }
 
     fn fuse(

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use leafwise_core::system::{NumbersWorker, SystemNumbers};
+use leafwise_core::system::{SystemEvaluator, SystemNumbers};
 use leafwise_core::{BuildError, PoissonSystem, StepError, SystemFormulas};
 use leafwise_expression::{Graph, Kernel, Term, Workspace};
 use nalgebra::DMatrix;
 
-use super::curvature::{Curvature, CurvatureWorker};
+use super::curvature::{Curvature, CurvatureEvaluator};
 
 /// The part's name.
 pub(super) const NAME: &str = "karasev-collocated";
@@ -56,7 +56,7 @@ impl Field {
         }
     }
 
-    pub(super) fn worker(&self, parameters: &[f64]) -> FieldWorker {
+    pub(super) fn evaluator(&self, parameters: &[f64]) -> FieldEvaluator {
         let d = self.dimension;
         let evaluator = match &self.source {
             Source::Kernels {
@@ -66,17 +66,17 @@ impl Field {
             } => Evaluator::Kernels {
                 value: Box::new(Prepared::new(value, parameters)),
                 slopes: Box::new(Prepared::new(slopes, parameters)),
-                curvature: Box::new(curvature.worker(parameters)),
+                curvature: Box::new(curvature.evaluator(parameters)),
                 operations: 0,
             },
             Source::Numbers(numbers) => Evaluator::Numbers {
-                worker: numbers.worker(parameters),
+                evaluator: numbers.evaluator(parameters),
                 has_slopes: numbers.derivatives().tensor,
                 units: DMatrix::identity(d, d).as_slice().to_vec(),
                 columns: vec![0.0; d * d],
             },
         };
-        FieldWorker {
+        FieldEvaluator {
             evaluator,
             dimension: d,
         }
@@ -138,7 +138,7 @@ impl Prepared {
 }
 
 /// One thread's evaluator of V.
-pub(super) struct FieldWorker {
+pub(super) struct FieldEvaluator {
     evaluator: Evaluator,
     dimension: usize,
 }
@@ -147,11 +147,11 @@ enum Evaluator {
     Kernels {
         value: Box<Prepared>,
         slopes: Box<Prepared>,
-        curvature: Box<CurvatureWorker>,
+        curvature: Box<CurvatureEvaluator>,
         operations: u64,
     },
     Numbers {
-        worker: Box<dyn NumbersWorker>,
+        evaluator: Box<dyn SystemEvaluator>,
         has_slopes: bool,
         /// The unit vectors, and room for as many columns.
         units: Vec<f64>,
@@ -159,7 +159,7 @@ enum Evaluator {
     },
 }
 
-impl FieldWorker {
+impl FieldEvaluator {
     /// V at every node, with one p.
     pub(super) fn values(
         &mut self,
@@ -178,7 +178,7 @@ impl FieldWorker {
                 }
                 Ok(())
             }
-            Evaluator::Numbers { worker, .. } => worker.tensor(nodes, p, values),
+            Evaluator::Numbers { evaluator, .. } => evaluator.tensor(nodes, p, values),
         }
     }
 
@@ -214,14 +214,14 @@ impl FieldWorker {
                 Ok(())
             }
             Evaluator::Numbers {
-                worker,
+                evaluator,
                 units,
                 columns,
                 ..
             } => {
-                worker.tensor_tangent(y, p, units, columns)?;
+                evaluator.tensor_tangent(y, p, units, columns)?;
                 transpose(columns, by_y, self.dimension);
-                worker.tensor(y, units, columns)?;
+                evaluator.tensor(y, units, columns)?;
                 transpose(columns, by_p, self.dimension);
                 Ok(())
             }
@@ -257,7 +257,7 @@ impl FieldWorker {
                 curvature,
                 ..
             } => Some(operations + curvature.operations),
-            Evaluator::Numbers { worker, .. } => worker.operations(),
+            Evaluator::Numbers { evaluator, .. } => evaluator.operations(),
         }
     }
 }

@@ -19,7 +19,7 @@ use nalgebra::DMatrix;
 
 use super::collocation::Collocation;
 use super::curve::Curve;
-use super::worker::CollocatedWorker;
+use super::evaluator::CollocatedEvaluator;
 
 /// Budget of one step.
 const MOST_EVALUATIONS: usize = 100;
@@ -54,9 +54,9 @@ impl OneForm {
         Some(Ok(Self::Numbers(Arc::clone(bisection))))
     }
 
-    fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Evaluator> {
+    fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Evaluator> {
         match self {
-            Self::Code(form) => form.worker(parameters, epsilon, h),
+            Self::Code(form) => form.evaluator(parameters, epsilon, h),
             Self::Numbers(bisection) => bisection
                 .one_form(parameters, epsilon, h)
                 .expect("a one-form was offered when the method was composed"),
@@ -117,7 +117,7 @@ impl StepMap for FusedStep {
                 epsilon,
                 most_points: self.collocation.most_points(),
                 curve: self.collocation.curve(parameters),
-                form: self.form.worker(parameters, epsilon, h),
+                form: self.form.evaluator(parameters, epsilon, h),
                 collocation: self.collocation.clone(),
                 parameters: parameters.to_vec(),
                 linear: 0,
@@ -160,7 +160,7 @@ struct FusedTrajectory {
 /// β̂(x̂, dŜ(x̂)) = x_k by evaluations of its own.
 struct Path {
     branch: Branch,
-    worker: CollocatedWorker,
+    evaluator: CollocatedEvaluator,
     ends: Vec<f64>,
     z: Vec<f64>,
     /// Dβ̂ and D(α̂ − β̂).
@@ -169,10 +169,10 @@ struct Path {
 }
 
 impl Path {
-    fn new(worker: CollocatedWorker, d: usize) -> Self {
+    fn new(evaluator: CollocatedEvaluator, d: usize) -> Self {
         Self {
             branch: Branch::new(d),
-            worker,
+            evaluator,
             ends: vec![0.0; 3 * d],
             z: vec![0.0; 2 * d],
             tangents: vec![0.0; 4 * d * d],
@@ -192,7 +192,7 @@ impl Path {
         let d = x.len();
         let Self {
             branch,
-            worker,
+            evaluator,
             ends,
             z,
             tangents,
@@ -209,8 +209,8 @@ impl Path {
                 form.values(centre, p)?;
                 form.jacobians(centre, slope)?;
                 p.iter_mut().for_each(|p| *p *= part);
-                worker.values(z, ends)?;
-                worker.jacobians(z, tangents)?;
+                evaluator.values(z, ends)?;
+                evaluator.jacobians(z, tangents)?;
                 let (ends, (target, _)) = (Ends::of(ends), tangents.split_at(2 * d * d));
                 for i in 0..d {
                     residual[i] = (x[i] - ends.base[i]) - ends.offset[i] + low[i];
@@ -283,10 +283,10 @@ impl FusedTrajectory {
     ) -> Result<(), StepError> {
         let mut path = self.path.take().unwrap_or_else(|| {
             let curve = self.collocation.curve(&self.parameters);
-            let worker = CollocatedWorker::new(curve, self.epsilon, None, x.len());
-            Box::new(Path::new(worker, x.len()))
+            let evaluator = CollocatedEvaluator::new(curve, self.epsilon, None, x.len());
+            Box::new(Path::new(evaluator, x.len()))
         });
-        path.worker.restore(&[self.curve.rule.points() as f64]);
+        path.evaluator.restore(&[self.curve.rule.points() as f64]);
         let solved = solved.map(|()| &self.centre[..]);
         let settled = path.settle(self.form.as_mut(), (x, low), solved, evaluations);
         let outcome = settled.and_then(|is_found| {
@@ -401,9 +401,9 @@ impl Trajectories for FusedTrajectory {
         let mut curve = self.collocation.curve(&self.parameters);
         curve.set_points(self.curve.rule.points());
         let z: Vec<f64> = self.centre.iter().chain(&self.p).copied().collect();
-        let mut worker = CollocatedWorker::new(curve, self.epsilon, None, d);
+        let mut evaluator = CollocatedEvaluator::new(curve, self.epsilon, None, d);
         let mut tangents = vec![0.0; 4 * d * d];
-        worker.jacobians(&z, &mut tangents).ok()?;
+        evaluator.jacobians(&z, &mut tangents).ok()?;
         let (target, change) = tangents.split_at(2 * d * d);
         // D(·∘L) = ∂x + ∂p Dθ on L = graph θ.
         let mut slope = vec![0.0; d * d];

@@ -11,7 +11,7 @@
 //! - `curve`: the nodal values solved for.
 //! - `collocation`: a field with the nodes of its curves.
 //! - `tangent`: derivatives through the curve's equations.
-//! - `worker`: α̂, β̂ and their tangents at (x, p).
+//! - `evaluator`: α̂, β̂ and their tangents at (x, p).
 //! - `fused`: the step as one solve for curve, x̂ and p.
 //! - `data`: [`CollocatedKarasev`].
 
@@ -19,11 +19,11 @@ mod collocation;
 mod curvature;
 mod curve;
 mod data;
+mod evaluator;
 mod field;
 mod fused;
 pub mod rule;
 mod tangent;
-mod worker;
 
 pub use data::CollocatedKarasev;
 pub use rule::CollocationRule;

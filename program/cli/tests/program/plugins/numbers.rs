@@ -38,7 +38,7 @@ fn parts_of_two_libraries_run_and_pass_verify() {
     }
     assert_eq!(manifest["system"]["path"], "numbers");
     assert_eq!(manifest["parts"][0]["path"], "numbers");
-    assert_eq!(manifest["path"], "numbers, by calls; workers");
+    assert_eq!(manifest["path"], "numbers, by calls; evaluators");
     let said = leafwise(&here, &["check", "scene.toml", "--json"]);
     assert_eq!(said.code, Some(0), "{}", said.err);
     assert_eq!(said.json()["jacobi"]["verdict"], "numerically zero");
@@ -189,7 +189,7 @@ fn a_manifest_tells_the_path_that_was_taken() {
             body,
             rodrigues("numbers"),
             format!(
-                "numbers, by calls: realization; {compiled}: system, dynamic approximation; workers; "
+                "numbers, by calls: realization; {compiled}: system, dynamic approximation; evaluators; "
             ),
             &["numbers", "expressions"],
         ),
@@ -197,7 +197,7 @@ fn a_manifest_tells_the_path_that_was_taken() {
             own,
             rodrigues("expressions"),
             format!(
-                "numbers, by calls: system, dynamic approximation; {compiled}: realization; workers; "
+                "numbers, by calls: system, dynamic approximation; {compiled}: realization; evaluators; "
             ),
             &["expressions", "numbers"],
         ),

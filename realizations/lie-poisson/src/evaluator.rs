@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use leafwise_core::StepError;
 use leafwise_core::evaluator::{Evaluator, is_same, one_by_one};
-use leafwise_core::realization::RealizationWorker;
+use leafwise_core::realization::RealizationEvaluator;
 use leafwise_core::solver::{elimination_operations, substitution_operations};
 use nalgebra::{DMatrix, DVector, Dyn, LU, Schur};
 
@@ -28,7 +28,7 @@ const MOST_BASES: usize = 8;
 /// α, β = x + f(W) x ∓ ½ Z x with W = Z²/4 and f of [`even_part`](crate::even_part): the increment
 /// α − β = −Z x is exact up to one product. Tangents differentiate the fractions: with
 /// y = (1 + sW)⁻¹ x, ∂_p of W(1 + sW)⁻¹x is (1 + sW)⁻¹ ∂_p W y, and A(p) v = Π(v) p.
-pub struct LiePoissonWorker {
+pub struct LiePoissonEvaluator {
     algebra: LieAlgebra,
     epsilon: f64,
     known: BTreeMap<usize, Arc<[Fraction]>>,
@@ -53,8 +53,8 @@ struct Resolvent {
     solution: DVector<f64>,
 }
 
-impl LiePoissonWorker {
-    /// A worker for an algebra and ε.
+impl LiePoissonEvaluator {
+    /// An evaluator for an algebra and ε.
     pub fn new(algebra: LieAlgebra, epsilon: f64) -> Self {
         Self {
             algebra,
@@ -113,7 +113,7 @@ impl LiePoissonWorker {
     }
 }
 
-impl LiePoissonWorker {
+impl LiePoissonEvaluator {
     /// p ↦ ∂_p W y = ¼ ε (Π(Zy) + Z Π(y)).
     fn square_tangent(&self, point: &Point, y: &DVector<f64>) -> DMatrix<f64> {
         let image = self.algebra.tensor(&(&point.map * y));
@@ -187,7 +187,7 @@ fn widest_frequency(map: &DMatrix<f64>) -> Option<f64> {
     None
 }
 
-impl LiePoissonWorker {
+impl LiePoissonEvaluator {
     /// x, f(W) x + ½ Z x and −Z x.
     fn ends(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
         self.last = None;
@@ -239,7 +239,7 @@ impl LiePoissonWorker {
     }
 }
 
-impl Evaluator for LiePoissonWorker {
+impl Evaluator for LiePoissonEvaluator {
     fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
         one_by_one(2 * self.algebra.dimension(), z, ends, |z, ends| {
             self.ends(z, ends)
@@ -266,7 +266,7 @@ impl Evaluator for LiePoissonWorker {
     }
 }
 
-impl RealizationWorker for LiePoissonWorker {
+impl RealizationEvaluator for LiePoissonEvaluator {
     /// With μ = (1 + sW)⁻ᵀλ and y = (1 + sW)⁻¹x, D²(λ·W(1 + sW)⁻¹x) along v and w is
     /// μ·(∂²_vw W y + ∂_v W ∂_w y + ∂_w W ∂_v y), ∂_v y = (1 + sW)⁻¹(v_x − s ∂_v W y), and
     /// μ·∂_v W u = −¼ ε v_p·(A(μ)Z + A(Zᵀμ)) u since μ·A(v)a = −v·A(μ)a.

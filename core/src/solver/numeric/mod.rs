@@ -15,14 +15,14 @@ use super::{Branch, CorrectionMethod, StepReport, Trajectories};
 use crate::dynamics::Correction;
 use crate::error::StepError;
 use crate::evaluator::Evaluator;
-use crate::realization::RealizationWorker;
+use crate::realization::RealizationEvaluator;
 
-/// Solves β̂(L(y)) = x with workers of a realization and a bisection.
+/// Solves β̂(L(y)) = x with evaluators of a realization and a bisection.
 ///
 /// Where D(β̂∘L) is near the identity (a collective integrator over a good realization), and where a
-/// worker offers no tangents, the correction is the residual itself; elsewhere it is Newton's, with
-/// the tangents of both workers. D(β̂∘L) = 1 + O(εh), so that residuals converge for small steps.
-pub(crate) struct Workers {
+/// evaluator offers no tangents, the correction is the residual itself; elsewhere it is Newton's, with
+/// the tangents of both evaluators. D(β̂∘L) = 1 + O(εh), so that residuals converge for small steps.
+pub(crate) struct NumericSolver {
     evaluation: Evaluation,
     correction: Correction,
     corrections: CorrectionMethod,
@@ -38,11 +38,11 @@ pub(crate) struct Workers {
     first: Vec<f64>,
 }
 
-impl Workers {
+impl NumericSolver {
     /// For `count` trajectories in M of `dimension` d, by points of S of `space` coordinates: of several
-    /// by workers that are pointwise.
+    /// by evaluators that are pointwise.
     pub(crate) fn new(
-        (realization, bisection): (Box<dyn RealizationWorker>, Box<dyn Evaluator>),
+        (realization, bisection): (Box<dyn RealizationEvaluator>, Box<dyn Evaluator>),
         (dimension, space): (usize, usize),
         (correction, is_near_identity): (Correction, bool),
         count: usize,
@@ -198,7 +198,7 @@ impl Workers {
     }
 }
 
-impl Trajectories for Workers {
+impl Trajectories for NumericSolver {
     fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [StepReport]) {
         self.active.clear();
         self.active.extend(0..self.trajectories.len());

@@ -1,7 +1,7 @@
 //! α̂ and β̂ at (x, p) and their derivatives.
 
 use leafwise_core::evaluator::{Evaluator, is_same, one_by_one};
-use leafwise_core::{RealizationWorker, StepError};
+use leafwise_core::{RealizationEvaluator, StepError};
 
 use super::curve::Curve;
 use super::tangent::CurveTangent;
@@ -10,7 +10,7 @@ use super::tangent::CurveTangent;
 pub(super) const FEWEST_POINTS: usize = 3;
 
 /// One thread's evaluator.
-pub(super) struct CollocatedWorker {
+pub(super) struct CollocatedEvaluator {
     curve: Curve,
     epsilon: f64,
     /// The most nodes an automatic choice takes; `None` when their number is fixed.
@@ -20,7 +20,7 @@ pub(super) struct CollocatedWorker {
     tangent: CurveTangent,
 }
 
-impl CollocatedWorker {
+impl CollocatedEvaluator {
     pub(super) fn new(curve: Curve, epsilon: f64, most_points: Option<usize>, d: usize) -> Self {
         Self {
             curve,
@@ -59,7 +59,7 @@ impl CollocatedWorker {
     }
 }
 
-impl Evaluator for CollocatedWorker {
+impl Evaluator for CollocatedEvaluator {
     fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
         one_by_one(self.z.len(), z, ends, |z, ends| {
             self.solve(z)?;
@@ -112,7 +112,7 @@ impl Evaluator for CollocatedWorker {
     }
 }
 
-impl RealizationWorker for CollocatedWorker {
+impl RealizationEvaluator for CollocatedEvaluator {
     fn source_hessian(
         &mut self,
         z: &[f64],

@@ -2,13 +2,13 @@
 
 use crate::error::StepError;
 use crate::evaluator::Evaluator;
-use crate::realization::RealizationWorker;
+use crate::realization::RealizationEvaluator;
 use crate::runge_kutta::batch::batch;
 use crate::solver::StepReport;
 
-/// Two workers and room for what they compute, one point behind the other.
+/// Two evaluators and room for what they compute, one point behind the other.
 pub(super) struct Evaluation {
-    realization: Box<dyn RealizationWorker>,
+    realization: Box<dyn RealizationEvaluator>,
     bisection: Box<dyn Evaluator>,
     dimension: usize,
     space: usize,
@@ -21,9 +21,9 @@ pub(super) struct Evaluation {
 }
 
 impl Evaluation {
-    /// For at most `count` points: of several by workers that are pointwise.
+    /// For at most `count` points: of several by evaluators that are pointwise.
     pub(super) fn new(
-        (realization, bisection): (Box<dyn RealizationWorker>, Box<dyn Evaluator>),
+        (realization, bisection): (Box<dyn RealizationEvaluator>, Box<dyn Evaluator>),
         (dimension, space): (usize, usize),
         count: usize,
     ) -> Self {

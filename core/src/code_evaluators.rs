@@ -1,4 +1,4 @@
-//! Workers made of straight-line code, for parts that meet one that computes numbers.
+//! Evaluators made of straight-line code, for parts that meet one that computes numbers.
 
 use std::sync::Arc;
 
@@ -8,23 +8,23 @@ use crate::bisection::PointCode;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::{Evaluator, is_same, one_by_one};
 use crate::point_kernel::PointKernel;
-use crate::realization::{MapCode, RealizationData, RealizationWorker};
+use crate::realization::{MapCode, RealizationData, RealizationEvaluator};
 use crate::solver::judge::{inside_chart, larger};
 
-/// An evaluator of any realization's maps: one compiled from its code, or its own worker.
+/// An evaluator of any realization's maps: one compiled from its code, or its own evaluator.
 ///
 /// # Errors
 /// [`BuildError::Incompatible`] when it offers neither, [`BuildError::Algebra`] where its code
 /// cannot be differentiated.
-pub fn realization_worker(
+pub fn realization_evaluator(
     realization: &dyn RealizationData,
     parameters: &[f64],
     epsilon: f64,
-) -> Result<Box<dyn RealizationWorker>, BuildError> {
+) -> Result<Box<dyn RealizationEvaluator>, BuildError> {
     match compiled(realization, parameters.len())? {
-        Some(code) => Ok(code.worker(parameters, epsilon)),
+        Some(code) => Ok(code.evaluator(parameters, epsilon)),
         None => realization
-            .worker(parameters, epsilon)
+            .evaluator(parameters, epsilon)
             .ok_or_else(|| no_maps(realization)),
     }
 }
@@ -58,13 +58,13 @@ impl RealizationMaps {
     /// The maps for a system with these parameters, whose values may change later.
     ///
     /// # Errors
-    /// Those of [`realization_worker`].
+    /// Those of [`realization_evaluator`].
     pub fn new(
         realization: &Arc<dyn RealizationData>,
         parameters: &[f64],
     ) -> Result<Self, BuildError> {
         let code = compiled(realization.as_ref(), parameters.len())?;
-        if code.is_none() && realization.worker(parameters, 1.0).is_none() {
+        if code.is_none() && realization.evaluator(parameters, 1.0).is_none() {
             return Err(no_maps(realization.as_ref()));
         }
         Ok(Self {
@@ -77,13 +77,13 @@ impl RealizationMaps {
     ///
     /// # Panics
     /// When a realization that offered numbers offers none for these parameters.
-    pub fn worker(&self, parameters: &[f64], epsilon: f64) -> Box<dyn RealizationWorker> {
+    pub fn evaluator(&self, parameters: &[f64], epsilon: f64) -> Box<dyn RealizationEvaluator> {
         match &self.code {
-            Some(code) => code.worker(parameters, epsilon),
+            Some(code) => code.evaluator(parameters, epsilon),
             None => self
                 .realization
-                .worker(parameters, epsilon)
-                .expect("a worker was offered when the maps were made"),
+                .evaluator(parameters, epsilon)
+                .expect("an evaluator was offered when the maps were made"),
         }
     }
 }
@@ -148,8 +148,12 @@ impl CodeRealization {
         ]
     }
 
-    pub(crate) fn worker(&self, parameters: &[f64], epsilon: f64) -> Box<dyn RealizationWorker> {
-        Box::new(CodeRealizationWorker {
+    pub(crate) fn evaluator(
+        &self,
+        parameters: &[f64],
+        epsilon: f64,
+    ) -> Box<dyn RealizationEvaluator> {
+        Box::new(CodeRealizationEvaluator {
             ends: prepared(&self.ends, parameters, epsilon, 1.0),
             tangents: PointKernel::new(&self.tangents, parameters, epsilon, 1.0),
             work: self.ends.step_operations().work(),
@@ -171,7 +175,7 @@ fn write_input(workspace: &mut Workspace, values: &[f64]) {
     }
 }
 
-struct CodeRealizationWorker {
+struct CodeRealizationEvaluator {
     code: CodeRealization,
     ends: Workspace,
     tangents: PointKernel,
@@ -180,7 +184,7 @@ struct CodeRealizationWorker {
     operations: u64,
 }
 
-impl Evaluator for CodeRealizationWorker {
+impl Evaluator for CodeRealizationEvaluator {
     fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
         one_by_one(self.code.ends.inputs(), z, ends, |z, ends| {
             write_input(&mut self.ends, z);
@@ -214,7 +218,7 @@ impl Evaluator for CodeRealizationWorker {
     }
 }
 
-impl RealizationWorker for CodeRealizationWorker {
+impl RealizationEvaluator for CodeRealizationEvaluator {
     fn chart_ratio(&self) -> Option<f64> {
         let d = self.code.dimension;
         let output = |index: usize| self.code.ends.output(&self.ends, index)[0];
@@ -265,9 +269,9 @@ impl CodeBisection {
         })
     }
 
-    pub(crate) fn worker(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Evaluator> {
+    pub(crate) fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Evaluator> {
         let workspace = prepared(&self.kernel, parameters, epsilon, h);
-        Box::new(CodeBisectionWorker {
+        Box::new(CodeBisectionEvaluator {
             code: self.clone(),
             workspace,
             y: Vec::with_capacity(self.kernel.inputs()),
@@ -277,7 +281,7 @@ impl CodeBisection {
     }
 }
 
-struct CodeBisectionWorker {
+struct CodeBisectionEvaluator {
     code: CodeBisection,
     workspace: Workspace,
     /// The point that the kernel was evaluated at last; empty before.
@@ -287,7 +291,7 @@ struct CodeBisectionWorker {
     operations: u64,
 }
 
-impl CodeBisectionWorker {
+impl CodeBisectionEvaluator {
     fn evaluate(&mut self, y: &[f64]) {
         self.y.clear();
         self.y.extend_from_slice(y);
@@ -304,7 +308,7 @@ impl CodeBisectionWorker {
     }
 }
 
-impl Evaluator for CodeBisectionWorker {
+impl Evaluator for CodeBisectionEvaluator {
     fn values(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
         one_by_one(self.code.kernel.inputs(), y, z, |y, z| {
             self.evaluate(y);
