@@ -17,6 +17,7 @@ use leafwise::prelude::SceneDocument;
 use leafwise::scene::compose;
 use leafwise_tests::library;
 use leafwise_tests::numbers::{distance, largest};
+use leafwise_tests::opaque::{values_only, with_derivatives};
 use leafwise_tests::orders::measure;
 
 fn collocated(system: &PoissonSystem, points: i64) -> Arc<dyn RealizationData> {
@@ -197,6 +198,35 @@ fn the_fused_and_the_generic_step_agree() {
             difference < 10.0 * 16.0 * f64::EPSILON,
             "{id} m = {m}: {difference:e}"
         );
+    }
+}
+
+/// Far from a fold a step over a system of numbers takes the evaluations of its solve alone: where the numbers offer
+/// derivatives, and a branch could be followed, as many as where they offer none. The first step has no history to
+/// start from, and follows its branch.
+#[test]
+fn steps_far_from_a_fold_follow_no_branch() {
+    for (id, t) in [("rigid-body", 0.1), ("heavy-top", 0.05)] {
+        let problem = library(id);
+        let values = problem.system.parameter_values();
+        let runs = [
+            with_derivatives(&problem.system),
+            values_only(&problem.system),
+        ];
+        let runs = runs.map(|system| {
+            let (fused, _) = methods(&system, 2);
+            let mut integrator = Integrator::new(&fused, &values, 1.0, t, &problem.initial);
+            integrator.step().expect("a step");
+            let first = integrator.statistics().evaluations;
+            (0..500).for_each(|_| integrator.step().expect("a step"));
+            let later = integrator.statistics().evaluations - first;
+            (first, later, integrator.state().to_vec())
+        });
+        println!("{id}: {runs:?}");
+        let [derivatives, values] = runs;
+        assert!(derivatives.0 > values.0, "{id}: the first step");
+        assert_eq!(derivatives.1, values.1, "{id}: evaluations");
+        assert_eq!(derivatives.2, values.2, "{id}: states");
     }
 }
 

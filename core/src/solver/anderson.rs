@@ -1,5 +1,7 @@
 //! Acceleration of an iteration that knows only residuals.
 
+use super::judge::{WANDERING, larger};
+
 /// How many earlier iterates are combined.
 const DEPTH: usize = 5;
 
@@ -30,6 +32,8 @@ pub struct Anderson {
     residual: Vec<f64>,
     correction: Vec<f64>,
     is_started: bool,
+    /// The largest |Δ(u + r)|/|Δu| of this solve.
+    rate: f64,
     operations: u64,
 }
 
@@ -47,6 +51,7 @@ impl Anderson {
             residual: vec![0.0; size],
             correction: vec![0.0; size],
             is_started: false,
+            rate: 0.0,
             operations: 0,
         }
     }
@@ -62,6 +67,14 @@ impl Anderson {
     pub fn clear(&mut self) {
         self.columns = 0;
         self.is_started = false;
+        self.rate = 0.0;
+    }
+
+    /// The largest |Δ(u + r)|/|Δu| of two iterates in a row of this solve, in the largest component or in the largest
+    /// relative one, whichever is smaller: the rate of the iteration without acceleration. Iterates closer than
+    /// 1e-6 of the scale tell of round-off and are left out.
+    pub fn rate(&self) -> f64 {
+        self.rate
     }
 
     /// Replaces the residual r(u) by the correction to be added to u. `scale` is what a component of
@@ -72,7 +85,7 @@ impl Anderson {
     pub fn correct(&mut self, residual: &mut [f64], scale: &[f64]) {
         let n = self.size;
         if self.is_started {
-            self.record(residual);
+            self.record(residual, scale);
         }
         self.is_started = true;
         self.residual.copy_from_slice(residual);
@@ -94,16 +107,27 @@ impl Anderson {
     }
 
     /// Takes in the differences to the iterate before as the newest column.
-    fn record(&mut self, residual: &[f64]) {
+    fn record(&mut self, residual: &[f64], scale: &[f64]) {
         let n = self.size;
         self.columns = DEPTH.min(self.columns + 1);
         let kept = (self.columns - 1) * n;
         self.steps.copy_within(..kept, n);
         self.changes.copy_within(..kept, n);
         self.steps[..n].copy_from_slice(&self.correction);
+        // By components, each over its scale, and as a whole: that of step and of step + change.
+        let (mut from, mut to) = ([0.0; 2], [0.0; 2]);
         for i in 0..n {
-            self.changes[i] = residual[i] - self.residual[i];
+            let (step, change) = (self.steps[i], residual[i] - self.residual[i]);
+            self.changes[i] = change;
+            for (sizes, value) in [(&mut from, step), (&mut to, step + change)] {
+                sizes[0] = larger(sizes[0], scaled(value, scale[i]).abs());
+                sizes[1] = larger(sizes[1], value.abs());
+            }
         }
+        if from[0] > WANDERING {
+            self.rate = larger(self.rate, (to[0] / from[0]).min(to[1] / from[1]));
+        }
+        self.operations += 9 * n as u64;
     }
 
     /// The scaled Δr as basis times triangle, by Gram and Schmidt; a dependent column has a zero on
@@ -207,6 +231,32 @@ mod tests {
             other.correct(&mut scaled, &units);
             assert_eq!(scaled, std::array::from_fn(|i| correction[i] * units[i]));
             u.iter_mut().zip(correction).for_each(|(u, c)| *u += c);
+        }
+    }
+
+    /// Of u + r(u) = A u + b: |A Δu|/|Δu| lies below the largest row sum of |A| and, over enough directions, above
+    /// the spectral radius of a symmetric A; in any units.
+    #[test]
+    fn the_rate_is_that_of_the_plain_iteration() {
+        for (rate, unit) in [(0.125, 1.0), (0.75, 1e-20), (3.0, 1e20)] {
+            let a = [[0.5 * rate, 0.5 * rate], [0.5 * rate, 0.5 * rate]];
+            let scale = [unit, unit];
+            let mut anderson = Anderson::new(2);
+            let mut u = [0.0; 2];
+            for _ in 0..4 {
+                let mut correction: [f64; 2] =
+                    std::array::from_fn(|i| a[i][0] * u[0] + a[i][1] * u[1] + unit - u[i]);
+                anderson.correct(&mut correction, &scale);
+                u.iter_mut().zip(correction).for_each(|(u, c)| *u += c);
+            }
+            let error = (anderson.rate() - rate).abs();
+            assert!(
+                error <= 8.0 * f64::EPSILON * rate,
+                "{rate}: {}",
+                anderson.rate()
+            );
+            anderson.clear();
+            assert_eq!(anderson.rate(), 0.0);
         }
     }
 

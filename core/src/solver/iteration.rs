@@ -4,6 +4,9 @@ use super::judge::{Allowed, CorrectionSize, LinearIteration, Verdict, Watch};
 use super::{Anderson, DenseFactors};
 use crate::error::StepError;
 
+/// A residual that is added so often and more falls at a rate above 1/2.
+const PLAIN_EVALUATIONS: usize = 60;
+
 /// Where corrections come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CorrectionMethod {
@@ -173,6 +176,17 @@ impl Iteration {
     /// Whether the solve ended as a whole alone: a component still changed.
     pub fn is_rounded(&self) -> bool {
         self.corrections.is_rounded()
+    }
+
+    /// Whether the iteration without acceleration converges at a rate above 1/2, or not at all: its Jacobian is then not
+    /// near the identity.
+    pub fn is_slow(&self) -> bool {
+        match (self.method, &self.anderson) {
+            (CorrectionMethod::Acceleration, Some(anderson)) => {
+                anderson.rate().is_nan() || anderson.rate() > 0.5
+            }
+            _ => self.evaluations() > PLAIN_EVALUATIONS,
+        }
     }
 
     /// Whether the solution is not plainly on the branch that begins at the state.

@@ -24,9 +24,6 @@ use super::evaluator::CollocatedEvaluator;
 /// Budget of one step.
 const MOST_EVALUATIONS: usize = 100;
 
-/// An iteration that takes more converges at a rate above 1/2: D(β̂∘L) is not near the identity.
-const PLAIN_EVALUATIONS: usize = 60;
-
 /// Levels of differences that the start is extrapolated from.
 const EXTRAPOLATION: usize = 12;
 
@@ -263,11 +260,12 @@ impl FusedTrajectory {
     /// accelerated.
     fn solve(&mut self, x: &[f64], low: &[f64], evaluations: &mut u64) -> Result<(), StepError> {
         let method = self.curve.method();
-        if method == CorrectionMethod::Residual && self.iterate(x, low, evaluations, method).is_ok()
-        {
-            return Ok(());
+        if method == CorrectionMethod::Residual {
+            if self.iterate(x, low, evaluations, method).is_ok() {
+                return Ok(());
+            }
+            self.watch.take(true);
         }
-        self.watch.take(true);
         self.iterate(x, low, evaluations, CorrectionMethod::Acceleration)
     }
 
@@ -340,8 +338,7 @@ impl FusedTrajectory {
             self.linear += (2 * q * d) as u64;
             self.form.values(&self.centre, &mut self.p)?;
             if verdict == Verdict::Converged {
-                let iteration = &self.curve.iteration;
-                self.watch.take(iteration.evaluations() > PLAIN_EVALUATIONS);
+                self.watch.take(self.curve.iteration.is_slow());
                 // V lags one correction behind.
                 *evaluations += 1;
                 return self.curve.evaluate(&self.p);
