@@ -52,7 +52,7 @@ fn end(text: &str, steps: usize) -> Vec<f64> {
 }
 
 #[test]
-fn a_truncation_order_that_no_step_feels_is_told() {
+fn a_truncation_order_that_no_step_feels_is_reported() {
     let text = body(
         "realization = { name = \"karasev-truncated\", order = 14 }\n\
          dynamics = { name = \"hamilton-jacobi\", order = 2 }\ntime-step = 0.01",
@@ -77,7 +77,7 @@ fn order_in(change: &str) -> usize {
 }
 
 #[test]
-fn terms_of_the_generating_function_below_the_realization_are_told() {
+fn terms_of_the_generating_function_below_the_realization_are_reported() {
     let text = scene(
         "gradient",
         "[0.8, 0.5, -0.4]",
@@ -103,7 +103,7 @@ fn terms_of_the_generating_function_below_the_realization_are_told() {
 }
 
 #[test]
-fn an_exact_realization_that_costs_no_more_is_told() {
+fn an_exact_realization_that_costs_no_more_is_reported() {
     let text = body(
         "realization = { name = \"karasev-truncated\", order = 6 }\n\
          dynamics = { name = \"hamilton-jacobi\", order = 4 }\ntime-step = 0.1",
@@ -149,7 +149,7 @@ fn a_step_without_an_equation_has_one_solution() {
 }
 
 #[test]
-fn steps_near_the_edge_of_a_truncated_chart_are_told() {
+fn steps_near_the_edge_of_a_truncated_chart_are_reported() {
     let text = |order: usize, time_step: &str| {
         body(&format!(
             "realization = {{ name = \"karasev-truncated\", order = {order} }}\n\
@@ -181,7 +181,7 @@ fn steps_near_the_edge_of_a_truncated_chart_are_told() {
 }
 
 #[test]
-fn a_chart_that_is_nearly_used_up_is_told() {
+fn a_chart_that_is_nearly_used_up_is_reported() {
     let text = |time_step: f64| {
         let method = format!(
             "realization = \"so3-exponential\"\n\
@@ -222,7 +222,7 @@ fn cost_and_error(text: &str) -> (f64, f64) {
 }
 
 #[test]
-fn a_stepper_that_is_no_poisson_map_is_told_where_splitting_is_one_for_no_more() {
+fn a_stepper_that_is_no_poisson_map_is_reported_where_splitting_is_one_for_no_more() {
     for stepper in ["implicit-midpoint", "gauss", "dormand-prince45"] {
         let text = body(&format!("stepper = \"{stepper}\"\ntime-step = 0.1"));
         let found = of_kind(&text, AdviceKind::NoPoissonMap).expect(stepper);
@@ -260,7 +260,7 @@ fn a_stepper_that_is_no_poisson_map_is_told_where_splitting_is_one_for_no_more()
 }
 
 #[test]
-fn stages_that_no_step_feels_are_told() {
+fn stages_that_no_step_feels_are_reported() {
     let text = |stages: u32, time_step: &str| {
         body(&format!(
             "stepper = {{ name = \"gauss\", stages = {stages} }}\ntime-step = {time_step}"
@@ -281,7 +281,7 @@ fn stages_that_no_step_feels_are_told() {
 
 /// A body that turns by 1.6 a unit of time: the midpoint rule errs by (t·1.6)²/12 of the motion.
 #[test]
-fn a_step_that_is_too_long_for_its_order_is_told() {
+fn a_step_that_is_too_long_for_its_order_is_reported() {
     for (method, time_step) in [
         ("stepper = \"implicit-midpoint\"", 1.4),
         ("stepper = \"splitting\"", 1.4),
@@ -303,7 +303,7 @@ fn a_step_that_is_too_long_for_its_order_is_told() {
 /// A body in a strong field: substeps of dormand-prince45 within a ten-thousandth lead astray within four steps.
 /// What the warning says, as often as it says it, brings the error from as much as the motion, 1.6, to a tenth of it.
 #[test]
-fn a_tolerance_that_is_too_loose_is_told() {
+fn a_tolerance_that_is_too_loose_is_reported() {
     let text = |stepper: &str| {
         format!(
             "[system]\nvariables = [\"l1\", \"l2\", \"l3\", \"p1\", \"p2\", \"p3\"]\n\
@@ -334,7 +334,7 @@ fn a_tolerance_that_is_too_loose_is_told() {
 /// A logarithmic wall that no double resolves leaves errors of 2e-3 at every tolerance, a hundred thousand times what
 /// is asked; the same motion without the wall has them within it.
 #[test]
-fn errors_that_outgrow_a_tolerance_are_told() {
+fn errors_that_outgrow_a_tolerance_are_reported() {
     let text = |wall: &str| {
         format!(
             "[system]\nvariables = [\"l1\", \"l2\", \"l3\", \"p1\", \"p2\", \"p3\"]\nconvention = \"{{x,H}}\"\n\
@@ -352,7 +352,7 @@ fn errors_that_outgrow_a_tolerance_are_told() {
 
 /// asinh(1e300 x) has the slope 1/x, and 1e300/√(1 + 1e600 x²) is 0 in doubles; asinh(1e140 x) has it there too.
 #[test]
-fn a_derivative_that_leaves_the_range_of_doubles_is_told() {
+fn a_derivative_that_leaves_the_range_of_doubles_is_reported() {
     let text = |factor: &str| {
         format!(
             "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = \"-1\" }}\n\
@@ -372,7 +372,7 @@ fn a_derivative_that_leaves_the_range_of_doubles_is_told() {
 
 /// cos(kq) with kq = 2e16 and 2e9: round-off of q is 2 radians and 2e-7 of one.
 #[test]
-fn a_step_that_the_states_round_off_decides_is_told() {
+fn a_step_that_the_states_round_off_decides_is_reported() {
     let text = |k: &str| {
         format!(
             "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = \"1\" }}\n\
@@ -388,7 +388,7 @@ fn a_step_that_the_states_round_off_decides_is_told() {
 
 /// A constant of 1e300 beside terms of 1, and one of 1e3.
 #[test]
-fn an_energy_below_its_own_round_off_is_told() {
+fn an_energy_below_its_own_round_off_is_reported() {
     let text = |constant: &str| {
         format!(
             "[system]\nvariables = [\"x\", \"y\", \"z\"]\nbracket = {{ lie-algebra = \"so3\" }}\n\

@@ -104,7 +104,7 @@ fn a_system_without_formulas_has_the_same_values_and_names() {
 }
 
 #[test]
-fn a_part_that_needs_formulas_is_told_what_serves_the_system_instead() {
+fn a_part_that_needs_formulas_names_what_serves_the_system_instead() {
     let opaque = system().without_formulas("acme/test").expect("code");
     let refused = opaque.formulas("karasev-truncated").expect_err("numbers");
     assert!(matches!(

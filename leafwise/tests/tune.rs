@@ -258,7 +258,7 @@ fn what_cannot_be_held_says_what_keeps_it() {
     let horizon = tuning.horizon.expect("why");
     assert!(horizon.known.is_none() && horizon.wanted < horizon.round_off);
     assert!(horizon.to_string().contains("ask for less"), "{horizon}");
-    // So little that no run comes to its end: what was spent is told all the same.
+    // So little that no run comes to its end: what was spent is reported all the same.
     let tuning = tune(&only(hamilton_jacobi, Some(100)), asked(1e-8));
     assert!(tuning.poisson.is_none() && tuning.nearest.is_none());
     assert_eq!(tuning.limit, Some(Limit::Budget));
@@ -313,7 +313,7 @@ fn the_growth_of_a_small_change_is_the_flows() {
 
 /// The gallery's particle is chaotic: at its end, t = 1000, no double holds its state to eight digits.
 #[test]
-fn a_motion_that_cannot_be_followed_is_told_with_its_growth_and_the_time_to_take() {
+fn a_motion_that_cannot_be_followed_is_reported_with_its_growth_and_the_time_to_take() {
     let document = of_the_gallery("magnetic.toml", &[]);
     let registry = Registry::with_builtin();
     let bench = Bench::new(&document, &registry, None).expect("a bench");

@@ -59,7 +59,7 @@ fn continued<const S: usize>(c: [f64; S]) -> [[f64; S]; S] {
 
 impl<const S: usize> Gauss<S> {
     /// The state after `steps` steps of size `h`, and the evaluations of the field. The iteration
-    /// ends where corrections are round-off or stop to shrink.
+    /// ends where corrections are round-off or stop shrinking.
     #[inline(always)]
     pub fn integrate<const D: usize>(
         &self,

@@ -2,7 +2,7 @@
 
 use crate::error::StepError;
 
-/// Lets `evaluate` write the results at all points, one behind the other: `inputs` numbers of `z` and
+/// Lets `evaluate` write the results at all points, contiguous: `inputs` numbers of `z` and
 /// `outputs` of `out` each. Where that fails the points are taken one by one, and those that fail are
 /// handed over.
 #[inline]

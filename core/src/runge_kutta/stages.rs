@@ -100,7 +100,7 @@ impl StageSolver {
         outcome.map(|()| evaluations as usize)
     }
 
-    /// The same for every trajectory, from starts one behind the other; where one fails, its `change` is
+    /// The same for every trajectory, from contiguous starts; where one fails, its `change` is
     /// unspecified and its next solve starts cold.
     pub fn solve_all(&mut self, starts: &[f64], changes: &mut [f64], taken: &mut [StepReport]) {
         let n = self.dimension();

@@ -21,7 +21,7 @@ pub enum Agreement {
     Differs,
 }
 
-/// Round-off that is so many times larger is told as cancellation. Expansions that serve lose two
+/// Round-off that is so many times larger is reported as cancellation. Expansions that serve lose two
 /// digits at most; of shifted powers less than half the digits are left.
 const CANCELLATION: f64 = 4096.0;
 

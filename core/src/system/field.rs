@@ -166,7 +166,7 @@ struct FieldEvaluator {
     value: Value,
     has_jacobian: bool,
     dimension: usize,
-    /// ∇H, one behind the other.
+    /// ∇H of each point, contiguous.
     gradients: Vec<f64>,
     /// The unit vectors, and room for as many columns a point, twice; empty until a Jacobian is asked
     /// for, which explicit methods never do.

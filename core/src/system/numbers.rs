@@ -88,7 +88,7 @@ impl Derivatives {
 
 /// One thread's evaluator of a system, for fixed parameters.
 ///
-/// Every function takes a batch of points, one behind the other: d numbers a point, and as many points
+/// Every function takes a batch of contiguous points: d numbers a point, and as many points
 /// as `out` holds results. A vector argument holds d numbers for each point, or d numbers that serve
 /// all of them; so may the point itself, where vectors differ. What is written for a point depends on that point alone.
 pub trait SystemEvaluator: Send {
@@ -141,7 +141,7 @@ pub trait SystemEvaluator: Send {
     fn operations(&self) -> Option<u64> {
         None
     }
-    /// The gradients of the Casimirs, one behind the other: d results a Casimir and point.
+    /// The gradients of the Casimirs, contiguous: d results a Casimir and point.
     ///
     /// # Errors
     /// As [`tensor`](Self::tensor); [`StepError::NoTangent`] unless [`Derivatives::casimirs`].

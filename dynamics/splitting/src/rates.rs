@@ -47,7 +47,7 @@ mod tests {
     use super::{Multiple, multiples};
 
     #[test]
-    fn rates_are_told_as_multiples_of_one() {
+    fn rates_are_reported_as_multiples_of_one() {
         let mut ring = Ring::new(2);
         let (x, y, one) = (ring.variable(0), ring.variable(1), ring.one());
         let rate = ring.add(&x, &one);

@@ -381,7 +381,7 @@ mod tests {
     #[test]
     #[cfg(debug_assertions)]
     #[should_panic(expected = "two functions are called")]
-    fn two_functions_of_one_name_are_told() {
+    fn two_functions_of_one_name_are_reported() {
         let mut graph = Graph::new();
         let x = graph.input(0);
         for function in [|_, s| s, |_, s: f64| s + 1.0] as [fn(u32, f64) -> f64; 2] {

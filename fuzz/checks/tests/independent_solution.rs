@@ -3,7 +3,7 @@
 use leafwise_fuzz_checks::reference::solution;
 
 #[test]
-fn an_oscillator_is_followed_to_round_off_and_a_pole_is_told() {
+fn an_oscillator_is_followed_to_round_off_and_a_pole_is_reported() {
     let turn = |x: &[f64]| vec![x[1], -x[0]];
     let states = solution(&turn, &[1.0, 0.0], 1.0, 4, &mut [1.0, 1.0]);
     let states = states.expect("a solution").states;

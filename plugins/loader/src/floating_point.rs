@@ -105,7 +105,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_changed_control_word_is_told_and_restored() {
+    fn a_changed_control_word_is_reported_and_restored() {
         let before = ControlWord::read();
         assert_eq!(before.restore("opened"), Ok(()));
         // Flush to zero and denormals are zero.

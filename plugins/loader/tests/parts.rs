@@ -218,7 +218,7 @@ fn dynamics_of_numbers_are_those_of_the_built_in_part() {
 }
 
 #[test]
-fn leaving_a_domain_is_told_with_its_ratio() {
+fn leaving_a_domain_is_reported_with_its_ratio() {
     let workshop = Workshop::new();
     let mut registry = built_in();
     load(&workshop.compile("walled"), None, &mut registry).expect("a realization");
@@ -410,7 +410,7 @@ fn a_changed_rounding_is_noticed_and_undone() {
         "{text}"
     );
     assert_eq!(sum(), 1.0);
-    // Fewer calls: it is told when the evaluator ends.
+    // Fewer calls: it is reported when the evaluator ends.
     evaluator
         .gradient(&[2.5, 0.5, 2.0], &mut gradient)
         .expect("a call");

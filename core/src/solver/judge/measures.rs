@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn a_solution_far_from_state_and_increment_is_told() {
+    fn a_solution_far_from_state_and_increment_is_reported() {
         let x = [1.0, -2.0];
         assert!(is_between(&x, &[1.1, -2.0], &[0.2, 0.0]));
         assert!(is_between(&x, &x, &[0.2, 0.0]));

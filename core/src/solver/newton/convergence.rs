@@ -193,7 +193,7 @@ mod tests {
         assert_eq!(judge(near), Next::Done);
     }
 
-    /// Corrections that stop to shrink at round-off are noise, whatever the estimate says.
+    /// Corrections that stop shrinking at round-off are noise, whatever the estimate says.
     #[test]
     fn corrections_that_stagnate_at_round_off_end_a_solve() {
         let mut lane = away(0.1);

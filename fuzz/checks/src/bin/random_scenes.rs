@@ -17,7 +17,7 @@ use leafwise_fuzz_checks::source::{Source, random_bytes};
 /// Enough for every choice of a scene.
 const BYTES: usize = 1024;
 
-/// Seconds after which a scene is told as slow.
+/// Seconds after which a scene is reported as slow.
 const SLOW: f64 = 10.0;
 
 struct Arguments {

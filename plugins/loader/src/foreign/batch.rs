@@ -20,7 +20,7 @@ impl<'a> Input<'a> {
         coordinate_stride: 0,
     };
 
-    /// Vectors of `dim` coordinates one behind the other.
+    /// Contiguous vectors of `dim` coordinates.
     #[inline]
     pub(crate) fn points(data: &'a [f64], dim: usize) -> Self {
         Self {
@@ -98,7 +98,7 @@ pub(crate) struct Output<'a> {
 }
 
 impl<'a> Output<'a> {
-    /// Vectors of `dim` coordinates one behind the other.
+    /// Contiguous vectors of `dim` coordinates.
     #[inline]
     pub(crate) fn points(data: &'a mut [f64], dim: usize) -> Self {
         Self {

@@ -37,7 +37,7 @@ impl Shape {
     }
 }
 
-/// The vectors of a batch, one behind the other.
+/// The vectors of a batch, contiguous.
 #[derive(Debug, Default)]
 pub(super) struct Buffers {
     point: Vec<f64>,
@@ -73,7 +73,7 @@ impl Buffers {
 }
 
 /// Evaluates `function(point, v, w, output)` at all points of a call, at most `most` of them at once:
-/// vectors stand one behind the other, but for v and w that serve all points.
+/// vectors are contiguous, but for v and w that serve all points.
 ///
 /// # Safety
 /// `call` is a call as the interface describes it; `err` is NULL or leads to an error.

@@ -58,7 +58,7 @@ impl Points {
 /// How a batch lies in memory.
 #[derive(Clone, Copy, Debug)]
 enum Layout {
-    /// Points one behind the other, with gaps.
+    /// Points with gaps between them.
     Points,
     /// A structure of arrays, with gaps.
     Lanes,
@@ -135,7 +135,7 @@ impl Function<'_> {
         Ok(Some(first))
     }
 
-    /// One call at points one behind the other; `None` where they are outside the function's domain, or
+    /// One call at contiguous points; `None` where they are outside the function's domain, or
     /// the instance does not offer it.
     pub(super) fn once(
         &self,

@@ -72,7 +72,7 @@ fn memory_that_instances_share() {
     ));
 }
 
-/// Static data that change are told, and are no failure where the answers stay.
+/// Static data that change are reported, and are no failure where the answers stay.
 #[test]
 fn a_counter_in_static_memory() {
     let workshop = Workshop::new();

@@ -160,7 +160,7 @@ fn a_comparison_that_cannot_be_made_says_why() {
         2,
         &["cannot be used with"],
     );
-    // What cannot be written is told before anything is measured.
+    // What cannot be written is reported before anything is measured.
     refused(&["--out", "scene.toml"], 1, &["cannot write scene.toml"]);
     refused(
         &["--csv", "none/points.csv"],

@@ -1,4 +1,4 @@
-//! What a scene's motion is: `check` and `run --explain` print ẋ, and a sign that turns time round is told.
+//! What a scene's motion is: `check` and `run --explain` print ẋ, and a sign that turns time round is reported.
 
 use crate::support::{BODY, Place};
 
@@ -120,7 +120,7 @@ fn the_old_key_is_refused_with_the_new_one_and_its_force() {
 }
 
 #[test]
-fn hamiltons_equations_that_run_backwards_are_told() {
+fn hamiltons_equations_that_run_backwards_are_reported() {
     let here = Place::with(PENDULUM);
     let said = here.leafwise(&["check", "scene.toml"]);
     assert!(said.out.contains("q'  = p"), "{}", said.out);

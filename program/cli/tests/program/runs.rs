@@ -104,7 +104,7 @@ fn overrides_are_run_and_stored() {
 }
 
 #[test]
-fn a_finished_run_is_told_again_or_continued_and_another_is_refused() {
+fn a_finished_run_is_reported_again_or_continued_and_another_is_refused() {
     let here = Place::with(BODY);
     let first = here.leafwise(&["run", "scene.toml", "--json"]);
     assert_eq!(first.code, Some(0));

@@ -127,7 +127,7 @@ fn wide_states_are_a_table_of_doubles() {
 }
 
 #[test]
-fn states_that_are_not_recorded_are_told_of() {
+fn states_that_are_not_recorded_are_reported() {
     let here = Place::with(CHAIN);
     let err = run(&here);
     for piece in [

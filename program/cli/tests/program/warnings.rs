@@ -49,7 +49,7 @@ fn a_large_error_of_the_energy_warns() {
 }
 
 #[test]
-fn an_observable_without_a_value_is_told_with_its_first_time() {
+fn an_observable_without_a_value_is_reported_with_its_first_time() {
     let here = Place::with_body(
         "observables = [\"energy\", \"spin\"]",
         "observables = [\"energy\", \"ln(x1)\", { root = \"sqrt(x2 + 100)\" }]",
@@ -85,7 +85,7 @@ fn an_observable_without_a_value_is_told_with_its_first_time() {
 }
 
 #[test]
-fn a_parameter_that_nothing_depends_on_is_told() {
+fn a_parameter_that_nothing_depends_on_is_reported() {
     let here = Place::with_body("I3 = 1.25 }", "I3 = 1.25, I4 = 2 }");
     for command in ["check", "run"] {
         let said = here.leafwise(&[command, "scene.toml"]);

@@ -365,7 +365,7 @@ fn states(
 }
 
 /// Members of an ensemble, at most: more than a machine steps in years, so that a slip of the keyboard
-/// is told as one.
+/// is reported as one.
 const MOST_MEMBERS: u64 = 1_000_000_000_000;
 
 /// The number of members, checked against [`MOST_MEMBERS`].

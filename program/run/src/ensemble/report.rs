@@ -9,7 +9,7 @@ use crate::{REPORT, RunOutcome};
 /// An ensemble that has ended and left its directory complete.
 #[derive(Clone, Debug)]
 pub struct EnsembleReport {
-    /// How it ended: done, or interrupted. Members that failed are told in `reductions`.
+    /// How it ended: done, or interrupted. Members that failed are reported in `reductions`.
     pub outcome: RunOutcome,
     /// What its members were reduced to.
     pub reductions: Reductions,

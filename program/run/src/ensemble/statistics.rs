@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::quantiles::Sketch;
 use crate::StatisticsFields;
 
-/// The most failed members that are told one by one.
+/// The most failed members that are reported one by one.
 pub(super) const MOST_NAMED: usize = 1000;
 
 /// One observable at one time, over the members.

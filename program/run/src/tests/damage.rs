@@ -1,4 +1,4 @@
-//! What a run failed at, and files that were changed since, are told.
+//! What a run failed at, and files that were changed since, are reported.
 
 use std::fs;
 

@@ -157,7 +157,7 @@ fn a_run_killed_before_its_first_checkpoint_begins_anew() {
 }
 
 #[test]
-fn a_finished_run_of_the_same_scene_is_told_again_and_nothing_is_written() {
+fn a_finished_run_of_the_same_scene_is_reported_again_and_nothing_is_written() {
     // The last sample of the second is off the grid.
     for scene in [
         short_scene(),

@@ -236,7 +236,7 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
     Some(system)
 }
 
-/// More sites than a run can hold in memory, so that a slip of the keyboard is told as one.
+/// More sites than a run can hold in memory, so that a slip of the keyboard is reported as one.
 const MOST_SITES: u64 = 100_000_000;
 
 fn length(item: &Item<'_>, problems: &mut Problems) -> Option<Located<usize>> {

@@ -1,4 +1,4 @@
-//! Orders as they are told.
+//! Orders as they are reported.
 
 use leafwise_core::diagnostics::{FittedOrder, fit_order};
 use leafwise_report::{PanelSeries, Stroke};

@@ -44,7 +44,7 @@ pub(super) struct Catalogue<'a> {
 
 /// The methods for a scene, built: its own, every exact realization and Karasev's series under Hamilton–Jacobi,
 /// collective integrators, compositions, splitting, baselines. With `orders`, only methods of these declared
-/// orders beside the scene's own, and Hamilton–Jacobi at each of them. `progress` is told each method before
+/// orders beside the scene's own, and Hamilton–Jacobi at each of them. `progress` receives each method before
 /// it is built; it is not where that returns `false`, the scene's own apart.
 pub fn catalogue(
     bench: &Bench<'_>,

@@ -93,7 +93,7 @@ pub struct Comparison {
     pub refused: Vec<(String, String)>,
 }
 
-/// Measures every method at every setting. `progress` is told the method, its number and the number of
+/// Measures every method at every setting. `progress` receives the method, its number and the number of
 /// methods before each one; it ends the comparison by returning `false`. While methods are built their
 /// number is not known, and both are 0.
 ///

@@ -155,7 +155,7 @@ pub struct RunnerUp {
 const RUNNERS_UP: usize = 5;
 
 impl<'a> Tuner<'a> {
-    /// Builds every method that fits the scene and computes the reference. `progress` is told each stage
+    /// Builds every method that fits the scene and computes the reference. `progress` receives each stage
     /// before it; while it returns `false`, no method is built but the scene's own:
     /// [`unbuilt`](Self::unbuilt).
     ///
@@ -274,7 +274,7 @@ impl<'a> Tuner<'a> {
         self.budget
     }
 
-    /// Finds the cheapest methods that hold `asked`. `progress` is told each run before it; it ends the
+    /// Finds the cheapest methods that hold `asked`. `progress` receives each run before it; it ends the
     /// search by returning `false`: the cheapest of what was tried is then returned, and not timed.
     ///
     /// # Errors

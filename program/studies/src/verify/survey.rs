@@ -305,7 +305,7 @@ mod tests {
     use super::{Refused, Survey, in_order};
 
     #[test]
-    fn what_lacks_the_same_is_told_together() {
+    fn what_lacks_the_same_is_reported_together() {
         let lacks = |part: &'static str| BuildError::NotOffered {
             part,
             system: "acme/top".to_owned(),

@@ -6,7 +6,7 @@ use super::build::{Workshop, rust_example};
 use super::leafwise;
 use crate::support::Place;
 
-/// What is wrong with a part's mathematics is told, with the instrument that found it.
+/// What is wrong with a part's mathematics is reported, with the instrument that found it.
 #[test]
 fn a_check_finds_what_a_part_declares_and_is_not() {
     let (here, workshop) = (Place::new(), Workshop::new());

@@ -79,7 +79,7 @@ fn parts_of_two_libraries_run_and_pass_verify() {
         "it realizes another tensor"
     ));
     assert!(fits_not("motions/turn", "it follows another motion"));
-    // What does not fit is told in full here, and a reason at a time to a reader.
+    // What does not fit is reported in full here, and a reason at a time to a reader.
     let refused = json["refused"].as_array().expect("combinations");
     let lacking = |entry: &&serde_json::Value| {
         let reason = entry["reason"].as_str().unwrap_or_default();

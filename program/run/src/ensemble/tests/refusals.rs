@@ -69,7 +69,7 @@ fn an_invalid_table_is_refused_where_it_stands() {
 }
 
 #[test]
-fn a_scene_without_the_table_is_told_so() {
+fn a_scene_without_the_table_says_so() {
     let text = BODY.replace("METHOD", METHODS[0]);
     let text = text.split("[ensemble]").next().expect("a scene");
     let document = SceneDocument::parse("body.toml", text, &Registry::empty()).expect("a scene");

@@ -167,7 +167,7 @@ fn an_interrupted_ensemble_resumes_to_the_same_bits() {
         Manifest::read(&pieces).expect("a manifest").kind,
         Kind::Ensemble
     );
-    // Its end is told again, and nothing is written.
+    // Its end is reported again, and nothing is written.
     let manifest = fs::read(pieces.join("manifest.json")).expect("a manifest");
     let again = attempt(&document, &pieces, workforce(1, 1), &mut Quiet).expect("the end");
     assert!(again.is_repeated && again.outcome == RunOutcome::Done);
