@@ -8,10 +8,8 @@ use leafwise_core::system::Parameter;
 use leafwise_core::{BuildError, Convention, PoissonSystem, Registry};
 use leafwise_expression::{Expression, Graph, Kernel, Rational, StepSize, Term};
 use leafwise_so3::{Chart, So3Group};
+pub use leafwise_tests::numbers::{UNIT_ROUNDOFF as UNIT, distance, largest};
 use proptest::prelude::*;
-
-/// u.
-pub const UNIT: f64 = f64::EPSILON / 2.0;
 
 /// 1, 3/4 and 5/4, the inertia of the paper's body.
 pub const INERTIA: [f64; 3] = [1.0, 0.75, 1.25];
@@ -175,20 +173,6 @@ pub fn ends_at(realization: &dyn RealizationData, epsilon: f64, z: &[f64]) -> [V
 
 pub fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a + b).collect()
-}
-
-pub fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(
-        0.0,
-        |m, v| {
-            if v.is_nan() { f64::NAN } else { v.abs().max(m) }
-        },
-    )
-}
-
-pub fn distance(a: &[f64], b: &[f64]) -> f64 {
-    let difference: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
-    largest(&difference)
 }
 
 pub fn norm(v: &[f64]) -> f64 {
