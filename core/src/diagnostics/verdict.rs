@@ -1,11 +1,15 @@
 //! What was found out about an identity, and the states where it is sampled.
 
+use serde::Serialize;
+
 /// What was found out about an identity f = 0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// The normal form is 0: it holds identically.
     Proved,
     /// The algebra could not decide; it holds to round-off at every sample.
+    #[serde(rename = "numerically zero")]
     NumericallyZero,
     /// It fails.
     Violated,

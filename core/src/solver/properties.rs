@@ -1,5 +1,9 @@
 //! What a step map declares about itself.
 
+use std::fmt;
+
+use serde::{Serialize, Serializer};
+
 /// How well a map preserves the Poisson tensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Structure {
@@ -9,6 +13,22 @@ pub enum Structure {
     Order(usize),
     /// Not a Poisson map.
     None,
+}
+
+impl fmt::Display for Structure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Exact => f.write_str("exact"),
+            Self::Order(n) => write!(f, "order {n}"),
+            Self::None => f.write_str("none"),
+        }
+    }
+}
+
+impl Serialize for Structure {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
 }
 
 /// What a step map promises; instruments measure it.

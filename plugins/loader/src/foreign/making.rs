@@ -6,15 +6,20 @@ use leafwise_core::part::ParameterSetting;
 use leafwise_plugin_abi::{
     LW_SETTING_INTEGER, LW_SETTING_REAL, LW_SETTING_TEXT, LwCreate, LwSetting,
 };
+use leafwise_scene::json::object;
+use serde::Serialize;
 
 use crate::host::{HostRealization, HostSystem};
 
-/// What an instance is made of.
-#[derive(Clone, Copy)]
+/// What an instance is made of; its settings as JSON.
+#[derive(Clone, Copy, Serialize)]
+#[serde(transparent)]
 pub(crate) struct Making<'a> {
     /// d; 0 for a system.
+    #[serde(skip)]
     pub dimension: usize,
     /// A value for each of the part's own parameters, in their order.
+    #[serde(serialize_with = "object")]
     pub settings: &'a [(String, ParameterSetting)],
 }
 
@@ -33,12 +38,8 @@ pub(super) fn with_arguments<T>(
     lent: &HostObjects,
     call: impl FnOnce(&LwCreate) -> T,
 ) -> T {
-    let json: serde_json::Map<String, serde_json::Value> = making
-        .settings
-        .iter()
-        .map(|(name, setting)| (name.clone(), serde_json::json!(setting)))
-        .collect();
-    let params = text(&serde_json::Value::Object(json).to_string());
+    // Names with numbers and words can all be written.
+    let params = text(&serde_json::to_string(&making).unwrap_or_default());
     let texts: Vec<(CString, CString)> = making
         .settings
         .iter()

@@ -20,6 +20,7 @@ use std::sync::Arc;
 
 use leafwise_core::PartParameters;
 use leafwise_core::part::{ParameterSetting, PartInfo};
+use serde::Serialize;
 
 use crate::declaration::{Functions, PartDeclaration};
 use crate::floating_point::ControlWord;
@@ -30,11 +31,13 @@ pub use failure::SmokeFailure;
 pub(crate) use problems::{TestProblem, states};
 
 /// What came of a part's trial.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Tried {
     /// The test problems that its functions were called on; none where it serves none of them.
+    #[serde(rename = "tried_on")]
     pub problems: Vec<String>,
     /// The problems that it does not serve, with its reasons.
+    #[serde(rename = "not_served")]
     pub refusals: Vec<String>,
     /// The functions whose calls change the library's own data, which all its instances share.
     pub writing_static_data: Vec<String>,

@@ -9,7 +9,7 @@ use leafwise_core::{
     BuildError, DynamicApproximation, Origin, PartParameters, PoissonSystem, RealizationData,
     Registry, StepMap,
 };
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::Refusal;
 use super::lattice::{DENSE_LIMIT, STEPPER_LIMIT, SceneLattice};
@@ -17,6 +17,7 @@ use super::system::{ComposedSystem, written_out};
 use crate::document::{
     Located, Number, ParameterValue, PartSpec, Place, SceneDocument, Source, nearest,
 };
+use crate::json::object;
 
 /// The order of the dynamics that a scene leaves open.
 const DEFAULT_DYNAMICS_ORDER: i64 = 4;
@@ -31,15 +32,28 @@ pub struct PartChoice {
     /// The part's name.
     pub name: &'static str,
     /// Every parameter with its value.
+    #[serde(serialize_with = "object")]
     pub parameters: Vec<(&'static str, ParameterSetting)>,
-    /// Whether the scene left the choice open.
-    pub is_automatic: bool,
-    /// Why it was taken, where it was chosen by the tensor.
-    pub reason: Option<&'static str>,
     /// Where it comes from.
     pub origin: Option<Origin>,
+    /// Whether the scene left the choice open.
+    #[serde(rename = "chosen", serialize_with = "chosen")]
+    pub is_automatic: bool,
+    /// Why it was taken, where it was chosen by the tensor.
+    #[serde(skip)]
+    pub reason: Option<&'static str>,
     /// Where its values come from, for a loaded part: `expressions` or `numbers`.
+    #[serde(skip)]
     pub path: Option<&'static str>,
+}
+
+/// Who chose a part, in words.
+fn chosen<S: Serializer>(is_automatic: &bool, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(if *is_automatic {
+        "automatically"
+    } else {
+        "by the scene"
+    })
 }
 
 impl PartChoice {

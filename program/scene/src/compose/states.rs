@@ -1,5 +1,7 @@
 //! The coordinates that a run records.
 
+use serde::Serialize;
+
 use super::Refusal;
 use crate::document::{ALL_STATES, Located, SceneDocument};
 
@@ -8,7 +10,7 @@ use crate::document::{ALL_STATES, Located, SceneDocument};
 pub const WIDEST_STATE: usize = 64;
 
 /// Coordinates `first`, `first + step`, … of one variable or family.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct StateSlice {
     /// The variable or the family.
     pub name: String,
@@ -19,6 +21,7 @@ pub struct StateSlice {
     /// How many.
     pub count: usize,
     /// The place of the first in the state.
+    #[serde(skip)]
     offset: usize,
 }
 
