@@ -2,6 +2,7 @@
 
 use leafwise_core::StepError;
 use leafwise_core::diagnostics::{IdentityCheck, Verdict};
+use leafwise_scene::json::optional;
 use serde::Serialize;
 
 use crate::verify::{Judgement, MeasuredOrder, Problem};
@@ -9,17 +10,19 @@ use crate::verify::{Judgement, MeasuredOrder, Problem};
 /// One thing measured of a part on one problem.
 #[derive(Clone, Debug, Serialize)]
 pub struct Finding {
-    /// Where the part's values come from, for a part with several ways: `expressions` or `numbers`.
-    pub path: Option<&'static str>,
     /// The problem that it was tried on; `itself` for a system.
     pub problem: String,
+    /// Where the part's values come from, for a part with several ways: `expressions` or `numbers`.
+    pub path: Option<&'static str>,
     /// What was measured.
     pub quantity: String,
     /// What was found, in words.
     pub found: String,
     /// The number behind it.
+    #[serde(serialize_with = "optional")]
     pub value: Option<f64>,
     /// The most that the number may be.
+    #[serde(serialize_with = "optional")]
     pub bound: Option<f64>,
     /// What that means for the part's declaration.
     pub judgement: Judgement,

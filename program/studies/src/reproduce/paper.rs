@@ -3,20 +3,25 @@
 //! A. Cabrera, D. Martín de Diego, M. Vaquero, *Approximating Symplectic Realizations: A General
 //! Framework for the Construction of Poisson Integrators*, arXiv:2409.04342.
 
+use serde::Serialize;
+
 /// A figure as the paper describes it.
-#[derive(Debug, PartialEq)]
+#[derive(Debug, PartialEq, Serialize)]
 pub struct PaperFigure {
     /// Its number.
+    #[serde(rename = "figure")]
     pub number: usize,
+    /// Its name on the command line.
+    #[serde(rename = "name")]
+    pub id: &'static str,
     /// The section it stands in.
     pub section: &'static str,
-    /// Its name on the command line.
-    pub id: &'static str,
     /// What it shows.
     pub title: &'static str,
     /// What the paper sets, and what it leaves open with our choice for it.
     pub setting: &'static str,
     /// What the paper says of it.
+    #[serde(skip)]
     pub claims: &'static [Claim],
 }
 

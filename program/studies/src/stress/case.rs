@@ -2,11 +2,12 @@
 
 use leafwise_core::{BuildError, StepError};
 use leafwise_scene::{Refusal, SceneErrors};
+use serde::Serialize;
 
 use crate::verify::{FlowError, ProblemError};
 
 /// One extreme.
-#[derive(Debug)]
+#[derive(Debug, Serialize)]
 pub struct Case {
     /// The family it belongs to.
     pub family: &'static str,
@@ -17,6 +18,7 @@ pub struct Case {
     /// What it should answer, with the bound's reason.
     pub expected: &'static str,
     /// Runs it.
+    #[serde(skip)]
     pub(super) run: fn(&StressOptions) -> Result<Outcome, StressError>,
 }
 
@@ -35,12 +37,13 @@ impl StressOptions {
 }
 
 /// What a case measured.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outcome {
-    /// Whether it is what was expected.
-    pub is_met: bool,
     /// What was measured, in words.
     pub measured: String,
+    /// Whether it is what was expected.
+    #[serde(rename = "met")]
+    pub is_met: bool,
 }
 
 /// Why a case could not be measured: it is then not met.

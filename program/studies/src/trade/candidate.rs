@@ -7,7 +7,9 @@ use leafwise_core::part::{ParameterDefault, ParameterInfo, ParameterSetting, Par
 use leafwise_core::{MapProperties, Registry};
 use leafwise_expression::words::counted;
 use leafwise_scene::document::{MethodParts, MethodTable, PartUse};
+use leafwise_scene::json::optional;
 use leafwise_scene::{ComposedRun, SceneDocument, compose};
+use serde::Serialize;
 
 use super::error::TradeError;
 
@@ -168,11 +170,12 @@ pub enum Knob {
 }
 
 /// One choice of what is varied.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Setting {
     /// The number of steps.
     pub steps: u64,
     /// The tolerance, for an adaptive method.
+    #[serde(serialize_with = "optional")]
     pub tolerance: Option<f64>,
 }
 

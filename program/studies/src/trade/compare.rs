@@ -3,6 +3,7 @@
 use leafwise_core::part::Family;
 use leafwise_core::{Registry, Structure};
 use leafwise_scene::document::{MethodParts, MethodTable};
+use serde::Serialize;
 
 use super::candidate::{Bench, Candidate, Knob, Setting};
 use super::catalogue::{Entry, catalogue};
@@ -39,9 +40,10 @@ pub struct CompareOptions {
 pub const LEAST_BUDGET: u64 = 10_000_000;
 
 /// A method that was compared.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ComparedMethod {
     /// The method; an adaptive one without its tolerance.
+    #[serde(skip)]
     pub method: MethodTable,
     /// One line: parts and orders.
     pub name: String,
@@ -50,10 +52,12 @@ pub struct ComparedMethod {
     /// The declared structure.
     pub structure: Structure,
     /// What is varied.
+    #[serde(skip)]
     pub knob: Knob,
     /// Whether it is the scene's own.
     pub is_own: bool,
     /// What its stepper is akin to, where it has one that says so.
+    #[serde(skip)]
     pub family: Option<Family>,
 }
 

@@ -3,6 +3,8 @@
 use std::fmt;
 
 use leafwise_core::Integrator;
+use leafwise_scene::json::{double, optional};
+use serde::Serialize;
 
 use super::candidate::{Bench, Candidate};
 use super::norm::{distance, norm};
@@ -14,16 +16,20 @@ use super::reference::{Judged, ROUND_OFF, Reference};
 /// Two methods of high accuracy in double precision part by at least round-off that the motion has
 /// magnified: a more accurate reference would not help, since each method that is judged by it
 /// rounds too.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Horizon {
     /// The end time.
+    #[serde(skip)]
     pub time: f64,
     /// The error that is wanted of the end state.
+    #[serde(serialize_with = "double")]
     pub wanted: f64,
     /// The round-off of the end state, 4·2⁻⁵²‖x‖.
+    #[serde(skip)]
     pub round_off: f64,
     /// ‖δx(T)‖/‖δx(0)‖ for a small change of the initial state, in proportion to its components;
     /// `None` where it cannot be followed.
+    #[serde(serialize_with = "optional")]
     pub growth: Option<f64>,
     /// The longest time, among sixteenths of the end time, to which the state is known ten times
     /// better than is wanted; `None` where there is none.
@@ -31,11 +37,13 @@ pub struct Horizon {
 }
 
 /// A shorter time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Known {
     /// The time.
+    #[serde(serialize_with = "double")]
     pub time: f64,
     /// The reference's own error there.
+    #[serde(serialize_with = "double")]
     pub error: f64,
 }
 

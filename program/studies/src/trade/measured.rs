@@ -5,13 +5,15 @@ use std::fmt;
 use leafwise_core::Structure;
 use leafwise_core::diagnostics::Defect;
 use leafwise_scene::ComposedRun;
+use leafwise_scene::json::{double, optional};
+use serde::Serialize;
 
 use super::norm::distance;
 use super::reference::Reference;
 use super::trial::{Trial, Wall, tensor_defect};
 
 /// What a run costs and what it keeps.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Measured {
     /// Operations of the whole run, as
     /// [`SolverStatistics::operations`](leafwise_core::SolverStatistics::operations) counts them.
@@ -19,24 +21,32 @@ pub struct Measured {
     /// Evaluations of the whole run.
     pub evaluations: u64,
     /// How long it took.
+    #[serde(rename = "wall_seconds")]
     pub wall: Option<Wall>,
     /// ‖x − x*‖ where runs are judged: the largest over every step, or at the end time.
+    #[serde(serialize_with = "double")]
     pub error: f64,
     /// The same over the largest ‖x*‖ there.
+    #[serde(serialize_with = "double")]
     pub relative_error: f64,
     /// ‖x − x*‖ at the end time.
+    #[serde(serialize_with = "double")]
     pub end_error: f64,
     /// Whether the error is below ten times the reference's own: it may be smaller or larger.
     pub at_floor: bool,
     /// max |H(x_k) − H(x_0)| over every step.
+    #[serde(serialize_with = "double")]
     pub energy_drift: f64,
     /// The largest max |C(x_k) − C(x_0)| of a Casimir over every step; `None` where there is none.
+    #[serde(serialize_with = "optional")]
     pub casimir_drift: Option<f64>,
     /// The tensor defect of one step, from the first state and from the last, relative; `None`
     /// where the map offers no tangent.
+    #[serde(serialize_with = "optional")]
     pub tensor_defect: Option<f64>,
     /// Whether the run is one of a Poisson map: declared exact and not found otherwise, or declared to some
     /// order and with a tensor defect of round-off at this step.
+    #[serde(rename = "poisson")]
     pub is_poisson: bool,
     /// Which fronts it stands on.
     pub front: Front,
@@ -88,7 +98,7 @@ impl fmt::Display for Cost {
 }
 
 /// The fronts on which a point stands.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Front {
     /// Error against [`Cost`], among all methods.
     pub all: bool,

@@ -8,6 +8,7 @@ use leafwise_core::diagnostics::TensorDefect;
 use leafwise_core::{BuildError, Integrator, SolverStatistics, StepError};
 use leafwise_scene::ComposedRun;
 use leafwise_scene::compose::Stepping;
+use serde::Serialize;
 
 use super::curve::Curve;
 
@@ -167,9 +168,10 @@ pub(super) fn run_counted(
 }
 
 /// How long a run took, without observers.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Wall {
     /// The median of the repetitions, in seconds.
+    #[serde(rename = "median")]
     pub seconds: f64,
     /// The largest less the smallest, in seconds.
     pub spread: f64,

@@ -3,6 +3,7 @@
 use leafwise_core::StepMap;
 use leafwise_scene::document::MethodTable;
 use leafwise_scene::{SceneDocument, compose};
+use serde::Serialize;
 
 use super::candidate::{Bench, Candidate, Setting};
 use super::catalogue::{Entry, UNBUILT, catalogue};
@@ -92,7 +93,8 @@ pub struct Reached {
 }
 
 /// What keeps a method from what is asked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Limit {
     /// The reference itself is not known as well as is asked.
     Reference,
@@ -101,6 +103,7 @@ pub enum Limit {
     /// A run may not cost as much as it would take.
     Budget,
     /// The search was ended first.
+    #[serde(rename = "time")]
     Ended,
     /// Steps that are small enough fail.
     Failure,

@@ -2,7 +2,8 @@
 
 use leafwise_core::diagnostics::{Defect, self_adjointness_defect};
 use leafwise_core::{MapProperties, StepError, StepMap};
-use serde::Serialize;
+use leafwise_scene::json::{double, optional, points};
+use serde::{Serialize, Serializer};
 
 use super::convergence::Convergence;
 use super::defects::{Defects, defect};
@@ -14,16 +15,19 @@ use super::problem::Problem;
 /// What was measured of a step map.
 #[derive(Clone, Debug, Serialize)]
 pub struct Measured {
-    /// Global errors (t, error) over twenty of the problem's steps, relative to the state.
-    pub errors: Vec<(f64, f64)>,
     /// The order in t.
     pub order: MeasuredOrder,
+    /// Global errors (t, error) over twenty of the problem's steps, relative to the state.
+    #[serde(serialize_with = "points")]
+    pub errors: Vec<(f64, f64)>,
     /// Whether every error is round-off.
+    #[serde(skip)]
     pub is_flow: bool,
     /// The order n of the tensor defect O(tⁿ⁺¹) of one step; empty where it is round-off.
     pub structure: MeasuredOrder,
     /// The step at which the rest is measured: the problem's, or half of it again and again until
     /// the map succeeds.
+    #[serde(serialize_with = "double")]
     pub time_step: f64,
     /// Why the problem's step is too large for the map.
     pub too_large: Option<String>,
@@ -31,21 +35,35 @@ pub struct Measured {
     pub broken_solve: Option<String>,
     /// The tensor defect of such a step, relative to the tensor; `None` where the map offers no
     /// tangent and declares no structure.
+    #[serde(serialize_with = "optional")]
     pub tensor_defect: Option<f64>,
     /// ‖Φ_{−h}(Φ_h(x)) − x‖ relative to x.
+    #[serde(serialize_with = "double")]
     pub self_adjointness: f64,
     /// The largest |C(x_k) − C(x_0)| over all Casimirs and steps, relative.
+    #[serde(serialize_with = "double")]
     pub casimir_drift: f64,
     /// The same of the energy.
+    #[serde(serialize_with = "double")]
     pub energy_drift: f64,
     /// The energy's largest deviation over the last tenth of the steps over that of the first.
+    #[serde(serialize_with = "optional")]
     pub energy_growth: Option<f64>,
     /// Solver evaluations a step.
+    #[serde(serialize_with = "double")]
     pub evaluations_per_step: f64,
     /// Nanoseconds a step, interpreter and observers apart.
+    #[serde(serialize_with = "double")]
     pub nanoseconds_per_step: f64,
     /// Order as declared, structure as declared, symmetry as declared.
+    #[serde(serialize_with = "judgements")]
     pub judgements: [Judgement; 3],
+}
+
+/// The judgements by their names.
+fn judgements<S: Serializer>(judged: &[Judgement; 3], serializer: S) -> Result<S::Ok, S::Error> {
+    let names = ["order", "structure", "self_adjoint"];
+    serializer.collect_map(names.iter().zip(judged))
 }
 
 /// How often the problem's step is halved before a map is said to fail at every one.

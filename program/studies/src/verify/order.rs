@@ -1,6 +1,7 @@
 //! What is known of an order.
 
 use leafwise_core::diagnostics::{fit_order, least_slope};
+use leafwise_scene::json::optional;
 use serde::Serialize;
 
 use super::judgement::Judgement;
@@ -13,10 +14,13 @@ const LARGEST_TOLERANCE: f64 = 1.0;
 pub struct MeasuredOrder {
     /// The order fitted with its next term; `None` where too few errors lie between their
     /// pre-asymptotic range and round-off to tell it from the next whole number.
+    #[serde(serialize_with = "optional")]
     pub exponent: Option<f64>,
     /// How far it may be from the true one.
+    #[serde(serialize_with = "optional")]
     pub tolerance: Option<f64>,
     /// The smallest slope seen near round-off: a lower bound where no fit decides.
+    #[serde(serialize_with = "optional")]
     pub at_least: Option<f64>,
 }
 

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::time::Instant;
 
-use leafwise_core::{BuildError, Registry, StepMap, Structure};
+use leafwise_core::{BuildError, Registry, StepMap};
 use serde::Serialize;
 
 use super::candidates::Candidate;
@@ -25,7 +25,7 @@ pub struct SurveyOptions {
 }
 
 /// One step map on one problem.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct Row {
     /// The problem.
     pub problem: String,
@@ -118,7 +118,7 @@ pub struct Refusal<'a> {
 }
 
 /// All rows, and the combinations that do not fit.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default)]
 pub struct Survey {
     /// The rows.
     pub rows: Vec<Row>,
@@ -283,19 +283,11 @@ fn row(problem: &Problem, map: &dyn StepMap, is_own: bool, flow: &[f64], horizon
         map: map.describe(),
         is_own,
         declared_order: properties.order,
-        declared_structure: structure(properties.structure),
+        declared_structure: properties.structure.to_string(),
         measured,
         failure,
         seconds: started.elapsed().as_secs_f64(),
     }))
-}
-
-fn structure(structure: Structure) -> String {
-    match structure {
-        Structure::Exact => "exact".to_owned(),
-        Structure::Order(n) => format!("order {n}"),
-        Structure::None => "none".to_owned(),
-    }
 }
 
 #[cfg(test)]
