@@ -3,7 +3,8 @@
 use std::borrow::Cow;
 use std::io::{self, ErrorKind, Write};
 
-use serde_json::Value;
+use leafwise::scene::json::pretty;
+use serde::Serialize;
 
 /// The two streams of a program. A reader that has gone away is not an error; a result that could
 /// not be written for another reason is [`lost`](Self::lost).
@@ -51,8 +52,11 @@ impl<'a> Console<'a> {
     }
 
     /// The one JSON object of a command.
-    pub fn json(&mut self, value: &Value) {
-        self.verbatim(&escaped(value));
+    pub fn json(&mut self, value: &impl Serialize) {
+        match pretty(value) {
+            Ok(text) => self.verbatim(&escaped(&text)),
+            Err(error) => self.lost = Some(error),
+        }
     }
 
     /// A line for the reader at the terminal, without what would steer it.
@@ -96,10 +100,10 @@ fn steers(c: char) -> bool {
     turns || (c.is_control() && c != '\n' && c != '\t')
 }
 
-/// The value as JSON. Beside what JSON asks for, what steers a terminal is escaped: it occurs in strings alone.
-fn escaped(value: &Value) -> String {
+/// JSON in which, beside what JSON asks for, what steers a terminal is escaped: it occurs in strings alone.
+fn escaped(json: &str) -> String {
     let mut text = String::new();
-    for c in format!("{value:#}").chars() {
+    for c in json.chars() {
         if steers(c) {
             text.push_str(&format!("\\u{:04x}", u32::from(c)));
         } else {
@@ -165,7 +169,7 @@ mod tests {
     fn json_escapes_what_steers_a_terminal_and_means_the_same() {
         let name = "a\u{1b}\r\u{7f}\u{9b}\u{202e}\u{2066}\n\tẋ";
         let value = serde_json::json!({ "name": name });
-        let text = escaped(&value);
+        let text = escaped(&format!("{value:#}"));
         assert_eq!(
             text,
             "{\n  \"name\": \"a\\u001b\\r\\u007f\\u009b\\u202e\\u2066\\n\\tẋ\"\n}"

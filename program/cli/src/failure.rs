@@ -11,7 +11,7 @@ use leafwise::run::RunError;
 use leafwise::scene::SceneDiagnostic;
 use leafwise::scene::compose::Refusal;
 use leafwise::trade::TradeError;
-use serde_json::{Value, json};
+use serde::Serialize;
 use thiserror::Error;
 
 use crate::console::Console;
@@ -176,37 +176,66 @@ impl Failure {
             }
         }
         if json {
-            let outcome = if self.code() == exit::RUN_FAILED {
-                "failed"
-            } else {
-                "refused"
-            };
-            console.json(&json!({ "outcome": outcome, "error": self.as_json() }));
+            console.json(&self.told());
         }
         self.code()
     }
 
-    fn as_json(&self) -> Value {
-        match self {
-            Self::Scene(problems) => {
-                let problems: Vec<Value> = problems
-                    .iter()
-                    .map(|problem| {
-                        let (line, column) = problem.line_column();
-                        json!({
-                            "message": problem.message, "file": problem.source_name,
-                            "line": line, "column": column, "help": problem.help,
-                        })
-                    })
-                    .collect();
-                json!({ "message": self.to_string(), "problems": problems })
+    /// The object of a command that did not do what it was asked.
+    pub(crate) fn told(&self) -> Told<'_> {
+        let problem = |problem: &SceneDiagnostic| {
+            let (line, column) = problem.line_column();
+            Problem {
+                message: problem.message.clone(),
+                file: problem.source_name.clone(),
+                line,
+                column,
+                help: problem.help.clone(),
             }
-            Self::Plugin { error, .. } => {
-                json!({
-                    "message": self.to_string(), "plugin": error.plugin, "refusal": error.refusal,
-                })
-            }
-            _ => json!({ "message": self.to_string() }),
+        };
+        Told {
+            outcome: match self.code() {
+                exit::RUN_FAILED => "failed",
+                _ => "refused",
+            },
+            error: Reason {
+                message: self.to_string(),
+                problems: match self {
+                    Self::Scene(problems) => Some(problems.iter().map(problem).collect()),
+                    _ => None,
+                },
+                plugin: match self {
+                    Self::Plugin { error, .. } => Some(error),
+                    _ => None,
+                },
+            },
         }
     }
+}
+
+/// A failure for programs.
+#[derive(Serialize)]
+pub(crate) struct Told<'a> {
+    outcome: &'static str,
+    error: Reason<'a>,
+}
+
+/// Why, with the problems of a scene or the refusal of a plugin.
+#[derive(Serialize)]
+struct Reason<'a> {
+    message: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    problems: Option<Vec<Problem>>,
+    #[serde(flatten)]
+    plugin: Option<&'a PluginError>,
+}
+
+/// A problem where it stands.
+#[derive(Serialize)]
+struct Problem {
+    message: String,
+    file: String,
+    line: usize,
+    column: usize,
+    help: Option<String>,
 }

@@ -4,6 +4,9 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use leafwise::scene::json::pretty;
+use serde::Serialize;
+
 use crate::failure::Failure;
 
 /// Writes a file.
@@ -12,6 +15,15 @@ use crate::failure::Failure;
 /// [`Failure::File`].
 pub fn write(file: &Path, text: &str) -> Result<(), Failure> {
     fs::write(file, text).map_err(failed(file))
+}
+
+/// Writes a value as JSON.
+///
+/// # Errors
+/// [`Failure::File`].
+pub fn write_json(file: &Path, value: &impl Serialize) -> Result<(), Failure> {
+    let text = pretty(value).map_err(failed(file))?;
+    write(file, &format!("{text}\n"))
 }
 
 /// Replaces a file in one operation and hands it to the disk, so that neither a full disk nor a lost

@@ -29,7 +29,6 @@ use std::sync::atomic::AtomicBool;
 use clap::Parser;
 use leafwise::expression::Execution;
 use leafwise::plugins::change_of_arithmetic;
-use serde_json::json;
 
 use arguments::{Arguments, Command};
 use console::Console;
@@ -77,8 +76,14 @@ fn tell(error: &clap::Error, console: &mut Console<'_>, asks_for_json: bool) -> 
     if asks_for_json {
         let plain = text.to_string();
         let first = plain.split("\n\n").next().unwrap_or_default();
-        let message = first.trim_start_matches("error: ");
-        console.json(&json!({ "outcome": "refused", "error": { "message": message } }));
+        let message = first.trim_start_matches("error: ").to_owned();
+        console.json(
+            &Failure::Usage {
+                message,
+                help: None,
+            }
+            .told(),
+        );
     }
     exit::USAGE
 }

@@ -200,6 +200,7 @@ fn describe(
             name: invariant_name(composed, index).to_owned(),
             initial: *initial,
             maximum,
+            relative: (*initial != 0.0).then(|| maximum / initial.abs()),
         })
         .collect();
     let status = session.status();

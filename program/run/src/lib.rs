@@ -2,7 +2,6 @@
 //!
 //! - [`ensemble`]: many members at once, reduced into such a directory;
 //! - [`advice`]: what a scene asks for and does not use, or needs and does not ask for;
-//! - [`json`]: numbers as JSON;
 //! - [`csv`]: tables as CSV;
 //! - `execute`: [`run`], from a composed scene to a complete directory;
 //! - `drive`: the step loop;
@@ -32,7 +31,6 @@ pub mod ensemble;
 mod error;
 mod execute;
 mod invariants;
-pub mod json;
 mod manifest;
 mod outcome;
 mod progress;
@@ -55,9 +53,9 @@ pub(crate) use directory::{
 };
 pub use error::RunError;
 pub use execute::{RunOptions, run};
-pub(crate) use manifest::{Beginning, outcome_word, plugins};
+pub(crate) use manifest::{Beginning, plugins};
 pub use manifest::{Kind, Manifest, PROGRAM_VERSION, PluginRecord};
-pub use outcome::{Failure, InvariantDrift, RunOutcome, RunReport};
+pub use outcome::{Failure, InvariantDrift, RunOutcome, RunReport, SolverFields};
 pub use progress::{Progress, Quiet, Status};
 pub(crate) use replaced::replace;
 pub(crate) use sealed::Format;

@@ -1,24 +1,26 @@
 //! What was run, with what, and how it ended: `manifest.json`.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use leafwise_core::diagnostics::Verdict;
-use leafwise_core::{Origin, PartKind, StepMap};
+use leafwise_core::{Origin, PartKind, SolverStatistics, StepMap};
 use leafwise_expression::OperationCount;
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 
+use super::advice::Advice;
 use super::error::RunError;
-use super::outcome::{RunOutcome, RunReport};
+use super::outcome::{Failure, InvariantDrift, RunReport};
 use super::replaced::replace;
 use super::time::now;
 use super::{samples, states};
-use crate::json::{json_number, json_numbers};
 use leafwise_scene::compose::{
-    ComposedRun, PartChoice, SceneChecks, StateSlice, TensorShape, tensor_shape,
+    ComposedRun, PartChoice, RecordedStates, SceneChecks, StateSlice, tensor_shape,
 };
 use leafwise_scene::document::SceneDocument;
+use leafwise_scene::json::{Double, object, pretty};
 
 /// The version that is written into manifests and reports.
 pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -99,203 +101,295 @@ impl Manifest {
     }
 }
 
-/// The word for an outcome.
-pub(crate) fn outcome_word(outcome: &RunOutcome) -> &'static str {
-    match outcome {
-        RunOutcome::Done => "done",
-        RunOutcome::Interrupted => "interrupted",
-        RunOutcome::Failed(_) => "failed",
-    }
-}
-
 /// What a manifest says before the first step.
-pub(crate) struct Beginning {
-    fields: Map<String, Value>,
+#[derive(Clone, Serialize)]
+pub(crate) struct Beginning<'a> {
+    program: &'static str,
+    kind: Kind,
+    version: &'static str,
+    command: &'a str,
+    scene: &'a str,
+    library: Option<&'a str>,
+    dimension: usize,
+    variables: Variables<'a>,
+    #[serde(serialize_with = "object")]
+    parameters: Vec<(&'a str, Double)>,
+    initial: Option<Vec<Double>>,
+    states: Option<StatesFields<'a>>,
+    tensor: String,
+    checks: Checks<'a>,
+    system: Option<Part<'a>>,
+    parts: Vec<Part<'a>>,
+    plugins: Vec<PluginRecord>,
+    path: String,
+    declared_order: usize,
+    epsilon: f64,
+    h: f64,
+    kernels: Kernels,
+    started: String,
 }
 
-impl Beginning {
+/// A manifest as it is written: the beginning, the time of the end and what is told of it.
+#[derive(Serialize)]
+struct Written<'a, E> {
+    #[serde(flatten)]
+    beginning: &'a Beginning<'a>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ended: Option<String>,
+    #[serde(flatten)]
+    ending: E,
+}
+
+/// What a manifest tells of the end of a run of one trajectory.
+#[derive(Serialize)]
+struct Ending<'a> {
+    outcome: &'static str,
+    steps: u64,
+    time: Double,
+    wall_seconds: f64,
+    samples: u64,
+    #[serde(with = "WorkFields")]
+    solver: SolverStatistics,
+    #[serde(serialize_with = "object")]
+    drift: Vec<(&'a str, Double)>,
+    #[serde(serialize_with = "object")]
+    invariants: Vec<(&'a str, &'a InvariantDrift)>,
+    machine_code: Vec<MachineCode>,
+    warnings: &'a [Advice],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    failure: Option<&'a Failure>,
+}
+
+/// The solver's work.
+#[derive(Serialize)]
+#[serde(remote = "SolverStatistics")]
+struct WorkFields {
+    evaluations: u64,
+    #[serde(getter = "SolverStatistics::evaluations_per_step")]
+    evaluations_per_step: f64,
+    most_evaluations: u64,
+    failures: u64,
+    rounded: u64,
+}
+
+/// The coordinates' names, or the families with their lengths where there are too many.
+#[derive(Clone, Serialize)]
+#[serde(untagged)]
+enum Variables<'a> {
+    Names(Vec<String>),
+    #[serde(serialize_with = "object")]
+    Families(&'a [(String, usize)]),
+}
+
+/// Where the recorded states are: the file, its columns or the slices they come from, and its shape.
+#[derive(Clone, Serialize)]
+struct StatesFields<'a> {
+    file: Option<&'static str>,
+    /// Samples and columns.
+    shape: (u64, usize),
+    columns: Option<Vec<String>>,
+    slices: &'a [StateSlice],
+    last: Option<&'static str>,
+}
+
+/// What was checked of the scene's formulas.
+#[derive(Clone, Serialize)]
+struct Checks<'a> {
+    jacobi: Verdict,
+    #[serde(serialize_with = "object")]
+    casimirs: Vec<(&'a str, Verdict)>,
+}
+
+/// A part as chosen; a composition has no values of its own.
+#[derive(Clone, Serialize)]
+struct Part<'a> {
+    #[serde(flatten)]
+    choice: &'a PartChoice,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    path: Option<&'static str>,
+}
+
+/// What a step computes: the kernels' operations, or the costs that a map has of its own.
+#[derive(Clone, Serialize)]
+#[serde(untagged)]
+enum Kernels {
+    Newton {
+        #[serde(with = "OperationFields")]
+        newton_iteration: OperationCount,
+        #[serde(with = "OperationFields")]
+        residual: OperationCount,
+        #[serde(with = "OperationFields")]
+        coefficients: OperationCount,
+    },
+    #[serde(serialize_with = "object")]
+    Costs(Vec<(&'static str, String)>),
+}
+
+/// The operations of a kernel.
+#[derive(Serialize)]
+#[serde(remote = "OperationCount")]
+struct OperationFields {
+    #[serde(getter = "OperationCount::total")]
+    total: usize,
+    additions: usize,
+    multiplications: usize,
+    divisions: usize,
+    negations: usize,
+    functions: usize,
+}
+
+/// A kernel of the steps that was compiled to machine code, for a number of lanes.
+#[derive(Serialize)]
+struct MachineCode {
+    kernel: &'static str,
+    operations: usize,
+    lanes: usize,
+    bytes: usize,
+}
+
+impl<'a> Beginning<'a> {
     /// Describes a run begun at `started`, or now.
     pub fn new(
         kind: Kind,
-        document: &SceneDocument,
-        run: &ComposedRun,
-        checks: &SceneChecks,
-        command: &str,
+        document: &'a SceneDocument,
+        run: &'a ComposedRun,
+        checks: &'a SceneChecks,
+        command: &'a str,
         started: Option<String>,
     ) -> Self {
-        let parts: Vec<Value> = run.plan.parts.iter().map(|c| part(c, run)).collect();
-        let casimirs: Map<String, Value> = checks
-            .casimirs
-            .iter()
-            .map(|casimir| {
-                (
-                    casimir.name.clone(),
-                    json!(verdict_word(casimir.check.verdict)),
-                )
-            })
-            .collect();
-        let kernels = match run.method.written().and_then(|method| method.newton()) {
-            Some(newton) => json!({
-                "newton_iteration": operations(newton.operations()),
-                "residual": operations(newton.residual_operations()),
-                "coefficients": operations(newton.coefficient_operations()),
-            }),
-            None => run
-                .method
-                .costs()
-                .into_iter()
-                .map(|(label, cost)| (label.to_owned(), json!(cost)))
-                .collect::<Map<String, Value>>()
-                .into(),
-        };
-        let shape: TensorShape = tensor_shape(&run.system);
-        let fields = json!({
-            "program": PROGRAM,
-            "kind": kind,
-            "version": PROGRAM_VERSION,
-            "command": command,
-            "scene": document.name,
-            "library": document.fragment.as_ref().map(|(id, _)| id),
-            "dimension": run.dimension(),
-            "variables": variables(run),
-            "parameters": parameters(run),
-            "initial": (run.dimension() <= MOST_WRITTEN).then(|| json_numbers(&run.plan.initial)),
-            "states": (kind == Kind::Run).then(|| recorded_states(run)),
-            "tensor": shape.to_string(),
-            "checks": { "jacobi": verdict_word(checks.jacobi.verdict), "casimirs": casimirs },
-            "system": run.plan.system.as_ref().map(|c| part(c, run)),
-            "parts": parts,
-            "plugins": plugins(run),
-            "path": run.path(),
-            "declared_order": run.method.declared_order(),
-            "epsilon": run.plan.epsilon,
-            "h": run.plan.h,
-            "kernels": kernels,
-            "started": started.unwrap_or_else(now),
-        });
-        match fields {
-            Value::Object(fields) => Self { fields },
-            _ => Self { fields: Map::new() },
+        let casimirs = checks.casimirs.iter();
+        let parameters = run.system.parameters().iter();
+        let is_short = run.dimension() <= MOST_WRITTEN;
+        let initial = run.plan.initial.iter().copied().map(Double);
+        Self {
+            program: PROGRAM,
+            kind,
+            version: PROGRAM_VERSION,
+            command,
+            scene: &document.name,
+            library: document.fragment.as_ref().map(|(id, _)| id.as_str()),
+            dimension: run.dimension(),
+            variables: match is_short {
+                true => Variables::Names(run.names()),
+                false => Variables::Families(&run.plan.families),
+            },
+            parameters: parameters
+                .map(|parameter| (parameter.name.as_str(), Double(parameter.value)))
+                .collect(),
+            initial: is_short.then(|| initial.collect()),
+            states: (kind == Kind::Run).then(|| StatesFields::of(&run.plan.states)),
+            tensor: tensor_shape(&run.system).to_string(),
+            checks: Checks {
+                jacobi: checks.jacobi.verdict,
+                casimirs: casimirs
+                    .map(|casimir| (casimir.name.as_str(), casimir.check.verdict))
+                    .collect(),
+            },
+            system: run.plan.system.as_ref().map(|choice| Part::of(choice, run)),
+            parts: run
+                .plan
+                .parts
+                .iter()
+                .map(|choice| Part::of(choice, run))
+                .collect(),
+            plugins: plugins(run),
+            path: run.path(),
+            declared_order: run.method.declared_order(),
+            epsilon: run.plan.epsilon,
+            h: run.plan.h,
+            kernels: Kernels::of(run),
+            started: started.unwrap_or_else(now),
         }
     }
 
     /// Writes the manifest of a run that goes on.
     pub fn write_running(&self, directory: &Path) -> Result<(), RunError> {
-        let mut fields = self.fields.clone();
-        fields.insert("outcome".to_owned(), json!("running"));
-        write(directory, fields)
+        self.write(directory, None, BTreeMap::from([("outcome", "running")]))
     }
 
     /// Writes the manifest of a run that has ended, with what its kind tells of the end.
-    pub fn write_end(&self, directory: &Path, ending: Value) -> Result<(), RunError> {
-        let mut fields = self.fields.clone();
-        if let Value::Object(ending) = ending {
-            fields.insert("ended".to_owned(), json!(now()));
-            fields.extend(ending);
-        }
-        write(directory, fields)
+    pub fn write_end(&self, directory: &Path, ending: impl Serialize) -> Result<(), RunError> {
+        self.write(directory, Some(now()), ending)
     }
 
     /// Writes the manifest of a run of one trajectory that has ended.
     pub fn write_ended(&self, report: &RunReport, map: &dyn StepMap) -> Result<(), RunError> {
-        let mut ending = json!({
-            "outcome": outcome_word(&report.outcome),
-            "steps": report.steps,
-            "time": json_number(report.time),
-            "wall_seconds": report.wall_seconds,
-            "samples": report.samples,
-            "solver": {
-                "evaluations": report.statistics.evaluations,
-                "evaluations_per_step": report.statistics.evaluations_per_step(),
-                "most_evaluations": report.statistics.most_evaluations,
-                "failures": report.statistics.failures,
-                "rounded": report.statistics.rounded,
-            },
-            "drift": report.drift_json(),
-            "invariants": report.invariants_json(),
-            "machine_code": machine_code(map),
-            "warnings": report.advice,
-        });
-        if let Some(Value::Object(states)) = self.fields.get("states") {
-            let mut states = states.clone();
-            let width = states["shape"][1].clone();
-            states["shape"] = json!([report.samples, width]);
-            ending["states"] = Value::Object(states);
+        let mut beginning = self.clone();
+        if let Some(states) = &mut beginning.states {
+            states.shape.0 = report.samples;
         }
-        if let RunOutcome::Failed(failure) = &report.outcome {
-            ending["failure"] = json!({
-                "message": failure.message, "step": failure.step,
-                "time": json_number(failure.time), "state": json_numbers(&failure.state),
-                "hint": failure.hint,
-            });
-        }
-        self.write_end(&report.directory, ending)
+        let ending = Ending {
+            outcome: report.outcome.word(),
+            steps: report.steps,
+            time: Double(report.time),
+            wall_seconds: report.wall_seconds,
+            samples: report.samples,
+            solver: report.statistics,
+            drift: report.drift(),
+            invariants: report.named_invariants(),
+            machine_code: machine_code(map),
+            warnings: &report.advice,
+            failure: report.outcome.failure(),
+        };
+        beginning.write_end(&report.directory, ending)
+    }
+
+    fn write(
+        &self,
+        directory: &Path,
+        ended: Option<String>,
+        ending: impl Serialize,
+    ) -> Result<(), RunError> {
+        let file = directory.join(FILE);
+        let written = Written {
+            beginning: self,
+            ended,
+            ending,
+        };
+        let text = pretty(&written).map_err(RunError::io(&file))?;
+        replace(&file, format!("{text}\n").as_bytes())
     }
 }
 
 /// Names, or numbers of a state, that a manifest writes out at most.
 const MOST_WRITTEN: usize = 1024;
 
-/// The coordinates' names, or the families with their lengths where there are too many.
-fn variables(run: &ComposedRun) -> Value {
-    if run.dimension() <= MOST_WRITTEN {
-        return json!(run.names());
+impl<'a> StatesFields<'a> {
+    fn of(recorded: &'a RecordedStates) -> Self {
+        let width = recorded.width();
+        Self {
+            file: match recorded.are_in_samples() {
+                _ if width == 0 => None,
+                true => Some(samples::FILE),
+                false => Some(states::FILE),
+            },
+            shape: (0, width),
+            columns: (width <= MOST_WRITTEN).then(|| recorded.names()),
+            slices: &recorded.slices,
+            last: (!recorded.is_whole_in_samples()).then_some(states::FINAL_STATE),
+        }
     }
-    let families = run.plan.families.iter();
-    families
-        .map(|(name, length)| (name.clone(), json!(length)))
-        .collect::<Map<String, Value>>()
-        .into()
 }
 
-fn parameters(run: &ComposedRun) -> Value {
-    let parameters = run.system.parameters().iter();
-    parameters
-        .map(|parameter| (parameter.name.clone(), json_number(parameter.value)))
-        .collect::<Map<String, Value>>()
-        .into()
-}
-
-/// Where the recorded states are: the file, its columns or the slices they come from, and its shape.
-fn recorded_states(run: &ComposedRun) -> Value {
-    let recorded = &run.plan.states;
-    let width = recorded.width();
-    let file = match recorded.are_in_samples() {
-        _ if width == 0 => None,
-        true => Some(samples::FILE),
-        false => Some(states::FILE),
-    };
-    let slice = |slice: &StateSlice| {
-        json!({
-            "name": slice.name, "first": slice.first, "step": slice.step, "count": slice.count,
-        })
-    };
-    let slices: Vec<Value> = recorded.slices.iter().map(slice).collect();
-    json!({
-        "file": file,
-        "shape": [0, width],
-        "columns": (width <= MOST_WRITTEN).then(|| recorded.names()),
-        "slices": slices,
-        "last": (!recorded.is_whole_in_samples()).then_some(states::FINAL_STATE),
-    })
-}
-
-/// A part as chosen.
-fn part(choice: &PartChoice, run: &ComposedRun) -> Value {
-    let parameters: Map<String, Value> = choice
-        .parameters
-        .iter()
-        .map(|(name, v)| ((*name).to_owned(), json!(v)))
-        .collect();
-    let mut part = json!({
-        "kind": choice.kind, "name": choice.name, "parameters": parameters,
-        "origin": choice.origin,
-        "chosen": if choice.is_automatic { "automatically" } else { "by the scene" },
-    });
-    if choice.kind != PartKind::Composition {
-        part["path"] = json!(run.path_of(choice));
+impl<'a> Part<'a> {
+    fn of(choice: &'a PartChoice, run: &ComposedRun) -> Self {
+        let has_values = choice.kind != PartKind::Composition;
+        let path = has_values.then(|| run.path_of(choice));
+        Self { choice, path }
     }
-    part
+}
+
+impl Kernels {
+    fn of(run: &ComposedRun) -> Self {
+        match run.method.written().and_then(|method| method.newton()) {
+            Some(newton) => Self::Newton {
+                newton_iteration: newton.operations(),
+                residual: newton.residual_operations(),
+                coefficients: newton.coefficient_operations(),
+            },
+            None => Self::Costs(run.method.costs()),
+        }
+    }
 }
 
 /// The libraries that parts come from, each once.
@@ -322,45 +416,24 @@ pub(crate) fn plugins(run: &ComposedRun) -> Vec<PluginRecord> {
             });
             plugins.len() - 1
         });
-        let taken = json!(choice.path);
-        plugins[place].parts.insert(choice.name.to_owned(), taken);
+        let parts = &mut plugins[place].parts;
+        parts.insert(choice.name.to_owned(), choice.path.into());
     }
     plugins
 }
 
-fn write(directory: &Path, fields: Map<String, Value>) -> Result<(), RunError> {
-    let text = format!("{:#}\n", Value::Object(fields));
-    replace(&directory.join(FILE), text.as_bytes())
-}
-
 /// The kernels of the steps that were compiled to machine code, for each number of lanes.
-fn machine_code(map: &dyn StepMap) -> Vec<Value> {
+fn machine_code(map: &dyn StepMap) -> Vec<MachineCode> {
     let mut compiled = Vec::new();
-    for (name, kernel) in map.kernels() {
-        for size in kernel.machine_code() {
-            compiled.push(json!({
-                "kernel": name, "operations": kernel.step_operations().total(),
-                "lanes": size.lanes, "bytes": size.bytes,
-            }));
+    for (kernel, code) in map.kernels() {
+        for size in code.machine_code() {
+            compiled.push(MachineCode {
+                kernel,
+                operations: code.step_operations().total(),
+                lanes: size.lanes,
+                bytes: size.bytes,
+            });
         }
     }
     compiled
-}
-
-fn operations(count: OperationCount) -> Value {
-    json!({
-        "total": count.total(), "additions": count.additions,
-        "multiplications": count.multiplications, "divisions": count.divisions,
-        "negations": count.negations, "functions": count.functions,
-    })
-}
-
-/// The word for a verdict.
-fn verdict_word(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Proved => "proved",
-        Verdict::NumericallyZero => "numerically zero",
-        Verdict::Violated => "violated",
-        _ => "undecided",
-    }
 }

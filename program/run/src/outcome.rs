@@ -3,23 +3,24 @@
 use std::path::PathBuf;
 
 use leafwise_core::{PartKind, SolverStatistics, StepError};
-
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use crate::advice::Advice;
-use crate::json::json_number;
 use leafwise_scene::compose::PartChoice;
+use leafwise_scene::json::{Double, double, doubles, optional};
 
 /// A step that could not be taken, or a state outside the formulas' domain.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Failure {
     /// What happened and what to try.
     pub message: String,
     /// The step that failed, counted from 1.
     pub step: u64,
     /// The time before that step.
+    #[serde(serialize_with = "double")]
     pub time: f64,
     /// The last good state: the one before that step.
+    #[serde(serialize_with = "doubles")]
     pub state: Vec<f64>,
     /// What to try.
     pub hint: String,
@@ -90,22 +91,52 @@ pub enum RunOutcome {
     Failed(Failure),
 }
 
-/// How far an invariant strayed, over every step.
-#[derive(Clone, Debug, PartialEq)]
-pub struct InvariantDrift {
-    /// Its name.
-    pub name: String,
-    /// I(x_0).
-    pub initial: f64,
-    /// max_k |I(x_k) − I(x_0)|.
-    pub maximum: f64,
+impl RunOutcome {
+    /// In a word: `done`, `interrupted`, `failed`.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Done => "done",
+            Self::Interrupted => "interrupted",
+            Self::Failed(_) => "failed",
+        }
+    }
+
+    /// Why the run failed, where it did.
+    pub fn failure(&self) -> Option<&Failure> {
+        match self {
+            Self::Failed(failure) => Some(failure),
+            _ => None,
+        }
+    }
 }
 
-impl InvariantDrift {
-    /// The drift over |I(x_0)|; it has no meaning where that is 0.
-    pub fn relative(&self) -> Option<f64> {
-        (self.initial != 0.0).then(|| self.maximum / self.initial.abs())
-    }
+/// How far an invariant strayed, over every step.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct InvariantDrift {
+    /// Its name.
+    #[serde(skip)]
+    pub name: String,
+    /// I(x_0).
+    #[serde(serialize_with = "double")]
+    pub initial: f64,
+    /// max_k |I(x_k) − I(x_0)|.
+    #[serde(serialize_with = "double")]
+    pub maximum: f64,
+    /// The same over |I(x_0)|; it has no meaning where that is 0.
+    #[serde(serialize_with = "optional")]
+    pub relative: Option<f64>,
+}
+
+/// What programs are told of a solver's work.
+#[derive(Serialize)]
+#[serde(remote = "SolverStatistics")]
+pub struct SolverFields {
+    #[serde(getter = "SolverStatistics::evaluations_per_step")]
+    evaluations_per_step: f64,
+    #[serde(getter = "SolverStatistics::operations_per_step")]
+    operations_per_step: Option<f64>,
+    failures: u64,
+    rounded: u64,
 }
 
 /// A run that has ended and left its directory complete.
@@ -139,22 +170,16 @@ pub struct RunReport {
 
 impl RunReport {
     /// The largest deviations by the invariants' names: `drift` of `run --json` and of the manifest.
-    pub fn drift_json(&self) -> Value {
-        let entry = |i: &InvariantDrift| (i.name.clone(), json_number(i.maximum));
-        Value::Object(self.invariants.iter().map(entry).collect())
+    pub fn drift(&self) -> Vec<(&str, Double)> {
+        let drift = |(name, invariant): (_, &InvariantDrift)| (name, Double(invariant.maximum));
+        self.named_invariants().into_iter().map(drift).collect()
     }
 
-    /// Initial value, largest deviation and relative one by the invariants' names: `invariants` of both.
-    pub fn invariants_json(&self) -> Value {
-        let entry = |invariant: &InvariantDrift| {
-            let entry = json!({
-                "initial": json_number(invariant.initial),
-                "maximum": json_number(invariant.maximum),
-                "relative": invariant.relative().map(json_number),
-            });
-            (invariant.name.clone(), entry)
-        };
-        Value::Object(self.invariants.iter().map(entry).collect())
+    /// The invariants by their names: `invariants` of both.
+    pub fn named_invariants(&self) -> Vec<(&str, &InvariantDrift)> {
+        let all = self.invariants.iter();
+        all.map(|invariant| (invariant.name.as_str(), invariant))
+            .collect()
     }
 
     /// The page to open in a browser.

@@ -1,4 +1,6 @@
 //! What JSON has no word for: doubles that are not finite, and lists of named values as objects.
+//!
+//! The functions for `serialize_with` have the errors of the serializer.
 
 use std::io;
 
@@ -23,41 +25,26 @@ impl Serialize for Double {
 }
 
 /// For `serialize_with`: a [`Double`].
-///
-/// # Errors
-/// Those of the serializer.
 pub fn double<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     Double(*value).serialize(serializer)
 }
 
 /// For `serialize_with`: a [`Double`] or nothing.
-///
-/// # Errors
-/// Those of the serializer.
 pub fn optional<S: Serializer>(value: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
     value.map(Double).serialize(serializer)
 }
 
 /// For `serialize_with`: a list of [`Double`]s.
-///
-/// # Errors
-/// Those of the serializer.
 pub fn doubles<S: Serializer>(values: &[f64], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(values.iter().copied().map(Double))
 }
 
 /// For `serialize_with`: a list of pairs of [`Double`]s.
-///
-/// # Errors
-/// Those of the serializer.
 pub fn points<S: Serializer>(points: &[(f64, f64)], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(points.iter().map(|(x, y)| (Double(*x), Double(*y))))
 }
 
 /// For `serialize_with`: named values as one object, in their order.
-///
-/// # Errors
-/// Those of the serializer.
 pub fn object<S: Serializer, N: Serialize, V: Serialize>(
     values: &[(N, V)],
     serializer: S,

@@ -1,10 +1,11 @@
 //! `leafwise check`: is the tensor Poisson, are the Casimirs Casimirs?
 
 use leafwise::core::diagnostics::{IdentityCheck, Verdict};
+use leafwise::run::Advice;
 use leafwise::run::{advice::advise, advice::states_ahead, advice::unused_parameters};
-use leafwise::run::{json::json_number, json::json_numbers};
-use leafwise::scene::compose::{SceneChecks, compose};
-use serde_json::{Map, Value, json};
+use leafwise::scene::compose::{Motion, SceneChecks, compose};
+use leafwise::scene::json::{Double, doubles, object};
+use serde::Serialize;
 
 use super::motion;
 use super::run::print_advice;
@@ -14,6 +15,40 @@ use crate::console::Console;
 use crate::failure::{Failure, exit};
 use crate::plugins::Parts;
 use crate::table::words;
+
+/// The object of `check --json`.
+#[derive(Serialize)]
+struct Told<'a> {
+    outcome: &'static str,
+    jacobi: Identity<'a>,
+    #[serde(serialize_with = "object")]
+    casimirs: Vec<(&'a str, Identity<'a>)>,
+    motion: Option<motion::Told>,
+    warnings: &'a [Advice],
+}
+
+/// A check with the names of its worst coordinates.
+#[derive(Serialize)]
+struct Identity<'a> {
+    verdict: Verdict,
+    residual: Double,
+    floor: Option<Double>,
+    worst: Vec<&'a str>,
+    #[serde(serialize_with = "doubles")]
+    at: &'a [f64],
+}
+
+impl<'a> Identity<'a> {
+    fn of(check: &'a IdentityCheck, names: &'a [String]) -> Self {
+        Self {
+            verdict: check.verdict,
+            residual: Double(check.residual),
+            floor: check.floor.map(Double),
+            worst: worst(check, names),
+            at: &check.at,
+        }
+    }
+}
 
 /// Checks the scene; returns the exit code.
 ///
@@ -48,18 +83,16 @@ pub fn execute(
         advice.extend(advise(&composed, &parts.registry, &states));
     }
     if arguments.json {
-        let casimirs: Map<String, Value> = checks
-            .casimirs
-            .iter()
-            .map(|casimir| (casimir.name.clone(), as_json(&casimir.check, names)))
-            .collect();
-        console.json(&json!({
-            "outcome": if checks.pass() { "passed" } else { "violated" },
-            "jacobi": as_json(&checks.jacobi, names),
-            "casimirs": casimirs,
-            "motion": motion::as_json(&composed),
-            "warnings": advice,
-        }));
+        let casimirs = checks.casimirs.iter();
+        console.json(&Told {
+            outcome: if checks.pass() { "passed" } else { "violated" },
+            jacobi: Identity::of(&checks.jacobi, names),
+            casimirs: casimirs
+                .map(|casimir| (casimir.name.as_str(), Identity::of(&casimir.check, names)))
+                .collect(),
+            motion: Motion::of(&composed).map(motion::Told::from),
+            warnings: &advice,
+        });
     } else {
         let motion = motion::lines(&composed);
         let gap = (!motion.is_empty()).then(String::new);
@@ -78,12 +111,9 @@ pub fn execute(
     Ok(exit::CHECK_FAILED)
 }
 
-fn worst(check: &IdentityCheck, names: &[String]) -> Vec<String> {
-    check
-        .worst
-        .iter()
-        .map(|index| names[*index].clone())
-        .collect()
+fn worst<'a>(check: &IdentityCheck, names: &'a [String]) -> Vec<&'a str> {
+    let worst = check.worst.iter();
+    worst.map(|index| names[*index].as_str()).collect()
 }
 
 fn describe(check: &IdentityCheck, what: &str, names: &[String]) -> String {
@@ -106,19 +136,4 @@ fn describe(check: &IdentityCheck, what: &str, names: &[String]) -> String {
         ),
         Verdict::Undecided => "undecided: it has no finite value near the initial state".to_owned(),
     }
-}
-
-fn as_json(check: &IdentityCheck, names: &[String]) -> Value {
-    json!({
-        "verdict": match check.verdict {
-            Verdict::Proved => "proved",
-            Verdict::NumericallyZero => "numerically zero",
-            Verdict::Violated => "violated",
-            Verdict::Undecided => "undecided",
-        },
-        "residual": json_number(check.residual),
-        "floor": check.floor.map(json_number),
-        "worst": worst(check, names),
-        "at": json_numbers(&check.at),
-    })
 }

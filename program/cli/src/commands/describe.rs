@@ -4,8 +4,9 @@ use leafwise::core::part::PartInfo;
 use leafwise::core::{Origin, Registry};
 use leafwise::scene::compose::{LIE_ALGEBRAS, LieAlgebra};
 use leafwise::scene::document::nearest;
+use leafwise::scene::json::object;
 use leafwise::systems::{LibrarySystem, SystemError};
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use crate::arguments::{DescribeArguments, PluginArguments};
 use crate::console::Console;
@@ -27,6 +28,50 @@ const AUTO_MEANS: [&str; 2] = [
 /// Text wider than this is wrapped.
 const WIDTH: usize = 88;
 
+/// The object of `describe --json`.
+#[derive(Serialize)]
+struct Told {
+    #[serde(flatten)]
+    named: Described,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lie_algebra: Option<Described>,
+}
+
+/// What a name stands for.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Described {
+    Part {
+        #[serde(flatten)]
+        info: &'static PartInfo,
+        origin: Origin,
+    },
+    System {
+        name: &'static str,
+        kind: &'static str,
+        title: String,
+        summary: String,
+        dimension: usize,
+        orbit: String,
+        literature: String,
+        time_step: f64,
+        system: &'static str,
+    },
+    LieAlgebra {
+        name: &'static str,
+        kind: &'static str,
+        summary: &'static str,
+        variables: &'static [&'static str],
+        #[serde(serialize_with = "object")]
+        bracket: Vec<(String, String)>,
+    },
+    Auto {
+        name: &'static str,
+        realization: &'static str,
+        dynamics: &'static str,
+    },
+}
+
 /// Describes what the name stands for; returns the exit code.
 ///
 /// # Errors
@@ -38,15 +83,14 @@ pub fn execute(
 ) -> Result<u8, Failure> {
     let name = arguments.name.as_str();
     let registry = Parts::new(plugins)?.registry;
-    let mut found: Vec<(Vec<String>, Value)> = Vec::new();
+    let mut found: Vec<(Vec<String>, Described)> = Vec::new();
     // A system of the library is described by its text.
     let system = leafwise::systems::find(name);
     let mut listing = registry.listing().into_iter();
     let found_part = listing.find(|(info, _)| info.name == name);
     if let Some((info, origin)) = found_part.filter(|_| system.is_none()) {
-        let mut object = json!(info);
-        object["origin"] = json!(origin);
-        found.push((part(info, origin), object));
+        let origin = origin.clone();
+        found.push((part(info, &origin), Described::Part { info, origin }));
     }
     if let Some(system) = system {
         let text = system_text(system);
@@ -58,20 +102,27 @@ pub fn execute(
         let mut lines = vec![format!("{AUTO} (in place of a part's name)"), String::new()];
         labelled(&mut lines, "realization", realization);
         labelled(&mut lines, "dynamics", dynamics);
-        let object = json!({ "name": AUTO, "realization": realization, "dynamics": dynamics });
-        found.push((lines, object));
+        found.push((
+            lines,
+            Described::Auto {
+                name: AUTO,
+                realization,
+                dynamics,
+            },
+        ));
     }
-    // A name may stand for a system and for the Lie algebra it lives on.
-    let Some((mut lines, mut object)) = found.pop() else {
+    let mut found = found.into_iter();
+    let Some((mut lines, named)) = found.next() else {
         return Err(unknown(name, &registry));
     };
-    while let Some((before, outer)) = found.pop() {
-        lines = [before, vec![String::new()], lines].concat();
-        let inner = std::mem::replace(&mut object, outer);
-        object["lie_algebra"] = inner;
-    }
+    // A name may stand for a system and for the Lie algebra it lives on.
+    let lie_algebra = found.next().map(|(others, algebra)| {
+        lines.push(String::new());
+        lines.extend(others);
+        algebra
+    });
     if arguments.json {
-        console.json(&object);
+        console.json(&Told { named, lie_algebra });
     } else {
         lines.iter().for_each(|line| console.result(line));
     }
@@ -124,7 +175,7 @@ fn part(info: &PartInfo, origin: &Origin) -> Vec<String> {
     lines
 }
 
-fn system_text(system: &LibrarySystem) -> Result<(Vec<String>, Value), SystemError> {
+fn system_text(system: &LibrarySystem) -> Result<(Vec<String>, Described), SystemError> {
     let (about, defaults) = (system.about()?, system.defaults()?);
     let dimension = system.dimension()?;
     let mut lines = vec![
@@ -150,15 +201,21 @@ fn system_text(system: &LibrarySystem) -> Result<(Vec<String>, Value), SystemErr
         "  `leafwise new --library {}` writes a scene of it, with steps of {}.",
         system.id, defaults.time_step
     ));
-    let object = json!({
-        "name": system.id, "kind": "system", "title": about.title, "summary": about.summary,
-        "dimension": dimension, "orbit": about.orbit, "literature": about.reference.to_string(),
-        "time_step": defaults.time_step, "system": table.trim(),
-    });
-    Ok((lines, object))
+    let described = Described::System {
+        name: system.id,
+        kind: "system",
+        title: about.title,
+        summary: about.summary,
+        dimension,
+        orbit: about.orbit,
+        literature: about.reference.to_string(),
+        time_step: defaults.time_step,
+        system: table.trim(),
+    };
+    Ok((lines, described))
 }
 
-fn lie_algebra(algebra: &LieAlgebra) -> (Vec<String>, Value) {
+fn lie_algebra(algebra: &LieAlgebra) -> (Vec<String>, Described) {
     let coordinate = |k: usize| algebra.coordinates[k];
     let entries: Vec<(String, String)> = algebra
         .bracket
@@ -193,15 +250,14 @@ fn lie_algebra(algebra: &LieAlgebra) -> (Vec<String>, Value) {
             .iter()
             .map(|(pair, value)| format!("  {{{pair}}} = {value}")),
     );
-    let bracket: serde_json::Map<String, Value> = entries
-        .into_iter()
-        .map(|(pair, value)| (pair, Value::from(value)))
-        .collect();
-    let object = json!({
-        "name": algebra.name, "kind": "lie-algebra", "summary": algebra.summary,
-        "variables": algebra.coordinates, "bracket": bracket,
-    });
-    (lines, object)
+    let described = Described::LieAlgebra {
+        name: algebra.name,
+        kind: "lie-algebra",
+        summary: algebra.summary,
+        variables: algebra.coordinates,
+        bracket: entries,
+    };
+    (lines, described)
 }
 
 /// A label with its text beside it, wrapped.

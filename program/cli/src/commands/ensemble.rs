@@ -5,16 +5,16 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use leafwise::core::Registry;
-use leafwise::run::{RunOptions, RunOutcome};
+use leafwise::run::{Advice, RunOptions, RunOutcome};
 use leafwise::run::{
-    ensemble::ComposedEnsemble, ensemble::EnsembleReport, ensemble::MemberError,
-    ensemble::Workforce, ensemble::advise_ensemble, ensemble::compose_ensemble,
-    ensemble::default_ensemble_directory, ensemble::ensemble_json, ensemble::member_scene,
+    ensemble::ComposedEnsemble, ensemble::EnsembleEnding, ensemble::EnsembleReport,
+    ensemble::MemberError, ensemble::Workforce, ensemble::advise_ensemble,
+    ensemble::compose_ensemble, ensemble::default_ensemble_directory, ensemble::member_scene,
     ensemble::run_ensemble,
 };
 use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::compose;
-use serde_json::json;
+use serde::Serialize;
 
 use super::run::{RunOutput, drift, integrate, method_line, print_advice, repeating};
 use crate::arguments::{EnsembleArguments, PluginArguments};
@@ -30,6 +30,15 @@ const MOST_NAMED: usize = 5;
 /// Said of an ensemble that has come to its end before.
 const REPEATED: &str =
     "it had come to its end before: nothing was computed or written; --force runs it anew";
+
+/// The object of `ensemble --json`.
+#[derive(Serialize)]
+struct Told<'a> {
+    #[serde(flatten)]
+    ending: EnsembleEnding<'a>,
+    warnings: &'a [Advice],
+    run_directory: String,
+}
 
 /// Integrates the ensemble, or one of its members; returns the exit code.
 ///
@@ -91,11 +100,11 @@ pub fn execute(
         print_advice(&advice, console);
     }
     if arguments.json {
-        let mut object = ensemble_json(&ensemble, &report);
-        object["outcome"] = word(&report).into();
-        object["warnings"] = json!(advice);
-        object["run_directory"] = report.directory.display().to_string().into();
-        console.json(&object);
+        console.json(&Told {
+            ending: EnsembleEnding::new(&ensemble, &report),
+            warnings: &advice,
+            run_directory: report.directory.display().to_string(),
+        });
     }
     Ok(match report.outcome {
         RunOutcome::Interrupted => exit::INTERRUPTED,
@@ -163,13 +172,6 @@ fn execute_member(
     )
 }
 
-fn word(report: &EnsembleReport) -> &'static str {
-    match report.outcome {
-        RunOutcome::Interrupted => "interrupted",
-        _ => "done",
-    }
-}
-
 fn summary(
     ensemble: &ComposedEnsemble,
     registry: &Registry,
@@ -180,7 +182,7 @@ fn summary(
     let end = ensemble.time(ensemble.run.plan.steps);
     let mut lines = vec![format!(
         "{}: {} members to t = {} with {}",
-        console.bold(word(report)),
+        console.bold(report.outcome.word()),
         grouped(all.members),
         short(end),
         method_line(&ensemble.run, registry)

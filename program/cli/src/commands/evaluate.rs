@@ -5,9 +5,9 @@ use leafwise::core::realization::{Accuracy, Ends, RealizationData};
 use leafwise::core::{BuildError, Method, StepError, realization_evaluator};
 use leafwise::expression::{Arithmetic, Graph, Kernel, Rational, StepSize, Term};
 use leafwise::karasev::TruncatedKarasev;
-use leafwise::run::{json::json_number, json::json_numbers};
 use leafwise::scene::compose::{ComposedRun, compose};
-use serde_json::{Map, Value, json};
+use leafwise::scene::json::object;
+use serde::Serialize;
 
 use crate::arguments::{EvaluateArguments, PluginArguments};
 use crate::bar::while_building;
@@ -47,13 +47,25 @@ impl Unevaluated {
 }
 
 /// The values at a point (x, p).
+#[derive(Serialize)]
 struct Values {
     alpha: Vec<f64>,
     beta: Vec<f64>,
+    /// l with S_l(x) and dS_l(x) at the scene's ε.
+    #[serde(rename = "hamilton_jacobi", serialize_with = "object")]
+    generating: Vec<(usize, Generating)>,
     /// α_(0), …, α_(n) at ε = 1; empty unless the realization is a truncated series.
+    #[serde(rename = "alpha_coefficients", skip_serializing_if = "Vec::is_empty")]
     coefficients: Vec<Vec<f64>>,
-    /// l, S_l(x), dS_l(x) at the scene's ε.
-    generating: Vec<(usize, f64, Vec<f64>)>,
+}
+
+/// A term of the generating function.
+#[derive(Serialize)]
+struct Generating {
+    #[serde(rename = "S")]
+    value: f64,
+    #[serde(rename = "dS")]
+    gradient: Vec<f64>,
 }
 
 impl Values {
@@ -67,9 +79,9 @@ impl Values {
                 coefficient.clone(),
             ));
         }
-        for (l, s, gradient) in &self.generating {
-            all.push((format!("S_{l}"), vec![*s]));
-            all.push((format!("dS_{l}"), gradient.clone()));
+        for (l, term) in &self.generating {
+            all.push((format!("S_{l}"), vec![term.value]));
+            all.push((format!("dS_{l}"), term.gradient.clone()));
         }
         let wrong = all.iter().find_map(|(name, values)| {
             let value = values.iter().find(|value| !value.is_finite())?;
@@ -129,7 +141,7 @@ pub fn execute(
         )
     })?;
     if arguments.json {
-        console.json(&as_json(&values));
+        console.json(&values);
     } else {
         for line in words(&rows(&values)) {
             console.result(&line);
@@ -308,43 +320,20 @@ fn evaluate(
                 .map(|term| at.graph.multiply(&power, term))
                 .collect();
             let values = at.values(&terms);
-            generating.push((2 * k + 1, values[0], values[1..].to_vec()));
+            let term = Generating {
+                value: values[0],
+                gradient: values[1..].to_vec(),
+            };
+            generating.push((2 * k + 1, term));
             power = at.graph.multiply(&power, &square);
         }
     }
     Ok(Values {
         alpha,
         beta,
-        coefficients,
         generating,
+        coefficients,
     })
-}
-
-fn as_json(values: &Values) -> Value {
-    let generating: Map<String, Value> = values
-        .generating
-        .iter()
-        .map(|(l, s, gradient)| {
-            (
-                l.to_string(),
-                json!({ "S": json_number(*s), "dS": json_numbers(gradient) }),
-            )
-        })
-        .collect();
-    let mut object = json!({
-        "alpha": json_numbers(&values.alpha),
-        "beta": json_numbers(&values.beta),
-        "hamilton_jacobi": generating,
-    });
-    if !values.coefficients.is_empty() {
-        let lists: Vec<Value> = values
-            .coefficients
-            .iter()
-            .map(|coefficient| json_numbers(coefficient))
-            .collect();
-        object["alpha_coefficients"] = Value::Array(lists);
-    }
-    object
 }
 
 fn rows(values: &Values) -> Vec<Vec<String>> {
@@ -359,9 +348,9 @@ fn rows(values: &Values) -> Vec<Vec<String>> {
     for (k, coefficient) in values.coefficients.iter().enumerate() {
         rows.push(vec![format!("alpha, epsilon^{k}"), list(coefficient)]);
     }
-    for (l, s, gradient) in &values.generating {
-        rows.push(vec![format!("S_{l}"), format!("{s:?}")]);
-        rows.push(vec![format!("dS_{l}"), list(gradient)]);
+    for (l, term) in &values.generating {
+        rows.push(vec![format!("S_{l}"), format!("{:?}", term.value)]);
+        rows.push(vec![format!("dS_{l}"), list(&term.gradient)]);
     }
     rows
 }

@@ -3,7 +3,8 @@
 use leafwise::core::part::PartKind;
 use leafwise::core::{Origin, Registry};
 use leafwise::scene::compose::LIE_ALGEBRAS;
-use serde_json::{Value, json};
+use leafwise::scene::json::object;
+use serde::Serialize;
 
 use crate::arguments::{Kind, ListArguments, PluginArguments};
 use crate::console::Console;
@@ -31,7 +32,7 @@ pub fn execute(
     console: &mut Console<'_>,
 ) -> Result<u8, Failure> {
     let registry = Parts::new(plugins)?.registry;
-    let mut object = serde_json::Map::new();
+    let mut told = Told { kinds: Vec::new() };
     let mut is_first = true;
     for (kind, heading) in KINDS {
         if arguments.kind.is_some_and(|asked| asked != kind) {
@@ -39,15 +40,7 @@ pub fn execute(
         }
         let entries = entries(kind, &registry);
         if arguments.json {
-            let list: Vec<Value> = entries
-                .iter()
-                .map(|entry| {
-                    json!({
-                        "name": entry.name, "summary": entry.summary, "origin": entry.origin,
-                    })
-                })
-                .collect();
-            object.insert(heading.to_owned(), Value::Array(list));
+            told.kinds.push((heading, entries));
             continue;
         }
         if entries.is_empty() && arguments.kind.is_none() {
@@ -70,14 +63,23 @@ pub fn execute(
         }
     }
     if arguments.json {
-        console.json(&Value::Object(object));
+        console.json(&told);
     } else if arguments.kind.is_none() {
         console.result("\n`leafwise describe NAME` tells more about any of them.");
     }
     Ok(exit::DONE)
 }
 
+/// The object of `list --json`: lists by their headings.
+#[derive(Serialize)]
+#[serde(transparent)]
+struct Told {
+    #[serde(serialize_with = "object")]
+    kinds: Vec<(&'static str, Vec<Entry>)>,
+}
+
 /// One line of a list.
+#[derive(Serialize)]
 struct Entry {
     name: String,
     summary: String,

@@ -1,9 +1,9 @@
 //! ẋ as text: what `check` and `run --explain` print of a system.
 
 use leafwise::core::system::Convention;
-use leafwise::run::json::json_number;
 use leafwise::scene::compose::{ComposedRun, Motion};
-use serde_json::{Map, Value, json};
+use leafwise::scene::json::{Double, object};
+use serde::Serialize;
 
 use crate::table::words;
 
@@ -72,17 +72,21 @@ fn cut(formula: &str) -> String {
 }
 
 /// ẋ by the variables' names: formulas, `null` for one too long, numbers for a system of numbers.
-pub(super) fn as_json(run: &ComposedRun) -> Value {
-    let object: Map<String, Value> = match Motion::of(run) {
-        None => return Value::Null,
-        Some(Motion::Formulas(rows) | Motion::Site(rows)) => rows
-            .into_iter()
-            .map(|(name, formula)| (name, json!(formula)))
-            .collect(),
-        Some(Motion::Values(rows)) => rows
-            .into_iter()
-            .map(|(name, value)| (name, json_number(value)))
-            .collect(),
-    };
-    object.into()
+#[derive(Serialize)]
+#[serde(untagged)]
+pub(super) enum Told {
+    #[serde(serialize_with = "object")]
+    Formulas(Vec<(String, Option<String>)>),
+    #[serde(serialize_with = "object")]
+    Values(Vec<(String, Double)>),
+}
+
+impl From<Motion> for Told {
+    fn from(motion: Motion) -> Self {
+        let double = |(name, value)| (name, Double(value));
+        match motion {
+            Motion::Formulas(rows) | Motion::Site(rows) => Self::Formulas(rows),
+            Motion::Values(rows) => Self::Values(rows.into_iter().map(double).collect()),
+        }
+    }
 }

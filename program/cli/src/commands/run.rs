@@ -5,15 +5,15 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use leafwise::core::Registry;
-use leafwise::run::Advice;
+use leafwise::core::{Registry, SolverStatistics};
 use leafwise::run::{
-    Failure as StepFailure, RunOptions, RunOutcome, RunReport, default_directory, run,
+    Advice, Failure as StepFailure, InvariantDrift, RunOptions, RunOutcome, RunReport,
+    SolverFields, default_directory, run,
 };
-use leafwise::run::{json::json_number, json::json_numbers};
 use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::{ComposedRun, WIDEST_STATE, compose};
-use serde_json::{Value, json};
+use leafwise::scene::json::{Double, doubles, object};
+use serde::Serialize;
 
 use super::explain::explain;
 use crate::arguments::{PluginArguments, RunArguments, SceneArguments};
@@ -119,7 +119,7 @@ pub(super) fn integrate(
         }
     }
     if told.json {
-        console.json(&report_json(&report));
+        console.json(&Told::from(&report));
     }
     Ok(match report.outcome {
         RunOutcome::Done => exit::DONE,
@@ -190,14 +190,9 @@ fn summary(
     console: &Console<'_>,
 ) -> Vec<String> {
     let method = method_line(composed, registry);
-    let word = match report.outcome {
-        RunOutcome::Done => "done",
-        RunOutcome::Interrupted => "interrupted",
-        RunOutcome::Failed(_) => "failed",
-    };
     let mut lines = vec![format!(
         "{}: {} steps to t = {} with {method}",
-        console.bold(word),
+        console.bold(report.outcome.word()),
         grouped(report.steps),
         short(report.time)
     )];
@@ -219,7 +214,7 @@ fn summary(
             format!("  {}", invariant.name),
             short(invariant.initial),
             drift(invariant.maximum),
-            invariant.relative().map_or_else(|| "-".to_owned(), drift),
+            invariant.relative.map_or_else(|| "-".to_owned(), drift),
         ]);
     }
     lines.extend(numbers(&rows));
@@ -303,38 +298,42 @@ fn failure_lines(
 }
 
 /// The object of `run --json`.
-fn report_json(report: &RunReport) -> Value {
-    let mut object = json!({
-        "outcome": match report.outcome {
-            RunOutcome::Done => "done",
-            RunOutcome::Interrupted => "interrupted",
-            RunOutcome::Failed(_) => "failed",
-        },
-        "final_state": json_numbers(&report.final_state),
-        "time": json_number(report.time),
-        "steps": report.steps,
-        "wall_seconds": report.wall_seconds,
-        "drift": report.drift_json(),
-        "invariants": report.invariants_json(),
-        "solver": {
-            "evaluations_per_step": report.statistics.evaluations_per_step(),
-            "operations_per_step": report.statistics.operations_per_step(),
-            "failures": report.statistics.failures,
-            "rounded": report.statistics.rounded,
-        },
-        "warnings": report.advice,
-        "run_directory": report.directory.display().to_string(),
-    });
-    if let RunOutcome::Failed(failure) = &report.outcome {
-        object["error"] = json!({
-            "message": failure.message,
-            "step": failure.step,
-            "time": json_number(failure.time),
-            "state": json_numbers(&failure.state),
-            "hint": failure.hint,
-        });
+#[derive(Serialize)]
+struct Told<'a> {
+    outcome: &'static str,
+    #[serde(serialize_with = "doubles")]
+    final_state: &'a [f64],
+    time: Double,
+    steps: u64,
+    wall_seconds: f64,
+    #[serde(serialize_with = "object")]
+    drift: Vec<(&'a str, Double)>,
+    #[serde(serialize_with = "object")]
+    invariants: Vec<(&'a str, &'a InvariantDrift)>,
+    #[serde(with = "SolverFields")]
+    solver: SolverStatistics,
+    warnings: &'a [Advice],
+    run_directory: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<&'a StepFailure>,
+}
+
+impl<'a> From<&'a RunReport> for Told<'a> {
+    fn from(report: &'a RunReport) -> Self {
+        Self {
+            outcome: report.outcome.word(),
+            final_state: &report.final_state,
+            time: Double(report.time),
+            steps: report.steps,
+            wall_seconds: report.wall_seconds,
+            drift: report.drift(),
+            invariants: report.named_invariants(),
+            solver: report.statistics,
+            warnings: &report.advice,
+            run_directory: report.directory.display().to_string(),
+            error: report.outcome.failure(),
+        }
     }
-    object
 }
 
 /// A deviation with three digits.

@@ -4,9 +4,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use leafwise::run::json::json_number;
+use leafwise::scene::json::double;
 use leafwise::stress::{Case, Outcome, StressOptions, cases};
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use crate::arguments::StressArguments;
 use crate::bar::Steps;
@@ -15,10 +15,29 @@ use crate::failure::{Failure, exit};
 use crate::table::{duration, labelled};
 
 /// A case that was run.
+#[derive(Serialize)]
 struct Row {
+    #[serde(flatten)]
     case: &'static Case,
+    #[serde(flatten)]
     outcome: Outcome,
+    #[serde(serialize_with = "double")]
     seconds: f64,
+}
+
+/// The object of `stress --json`.
+#[derive(Serialize)]
+struct Told<'a> {
+    outcome: &'static str,
+    #[serde(serialize_with = "double")]
+    seconds: f64,
+    cases: &'a [Row],
+}
+
+/// The object of `stress --list --json`.
+#[derive(Serialize)]
+struct Listed<'a> {
+    cases: &'a [&'static Case],
 }
 
 /// Runs cases; returns the exit code.
@@ -64,7 +83,11 @@ pub fn execute(
     let seconds = started.elapsed().as_secs_f64();
     let failing = rows.iter().filter(|row| !row.outcome.is_met).count();
     if arguments.json {
-        console.json(&object(&rows, seconds));
+        console.json(&Told {
+            outcome: if failing == 0 { "met" } else { "not met" },
+            seconds,
+            cases: &rows,
+        });
     } else {
         let count = rows.len();
         console.result(&match failing {
@@ -105,8 +128,7 @@ fn chosen(names: &[String]) -> Result<Vec<&'static Case>, Failure> {
 
 fn list(chosen: &[&'static Case], json: bool, console: &mut Console<'_>) {
     if json {
-        let cases: Vec<Value> = chosen.iter().map(|case| described(case)).collect();
-        console.json(&json!({ "cases": cases }));
+        console.json(&Listed { cases: chosen });
         return;
     }
     for case in chosen {
@@ -115,15 +137,6 @@ fn list(chosen: &[&'static Case], json: bool, console: &mut Console<'_>) {
             console.result(&format!("    {line}"));
         }
     }
-}
-
-fn described(case: &Case) -> Value {
-    json!({
-        "family": case.family,
-        "name": case.name,
-        "asked": case.asked,
-        "expected": case.expected,
-    })
 }
 
 fn print(row: &Row, console: &mut Console<'_>) {
@@ -141,23 +154,4 @@ fn print(row: &Row, console: &mut Console<'_>) {
         console.result(&format!("      {line}"));
     }
     console.result("");
-}
-
-fn object(rows: &[Row], seconds: f64) -> Value {
-    let is_met = rows.iter().all(|row| row.outcome.is_met);
-    let cases: Vec<Value> = rows
-        .iter()
-        .map(|row| {
-            let mut case = described(row.case);
-            case["measured"] = Value::from(row.outcome.measured.as_str());
-            case["met"] = Value::from(row.outcome.is_met);
-            case["seconds"] = json_number(row.seconds);
-            case
-        })
-        .collect();
-    json!({
-        "outcome": if is_met { "met" } else { "not met" },
-        "seconds": json_number(seconds),
-        "cases": cases,
-    })
 }

@@ -6,6 +6,7 @@ use std::time::Duration;
 use super::advice::measured;
 use super::checkpoint::Checkpoint;
 use super::drive::{Session, Workforce};
+use super::ending::EnsembleEnding;
 use super::plan::ComposedEnsemble;
 use super::report::EnsembleReport;
 use super::statistics::Reductions;
@@ -13,7 +14,7 @@ use super::store::{FinalStore, has_begun_at_most};
 use super::{page, tables};
 use crate::{
     Beginning, Kind, Progress, REPORT, RunDirectory, RunError, RunOptions, RunOutcome, RunRequest,
-    SCENE, outcome_word, plugins, replace,
+    SCENE, plugins, replace,
 };
 use leafwise_report::render_ensemble;
 use leafwise_scene::compose::SceneChecks;
@@ -114,9 +115,7 @@ pub fn run_ensemble(
     let data = page::data(document, ensemble, &report, &options.command);
     let page = render_ensemble(&data)?;
     replace(&directory.path.join(REPORT), page.as_bytes())?;
-    let mut ending = tables::ending(ensemble, &report);
-    ending["outcome"] = outcome_word(&report.outcome).into();
-    beginning.write_end(&directory.path, ending)?;
+    beginning.write_end(&directory.path, EnsembleEnding::new(ensemble, &report))?;
     Ok(report)
 }
 

@@ -7,13 +7,14 @@
 //! - `drive`: blocks on threads, taken in by number, so that no result depends on either;
 //! - `statistics`, `quantiles`: what members are reduced to;
 //! - `report`: [`EnsembleReport`], what is left behind;
-//! - `checkpoint`, `store`, `tables`, `page`: what the run directory holds;
+//! - `checkpoint`, `store`, `tables`, `ending`, `page`: what the run directory holds;
 //! - `execute`: [`run_ensemble`], all of it.
 
 mod advice;
 mod block;
 mod checkpoint;
 mod drive;
+mod ending;
 mod execute;
 mod member;
 mod observers;
@@ -32,10 +33,10 @@ mod tests;
 
 pub use advice::advise_ensemble;
 pub use drive::Workforce;
+pub use ending::EnsembleEnding;
 pub use execute::{default_ensemble_directory, run_ensemble};
 pub use member::{MemberError, member_scene};
 pub use plan::{ComposedEnsemble, compose_ensemble};
 pub use population::Population;
 pub use report::EnsembleReport;
 pub use statistics::{Deviation, MemberFailure, Reductions, Summary};
-pub use tables::ending as ensemble_json;

@@ -1,6 +1,7 @@
 //! What an ensemble is reduced to, member after member.
 
 use leafwise_core::SolverStatistics;
+use leafwise_scene::json::{double, doubles};
 use serde::{Deserialize, Serialize};
 
 use super::quantiles::Sketch;
@@ -123,10 +124,12 @@ pub struct MemberFailure {
     /// The step that failed, counted from 1; 0 where there is no initial state.
     pub step: u64,
     /// The time before that step.
+    #[serde(serialize_with = "double")]
     pub time: f64,
     /// What happened.
     pub message: String,
     /// The last good state.
+    #[serde(serialize_with = "doubles")]
     pub state: Vec<f64>,
 }
 

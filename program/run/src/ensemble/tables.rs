@@ -1,12 +1,9 @@
-//! What an ensemble was reduced to, as files and as JSON.
-
-use serde_json::{Map, Value, json};
+//! What an ensemble was reduced to, as tables.
 
 use super::plan::ComposedEnsemble;
 use super::report::EnsembleReport;
-use super::statistics::{Deviation, Summary};
+use super::statistics::Summary;
 use crate::csv::{Headings, Table};
-use crate::json::{json_number, json_numbers};
 use crate::{FAILURES, RunError, STATISTICS, WINDOWS, replace};
 
 /// The columns of `statistics.csv` before the quantiles.
@@ -112,89 +109,4 @@ fn failures(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Table {
             .end_row();
     }
     table
-}
-
-/// The object of `ensemble --json`, but for its outcome and directory; the manifest's end.
-pub fn ending(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Value {
-    let all = &report.reductions;
-    let mut statistics: Vec<Value> = Vec::new();
-    for (steps, name, summary) in summaries(ensemble, report) {
-        let time = json_number(ensemble.time(steps));
-        if statistics.last().is_none_or(|last| last["time"] != time) {
-            statistics.push(json!({ "time": time }));
-        }
-        if let Some(last) = statistics.last_mut() {
-            last[name] = summary_json(ensemble, summary);
-        }
-    }
-    let drift: Map<String, Value> = ensemble
-        .invariant_names()
-        .into_iter()
-        .enumerate()
-        .map(|(at, name)| (name.to_owned(), drift_json(report, at)))
-        .collect();
-    let failures: Vec<Value> = all
-        .failures
-        .iter()
-        .map(|failure| {
-            json!({
-                "member": failure.member, "step": failure.step,
-                "time": json_number(failure.time), "message": failure.message,
-                "state": json_numbers(&failure.state),
-            })
-        })
-        .collect();
-    json!({
-        "members": ensemble.population.members(),
-        "done": all.done(),
-        "failed": all.failed,
-        "steps": ensemble.run.plan.steps,
-        "time": json_number(ensemble.time(ensemble.run.plan.steps)),
-        "wall_seconds": report.wall_seconds,
-        "members_per_second": report.rate(),
-        "solver": {
-            "evaluations_per_step": all.statistics.evaluations_per_step(),
-            "operations_per_step": all.statistics.operations_per_step(),
-            "failures": all.statistics.failures,
-            "rounded": all.statistics.rounded,
-        },
-        "drift": drift,
-        "statistics": statistics,
-        "failures": failures,
-    })
-}
-
-fn summary_json(ensemble: &ComposedEnsemble, summary: &Summary) -> Value {
-    let quantiles: Map<String, Value> = ensemble
-        .quantiles
-        .iter()
-        .zip(summary.quantiles(&ensemble.quantiles))
-        .map(|(p, value)| (format!("{p:?}"), json_number(value)))
-        .collect();
-    let mut object = json!({
-        "count": summary.count,
-        "undefined": summary.undefined,
-        "mean": json_number(summary.mean),
-        "variance": json_number(summary.variance()),
-        "minimum": json_number(summary.minimum.0),
-        "minimum_member": summary.minimum.1,
-        "maximum": json_number(summary.maximum.0),
-        "maximum_member": summary.maximum.1,
-    });
-    if !quantiles.is_empty() {
-        object["quantiles"] = quantiles.into();
-        object["rank_error"] = json_number(summary.rank_error());
-    }
-    object
-}
-
-fn drift_json(report: &EnsembleReport, at: usize) -> Value {
-    let all = &report.reductions;
-    let whole: &Deviation = &all.whole[at];
-    json!({
-        "maximum": json_number(whole.maximum),
-        "member": whole.member,
-        "mean": json_number(all.mean_deviation(whole)),
-        "relative": json_number(all.relative[at].maximum),
-    })
 }

@@ -3,8 +3,6 @@
 use leafwise::run::csv::Table;
 use leafwise::trade::{Comparison, Measured};
 
-use super::json::structure;
-
 const HEADINGS: [&str; 23] = [
     "method",
     "order",
@@ -42,7 +40,7 @@ pub(super) fn table(comparison: &Comparison) -> Table {
         table
             .text(&method.name)
             .whole(method.order as u64)
-            .text(&structure(method.structure))
+            .text(&method.structure.to_string())
             .whole(point.setting.steps)
             .number(point.time_step)
             .optional(point.setting.tolerance);

@@ -1,124 +1,126 @@
 //! The object of `compare --json`.
 
-use leafwise::core::Structure;
-use leafwise::run::{json::json_number, json::json_numbers};
 use leafwise::scene::SceneDocument;
-use leafwise::trade::{Comparison, Horizon, Measured, Point, Reference};
-use serde_json::{Value, json};
+use leafwise::scene::json::{Double, doubles};
+use leafwise::trade::{ComparedMethod, Comparison, Horizon, Measured, Point, Reference};
+use serde::Serialize;
 
 /// Everything that was measured.
-pub(in crate::commands) fn object(document: &SceneDocument, comparison: &Comparison) -> Value {
-    let methods: Vec<Value> = comparison
-        .methods
-        .iter()
-        .map(|method| {
-            json!({
-                "name": method.name,
-                "order": method.order,
-                "structure": structure(method.structure),
-                "is_own": method.is_own,
-            })
-        })
-        .collect();
-    let points: Vec<Value> = comparison
-        .points
-        .iter()
-        .map(|point| point_json(comparison, point))
-        .collect();
-    let refused: Vec<Value> = comparison
-        .refused
-        .iter()
-        .map(|(method, reason)| json!({ "method": method, "reason": reason }))
-        .collect();
-    json!({
-        "outcome": "done",
-        "scene": document.name,
-        "time": json_number(comparison.time),
-        "reference": reference(&comparison.reference),
-        "horizon": comparison.horizon.as_ref().map(horizon),
-        "budget": comparison.budget,
-        "fronts_by": comparison.cost.word(),
-        "methods": methods,
-        "points": points,
-        "refused": refused,
-    })
+#[derive(Serialize)]
+pub(super) struct Told<'a> {
+    outcome: &'static str,
+    scene: &'a str,
+    time: Double,
+    reference: ReferenceFields<'a>,
+    horizon: Option<HorizonFields<'a>>,
+    budget: u64,
+    fronts_by: &'static str,
+    methods: &'a [ComparedMethod],
+    points: Vec<PointFields<'a>>,
+    refused: Vec<Refused<'a>>,
 }
 
 /// The reference solution.
-pub(in crate::commands) fn reference(reference: &Reference) -> Value {
-    json!({
-        "state": json_numbers(&reference.state),
-        "error": json_number(reference.error),
-        "floor": json_number(reference.floor()),
-        "errors": reference.judged().words(),
-        "methods": reference.methods,
-    })
+#[derive(Serialize)]
+pub(in crate::commands) struct ReferenceFields<'a> {
+    #[serde(serialize_with = "doubles")]
+    state: &'a [f64],
+    error: Double,
+    floor: Double,
+    errors: &'static str,
+    methods: &'a [String],
 }
 
 /// How long the motion can be known, and why no longer.
-pub(in crate::commands) fn horizon(horizon: &Horizon) -> Value {
-    json!({
-        "wanted": json_number(horizon.wanted),
-        "growth": horizon.growth.map(json_number),
-        "known": horizon.known.map(|known| json!({
-            "time": json_number(known.time), "error": json_number(known.error),
-        })),
-        "message": horizon.to_string(),
-    })
+#[derive(Serialize)]
+pub(in crate::commands) struct HorizonFields<'a> {
+    #[serde(flatten)]
+    horizon: &'a Horizon,
+    message: String,
 }
 
-/// The declared structure in a word.
-pub(in crate::commands) fn structure(structure: Structure) -> String {
-    match structure {
-        Structure::Exact => "exact".to_owned(),
-        Structure::Order(n) => format!("order {n}"),
-        Structure::None => "none".to_owned(),
+/// A method at one setting.
+#[derive(Serialize)]
+struct PointFields<'a> {
+    method: &'a str,
+    steps: u64,
+    time_step: Double,
+    tolerance: Option<Double>,
+    #[serde(flatten)]
+    outcome: Outcome<'a>,
+}
+
+/// What was measured, or why nothing was.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Outcome<'a> {
+    Measured(&'a Measured),
+    Failed { failure: String, over_budget: bool },
+}
+
+/// A method that does not fit.
+#[derive(Serialize)]
+struct Refused<'a> {
+    method: &'a str,
+    reason: &'a str,
+}
+
+impl<'a> Told<'a> {
+    pub(super) fn of(document: &'a SceneDocument, comparison: &'a Comparison) -> Self {
+        let refused = |(method, reason): &'a (String, String)| Refused { method, reason };
+        let points = comparison.points.iter();
+        Self {
+            outcome: "done",
+            scene: &document.name,
+            time: Double(comparison.time),
+            reference: (&comparison.reference).into(),
+            horizon: comparison.horizon.as_ref().map(HorizonFields::from),
+            budget: comparison.budget,
+            fronts_by: comparison.cost.word(),
+            methods: &comparison.methods,
+            points: points
+                .map(|point| PointFields::of(comparison, point))
+                .collect(),
+            refused: comparison.refused.iter().map(refused).collect(),
+        }
     }
 }
 
-fn point_json(comparison: &Comparison, point: &Point) -> Value {
-    let mut object = json!({
-        "method": comparison.methods[point.method].name,
-        "steps": point.setting.steps,
-        "time_step": json_number(point.time_step),
-        "tolerance": point.setting.tolerance.map(json_number),
-    });
-    let fields = match &point.outcome {
-        Ok(measured) => measured_json(measured),
-        Err(failure) => json!({
-            "failure": failure.to_string(),
-            "over_budget": failure.is_over_budget(),
-        }),
-    };
-    if let (Value::Object(object), Value::Object(fields)) = (&mut object, fields) {
-        object.extend(fields);
+impl<'a> From<&'a Reference> for ReferenceFields<'a> {
+    fn from(reference: &'a Reference) -> Self {
+        Self {
+            state: &reference.state,
+            error: Double(reference.error),
+            floor: Double(reference.floor()),
+            errors: reference.judged().words(),
+            methods: &reference.methods,
+        }
     }
-    object
 }
 
-/// What a run costs and what it keeps.
-pub(in crate::commands) fn measured_json(measured: &Measured) -> Value {
-    let wall = measured.wall.map(|wall| {
-        json!({
-            "median": wall.seconds, "spread": wall.spread, "repetitions": wall.repetitions,
-        })
-    });
-    json!({
-        "operations": measured.operations,
-        "evaluations": measured.evaluations,
-        "wall_seconds": wall,
-        "error": json_number(measured.error),
-        "relative_error": json_number(measured.relative_error),
-        "end_error": json_number(measured.end_error),
-        "at_floor": measured.at_floor,
-        "energy_drift": json_number(measured.energy_drift),
-        "casimir_drift": measured.casimir_drift.map(json_number),
-        "tensor_defect": measured.tensor_defect.map(json_number),
-        "poisson": measured.is_poisson,
-        "front": {
-            "all": measured.front.all,
-            "poisson": measured.front.poisson,
-            "wall": measured.front.wall,
-        },
-    })
+impl<'a> From<&'a Horizon> for HorizonFields<'a> {
+    fn from(horizon: &'a Horizon) -> Self {
+        Self {
+            horizon,
+            message: horizon.to_string(),
+        }
+    }
+}
+
+impl<'a> PointFields<'a> {
+    fn of(comparison: &'a Comparison, point: &'a Point) -> Self {
+        Self {
+            method: &comparison.methods[point.method].name,
+            steps: point.setting.steps,
+            time_step: Double(point.time_step),
+            tolerance: point.setting.tolerance.map(Double),
+            outcome: match &point.outcome {
+                Ok(measured) => Outcome::Measured(measured),
+                Err(failure) => Outcome::Failed {
+                    failure: failure.to_string(),
+                    over_budget: failure.is_over_budget(),
+                },
+            },
+        }
+    }
 }

@@ -19,7 +19,7 @@ use crate::arguments::{CompareArguments, PluginArguments};
 use crate::bar::Steps;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
-use crate::files::{check_writable, make_directory, write};
+use crate::files::{check_writable, make_directory, write, write_json};
 use crate::interrupt::is_raised;
 use crate::plugins::Parts;
 
@@ -57,7 +57,7 @@ pub fn execute(
     let comparison = comparison?;
     write_files(arguments, &document, &comparison)?;
     if arguments.json {
-        console.json(&json::object(&document, &comparison));
+        console.json(&json::Told::of(&document, &comparison));
     } else {
         table::print(&comparison, arguments.all, console);
     }
@@ -148,8 +148,10 @@ fn write_files(
         write(&directory.join(format!("{name}.svg")), &figure)?;
     }
     write(&directory.join(TABLE), csv::table(comparison).as_str())?;
-    let object = format!("{:#}\n", json::object(document, comparison));
-    write(&directory.join(OBJECT), &object)
+    write_json(
+        &directory.join(OBJECT),
+        &json::Told::of(document, comparison),
+    )
 }
 
 /// The command that repeats the comparison of the scene as compared, overrides already in it.

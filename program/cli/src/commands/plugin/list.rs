@@ -1,16 +1,40 @@
 //! `leafwise plugin list`: what the search path holds, without running any of it.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use leafwise::plugins::Refusal;
 use leafwise::plugins::side_file::{self, SideFile};
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use crate::arguments::{PluginArguments, PluginListArguments};
 use crate::console::Console;
 use crate::failure::{Failure, exit};
 use crate::plugins::Parts;
 use crate::table::words;
+
+/// The object of `plugin list --json`.
+#[derive(Default, Serialize)]
+struct Told {
+    switched_off: bool,
+    folders: Vec<PathBuf>,
+    plugins: Vec<Entry>,
+}
+
+/// A library with what the file beside it says.
+#[derive(Serialize)]
+struct Entry {
+    path: PathBuf,
+    #[serde(flatten)]
+    said: Said,
+}
+
+/// What a file beside a library says, or why it cannot be read.
+#[derive(Serialize)]
+#[serde(rename_all = "snake_case")]
+enum Said {
+    SideFile(Option<SideFile>),
+    Error(String),
+}
 
 /// Lists the libraries of the search path with what the files beside them say; returns the exit code.
 ///
@@ -24,25 +48,30 @@ pub fn execute(
     let parts = Parts::new(plugins)?;
     if parts.are_off() {
         if arguments.json {
-            console.json(&json!({ "switched_off": true, "folders": [], "plugins": [] }));
+            console.json(&Told {
+                switched_off: true,
+                ..Told::default()
+            });
         } else {
             console.result(&format!("{}: none is looked for", Refusal::SwitchedOff));
         }
         return Ok(exit::DONE);
     }
     let folders = parts.search().folders();
-    let found: Vec<(PathBuf, Result<Option<SideFile>, String>)> = parts
-        .search()
-        .all()
-        .into_iter()
-        .map(|path| {
-            let side = side_file::read(&path).map_err(|refusal| refusal.to_string());
-            (path, side)
-        })
-        .collect();
+    let found = parts.search().all().into_iter().map(|path| {
+        let said = match side_file::read(&path) {
+            Ok(side_file) => Said::SideFile(side_file),
+            Err(refusal) => Said::Error(refusal.to_string()),
+        };
+        Entry { path, said }
+    });
+    let found: Vec<Entry> = found.collect();
     if arguments.json {
-        let list: Vec<Value> = found.iter().map(|(path, side)| entry(path, side)).collect();
-        console.json(&json!({ "switched_off": false, "folders": folders, "plugins": list }));
+        console.json(&Told {
+            switched_off: false,
+            folders: folders.to_vec(),
+            plugins: found,
+        });
         return Ok(exit::DONE);
     }
     if found.is_empty() {
@@ -54,26 +83,26 @@ pub fn execute(
         console.result("a plugin elsewhere is named by its path, in a scene or with --plugin");
         return Ok(exit::DONE);
     }
-    let rows: Vec<Vec<String>> = found
-        .iter()
-        .flat_map(|(path, side)| lines(path, side))
-        .collect();
+    let rows: Vec<Vec<String>> = found.iter().flat_map(lines).collect();
     words(&rows).iter().for_each(|line| console.result(line));
     console.result("\n`leafwise plugin check PATH` loads one and tries its parts.");
     Ok(exit::DONE)
 }
 
-fn lines(path: &Path, side: &Result<Option<SideFile>, String>) -> Vec<Vec<String>> {
-    let said = match side {
-        Err(problem) => problem.clone(),
-        Ok(None) => "says nothing of itself without being loaded".to_owned(),
-        Ok(Some(side)) => {
+fn lines(entry: &Entry) -> Vec<Vec<String>> {
+    let said = match &entry.said {
+        Said::Error(problem) => problem.clone(),
+        Said::SideFile(None) => "says nothing of itself without being loaded".to_owned(),
+        Said::SideFile(Some(side)) => {
             let id = side.id.clone().unwrap_or_default();
             format!("{id} {}", side.version.clone().unwrap_or_default())
         }
     };
-    let mut lines = vec![vec![path.display().to_string(), said.trim().to_owned()]];
-    if let Ok(Some(side)) = side {
+    let mut lines = vec![vec![
+        entry.path.display().to_string(),
+        said.trim().to_owned(),
+    ]];
+    if let Said::SideFile(Some(side)) = &entry.said {
         lines.extend(side.parts.iter().map(|part| {
             let summary = part.summary.clone().unwrap_or_default();
             vec![
@@ -83,11 +112,4 @@ fn lines(path: &Path, side: &Result<Option<SideFile>, String>) -> Vec<Vec<String
         }));
     }
     lines
-}
-
-fn entry(path: &Path, side: &Result<Option<SideFile>, String>) -> Value {
-    match side {
-        Ok(side) => json!({ "path": path, "side_file": side }),
-        Err(problem) => json!({ "path": path, "error": problem }),
-    }
 }

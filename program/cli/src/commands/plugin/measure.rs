@@ -4,16 +4,71 @@
 use std::path::Path;
 
 use leafwise::conformance::{Conformance, Finding, conformance};
+use leafwise::core::PartKind;
 use leafwise::plugins::{LoadedPlugin, PluginRequest, Tried};
-use leafwise::run::json::json_number;
 use leafwise::verify::Judgement;
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use crate::arguments::{PluginArguments, PluginCheckArguments};
 use crate::console::Console;
 use crate::failure::{Failure, exit};
 use crate::plugins::Parts;
 use crate::table::words;
+
+/// The object of `plugin check --json`.
+#[derive(Serialize)]
+struct Told<'a> {
+    outcome: &'static str,
+    plugin: Library<'a>,
+    parts: Vec<Part<'a>>,
+}
+
+/// The library.
+#[derive(Serialize)]
+struct Library<'a> {
+    path: &'a Path,
+    sha256: &'a str,
+    id: &'a str,
+    version: &'a str,
+    abi: &'a str,
+}
+
+/// One of its parts.
+#[derive(Serialize)]
+struct Part<'a> {
+    id: &'a str,
+    kind: PartKind,
+    met: bool,
+    measured: bool,
+    #[serde(flatten)]
+    tried: &'a Tried,
+    findings: &'a [Finding],
+}
+
+impl<'a> Told<'a> {
+    fn of(plugin: &'a LoadedPlugin, reports: &'a [(Conformance, &Tried)], is_met: bool) -> Self {
+        let declaration = &plugin.declaration;
+        let part = |(report, tried): &'a (Conformance, &Tried)| Part {
+            id: report.part.name,
+            kind: report.part.kind,
+            met: report.is_met(),
+            measured: report.is_measured(),
+            tried,
+            findings: &report.findings,
+        };
+        Self {
+            outcome: if is_met { "met" } else { "not met" },
+            plugin: Library {
+                path: &plugin.path,
+                sha256: &plugin.sha256,
+                id: &declaration.id,
+                version: &declaration.version,
+                abi: &declaration.abi,
+            },
+            parts: reports.iter().map(part).collect(),
+        }
+    }
+}
 
 /// Tries the library in a process of its own, loads it, and measures every part; returns the exit code.
 ///
@@ -48,7 +103,7 @@ pub fn execute(
     let unmeasured = unmeasured(&reports);
     let is_met = broken == 0 && unmeasured.is_empty();
     if arguments.json {
-        console.json(&object(&plugin, &reports, is_met));
+        console.json(&Told::of(&plugin, &reports, is_met));
     } else {
         console.result("");
         verdict(&reports, broken, &unmeasured)
@@ -186,44 +241,4 @@ fn verdict(reports: &[(Conformance, &Tried)], broken: usize, unmeasured: &[&str]
         ));
     }
     lines
-}
-
-fn object(plugin: &LoadedPlugin, reports: &[(Conformance, &Tried)], is_met: bool) -> Value {
-    let declaration = &plugin.declaration;
-    let parts: Vec<Value> = reports
-        .iter()
-        .map(|(report, tried)| {
-            let findings: Vec<Value> = report.findings.iter().map(finding).collect();
-            json!({
-                "id": report.part.name,
-                "kind": report.part.kind,
-                "met": report.is_met(),
-                "measured": report.is_measured(),
-                "tried_on": tried.problems,
-                "not_served": tried.refusals,
-                "writing_static_data": tried.writing_static_data,
-                "findings": findings,
-            })
-        })
-        .collect();
-    json!({
-        "outcome": if is_met { "met" } else { "not met" },
-        "plugin": {
-            "path": plugin.path, "sha256": plugin.sha256, "id": declaration.id,
-            "version": declaration.version, "abi": declaration.abi,
-        },
-        "parts": parts,
-    })
-}
-
-fn finding(finding: &Finding) -> Value {
-    json!({
-        "problem": finding.problem,
-        "path": finding.path,
-        "quantity": finding.quantity,
-        "found": finding.found,
-        "value": finding.value.map(json_number),
-        "bound": finding.bound.map(json_number),
-        "judgement": finding.judgement,
-    })
 }

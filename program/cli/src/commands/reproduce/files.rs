@@ -30,7 +30,7 @@ pub(super) fn write(
         }
     }
     put(PAGE, &reproduction_page(figures, command)?)?;
-    put(OBJECT, &format!("{:#}\n", json::object(figures, seconds)))
+    files::write_json(&directory.join(OBJECT), &json::Told::of(figures, seconds))
 }
 
 /// A panel's points, one a line.

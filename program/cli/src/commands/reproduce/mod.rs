@@ -53,7 +53,7 @@ pub fn execute(
         files::write(directory, &figures, &command, seconds)?;
     }
     if arguments.json {
-        console.json(&json::object(&figures, seconds));
+        console.json(&json::Told::of(&figures, seconds));
     } else {
         conclude(arguments, &figures, seconds, console);
     }

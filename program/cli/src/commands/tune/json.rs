@@ -1,111 +1,193 @@
 //! The object of `tune --json`.
 
-use leafwise::run::json::json_number;
-use leafwise::trade::{Limit, Reached, Recommendation, RunnerUp};
-use serde_json::{Value, json};
+use leafwise::scene::json::{Double, object};
+use leafwise::trade::{Limit, Measured, Reached, Recommendation, RunnerUp, Setting};
+use serde::Serialize;
 
 use super::Found;
 use super::text::advice;
-use crate::commands::compare::json::{horizon, measured_json, reference};
+use crate::commands::compare::json::{HorizonFields, ReferenceFields};
 
 /// Everything that was found.
-pub(super) fn object(found: &Found<'_>) -> Value {
-    let tuning = found.tuning;
-    let asked = tuning.asked;
-    let recommended = found.recommended();
-    let runners_up: Vec<Value> = tuning
-        .runners_up
-        .iter()
-        .map(|runner| runner_up(found, runner))
-        .collect();
-    json!({
-        "outcome": if recommended.is_some() { "found" } else { "not found" },
-        "scene": found.document.name,
-        "time": json_number(found.bench.time()),
-        "asked": {
-            "error": asked.error.map(json_number),
-            "errors": found.tuner.reference().judged().words(),
-            "energy": asked.energy.map(json_number),
-            "casimir": asked.casimirs.map(json_number),
-            "relative": asked.relative,
-            "poisson": !found.any,
-        },
-        "reference": reference(found.tuner.reference()),
-        "recommended": recommended.map(|r| recommendation(found, r)),
-        "cheapest_of_all": tuning.any.as_ref().map(|r| recommendation(found, r)),
-        "runners_up": runners_up,
-        "limit": tuning.limit.map(limit),
-        "advice": tuning.limit.map(advice),
-        "horizon": tuning.horizon.as_ref().map(horizon),
-        "nearest": tuning.nearest.as_ref().map(|reached| nearest(found, reached)),
-        "complete": tuning.is_complete,
-        "unbuilt": found.tuner.unbuilt(),
-        "methods": tuning.methods,
-        "runs": tuning.runs,
-        "costs_in": found.tuner.cost().word(),
-        "spent": tuning.spent,
-        "written": found.written.is_some(),
-        "written_run": found.written.as_ref().map(|scene| json!({
-            "steps": scene.run.steps.value,
-            "every": scene.run.record.every,
-        })),
-    })
+#[derive(Serialize)]
+pub(super) struct Told<'a> {
+    outcome: &'static str,
+    scene: &'a str,
+    time: Double,
+    asked: Asked,
+    reference: ReferenceFields<'a>,
+    recommended: Option<Recommended<'a>>,
+    cheapest_of_all: Option<Recommended<'a>>,
+    runners_up: Vec<Runner<'a>>,
+    limit: Option<Limit>,
+    advice: Option<&'static str>,
+    horizon: Option<HorizonFields<'a>>,
+    nearest: Option<Nearest<'a>>,
+    complete: bool,
+    unbuilt: usize,
+    methods: usize,
+    runs: u64,
+    costs_in: &'static str,
+    spent: u64,
+    written: bool,
+    written_run: Option<WrittenRun>,
 }
 
-fn recommendation(found: &Found<'_>, recommended: &Recommendation) -> Value {
-    let cost = found.tuner.cost().word();
-    json!({
-        "name": recommended.name,
-        "method": recommended.method.text(recommended.time_step),
-        "steps": recommended.setting.steps,
-        "time_step": json_number(recommended.time_step),
-        "tolerance": recommended.setting.tolerance.map(json_number),
-        "predicted": recommended.predicted.map(|predicted| json!({
-            "error": json_number(predicted.error),
-            cost: json_number(predicted.cost),
-        })),
-        "measured": measured_json(&recommended.measured),
-    })
+/// What was asked.
+#[derive(Serialize)]
+struct Asked {
+    error: Option<Double>,
+    errors: &'static str,
+    energy: Option<Double>,
+    casimir: Option<Double>,
+    relative: bool,
+    poisson: bool,
 }
 
-fn runner_up(found: &Found<'_>, runner: &RunnerUp) -> Value {
-    json!({
-        "name": runner.name,
-        "steps": runner.setting.steps,
-        "tolerance": runner.setting.tolerance.map(json_number),
-        found.tuner.cost().word(): runner.cost,
-        "error": json_number(runner.error),
-        "poisson": runner.is_poisson,
-    })
+/// A method with its step.
+#[derive(Serialize)]
+struct Recommended<'a> {
+    name: &'a str,
+    method: String,
+    steps: u64,
+    time_step: Double,
+    tolerance: Option<Double>,
+    predicted: Option<Predicted>,
+    measured: &'a Measured,
 }
 
-fn nearest(found: &Found<'_>, reached: &Reached) -> Value {
-    let names = found.bench.invariants();
-    let drift = names.into_iter().zip(&reached.drift);
-    let drift: serde_json::Map<String, Value> = drift
-        .map(|(name, drift)| (name, json_number(*drift)))
-        .collect();
-    json!({
-        "name": reached.name,
-        "steps": reached.setting.steps,
-        "tolerance": reached.setting.tolerance.map(json_number),
-        "error": json_number(reached.error),
-        "drift": drift,
-        "missed": reached.missed,
-        "ratio": json_number(reached.ratio),
-        "limit": limit(reached.limit),
-        "advice": advice(reached.limit),
-    })
+/// What was foretold of a run: error and cost, which has the name of its unit.
+#[derive(Serialize)]
+struct Predicted {
+    error: Double,
+    #[serde(flatten, serialize_with = "object")]
+    cost: [(&'static str, Double); 1],
 }
 
-/// What keeps a method from what is asked, in a word.
-fn limit(limit: Limit) -> &'static str {
-    match limit {
-        Limit::Reference => "reference",
-        Limit::RoundOff => "round-off",
-        Limit::Budget => "budget",
-        Limit::Ended => "time",
-        Limit::Failure => "failure",
-        Limit::Structure => "structure",
+/// A method that holds what is asked and is not the cheapest.
+#[derive(Serialize)]
+struct Runner<'a> {
+    name: &'a str,
+    #[serde(flatten)]
+    setting: Setting,
+    #[serde(flatten, serialize_with = "object")]
+    cost: [(&'static str, u64); 1],
+    error: Double,
+    poisson: bool,
+}
+
+/// The run that comes nearest.
+#[derive(Serialize)]
+struct Nearest<'a> {
+    name: &'a str,
+    #[serde(flatten)]
+    setting: Setting,
+    error: Double,
+    #[serde(serialize_with = "object")]
+    drift: Vec<(String, Double)>,
+    missed: &'a str,
+    ratio: Double,
+    limit: Limit,
+    advice: &'static str,
+}
+
+/// The run of the scene that was written.
+#[derive(Serialize)]
+struct WrittenRun {
+    steps: u64,
+    every: u64,
+}
+
+impl<'a> Told<'a> {
+    pub(super) fn of(found: &'a Found<'a>) -> Self {
+        let tuning = found.tuning;
+        let asked = tuning.asked;
+        let reference = found.tuner.reference();
+        let recommended = |r: Option<&'a Recommendation>| r.map(|r| Recommended::of(found, r));
+        let runners_up = tuning.runners_up.iter();
+        Self {
+            outcome: match found.recommended() {
+                Some(_) => "found",
+                None => "not found",
+            },
+            scene: &found.document.name,
+            time: Double(found.bench.time()),
+            asked: Asked {
+                error: asked.error.map(Double),
+                errors: reference.judged().words(),
+                energy: asked.energy.map(Double),
+                casimir: asked.casimirs.map(Double),
+                relative: asked.relative,
+                poisson: !found.any,
+            },
+            reference: reference.into(),
+            recommended: recommended(found.recommended()),
+            cheapest_of_all: recommended(tuning.any.as_ref()),
+            runners_up: runners_up.map(|runner| Runner::of(found, runner)).collect(),
+            limit: tuning.limit,
+            advice: tuning.limit.map(advice),
+            horizon: tuning.horizon.as_ref().map(HorizonFields::from),
+            nearest: tuning
+                .nearest
+                .as_ref()
+                .map(|reached| Nearest::of(found, reached)),
+            complete: tuning.is_complete,
+            unbuilt: found.tuner.unbuilt(),
+            methods: tuning.methods,
+            runs: tuning.runs,
+            costs_in: found.tuner.cost().word(),
+            spent: tuning.spent,
+            written: found.written.is_some(),
+            written_run: found.written.as_ref().map(|scene| WrittenRun {
+                steps: scene.run.steps.value,
+                every: scene.run.record.every,
+            }),
+        }
+    }
+}
+
+impl<'a> Recommended<'a> {
+    fn of(found: &Found<'a>, recommended: &'a Recommendation) -> Self {
+        let cost = found.tuner.cost().word();
+        Self {
+            name: &recommended.name,
+            method: recommended.method.text(recommended.time_step),
+            steps: recommended.setting.steps,
+            time_step: Double(recommended.time_step),
+            tolerance: recommended.setting.tolerance.map(Double),
+            predicted: recommended.predicted.map(|predicted| Predicted {
+                error: Double(predicted.error),
+                cost: [(cost, Double(predicted.cost))],
+            }),
+            measured: &recommended.measured,
+        }
+    }
+}
+
+impl<'a> Runner<'a> {
+    fn of(found: &Found<'a>, runner: &'a RunnerUp) -> Self {
+        Self {
+            name: &runner.name,
+            setting: runner.setting,
+            cost: [(found.tuner.cost().word(), runner.cost)],
+            error: Double(runner.error),
+            poisson: runner.is_poisson,
+        }
+    }
+}
+
+impl<'a> Nearest<'a> {
+    fn of(found: &Found<'a>, reached: &'a Reached) -> Self {
+        let drift = reached.drift.iter().copied().map(Double);
+        Self {
+            name: &reached.name,
+            setting: reached.setting,
+            error: Double(reached.error),
+            drift: found.bench.invariants().into_iter().zip(drift).collect(),
+            missed: &reached.missed,
+            ratio: Double(reached.ratio),
+            limit: reached.limit,
+            advice: advice(reached.limit),
+        }
     }
 }

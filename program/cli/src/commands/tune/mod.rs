@@ -120,7 +120,7 @@ pub fn execute(
         found.written = (!is_changed).then_some(written);
     }
     if arguments.json {
-        console.json(&json::object(&found));
+        console.json(&json::Told::of(&found));
     } else {
         text::print(&found, console);
     }

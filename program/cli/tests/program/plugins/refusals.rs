@@ -1,6 +1,8 @@
 //! Which plugins are found, listed and refused, and in what words.
 
+use std::ffi::OsStr;
 use std::fs;
+use std::os::unix::ffi::OsStrExt;
 
 use super::build::Workshop;
 use super::{command, leafwise, scene};
@@ -320,4 +322,15 @@ fn a_scene_may_say_which_file_it_means() {
     assert_eq!(said.code, Some(4));
     let found = said.json()["error"]["refusal"]["hash"]["found"].clone();
     assert_eq!(with(found.as_str().expect("the file's hash")).code, Some(0));
+}
+
+#[test]
+fn a_path_that_is_not_unicode_is_told_and_not_printed_as_json() {
+    let here = Place::new();
+    let folder = here.path(".").join(OsStr::from_bytes(b"a\xff"));
+    let mut command = command(&here, &["plugin", "list", "--json"]);
+    let output = command.env("LEAFWISE_PLUGIN_PATH", &folder).output();
+    let said = Said::from(output.expect("the program starts"));
+    assert_eq!((said.code, said.out.as_str()), (Some(1), ""));
+    said.says(&["cannot write the result", "path contains invalid UTF-8"]);
 }

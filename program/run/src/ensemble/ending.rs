@@ -1,0 +1,140 @@
+//! What an ensemble was reduced to, as JSON.
+
+use leafwise_core::SolverStatistics;
+use leafwise_scene::json::{Double, object};
+use serde::Serialize;
+
+use super::plan::ComposedEnsemble;
+use super::report::EnsembleReport;
+use super::statistics::{Deviation, MemberFailure, Summary};
+use super::tables::summaries;
+use crate::SolverFields;
+
+/// The end of an ensemble's manifest; the object of `ensemble --json`, but for its advice and directory.
+#[derive(Clone, Debug, Serialize)]
+pub struct EnsembleEnding<'a> {
+    members: u64,
+    done: u64,
+    failed: u64,
+    steps: u64,
+    time: Double,
+    wall_seconds: f64,
+    members_per_second: f64,
+    #[serde(with = "SolverFields")]
+    solver: SolverStatistics,
+    #[serde(serialize_with = "object")]
+    drift: Vec<(&'a str, Drift)>,
+    statistics: Vec<AtTime<'a>>,
+    failures: &'a [MemberFailure],
+    outcome: &'static str,
+}
+
+/// How far an invariant strayed, over all members.
+#[derive(Clone, Debug, Serialize)]
+struct Drift {
+    maximum: Double,
+    member: u64,
+    mean: Double,
+    relative: Double,
+}
+
+/// The observables at one time.
+#[derive(Clone, Debug, Serialize)]
+struct AtTime<'a> {
+    time: Double,
+    #[serde(flatten, serialize_with = "object")]
+    observables: Vec<(&'a str, SummaryFields)>,
+}
+
+/// One observable at one time.
+#[derive(Clone, Debug, Serialize)]
+struct SummaryFields {
+    count: u64,
+    undefined: u64,
+    mean: Double,
+    variance: Double,
+    minimum: Double,
+    minimum_member: u64,
+    maximum: Double,
+    maximum_member: u64,
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "object")]
+    quantiles: Vec<(String, Double)>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rank_error: Option<Double>,
+}
+
+impl<'a> EnsembleEnding<'a> {
+    /// Describes an ensemble that has ended.
+    pub fn new(ensemble: &'a ComposedEnsemble, report: &'a EnsembleReport) -> Self {
+        let all = &report.reductions;
+        let invariants = ensemble.invariant_names().into_iter().enumerate();
+        let rows: Vec<(u64, &str, &Summary)> = summaries(ensemble, report).collect();
+        Self {
+            members: ensemble.population.members(),
+            done: all.done(),
+            failed: all.failed,
+            steps: ensemble.run.plan.steps,
+            time: Double(ensemble.time(ensemble.run.plan.steps)),
+            wall_seconds: report.wall_seconds,
+            members_per_second: report.rate(),
+            solver: all.statistics,
+            drift: invariants
+                .map(|(at, name)| (name, Drift::of(report, at)))
+                .collect(),
+            statistics: rows
+                .chunk_by(|a, b| a.0 == b.0)
+                .map(|rows| AtTime::of(ensemble, rows))
+                .collect(),
+            failures: &all.failures,
+            outcome: report.outcome.word(),
+        }
+    }
+}
+
+impl Drift {
+    fn of(report: &EnsembleReport, at: usize) -> Self {
+        let all = &report.reductions;
+        let whole: &Deviation = &all.whole[at];
+        Self {
+            maximum: Double(whole.maximum),
+            member: whole.member,
+            mean: Double(all.mean_deviation(whole)),
+            relative: Double(all.relative[at].maximum),
+        }
+    }
+}
+
+impl<'a> AtTime<'a> {
+    fn of(ensemble: &ComposedEnsemble, rows: &[(u64, &'a str, &Summary)]) -> Self {
+        let fields = |summary| SummaryFields::of(ensemble, summary);
+        Self {
+            time: Double(ensemble.time(rows[0].0)),
+            observables: rows
+                .iter()
+                .map(|(_, name, summary)| (*name, fields(summary)))
+                .collect(),
+        }
+    }
+}
+
+impl SummaryFields {
+    fn of(ensemble: &ComposedEnsemble, summary: &Summary) -> Self {
+        let parts = &ensemble.quantiles;
+        let quantiles = parts.iter().zip(summary.quantiles(parts));
+        let quantiles: Vec<(String, Double)> = quantiles
+            .map(|(p, value)| (format!("{p:?}"), Double(value)))
+            .collect();
+        Self {
+            count: summary.count,
+            undefined: summary.undefined,
+            mean: Double(summary.mean),
+            variance: Double(summary.variance()),
+            minimum: Double(summary.minimum.0),
+            minimum_member: summary.minimum.1,
+            maximum: Double(summary.maximum.0),
+            maximum_member: summary.maximum.1,
+            rank_error: (!quantiles.is_empty()).then(|| Double(summary.rank_error())),
+            quantiles,
+        }
+    }
+}
