@@ -144,7 +144,10 @@ impl Kernel {
     pub fn evaluate_rows<const W: usize>(&self, workspace: &mut Workspace, inputs: &[[f64; W]]) {
         assert_eq!(workspace.lanes, W, "as many lanes as numbers a row");
         let rows = workspace.slots.as_chunks_mut::<W>().0;
-        rows[..self.inputs].copy_from_slice(&inputs[..self.inputs]);
+        // Few rows: a call that copies any number of bytes costs more than they do.
+        for (row, input) in rows[..self.inputs].iter_mut().zip(&inputs[..self.inputs]) {
+            *row = *input;
+        }
         self.evaluate_in_place(workspace);
         let rows = workspace.slots.as_chunks_mut::<W>().0;
         for &(row, slot) in &self.strays {

@@ -151,9 +151,12 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         self.finish();
     }
 
-    /// Looks whether the starts foresaw the solutions.
+    /// Looks whether the starts foresaw the solutions: plain where they were off by next to nothing.
     #[inline(always)]
     fn watch_starts(&mut self) {
+        if (self.lanes.iter()).all(|lane| lane.convergence.first <= WANDERING) {
+            return;
+        }
         let d = dimension::<D>(self.dimension);
         let (x, y) = (&self.x.as_ref()[..d], &self.y.as_ref()[..d]);
         let scale = &self.scale.as_ref()[..d];
@@ -341,12 +344,13 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         let (mut done, mut applied) = ([false; W], [false; W]);
         for w in 0..W {
             if newton[w] || chord[w] {
-                let decision = self.judge_lane(w, size[w], newton[w]);
-                let lane = &mut self.lanes[w];
-                lane.next = *decision.as_ref().unwrap_or(&Next::Done);
+                let next = self.judge_lane(w, size[w], newton[w]);
+                self.lanes[w].next = next.unwrap_or_else(|error| {
+                    self.outcome[w] = Err(error);
+                    Next::Done
+                });
                 applied[w] = size[w].is_finite();
-                done[w] = lane.next == Next::Done;
-                self.outcome[w] = decision.map(drop);
+                done[w] = self.lanes[w].next == Next::Done;
             }
         }
         let correction = &self.correction.as_ref()[..d];

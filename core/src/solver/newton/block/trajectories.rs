@@ -60,7 +60,9 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
     ) -> u64 {
         let mut jacobians = 0;
         for (w, outcome) in outcome.iter_mut().enumerate() {
-            *outcome = std::mem::replace(&mut self.outcome[w], Ok(()));
+            if self.outcome[w].is_err() || outcome.is_err() {
+                *outcome = std::mem::replace(&mut self.outcome[w], Ok(()));
+            }
             let lane = &self.lanes[w];
             statistics.count(lane.convergence.evaluations.into(), outcome.is_ok());
             statistics.rounded += u64::from(lane.convergence.rounded && outcome.is_ok());
