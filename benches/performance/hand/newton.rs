@@ -289,14 +289,16 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
         let highest = (self.order + 1).min(LEVELS - 1);
         let mut errors = [0.0_f64; 3];
         for j in 0..=highest {
-            let neighbour = (j + 1).wrapping_sub(self.order);
-            if neighbour < 3 {
-                errors[neighbour] = carried.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-            }
+            let mut size = 0.0_f64;
             for i in 0..D {
                 let before = self.differences[j][i];
                 self.differences[j][i] = carried[i];
+                size = size.max(carried[i].abs());
                 carried[i] -= before;
+            }
+            let neighbour = (j + 1).wrapping_sub(self.order);
+            if neighbour < 3 {
+                errors[neighbour] = errors[neighbour].max(size);
             }
         }
         let order = self.order;

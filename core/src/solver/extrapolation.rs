@@ -97,18 +97,15 @@ impl<const W: usize> Extrapolation<W> {
         for start in (0..d).step_by(CHUNK) {
             let carried = &mut displacement[start..d.min(start + CHUNK)];
             for j in 0..=top {
-                // ∇^q for q = order − 1, order, order + 1.
-                let neighbours = self.order.map(|order| (j + 1).wrapping_sub(order));
-                if neighbours.iter().any(|neighbour| *neighbour < 3) {
-                    let size = sizes(carried);
-                    for w in 0..W {
-                        if let Some(errors) = errors.get_mut(neighbours[w]) {
-                            errors[w] = errors[w].max(size[w]);
-                        }
+                let level = &mut self.differences[j * d + start..][..carried.len()];
+                let size = push(level, carried, took);
+                for w in 0..W {
+                    // ∇^q for q = order − 1, order, order + 1.
+                    let neighbour = (j + 1).wrapping_sub(self.order[w]);
+                    if neighbour < 3 {
+                        errors[neighbour][w] = errors[neighbour][w].max(size[w]);
                     }
                 }
-                let level = &mut self.differences[j * d + start..][..carried.len()];
-                push(level, carried, took);
             }
         }
         for w in 0..W {
@@ -153,28 +150,23 @@ impl<const W: usize> Extrapolation<W> {
     }
 }
 
-/// max |v| of each lane.
+/// Replaces ∇ʲd_{k−1} by ∇ʲd_k and what is carried, ∇ʲd_k, by ∇ʲ⁺¹d_k; returns max |∇ʲd_k|.
 #[inline(always)]
-fn sizes<const W: usize>(rows: &[[f64; W]]) -> [f64; W] {
+fn push<const W: usize>(
+    level: &mut [[f64; W]],
+    carried: &mut [[f64; W]],
+    took: &[bool; W],
+) -> [f64; W] {
     let mut size = [0.0_f64; W];
-    for row in rows {
-        for w in 0..W {
-            size[w] = size[w].max(row[w].abs());
-        }
-    }
-    size
-}
-
-/// Replaces ∇ʲd_{k−1} by ∇ʲd_k and what is carried, ∇ʲd_k, by ∇ʲ⁺¹d_k.
-#[inline(always)]
-fn push<const W: usize>(level: &mut [[f64; W]], carried: &mut [[f64; W]], took: &[bool; W]) {
     for (slot, value) in level.iter_mut().zip(carried) {
         for w in 0..W {
             let (before, now) = (slot[w], value[w]);
             slot[w] = if took[w] { now } else { before };
             value[w] = now - before;
+            size[w] = size[w].max(now.abs());
         }
     }
+    size
 }
 
 #[cfg(test)]

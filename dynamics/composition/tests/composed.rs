@@ -157,7 +157,7 @@ fn compositions_are_self_adjoint() {
             map.stepper(1, &parameters, 1.0, -0.1).as_mut(),
             &there.expect("converges"),
         );
-        let defect = distance(&back.expect("converges"), &INITIAL) / largest(&INITIAL);
+        let defect = distance(&back.expect("converges"), &INITIAL) / largest(INITIAL);
         println!("{}: {defect:.1e}", scheme.info.name);
         let bound = 2.0 * scheme.stages() as f64 * f64::EPSILON;
         assert!(defect <= bound, "{}: {defect:e}", scheme.info.name);
