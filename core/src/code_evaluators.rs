@@ -336,3 +336,57 @@ impl Evaluator for CodeBisectionEvaluator {
         Some(self.operations)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use leafwise_expression::Function;
+
+    use super::*;
+    use crate::realization::SourceTarget;
+
+    /// β̂ = α̂ = x with a guard of two components, its radius √r beside √p reached.
+    fn guarded(graph: &mut Graph, _: &Term, z: &[Term]) -> Result<SourceTarget, BuildError> {
+        let zero = graph.zero();
+        let reach = graph.apply(Function::Sqrt, &z[2])?;
+        let radius = graph.apply(Function::Sqrt, &z[3])?;
+        Ok(SourceTarget {
+            base: z[..2].to_vec(),
+            offset: vec![zero.clone(), zero.clone()],
+            increment: vec![zero.clone(), zero.clone()],
+            guard: Some((vec![radius, zero.clone()], vec![reach, zero])),
+        })
+    }
+
+    #[test]
+    fn a_guard_of_code_that_is_no_number_is_outside_the_chart() {
+        let code: MapCode<'_> = Box::new(guarded);
+        let code = CodeRealization::compile(&code, 2, 4, 0).expect("a kernel");
+        let mut evaluator = code.evaluator(&[], 1.0);
+        let mut ends = [0.0; 6];
+        let mut at = |reach: f64, radius: f64| {
+            let found = evaluator.values(&[3.0, 5.0, reach, radius], &mut ends);
+            (found, evaluator.chart_ratio().expect("a guard"))
+        };
+        assert_eq!(at(1.0, 4.0), (Ok(()), 0.5));
+        assert_eq!(at(0.0, 0.0), (Ok(()), 0.0));
+        assert_eq!(
+            at(4.0, 1.0),
+            (Err(StepError::LeftChart { ratio: 2.0 }), 2.0)
+        );
+        for (reach, radius) in [
+            (-1.0, 4.0),
+            (1.0, -4.0),
+            (f64::NAN, 4.0),
+            (f64::INFINITY, f64::INFINITY),
+        ] {
+            let (found, ratio) = at(reach, radius);
+            assert!(ratio.is_nan(), "{reach} of {radius}: {ratio}");
+            let what = "the distance to the edge of the realization's chart";
+            assert_eq!(
+                found,
+                Err(StepError::NonFinite { what }),
+                "{reach} of {radius}"
+            );
+        }
+    }
+}
