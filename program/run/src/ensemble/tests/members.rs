@@ -112,6 +112,75 @@ fn a_leaf_needs_as_many_casimirs_as_the_corank() {
     }
 }
 
+/// Where the leaf is flat beside r, ρ²/r² of a ball's projection from 3 dimensions onto it is distributed by
+/// u ↦ 1 − (1 − u)^(3/2), of mean 2/5 and variance 12/175: not uniform over the disc, which has the mean 1/2, and 0
+/// at the rim.
+#[test]
+fn members_of_a_leaf_are_a_balls_projection_along_the_casimirs() {
+    const MEMBERS: f64 = 4000.0;
+    let radius = 0.01;
+    let ensemble = format!("members = {MEMBERS}\ninitial = {{ leaf = {radius} }}");
+    let population = composed(&scene(METHODS[0], &ensemble)).population;
+    let square = |u: &[f64]| u.iter().map(|v| v * v).sum::<f64>();
+    let mut parts: Vec<f64> = (0..population.members())
+        .map(|member| {
+            let (state, _) = population.draw(member).expect("a state");
+            let away: Vec<f64> = state
+                .iter()
+                .zip([1.0, 3.0, 3.0])
+                .map(|(x, c)| x - c)
+                .collect();
+            square(&away) / (radius * radius)
+        })
+        .collect();
+    parts.sort_by(f64::total_cmp);
+    // Five standard deviations of the mean; curvature moves ρ by a part of (r/|c|)² = r²/19.
+    let bend = radius * radius / 19.0;
+    let mean = parts.iter().sum::<f64>() / MEMBERS;
+    assert!(
+        (mean - 0.4).abs() <= 5.0 * libm::sqrt(12.0 / 175.0 / MEMBERS) + bend,
+        "{mean}"
+    );
+    // Kolmogorov's distance of N draws exceeds 2.5/√N with probability 2 exp(−12.5) = 7e-6.
+    let distance = parts.iter().enumerate().fold(0.0_f64, |most, (below, u)| {
+        let expected = 1.0 - libm::pow((1.0 - u).max(0.0), 1.5);
+        let found = [below as f64 / MEMBERS, (below + 1) as f64 / MEMBERS];
+        found
+            .iter()
+            .fold(most, |most, f| most.max((f - expected).abs()))
+    });
+    assert!(
+        distance <= 2.5 / libm::sqrt(MEMBERS) + 2.0 * bend,
+        "{distance}"
+    );
+}
+
+/// x² + y² − z² = −1/4 has two sheets, and a state that is drawn beyond the cone between them comes to the other one:
+/// what a leaf's members share is the Casimir's value.
+#[test]
+fn a_leaf_is_met_by_its_values_on_either_sheet() {
+    let text = "[system]\nvariables = [\"x\", \"y\", \"z\"]\n\
+                bracket = { \"x,y\" = \"-z\", \"y,z\" = \"x\", \"z,x\" = \"y\" }\nhamiltonian = \"z\"\n\
+                casimirs = { surface = \"x^2 + y^2 - z^2\" }\n[method]\nstepper = \"rk4\"\ntime-step = 0.1\n\
+                [run]\ninitial = [0, 0, 0.5]\nsteps = 1\n[ensemble]\nmembers = 400\n";
+    for (radius, reaches_the_other) in [(0.1, false), (1.5, true)] {
+        let text = format!("{text}initial = {{ leaf = {radius} }}\n");
+        let document =
+            SceneDocument::parse("scene.toml", &text, &Registry::empty()).expect("a scene");
+        let population = composed(&document).population;
+        let states: Vec<_> = (0..400).filter_map(|k| population.draw(k)).collect();
+        for (state, _) in &states {
+            let [x, y, z] = [state[0], state[1], state[2]];
+            let surface = x * x + y * y - z * z;
+            // Each square is rounded, and x to what its last correction left of it.
+            let noise = 8.0 * f64::EPSILON * (x * x + y * y + z * z);
+            assert!((surface + 0.25).abs() <= noise, "{state:?}: {surface}");
+        }
+        let others = states.iter().filter(|(state, _)| state[2] < 0.0).count();
+        assert_eq!(others > 0, reaches_the_other);
+    }
+}
+
 #[test]
 fn files_and_grids_set_the_number_of_members() {
     let root = tempfile::tempdir().expect("a directory");

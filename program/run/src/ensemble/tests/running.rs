@@ -295,3 +295,53 @@ fn a_member_that_fails_is_named_and_disturbs_no_other() {
     let rows = fs::read_to_string(root.path().join("failures.csv")).expect("failures");
     assert_eq!(rows.lines().count(), named.len() + 1);
 }
+
+/// A name of several lines is one cell of every table, in each row that has it.
+#[test]
+fn names_of_several_lines_are_one_cell() {
+    let text = BODY
+        .replace("METHOD", METHODS[0])
+        .replace("ENSEMBLE", ENSEMBLE)
+        .replace("spin =", "\"sp\\nin\" =")
+        .replace("\"x1*x2\"", "\"x1\\n*x2\", \"sp\\nin\"");
+    let document = SceneDocument::parse("body.toml", &text, &Registry::empty()).expect("a scene");
+    let root = tempfile::tempdir().expect("a directory");
+    let report = attempt(&document, root.path(), workforce(1, 16), &mut Quiet);
+    report.expect("an ensemble");
+    let read = |file: &str| fs::read_to_string(root.path().join(file)).expect(file);
+    for (file, cells) in [
+        (
+            "statistics.csv",
+            &["energy", "\"x1\n*x2\"", "\"sp\nin\""][..],
+        ),
+        (
+            "windows.csv",
+            &["\"sp\nin\"", "\"sp\nin_mean\"", "\"sp\nin_member\""],
+        ),
+        ("final_states.csv", &["\"x1\n*x2\"", "\"sp\nin\""]),
+    ] {
+        let table = read(file);
+        // Line ends within quotes belong to a cell.
+        let mut is_quoted = false;
+        let mut rows = vec![vec![String::new()]];
+        for c in table.trim_end().chars() {
+            is_quoted ^= c == '"';
+            match c {
+                '\n' if !is_quoted => rows.push(vec![String::new()]),
+                ',' if !is_quoted => rows.last_mut().expect("a row").push(String::new()),
+                c => rows
+                    .last_mut()
+                    .and_then(|row| row.last_mut())
+                    .expect("a cell")
+                    .push(c),
+            }
+        }
+        for row in &rows {
+            assert_eq!(row.len(), rows[0].len(), "{file}: {row:?}");
+        }
+        for cell in cells {
+            let holds = rows.iter().flatten().any(|own| own == cell);
+            assert!(holds, "{file} has no {cell:?}: {:?}", rows[0]);
+        }
+    }
+}
