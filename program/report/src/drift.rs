@@ -157,3 +157,38 @@ fn draw_round_off(canvas: &mut Canvas, frame: &Frame, invariants: &[InvariantSer
     canvas.dashes((left, y), (right, y), AXIS, 1.0);
     true
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The texts of a picture, each with where it stands.
+    fn texts(svg: &str) -> Vec<&str> {
+        let texts = svg.split("<text ").skip(1);
+        texts
+            .map(|text| text.split("</text>").next().unwrap_or(text))
+            .collect()
+    }
+
+    /// A curve may run along the level of round-off: what the dashes are stands below the picture.
+    #[test]
+    fn what_the_dashed_level_means_is_not_written_into_the_picture() {
+        let drift = |reference: f64| {
+            let series = InvariantSeries {
+                name: "energy".to_owned(),
+                reference,
+                times: (0..50).map(f64::from).collect(),
+                deviations: (0..50).map(|k| f64::EPSILON * f64::from(1 + k)).collect(),
+            };
+            drift_figure(&[series], false).expect("a figure")
+        };
+        let (with, without) = (drift(4.0), drift(1e30));
+        let told = "Dashed: 2⁻⁵² max |I(0)|, the round-off of the largest invariant.";
+        assert_eq!(
+            (with.notes, without.notes),
+            (vec![told.to_owned()], Vec::new())
+        );
+        assert!(with.svg.len() > without.svg.len(), "no dashes");
+        assert_eq!(texts(&with.svg), texts(&without.svg));
+    }
+}
