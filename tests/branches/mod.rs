@@ -2,6 +2,8 @@
 //!
 //! `LEAFWISE_SWEEP` sets the number of random scenes of each test, 48 otherwise.
 
+mod history;
+mod lattices;
 mod log_canonical;
 mod midpoints;
 

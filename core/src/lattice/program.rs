@@ -165,6 +165,19 @@ impl LatticeProgram {
         }
     }
 
+    /// Makes an evaluator one for other parameters or step sizes; the fields stay.
+    pub fn prepare_again(
+        &self,
+        evaluator: &mut LatticeEvaluator,
+        parameters: &[f64],
+        epsilon: f64,
+        h: f64,
+    ) {
+        for (stage, prepared) in evaluator.prepared.iter_mut().enumerate() {
+            *prepared = self.prepare(stage, parameters, epsilon, h);
+        }
+    }
+
     /// Runs every stage on the fields of `evaluator`.
     pub fn run(&self, evaluator: &mut LatticeEvaluator) {
         for (stage, prepared) in evaluator.prepared.iter_mut().enumerate() {
