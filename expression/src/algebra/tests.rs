@@ -297,6 +297,29 @@ fn seventy_thousand_parameters_have_symbols() {
     }
 }
 
+/// sin(x), sin(2x), …, each function a symbol of its own; sin(kx) has the derivative k cos(kx).
+#[test]
+fn sixty_six_thousand_functions_have_symbols() {
+    const COUNT: i64 = 66_000;
+    let mut ring = Ring::new(1);
+    let x = ring.variable(0);
+    let mut of = |function: Function, k: i64| {
+        let factor = Rational::from_integer(k);
+        let argument = ring.scale(&factor, &x);
+        (factor, ring.apply(function, &argument).expect("a function"))
+    };
+    let sines: Vec<_> = (1..=COUNT).map(|k| of(Function::Sin, k)).collect();
+    let last = [1, 65_535, 65_536, COUNT].map(|k| of(Function::Cos, k));
+    for (factor, cosine) in last {
+        let at = sines
+            .iter()
+            .position(|(k, _)| *k == factor)
+            .expect("a sine");
+        let slope = ring.scale(&factor, &cosine);
+        assert_eq!(ring.derivative(&sines[at].1, 0), Ok(slope), "{factor}");
+    }
+}
+
 fn constant() -> impl Strategy<Value = Expression> {
     (1..9_i64, 1..4_i64, any::<bool>()).prop_map(|(a, b, negative)| {
         let a = if negative { -a } else { a };
