@@ -101,6 +101,12 @@ impl Steps {
         self.0.set_message(message);
     }
 
+    /// Where the line is, and what it says.
+    #[cfg(test)]
+    pub fn shown(&self) -> (u64, String) {
+        (self.0.position(), self.0.message())
+    }
+
     /// Before the next method.
     pub fn show(&mut self, method: &str, at: usize, count: usize) {
         self.0.set_length(count as u64);

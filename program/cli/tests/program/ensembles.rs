@@ -1,5 +1,7 @@
 //! Ensembles from the command line.
 
+#[cfg(target_os = "linux")]
+use crate::support::refusing_threads;
 use crate::support::{BODY, Place};
 
 const ENSEMBLE: &str = "[ensemble]\nmembers = 30\ninitial = { ball = 0.1 }\n\
@@ -278,18 +280,7 @@ fn threads_that_are_not_granted_are_done_without() {
     let here = with(ENSEMBLE);
     let all = here.leafwise(&["ensemble", "scene.toml", "--json", "--threads", "2"]);
     assert_eq!(all.code, Some(0), "{}", all.err);
-    // No thread is ever granted.
-    here.write(
-        "refuse.c",
-        "#include <errno.h>\n#include <pthread.h>\n\
-         int pthread_create(pthread_t *t, const pthread_attr_t *a, void *(*f)(void *), void *x) {\n\
-         (void)t; (void)a; (void)f; (void)x; return EAGAIN; }\n",
-    );
-    let built = std::process::Command::new("cc")
-        .args(["-shared", "-fPIC", "-o", "refuse.so", "refuse.c"])
-        .current_dir(here.path("."))
-        .status();
-    assert!(built.expect("a C compiler").success());
+    let refusing = refusing_threads(&here);
     for arguments in [
         &[
             "ensemble",
@@ -313,7 +304,7 @@ fn threads_that_are_not_granted_are_done_without() {
     ] {
         let output = here
             .command(arguments)
-            .env("LD_PRELOAD", here.path("refuse.so"))
+            .env("LD_PRELOAD", &refusing)
             .output();
         let said = crate::support::Said::from(output.expect("the program starts"));
         assert_eq!(said.code, Some(0), "{arguments:?}: {}", said.err);

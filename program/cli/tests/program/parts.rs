@@ -1,6 +1,8 @@
 //! Parts by name: `verify`, `auto`, steppers and compositions in a scene.
 
-use crate::support::{BODY, Place};
+#[cfg(target_os = "linux")]
+use crate::support::refusing_threads;
+use crate::support::{BODY, Place, Said};
 
 #[test]
 fn every_declaration_of_every_part_is_met() {
@@ -57,6 +59,21 @@ fn verify_measures_on_a_scene() {
         .filter(|line| line.starts_with("  ok") || line.starts_with("  ?"));
     assert_eq!(met.count(), rows, "{}", said.out);
     assert!(said.out.contains("no declaration of"), "{}", said.out);
+}
+
+/// Everything is measured one after the other where the machine grants no thread.
+#[cfg(target_os = "linux")]
+#[test]
+fn verify_does_without_threads_that_are_not_granted() {
+    let here = Place::with(BODY);
+    let output = here
+        .command(&["verify", "scene.toml", "--json"])
+        .env("LD_PRELOAD", refusing_threads(&here))
+        .output();
+    let said = Said::from(output.expect("the program starts"));
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let rows = said.json()["rows"].as_array().map_or(0, Vec::len);
+    assert!(rows >= 20, "{rows} maps");
 }
 
 #[test]

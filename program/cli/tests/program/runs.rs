@@ -260,3 +260,31 @@ fn recorded_formulas_and_the_first_body_are_drawn() {
             .is_some_and(|header| header.ends_with(",energy,radius"))
     );
 }
+
+/// Names may hold what a terminal obeys; neither the object nor the words hand it on.
+#[test]
+fn what_steers_a_terminal_is_not_printed_and_means_the_same() {
+    let name = "sp\u{1b}[2Jin\u{9b}\u{202e}";
+    let here = Place::with(
+        &BODY
+            .replace("spin", r#""sp\u001b[2Jin\u009b\u202e""#)
+            .replace(r#", ""sp\u001b[2Jin\u009b\u202e"""#, ""),
+    );
+    let said = here.leafwise(&["run", "scene.toml", "--json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    for text in [&said.out, &said.err] {
+        let steers = |c: char| c.is_control() && !matches!(c, '\n' | '\t') || c == '\u{202e}';
+        assert!(!text.contains(steers), "{text:?}");
+    }
+    fn holds(value: &serde_json::Value, name: &str) -> bool {
+        match value {
+            serde_json::Value::String(own) => own == name,
+            serde_json::Value::Array(list) => list.iter().any(|value| holds(value, name)),
+            serde_json::Value::Object(map) => map
+                .iter()
+                .any(|(key, value)| key == name || holds(value, name)),
+            _ => false,
+        }
+    }
+    assert!(holds(&said.json(), name), "{}", said.out);
+}

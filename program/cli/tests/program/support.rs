@@ -164,6 +164,23 @@ pub fn long_scene() -> String {
         .replace("every = 3", "every = 7")
 }
 
+/// A library that, loaded before all others, grants no thread.
+#[cfg(target_os = "linux")]
+pub fn refusing_threads(here: &Place) -> PathBuf {
+    here.write(
+        "refuse.c",
+        "#include <errno.h>\n#include <pthread.h>\n\
+         int pthread_create(pthread_t *t, const pthread_attr_t *a, void *(*f)(void *), void *x) {\n\
+         (void)t; (void)a; (void)f; (void)x; return EAGAIN; }\n",
+    );
+    let built = Command::new("cc")
+        .args(["-shared", "-fPIC", "-o", "refuse.so", "refuse.c"])
+        .current_dir(here.path("."))
+        .status();
+    assert!(built.expect("a C compiler").success());
+    here.path("refuse.so")
+}
+
 /// The gallery of ready scenes.
 pub fn gallery() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");

@@ -88,11 +88,7 @@ pub fn execute(
     let mut bar = Steps::unmeasured("methods", console.is_terminal);
     let mut clock = Clock::new(arguments.within);
     let mut show = |stage: Stage<'_>| {
-        match stage {
-            Stage::Building { method } => bar.say(format!("forming {method}")),
-            Stage::Reference => bar.say("reference solution".to_owned()),
-            Stage::Running { method, runs } => bar.tick(method, runs),
-        }
+        tell(&mut bar, stage);
         clock.allows(stage)
     };
     // Nothing is there to be saved: an interruption ends the program at once, wherever it is.
@@ -139,6 +135,15 @@ pub fn execute(
     })
 }
 
+/// Shows what goes on: forming a method may take longer than all its runs.
+fn tell(bar: &mut Steps, stage: Stage<'_>) {
+    match stage {
+        Stage::Building { method } => bar.say(format!("forming {method}")),
+        Stage::Reference => bar.say("reference solution".to_owned()),
+        Stage::Running { method, runs } => bar.tick(method, runs),
+    }
+}
+
 fn options(arguments: &TuneArguments, registry: &Registry) -> Result<TuneOptions, Failure> {
     let read = |texts: &[String]| -> Result<Vec<MethodTable>, Failure> {
         let methods = texts.iter().map(|text| Ok(parse_method(text, registry)?));
@@ -164,4 +169,36 @@ fn rewritten(found: &Found<'_>, recommended: &Recommendation) -> Result<String, 
         .method
         .write_into(&found.document.text, recommended.time_step, steps)
         .map_err(|error| Failure::usage(error.to_string(), "write the method by hand"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_formed_is_shown_until_it_runs() {
+        let mut bar = Steps::unmeasured("methods", false);
+        let mut shown = |stage| {
+            tell(&mut bar, stage);
+            bar.shown()
+        };
+        let (method, runs) = ("gauss 4", 7);
+        assert_eq!(
+            shown(Stage::Building { method }),
+            (0, "forming gauss 4".to_owned())
+        );
+        assert_eq!(
+            shown(Stage::Reference),
+            (0, "reference solution".to_owned())
+        );
+        assert_eq!(
+            shown(Stage::Running { method, runs }),
+            (7, "gauss 4".to_owned())
+        );
+        // The count of runs stays while the next is formed.
+        assert_eq!(
+            shown(Stage::Building { method: "rk4" }),
+            (7, "forming rk4".to_owned())
+        );
+    }
 }

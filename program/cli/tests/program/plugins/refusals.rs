@@ -3,6 +3,7 @@
 use std::ffi::OsStr;
 use std::fs;
 use std::os::unix::ffi::OsStrExt;
+use std::process::Command;
 
 use super::build::Workshop;
 use super::{command, leafwise, scene};
@@ -298,6 +299,71 @@ fn names_are_looked_for_in_the_search_path_and_read_without_being_run() {
     let said = with(&["list", "steppers"]);
     assert!(!said.out.contains("gallery/still"), "{}", said.out);
     assert_eq!(with(&["list", "--plugin", "absent"]).code, Some(4));
+}
+
+/// A pipe beside a library is not read: its writer might never come.
+#[test]
+fn listing_does_not_wait_for_a_pipe() {
+    let (here, workshop) = (Place::new(), Workshop::new());
+    workshop.compile("still");
+    let side = workshop.path("still.plugin.toml");
+    let made = Command::new("mkfifo").arg(&side).status();
+    assert!(made.expect("mkfifo").success());
+    // Who reads the pipe all the same finds what is no side file, and ends.
+    let mut writer = Command::new("sh")
+        .args(["-c", r#"echo nothing > "$0""#])
+        .arg(&side)
+        .spawn()
+        .expect("a shell");
+    let mut listing = command(&here, &["plugin", "list", "--json"]);
+    let output = listing
+        .env("LEAFWISE_PLUGIN_PATH", workshop.path(""))
+        .output();
+    // Fails only where it has ended.
+    drop(writer.kill());
+    writer.wait().expect("an end");
+    let said = Said::from(output.expect("the program starts"));
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let error = said.json()["plugins"][0]["error"].clone();
+    let error = error.as_str().expect("a reason");
+    assert!(
+        error.contains("it is no regular file of at most"),
+        "{error}"
+    );
+}
+
+/// The child that tries a library opens only what nobody else may replace.
+#[test]
+fn the_probe_looks_at_permissions_itself() {
+    use std::os::unix::fs::PermissionsExt;
+    let (here, workshop) = (Place::new(), Workshop::new());
+    let library = workshop.compile("prints");
+    let path = library.to_str().expect("UTF-8");
+    let with = |mode: u32| {
+        fs::set_permissions(&library, fs::Permissions::from_mode(mode)).expect("our own file");
+        leafwise(&here, &["plugin", "probe", path])
+    };
+    let report = |said: &Said| {
+        let line = said
+            .out
+            .lines()
+            .find_map(|line| line.split_once("leafwise-plugin-probe:"));
+        let (_, json) = line.expect("a report");
+        serde_json::from_str::<serde_json::Value>(json).expect("JSON")
+    };
+    let said = with(0o755);
+    assert_eq!(report(&said), serde_json::Value::Null, "{}", said.out);
+    let ran = |said: &Said| {
+        said.out.contains("all rights reserved") || said.err.contains("all rights reserved")
+    };
+    assert!(ran(&said), "its own words are missing");
+    let said = with(0o757);
+    assert!(
+        report(&said).to_string().contains("writable"),
+        "{}",
+        said.out
+    );
+    assert!(!ran(&said), "it was opened: {}{}", said.out, said.err);
 }
 
 /// The SHA-256 that a scene gives must be that of the file.

@@ -212,3 +212,43 @@ fn a_run_says_which_libraries_it_needs() {
         said.says(&["`--plugin` has no meaning here"]);
     }
 }
+
+/// Calls that change how the program rounds, too few of them for one to be failed: no number is passed as good.
+#[test]
+#[cfg(target_arch = "x86_64")]
+fn a_run_whose_rounding_a_library_changed_is_no_success() {
+    let (here, workshop) = (Place::new(), Workshop::new());
+    let library = workshop.compile("rounds_later");
+    let system = "library = \"gallery/rounds-later\"";
+    let with = |initial: &str| {
+        let text = scene(&[&library], system, "stepper = \"rk4\"", initial);
+        here.write("scene.toml", &text.replace("steps = 200", "steps = 1"));
+        leafwise(&here, &["run", "scene.toml", "--force"])
+    };
+    // It rounds upwards from x1 = 2 on.
+    let said = with("[0.5, 1, 1]");
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let said = with("[2.5, 1, 1]");
+    assert_eq!(said.code, Some(1), "{}{}", said.out, said.err);
+    said.says(&[
+        "gallery/rounds-later",
+        "no number since is to be trusted",
+        "1 steps to t = 0.05",
+    ]);
+}
+
+/// What a dying library said last is what it says, not where it was.
+#[test]
+fn a_library_that_dies_is_quoted_without_a_backtrace() {
+    let (here, workshop) = (Place::new(), Workshop::new());
+    let library = workshop.compile("backtraces");
+    let path = library.to_str().expect("UTF-8");
+    let mut command = command(&here, &["list", "--plugin", path]);
+    let output = command.env("RUST_BACKTRACE", "full").output();
+    let said = Said::from(output.expect("the program starts"));
+    assert_eq!(said.code, Some(4), "{}", said.err);
+    said.says(&[
+        "probe: child killed by signal 6 (SIGABRT)",
+        "what it died of | backtrace: 0",
+    ]);
+}
