@@ -89,10 +89,32 @@ pub trait Arithmetic {
     }
     /// The element as a rational number, if it is one.
     fn as_rational(&self, element: &Self::Element) -> Option<Rational>;
+    /// Whether sums are expanded, so that it is one how a sum of sums is grouped.
+    fn is_expanded(&self) -> bool {
+        false
+    }
     /// Σ cᵢ eᵢ.
     fn combine(&mut self, terms: &[(Rational, Self::Element)]) -> Self::Element;
     /// a·b.
     fn multiply(&mut self, a: &Self::Element, b: &Self::Element) -> Self::Element;
+    /// Σ cᵢ aᵢ bᵢ.
+    fn sum_of_products(
+        &mut self,
+        terms: &[(Rational, &Self::Element, &Self::Element)],
+    ) -> Self::Element {
+        self.one_by_one(terms)
+    }
+    /// Σ cᵢ aᵢ bᵢ by [`multiply`](Self::multiply) and [`combine`](Self::combine).
+    fn one_by_one(
+        &mut self,
+        terms: &[(Rational, &Self::Element, &Self::Element)],
+    ) -> Self::Element {
+        let products: Vec<_> = terms
+            .iter()
+            .map(|(c, a, b)| (c.clone(), self.multiply(a, b)))
+            .collect();
+        self.combine(&products)
+    }
     /// a/b.
     ///
     /// # Errors

@@ -132,6 +132,34 @@ impl Rational {
         self.fraction().into_owned().denominator
     }
 
+    /// Numerator and denominator in lowest terms, the latter positive, where both fit.
+    pub(crate) fn as_words(&self) -> Option<(i128, i128)> {
+        match &self.0 {
+            Small(numerator, denominator) => {
+                Some((i128::from(*numerator), i128::from(*denominator)))
+            }
+            Big(fraction) => {
+                let numerator = i128::try_from(&fraction.numerator).ok()?;
+                let denominator = i128::try_from(&fraction.denominator).ok()?;
+                Some((numerator, denominator))
+            }
+        }
+    }
+
+    /// `numerator / denominator` for a positive denominator.
+    pub(crate) fn from_words(numerator: i128, denominator: i128) -> Self {
+        let (mut divisor, mut rest) = (denominator, numerator % denominator);
+        while rest != 0 {
+            if let (Ok(a), Ok(b)) = (i64::try_from(divisor), i64::try_from(rest)) {
+                divisor = gcd(a, b);
+                break;
+            }
+            (divisor, rest) = (rest, divisor % rest);
+        }
+        let divisor = divisor.abs();
+        Self::from_wide(numerator / divisor, denominator / divisor)
+    }
+
     /// `numerator / denominator`, which is in lowest terms with a positive denominator.
     fn from_wide(numerator: i128, denominator: i128) -> Self {
         match (i64::try_from(numerator), i64::try_from(denominator)) {

@@ -4,6 +4,7 @@ mod division;
 mod formula;
 mod generator;
 mod monomial;
+mod packed;
 mod polynomial;
 mod rewriting;
 mod ring;

@@ -29,6 +29,11 @@ impl Monomial {
         Self(factors)
     }
 
+    /// The product of powers by ascending symbol; exponents may be 0.
+    pub(super) fn from_sorted(powers: impl Iterator<Item = (Symbol, i32)>) -> Self {
+        Self(powers.filter(|(_, exponent)| *exponent != 0).collect())
+    }
+
     /// Whether this is the empty product.
     pub fn is_one(&self) -> bool {
         self.0.is_empty()
@@ -75,7 +80,7 @@ impl Monomial {
     /// The product of two monomials, of exponents whose sums fit.
     pub fn multiply(&self, other: &Self) -> Self {
         let (a, b) = (&self.0, &other.0);
-        let mut product = SmallVec::with_capacity(a.len() + b.len());
+        let mut product = SmallVec::new();
         let (mut i, mut j) = (0, 0);
         while i < a.len() && j < b.len() {
             match a[i].0.cmp(&b[j].0) {

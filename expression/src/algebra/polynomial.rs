@@ -115,6 +115,14 @@ impl<C: CoefficientRing> Terms<C> {
         }
     }
 
+    /// The sum of terms that stand in the monomials' [`Ord`], each monomial once, none with the
+    /// coefficient 0.
+    pub(super) fn from_sorted(terms: Vec<(Monomial, C)>) -> Self {
+        debug_assert!(terms.is_sorted_by(|a, b| a.0 < b.0));
+        debug_assert!(terms.iter().all(|(_, c)| !c.is_zero()));
+        Self { terms }
+    }
+
     /// The terms collected from any order, with repetitions.
     pub fn collect(terms: impl IntoIterator<Item = (Monomial, C)>) -> Self {
         let mut sums: FxHashMap<Monomial, C> = FxHashMap::default();
@@ -128,9 +136,13 @@ impl<C: CoefficientRing> Terms<C> {
                 }
             }
         }
-        let mut terms: Vec<_> = sums.into_iter().filter(|(_, c)| !c.is_zero()).collect();
+        Self::sorted(sums.into_iter().filter(|(_, c)| !c.is_zero()).collect())
+    }
+
+    /// The sum of terms with different monomials, none with the coefficient 0.
+    pub(super) fn sorted(mut terms: Vec<(Monomial, C)>) -> Self {
         terms.sort_unstable_by(|a, b| a.0.cmp(&b.0));
-        Self { terms }
+        Self::from_sorted(terms)
     }
 
     /// Σ cᵢ fᵢ.
@@ -175,14 +187,15 @@ impl<C: CoefficientRing> Terms<C> {
 
     /// f·(c·m).
     pub fn times_term(&self, monomial: &Monomial, coefficient: &C) -> Self {
-        let mut terms: Vec<_> = self
-            .terms
-            .iter()
-            .map(|(m, c)| (m.multiply(monomial), c.product(coefficient)))
-            .filter(|(_, c)| !c.is_zero())
-            .collect();
-        terms.sort_unstable_by(|a, b| a.0.cmp(&b.0));
-        Self { terms }
+        let terms = self.terms.iter();
+        if monomial.is_one() {
+            let terms = terms.map(|(m, c)| (m.clone(), c.product(coefficient)));
+            return Self {
+                terms: terms.filter(|(_, c)| !c.is_zero()).collect(),
+            };
+        }
+        let terms = terms.map(|(m, c)| (m.multiply(monomial), c.product(coefficient)));
+        Self::sorted(terms.filter(|(_, c)| !c.is_zero()).collect())
     }
 
     /// c·f.
@@ -246,7 +259,30 @@ impl CoefficientRing for Coefficient {
             }
             return;
         }
-        *self = Self::collect(self.terms.drain(..).chain(other.terms.iter().cloned()));
+        let (mut left, mut right) = (
+            self.terms.drain(..).peekable(),
+            other.terms.iter().peekable(),
+        );
+        let mut merged = Vec::with_capacity(left.len() + right.len());
+        while let (Some((m, _)), Some((n, _))) = (left.peek(), right.peek()) {
+            let order = m.cmp(n);
+            if order.is_gt() {
+                merged.extend(right.next().cloned());
+                continue;
+            }
+            merged.extend(left.next());
+            if order.is_eq()
+                && let (Some((_, sum)), Some((_, d))) = (merged.last_mut(), right.next())
+            {
+                sum.accumulate(d);
+                if sum.is_zero() {
+                    merged.pop();
+                }
+            }
+        }
+        merged.extend(left);
+        merged.extend(right.cloned());
+        self.terms = merged;
     }
     fn product(&self, other: &Self) -> Self {
         Terms::product(self, other)

@@ -4,6 +4,7 @@ use rustc_hash::FxHashMap;
 
 use super::generator::{Atom, Generator};
 use super::monomial::{Monomial, Symbol};
+use super::packed;
 use super::polynomial::{Coefficient, CoefficientRing, Polynomial};
 use crate::arithmetic::{AlgebraError, Arithmetic, function_derivative};
 use crate::expression::Function;
@@ -190,8 +191,11 @@ impl Ring {
                 }
             }
         }
-        parts.push((Rational::one(), Polynomial::collect(plain)));
-        let sum = Polynomial::combine(&parts);
+        let mut sum = Polynomial::sorted(plain);
+        if !parts.is_empty() {
+            parts.push((Rational::one(), sum));
+            sum = self.combine(&parts);
+        }
         let sum = self.normalize(sum);
         self.unless_refused(sum)
     }
@@ -445,17 +449,35 @@ impl Arithmetic for Ring {
         element.as_constant().and_then(|c| c.as_constant())
     }
 
+    fn is_expanded(&self) -> bool {
+        true
+    }
+
     fn combine(&mut self, terms: &[(Rational, Polynomial)]) -> Polynomial {
-        Polynomial::combine(terms)
+        if let [(factor, part)] = terms {
+            return part.scaled(factor);
+        }
+        let one = Polynomial::constant(one());
+        let products: Vec<_> = terms.iter().map(|(c, f)| (c.clone(), f, &one)).collect();
+        packed::sum_of_products(&products).unwrap_or_else(|| Polynomial::combine(terms))
     }
 
     fn multiply(&mut self, a: &Polynomial, b: &Polynomial) -> Polynomial {
-        let may = self.admits(a.largest_exponent() + b.largest_exponent());
-        if !may || !self.spend(a.terms().len() * b.terms().len()) {
-            return Polynomial::zero();
+        self.sum_of_products(&[(Rational::one(), a, b)])
+    }
+
+    fn sum_of_products(&mut self, terms: &[(Rational, &Polynomial, &Polynomial)]) -> Polynomial {
+        for (_, a, b) in terms {
+            let may = self.admits(a.largest_exponent() + b.largest_exponent());
+            if !may || !self.spend(a.terms().len() * b.terms().len()) {
+                return Polynomial::zero();
+            }
         }
-        let product = a.product(b);
-        self.normalize(product)
+        let sum = packed::sum_of_products(terms).unwrap_or_else(|| {
+            let products = terms.iter().map(|(c, a, b)| (c.clone(), a.product(b)));
+            Polynomial::combine(&products.collect::<Vec<_>>())
+        });
+        self.normalize(sum)
     }
 
     fn divide(&mut self, a: &Polynomial, b: &Polynomial) -> Result<Polynomial, AlgebraError> {

@@ -88,8 +88,8 @@ impl Rational {
     fn multiply(&self, other: &Self) -> Self {
         if let (Small(a, b), Small(c, d)) = (&self.0, &other.0) {
             let (left, right) = (gcd(*a, *d), gcd(*c, *b));
-            let numerator = (i128::from(*a) / left) * (i128::from(*c) / right);
-            let denominator = (i128::from(*b) / right) * (i128::from(*d) / left);
+            let numerator = over(*a, left) * over(*c, right);
+            let denominator = over(*b, right) * over(*d, left);
             return Self::from_wide(numerator, denominator);
         }
         if self.is_one() {
@@ -108,6 +108,15 @@ impl Rational {
 
     fn subtract(&self, other: &Self) -> Self {
         self.sum(&-other)
+    }
+}
+
+/// a/b by one division of words where b fits one.
+fn over(a: i64, b: i128) -> i128 {
+    match i64::try_from(b) {
+        Ok(1) => i128::from(a),
+        Ok(b) => i128::from(a / b),
+        Err(_) => i128::from(a) / b,
     }
 }
 

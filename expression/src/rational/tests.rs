@@ -51,6 +51,26 @@ fn any_rational() -> impl Strategy<Value = Rational> {
 
 proptest! {
     #[test]
+    fn words_are_numerator_and_denominator(
+        numerator in any::<i128>(),
+        denominator in 1..=i128::MAX,
+        by in (0u32..127, 0u32..127),
+    ) {
+        let edges = [i128::MIN, i128::MIN + 1, 0, 1, i128::MAX];
+        for n in edges.into_iter().chain([numerator, numerator >> by.0]) {
+            for d in [1, i128::MAX, denominator, (denominator >> by.1).max(1)] {
+                let value = Rational::from_words(n, d);
+                prop_assert!(is_canonical(&value), "{n}/{d}");
+                let (above, below) = parts(&value);
+                prop_assert_eq!(&above * IBig::from(d), &below * IBig::from(n));
+                let words = (i128::try_from(&above), i128::try_from(&below));
+                prop_assert_eq!(value.as_words(), words.0.ok().zip(words.1.ok()));
+            }
+        }
+        prop_assert_eq!(Rational::from_integer(2).powi(127).as_words(), None);
+    }
+
+    #[test]
     fn the_divisor_of_words_is_euclids(a in any::<i64>(), b in any::<i64>(), by in 0u32..63) {
         for (a, b) in [(a, b), (a >> by, b), (a << by, b << (by / 2)), (a, a >> by), (i64::MIN, b)] {
             if b != 0 {

@@ -23,6 +23,34 @@ impl<A: Arithmetic> Univariate<'_, A> {
         element
     }
 
+    /// Σ cᵢ aᵢ bᵢ, each power of s at once.
+    fn product_columns(
+        &mut self,
+        terms: &[(Rational, &Vec<A::Element>, &Vec<A::Element>)],
+    ) -> Vec<A::Element> {
+        let lengths = terms.iter().map(|(_, a, b)| match (a.len(), b.len()) {
+            (0, _) | (_, 0) => 0,
+            (a, b) => a + b - 1,
+        });
+        let product = (0..lengths.max().unwrap_or(0))
+            .map(|k| {
+                let mut column = Vec::new();
+                for (c, a, b) in terms {
+                    for (j, x) in a.iter().enumerate().take(k + 1) {
+                        let Some(y) = b.get(k - j) else {
+                            continue;
+                        };
+                        if !self.inner.is_zero(x) && !self.inner.is_zero(y) {
+                            column.push((c.clone(), x, y));
+                        }
+                    }
+                }
+                self.inner.sum_of_products(&column)
+            })
+            .collect();
+        self.trim(product)
+    }
+
     fn constant_part(
         &mut self,
         element: &[A::Element],
@@ -76,21 +104,17 @@ impl<A: Arithmetic> Arithmetic for Univariate<'_, A> {
         self.trim(sum)
     }
     fn multiply(&mut self, a: &Self::Element, b: &Self::Element) -> Self::Element {
-        if a.is_empty() || b.is_empty() {
-            return Vec::new();
+        self.product_columns(&[(Rational::one(), a, b)])
+    }
+    fn sum_of_products(
+        &mut self,
+        terms: &[(Rational, &Self::Element, &Self::Element)],
+    ) -> Self::Element {
+        if self.inner.is_expanded() {
+            self.product_columns(terms)
+        } else {
+            self.one_by_one(terms)
         }
-        let product = (0..a.len() + b.len() - 1)
-            .map(|k| {
-                let mut column = Vec::new();
-                for j in k.saturating_sub(b.len() - 1)..=k.min(a.len() - 1) {
-                    if !self.inner.is_zero(&a[j]) && !self.inner.is_zero(&b[k - j]) {
-                        column.push((Rational::one(), self.inner.multiply(&a[j], &b[k - j])));
-                    }
-                }
-                self.inner.combine(&column)
-            })
-            .collect();
-        self.trim(product)
     }
     fn divide(
         &mut self,

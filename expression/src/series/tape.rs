@@ -211,12 +211,13 @@ impl<E: Clone + std::fmt::Debug> TaylorState<E> {
                 }
                 Step::Product(a, b) => self.product(arithmetic, *a, *b, k),
                 Step::Quotient(a, b) => {
-                    let mut terms = vec![(Rational::one(), self.coefficients[*a][k].clone())];
+                    let one = arithmetic.one();
+                    let mut terms = vec![(Rational::one(), &self.coefficients[*a][k], &one)];
                     for j in 1..=k {
                         let (bj, g) = (&self.coefficients[*b][j], &self.coefficients[at][k - j]);
-                        terms.push((-Rational::one(), arithmetic.multiply(bj, g)));
+                        terms.push((-Rational::one(), bj, g));
                     }
-                    let above = arithmetic.combine(&terms);
+                    let above = arithmetic.sum_of_products(&terms);
                     arithmetic.divide(&above, &self.coefficients[*b][0])?
                 }
                 Step::Function(f, u) if k == 0 => {
@@ -256,21 +257,21 @@ impl<E: Clone + std::fmt::Debug> TaylorState<E> {
             // u² = Σ_{j<k−j} 2 uⱼ u_{k−j} + u_{k/2}².
             for j in 0..k.div_ceil(2) {
                 let (x, y) = (&self.coefficients[a][j], &self.coefficients[a][k - j]);
-                terms.push((Rational::from_integer(2), arithmetic.multiply(x, y)));
+                terms.push((Rational::from_integer(2), x, y));
             }
             if k.is_multiple_of(2) {
                 let x = &self.coefficients[a][k / 2];
-                terms.push((Rational::one(), arithmetic.multiply(x, x)));
+                terms.push((Rational::one(), x, x));
             }
         } else {
             for j in 0..=k {
                 let (x, y) = (&self.coefficients[a][j], &self.coefficients[b][k - j]);
                 if !arithmetic.is_zero(x) && !arithmetic.is_zero(y) {
-                    terms.push((Rational::one(), arithmetic.multiply(x, y)));
+                    terms.push((Rational::one(), x, y));
                 }
             }
         }
-        arithmetic.combine(&terms)
+        arithmetic.sum_of_products(&terms)
     }
 
     /// (1/k) Σ_{j=1..k} j uⱼ d_{k−j}.
@@ -285,9 +286,9 @@ impl<E: Clone + std::fmt::Debug> TaylorState<E> {
         for j in 1..=k {
             let (x, y) = (&self.coefficients[u][j], &self.coefficients[d][k - j]);
             if !arithmetic.is_zero(x) && !arithmetic.is_zero(y) {
-                terms.push((Rational::new(j as i64, k as i64), arithmetic.multiply(x, y)));
+                terms.push((Rational::new(j as i64, k as i64), x, y));
             }
         }
-        arithmetic.combine(&terms)
+        arithmetic.sum_of_products(&terms)
     }
 }
