@@ -147,26 +147,17 @@ impl<C: CoefficientRing> Terms<C> {
 
     /// Σ cᵢ fᵢ.
     pub fn combine(parts: &[(Rational, Self)]) -> Self {
-        if let [(factor, part)] = parts {
+        let parts: Vec<&(Rational, Self)> = parts
+            .iter()
+            .filter(|(factor, part)| !factor.is_zero() && !part.is_zero())
+            .collect();
+        if let [(factor, part)] = parts.as_slice() {
             return part.scaled(factor);
         }
-        Self::collect(
-            parts
-                .iter()
-                .filter(|(factor, _)| !factor.is_zero())
-                .flat_map(|(factor, part)| {
-                    part.terms.iter().map(move |(m, c)| {
-                        (
-                            m.clone(),
-                            if factor.is_one() {
-                                c.clone()
-                            } else {
-                                c.scaled(factor)
-                            },
-                        )
-                    })
-                }),
-        )
+        Self::collect(parts.into_iter().flat_map(|(factor, part)| {
+            let terms = part.terms.iter();
+            terms.map(move |(m, c)| (m.clone(), c.scaled(factor)))
+        }))
     }
 
     /// f·g.
@@ -202,6 +193,9 @@ impl<C: CoefficientRing> Terms<C> {
     pub fn scaled(&self, factor: &Rational) -> Self {
         if factor.is_zero() {
             return Self::zero();
+        }
+        if factor.is_one() {
+            return self.clone();
         }
         Self {
             terms: self

@@ -454,9 +454,6 @@ impl Arithmetic for Ring {
     }
 
     fn combine(&mut self, terms: &[(Rational, Polynomial)]) -> Polynomial {
-        if let [(factor, part)] = terms {
-            return part.scaled(factor);
-        }
         let one = Polynomial::constant(one());
         let products: Vec<_> = terms.iter().map(|(c, f)| (c.clone(), f, &one)).collect();
         packed::sum_of_products(&products).unwrap_or_else(|| Polynomial::combine(terms))

@@ -7,6 +7,9 @@ use crate::rational::Rational;
 /// Σ cⱼ sʲ as its list of coefficients, without trailing zeros.
 pub type UnivariateElement<E> = Vec<E>;
 
+/// c·a·b.
+type Product<'a, E> = (Rational, &'a UnivariateElement<E>, &'a UnivariateElement<E>);
+
 /// The algebra of polynomials in s over an algebra A; functions and quotients only where the argument does not
 /// depend on s.
 #[derive(Debug)]
@@ -24,10 +27,7 @@ impl<A: Arithmetic> Univariate<'_, A> {
     }
 
     /// Σ cᵢ aᵢ bᵢ, each power of s at once.
-    fn product_columns(
-        &mut self,
-        terms: &[(Rational, &Vec<A::Element>, &Vec<A::Element>)],
-    ) -> Vec<A::Element> {
+    fn product_columns(&mut self, terms: &[Product<'_, A::Element>]) -> Vec<A::Element> {
         let lengths = terms.iter().map(|(_, a, b)| match (a.len(), b.len()) {
             (0, _) | (_, 0) => 0,
             (a, b) => a + b - 1,
@@ -89,6 +89,9 @@ impl<A: Arithmetic> Arithmetic for Univariate<'_, A> {
             [c] => self.inner.as_rational(c),
             _ => None,
         }
+    }
+    fn is_expanded(&self) -> bool {
+        self.inner.is_expanded()
     }
     fn combine(&mut self, terms: &[(Rational, Self::Element)]) -> Self::Element {
         let length = terms.iter().map(|(_, t)| t.len()).max().unwrap_or(0);

@@ -211,13 +211,19 @@ impl<E: Clone + std::fmt::Debug> TaylorState<E> {
                 }
                 Step::Product(a, b) => self.product(arithmetic, *a, *b, k),
                 Step::Quotient(a, b) => {
-                    let one = arithmetic.one();
-                    let mut terms = vec![(Rational::one(), &self.coefficients[*a][k], &one)];
-                    for j in 1..=k {
-                        let (bj, g) = (&self.coefficients[*b][j], &self.coefficients[at][k - j]);
-                        terms.push((-Rational::one(), bj, g));
+                    let products: Vec<_> = (1..=k)
+                        .map(|j| (&self.coefficients[*b][j], &self.coefficients[at][k - j]))
+                        .map(|(bj, g)| (Rational::one(), bj, g))
+                        .collect();
+                    let mut terms = vec![(Rational::one(), self.coefficients[*a][k].clone())];
+                    if arithmetic.is_expanded() {
+                        terms.push((-Rational::one(), arithmetic.sum_of_products(&products)));
+                    } else {
+                        for (_, bj, g) in products {
+                            terms.push((-Rational::one(), arithmetic.multiply(bj, g)));
+                        }
                     }
-                    let above = arithmetic.sum_of_products(&terms);
+                    let above = arithmetic.combine(&terms);
                     arithmetic.divide(&above, &self.coefficients[*b][0])?
                 }
                 Step::Function(f, u) if k == 0 => {
