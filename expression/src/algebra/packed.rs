@@ -103,15 +103,15 @@ type Exponents = Vec<Option<(i32, i32)>>;
 impl Layout {
     fn new(summands: &[&Summand<'_>]) -> Option<Self> {
         let (mut state, mut parameters) = (Vec::new(), Vec::new());
-        for (_, a, b) in summands {
+        for (at, (_, a, b)) in summands.iter().enumerate() {
             let [a, b] = [a, b].map(|f| {
                 let outer = exponents(f.terms().iter().map(|(m, _)| m));
                 let inner = f.terms().iter().flat_map(|(_, c)| c.terms());
                 Some((outer?, exponents(inner.map(|(m, _)| m))?))
             });
             let (a, b) = (a?, b?);
-            widen(&mut state, &a.0, &b.0);
-            widen(&mut parameters, &a.1, &b.1);
+            widen(&mut state, at == 0, &a.0, &b.0);
+            widen(&mut parameters, at == 0, &a.1, &b.1);
         }
         let mut weight = 1_u64;
         let mut offset = 0_u64;
@@ -287,8 +287,9 @@ fn exponents<'a>(monomials: impl Iterator<Item = &'a Monomial>) -> Option<Expone
     Some(ranges.collect())
 }
 
-/// Widens the ranges by those of products of a and b.
-fn widen(ranges: &mut Vec<Option<(i64, i64)>>, a: &Exponents, b: &Exponents) {
+/// Widens the ranges by those of products of a and b. A symbol that is new has the power 0 in all
+/// products before.
+fn widen(ranges: &mut Vec<Option<(i64, i64)>>, is_first: bool, a: &Exponents, b: &Exponents) {
     let length = ranges.len().max(a.len()).max(b.len());
     ranges.resize(length, None);
     for (symbol, range) in ranges.iter_mut().enumerate() {
@@ -299,7 +300,8 @@ fn widen(ranges: &mut Vec<Option<(i64, i64)>>, a: &Exponents, b: &Exponents) {
         let (a, b) = (a.unwrap_or((0, 0)), b.unwrap_or((0, 0)));
         let least = i64::from(a.0) + i64::from(b.0);
         let most = i64::from(a.1) + i64::from(b.1);
-        let (l, m) = range.unwrap_or((least, most));
+        let new = if is_first { (least, most) } else { (0, 0) };
+        let (l, m) = range.unwrap_or(new);
         *range = Some((l.min(least), m.max(most)));
     }
 }

@@ -431,15 +431,19 @@ fn written(terms: &[WrittenTerm]) -> Polynomial {
     }))
 }
 
-/// Sums with powers of `symbols` symbols of the state and as many of the parameters.
+/// Sums with powers of `symbols` symbols of the state and as many of the parameters, times a monomial
+/// of all of them.
 fn sum_of(
     symbols: Symbol,
     exponent: i32,
     number: impl Strategy<Value = Rational> + Clone,
 ) -> impl Strategy<Value = Polynomial> {
     let powers = prop::collection::vec((0..symbols, -exponent..exponent + 1), 0..4);
-    let terms = prop::collection::vec((powers.clone(), powers, number), 1..24);
-    terms.prop_map(|terms| written(&terms))
+    let terms = prop::collection::vec((powers.clone(), powers.clone(), number), 1..24);
+    (terms, powers.clone(), powers).prop_map(|(terms, m, n)| {
+        let common = Coefficient::term(monomial(&n), Rational::one());
+        written(&terms).times_term(&monomial(&m), &common)
+    })
 }
 
 /// Numbers whose common denominators and sums of products always fit.
@@ -500,6 +504,26 @@ fn sums_that_do_not_fit_are_not_packed() {
     };
     assert_eq!(is_packed(&shifted(255)), Some(55));
     assert_eq!(is_packed(&shifted(256)), None);
+}
+
+/// A power that all terms of one product have and none of another, whichever comes first.
+#[test]
+fn products_with_different_common_powers_are_packed() {
+    let one = Coefficient::from_rational(&Rational::one());
+    let f = written(&[-2, -1, 0, 1, 2, 3].map(|k| (vec![(0, k)], vec![(0, -k)], Rational::one())));
+    for power in [-3, 2] {
+        let of_state = f.times_term(&Monomial::power(1, power), &one);
+        let of_parameters = Coefficient::term(Monomial::power(1, power), Rational::one());
+        let of_parameters = f.times_term(&Monomial::one(), &of_parameters);
+        for g in [&of_state, &of_parameters] {
+            let products = [(&f, &f), (g, &f), (g, g)].map(|(a, b)| (Rational::one(), a, b));
+            for order in [[0, 1, 2], [1, 0, 2], [2, 1, 0]] {
+                let summands = order.map(|at| products[at].clone());
+                let found = packed::sum_of_products(&summands);
+                assert_eq!(found, Some(one_by_one(&summands)));
+            }
+        }
+    }
 }
 
 /// Relations of a sine with its cosine, of roots and of inverses: normal forms of sums of products are
