@@ -94,7 +94,6 @@ pub(crate) struct CodeRealization {
     ends: Arc<Kernel>,
     tangents: Arc<Kernel>,
     dimension: usize,
-    has_guard: bool,
 }
 
 impl CodeRealization {
@@ -137,7 +136,6 @@ impl CodeRealization {
             ends: Arc::new(ends),
             tangents: Arc::new(tangents),
             dimension: d,
-            has_guard: code.guard.is_some(),
         })
     }
 
@@ -220,15 +218,14 @@ impl Evaluator for CodeRealizationEvaluator {
 
 impl RealizationEvaluator for CodeRealizationEvaluator {
     fn chart_ratio(&self) -> Option<f64> {
-        let d = self.code.dimension;
+        let from = 3 * self.code.dimension;
+        let half = (self.code.ends.outputs() - from) / 2;
         let output = |index: usize| self.code.ends.output(&self.ends, index)[0];
-        let size = |from: usize| (from..from + d).fold(0.0, |m, i| larger(m, output(i).abs()));
-        self.code
-            .has_guard
-            .then(|| match (size(3 * d), size(4 * d)) {
-                (_, 0.0) => 0.0,
-                (first, last) => last / first,
-            })
+        let size = |from: usize| (from..from + half).fold(0.0, |m, i| larger(m, output(i).abs()));
+        (half > 0).then(|| match (size(from), size(from + half)) {
+            (_, 0.0) => 0.0,
+            (first, last) => last / first,
+        })
     }
 }
 

@@ -75,12 +75,9 @@ impl Integrator {
             .increment(&self.state, &self.low, &mut self.increment, &mut outcome);
         let [outcome] = outcome;
         outcome?;
-        let sums_are_finite = self
-            .state
-            .iter()
-            .zip(&self.increment)
-            .all(|(x, i)| (x + i).is_finite());
-        if !sums_are_finite {
+        let sums = self.state.iter().zip(&self.increment);
+        // 0·s is 0 where s is finite, and no number elsewhere.
+        if sums.fold(0.0, |zero, (x, i)| zero + 0.0 * (x + i)).is_nan() {
             return Err(StepError::NonFinite {
                 what: "the new state",
             });

@@ -47,6 +47,7 @@ pub mod realization;
 pub mod registry;
 pub mod runge_kutta;
 mod side_by_side;
+mod solution_series;
 pub mod solver;
 pub mod system;
 

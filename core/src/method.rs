@@ -10,6 +10,7 @@ use crate::dynamics::{Correction, DynamicApproximation};
 use crate::error::BuildError;
 use crate::evaluator::Evaluator;
 use crate::realization::{Accuracy, RealizationData, RealizationEvaluator};
+use crate::solution_series::start_of_solves;
 use crate::solver::{
     Checked, KeptSigns, Lanes, MakeCheck, MapProperties, NewtonKernel, NewtonStepper,
     NumericSolver, Poles, StepMap, Stepper, Structure, check_variables, kept_signs,
@@ -136,14 +137,21 @@ impl Method {
                 let kernel = graph.unless_refused(()).map_err(BuildError::from);
                 let kernel =
                     kernel.and_then(|()| NewtonKernel::compile(&mut graph, &ends, parameters));
-                Path::Code(kernel.map_err(|error| match error {
+                let kernel = kernel.map_err(|error| match error {
                     BuildError::Algebra(too_long @ AlgebraError::CodeTooLong { .. }) => {
                         missing(&format!(
                             "{too_long}; take lower orders, or a stepper such as rk4 or splitting"
                         ))
                     }
                     other => other,
-                })?)
+                })?;
+                let start = start_of_solves(
+                    realization.as_ref(),
+                    bisection.as_ref(),
+                    parameters,
+                    kernel.operations().work(),
+                )?;
+                Path::Code(kernel.starting_from(start))
             }
             (code, points) => {
                 let probe = system.parameter_values();

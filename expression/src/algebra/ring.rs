@@ -67,6 +67,12 @@ impl Ring {
         }
     }
 
+    /// Allows at most `products` further products of terms, whatever was refused before.
+    pub fn allow(&mut self, products: u64) {
+        self.remaining = products;
+        self.refusal = None;
+    }
+
     /// Whether so many products of terms may be formed; none may after a refusal.
     pub(super) fn spend(&mut self, products: usize) -> bool {
         self.remaining = self.remaining.saturating_sub(products as u64);

@@ -143,12 +143,19 @@ impl Kernel {
     #[inline]
     pub fn evaluate_rows<const W: usize>(&self, workspace: &mut Workspace, inputs: &[[f64; W]]) {
         assert_eq!(workspace.lanes, W, "as many lanes as numbers a row");
-        let rows = workspace.slots.as_chunks_mut::<W>().0;
+        let slots: &mut [f64] = &mut workspace.slots;
+        let rows = slots.as_chunks_mut::<W>().0;
         // Few rows: a call that copies any number of bytes costs more than they do.
         for (row, input) in rows[..self.inputs].iter_mut().zip(&inputs[..self.inputs]) {
             *row = *input;
         }
-        self.evaluate_in_place(workspace);
+        match &mut workspace.machine {
+            Some(machine) => machine.code.run(slots, &mut machine.scratch),
+            None => self.interpret(workspace),
+        }
+        if self.strays.is_empty() {
+            return;
+        }
         let rows = workspace.slots.as_chunks_mut::<W>().0;
         for &(row, slot) in &self.strays {
             rows[row as usize] = rows[slot as usize];
@@ -170,14 +177,13 @@ impl Kernel {
     pub fn evaluate_in_place(&self, workspace: &mut Workspace) {
         match &mut workspace.machine {
             Some(machine) => machine.code.run(&mut workspace.slots, &mut machine.scratch),
-            None => {
-                run(&self.step_code, &mut workspace.slots, workspace.lanes);
-                self.count_evaluation(workspace);
-            }
+            None => self.interpret(workspace),
         }
     }
 
-    fn count_evaluation(&self, workspace: &mut Workspace) {
+    #[cold]
+    fn interpret(&self, workspace: &mut Workspace) {
+        run(&self.step_code, &mut workspace.slots, workspace.lanes);
         if workspace.until_report > 0 {
             workspace.until_report -= 1;
             if workspace.until_report == 0 {

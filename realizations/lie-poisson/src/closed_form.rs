@@ -88,7 +88,7 @@ impl ClosedForm {
             base: x.to_vec(),
             offset: offset.collect(),
             increment: moment.iter().map(|entry| graph.negate(entry)).collect(),
-            guard: guard(graph, reaches, x.len()),
+            guard: guard(graph, reaches),
         })
     }
 }
@@ -164,10 +164,9 @@ fn absolute(graph: &mut Graph, v: &Term) -> Result<Term, BuildError> {
 }
 
 /// The radius 1 against the classes' reaches.
-fn guard(graph: &mut Graph, mut reaches: Vec<Term>, d: usize) -> Option<(Vec<Term>, Vec<Term>)> {
+fn guard(graph: &mut Graph, reaches: Vec<Term>) -> Option<(Vec<Term>, Vec<Term>)> {
     if reaches.is_empty() {
         return None;
     }
-    reaches.resize(d, graph.zero());
-    Some((vec![graph.one(); d], reaches))
+    Some((vec![graph.one(); reaches.len()], reaches))
 }

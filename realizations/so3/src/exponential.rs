@@ -123,11 +123,11 @@ pub(crate) fn quaternion(graph: &mut Graph, q: &[Term]) -> Vec<Term> {
     quaternion
 }
 
-/// The chart's radius 2π (1 − 2⁻¹⁰) against the angle, three times each.
+/// The chart's radius 2π (1 − 2⁻¹⁰) against the angle.
 pub(crate) fn guard(graph: &mut Graph, angle: Term) -> (Vec<Term>, Vec<Term>) {
     let pi = graph.pi();
     let radius = graph.scale(&Rational::new(2 * WALL.0, WALL.1), &pi);
-    (vec![radius; 3], vec![angle; 3])
+    (vec![radius], vec![angle])
 }
 
 leafwise_core::built_in!(RealizationPart::new(&INFO, |system, parameters| {

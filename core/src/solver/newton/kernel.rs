@@ -8,13 +8,17 @@ use crate::error::BuildError;
 use crate::realization::SourceTarget;
 use crate::solver::linear::{elimination_operations, substitution_operations};
 
-/// The code of one iteration at y, twice: base, β̂ − base and α̂ − β̂ alone, and these with the
-/// Jacobians D(β̂∘L) and D((α̂ − β̂)∘L) and the guard of the chart.
+/// The code of one iteration at y, twice: base, unless that is y itself, β̂ − base and α̂ − β̂ alone, and these
+/// with the Jacobians D(β̂∘L) and D((α̂ − β̂)∘L); behind them the guard of the chart.
 #[derive(Clone, Debug)]
 pub struct NewtonKernel {
     pub(super) full: Arc<Kernel>,
     pub(super) residual: Arc<Kernel>,
     pub(super) dimension: usize,
+    /// The outputs of base, d or none where it is y.
+    pub(super) bases: usize,
+    /// Where a solve starts, beside the solution before it.
+    pub(super) start: Option<Arc<Kernel>>,
 }
 
 impl NewtonKernel {
@@ -29,7 +33,11 @@ impl NewtonKernel {
     ) -> Result<Self, BuildError> {
         let d = ends.base.len();
         let mut outputs: Vec<Term> = Vec::with_capacity(d * (3 + 2 * d) + 2 * d);
-        outputs.extend_from_slice(&ends.base);
+        let y: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
+        if ends.base != y {
+            outputs.extend_from_slice(&ends.base);
+        }
+        let bases = outputs.len();
         outputs.extend_from_slice(&ends.offset);
         outputs.extend_from_slice(&ends.increment);
         let guard: Vec<Term> = match &ends.guard {
@@ -56,7 +64,17 @@ impl NewtonKernel {
             full: Arc::new(full),
             residual: Arc::new(residual),
             dimension: d,
+            bases,
+            start: None,
         })
+    }
+
+    /// The same with solves that start from the solution before them and the odd part of the solution's series.
+    pub fn starting_from(self, series: Option<Kernel>) -> Self {
+        Self {
+            start: series.map(Arc::new),
+            ..self
+        }
     }
 
     /// Operations of one Newton iteration, the linear solve apart.
@@ -74,16 +92,26 @@ impl NewtonKernel {
         self.full.coefficient_operations()
     }
 
-    /// The code of one Newton iteration: outputs base, β̂ − base, α̂ − β̂, D(β̂∘L), D((α̂ − β̂)∘L), and
-    /// the guard's.
+    /// The code of one Newton iteration: outputs base, unless it [is y](Self::base_is_point), β̂ − base, α̂ − β̂,
+    /// D(β̂∘L), D((α̂ − β̂)∘L), and the guard's.
     pub fn kernel(&self) -> &Kernel {
         &self.full
     }
 
-    /// The code of one iteration without Jacobians: outputs base, β̂ − base, α̂ − β̂, and the
-    /// guard's.
+    /// The code of one iteration without Jacobians: outputs base, unless it [is y](Self::base_is_point), β̂ − base,
+    /// α̂ − β̂, and the guard's.
     pub fn residual_kernel(&self) -> &Kernel {
         &self.residual
+    }
+
+    /// Whether base is y, and no output.
+    pub fn base_is_point(&self) -> bool {
+        self.bases == 0
+    }
+
+    /// The code of the start, 2 Σ_{k odd} tᵏ Y_k(x) to be added to the solution before, where there is one.
+    pub fn start(&self) -> Option<&Kernel> {
+        self.start.as_deref()
     }
 
     /// Weighted operations of one Newton iteration with its linear solve.

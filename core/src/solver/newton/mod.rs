@@ -8,6 +8,7 @@
 mod block;
 mod convergence;
 mod kernel;
+mod start;
 mod stepper;
 
 pub use kernel::NewtonKernel;

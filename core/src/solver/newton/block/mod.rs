@@ -9,10 +9,10 @@ use leafwise_expression::Workspace;
 
 use super::convergence::{Convergence, Next};
 use super::kernel::NewtonKernel;
+use super::start::Start;
 use crate::error::StepError;
 use crate::solver::Branch;
 use crate::solver::elimination::{Factors, Rows, dimension};
-use crate::solver::extrapolation::{DEPTH, Extrapolation};
 use crate::solver::judge::{Allowed, WANDERING, Watch, inside_chart, larger, relative};
 
 /// Evaluations of one step. A smooth orbit takes 1 to 4, a cold start at a large step a dozen, one at a
@@ -59,9 +59,11 @@ pub(super) struct Block<const W: usize, const D: usize, V, M> {
     change: M,
     /// What a correction of each component is judged against.
     scale: V,
-    /// The last term of a truncated series over its first, at the anchor.
-    guard: Row<W>,
-    extrapolation: Extrapolation<W>,
+    /// The largest entries of the guard's two sides where the maps were last evaluated.
+    guard: [Row<W>; 2],
+    /// Values of both kernels, where lanes want different ones.
+    mixed: Vec<Row<W>>,
+    start: Start<W>,
     lanes: [Lane; W],
     outcome: [Result<(), StepError>; W],
     /// Room for the path to a lane's solution, and its start.
@@ -128,8 +130,9 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             slope: M::zeros(d * d),
             change: M::zeros(d * d),
             scale: V::zeros(d),
-            guard: [0.0; W],
-            extrapolation: Extrapolation::new(d, DEPTH),
+            guard: [[0.0; W]; 2],
+            mixed: vec![[0.0; W]; if W > 1 { 3 * d } else { 0 }],
+            start: Start::new(kernel.start.as_ref(), d, parameters, epsilon, h),
             lanes: [Lane::NEW; W],
             outcome: [const { Ok(()) }; W],
             branch: Branch::new(d),
@@ -175,22 +178,20 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
     #[inline(always)]
     fn iterate(&mut self) {
         loop {
-            let newton = self.lanes.map(|lane| lane.next == Next::Newton);
-            let chord = self.lanes.map(|lane| lane.next == Next::Chord);
-            let (any_newton, any_chord) = (newton.contains(&true), chord.contains(&true));
-            if any_newton {
+            let newton = std::array::from_fn(|w| self.lanes[w].next == Next::Newton);
+            let chord = std::array::from_fn(|w| self.lanes[w].next == Next::Chord);
+            if any(&newton) {
                 self.evaluate_full(&newton);
-            } else if !any_chord {
+            } else if !any(&chord) {
                 break;
             }
-            if any_chord {
+            if any(&chord) {
                 let d = dimension::<D>(self.dimension);
                 let kernel = &self.kernel.residual;
                 kernel.evaluate_rows(&mut self.residual, self.y.as_ref());
-                let guard = &kernel.output_rows::<W>(&self.residual)[3 * d..];
+                let guard = &kernel.output_rows::<W>(&self.residual)[self.kernel.bases + 2 * d..];
                 if !guard.is_empty() {
-                    let (first, last) = guard.split_at(d);
-                    select(&chord, &mut self.guard, &guard_ratio(first, last));
+                    take_guard(&chord, &mut self.guard, guard);
                 }
             }
             self.correct(&newton, &chord);
@@ -203,7 +204,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
     fn start(&mut self) {
         let d = dimension::<D>(self.dimension);
         let correction = &mut self.correction.as_mut()[..d];
-        self.extrapolation.predict_in::<D>(correction);
+        self.start.predict::<D>(&self.x.as_ref()[..d], correction);
         let (x, y) = (&self.x.as_ref()[..d], &mut self.y.as_mut()[..d]);
         let (anchor, scale) = (&self.anchor.as_ref()[..d], &self.scale.as_ref()[..d]);
         let mut distance = [0.0_f64; W];
@@ -237,22 +238,21 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         let d = dimension::<D>(self.dimension);
         let kernel = &self.kernel.full;
         kernel.evaluate_rows(&mut self.full, self.y.as_ref());
-        let (target, rest) = kernel.output_rows::<W>(&self.full)[3 * d..].split_at(d * d);
+        let ends = self.kernel.bases + 2 * d;
+        let (target, rest) = kernel.output_rows::<W>(&self.full)[ends..].split_at(d * d);
         let (change, guard) = rest.split_at(d * d);
-        for (kept, y) in self.anchor.as_mut()[..d].iter_mut().zip(self.y.as_ref()) {
-            select(newton, kept, y);
-        }
-        for (kept, change) in self.change.as_mut()[..d * d].iter_mut().zip(change) {
-            select(newton, kept, change);
-        }
+        keep(newton, &mut self.anchor.as_mut()[..d], self.y.as_ref());
+        keep(newton, &mut self.change.as_mut()[..d * d], change);
         let slope = &mut self.slope.as_mut()[..d * d];
-        for (at, (kept, target)) in slope.iter_mut().zip(target).enumerate() {
-            let unit = f64::from(u8::from(at.is_multiple_of(d + 1)));
-            select(newton, kept, &target.map(|entry| (entry - unit).abs()));
+        for i in 0..d {
+            for j in 0..d {
+                let unit = if i == j { 1.0 } else { 0.0 };
+                let entry = target[i * d + j].map(|entry| (entry - unit).abs());
+                select(newton, &mut slope[i * d + j], &entry);
+            }
         }
         if !guard.is_empty() {
-            let (first, last) = guard.split_at(d);
-            select(newton, &mut self.guard, &guard_ratio(first, last));
+            take_guard(newton, &mut self.guard, guard);
         }
         let singular = self.factors.factor::<D>(target, newton);
         for w in 0..W {
@@ -271,36 +271,38 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
     #[inline(always)]
     fn correct(&mut self, newton: &[bool; W], chord: &[bool; W]) {
         let d = dimension::<D>(self.dimension);
-        let full = &self.kernel.full.output_rows::<W>(&self.full)[..3 * d];
-        let residual = &self.kernel.residual.output_rows::<W>(&self.residual)[..3 * d];
+        let bases = self.kernel.bases;
+        let full = &self.kernel.full.output_rows::<W>(&self.full)[..bases + 2 * d];
+        let residual = &self.kernel.residual.output_rows::<W>(&self.residual)[..bases + 2 * d];
+        let ends = match (any(newton), any(chord)) {
+            (true, false) => full,
+            (false, _) => residual,
+            (true, true) => {
+                let mixed = &mut self.mixed[..bases + 2 * d];
+                mixed.copy_from_slice(residual);
+                keep(newton, mixed, full);
+                mixed
+            }
+        };
         let (x, y, low) = (
             &self.x.as_ref()[..d],
             &self.y.as_ref()[..d],
             &self.low.as_ref()[..d],
         );
-        let (correction, increment) = (
-            &mut self.correction.as_mut()[..d],
-            &mut self.increment.as_mut()[..d],
-        );
+        let (base, ends) = ends.split_at(bases);
+        let base = if bases == 0 { y } else { base };
+        let correction = &mut self.correction.as_mut()[..d];
+        let increment = &mut self.increment.as_mut()[..d];
         let (slope, scale) = (&self.slope.as_ref()[..d * d], &mut self.scale.as_mut()[..d]);
         let active: [bool; W] = std::array::from_fn(|w| newton[w] || chord[w]);
         let mut grown = [0.0_f64; W];
         for i in 0..d {
-            let value = |at: usize, w: usize| {
-                if newton[w] {
-                    full[at][w]
-                } else {
-                    residual[at][w]
-                }
-            };
             for w in 0..W {
                 // (base − x) + (β̂ − base) − low: base and x are close, their difference is exact.
-                correction[i][w] = x[i][w] - value(i, w) - value(d + i, w) + low[i][w];
-                increment[i][w] = if active[w] {
-                    value(2 * d + i, w)
-                } else {
-                    increment[i][w]
-                };
+                correction[i][w] = x[i][w] - base[i][w] - ends[i][w] + low[i][w];
+            }
+            select(&active, &mut increment[i], &ends[d + i]);
+            for w in 0..W {
                 grown[w] = grown[w].max(increment[i][w].abs());
             }
         }
@@ -308,12 +310,13 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         // A component may be the round-off of what the others put into it, Σ_j |D − 1|_ij |y_j|;
         // never that of more than the state, however large a step is tried. Its increment may be far
         // larger than the state where the iterate is far off: beside it every correction is small.
+        let mut allowed = [Allowed::new(0.0); W];
         for (w, lane) in self.lanes.iter_mut().enumerate() {
             if active[w] {
                 lane.allowed.take(grown[w]);
             }
+            allowed[w] = lane.allowed;
         }
-        let allowed: [Allowed; W] = std::array::from_fn(|w| self.lanes[w].allowed);
         for i in 0..d {
             let mut reach = [0.0_f64; W];
             for j in 0..d {
@@ -321,11 +324,11 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                     reach[w] += slope[i * d + j][w] * (y[j][w].abs() + correction[j][w].abs());
                 }
             }
-            for w in 0..W {
+            let judged = std::array::from_fn(|w| {
                 let own = x[i][w].abs() + allowed[w].scale(increment[i][w]);
-                let judged = own + reach[w].min(allowed[w].size());
-                scale[i][w] = if active[w] { judged } else { scale[i][w] };
-            }
+                own + reach[w].min(allowed[w].size())
+            });
+            select(&active, &mut scale[i], &judged);
         }
     }
 
@@ -398,7 +401,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         } else if is_newton {
             lane.convergence.evaluations += 1;
             // An iterate outside the chart has no value: the guard tells the cause.
-            return Err(match self.guard[w] {
+            return Err(match guard_ratio(&self.guard, w) {
                 ratio if (1.0..f64::INFINITY).contains(&ratio) => StepError::LeftChart { ratio },
                 _ => StepError::NonFinite {
                     what: "a Newton correction",
@@ -409,7 +412,8 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             Next::Newton
         };
         match next {
-            Next::Done => inside_chart(self.guard[w]).map(|()| Next::Done),
+            Next::Done if is_inside(&self.guard, w) => Ok(Next::Done),
+            Next::Done => inside_chart(guard_ratio(&self.guard, w)).map(|()| Next::Done),
             Next::Newton | Next::Chord if lane.convergence.evaluations >= MOST_EVALUATIONS => {
                 Err(StepError::NoConvergence {
                     evaluations: MOST_EVALUATIONS as usize,
@@ -425,18 +429,16 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
     fn finish(&mut self) {
         let d = dimension::<D>(self.dimension);
         let (x, y) = (&self.x.as_ref()[..d], &self.y.as_ref()[..d]);
-        let correction = &mut self.correction.as_mut()[..d];
         let increment = &self.increment.as_ref()[..d];
-        let mut finite = [true; W];
-        for i in 0..d {
+        let mut sizes = [0.0; W];
+        for row in increment {
             for w in 0..W {
-                correction[i][w] = y[i][w] - x[i][w];
-                finite[w] &= increment[i][w].is_finite();
+                sizes[w] += row[w].abs();
             }
         }
         let mut took = [true; W];
         for w in 0..W {
-            if self.outcome[w].is_ok() && !finite[w] {
+            if self.outcome[w].is_ok() && !sizes[w].is_finite() {
                 self.outcome[w] = Err(StepError::NonFinite {
                     what: "the increment",
                 });
@@ -445,12 +447,19 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                 took[w] = false;
                 let increment = self.increment.as_mut().iter_mut();
                 increment.for_each(|row| row[w] = 0.0);
-                self.extrapolation.clear(w);
+                self.start.clear(w);
                 self.lanes[w].anchored = false;
             }
         }
-        self.extrapolation.record_in::<D>(correction, &took);
+        self.start
+            .record::<D>(x, y, &mut self.correction.as_mut()[..d], &took);
     }
+}
+
+/// Whether a mask holds a lane.
+#[inline(always)]
+fn any<const W: usize>(mask: &[bool; W]) -> bool {
+    mask.iter().any(|lane| *lane)
 }
 
 /// The values of the lanes in `mask`.
@@ -461,26 +470,63 @@ fn select<const W: usize>(mask: &[bool; W], kept: &mut Row<W>, value: &Row<W>) {
     }
 }
 
+/// The same of many rows.
+#[inline(always)]
+fn keep<const W: usize>(mask: &[bool; W], kept: &mut [Row<W>], values: &[Row<W>]) {
+    let values = &values[..kept.len()];
+    if mask.iter().all(|lane| *lane) {
+        kept.copy_from_slice(values);
+    } else {
+        for (kept, value) in kept.iter_mut().zip(values) {
+            select(mask, kept, value);
+        }
+    }
+}
+
+/// The largest entries of a guard's first and second half, NaN where one is, in the lanes of `mask`.
+#[inline(always)]
+fn take_guard<const W: usize>(mask: &[bool; W], kept: &mut [Row<W>; 2], guard: &[Row<W>]) {
+    let (first, last) = guard.split_at(guard.len() / 2);
+    for (kept, rows) in kept.iter_mut().zip([first, last]) {
+        let mut size = [0.0; W];
+        for row in rows {
+            for w in 0..W {
+                size[w] = larger(size[w], row[w].abs());
+            }
+        }
+        select(mask, kept, &size);
+    }
+}
+
+/// Whether a lane's [`guard_ratio`] is below 1.
+#[inline(always)]
+fn is_inside<const W: usize>(guard: &[Row<W>; 2], w: usize) -> bool {
+    let [first, last] = [guard[0][w], guard[1][w]];
+    last == 0.0 || last < first
+}
+
 /// max |last| over max |first|, 0 where the last is 0; NaN where one is.
-fn guard_ratio<const W: usize>(first: &[Row<W>], last: &[Row<W>]) -> Row<W> {
-    let size =
-        |rows: &[Row<W>], w: usize| rows.iter().fold(0.0_f64, |m, row| larger(m, row[w].abs()));
-    std::array::from_fn(|w| match (size(first, w), size(last, w)) {
+fn guard_ratio<const W: usize>(guard: &[Row<W>; 2], w: usize) -> f64 {
+    match (guard[0][w], guard[1][w]) {
         (_, 0.0) => 0.0,
         (first, last) => last / first,
-    })
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::guard_ratio;
+    use super::{guard_ratio, is_inside, take_guard};
     use crate::solver::judge::inside_chart;
 
     #[test]
     fn a_guard_that_is_no_number_is_outside_the_chart() {
         let guard = |first: [f64; 2], last: [f64; 2]| {
-            let rows = |values: [f64; 2]| values.map(|value| [value]);
-            inside_chart(guard_ratio(&rows(first), &rows(last))[0]).is_ok()
+            let rows: Vec<[f64; 1]> = first.iter().chain(&last).map(|v| [*v]).collect();
+            let mut guard = [[0.0]; 2];
+            take_guard(&[true], &mut guard, &rows);
+            let is_in = inside_chart(guard_ratio(&guard, 0)).is_ok();
+            assert_eq!(is_inside(&guard, 0), is_in, "{first:?}, {last:?}");
+            is_in
         };
         assert!(guard([1.0, 2.0], [0.5, 1.5]));
         assert!(guard([0.0, 0.0], [0.0, 0.0]));

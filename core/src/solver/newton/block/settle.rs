@@ -2,7 +2,7 @@
 
 use leafwise_expression::Workspace;
 
-use super::{Block, guard_ratio};
+use super::{Block, guard_ratio, take_guard};
 use crate::solver::elimination::Rows;
 use crate::solver::judge::{Allowed, all_finite, inside_chart, larger};
 use crate::solver::newton::convergence::Convergence;
@@ -30,6 +30,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             self.y.as_mut(),
             &self.from,
         );
+        let bases = self.kernel.bases;
         let (parameters, epsilon, h) = (&self.parameters, self.epsilon, self.h);
         let prepare = |full: &mut Workspace, part: f64| {
             kernel.prepare(full, parameters, &[epsilon; W], &[part * h; W]);
@@ -60,16 +61,19 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                     y[i][w] = point[i];
                 }
                 kernel.evaluate_rows(workspace, y);
-                let (ends, rest) = kernel.output_rows::<W>(workspace).split_at(3 * d);
+                let (base, ends) = kernel.output_rows::<W>(workspace).split_at(bases);
+                let (ends, rest) = ends.split_at(2 * d);
                 for i in 0..d {
-                    residual[i] = from[i] - ends[i][w] - ends[d + i][w] + low[i][w];
+                    let base = if bases == 0 { point[i] } else { base[i][w] };
+                    residual[i] = from[i] - base - ends[i][w] + low[i][w];
                 }
                 for (entry, row) in jacobian.iter_mut().zip(rest) {
                     *entry = row[w];
                 }
                 all_finite(residual, jacobian, "a Newton correction")?;
-                let (first, last) = rest[2 * d * d..].split_at((rest.len() - 2 * d * d) / 2);
-                inside_chart(guard_ratio(first, last)[w])
+                let mut guard = [[0.0; W]; 2];
+                take_guard(&[true; W], &mut guard, &rest[2 * d * d..]);
+                inside_chart(guard_ratio(&guard, w))
             },
         );
         if prepared != 1.0 {

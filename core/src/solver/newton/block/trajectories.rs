@@ -80,7 +80,8 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
             let rows = values[from..from + d * d].iter();
             rows.map(|row| row[lane]).collect()
         };
-        (matrix(3 * d), matrix(3 * d + d * d))
+        let ends = self.kernel.bases + 2 * d;
+        (matrix(ends), matrix(ends + d * d))
     }
 
     fn restart(&mut self) {
@@ -88,7 +89,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
             lane.convergence = Convergence::new();
             lane.watch = Watch::NEW;
             lane.anchored = false;
-            self.extrapolation.clear(w);
+            self.start.clear(w);
         }
     }
 
@@ -112,11 +113,11 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
                     .map(|row| if *anchored { row[lane] } else { 0.0 }),
             );
         }
-        self.extrapolation.memory(lane, into);
+        self.start.memory(lane, into);
     }
 
     fn memory_len(&self) -> usize {
-        5 + 2 * self.dimension + self.extrapolation.memory_len()
+        5 + 2 * self.dimension + self.start.memory_len()
     }
 
     fn restore(&mut self, lane: usize, memory: &[f64]) {
@@ -133,7 +134,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
             self.y.as_mut()[i][lane] = anchor[i];
             self.scale.as_mut()[i][lane] = scale[i];
         }
-        self.extrapolation.restore(lane, history);
+        self.start.restore(lane, history);
         if own[4] != 0.0 {
             let only = std::array::from_fn(|w| w == lane);
             self.evaluate_full(&only);

@@ -1,0 +1,148 @@
+//! Where a step's solve starts.
+
+use std::sync::Arc;
+
+use leafwise_expression::{Kernel, Workspace};
+
+use crate::solver::elimination::dimension;
+use crate::solver::extrapolation::{DEPTH, Extrapolation};
+
+/// One number of each lane.
+type Row<const W: usize> = [f64; W];
+
+/// The start of the solve for y_{k+1}, as its displacement y − x.
+pub(super) enum Start<const W: usize> {
+    /// y_k and the odd part of the solution's [series](crate::solution_series::SolutionSeries).
+    Series {
+        kernel: Arc<Kernel>,
+        workspace: Workspace,
+        /// y_k.
+        last: Vec<Row<W>>,
+        /// Whether there is one.
+        is_known: [bool; W],
+    },
+    /// Extrapolation of the displacements of earlier steps.
+    Extrapolated(Extrapolation<W>),
+}
+
+impl<const W: usize> Start<W> {
+    /// By the series where there is one; `parameters` is a structure of arrays over the W lanes.
+    pub(super) fn new(
+        series: Option<&Arc<Kernel>>,
+        dimension: usize,
+        parameters: &[f64],
+        epsilon: f64,
+        h: f64,
+    ) -> Self {
+        match series {
+            None => Self::Extrapolated(Extrapolation::new(dimension, DEPTH)),
+            Some(kernel) => {
+                let mut workspace = kernel.workspace(W);
+                kernel.prepare(&mut workspace, parameters, &[epsilon; W], &[h; W]);
+                Self::Series {
+                    kernel: Arc::clone(kernel),
+                    workspace,
+                    last: vec![[0.0; W]; dimension],
+                    is_known: [false; W],
+                }
+            }
+        }
+    }
+
+    /// Writes the displacements from x.
+    #[inline(always)]
+    pub(super) fn predict<const D: usize>(&mut self, x: &[Row<W>], displacement: &mut [Row<W>]) {
+        match self {
+            Self::Extrapolated(extrapolation) => extrapolation.predict_in::<D>(displacement),
+            Self::Series {
+                kernel,
+                workspace,
+                last,
+                is_known,
+            } => {
+                let d = dimension::<D>(last.len());
+                kernel.evaluate_rows(workspace, x);
+                let odd = &kernel.output_rows::<W>(workspace)[..d];
+                let last = &last[..d];
+                for i in 0..d {
+                    for w in 0..W {
+                        displacement[i][w] = if is_known[w] {
+                            (last[i][w] - x[i][w]) + odd[i][w]
+                        } else {
+                            0.5 * odd[i][w]
+                        };
+                    }
+                }
+            }
+        }
+    }
+
+    /// Records the solutions y of the lanes that took a step from x; `room` holds d rows.
+    #[inline(always)]
+    pub(super) fn record<const D: usize>(
+        &mut self,
+        x: &[Row<W>],
+        y: &[Row<W>],
+        room: &mut [Row<W>],
+        took: &[bool; W],
+    ) {
+        match self {
+            Self::Extrapolated(extrapolation) => {
+                for (displacement, (x, y)) in room.iter_mut().zip(x.iter().zip(y)) {
+                    for w in 0..W {
+                        displacement[w] = y[w] - x[w];
+                    }
+                }
+                extrapolation.record_in::<D>(room, took);
+            }
+            Self::Series { last, is_known, .. } => {
+                let d = dimension::<D>(last.len());
+                last[..d].copy_from_slice(&y[..d]);
+                *is_known = *took;
+            }
+        }
+    }
+
+    /// Forgets a lane's history.
+    pub(super) fn clear(&mut self, lane: usize) {
+        match self {
+            Self::Extrapolated(extrapolation) => extrapolation.clear(lane),
+            Self::Series { is_known, .. } => is_known[lane] = false,
+        }
+    }
+
+    /// A lane's history as numbers.
+    pub(super) fn memory(&self, lane: usize, into: &mut Vec<f64>) {
+        match self {
+            Self::Extrapolated(extrapolation) => extrapolation.memory(lane, into),
+            Self::Series { last, is_known, .. } => {
+                into.push(f64::from(u8::from(is_known[lane])));
+                into.extend(
+                    last.iter()
+                        .map(|row| if is_known[lane] { row[lane] } else { 0.0 }),
+                );
+            }
+        }
+    }
+
+    /// How many numbers [`memory`](Self::memory) writes.
+    pub(super) fn memory_len(&self) -> usize {
+        match self {
+            Self::Extrapolated(extrapolation) => extrapolation.memory_len(),
+            Self::Series { last, .. } => 1 + last.len(),
+        }
+    }
+
+    /// Restores what [`memory`](Self::memory) wrote.
+    pub(super) fn restore(&mut self, lane: usize, memory: &[f64]) {
+        match self {
+            Self::Extrapolated(extrapolation) => extrapolation.restore(lane, memory),
+            Self::Series { last, is_known, .. } => {
+                is_known[lane] = memory[0] != 0.0;
+                for (row, value) in last.iter_mut().zip(&memory[1..]) {
+                    row[lane] = *value;
+                }
+            }
+        }
+    }
+}
