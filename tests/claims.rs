@@ -27,6 +27,7 @@ mod poles;
 mod reference;
 mod schema;
 mod sources;
+mod starts;
 mod stress;
 mod theorems;
 mod truncation_high;

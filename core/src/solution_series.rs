@@ -74,6 +74,7 @@ impl SolutionSeries {
     /// With W = Σ t^{n−1} W_n and ∂_t X = Σ t^{k−1} g_k, W_n = Σ_{k≤n} [t^{n−k}] g_k ∘ Y.
     fn new(generating: &GeneratingFunction, series: &dyn SourceSeries, last: usize) -> Self {
         let mut formed = Forming::new(generating);
+        let d = formed.ring.variables();
         let mut odd = Vec::new();
         let Ok(mut source) = series.in_ring(&mut formed.ring) else {
             return Self {
@@ -85,7 +86,7 @@ impl SolutionSeries {
             formed.ring.allow(PRODUCTS);
             let gradient = match generating.gradients.get(n / 2) {
                 Some(gradient) if n % 2 == 1 => gradient.clone(),
-                _ => vec![formed.ring.zero(); formed.ring.variables()],
+                _ => vec![formed.ring.zero(); d],
             };
             let alpha = source.push(&mut formed.ring, gradient);
             let Ok(term) = alpha.and_then(|alpha| Ok(formed.extend(&alpha)?)) else {
@@ -208,16 +209,13 @@ impl Pulled {
         let factor = Rational::new(-1, r as i64);
         let functions = self.orders[0].len();
         let next = (0..functions).map(|at| {
-            let mut terms = Vec::new();
-            for j in 1..=r {
-                let gradient = &self.gradients[r - j][at];
-                for (w, slope) in velocity[j - 1].iter().zip(gradient) {
-                    if !w.is_zero() && !slope.is_zero() {
-                        terms.push((factor.clone(), ring.multiply(w, slope)));
-                    }
-                }
-            }
-            ring.combine(&terms)
+            let slopes = (1..=r).map(|j| &self.gradients[r - j][at]);
+            let pairs = velocity.iter().zip(slopes);
+            let terms: Vec<_> = pairs
+                .flat_map(|(w, slope)| w.iter().zip(slope))
+                .map(|(w, slope)| (factor.clone(), w, slope))
+                .collect();
+            ring.sum_of_products(&terms)
         });
         self.orders.push(next.collect());
         Ok(())

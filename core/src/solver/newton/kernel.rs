@@ -114,6 +114,12 @@ impl NewtonKernel {
         self.start.as_deref()
     }
 
+    /// Weighted operations of the start, 0 where it is extrapolated.
+    pub fn start_work(&self) -> u64 {
+        let start = self.start().map(|start| start.step_operations().work());
+        start.unwrap_or(0)
+    }
+
     /// Weighted operations of one Newton iteration with its linear solve.
     pub fn work(&self) -> u64 {
         let d = self.dimension;

@@ -10,7 +10,8 @@ const WIDE: usize = 8;
 
 /// Solves β̂(L(y)) = x by Newton's method with the exact Jacobian, any number of trajectories at once.
 ///
-/// *Start*: extrapolation of earlier solutions. *Evaluations*: with the Jacobian, or without where the
+/// *Start*: the solution before and the odd part of the solution's series in the step, where that is short;
+/// extrapolation of earlier solutions elsewhere. *Evaluations*: with the Jacobian, or without where the
 /// one that is there contracts fast enough to save operations. *Stop*: when what the next correction
 /// would add, C(2D + δ)δ by the constant C observed so far and the distance D from where the Jacobian
 /// was taken, is below a small part of an ulp; the last correction then enters the increment to first
@@ -123,7 +124,9 @@ impl Stepper for NewtonStepper {
 
     fn statistics(&self) -> SolverStatistics {
         let chords = self.statistics.evaluations - self.jacobians;
-        let operations = self.jacobians * self.kernel.work() + chords * self.kernel.chord_work();
+        let operations = self.jacobians * self.kernel.work()
+            + chords * self.kernel.chord_work()
+            + self.statistics.steps * self.kernel.start_work();
         SolverStatistics {
             operations: Some(operations),
             ..self.statistics
