@@ -56,6 +56,15 @@ impl Anderson {
         }
     }
 
+    /// The same for residuals of another size; cold.
+    pub fn resize(&mut self, size: usize) {
+        let operations = self.operations;
+        *self = Self {
+            operations,
+            ..Self::new(size)
+        };
+    }
+
     /// Operations so far, as [`SolverStatistics::operations`] counts them.
     ///
     /// [`SolverStatistics::operations`]: crate::SolverStatistics::operations

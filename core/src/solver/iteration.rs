@@ -54,6 +54,14 @@ impl Iteration {
         self.method
     }
 
+    /// The same for n unknowns.
+    pub fn resize(&mut self, n: usize) {
+        self.scales = vec![0.0; n];
+        if let Some(anderson) = &mut self.anderson {
+            anderson.resize(n);
+        }
+    }
+
     /// Takes the corrections from elsewhere; accelerates them only if it was made for that.
     pub fn set_method(&mut self, method: CorrectionMethod) {
         self.method = method;
@@ -69,6 +77,7 @@ impl Iteration {
         self.corrections = LinearIteration::new(most);
         self.allowed = Allowed::new(size);
         self.size = CorrectionSize::default();
+        self.watch.begin_solve();
         if let Some(anderson) = &mut self.anderson {
             anderson.clear();
         }
@@ -187,6 +196,12 @@ impl Iteration {
             }
             _ => self.evaluations() > PLAIN_EVALUATIONS,
         }
+    }
+
+    /// What tells whether the solution is plainly on the branch that begins at the state: without Newton's method the
+    /// caller keeps it.
+    pub fn watch(&mut self) -> &mut Watch {
+        &mut self.watch
     }
 
     /// Whether the solution is not plainly on the branch that begins at the state.

@@ -37,6 +37,12 @@ impl Watch {
     pub fn begin(&mut self) {
         self.wanders = self.steps > 0;
         self.steps = self.steps.saturating_sub(1);
+        self.begin_solve();
+    }
+
+    /// Begins a solve within the step: its corrections are not compared with those of another.
+    #[inline(always)]
+    pub fn begin_solve(&mut self) {
         (self.first, self.last) = (f64::INFINITY, f64::INFINITY);
     }
 

@@ -8,11 +8,12 @@ use leafwise_core::solver::{
 
 use super::field::{Field, FieldEvaluator};
 use super::rule::CollocationRule;
+use super::simplified::{Fixed, Simplified};
 
-/// Budget of the iteration, before Newton's method takes over.
+/// Budget of the first iteration, before Newton's method with the derivatives at every node takes over.
 const MOST_ITERATIONS: usize = 40;
 
-/// Budget of Newton's method.
+/// Budget of that.
 const MOST_NEWTON: usize = 30;
 
 /// The trailing Legendre coefficient, relative, whose square is round-off.
@@ -29,18 +30,19 @@ pub(super) struct Curve {
     /// Y_j, q × d.
     pub(super) nodes: Vec<f64>,
     /// V(Y_j, p), q × d.
-    pub(super) values: Vec<f64>,
-    /// Y_j − x, its corrections, and ε Σ_k A_jk V_k, q × d.
-    pub(super) offsets: Vec<f64>,
+    values: Vec<f64>,
+    /// Legendre coefficients of V and of Y − x, q × d.
+    velocity: Vec<f64>,
+    pub(super) shape: Vec<f64>,
+    /// Corrections of the second, and what they lead to.
     corrections: Vec<f64>,
-    sums: Vec<f64>,
+    goal: Vec<f64>,
     pub(super) iteration: Iteration,
+    pub(super) simplified: Simplified,
     /// Room for the linearized equations, made when they are first asked for.
     linearization: Option<Linearization>,
     /// Nothing but zeros, d of them.
     nothing: Vec<f64>,
-    /// Operations of accelerations at other numbers of nodes.
-    accelerated: u64,
     /// Operations of the sums over nodes and the solves.
     linear: u64,
 }
@@ -54,22 +56,22 @@ impl Curve {
             dimension: d,
             nodes: vec![0.0; q * d],
             values: vec![0.0; q * d],
-            offsets: vec![0.0; q * d],
+            velocity: vec![0.0; q * d],
+            shape: vec![0.0; q * d],
             corrections: vec![0.0; q * d],
-            sums: vec![0.0; q * d],
+            goal: vec![0.0; q * d],
             iteration: Iteration::new(CorrectionMethod::Acceleration, q * d),
+            simplified: Simplified::new(d),
             linearization: None,
             nothing: vec![0.0; d],
-            accelerated: 0,
             linear: 0,
         }
     }
 
     /// Weighted operations so far: V and its slopes, sums over nodes, solves.
     pub(super) fn operations(&self) -> Option<u64> {
-        Some(
-            self.field.operations()? + self.linear + self.accelerated + self.iteration.operations(),
-        )
+        let corrections = self.iteration.operations() + self.simplified.operations;
+        Some(self.field.operations()? + self.linear + corrections)
     }
 
     /// Counts a solve of the linearized equations for so many right-hand sides, and the sums of
@@ -95,50 +97,52 @@ impl Curve {
         let room = [
             &mut self.nodes,
             &mut self.values,
-            &mut self.offsets,
+            &mut self.velocity,
             &mut self.corrections,
-            &mut self.sums,
+            &mut self.goal,
         ];
         room.into_iter().for_each(|room| *room = vec![0.0; size]);
-        self.accelerated += self.iteration.operations();
-        self.iteration = Iteration::new(CorrectionMethod::Acceleration, size);
+        self.shape.resize(size, 0.0);
+        self.iteration.resize(size);
         self.linearization = None;
     }
 
-    /// V at every node; an iteration sums it over the nodes, once a node.
+    /// V at every node, and its Legendre coefficients.
     ///
     /// # Errors
     /// The system's [`StepError`].
     pub(super) fn evaluate(&mut self, p: &[f64]) -> Result<(), StepError> {
         let d = self.dimension;
-        self.linear += (2 * d * self.rule.points() * self.rule.points()) as u64;
-        self.field.values(&self.nodes, p, &mut self.values)
+        self.field.values(&self.nodes, p, &mut self.values)?;
+        self.corrections.copy_from_slice(&self.values);
+        self.rule
+            .to_coefficients(&mut self.corrections, &mut self.velocity, d);
+        self.linear += self.rule.operations(d);
+        Ok(())
     }
 
-    /// ε Σ_k coefficients_k V_k, component i.
-    pub(super) fn combination(&self, epsilon: f64, coefficients: &[f64], i: usize) -> f64 {
+    /// ε ∫ V, from one end to the other: ε v_0.
+    pub(super) fn whole(&self, epsilon: f64, i: usize) -> f64 {
+        epsilon * self.velocity[i]
+    }
+
+    /// From the mean to the end Y(1): (ε/2)(v_0 + v_1/3).
+    pub(super) fn part(&self, epsilon: f64, i: usize) -> f64 {
+        let next = self.velocity.get(self.dimension + i).unwrap_or(&0.0);
+        0.5 * epsilon * (self.velocity[i] + next / 3.0)
+    }
+
+    /// ε Σ_k A_jk V_k as coefficients c_m = (ε/2)(v_{m−1}/(2m−1) − v_{m+1}/(2m+3)), c_0 = 0, into `goal`.
+    fn integrate(&mut self, epsilon: f64) {
         let d = self.dimension;
-        let sum: f64 = coefficients
-            .iter()
-            .zip(self.values.chunks_exact(d))
-            .map(|(a, v)| a * v[i])
-            .sum();
-        epsilon * sum
-    }
-
-    /// ε Σ_k A_jk V_k of every node, [`combination`](Self::combination) of each row, into `sums`.
-    fn sum_over_nodes(&mut self, epsilon: f64) {
-        let (q, d) = (self.rule.points(), self.dimension);
-        let rows = self.rule.matrix.chunks_exact(q);
-        for (sums, row) in self.sums.chunks_exact_mut(d).zip(rows) {
-            sums.fill(-0.0);
-            for (a, value) in row.iter().zip(self.values.chunks_exact(d)) {
-                for (sum, v) in sums.iter_mut().zip(value) {
-                    *sum += a * v;
-                }
-            }
-            sums.iter_mut().for_each(|sum| *sum *= epsilon);
+        let half = 0.5 * epsilon;
+        self.goal[..d].fill(0.0);
+        for (at, goal) in self.goal.iter_mut().enumerate().skip(d) {
+            let m = (at / d) as f64;
+            let next = self.velocity.get(at + d).unwrap_or(&0.0);
+            *goal = half * (self.velocity[at - d] / (2.0 * m - 1.0) - next / (2.0 * m + 3.0));
         }
+        self.linear += 4 * self.goal.len() as u64;
     }
 
     /// The last Legendre coefficient c_{q−1} of V over V itself, the largest of a component: where its
@@ -153,18 +157,18 @@ impl Curve {
             own.fold(0.0, |m, v| larger(m, v.abs()))
         };
         let whole = largest(&self.values);
-        let coefficient = |which: usize| {
+        let coefficient = |m: usize| {
             let of = |i: usize| {
                 let scale = larger(size(i), LEAST_COMPONENT * whole);
-                self.combination(1.0, &self.rule.last[which], i).abs() / scale
+                self.velocity[m * d + i].abs() / scale
             };
             (0..d).map(of).fold(0.0, larger)
         };
         if whole == 0.0 {
             return 0.0;
         }
-        let (q, before) = (q as f64, coefficient(0));
-        larger(coefficient(1), libm::pow(before, (q - 1.0) / (q - 2.0)))
+        let exponent = (q as f64 - 1.0) / (q as f64 - 2.0);
+        larger(coefficient(q - 1), libm::pow(coefficient(q - 2), exponent))
     }
 
     /// Takes another node where an automatic choice of up to `most` asks for it; whether it did.
@@ -185,34 +189,44 @@ impl Curve {
         Ok(true)
     }
 
-    /// Anderson's acceleration where evaluations are so dear that fewer of them pay for it.
+    /// Newton's method with the derivatives at one point; Anderson's acceleration where evaluations are so dear that
+    /// fewer of them pay for it, and derivatives more so.
     pub(super) fn method(&self) -> CorrectionMethod {
         match self.field.is_foreign() {
             true => CorrectionMethod::Acceleration,
-            false => CorrectionMethod::Residual,
+            false => CorrectionMethod::Newton,
         }
     }
 
-    /// Begins an iteration with a budget of evaluations from the curve at `offset(rule, j, i)` = Y_j − x,
-    /// component i.
-    pub(super) fn begin(
-        &mut self,
-        x: &[f64],
-        (method, most): (CorrectionMethod, usize),
-        offset: impl Fn(&CollocationRule, usize, usize) -> f64,
-    ) {
+    /// The straight curve with these differences from its end Y(1) = x to its mean.
+    pub(super) fn straighten(&mut self, displacement: &[f64]) {
         let d = self.dimension;
-        for (at, node) in self.nodes.iter_mut().enumerate() {
-            self.offsets[at] = offset(&self.rule, at / d, at % d);
-            *node = x[at % d] + self.offsets[at];
-        }
+        self.shape.fill(0.0);
+        self.shape[..d].copy_from_slice(displacement);
+        let slope = self.shape.iter_mut().skip(d).zip(displacement);
+        slope.for_each(|(slope, displacement)| *slope = -displacement);
+    }
+
+    /// Begins an iteration with a budget of evaluations from the curve of the present shape.
+    pub(super) fn begin(&mut self, x: &[f64], (method, most): (CorrectionMethod, usize)) {
+        self.place(x);
         self.iteration.set_method(method);
         self.iteration
-            .begin(most, largest(x) + largest(&self.offsets));
+            .begin(most, largest(x) + largest(&self.shape));
     }
 
-    /// Moves the nodes to Y_j = x + shift + ε Σ_k A_jk V_k, or towards it where the iteration is
-    /// accelerated; V as last evaluated.
+    /// Y_j = x + Σ_m a_m P_m(ξ_j).
+    fn place(&mut self, x: &[f64]) {
+        let d = self.dimension;
+        self.rule.to_values(&self.shape, &mut self.nodes, d);
+        for (at, node) in self.nodes.iter_mut().enumerate() {
+            *node += x[at % d];
+        }
+        self.linear += self.rule.operations(d);
+    }
+
+    /// Moves the nodes to Y_j = x + mean + ε Σ_k A_jk V_k for V as last evaluated, or as Newton's method or the
+    /// acceleration say. Where that is Newton's last correction, V follows it to first order.
     ///
     /// # Errors
     /// Those of [`Iteration::judge`].
@@ -220,62 +234,92 @@ impl Curve {
         &mut self,
         epsilon: f64,
         x: &[f64],
-        shift: &[f64],
+        mean: &[f64],
     ) -> Result<Verdict, StepError> {
         let d = self.dimension;
-        self.sum_over_nodes(epsilon);
-        let corrections = self.corrections.chunks_exact_mut(d);
-        let known = corrections.zip(self.offsets.chunks_exact(d));
-        for (offsets, (corrections, known)) in self.sums.chunks_exact_mut(d).zip(known) {
-            for i in 0..d {
-                offsets[i] += shift[i];
-                corrections[i] = offsets[i] - known[i];
-            }
+        self.integrate(epsilon);
+        self.goal[..d].copy_from_slice(mean);
+        let pairs = self.goal.iter().zip(&self.shape);
+        for (correction, (goal, known)) in self.corrections.iter_mut().zip(pairs) {
+            *correction = goal - known;
         }
-        self.iteration.take_change(largest(&self.sums));
-        let (corrections, sums) = (&mut self.corrections, &self.sums);
+        self.iteration.take_change(largest(&self.goal));
+        let is_newton = self.iteration.method() == CorrectionMethod::Newton;
+        if is_newton {
+            self.simplified.correct(&mut self.corrections);
+        }
+        // High coefficients are round-off of the first two.
+        let (mean, slope) = self.goal.split_at(d);
+        let way = |i: usize| mean[i].abs() + slope.get(i).unwrap_or(&0.0).abs();
         let verdict = self.iteration.correct(
-            corrections,
-            &mut self.offsets,
+            &mut self.corrections,
+            &mut self.shape,
             1.0,
-            |at, _, _| (x[at % d], sums[at]),
-            |_, offset| offset,
-        );
-        let offsets = self.offsets.chunks_exact(d);
-        for (nodes, offsets) in self.nodes.chunks_exact_mut(d).zip(offsets) {
-            for (node, (x, offset)) in nodes.iter_mut().zip(x.iter().zip(offsets)) {
-                *node = x + offset;
-            }
+            |at, _, _| (x[at % d], way(at % d)),
+            |_, coefficient| coefficient,
+        )?;
+        self.place(x);
+        if is_newton && verdict == Verdict::Converged {
+            self.simplified
+                .add_change(&self.corrections, &mut self.velocity);
         }
-        verdict
+        Ok(verdict)
     }
 
-    /// Solves for the nodal values: the iteration from the constant curve, then, where the system has
-    /// slopes, Newton's method.
+    /// Takes the derivatives for Newton's method at (y, p).
+    ///
+    /// # Errors
+    /// Those of [`Simplified::linearize`].
+    pub(super) fn take_slopes(
+        &mut self,
+        epsilon: f64,
+        at: (&[f64], &[f64]),
+        fixed: Fixed<'_>,
+    ) -> Result<(), StepError> {
+        self.simplified
+            .linearize(&mut self.field, epsilon, at, fixed)
+    }
+
+    /// Solves for the nodal values from the constant curve; where the system has slopes and the iteration does not
+    /// converge, with the derivatives at every node.
     pub(super) fn solve(&mut self, epsilon: f64, x: &[f64], p: &[f64]) -> Result<(), StepError> {
-        self.begin(x, (self.method(), MOST_ITERATIONS), |_, _, _| 0.0);
+        match self.iterate(epsilon, x, p) {
+            Err(_) if self.field.has_slopes() => self.newton(epsilon, x, p),
+            outcome => outcome,
+        }
+    }
+
+    fn iterate(&mut self, epsilon: f64, x: &[f64], p: &[f64]) -> Result<(), StepError> {
+        let method = self.method();
+        let is_newton = method == CorrectionMethod::Newton;
+        if is_newton {
+            self.take_slopes(epsilon, (x, p), Fixed::Mean)?;
+        }
+        self.shape.fill(0.0);
+        self.begin(x, (method, MOST_ITERATIONS));
         loop {
             self.evaluate(p)?;
             let nothing = std::mem::take(&mut self.nothing);
             let verdict = self.correct(epsilon, x, &nothing);
             self.nothing = nothing;
-            match verdict {
-                Ok(Verdict::Continue) => {}
-                Ok(Verdict::Converged) => return self.evaluate(p),
-                Err(_) if self.field.has_slopes() => return self.newton(epsilon, x, p),
-                Err(error) => return Err(error),
+            match verdict? {
+                Verdict::Continue => {}
+                Verdict::Converged if is_newton => return Ok(()),
+                Verdict::Converged => return self.evaluate(p),
             }
         }
     }
 
     fn newton(&mut self, epsilon: f64, x: &[f64], p: &[f64]) -> Result<(), StepError> {
         let (q, d) = (self.rule.points(), self.dimension);
-        self.begin(x, (CorrectionMethod::Newton, MOST_NEWTON), |_, _, _| 0.0);
+        self.shape.fill(0.0);
+        self.begin(x, (CorrectionMethod::Newton, MOST_NEWTON));
         loop {
             self.evaluate(p)?;
-            self.sum_over_nodes(epsilon);
+            self.integrate(epsilon);
+            self.rule.to_values(&self.goal, &mut self.corrections, d);
             for (at, correction) in self.corrections.iter_mut().enumerate() {
-                *correction = (x[at % d] - self.nodes[at]) + self.sums[at];
+                *correction += x[at % d] - self.nodes[at];
             }
             let mut linearization = self.linearize(epsilon, p)?;
             self.linear += elimination_operations(q * d) + substitution_operations(q * d);

@@ -67,8 +67,8 @@ impl Evaluator for CollocatedEvaluator {
             let curve = &self.curve;
             for i in 0..d {
                 ends[i] = z[i];
-                ends[d + i] = curve.combination(self.epsilon, &curve.rule.end, i);
-                ends[2 * d + i] = -curve.combination(self.epsilon, &curve.rule.weights, i);
+                ends[d + i] = curve.part(self.epsilon, i);
+                ends[2 * d + i] = -curve.whole(self.epsilon, i);
             }
             Ok(())
         })

@@ -1,12 +1,11 @@
 //! The whole K-HJ step as one solve.
 //!
-//! Unknown are the nodal values of the curve with its end Y(1) = x_k fixed:
-//! Y_j = x_k − ε Σ_k (W_k(1) − A_jk) Π(Y_k) p, x̂ = Σ b_j Y_j, p = dŜ(x̂). Then
-//! x_{k+1} = x_k − ε Σ b_j Π(Y_j) p: no inner solve for α.
+//! Unknown is the curve with its end Y(1) = x_k fixed, by its Legendre coefficients: with v_m those of Π(Y)p,
+//! p = dŜ(x̂), its mean is x̂ = x_k − (ε/2)(v_0 + v_1/3). Then x_{k+1} = x_k − ε v_0: no inner solve for α.
 
 use std::sync::Arc;
 
-use leafwise_core::solver::judge::{Verdict, Watch, all_finite, is_between};
+use leafwise_core::solver::judge::{Verdict, all_finite, is_between};
 use leafwise_core::solver::{
     Branch, CorrectionMethod, CorrectionSize, Extrapolation, Lanes, StepReport, Trajectories,
 };
@@ -20,9 +19,11 @@ use nalgebra::DMatrix;
 use super::collocation::Collocation;
 use super::curve::Curve;
 use super::evaluator::CollocatedEvaluator;
+use super::simplified::Fixed;
 
-/// Budget of one step.
-const MOST_EVALUATIONS: usize = 100;
+/// Budget of one solve by Newton's method, and of one that is accelerated.
+const MOST_NEWTON: usize = 40;
+const MOST_ACCELERATED: usize = 100;
 
 /// Levels of differences that the start is extrapolated from.
 const EXTRAPOLATION: usize = 12;
@@ -110,21 +111,23 @@ impl StepMap for FusedStep {
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
         let d = self.dimension();
         Box::new(Lanes::apart(lanes, d, parameters, |parameters| {
+            let curve = self.collocation.curve(parameters);
+            let size = curve.shape.len();
             FusedTrajectory {
                 epsilon,
                 most_points: self.collocation.most_points(),
-                curve: self.collocation.curve(parameters),
+                curve,
                 form: self.form.evaluator(parameters, epsilon, h),
                 collocation: self.collocation.clone(),
                 parameters: parameters.to_vec(),
-                linear: 0,
-                shift: vec![0.0; d],
-                extrapolation: Extrapolation::new(d, EXTRAPOLATION),
+                mean: vec![0.0; d],
+                extrapolation: Extrapolation::new(size, EXTRAPOLATION),
+                recorded: vec![0.0; size],
                 displacement: vec![0.0; d],
                 centre: vec![0.0; d],
                 p: vec![0.0; d],
+                slope: vec![0.0; d * d],
                 start: vec![0.0; d],
-                watch: Watch::NEW,
                 path: None,
             }
         }))
@@ -138,18 +141,18 @@ struct FusedTrajectory {
     form: Box<dyn Evaluator>,
     collocation: Collocation,
     parameters: Vec<f64>,
-    /// Operations of the mean.
-    linear: u64,
+    /// Of the curve's shape, and room for that.
     extrapolation: Extrapolation,
+    recorded: Vec<f64>,
     displacement: Vec<f64>,
     centre: Vec<f64>,
     p: Vec<f64>,
-    /// x_k − Y(1), but for the state's own offset.
-    shift: Vec<f64>,
+    /// Dθ.
+    slope: Vec<f64>,
+    /// x̂ − x_k by V as last evaluated.
+    mean: Vec<f64>,
     /// Where the solve starts, as a displacement of the mean.
     start: Vec<f64>,
-    /// Not plain where the plain iteration converges slowly or not at all.
-    watch: Watch,
     /// Room for the path to that, made when it is first asked for.
     path: Option<Box<Path>>,
 }
@@ -225,7 +228,7 @@ impl Path {
 }
 
 impl FusedTrajectory {
-    /// One solve from `start` with as many nodes as it needs.
+    /// One solve from the present shape with as many nodes as it needs.
     fn resolve(
         &mut self,
         x: &[f64],
@@ -238,11 +241,10 @@ impl FusedTrajectory {
             if !self.curve.refine(self.most_points)? {
                 break;
             }
+            self.forget();
         }
         for (i, increment) in increment.iter_mut().enumerate() {
-            *increment = -self
-                .curve
-                .combination(self.epsilon, &self.curve.rule.weights, i);
+            *increment = -self.curve.whole(self.epsilon, i);
         }
         if !increment.iter().all(|v| v.is_finite()) {
             return Err(StepError::NonFinite {
@@ -256,17 +258,25 @@ impl FusedTrajectory {
         }
     }
 
-    /// One solve at the present number of nodes: by the plain iteration where it contracts, else
-    /// accelerated.
+    /// Forgets the curves of earlier steps.
+    fn forget(&mut self) {
+        let size = self.curve.shape.len();
+        self.extrapolation = Extrapolation::new(size, EXTRAPOLATION);
+        self.recorded = vec![0.0; size];
+    }
+
+    /// One solve at the present number of nodes: by Newton's method where it converges, else accelerated.
     fn solve(&mut self, x: &[f64], low: &[f64], evaluations: &mut u64) -> Result<(), StepError> {
-        let method = self.curve.method();
-        if method == CorrectionMethod::Residual {
-            if self.iterate(x, low, evaluations, method).is_ok() {
+        if self.curve.method() == CorrectionMethod::Newton && self.form.has_jacobian() {
+            let newton = (CorrectionMethod::Newton, MOST_NEWTON);
+            if self.iterate(x, low, evaluations, newton).is_ok() {
                 return Ok(());
             }
-            self.watch.take(true);
+            self.curve.iteration.watch().take(true);
+            self.curve.straighten(&self.start);
         }
-        self.iterate(x, low, evaluations, CorrectionMethod::Acceleration)
+        let accelerated = (CorrectionMethod::Acceleration, MOST_ACCELERATED);
+        self.iterate(x, low, evaluations, accelerated)
     }
 
     /// Makes sure that the mean is the one connected with the state, and takes that where the solve
@@ -294,6 +304,7 @@ impl FusedTrajectory {
             for (i, start) in self.start.iter_mut().enumerate() {
                 *start = path.branch.end()[i] - x[i];
             }
+            self.curve.straighten(&self.start);
             self.resolve(x, low, increment, evaluations)?;
             path.branch.confirm_end(&self.centre)
         });
@@ -306,43 +317,47 @@ impl FusedTrajectory {
         x: &[f64],
         low: &[f64],
         evaluations: &mut u64,
-        method: CorrectionMethod,
+        method: (CorrectionMethod, usize),
     ) -> Result<(), StepError> {
-        let (d, epsilon) = (x.len(), self.epsilon);
-        let q = self.curve.rule.points();
-        for i in 0..d {
-            self.displacement[i] = self.start[i];
-            self.centre[i] = x[i] + self.displacement[i];
-        }
-        // The straight curve through the predicted mean and the fixed end.
-        let displacement = &self.displacement;
-        self.curve
-            .begin(x, (method, MOST_EVALUATIONS), |rule, j, i| {
-                2.0 * rule.remaining[j] * displacement[i]
-            });
+        let is_newton = method.0 == CorrectionMethod::Newton;
+        self.curve.begin(x, method);
+        self.take_mean(x);
         self.form.values(&self.centre, &mut self.p)?;
+        if is_newton {
+            self.form.jacobians(&self.centre, &mut self.slope)?;
+            let (at, fixed) = ((&self.centre[..], &self.p[..]), Fixed::End(&self.slope));
+            self.curve.take_slopes(self.epsilon, at, fixed)?;
+            let factors = self.curve.simplified.factors();
+            self.curve.iteration.take_factors(factors);
+        }
         loop {
             *evaluations += 1;
             self.curve.evaluate(&self.p)?;
-            for i in 0..d {
-                let end = self.curve.combination(epsilon, &self.curve.rule.end, i);
-                self.shift[i] = low[i] - end;
+            for (i, mean) in self.mean.iter_mut().enumerate() {
+                *mean = low[i] - self.curve.part(self.epsilon, i);
             }
-            let verdict = self.curve.correct(epsilon, x, &self.shift)?;
-            for i in 0..d {
-                let offsets = self.curve.offsets.iter().skip(i).step_by(d);
-                let weights = self.curve.rule.weights.iter();
-                self.displacement[i] = weights.zip(offsets).map(|(b, offset)| b * offset).sum();
-                self.centre[i] = x[i] + self.displacement[i];
+            let verdict = self.curve.correct(self.epsilon, x, &self.mean)?;
+            self.take_mean(x);
+            if is_newton && verdict == Verdict::Converged {
+                return Ok(());
             }
-            self.linear += (2 * q * d) as u64;
             self.form.values(&self.centre, &mut self.p)?;
             if verdict == Verdict::Converged {
-                self.watch.take(self.curve.iteration.is_slow());
+                let is_slow = self.curve.iteration.is_slow();
+                self.curve.iteration.watch().take(is_slow);
                 // V lags one correction behind.
                 *evaluations += 1;
                 return self.curve.evaluate(&self.p);
             }
+        }
+    }
+
+    /// x̂, and its difference from x.
+    fn take_mean(&mut self, x: &[f64]) {
+        let mean = &self.curve.shape[..x.len()];
+        self.displacement.copy_from_slice(mean);
+        for (centre, (x, displacement)) in self.centre.iter_mut().zip(x.iter().zip(mean)) {
+            *centre = x + displacement;
         }
     }
 }
@@ -355,8 +370,11 @@ impl FusedTrajectory {
         increment: &mut [f64],
         evaluations: &mut u64,
     ) -> Result<(), StepError> {
-        self.watch.begin();
-        self.extrapolation.predict(self.start.as_chunks_mut().0);
+        self.curve.iteration.begin_step();
+        self.extrapolation
+            .predict(self.curve.shape.as_chunks_mut().0);
+        self.take_mean(x);
+        self.start.copy_from_slice(&self.displacement);
         let mut solved = self.resolve(x, low, increment, evaluations);
         let mut miss = CorrectionSize::default();
         for (i, displacement) in self.displacement.iter().enumerate() {
@@ -364,19 +382,22 @@ impl FusedTrajectory {
             miss.take(displacement - self.start[i], scale);
             miss.take_way(*displacement, scale);
         }
-        self.watch.take_start(miss.component(), miss.way());
-        if solved.is_err() || self.watch.wanders() {
+        let watch = self.curve.iteration.watch();
+        watch.take_start(miss.component(), miss.way());
+        if solved.is_err() || watch.wanders() {
             if self.curve.has_slopes() && self.form.has_jacobian() {
                 solved = self.settle(solved, (x, low), increment, evaluations);
             } else if solved.is_err() && !self.extrapolation.is_cold(0) {
                 // The extrapolated start may have led astray.
                 self.start.fill(0.0);
+                self.curve.shape.fill(0.0);
                 solved = self.resolve(x, low, increment, evaluations);
             }
         }
         solved?;
+        self.recorded.copy_from_slice(&self.curve.shape);
         self.extrapolation
-            .record(self.displacement.as_chunks_mut().0, &[true]);
+            .record(self.recorded.as_chunks_mut().0, &[true]);
         Ok(())
     }
 }
@@ -397,6 +418,7 @@ impl Trajectories for FusedTrajectory {
         // A curve of its own, so that measuring does not disturb stepping.
         let mut curve = self.collocation.curve(&self.parameters);
         curve.set_points(self.curve.rule.points());
+        self.form.values(&self.centre, &mut self.p).ok()?;
         let z: Vec<f64> = self.centre.iter().chain(&self.p).copied().collect();
         let mut evaluator = CollocatedEvaluator::new(curve, self.epsilon, None, d);
         let mut tangents = vec![0.0; 4 * d * d];
@@ -415,23 +437,31 @@ impl Trajectories for FusedTrajectory {
     }
 
     fn operations(&self) -> Option<u64> {
-        Some(self.curve.operations()? + self.form.operations()? + self.linear)
+        Some(self.curve.operations()? + self.form.operations()?)
     }
 
     fn restart(&mut self, _: usize) {
         self.extrapolation.clear(0);
-        self.watch = Watch::NEW;
+        self.curve.iteration.restart();
     }
 
+    /// Of the same length with any number of nodes.
     fn memory(&self, _: usize) -> Vec<f64> {
-        let mut memory = vec![self.curve.rule.points() as f64, self.watch.memory()];
+        let points = self.curve.rule.points();
+        let mut memory = vec![points as f64, self.curve.iteration.memory()];
         self.extrapolation.memory(0, &mut memory);
+        let missing = self.most_points.unwrap_or(points) - points;
+        memory.resize(
+            memory.len() + missing * self.centre.len() * EXTRAPOLATION,
+            0.0,
+        );
         memory
     }
 
     fn restore(&mut self, _: usize, memory: &[f64]) {
         self.curve.set_points(memory[0].max(1.0) as usize);
-        self.watch.restore(memory[1]);
+        self.curve.iteration.restore(memory[1]);
+        self.forget();
         self.extrapolation.restore(0, &memory[2..]);
     }
 }

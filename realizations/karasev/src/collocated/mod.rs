@@ -9,6 +9,7 @@
 //! - `field`: Π(y)p and its derivatives as kernels.
 //! - `curvature`: its second derivatives along a covector.
 //! - `curve`: the nodal values solved for.
+//! - `simplified`: their corrections, by Newton's method with derivatives at one point.
 //! - `collocation`: a field with the nodes of its curves.
 //! - `tangent`: derivatives through the curve's equations.
 //! - `evaluator`: α̂, β̂ and their tangents at (x, p).
@@ -23,6 +24,7 @@ mod evaluator;
 mod field;
 mod fused;
 pub mod rule;
+mod simplified;
 mod tangent;
 
 pub use data::CollocatedKarasev;

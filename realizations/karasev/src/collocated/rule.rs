@@ -16,11 +16,9 @@ pub struct CollocationRule {
     pub matrix: Vec<f64>,
     /// W_k(1) = −W_{q+1−k}(0).
     pub end: Vec<f64>,
-    /// (2m+1) b_k P_m(ξ_k) for m = q−2 and m = q−1, nothing below m = 0: the last Legendre coefficients
-    /// of nodal values.
-    pub last: [Vec<f64>; 2],
-    /// 1 − c_j = ½ − Σ_k A_jk.
-    pub remaining: Vec<f64>,
+    /// P_m(ξ_k) and (2m+1) b_k P_m(ξ_k) at the nodes up to the middle: a row for each m, q ⌈q/2⌉.
+    basis: Vec<f64>,
+    dual: Vec<f64>,
 }
 
 impl CollocationRule {
@@ -47,21 +45,14 @@ impl CollocationRule {
             .iter()
             .flat_map(|row| (0..q).map(|k| integral(row, k)))
             .collect();
-        let coefficient = |m: usize| {
-            let of = |k: usize| (2.0 * m as f64 + 1.0) * rule.weights[k] * basis[k][m];
-            (0..q).map(of).collect()
-        };
-        let last = [
-            q.checked_sub(2).map_or(vec![0.0; q], coefficient),
-            coefficient(q - 1),
-        ];
+        let places = || (0..q).flat_map(|m| (0..q.div_ceil(2)).map(move |k| (m, k)));
+        let dual = |(m, k): (usize, usize)| (2.0 * m as f64 + 1.0) * rule.weights[k] * basis[k][m];
         let end = at(1.0);
-        let rows = matrix.chunks_exact(q);
         Self {
-            remaining: rows.map(|row| 0.5 - row.iter().sum::<f64>()).collect(),
             matrix,
             end: (0..q).map(|k| integral(&end, k)).collect(),
-            last,
+            basis: places().map(|(m, k)| basis[k][m]).collect(),
+            dual: places().map(dual).collect(),
             weights: rule.weights,
         }
     }
@@ -70,11 +61,96 @@ impl CollocationRule {
     pub fn points(&self) -> usize {
         self.weights.len()
     }
+
+    /// The Legendre coefficients of nodal values with d components each, in place of the values: P_m is even or odd
+    /// about the middle, so that sums and differences of mirrored nodes will do.
+    pub fn to_coefficients(&self, values: &mut [f64], coefficients: &mut [f64], d: usize) {
+        let q = self.points();
+        for j in 0..q / 2 {
+            let (before, behind) = values.split_at_mut((q - 1 - j) * d);
+            for (a, b) in before[j * d..][..d].iter_mut().zip(behind) {
+                (*a, *b) = (*a + *b, *a - *b);
+            }
+        }
+        let half = q.div_ceil(2);
+        let rows = coefficients
+            .chunks_exact_mut(d)
+            .zip(self.dual.chunks_exact(half));
+        for (m, (sums, row)) in rows.enumerate() {
+            sums.fill(0.0);
+            for (j, factor) in row.iter().enumerate() {
+                let is_middle = 2 * j + 1 == q;
+                if m % 2 == 1 && is_middle {
+                    continue;
+                }
+                let at = if m % 2 == 0 { j } else { q - 1 - j };
+                for (sum, value) in sums.iter_mut().zip(&values[at * d..]) {
+                    *sum += factor * value;
+                }
+            }
+        }
+    }
+
+    /// The nodal values of Legendre coefficients with d components each.
+    pub fn to_values(&self, coefficients: &[f64], values: &mut [f64], d: usize) {
+        let q = self.points();
+        let half = q.div_ceil(2);
+        values.fill(0.0);
+        let rows = coefficients
+            .chunks_exact(d)
+            .zip(self.basis.chunks_exact(half));
+        for (m, (coefficients, row)) in rows.enumerate() {
+            for (j, factor) in row.iter().enumerate() {
+                let is_middle = 2 * j + 1 == q;
+                if m % 2 == 1 && is_middle {
+                    continue;
+                }
+                let at = if m % 2 == 0 { j } else { q - 1 - j };
+                for (sum, a) in values[at * d..][..d].iter_mut().zip(coefficients) {
+                    *sum += factor * a;
+                }
+            }
+        }
+        for j in 0..q / 2 {
+            let (before, behind) = values.split_at_mut((q - 1 - j) * d);
+            for (a, b) in before[j * d..][..d].iter_mut().zip(behind) {
+                (*a, *b) = (*a + *b, *a - *b);
+            }
+        }
+    }
+
+    /// Operations of either of them.
+    pub fn operations(&self, d: usize) -> u64 {
+        let q = self.points();
+        (q * (q + 1) * d) as u64
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::CollocationRule;
+    use super::{CollocationRule, GaussLegendre};
+
+    /// s³ − s of any size, from four nodes on; what its coefficients are is told by Legendre's polynomials.
+    #[test]
+    fn nodal_values_and_legendre_coefficients_are_each_others() {
+        for q in 4..=12 {
+            let rule = CollocationRule::new(q);
+            let nodes = GaussLegendre::new(q).nodes;
+            let at = |xi: f64| [xi * xi * xi - xi, 1.0 + 3.0 * xi * xi];
+            let exact: Vec<f64> = nodes.iter().flat_map(|c| at(2.0 * c - 1.0)).collect();
+            let mut coefficients = vec![0.0; 2 * q];
+            rule.to_coefficients(&mut exact.clone(), &mut coefficients, 2);
+            let mut expected = vec![0.0; 2 * q];
+            expected[..8].copy_from_slice(&[0.0, 2.0, -0.4, 0.0, 0.0, 2.0, 0.4, 0.0]);
+            let mut values = vec![0.0; 2 * q];
+            rule.to_values(&coefficients, &mut values, 2);
+            for (found, exact) in [(coefficients, expected), (values, exact)] {
+                let errors = found.iter().zip(&exact).map(|(a, b)| (a - b).abs());
+                let error = errors.fold(0.0, f64::max);
+                assert!(error <= 256.0 * f64::EPSILON, "q = {q}: {error:e}");
+            }
+        }
+    }
 
     /// W_k(1) − W_k(0) = b_k with W_k(0) = −W_{q+1−k}(1), and Σ_j b_j A_jk = 0 (mean zero).
     #[test]
