@@ -13,6 +13,16 @@ pub trait Evaluator: Send {
     /// [`StepError`] at a point outside the map's domain, or where a solve behind it does not converge; `out`
     /// is unspecified then.
     fn values(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), StepError>;
+    /// F(x) by one correction of the solve behind it, if there is one: a caller that iterates on x solves both
+    /// together. Tells whether `out` is F(x) as [`values`](Self::values) says it. The solve `begins` once for all
+    /// points that converge to x.
+    ///
+    /// # Errors
+    /// As [`values`](Self::values).
+    fn approach(&mut self, begins: bool, x: &[f64], out: &mut [f64]) -> Result<bool, StepError> {
+        let _ = begins;
+        self.values(x, out).map(|()| true)
+    }
     /// DF(x), row-major m × n.
     ///
     /// # Errors

@@ -16,6 +16,9 @@ const MOST_ACCELERATED: usize = 100;
 /// The Jacobians are evaluated anew while a correction is above this fraction of the one before.
 const SLOW: f64 = 0.01;
 
+/// Corrections up to this size do not ask for other Jacobians where z itself is solved for.
+const SMALL: f64 = 1e-6;
+
 /// What all trajectories of a solver share: the coefficients and the step τ.
 pub(super) struct Coefficients {
     pub(super) tableau: PartitionedTableau,
@@ -101,6 +104,16 @@ impl StageSolve {
         self.start.copy_from_slice(start);
         self.iteration.begin_step();
         self.begin_again();
+    }
+
+    /// Goes on from another z.
+    pub(super) fn move_to(&mut self, start: &[f64]) {
+        self.start.copy_from_slice(start);
+    }
+
+    /// Keeps the Jacobians where corrections are small: it is z that moves then.
+    pub(super) fn keep_jacobians(&mut self) {
+        self.contracts |= self.last <= SMALL;
     }
 
     fn begin_again(&mut self) {
@@ -315,6 +328,10 @@ impl StageSolve {
     /// What the next solve starts from.
     pub(super) fn displacements(&self) -> &[f64] {
         &self.displacements
+    }
+
+    pub(super) fn displacements_mut(&mut self) -> &mut [f64] {
+        &mut self.displacements
     }
 
     pub(super) fn restore(&mut self, displacements: &[f64]) {

@@ -36,6 +36,8 @@ pub struct StageSolver {
     /// Room for 1 − τ a_ij DF(Z_j), and how single solves went.
     matrix: Vec<f64>,
     alone: [StepReport; 1],
+    /// Whether the corrections of a solve with its start converge plainly.
+    is_plain: bool,
     /// Room for the path to the stages that are connected with z, and its start.
     branch: Branch,
     nothing: Vec<f64>,
@@ -70,6 +72,7 @@ impl StageSolver {
             jacobians: vec![0.0; count * size * n],
             matrix: vec![0.0; size * size],
             alone: [StepReport::NOTHING],
+            is_plain: false,
             branch: Branch::new(size),
             nothing: vec![0.0; size],
             coefficients: Coefficients { tableau, time_step },
@@ -100,6 +103,44 @@ impl StageSolver {
         outcome.map(|()| evaluations as usize)
     }
 
+    /// Z_i − z of a single trajectory: of the last solve, and where the next one starts.
+    pub fn displacements(&mut self) -> &mut [f64] {
+        self.trajectories[0].displacements_mut()
+    }
+
+    /// The same by one correction, where `begins` of a new solve: for a `start` that converges itself. Tells whether the
+    /// change is that of [`solve`](Self::solve), to round-off. Where corrections do not converge plainly, it is.
+    ///
+    /// # Errors
+    /// As [`solve`](Self::solve).
+    pub fn approach(
+        &mut self,
+        begins: bool,
+        start: &[f64],
+        change: &mut [f64],
+    ) -> Result<bool, StepError> {
+        if begins {
+            self.is_plain = self.has_tangent();
+            self.trajectories[0].begin(start);
+        } else {
+            self.trajectories[0].move_to(start);
+        }
+        if self.is_plain {
+            let mut taken = [StepReport::NOTHING];
+            self.active.clear();
+            self.active.push(0);
+            self.round(change, &mut taken);
+            let own = &self.trajectories[0];
+            self.is_plain = taken[0].outcome.is_ok() && !own.iteration.wanders();
+            if self.is_plain {
+                own.change(&self.coefficients, change);
+                self.trajectories[0].keep_jacobians();
+                return Ok(self.active.is_empty());
+            }
+        }
+        self.solve(start, change).map(|_| true)
+    }
+
     /// The same for every trajectory, from contiguous starts; where one fails, its `change` is
     /// unspecified and its next solve starts cold.
     pub fn solve_all(&mut self, starts: &[f64], changes: &mut [f64], taken: &mut [StepReport]) {
@@ -126,10 +167,14 @@ impl StageSolver {
 
     fn iterate(&mut self, changes: &mut [f64], taken: &mut [StepReport]) {
         while !self.active.is_empty() {
-            self.evaluate_slopes(taken);
-            self.evaluate_jacobians(taken);
-            self.advance(changes, taken);
+            self.round(changes, taken);
         }
+    }
+
+    fn round(&mut self, changes: &mut [f64], taken: &mut [StepReport]) {
+        self.evaluate_slopes(taken);
+        self.evaluate_jacobians(taken);
+        self.advance(changes, taken);
     }
 
     /// Makes sure that the stages are those connected with z, and takes these where the solve found

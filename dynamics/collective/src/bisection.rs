@@ -1,8 +1,12 @@
 //! Σ_h(σ(M)) as a Lagrangian bisection.
 
 use leafwise_core::runge_kutta::{PartitionedTableau, SmoothMap, StageSolver};
+use leafwise_core::solver::Extrapolation;
 use leafwise_core::{ChartMaps, Correction, Evaluator, LagrangianBisection, StepError};
 use nalgebra::DMatrix;
+
+/// Levels of differences that the stages' start is extrapolated from.
+const EXTRAPOLATION: usize = 12;
 
 /// y ↦ χ(Σ_h(y, 0)), Σ_h the integrator of K = H∘α̂∘χ in the chart χ.
 #[derive(Clone, Debug)]
@@ -39,7 +43,11 @@ impl LagrangianBisection for ImageOfSection {
     fn evaluator(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn Evaluator>> {
         let field = self.field.evaluator(parameters, epsilon, h);
         let n = field.map().inputs();
+        let size = self.tableau.stages() * n;
         Some(Box::new(BisectionEvaluator {
+            extrapolation: Extrapolation::new(size, EXTRAPOLATION),
+            recorded: vec![0.0; size],
+            has_stages: false,
             stages: StageSolver::new(field, self.tableau.clone(), h, 1),
             chart: self.chart.evaluator(parameters, epsilon),
             y: Vec::with_capacity(n / 2),
@@ -57,6 +65,11 @@ impl LagrangianBisection for ImageOfSection {
 
 struct BisectionEvaluator {
     stages: StageSolver,
+    /// Of the stages' displacements from one step to the next, room for them, and whether those of the last are to be
+    /// recorded.
+    extrapolation: Extrapolation,
+    recorded: Vec<f64>,
+    has_stages: bool,
     chart: Box<dyn Evaluator>,
     /// The point of the last call; empty where it failed.
     y: Vec<f64>,
@@ -66,18 +79,55 @@ struct BisectionEvaluator {
     of_chart: Vec<f64>,
 }
 
-impl Evaluator for BisectionEvaluator {
-    fn values(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
+impl BisectionEvaluator {
+    /// (y, 0).
+    fn place(&mut self, y: &[f64]) {
         self.y.clear();
         let (base, covector) = self.end.split_at_mut(y.len());
         base.copy_from_slice(y);
         covector.fill(0.0);
-        self.stages.solve(&self.end, &mut self.change)?;
+    }
+
+    /// Sets the displacements from which the stages of a step start.
+    fn predict(&mut self) {
+        if self.has_stages {
+            self.recorded.copy_from_slice(self.stages.displacements());
+            self.extrapolation
+                .record(self.recorded.as_chunks_mut().0, &[true]);
+            self.extrapolation
+                .predict(self.stages.displacements().as_chunks_mut().0);
+        }
+        self.has_stages = false;
+    }
+
+    /// χ(Σ_h(y, 0)) by the change.
+    fn arrive(&mut self, y: &[f64], z: &mut [f64], is_solved: bool) -> Result<(), StepError> {
         for (end, change) in self.end.iter_mut().zip(&self.change) {
             *end += change;
         }
-        self.y.extend_from_slice(y);
+        if is_solved {
+            self.y.extend_from_slice(y);
+        }
         self.chart.values(&self.end, z)
+    }
+}
+
+impl Evaluator for BisectionEvaluator {
+    fn values(&mut self, y: &[f64], z: &mut [f64]) -> Result<(), StepError> {
+        self.place(y);
+        self.stages.solve(&self.end, &mut self.change)?;
+        self.arrive(y, z, true)
+    }
+
+    fn approach(&mut self, begins: bool, y: &[f64], z: &mut [f64]) -> Result<bool, StepError> {
+        if begins {
+            self.predict();
+        }
+        self.place(y);
+        let is_solved = self.stages.approach(begins, &self.end, &mut self.change)?;
+        self.has_stages |= is_solved;
+        self.arrive(y, z, is_solved)?;
+        Ok(is_solved)
     }
 
     fn jacobians(&mut self, y: &[f64], tangent: &mut [f64]) -> Result<(), StepError> {
@@ -116,14 +166,22 @@ impl Evaluator for BisectionEvaluator {
     fn restart(&mut self) {
         self.y.clear();
         self.stages.clear(0);
+        self.extrapolation.clear(0);
+        self.has_stages = false;
     }
 
     fn memory(&self) -> Vec<f64> {
-        self.stages.memory(0)
+        let mut memory = vec![f64::from(u8::from(self.has_stages))];
+        self.extrapolation.memory(0, &mut memory);
+        memory.extend(self.stages.memory(0));
+        memory
     }
 
     fn restore(&mut self, memory: &[f64]) {
         self.y.clear();
-        self.stages.restore(0, memory);
+        self.has_stages = memory[0] != 0.0;
+        let (history, stages) = memory[1..].split_at(self.extrapolation.memory_len());
+        self.extrapolation.restore(0, history);
+        self.stages.restore(0, stages);
     }
 }

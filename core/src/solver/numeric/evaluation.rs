@@ -6,6 +6,15 @@ use crate::realization::RealizationEvaluator;
 use crate::runge_kutta::batch::batch;
 use crate::solver::StepReport;
 
+/// How L is evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum By {
+    /// By all corrections of a solve behind it.
+    Values,
+    /// By the first of them, or the next one.
+    Approach { begins: bool },
+}
+
 /// Two evaluators and room for what they compute, one point behind the other.
 pub(super) struct Evaluation {
     realization: Box<dyn RealizationEvaluator>,
@@ -14,6 +23,9 @@ pub(super) struct Evaluation {
     space: usize,
     y: Vec<f64>,
     z: Vec<f64>,
+    /// How L is evaluated, and whether it is L.
+    pub(super) by: By,
+    pub(super) is_exact: bool,
     /// Base, offset and increment; DL; Dβ̂ and D(α̂ − β̂).
     ends: Vec<f64>,
     of_points: Vec<f64>,
@@ -35,6 +47,8 @@ impl Evaluation {
             space,
             y: room(dimension),
             z: room(space),
+            by: By::Values,
+            is_exact: true,
             ends: room(3 * dimension),
             of_points: room(space * dimension),
             of_ends: room(2 * dimension * space),
@@ -73,8 +87,15 @@ impl Evaluation {
     fn points(&mut self, count: usize, failed: &mut dyn FnMut(usize, StepError)) {
         let (d, space) = (self.dimension, self.space);
         let (y, z) = (&self.y[..count * d], &mut self.z[..count * space]);
-        let bisection = self.bisection.as_mut();
-        batch((d, space), y, z, failed, |y, z| bisection.values(y, z));
+        let (bisection, by, is_exact) = (self.bisection.as_mut(), self.by, &mut self.is_exact);
+        *is_exact = true;
+        batch((d, space), y, z, failed, |y, z| match by {
+            By::Values => bisection.values(y, z),
+            By::Approach { begins } => {
+                *is_exact &= bisection.approach(begins, y, z)?;
+                Ok(())
+            }
+        });
     }
 
     fn maps(&mut self, count: usize, failed: &mut dyn FnMut(usize, StepError)) {

@@ -7,7 +7,7 @@
 mod evaluation;
 mod solve;
 
-use evaluation::Evaluation;
+use evaluation::{By, Evaluation};
 use solve::{Progress, Solve};
 
 use super::judge::all_finite;
@@ -81,6 +81,10 @@ impl NumericSolver {
         }
         let newton = self.corrections == CorrectionMethod::Newton;
         self.evaluation.evaluate(&mut self.active, taken, newton);
+        let is_exact = self.evaluation.is_exact;
+        if let By::Approach { begins } = &mut self.evaluation.by {
+            *begins = false;
+        }
         let mut place = 0;
         self.active.retain(|&at| {
             let (own, taken) = (&mut self.trajectories[at], &mut taken[at]);
@@ -92,7 +96,7 @@ impl NumericSolver {
                 own.linear += self.evaluation.tangents(place, target, change);
             }
             place += 1;
-            match own.take((x, low), ends, &self.target) {
+            match own.take((x, low), (ends, is_exact), &self.target) {
                 Ok(Progress::Iterates) => true,
                 Ok(Progress::Solved) => {
                     taken.evaluations += u64::from(own.is_last);
@@ -208,9 +212,14 @@ impl Trajectories for NumericSolver {
         for (own, x) in self.trajectories.iter_mut().zip(x.chunks(self.dimension)) {
             own.begin(x);
         }
+        // With residuals, the solve behind L goes on with that for y.
+        if self.corrections == CorrectionMethod::Residual {
+            self.evaluation.by = By::Approach { begins: true };
+        }
         while !self.active.is_empty() {
             self.advance(x, low, increment, taken);
         }
+        self.evaluation.by = By::Values;
         for at in 0..self.trajectories.len() {
             let is_open = match &taken[at].outcome {
                 Ok(()) => {

@@ -76,7 +76,7 @@ impl Solve {
         self.iteration.method() == CorrectionMethod::Newton
     }
 
-    /// Takes in the ends at y, base, offset and increment, and for Newton's method D(β̂∘L), and corrects
+    /// Takes in the ends at y, base, offset and increment, whether L is exact there, and for Newton's method D(β̂∘L), and corrects
     /// y.
     ///
     /// # Errors
@@ -84,7 +84,7 @@ impl Solve {
     pub(super) fn take(
         &mut self,
         (x, low): (&[f64], &[f64]),
-        ends: &[f64],
+        (ends, is_exact): (&[f64], bool),
         target: &[f64],
     ) -> Result<Progress, StepError> {
         if self.is_last {
@@ -109,7 +109,8 @@ impl Solve {
         let measure = |i: usize, _, _| (x[i], change[i]);
         let way = |i: usize, y: f64| y - x[i];
         let (residual, y) = (&mut self.residual, &mut self.y);
-        if self.iteration.correct(residual, y, 1.0, measure, way)? != Verdict::Converged {
+        let verdict = self.iteration.correct(residual, y, 1.0, measure, way)?;
+        if verdict != Verdict::Converged || !is_exact {
             return Ok(Progress::Iterates);
         }
         // The increment varies with y far more than the residual does: without its tangent the last
