@@ -18,6 +18,9 @@ const SAME: f64 = 1e-6;
 /// Corrections that fall by so much each are small enough after so many.
 const MOST_CORRECTIONS: usize = 12;
 
+/// A path that takes more evaluations than this leads nowhere.
+const MOST_EVALUATIONS: u64 = 1000;
+
 /// Follows the solutions u of F_s(u) = 0 from u₀ at s = 0 to s = 1, by Newton's method.
 ///
 /// F_s is the equation of a step s times as long, and u₀ its solution for a step of size 0: y = x for
@@ -108,7 +111,11 @@ impl Branch {
         mut evaluate: impl FnMut(f64, &[f64], &mut [f64], &mut [f64]) -> Result<(), StepError>,
     ) -> Result<(), StepError> {
         self.point.copy_from_slice(start);
+        let most = *evaluations + MOST_EVALUATIONS;
         let mut counted = |s: f64, u: &[f64], residual: &mut [f64], jacobian: &mut [f64]| {
+            if *evaluations >= most {
+                return Err(StepError::OtherBranch { reached: s });
+            }
             *evaluations += 1;
             evaluate(s, u, residual, jacobian)
         };
