@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use crate::vector::{InstructionSet, One, Register, RegisterWork};
+use crate::vector::{Fused, InstructionSet, One, Register, RegisterWork, ScalarWork, run_scalar};
 
 /// The operations of a function of `libm` in their order, its branches written as selections: the
 /// same bits, on many arguments at once.
@@ -81,15 +81,32 @@ pub(super) fn apply<F: Elementary>(values: &mut [f64]) {
 pub(super) trait ElementaryPair {
     /// Both values and whether they are `libm`'s.
     fn ordinary<R: Register>(x: R) -> (R, R, R::Mask);
-    /// The values at any argument.
-    fn any(x: f64) -> (f64, f64);
+    /// The values at any argument, fused products by F.
+    fn any<F: Fused>(x: f64) -> (f64, f64);
 }
 
 /// The values at an ordinary argument.
 #[inline(always)]
-pub(super) fn value_of_pair<F: ElementaryPair>(x: f64) -> Option<(f64, f64)> {
-    let (first, second, ordinary) = F::ordinary(One(x));
+pub(super) fn value_of_pair<P: ElementaryPair, F: Fused>(x: f64) -> Option<(f64, f64)> {
+    let (first, second, ordinary) = P::ordinary(One::<F>::splat(x));
     ordinary.then_some((first.0, second.0))
+}
+
+/// The values at any argument.
+#[inline(always)]
+pub(super) fn both<P: ElementaryPair>(x: f64) -> (f64, f64) {
+    run_scalar(Both::<P>(x, PhantomData))
+}
+
+struct Both<P>(f64, PhantomData<P>);
+
+impl<P: ElementaryPair> ScalarWork for Both<P> {
+    type Output = (f64, f64);
+
+    #[inline(always)]
+    fn run<F: Fused>(self) -> (f64, f64) {
+        P::any::<F>(self.0)
+    }
 }
 
 /// The first of two functions alone.
@@ -103,7 +120,7 @@ impl<F: ElementaryPair> Elementary for First<F> {
     }
 
     fn any(x: f64) -> f64 {
-        F::any(x).0
+        both::<F>(x).0
     }
 }
 
@@ -118,7 +135,7 @@ impl<F: ElementaryPair> Elementary for Second<F> {
     }
 
     fn any(x: f64) -> f64 {
-        F::any(x).1
+        both::<F>(x).1
     }
 }
 
@@ -152,7 +169,7 @@ impl<F: ElementaryPair> RegisterWork for PairLanes<'_, F> {
     #[inline(always)]
     fn run_alone(self) {
         for (a, b) in self.0.iter_mut().zip(self.1) {
-            (*a, *b) = F::any(*a);
+            (*a, *b) = both::<F>(*a);
         }
     }
 }
@@ -163,7 +180,7 @@ fn replace_pair<F: ElementaryPair, R: Register>(first: &mut [f64], second: &mut 
     let mut arguments = [0.0; MOST];
     x.store(&mut arguments);
     for ((a, b), x) in first.iter_mut().zip(second).zip(arguments) {
-        (*a, *b) = F::any(x);
+        (*a, *b) = both::<F>(x);
     }
 }
 

@@ -1,13 +1,12 @@
 //! eˣ − 1 and e⁻ˣ − 1 at once.
 //!
-//! x = k ln 2 + r with |r| ≤ ½ ln 2. The powers of r², taken once, make sinh r and cosh r − 1; their
-//! sum and difference are e^{±r} − 1, where the larger of the two, r itself, is added last. So both
-//! are within 1 ulp for k = 0 and within 2 ulps elsewhere, where 2ᵏ(eʳ − 1) + (2ᵏ − 1) cancels by at
-//! most a third.
+//! x = k ln 2 + r with |r| ≤ ½ ln 2. The powers of r², taken once, make the parts of e^{±r} that are even and odd in r;
+//! of their sum and difference r itself, the largest part, is added last. So both are within 1 ulp for k = 0 and within
+//! 2 ulps elsewhere, where 2ᵏ(eʳ − 1) + (2ᵏ − 1) cancels by at most a third.
 
 use super::lanes::{ElementaryPair, value_of_pair};
-use super::reduction::{exponent, nearest, sextic};
-use crate::vector::Register;
+use super::reduction::{exponent, nearest, septic, sextic};
+use crate::vector::{Fused, Register};
 
 /// eˣ − 1 and e⁻ˣ − 1.
 pub(super) struct Mirrored;
@@ -22,8 +21,9 @@ const ODD: [f64; 6] = [
     1.0 / 6_227_020_800.0,
 ];
 
-/// 1/4!, 1/6!, …, 1/14!: cosh r − 1 = ½r² + r⁴ Σ_j r²ʲ/(2j + 4)!.
-const EVEN: [f64; 6] = [
+/// 1/2!, 1/4!, …, 1/14!: cosh r − 1 = r² Σ_j r²ʲ/(2j + 2)!.
+const EVEN: [f64; 7] = [
+    1.0 / 2.0,
     1.0 / 24.0,
     1.0 / 720.0,
     1.0 / 40_320.0,
@@ -32,13 +32,46 @@ const EVEN: [f64; 6] = [
     1.0 / 87_178_291_200.0,
 ];
 
-/// e^{±(r + low)} − 1 for |r| ≤ ½ ln 2 and what r lacks.
+/// What e^{±r} − 1 are made of for |r| ≤ ½ ln 2: ±r + r² (even ± r odd).
+struct Parts<R> {
+    square: R,
+    up: R,
+    down: R,
+}
+
 #[inline(always)]
-fn near<R: Register>(r: R, low: R) -> (R, R) {
+fn parts<R: Register>(r: R) -> Parts<R> {
     let square = r * r;
-    let odd = (r * square) * sextic(square, ODD) + low;
-    let even = R::splat(0.5) * square + (square * square) * sextic(square, EVEN);
-    (r + (even + odd), (even - odd) - r)
+    let fourth = square * square;
+    let odd = sextic(square, fourth, ODD);
+    let even = septic(square, fourth, EVEN);
+    Parts {
+        square,
+        up: r.times_plus(odd, even),
+        down: r.times_from(odd, even),
+    }
+}
+
+impl<R: Register> Parts<R> {
+    /// e^{±r} − 1.
+    #[inline(always)]
+    fn alone(&self, r: R) -> (R, R) {
+        let mirrored = R::splat(0.0) - r;
+        (
+            self.square.times_plus(self.up, r),
+            self.square.times_plus(self.down, mirrored),
+        )
+    }
+
+    /// e^{±(r + low)} − 1, where r lacks low.
+    #[inline(always)]
+    fn with_low(&self, r: R, low: R) -> (R, R) {
+        let mirrored = R::splat(0.0) - low;
+        (
+            r + self.square.times_plus(self.up, low),
+            self.square.times_plus(self.down, mirrored) - r,
+        )
+    }
 }
 
 impl ElementaryPair for Mirrored {
@@ -48,29 +81,33 @@ impl ElementaryPair for Mirrored {
         const LN_2_HIGH: u64 = 0x3fe6_2e42_fee0_0000;
         const LN_2_LOW: u64 = 0x3dea_39ef_3579_3c76;
         const INVERSE_LN_2: u64 = 0x3ff7_1547_652b_82fe;
-        /// A little below ½ ln 2: here k = 0, and the way round gives the same.
+        /// A little below ½ ln 2: here k = 0, and r is x.
         const NEAR: f64 = 0.3465;
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
         let is_near = x.abs().less(R::splat(NEAR));
         if R::all(is_near) {
-            let (up, down) = near(x, zero);
+            let (up, down) = parts(x).alone(x);
             return (up, down, is_near);
         }
         let k = nearest(R::bits(INVERSE_LN_2) * x);
         let high = x - k * R::bits(LN_2_HIGH);
         let low = k * R::bits(LN_2_LOW);
         let r = high - low;
-        let (up, down) = near(r, (high - r) - low);
+        let parts = parts(r);
+        let (alone, with_low) = (parts.alone(r), parts.with_low(r, (high - r) - low));
+        let up = R::select(is_near, alone.0, with_low.0);
+        let down = R::select(is_near, alone.1, with_low.1);
         let power = one.add_bits(exponent(k));
         let inverse = one.add_bits(exponent(zero - k));
         (
-            power * up + (power - one),
-            inverse * down + (inverse - one),
+            power.times_plus(up, power - one),
+            inverse.times_plus(down, inverse - one),
             x.abs().less(R::splat(700.0)),
         )
     }
 
-    fn any(x: f64) -> (f64, f64) {
-        value_of_pair::<Self>(x).unwrap_or_else(|| (libm::expm1(x), libm::expm1(-x)))
+    #[inline(always)]
+    fn any<F: Fused>(x: f64) -> (f64, f64) {
+        value_of_pair::<Self, F>(x).unwrap_or_else(|| (libm::expm1(x), libm::expm1(-x)))
     }
 }

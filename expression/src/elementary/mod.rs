@@ -5,8 +5,8 @@
 //! its branches are selections here, so that all lanes go the same way. Arguments for which that
 //! does not serve (NaN, huge ones, results that are not normal numbers, ties of a reduction) get
 //! `libm`'s own value, lane by lane. What a lane gets depends neither on its neighbours nor on the
-//! machine. [`exp_m1_mirrored`] and [`sin_and_versine`] are algorithms of our own, to the same bits in lanes and
-//! alone.
+//! machine. [`exp_m1_mirrored`] and [`sin_and_versine`] are algorithms of our own with fused products, to the same bits
+//! in lanes and alone, by an instruction or by whole numbers.
 //!
 //! fdlibm is Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved. Developed at SunPro,
 //! a Sun Microsystems, Inc. business. Permission to use, copy, modify, and distribute this software
@@ -26,7 +26,7 @@ mod turn;
 
 use arctangent::Atan;
 use exponential::Exp;
-use lanes::{ElementaryPair, First, Second, apply, apply_pair};
+use lanes::{First, Second, apply, apply_pair, both};
 use logarithm::Ln;
 use mirrored::Mirrored;
 use root::Roots;
@@ -70,12 +70,12 @@ pub fn sin_cos_lanes(values: &mut [f64], cosines: &mut [f64]) {
 
 /// sin x and cos x, as `libm` gives them.
 pub fn sin_cos(x: f64) -> (f64, f64) {
-    SinCos::any(x)
+    libm::sincos(x)
 }
 
 /// eˣ − 1 and e⁻ˣ − 1, each within 2 ulps.
 pub fn exp_m1_mirrored(x: f64) -> (f64, f64) {
-    Mirrored::any(x)
+    both::<Mirrored>(x)
 }
 
 /// Replaces each x by eˣ − 1.
@@ -98,7 +98,7 @@ pub fn exp_m1_mirrored_lanes(values: &mut [f64], mirrored: &mut [f64]) {
 
 /// sin x and 1 − cos x, each within 2 ulps.
 pub fn sin_and_versine(x: f64) -> (f64, f64) {
-    Turn::any(x)
+    both::<Turn>(x)
 }
 
 /// Replaces each x by sin x, to the bits of [`sin_and_versine`].

@@ -29,10 +29,17 @@ pub(super) fn horner<R: Register, const N: usize>(z: R, coefficients: [u64; N]) 
     sum
 }
 
-/// c₀ + z c₁ + … + z⁵ c₅ in three levels instead of five.
+/// c₀ + z c₁ + … + z⁶ c₆ from z and z², in three levels instead of six.
 #[inline(always)]
-pub(super) fn sextic<R: Register>(z: R, c: [f64; 6]) -> R {
-    let square = z * z;
-    let pair = |at: usize| R::splat(c[at]) + z * R::splat(c[at + 1]);
-    pair(0) + square * (pair(2) + square * pair(4))
+pub(super) fn septic<R: Register>(z: R, square: R, c: [f64; 7]) -> R {
+    let pair = |at: usize| z.times_plus(R::splat(c[at + 1]), R::splat(c[at]));
+    let upper = square.times_plus(R::splat(c[6]), pair(4));
+    (square * square).times_plus(upper, square.times_plus(pair(2), pair(0)))
+}
+
+/// c₀ + z c₁ + … + z⁵ c₅ from z and z², in three levels instead of five.
+#[inline(always)]
+pub(super) fn sextic<R: Register>(z: R, square: R, c: [f64; 6]) -> R {
+    let pair = |at: usize| z.times_plus(R::splat(c[at + 1]), R::splat(c[at]));
+    square.times_plus(square.times_plus(pair(4), pair(2)), pair(0))
 }

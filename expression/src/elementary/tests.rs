@@ -9,7 +9,7 @@ use super::{
     exp_m1_mirrored, ln_lanes, sin_and_versine, sin_cos, sin_cos_lanes, sin_lanes, sqrt_lanes,
     tan_lanes,
 };
-use crate::vector::InstructionSet;
+use crate::vector::{Baseline, InstructionSet};
 
 /// Steele, Lea and Flood's SplitMix64: the arguments are the same in every run.
 struct Numbers(u64);
@@ -427,4 +427,22 @@ fn pairs_have_the_same_bits_in_lanes() {
     }
     check_pair::<Mirrored>(exp_m1_mirrored);
     check_pair::<Turn>(sin_and_versine);
+}
+
+/// Fused products by the instruction, where this machine has it, and by whole numbers.
+#[test]
+fn pairs_have_the_same_bits_without_the_instruction() {
+    let mut numbers = Numbers(20_260_406);
+    for chunk in 0..CHUNKS {
+        for x in &arguments(chunk, &mut numbers)[..CHUNK / 32] {
+            let found = [Mirrored::any::<Baseline>(*x), Turn::any::<Baseline>(*x)];
+            let expected = [exp_m1_mirrored(*x), sin_and_versine(*x)];
+            for (found, expected) in found.iter().zip(expected) {
+                assert!(
+                    agree(found.0, expected.0) && agree(found.1, expected.1),
+                    "{x:e}"
+                );
+            }
+        }
+    }
 }

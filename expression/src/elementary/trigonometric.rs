@@ -4,7 +4,7 @@
 
 use super::lanes::{Elementary, ElementaryPair};
 use super::reduction::{SHIFTER, horner};
-use crate::vector::{Register, SIGN};
+use crate::vector::{Fused, Register, SIGN};
 
 /// An argument's n (in the low bits of `quadrant`) and r = high + low.
 pub(super) struct Reduced<R: Register> {
@@ -185,7 +185,7 @@ impl ElementaryPair for SinCos {
         )
     }
 
-    fn any(x: f64) -> (f64, f64) {
+    fn any<F: Fused>(x: f64) -> (f64, f64) {
         libm::sincos(x)
     }
 }

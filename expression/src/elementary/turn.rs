@@ -8,7 +8,7 @@
 use super::lanes::{ElementaryPair, value_of_pair};
 use super::reduction::sextic;
 use super::trigonometric::{reduce, signed};
-use crate::vector::Register;
+use crate::vector::{Fused, Register};
 
 /// sin x and 1 − cos x.
 pub(super) struct Turn;
@@ -33,30 +33,69 @@ const COSINE: [f64; 6] = [
     f64::from_bits(0xbda8_fae9_be88_38d4),
 ];
 
-/// sin and 1 − cos of r + low for |r| ≤ π/4 and what r lacks.
+/// What sin r and 1 − cos r are made of for |r| ≤ π/4: r³ and r⁴ with their factors, and ½r².
+struct Parts<R> {
+    cube: R,
+    sine: R,
+    fourth: R,
+    cosine: R,
+    half: R,
+}
+
 #[inline(always)]
-fn near<R: Register>(r: R, low: R) -> (R, R) {
+fn parts<R: Register>(r: R) -> Parts<R> {
     let square = r * r;
-    let half = R::splat(0.5) * square;
-    let odd = (r * square) * sextic(square, SINE) + (low - low * half);
-    let even = (square * square) * sextic(square, COSINE) - r * low;
-    (r + odd, half - even)
+    let fourth = square * square;
+    Parts {
+        cube: r * square,
+        sine: sextic(square, fourth, SINE),
+        fourth,
+        cosine: sextic(square, fourth, COSINE),
+        half: R::splat(0.5) * square,
+    }
+}
+
+impl<R: Register> Parts<R> {
+    /// sin r and 1 − cos r.
+    #[inline(always)]
+    fn alone(&self, r: R) -> (R, R) {
+        (
+            self.cube.times_plus(self.sine, r),
+            self.fourth.times_from(self.cosine, self.half),
+        )
+    }
+
+    /// sin and 1 − cos of r + low, where r lacks low.
+    #[inline(always)]
+    fn with_low(&self, r: R, low: R) -> (R, R) {
+        let odd = self
+            .cube
+            .times_plus(self.sine, low.times_from(self.half, low));
+        let even = self.fourth.times_plus(self.cosine, R::splat(0.0) - r * low);
+        (r + odd, self.half - even)
+    }
 }
 
 impl ElementaryPair for Turn {
     /// Ordinary where the reduction is good to all bits.
     #[inline(always)]
     fn ordinary<R: Register>(x: R) -> (R, R, R::Mask) {
-        /// A little below π/4: here n = 0, and the way round gives the same.
+        /// A little below π/4: here n = 0, and r is x.
         const NEAR: f64 = 0.785;
-        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let one = R::splat(1.0);
         let is_near = x.abs().less(R::splat(NEAR));
         if R::all(is_near) {
-            let (sine, versine) = near(x, zero);
+            let (sine, versine) = parts(x).alone(x);
             return (sine, versine, is_near);
         }
         let reduced = reduce(x);
-        let (sine, versine) = near(reduced.high, reduced.low);
+        let parts = parts(reduced.high);
+        let (alone, with_low) = (
+            parts.alone(reduced.high),
+            parts.with_low(reduced.high, reduced.low),
+        );
+        let sine = R::select(is_near, alone.0, with_low.0);
+        let versine = R::select(is_near, alone.1, with_low.1);
         let n = reduced.quadrant;
         let (is_odd, is_behind) = (n.is_odd(), n.down::<1>().is_odd());
         // 1 − cos x: 1 − cos r, 1 + sin r, 1 + cos r, 1 − sin r.
@@ -69,8 +108,9 @@ impl ElementaryPair for Turn {
         )
     }
 
-    fn any(x: f64) -> (f64, f64) {
-        value_of_pair::<Self>(x).unwrap_or_else(|| {
+    #[inline(always)]
+    fn any<F: Fused>(x: f64) -> (f64, f64) {
+        value_of_pair::<Self, F>(x).unwrap_or_else(|| {
             let half = libm::sin(0.5 * x);
             (libm::sin(x), 2.0 * half * half)
         })

@@ -44,6 +44,18 @@ impl Register for Four {
     }
 
     #[inline(always)]
+    fn times_plus(self, b: Self, c: Self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm256_fmadd_pd(self.0, b.0, c.0) })
+    }
+
+    #[inline(always)]
+    fn times_from(self, b: Self, c: Self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm256_fnmadd_pd(self.0, b.0, c.0) })
+    }
+
+    #[inline(always)]
     fn less(self, b: Self) -> FourMasks {
         // SAFETY: as above.
         FourMasks(unsafe { _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, b.0) })

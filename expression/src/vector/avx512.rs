@@ -38,6 +38,18 @@ impl Register for Eight {
     }
 
     #[inline(always)]
+    fn times_plus(self, b: Self, c: Self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm512_fmadd_pd(self.0, b.0, c.0) })
+    }
+
+    #[inline(always)]
+    fn times_from(self, b: Self, c: Self) -> Self {
+        // SAFETY: as above.
+        Self(unsafe { _mm512_fnmadd_pd(self.0, b.0, c.0) })
+    }
+
+    #[inline(always)]
     fn less(self, b: Self) -> __mmask8 {
         // SAFETY: as above.
         unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, b.0) }

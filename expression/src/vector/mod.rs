@@ -2,8 +2,8 @@
 //!
 //! Plain loops over lanes ([`Work`]) are compiled for the baseline, for AVX2 and for AVX-512 from
 //! one source; what a compiler does not turn into vector instructions by itself is written over a
-//! [`Register`]. Nothing contracts a product and a sum into a fused operation, so the bits are the
-//! same everywhere; only the number of lanes that ride together differs.
+//! [`Register`]. A product and a sum are fused where the source says so and nowhere else, so the bits are
+//! the same everywhere; only the number of lanes that ride together differs.
 
 #![allow(
     unsafe_code,
@@ -14,9 +14,13 @@
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+mod fused;
 mod one;
 mod register;
 
+#[cfg(target_arch = "x86_64")]
+use fused::Hardware;
+pub(crate) use fused::{Baseline, Fused};
 pub(crate) use one::One;
 pub(crate) use register::{Register, SIGN};
 
@@ -34,6 +38,31 @@ pub(crate) trait RegisterWork {
     fn run_alone(self);
 }
 
+/// Code over one number, written once.
+pub(crate) trait ScalarWork {
+    /// The result.
+    type Output;
+    /// Runs it. Implementations are `#[inline(always)]`.
+    fn run<F: Fused>(self) -> Self::Output;
+}
+
+/// Runs code over one number with the machine's fused products.
+#[inline(always)]
+pub(crate) fn run_scalar<W: ScalarWork>(work: W) -> W::Output {
+    #[cfg(target_arch = "x86_64")]
+    if is_x86_feature_detected!("fma") {
+        // SAFETY: the machine has the instructions.
+        return unsafe { fused_scalar(work) };
+    }
+    work.run::<Baseline>()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "fma")]
+fn fused_scalar<W: ScalarWork>(work: W) -> W::Output {
+    work.run::<Hardware>()
+}
+
 /// One of the instruction sets of this machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct InstructionSet(Kind);
@@ -42,7 +71,7 @@ pub(crate) struct InstructionSet(Kind);
 enum Kind {
     /// What every machine of the target has.
     Baseline,
-    /// 256-bit registers.
+    /// 256-bit registers and fused products.
     #[cfg(target_arch = "x86_64")]
     Avx2,
     /// 512-bit registers and masks.
@@ -73,7 +102,7 @@ impl InstructionSet {
     #[inline]
     pub(crate) fn best_of_256_bits() -> Self {
         #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") {
+        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
             return Self(Kind::Avx2);
         }
         Self(Kind::Baseline)
@@ -121,7 +150,7 @@ impl InstructionSet {
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
+#[target_feature(enable = "avx2,fma")]
 fn avx2_loops<W: Work>(work: W) {
     work.run();
 }
@@ -133,7 +162,7 @@ fn avx512_loops<W: Work>(work: W) {
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
+#[target_feature(enable = "avx2,fma")]
 fn avx2_registers<W: RegisterWork>(work: W) {
     work.run::<avx2::Four>();
 }

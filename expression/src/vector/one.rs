@@ -1,21 +1,23 @@
 //! One double, on every machine.
 
+use std::marker::PhantomData;
 use std::ops::{Add, Div, Mul, Sub};
 
+use super::fused::Fused;
 use super::register::Register;
 
-/// One double.
+/// One double, its fused products by F.
 #[derive(Clone, Copy)]
-pub(crate) struct One(pub(crate) f64);
+pub(crate) struct One<F>(pub(crate) f64, PhantomData<F>);
 
 macro_rules! operator {
     ($trait:ident, $method:ident, $operator:tt) => {
-        impl $trait for One {
+        impl<F> $trait for One<F> {
             type Output = Self;
 
             #[inline(always)]
             fn $method(self, b: Self) -> Self {
-                Self(self.0 $operator b.0)
+                Self(self.0 $operator b.0, PhantomData)
             }
         }
     };
@@ -26,30 +28,40 @@ operator!(Sub, sub, -);
 operator!(Mul, mul, *);
 operator!(Div, div, /);
 
-impl One {
+impl<F> One<F> {
     #[inline(always)]
     fn of_bits(bits: u64) -> Self {
-        Self(f64::from_bits(bits))
+        Self(f64::from_bits(bits), PhantomData)
     }
 }
 
-impl Register for One {
+impl<F: Fused> Register for One<F> {
     type Mask = bool;
     const LANES: usize = 1;
 
     #[inline(always)]
     fn splat(value: f64) -> Self {
-        Self(value)
+        Self(value, PhantomData)
     }
 
     #[inline(always)]
     fn load(values: &[f64]) -> Self {
-        Self(values[0])
+        Self(values[0], PhantomData)
     }
 
     #[inline(always)]
     fn store(self, values: &mut [f64]) {
         values[0] = self.0;
+    }
+
+    #[inline(always)]
+    fn times_plus(self, b: Self, c: Self) -> Self {
+        Self(F::times_plus(self.0, b.0, c.0), PhantomData)
+    }
+
+    #[inline(always)]
+    fn times_from(self, b: Self, c: Self) -> Self {
+        Self(F::times_plus(-self.0, b.0, c.0), PhantomData)
     }
 
     #[inline(always)]

@@ -23,6 +23,11 @@ pub(crate) trait Register:
     /// Writes the first [`Register::LANES`] of `values`.
     fn store(self, values: &mut [f64]);
 
+    /// a·b + c, rounded once.
+    fn times_plus(self, b: Self, c: Self) -> Self;
+    /// c − a·b, rounded once.
+    fn times_from(self, b: Self, c: Self) -> Self;
+
     /// Whether a < b; false for NaN.
     fn less(self, b: Self) -> Self::Mask;
     /// Whether a = b; false for NaN.
