@@ -53,28 +53,23 @@ entries! {
     Atanh => atanh, atanh_lanes;
 }
 
-/// f(x) and g(x) of the pair, in `first` and `second`; f(x) is returned too.
+/// Two numbers: the first two registers in the System V convention.
+#[repr(C)]
+struct Two(f64, f64);
+
+/// f(x) and g(x) of the pair.
 ///
 /// # Safety
-/// `first` and `second` point to a number each.
-unsafe extern "C" fn both(
-    pair: *const FunctionPair,
-    first: *mut f64,
-    second: *mut f64,
-    x: f64,
-) -> f64 {
-    // SAFETY: the code passes a static pair and its own memory.
-    unsafe {
-        let (f, g) = ((*pair).values)(x);
-        *first = f;
-        *second = g;
-        f
-    }
+/// `pair` points to a pair.
+unsafe extern "C" fn both(pair: *const FunctionPair, x: f64) -> Two {
+    // SAFETY: the code passes a static pair.
+    let (f, g) = (unsafe { &*pair }.values)(x);
+    Two(f, g)
 }
 
-/// The address of (pair, first, second, x) ↦ f(x), which writes f(x) and g(x) too.
+/// The address of (pair, x) ↦ (f(x), g(x)).
 pub(super) fn pair() -> usize {
-    let entry: unsafe extern "C" fn(*const FunctionPair, *mut f64, *mut f64, f64) -> f64 = both;
+    let entry: unsafe extern "C" fn(*const FunctionPair, f64) -> Two = both;
     entry as usize
 }
 

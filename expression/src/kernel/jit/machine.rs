@@ -43,6 +43,16 @@ impl Backend {
         None
     }
 
+    /// Whether it calls two functions of a pair at once.
+    fn calls_pairs(self) -> bool {
+        match self {
+            #[cfg(all(target_arch = "x86_64", not(windows)))]
+            Self::Avx(_) => true,
+            #[cfg(any(target_arch = "aarch64", windows, leafwise_portable))]
+            Self::Portable => false,
+        }
+    }
+
     fn write(
         self,
         program: &Program,
@@ -123,7 +133,11 @@ impl MachineCode {
             memory,
             bytes,
             scratch,
-        } = backend.write(&Program::new(code), lanes, &functions)?;
+        } = backend.write(
+            &Program::new(code, backend.calls_pairs()),
+            lanes,
+            &functions,
+        )?;
         #[cfg(test)]
         if REFUSES.get() {
             return None;

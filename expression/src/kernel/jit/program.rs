@@ -23,7 +23,8 @@ pub(super) struct Operation {
     pub(super) operands: [Source; 2],
     /// The slot that the caller reads the result from.
     pub(super) output: Option<u32>,
-    /// Whether the operation just before it is the other one of a pair of functions, of the same argument.
+    /// Whether the operation just before it, which is then its operand, is the other one of a pair of
+    /// functions: its call gives this result too.
     pub(super) is_second: bool,
 }
 
@@ -39,8 +40,9 @@ pub(super) struct Program {
 impl Program {
     /// The operations of `code` that its outputs need, depth first: a result is computed where it
     /// is first read, of two operands the one first that keeps more results alive (Sethi and Ullman,
-    /// The generation of optimal code for arithmetic expressions, J. ACM 17 (1970)).
-    pub(super) fn new(code: &Code) -> Self {
+    /// The generation of optimal code for arithmetic expressions, J. ACM 17 (1970)). Two functions of a pair
+    /// are brought together where `by_pairs` says so.
+    pub(super) fn new(code: &Code, by_pairs: bool) -> Self {
         let operations = single_assignment(code);
         let needs = registers_needed(&operations);
         let mut order = Vec::with_capacity(operations.len());
@@ -68,7 +70,11 @@ impl Program {
                 pending.extend(operands.into_iter().flatten().map(|result| (result, false)));
             }
         }
-        let seconds = join_pairs(&operations, &mut order);
+        let seconds = if by_pairs {
+            join_pairs(&operations, &mut order)
+        } else {
+            vec![false; operations.len()]
+        };
         let mut names = vec![0; operations.len()];
         for (name, &at) in order.iter().enumerate() {
             names[at] = name as u32;
@@ -77,12 +83,16 @@ impl Program {
             Source::Result(result) => Source::Result(names[result as usize]),
             slot @ Source::Slot(_) => slot,
         };
-        let operations = order
-            .iter()
-            .map(|&at| {
+        let operations = (0..)
+            .zip(&order)
+            .map(|(place, &at): (u32, _)| {
                 let mut operation = operations[at].clone();
-                operation.operands = operation.operands.map(renamed);
                 operation.is_second = seconds[at];
+                operation.operands = if operation.is_second {
+                    [Source::Result(place - 1); 2]
+                } else {
+                    operation.operands.map(renamed)
+                };
                 operation
             })
             .collect();

@@ -136,7 +136,7 @@ impl Planner {
                 });
             }
         }
-        let is_call = is_call(&operation.instruction);
+        let is_call = is_call(&operation.instruction) && !operation.is_second;
         if is_call {
             self.store_all(operands);
         }

@@ -242,39 +242,37 @@ impl Emitter<'_> {
             .compute(self.width, opcode, target, first, second);
     }
 
-    /// Calls a function, which keeps no registers; the plan has stored what is read later.
+    /// Calls a function, which keeps no registers; the plan has stored what is read later. The second of a pair
+    /// of functions is the second result of the call of the first.
     fn call(&mut self, at: u32, operation: &Operation) {
-        let [a, b] = operation.operands.map(|operand| {
-            self.find(operand)
-                .expect("a plan loads the operands of calls")
-        });
-        let is_alone = self.width == Width::One;
-        let is_of_two = operation.is_second || self.is_first(at);
         if !operation.is_second {
-            let entry = if is_alone && !is_of_two {
-                self.pass_registers(operation, a, b)
+            let [a, b] = operation.operands.map(|operand| {
+                self.find(operand)
+                    .expect("a plan loads the operands of calls")
+            });
+            let entry = if self.width == Width::One {
+                self.pass_registers(at, operation, a, b)
             } else {
                 self.pass_memory(at, operation, a, b)
             };
             self.assembler.constant(Gpr::RAX, entry as u64);
             self.assembler.call_rax();
+            self.registers.fill(None);
         }
-        // Of two functions the second comes in place of the second operand.
-        let is_other = operation
-            .instruction
-            .pair()
-            .is_some_and(|(_, member)| is_of_two && member == Member::Second);
-        let is_returned = is_alone && !is_other && !operation.is_second;
-        if !is_returned {
-            let values = if is_other {
-                self.header(SECOND_OPERAND)
-            } else {
-                self.header(FIRST_OPERAND)
-            };
-            self.assembler.load(self.width, 0, values);
+        let is_of_two = operation.is_second || self.is_first(at);
+        let pair = operation.instruction.pair().filter(|_| is_of_two);
+        let member = pair.map_or(Member::First, |(_, member)| member);
+        let result = Source::Result(at);
+        if self.width == Width::One {
+            self.registers[member as usize] = Some(result);
+        } else {
+            let values = self.header(match member {
+                Member::First => FIRST_OPERAND,
+                Member::Second => SECOND_OPERAND,
+            });
+            let target = self.take(result);
+            self.assembler.load(self.width, target, values);
         }
-        self.registers.fill(None);
-        self.registers[0] = Some(Source::Result(at));
     }
 
     /// Whether the next operation is the second of a pair of functions.
@@ -283,9 +281,16 @@ impl Emitter<'_> {
         next.is_some_and(|next| next.is_second)
     }
 
-    /// Passes the operands in the first registers, the result comes in the first one.
-    fn pass_registers(&mut self, operation: &Operation, a: u8, b: u8) -> usize {
+    /// Passes the operands in the first registers; the results come there too.
+    fn pass_registers(&mut self, at: u32, operation: &Operation, a: u8, b: u8) -> usize {
+        let pair = operation.instruction.pair();
+        let pair = pair.filter(|_| self.is_first(at));
         let assembler = &mut self.assembler;
+        if let Some((pair, _)) = pair {
+            assembler.copy(0, a);
+            assembler.constant(Gpr::RDI, std::ptr::from_ref(pair) as u64);
+            return functions::pair();
+        }
         match operation.instruction {
             Instruction::Power { .. } => {
                 let spare = (2..5).find(|r| *r != a && *r != b).unwrap_or(5);
@@ -310,8 +315,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// Passes the operands in memory, the results come in place of the first one; the argument of two
-    /// functions of one lane in the first register, the result of the first one comes there too.
+    /// Passes the operands in memory: the results come in their place.
     fn pass_memory(&mut self, at: u32, operation: &Operation, a: u8, b: u8) -> usize {
         let pair = operation.instruction.pair();
         let pair = pair.filter(|_| self.is_first(at));
@@ -322,10 +326,6 @@ impl Emitter<'_> {
             assembler.constant(Gpr::RDI, std::ptr::from_ref(pair) as u64);
             assembler.address(Gpr::RSI, first);
             assembler.address(Gpr::RDX, second);
-            if self.width == Width::One {
-                assembler.copy(0, a);
-                return functions::pair();
-            }
             assembler.store(self.width, a, first);
             assembler.constant(Gpr::RCX, count);
             if self.width.lanes() > 2 {
