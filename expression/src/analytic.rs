@@ -3,8 +3,6 @@
 use std::fmt;
 use std::hash::{Hash, Hasher};
 
-use crate::elementary;
-
 /// An analytic function f of one variable that a crate evaluates itself: straight-line code calls
 /// it and its derivatives f⁽ᵏ⁾ like elementary functions.
 ///
@@ -13,9 +11,27 @@ use crate::elementary;
 #[derive(Clone, Copy)]
 pub struct AnalyticFunction {
     name: &'static str,
-    derivative: fn(u32, f64) -> f64,
-    lanes: Option<fn(u32, &mut [f64])>,
-    pair: Option<(&'static FunctionPair, Member)>,
+    values: Values,
+}
+
+/// Where the values come from.
+#[derive(Clone, Copy)]
+enum Values {
+    /// f⁽ᵏ⁾(s) for each k.
+    OfOrders(fn(u32, f64) -> f64),
+    /// A pair and which of the two functions it is, with its derivative.
+    OfPair(&'static FunctionPair, Member, fn() -> Slope),
+}
+
+/// f′ = constant + factor·g: the derivative of a function that is expressed by another one, or by itself.
+#[derive(Clone, Copy, Debug)]
+pub struct Slope {
+    /// The constant.
+    pub constant: i64,
+    /// The factor of g.
+    pub factor: i64,
+    /// g.
+    pub of: AnalyticFunction,
 }
 
 impl AnalyticFunction {
@@ -24,32 +40,36 @@ impl AnalyticFunction {
     pub const fn new(name: &'static str, derivative: fn(u32, f64) -> f64) -> Self {
         Self {
             name,
-            derivative,
-            lanes: None,
-            pair: None,
+            values: Values::OfOrders(derivative),
         }
     }
 
-    /// The same function with `lanes(k, values)`, which replaces each s by f⁽ᵏ⁾(s) to the bits of
-    /// `derivative`, many at once.
-    pub const fn with_lanes(self, lanes: fn(u32, &mut [f64])) -> Self {
+    /// A member of a pair, with its derivative: code that has the function needs no further call for it.
+    pub const fn of_pair(
+        pair: &'static FunctionPair,
+        member: Member,
+        slope: fn() -> Slope,
+    ) -> Self {
         Self {
-            lanes: Some(lanes),
-            ..self
-        }
-    }
-
-    /// The same function as a member of a pair, to the same bits.
-    pub const fn in_pair(self, pair: &'static FunctionPair, member: Member) -> Self {
-        Self {
-            pair: Some((pair, member)),
-            ..self
+            name: pair.names[member as usize],
+            values: Values::OfPair(pair, member, slope),
         }
     }
 
     /// The pair that it is a member of.
     pub fn pair(&self) -> Option<(&'static FunctionPair, Member)> {
-        self.pair
+        match self.values {
+            Values::OfOrders(_) => None,
+            Values::OfPair(pair, member, _) => Some((pair, member)),
+        }
+    }
+
+    /// Its derivative, where that is expressed by a function again.
+    pub(crate) fn slope(&self) -> Option<Slope> {
+        match self.values {
+            Values::OfOrders(_) => None,
+            Values::OfPair(_, _, slope) => Some(slope()),
+        }
     }
 
     /// What is equal to the function of this name.
@@ -64,16 +84,38 @@ impl AnalyticFunction {
 
     /// f⁽ᵏ⁾(s).
     pub fn derivative(&self, order: u32, s: f64) -> f64 {
-        (self.derivative)(order, s)
+        let mut values = [s];
+        match self.values {
+            Values::OfOrders(derivative) => return derivative(order, s),
+            Values::OfPair(pair, member, _) if order == 0 => {
+                let (f, g) = (pair.values)(s);
+                return match member {
+                    Member::First => f,
+                    Member::Second => g,
+                };
+            }
+            Values::OfPair(..) => self.derivative_lanes(order, &mut values),
+        }
+        values[0]
     }
 
-    /// Replaces each s by f⁽ᵏ⁾(s).
+    /// Replaces each s by f⁽ᵏ⁾(s), to the bits of [`AnalyticFunction::derivative`].
     pub fn derivative_lanes(&self, order: u32, values: &mut [f64]) {
-        match self.lanes {
-            Some(lanes) => lanes(order, values),
-            None => values
-                .iter_mut()
-                .for_each(|s| *s = self.derivative(order, *s)),
+        match self.values {
+            Values::OfOrders(derivative) => {
+                values.iter_mut().for_each(|s| *s = derivative(order, *s));
+            }
+            Values::OfPair(pair, member, _) if order == 0 => {
+                (pair.lanes_alone[member as usize])(values);
+            }
+            Values::OfPair(_, _, slope) => {
+                let slope = slope();
+                slope.of.derivative_lanes(order - 1, values);
+                let constant = if order == 1 { slope.constant } else { 0 };
+                for value in values {
+                    *value = constant as f64 + slope.factor as f64 * *value;
+                }
+            }
         }
     }
 }
@@ -88,14 +130,9 @@ pub struct FunctionPair {
     pub values: fn(f64) -> (f64, f64),
     /// Replaces each x by f(x) and writes g(x), to the bits of `values`.
     pub lanes: fn(&mut [f64], &mut [f64]),
+    /// Replace each x by f(x), and by g(x), to the bits of `values`.
+    pub lanes_alone: [fn(&mut [f64]); 2],
 }
-
-/// Sine and cosine.
-pub static SINE_AND_COSINE: FunctionPair = FunctionPair {
-    names: ["sin", "cos"],
-    values: elementary::sin_cos,
-    lanes: elementary::sin_cos_lanes,
-};
 
 /// Which function of a [`FunctionPair`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -145,7 +182,7 @@ mod tests {
     use crate::kernel::Kernel;
     use crate::rational::Rational;
 
-    const SINE: AnalyticFunction = AnalyticFunction::new("sine", |order, s| match order % 4 {
+    const SINE: AnalyticFunction = AnalyticFunction::new("test-sine", |order, s| match order % 4 {
         0 => libm::sin(s),
         1 => libm::cos(s),
         2 => -libm::sin(s),

@@ -3,8 +3,9 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
-use crate::analytic::{FunctionPair, Member, SINE_AND_COSINE};
+use crate::analytic::{FunctionPair, Member};
 use crate::elementary;
+use crate::pairs::SINE_AND_COSINE;
 use crate::rational::Rational;
 
 /// An elementary function of one argument.

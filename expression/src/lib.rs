@@ -13,6 +13,7 @@
 //! - [`series`]: Taylor coefficients of formulas along a curve, one order at a time.
 //! - [`graph`]: straight-line code with shared nodes and exact derivatives.
 //! - [`kernel`]: coefficient kernel and step kernel, evaluated W lanes at a time.
+//! - [`pairs`]: functions that are computed two at a time.
 //! - [`words`]: numbers of things in words.
 
 pub mod algebra;
@@ -26,6 +27,7 @@ pub mod expression;
 pub mod graph;
 pub mod kernel;
 pub mod operators;
+pub mod pairs;
 pub mod rational;
 mod reach;
 pub mod series;

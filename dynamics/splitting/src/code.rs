@@ -1,11 +1,12 @@
 //! Flows as straight-line code.
 
 use leafwise_expression::graph::lift;
+use leafwise_expression::pairs::{
+    EXPONENTIAL_MINUS_1, EXPONENTIAL_MINUS_1_MIRRORED, SINE, VERSINE,
+};
 use leafwise_expression::{AlgebraError, Arithmetic, Graph, Polynomial, Rational, Ring, Term};
 
-use crate::entire::{
-    EXPONENTIAL_MINUS_1, EXPONENTIAL_MINUS_1_MIRRORED, PHI_1, SINE, STUMPFF_1, STUMPFF_2, VERSINE,
-};
+use crate::entire::{PHI_1, STUMPFF_1, STUMPFF_2};
 use crate::flow::Motion;
 use crate::piece::{LieSeries, Piece};
 use crate::rates::multiples;

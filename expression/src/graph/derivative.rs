@@ -135,9 +135,16 @@ impl Graph {
             Operation::Function(function, a) => {
                 function_derivative(self, function, &Term::of(a), &Term::of(node))?
             }
-            Operation::Analytic(function, order, a) => {
-                self.apply_analytic(function, order + 1, &Term::of(a))
-            }
+            Operation::Analytic(function, order, a) => match function.slope() {
+                Some(slope) if order == 0 => {
+                    let of = self.apply_analytic(slope.of, 0, &Term::of(a));
+                    let one = self.one();
+                    let [constant, factor] =
+                        [slope.constant, slope.factor].map(Rational::from_integer);
+                    self.combine(&[(constant, one), (factor, of)])
+                }
+                _ => self.apply_analytic(function, order + 1, &Term::of(a)),
+            },
             Operation::Power(a, exponent) => {
                 // a^(b−1), not a^b/a: finite at a = 0 for b ≥ 1.
                 let (a, exponent) = (Term::of(a), Term::of(exponent));

@@ -13,6 +13,7 @@ use leafwise_core::{
     BuildError, ChartPoint, ClosedForm, ClosedRealization, PoissonSystem, RealizationData,
     SystemFormulas,
 };
+use leafwise_expression::pairs::{EXPONENTIAL_MINUS_1, EXPONENTIAL_MINUS_1_MIRRORED};
 use leafwise_expression::{
     AlgebraError, Arithmetic, Function, Graph, Polynomial, Rational, Ring, Term,
 };
@@ -116,25 +117,21 @@ impl ClosedForm for LogCanonical {
             .collect()
     }
 
-    /// With s = sinh(u/2) and c = cosh(u/2) the part of α − x that is odd in p is −2 x s c and the
-    /// even one 2 x s²: products, so that nothing cancels, and one odd part for both ends.
+    /// β − x = x (eᵘ − 1) and α − β = x ((e⁻ᵘ − 1) − (eᵘ − 1)), whose terms have one sign: nothing cancels.
     fn ends(
         &self,
         graph: &mut Graph,
         at: &ChartPoint<'_, Term>,
     ) -> Result<StageEnds, AlgebraError> {
-        let halves = self.exponents(graph, at, &Rational::new(1, 2));
-        let two = Rational::from_integer(2);
+        let exponents = self.exponents(graph, at, &Rational::one());
         let mut offset = Vec::with_capacity(at.x.len());
         let mut increment = Vec::with_capacity(at.x.len());
-        for (x, half) in at.x.iter().zip(&halves) {
-            let sinh = graph.apply(Function::Sinh, half)?;
-            let cosh = graph.apply(Function::Cosh, half)?;
-            let scaled = graph.multiply(x, &sinh);
-            let odd = graph.multiply(&scaled, &cosh);
-            let even = graph.multiply(&scaled, &sinh);
-            offset.push(graph.combine(&[(two.clone(), even), (two.clone(), odd.clone())]));
-            increment.push(graph.scale(&Rational::from_integer(-4), &odd));
+        for (x, u) in at.x.iter().zip(&exponents) {
+            let up = graph.apply_analytic(EXPONENTIAL_MINUS_1, 0, u);
+            let down = graph.apply_analytic(EXPONENTIAL_MINUS_1_MIRRORED, 0, u);
+            let between = graph.subtract(&down, &up);
+            offset.push(graph.multiply(x, &up));
+            increment.push(graph.multiply(x, &between));
         }
         Ok(StageEnds { offset, increment })
     }

@@ -5,15 +5,15 @@ use proptest::prelude::*;
 #[cfg(all(target_arch = "x86_64", not(windows)))]
 use super::avx::Width;
 use super::machine::{Backend, MachineCode, REFUSES};
-use crate::analytic::{AnalyticFunction, FunctionPair, Member};
+use crate::analytic::AnalyticFunction;
 use crate::arithmetic::Arithmetic;
-use crate::elementary;
 use crate::expression::Function;
 use crate::graph::Graph;
 use crate::kernel::aligned::Aligned;
 use crate::kernel::code::{Code, Instruction};
 use crate::kernel::interpreter::run;
 use crate::kernel::{Execution, Kernel};
+use crate::pairs::{EXPONENTIAL_MINUS_1, EXPONENTIAL_MINUS_1_MIRRORED, SINE, VERSINE};
 
 /// Slots that a program only reads.
 const FIXED: u32 = 12;
@@ -25,40 +25,12 @@ const SQUARE: AnalyticFunction = AnalyticFunction::new("square", |order, s| matc
     _ => 0.0,
 });
 
-static EXPONENTIALS: FunctionPair = FunctionPair {
-    names: ["test-expm1", "test-expm1-mirrored"],
-    values: elementary::exp_m1_mirrored,
-    lanes: elementary::exp_m1_mirrored_lanes,
-};
-
-static TURN: FunctionPair = FunctionPair {
-    names: ["test-sine", "test-versine"],
-    values: elementary::sin_and_versine,
-    lanes: elementary::sin_and_versine_lanes,
-};
-
-/// Both members of two pairs. Their derivatives, which are none of a pair, are any functions here.
+/// Both members of two pairs.
 const PAIRED: [AnalyticFunction; 4] = [
-    AnalyticFunction::new("test-expm1", |order, z| match order {
-        0 => elementary::exp_m1_mirrored(z).0,
-        _ => libm::exp(z),
-    })
-    .in_pair(&EXPONENTIALS, Member::First),
-    AnalyticFunction::new("test-expm1-mirrored", |order, z| match order {
-        0 => elementary::exp_m1_mirrored(z).1,
-        _ => -libm::exp(-z),
-    })
-    .in_pair(&EXPONENTIALS, Member::Second),
-    AnalyticFunction::new("test-sine", |order, angle| match order {
-        0 => elementary::sin_and_versine(angle).0,
-        _ => libm::cos(angle),
-    })
-    .in_pair(&TURN, Member::First),
-    AnalyticFunction::new("test-versine", |order, angle| match order {
-        0 => elementary::sin_and_versine(angle).1,
-        _ => libm::sin(angle),
-    })
-    .in_pair(&TURN, Member::Second),
+    EXPONENTIAL_MINUS_1,
+    EXPONENTIAL_MINUS_1_MIRRORED,
+    SINE,
+    VERSINE,
 ];
 
 /// What an instruction does, and the instructions that its operands and result replace.
