@@ -5,8 +5,8 @@ use std::path::Path;
 
 use leafwise::core::solver::NewtonKernel;
 use leafwise::expression::kernel::{Code, Instruction};
+use leafwise::expression::pairs::{EXPONENTIAL_MINUS_1, EXPONENTIAL_MINUS_1_MIRRORED};
 use leafwise::expression::{Function, Kernel};
-use leafwise::so3::functions::COTANGENT;
 use leafwise_benches::STEP_CASES;
 
 /// Writes the formulas of every case into a folder: what `-- formulas` does, after a change of what
@@ -121,9 +121,40 @@ fn body(code: &Code, inputs: &[String]) -> String {
             .iter()
             .map(|(slot, value)| format!("let s{slot} = {value:?}_f64;")),
     );
-    lets.extend(code.instructions.iter().map(statement));
+    let mut rest = code.instructions.as_slice();
+    while let Some((instruction, after)) = rest.split_first() {
+        match after
+            .split_first()
+            .and_then(|(next, after)| Some((both(instruction, next)?, after)))
+        {
+            Some((text, after)) => {
+                lets.push(text);
+                rest = after;
+            }
+            None => {
+                lets.push(statement(instruction));
+                rest = after;
+            }
+        }
+    }
     let lines: Vec<String> = lets.chunks(6).map(|line| line.join(" ")).collect();
     lines.join("\n") + "\n"
+}
+
+/// eᶻ − 1 and e⁻ᶻ − 1 of one argument.
+fn both(instruction: &Instruction, next: &Instruction) -> Option<String> {
+    let of = |instruction: &Instruction, wanted| match *instruction {
+        Instruction::ApplyAnalytic {
+            function,
+            order: 0,
+            out,
+            a,
+        } => (function == wanted).then_some((out, a)),
+        _ => None,
+    };
+    let (up, a) = of(instruction, EXPONENTIAL_MINUS_1)?;
+    let (down, same) = of(next, EXPONENTIAL_MINUS_1_MIRRORED)?;
+    (a == same).then(|| format!("let (s{up}, s{down}) = exp_m1_mirrored(s{a});"))
 }
 
 fn statement(instruction: &Instruction) -> String {
@@ -147,17 +178,6 @@ fn statement(instruction: &Instruction) -> String {
             };
             format!("let s{out} = libm::{name}(s{a});")
         }
-        Instruction::ApplyAnalytic {
-            function,
-            order,
-            out,
-            a,
-        } => {
-            assert_eq!(
-                function, COTANGENT,
-                "the one function that is not elementary"
-            );
-            format!("let s{out} = COTANGENT.derivative({order}, s{a});")
-        }
+        Instruction::ApplyAnalytic { function, .. } => panic!("{function:?} has no name here"),
     }
 }

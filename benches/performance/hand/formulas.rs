@@ -11,7 +11,7 @@ mod written {
         reason = "written by a program, and read by a compiler alone"
     )]
 
-    use leafwise::so3::functions::COTANGENT;
+    use leafwise::expression::elementary::exp_m1_mirrored;
 
     use super::super::newton::{Formulas, Full, Residual};
 

@@ -8,7 +8,7 @@ use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::{Arithmetic, Function, Graph, Rational, Term};
 use leafwise_karasev::series::KarasevSeries;
 
-use crate::functions::{COTANGENT, HALF_COSINE, HALF_SINE};
+use crate::functions::{HALF_COSINE, HALF_SINE, cotangent_coefficient};
 use crate::source::{LITERATURE, Source};
 use crate::tensor::RotationTensor;
 use crate::vector::{cross, dot, times};
@@ -106,7 +106,7 @@ const WALL: (i64, i64) = (1023, 1024);
 pub(crate) fn source(graph: &mut Graph, x: &[Term], q: &[Term]) -> Source<Term> {
     let moment = cross(graph, x, q);
     let square = dot(graph, q, q);
-    let coefficient = graph.apply_analytic(COTANGENT, 0, &square);
+    let coefficient = cotangent_coefficient(graph, &square);
     let twice = cross(graph, &moment, q);
     Source {
         even: times(graph, &coefficient, &twice),
