@@ -5,9 +5,10 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
-use leafwise::core::{Method, StepMap};
+use leafwise::core::{Method, Registry, StepMap};
 use leafwise::expression::{Expression, Function, Graph, Kernel, Rational, Term};
 use leafwise::expression::{OperationCount, StepSize};
+use leafwise::scene::SceneDocument;
 use leafwise_tests::methods::increment;
 use leafwise_tests::numbers::{UNIT_ROUNDOFF, distance, largest};
 use leafwise_tests::strategies::state;
@@ -185,6 +186,36 @@ proptest! {
             let expected = increment(&special, &[], sizes, &x).expect("a step");
             let error = distance(&found, &expected) / largest(&x);
             prop_assert!(error <= 50.0 * UNIT_ROUNDOFF, "{}: {:?} {:?}", error, found, expected);
+        }
+    }
+}
+
+/// The functions that a Newton iteration calls: the root of the guard over so3-exponential, two of a pair for each
+/// coordinate over log-canonical; derivatives and orders add none.
+#[test]
+fn derivatives_and_orders_call_no_further_functions() {
+    let registry = Registry::with_builtin();
+    for (library, realization, initial, functions) in [
+        ("rigid-body", "so3-exponential", "[1, 3, 3]", 1),
+        (
+            "lotka-volterra-periodic",
+            "log-canonical",
+            "[1, 1.9, 0.5]",
+            6,
+        ),
+    ] {
+        for order in [2, 4, 6] {
+            let text = format!(
+                "[system]\nlibrary = \"{library}\"\n[method]\nrealization = {{ name = \"{realization}\" }}\n\
+                 dynamics = {{ name = \"hamilton-jacobi\", order = {order} }}\ntime-step = 0.05\n\
+                 [run]\ninitial = {initial}\nsteps = 1\n"
+            );
+            let document = SceneDocument::parse("calls.toml", &text, &registry).expect("a scene");
+            let run = leafwise::scene::compose(&document, &registry).expect("a method");
+            let method = run.method.written().expect("a method written out");
+            let newton = method.newton().expect("a step by Newton's iteration");
+            let counts = [newton.operations(), newton.residual_operations()];
+            assert_eq!(counts.map(|count| count.functions), [functions; 2]);
         }
     }
 }

@@ -229,7 +229,7 @@ mod tests {
         let c = cotangent_coefficient(&mut graph, &s);
         let slope = graph.derivative(&c, 0).expect("code");
         let count = |outputs: &[Term]| Kernel::compile(&graph, outputs, 0, 1).step_operations();
-        let (alone, both) = (count(&[c.clone()]), count(&[c, slope]));
+        let (alone, both) = (count(std::slice::from_ref(&c)), count(&[c, slope]));
         assert_eq!((alone.functions, both.functions), (0, 0));
         assert_eq!((alone.divisions, both.divisions), (2, 2));
         assert_eq!((alone.total(), both.total()), (33, 69));
