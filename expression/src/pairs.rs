@@ -70,7 +70,8 @@ mod tests {
     /// slopes add 1); the code of a pair and all its derivatives calls two functions.
     #[test]
     fn derivatives_are_expressed_by_the_pair_itself() {
-        let exact: [(_, fn(u32, f64) -> f64); 4] = [
+        type Derivatives = fn(u32, f64) -> f64;
+        let exact: [(_, Derivatives); 4] = [
             (EXPONENTIAL_MINUS_1, |k, z| match k {
                 0 => libm::expm1(z),
                 _ => libm::exp(z),
