@@ -84,19 +84,21 @@ impl AnalyticFunction {
 
     /// f⁽ᵏ⁾(s).
     pub fn derivative(&self, order: u32, s: f64) -> f64 {
-        let mut values = [s];
         match self.values {
-            Values::OfOrders(derivative) => return derivative(order, s),
+            Values::OfOrders(derivative) => derivative(order, s),
             Values::OfPair(pair, member, _) if order == 0 => {
                 let (f, g) = (pair.values)(s);
-                return match member {
+                match member {
                     Member::First => f,
                     Member::Second => g,
-                };
+                }
             }
-            Values::OfPair(..) => self.derivative_lanes(order, &mut values),
+            Values::OfPair(..) => {
+                let mut values = [s];
+                self.derivative_lanes(order, &mut values);
+                values[0]
+            }
         }
-        values[0]
     }
 
     /// Replaces each s by f⁽ᵏ⁾(s), to the bits of [`AnalyticFunction::derivative`].

@@ -54,6 +54,12 @@ pub(crate) fn run_scalar<W: ScalarWork>(work: W) -> W::Output {
         // SAFETY: the machine has the instructions.
         return unsafe { fused_scalar(work) };
     }
+    baseline_scalar(work)
+}
+
+/// Apart from its caller, which then is a jump where the machine has the instructions.
+#[cfg_attr(target_arch = "x86_64", cold, inline(never))]
+fn baseline_scalar<W: ScalarWork>(work: W) -> W::Output {
     work.run::<Baseline>()
 }
 
