@@ -63,7 +63,7 @@ fn start_error(method: &Method, parameters: &[f64], t: f64) -> f64 {
 /// the flow.
 #[test]
 fn a_start_is_off_by_the_first_term_that_its_series_leaves_out() {
-    let system = library("rigid-body");
+    let system = library("rigid-body").system;
     let parameters = system.parameter_values();
     for m in [2, 4, 6] {
         let method = method(&system, "so3-exponential", m);
@@ -78,7 +78,7 @@ fn a_start_is_off_by_the_first_term_that_its_series_leaves_out() {
 /// A start off by δ leaves C δ² after one correction: at t = 0.1 nothing, at t = 0.3 what one more takes away.
 #[test]
 fn a_step_of_a_short_series_takes_few_evaluations() {
-    let system = library("rigid-body");
+    let system = library("rigid-body").system;
     let parameters = system.parameter_values();
     for (t, most) in [(0.1, 1.4), (0.27, 2.2), (0.42, 3.2)] {
         let method = method(&system, "so3-exponential", 8);
@@ -95,7 +95,7 @@ fn a_step_of_a_short_series_takes_few_evaluations() {
 /// The heavy top's series is longer than what it saves.
 #[test]
 fn a_long_series_is_no_start() {
-    let system = library("heavy-top");
+    let system = library("heavy-top").system;
     let method = method(&system, "lie-poisson", 4);
     assert!(method.newton().expect("code").start().is_none());
 }
