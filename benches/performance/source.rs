@@ -34,15 +34,21 @@ fn formulas(name: &str, newton: &NewtonKernel) -> String {
     let (full, residual) = (newton.kernel(), newton.residual_kernel());
     let d = full.inputs();
     let most_chords = newton.most_chords();
+    let kernels: Vec<(&str, &Kernel)> = [("full", full), ("residual", residual)]
+        .into_iter()
+        .chain(newton.start().map(|start| ("start", start)))
+        .collect();
+    let fields = kernels
+        .iter()
+        .map(|(what, kernel)| format!("{what}: [f64; {}]", kernel.coefficients()));
+    let fields = fields.collect::<Vec<_>>().join(", ");
     let mut text = format!(
         "// Written by `cargo bench -p leafwise-benches --bench performance -- formulas`.\n\
-         pub struct {name} {{ full: [f64; {}], residual: [f64; {}] }}\n\
+         pub struct {name} {{ {fields} }}\n\
          impl {name} {{\npub fn new(parameters: &[f64; {}], epsilon: f64, h: f64) -> Self {{\n",
-        full.coefficients(),
-        residual.coefficients(),
         full.parameters(),
     );
-    for (what, kernel) in [("full", full), ("residual", residual)] {
+    for (what, kernel) in &kernels {
         let code = kernel.coefficient_code();
         let parameters = kernel.parameters();
         let inputs: Vec<String> = (0..parameters)
@@ -55,19 +61,32 @@ fn formulas(name: &str, newton: &NewtonKernel) -> String {
         }
         text.push_str("]\n};\n");
     }
+    let names: Vec<&str> = kernels.iter().map(|(what, _)| *what).collect();
+    let start = match newton.start() {
+        None => String::new(),
+        Some(start) => format!(
+            "const HAS_SERIES: bool = true;\n#[inline(always)]\n\
+             fn odd(&self, y: &[f64; {d}]) -> [f64; {d}] {{\nlet c = &self.start;\n{}{}\n}}\n",
+            step_body(start),
+            outputs(start, 0, d),
+        ),
+    };
+    let bases = if newton.base_is_point() { 0 } else { d };
+    let jacobians = bases + 2 * d;
     let _ = write!(
         text,
-        "Self {{ full, residual }}\n}}\n}}\nimpl Formulas<{d}> for {name} {{\n\
-         const MOST_CHORDS: u32 = {most_chords};\n#[inline(always)]\n\
+        "Self {{ {} }}\n}}\n}}\nimpl Formulas<{d}> for {name} {{\n\
+         const MOST_CHORDS: u32 = {most_chords};\n{start}#[inline(always)]\n\
          fn residual(&self, y: &[f64; {d}]) -> Residual<{d}> {{\nlet c = &self.residual;\n{}{}\n}}\n\
          #[inline(always)]\nfn full(&self, y: &[f64; {d}]) -> Full<{d}> {{\nlet c = &self.full;\n\
          {}Full {{ residual: {}, target: {}, change: {} }}\n}}\n}}\n",
+        names.join(", "),
         step_body(residual),
-        residual_of(residual, d, 3 * d),
+        residual_of(residual, (d, bases), jacobians),
         step_body(full),
-        residual_of(full, d, 3 * d + 2 * d * d),
-        matrix(full, 3 * d, d),
-        matrix(full, 3 * d + d * d, d),
+        residual_of(full, (d, bases), jacobians + 2 * d * d),
+        matrix(full, jacobians, d),
+        matrix(full, jacobians + d * d, d),
     );
     text
 }
@@ -87,18 +106,17 @@ fn outputs(kernel: &Kernel, from: usize, count: usize) -> String {
 }
 
 /// The guard stands behind everything else, where there is one.
-fn residual_of(kernel: &Kernel, d: usize, guard: usize) -> String {
-    let guard = if kernel.outputs() > guard {
-        let [first, last] = [guard, guard + d].map(|from| outputs(kernel, from, d));
-        format!("[{first}, {last}]")
-    } else {
-        format!("[[0.0; {d}]; 2]")
+fn residual_of(kernel: &Kernel, (d, bases): (usize, usize), guard: usize) -> String {
+    let half = (kernel.outputs() - guard) / 2;
+    let [first, last] = [guard, guard + half].map(|from| outputs(kernel, from, half));
+    let base = match bases {
+        0 => "*y".to_owned(),
+        _ => outputs(kernel, 0, d),
     };
     format!(
-        "Residual {{ base: {}, offset: {}, increment: {}, guard: {guard} }}",
-        outputs(kernel, 0, d),
-        outputs(kernel, d, d),
-        outputs(kernel, 2 * d, d)
+        "Residual {{ base: {base}, offset: {}, increment: {}, guard: [largest(&{first}), largest(&{last})] }}",
+        outputs(kernel, bases, d),
+        outputs(kernel, bases + d, d)
     )
 }
 

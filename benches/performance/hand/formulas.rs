@@ -13,7 +13,7 @@ mod written {
 
     use leafwise::expression::elementary::exp_m1_mirrored;
 
-    use super::super::newton::{Formulas, Full, Residual};
+    use super::super::newton::{Formulas, Full, Residual, largest};
 
     include!("../formulas/RigidBody2.rs");
     include!("../formulas/RigidBody4.rs");

@@ -28,8 +28,8 @@ pub struct Residual<const D: usize> {
     pub base: [f64; D],
     pub offset: [f64; D],
     pub increment: [f64; D],
-    /// The first and the last term of a series.
-    pub guard: [[f64; D]; 2],
+    /// The largest entries of a guard's two sides.
+    pub guard: [f64; 2],
 }
 
 /// The same with D(β̂∘L) and D((α̂ − β̂)∘L).
@@ -43,6 +43,13 @@ pub struct Full<const D: usize> {
 pub trait Formulas<const D: usize> {
     /// How many evaluations without Jacobians cost one with.
     const MOST_CHORDS: u32;
+    /// Whether there is a series to start from.
+    const HAS_SERIES: bool = false;
+    /// 2 Σ tᵏ Y_k(x) for odd k.
+    #[inline(always)]
+    fn odd(&self, _: &[f64; D]) -> [f64; D] {
+        unreachable!("asked for where there is a series")
+    }
     fn residual(&self, y: &[f64; D]) -> Residual<D>;
     fn full(&self, y: &[f64; D]) -> Full<D>;
 }
@@ -59,6 +66,8 @@ pub struct Trajectory<F, const D: usize> {
     change: [[f64; D]; D],
     scale: [f64; D],
     anchored: bool,
+    /// The solution of the step before.
+    before: Option<[f64; D]>,
     differences: [[f64; D]; LEVELS],
     filled: usize,
     order: usize,
@@ -80,6 +89,7 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
             change: [[0.0; D]; D],
             scale: [0.0; D],
             anchored: false,
+            before: None,
             differences: [[0.0; D]; LEVELS],
             filled: 0,
             order: 0,
@@ -96,9 +106,19 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
         let x = self.x;
         let mut y = x;
         let mut predicted = [0.0; D];
-        for level in &self.differences[..self.order] {
+        if F::HAS_SERIES {
+            let odd = self.formulas.odd(&x);
             for i in 0..D {
-                predicted[i] += level[i];
+                predicted[i] = match &self.before {
+                    Some(before) => (before[i] - x[i]) + odd[i],
+                    None => 0.5 * odd[i],
+                };
+            }
+        } else {
+            for level in &self.differences[..self.order] {
+                for i in 0..D {
+                    predicted[i] += level[i];
+                }
             }
         }
         let mut distance = 0.0;
@@ -188,8 +208,7 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
                 || is_stuck && size <= noise
                 || stuck >= 2 && self.is_round_off(&correction)
             {
-                let [first, last] =
-                    guard.map(|term| term.iter().fold(0.0_f64, |m, v| m.max(v.abs())));
+                let [first, last] = guard;
                 if last != 0.0 && last >= first {
                     return false;
                 }
@@ -200,7 +219,11 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
                     }
                     increment[i] += first_order;
                 }
-                self.record(&y);
+                if F::HAS_SERIES {
+                    self.before = Some(y);
+                } else {
+                    self.record(&y);
+                }
                 self.advance(&increment);
                 return true;
             }
@@ -228,6 +251,10 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
             }
         }
         self.anchored = true;
+        if D <= 3 {
+            self.invert();
+            return residual;
+        }
         for k in 0..D {
             let pivot = self.factors[k][k];
             let reciprocal = 1.0 / pivot;
@@ -245,8 +272,51 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
         residual
     }
 
+    /// The inverse by cofactors, of a matrix near the identity.
+    #[inline(always)]
+    fn invert(&mut self) {
+        let a = self.factors;
+        let at = |row: usize, column: usize| a[row % D][column % D];
+        let minor = at(0, 0) * at(1, 1) - at(0, 1) * at(1, 0);
+        if D == 2 {
+            let reciprocal = 1.0 / minor;
+            let adjugate = [[at(1, 1), -at(0, 1)], [-at(1, 0), at(0, 0)]];
+            for row in 0..D {
+                for column in 0..D {
+                    self.factors[row][column] = adjugate[row % 2][column % 2] * reciprocal;
+                }
+            }
+        } else {
+            let cofactor = |row: usize, column: usize| {
+                at(row + 1, column + 1) * at(row + 2, column + 2)
+                    - at(row + 1, column + 2) * at(row + 2, column + 1)
+            };
+            let determinant =
+                at(0, 0) * cofactor(0, 0) + at(0, 1) * cofactor(0, 1) + at(0, 2) * cofactor(0, 2);
+            self.anchored &= determinant > 0.5 * minor && determinant < 2.0 * minor;
+            let reciprocal = 1.0 / determinant;
+            for row in 0..D {
+                for column in 0..D {
+                    self.factors[row][column] = cofactor(column, row) * reciprocal;
+                }
+            }
+        }
+        self.anchored &= at(0, 0) > 0.5 && at(0, 0) < 2.0;
+        self.anchored &= minor > 0.5 * at(0, 0) && minor < 2.0 * at(0, 0);
+    }
+
     #[inline(always)]
     fn solve(&self, right: &mut [f64; D]) {
+        if D <= 3 {
+            let given = *right;
+            for (value, row) in right.iter_mut().zip(&self.factors) {
+                *value = row[0] * given[0];
+                for column in 1..D {
+                    *value += row[column] * given[column];
+                }
+            }
+            return;
+        }
         for row in 1..D {
             for column in 0..row {
                 right[row] -= self.factors[row][column] * right[column];
@@ -276,7 +346,6 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
 
     /// Whether a correction is round-off beside the state as a whole.
     fn is_round_off(&self, correction: &[f64; D]) -> bool {
-        let largest = |values: &[f64; D]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         largest(correction) / largest(&self.scale) <= 16.0 * f64::EPSILON
     }
 
@@ -323,6 +392,12 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
             self.x[i] = sum;
         }
     }
+}
+
+/// max |v_i|.
+#[inline(always)]
+pub fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |m, v| larger(m, v.abs()))
 }
 
 /// max that keeps NaN.
