@@ -82,13 +82,13 @@ fn ours<P: Problem + 'static>(orders: &[usize]) -> Vec<Box<dyn Contestant>> {
             }
         }
     }
-    for stepper in P::STEPPERS {
+    for (stepper, value) in P::STEPPERS {
         for scheme in SCHEMES {
             let takes_factors = Scheme::find(scheme).is_some_and(|s| s.takes_factors());
-            if takes_factors && *stepper != "splitting" {
+            if takes_factors && !stepper.starts_with("splitting") {
                 continue;
             }
-            let method = format!("stepper = \"{stepper}\"\ncomposition = \"{scheme}\"");
+            let method = format!("stepper = {value}\ncomposition = \"{scheme}\"");
             let name = format!("{stepper}, {scheme}");
             ours.push(Box::new(Ours::<P>::new(name, Kind::StepMap, &method, most)));
         }

@@ -14,8 +14,8 @@ pub trait Problem: Flows<State = [f64; 3]> {
     const REALIZATIONS: &'static [&'static str];
     /// What the Hamilton–Jacobi series is made from.
     const HAMILTONIANS: &'static [&'static str];
-    /// Poisson step maps of order 2 that take compositions.
-    const STEPPERS: &'static [&'static str];
+    /// Poisson step maps of order 2 that take compositions: names, and what a scene calls them.
+    const STEPPERS: &'static [(&'static str, &'static str)];
     /// ẋ.
     fn field(x: &[f64; 3]) -> [f64; 3];
     /// The Casimir, and its largest summand.
@@ -35,7 +35,10 @@ impl Problem for RigidBody {
     const TIME: f64 = 200.0;
     const REALIZATIONS: &'static [&'static str] = &["so3-exponential", "so3-cayley"];
     const HAMILTONIANS: &'static [&'static str] = &["given", "energy-casimir"];
-    const STEPPERS: &'static [&'static str] = &["splitting", "spherical-midpoint"];
+    const STEPPERS: &'static [(&'static str, &'static str)] = &[
+        ("splitting", "\"splitting\""),
+        ("spherical-midpoint", "\"spherical-midpoint\""),
+    ];
 
     #[inline(always)]
     fn field(x: &[f64; 3]) -> [f64; 3] {
@@ -81,7 +84,13 @@ impl Problem for LotkaVolterra {
     const TIME: f64 = 100.0;
     const REALIZATIONS: &'static [&'static str] = &["log-canonical"];
     const HAMILTONIANS: &'static [&'static str] = &["given"];
-    const STEPPERS: &'static [&'static str] = &["splitting"];
+    const STEPPERS: &'static [(&'static str, &'static str)] = &[
+        ("splitting", "\"splitting\""),
+        (
+            "splitting 1 2 3",
+            "{ name = \"splitting\", pieces = \"1 2 3\" }",
+        ),
+    ];
 
     #[inline(always)]
     fn field(x: &[f64; 3]) -> [f64; 3] {

@@ -3,6 +3,8 @@
 use leafwise_expression::AlgebraError;
 use thiserror::Error;
 
+use crate::solver::Pieces;
+
 /// Why a part or a method could not be built.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -120,6 +122,16 @@ pub enum BuildError {
         composition: &'static str,
         /// The map.
         map: String,
+    },
+    /// A composition of a splitting into other pieces than it needs.
+    #[error("the composition needs {asked}, and {map} does not offer them: {reason}")]
+    Pieces {
+        /// The map.
+        map: String,
+        /// What is needed.
+        asked: Pieces,
+        /// The bracket that is not 0, or what else is missing.
+        reason: String,
     },
     /// A system that a part does not fit.
     #[error("{part} does not fit this system: {reason}")]

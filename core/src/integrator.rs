@@ -1,6 +1,5 @@
 //! The compensated step loop.
 
-use crate::compensation::two_sum;
 use crate::error::StepError;
 use crate::solver::{SolverStatistics, StepMap, Stepper};
 
@@ -70,28 +69,18 @@ impl Integrator {
     /// # Errors
     /// The solver's [`StepError`]; the state is then still x_k.
     pub fn step(&mut self) -> Result<(), StepError> {
-        let mut outcome = [Ok(())];
-        self.stepper
-            .increment(&self.state, &self.low, &mut self.increment, &mut outcome);
-        let [outcome] = outcome;
-        outcome?;
-        let sums = self.state.iter().zip(&self.increment);
-        // 0·s is 0 where s is finite, and no number elsewhere.
-        if sums.fold(0.0, |zero, (x, i)| zero + 0.0 * (x + i)).is_nan() {
-            return Err(StepError::NonFinite {
-                what: "the new state",
-            });
-        }
-        for ((x, low), increment) in self
-            .state
-            .iter_mut()
-            .zip(&mut self.low)
-            .zip(&self.increment)
-        {
-            (*x, *low) = two_sum(*x, increment + *low);
-        }
-        self.steps += 1;
-        Ok(())
+        self.advance(1)
+    }
+
+    /// x_k ↦ x_{k+n}, to the same bits as n steps one by one. Steppers that are straight-line code stay in one loop.
+    ///
+    /// # Errors
+    /// The [`StepError`] of the step that failed; the state is that before it, [`steps`](Self::steps) its number.
+    pub fn advance(&mut self, steps: u64) -> Result<(), StepError> {
+        let (state, low) = (&mut self.state, &mut self.low);
+        let (made, outcome) = self.stepper.advance(steps, state, low, &mut self.increment);
+        self.steps += made;
+        outcome
     }
 
     /// What the state holds beyond a double.

@@ -73,6 +73,6 @@ pub use realization::{
 pub use registry::{Part, Registry, RegistryError};
 pub use side_by_side::SideBySide;
 pub use solver::{
-    MapProperties, Observe, SolverStatistics, StepMap, Stepper, Structure, WithoutPoles,
+    MapProperties, Observe, Pieces, SolverStatistics, StepMap, Stepper, Structure, WithoutPoles,
 };
 pub use system::{Convention, PoissonSystem, SystemBuilder, SystemFormulas, SystemNumbers};

@@ -7,7 +7,7 @@ use crate::error::BuildError;
 use crate::lattice::{LatticeMap, LatticeSource};
 use crate::part::{PartInfo, PartKind, PartParameters};
 use crate::realization::RealizationData;
-use crate::solver::StepMap;
+use crate::solver::{Pieces, StepMap};
 use crate::system::PoissonSystem;
 
 type MakeSystem = dyn Fn(&PartParameters) -> Result<PoissonSystem, BuildError> + Send + Sync;
@@ -207,8 +207,8 @@ pub struct CompositionPart {
     pub info: &'static PartInfo,
     /// Its order over a base of order 2.
     pub order: usize,
-    /// Whether its base must come apart into a map of order 1 and its adjoint.
-    pub takes_factors: bool,
+    /// Where its base must come apart into a map of order 1 and its adjoint: what it asks of their pieces.
+    pub factors: Option<Pieces>,
     make: Arc<MakeComposition>,
 }
 
@@ -217,7 +217,7 @@ impl CompositionPart {
     pub fn new(
         info: &'static PartInfo,
         order: usize,
-        takes_factors: bool,
+        factors: Option<Pieces>,
         make: impl Fn(Arc<dyn StepMap>, &PartParameters) -> Result<Arc<dyn StepMap>, BuildError>
         + Send
         + Sync
@@ -226,7 +226,7 @@ impl CompositionPart {
         Self {
             info,
             order,
-            takes_factors,
+            factors,
             make: Arc::new(make),
         }
     }

@@ -4,7 +4,8 @@ use std::sync::{Arc, OnceLock};
 
 use leafwise_expression::{Graph, Kernel, OperationCount, Term, Workspace};
 
-use super::{MapProperties, SolverStatistics, StepMap, Stepper};
+use super::{MapProperties, SolverStatistics, StepMap, Stepper, finite_sums};
+use crate::compensation::two_sum;
 use crate::error::{BuildError, StepError};
 
 /// x ↦ x + f_{ε,h}(x), f given by code.
@@ -200,6 +201,36 @@ impl Stepper for ExplicitStepper {
             };
             self.statistics.count(self.evaluations, outcome.is_ok());
         }
+    }
+
+    /// The kernel's memory holds the state and the increment: nothing is copied but what the step itself moves.
+    fn advance(
+        &mut self,
+        steps: u64,
+        state: &mut [f64],
+        low: &mut [f64],
+        increment: &mut [f64],
+    ) -> (u64, Result<(), StepError>) {
+        let kernel = &self.shared.step;
+        for made in 0..steps {
+            kernel.evaluate_rows::<1>(&mut self.workspace, state.as_chunks().0);
+            let changes = kernel.output_rows::<1>(&self.workspace).as_flattened();
+            // A sum is finite where both summands are.
+            if finite_sums(state, changes).is_err() {
+                self.statistics.count_all(made, self.evaluations);
+                let mut outcome = [Ok(())];
+                self.increment(state, low, increment, &mut outcome);
+                let [outcome] = outcome;
+                return (made, outcome.and_then(|()| finite_sums(state, increment)));
+            }
+            let places = state.iter_mut().zip(&mut *low).zip(&mut self.last);
+            for (((x, low), last), change) in places.zip(changes) {
+                *last = *x;
+                (*x, *low) = two_sum(*x, change + *low);
+            }
+        }
+        self.statistics.count_all(steps, self.evaluations);
+        (steps, Ok(()))
     }
 
     fn tangent(&mut self, lane: usize) -> Option<Vec<f64>> {

@@ -34,7 +34,7 @@ pub use linear::{
 pub use newton::{NewtonKernel, NewtonStepper};
 pub(crate) use numeric::NumericSolver;
 pub use poles::{Poles, WithoutPoles};
-pub use properties::{MapProperties, Structure};
+pub use properties::{MapProperties, Pieces, Structure};
 pub(crate) use signs::{KeptSigns, kept_signs};
 pub use statistics::SolverStatistics;
 
@@ -42,7 +42,8 @@ use std::sync::Arc;
 
 use leafwise_expression::Kernel;
 
-use crate::error::StepError;
+use crate::compensation::two_sum;
+use crate::error::{BuildError, StepError};
 
 /// DΦ = 1 + D((α̂ − β̂)∘L)·D(β̂∘L)⁻¹ from the two tangents at the solution, all row-major d × d.
 pub(crate) fn tangent_of_map(target: &[f64], change: &[f64], d: usize) -> Option<Vec<f64>> {
@@ -72,6 +73,21 @@ pub trait StepMap: Send + Sync {
     fn factors(&self) -> Option<[Arc<dyn StepMap>; 2]> {
         None
     }
+    /// How many pieces the [`factors`](Self::factors) are products of, where these may be taken in any order; 0 elsewhere.
+    fn pieces(&self) -> usize {
+        0
+    }
+    /// The same map of other [`factors`](Self::factors): its pieces as a composition asks for them.
+    ///
+    /// # Errors
+    /// [`BuildError::Pieces`] where they are not of that kind, or it cannot be proved.
+    fn arranged(&self, asked: Pieces) -> Result<Arc<dyn StepMap>, BuildError> {
+        Err(BuildError::Pieces {
+            map: self.describe(),
+            asked,
+            reason: "its pieces are not known as formulas".to_owned(),
+        })
+    }
     /// A stepper of … ∘ χ*_{α_4 h} ∘ χ_{α_3 h} ∘ χ*_{α_2 h} ∘ χ_{α_1 h} over the [`factors`](Self::factors), where
     /// that takes less than one factor after the other; Φ_{γ_s h} ∘ … ∘ Φ_{γ_1 h} has
     /// α_{2i−1} = α_{2i} = γ_i/2. Two factors count as an evaluation.
@@ -100,6 +116,29 @@ pub trait Stepper: Send {
         increment: &mut [f64],
         outcome: &mut [Result<(), StepError>],
     );
+    /// Up to `steps` steps x_{k+1} = x_k + Δ_k of a stepper of one lane; x_k is `state` + `low`, and what rounding
+    /// takes from a sum stays in `low`. Returns the steps made, and what ended them: the state is then that before
+    /// the step that failed. `increment` is room for Δ_k.
+    fn advance(
+        &mut self,
+        steps: u64,
+        state: &mut [f64],
+        low: &mut [f64],
+        increment: &mut [f64],
+    ) -> (u64, Result<(), StepError>) {
+        for made in 0..steps {
+            let mut outcome = [Ok(())];
+            self.increment(state, low, increment, &mut outcome);
+            let [outcome] = outcome;
+            if let Err(error) = outcome.and_then(|()| finite_sums(state, increment)) {
+                return (made, Err(error));
+            }
+            for ((x, low), increment) in state.iter_mut().zip(&mut *low).zip(&*increment) {
+                (*x, *low) = two_sum(*x, increment + *low);
+            }
+        }
+        (steps, Ok(()))
+    }
     /// The solution y of β̂(L(y)) = x of a lane's last step, `None` for a map without a bisection.
     fn solution(&self, lane: usize) -> Option<Vec<f64>> {
         let _ = lane;
@@ -122,6 +161,16 @@ pub trait Stepper: Send {
     /// # Errors
     /// Returns the expected length when `memory` has another.
     fn restore(&mut self, memory: &[f64]) -> Result<(), usize>;
+}
+
+/// Refuses a step whose end overflows.
+fn finite_sums(state: &[f64], increment: &[f64]) -> Result<(), StepError> {
+    let mut sums = state.iter().zip(increment).map(|(x, change)| x + change);
+    let what = "the new state";
+    match sums.all(f64::is_finite) {
+        true => Ok(()),
+        false => Err(StepError::NonFinite { what }),
+    }
 }
 
 /// Functions of the state that a run watches.

@@ -184,6 +184,10 @@ impl StepMap for WithoutPoles {
         self.map.kernels()
     }
 
+    fn pieces(&self) -> usize {
+        self.map.pieces()
+    }
+
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
         let stepper = self.map.stepper(lanes, parameters, epsilon, h);
         Checked::boxed(stepper, Arc::clone(&self.poles).make(lanes, parameters))

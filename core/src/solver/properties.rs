@@ -41,3 +41,27 @@ pub struct MapProperties {
     /// Whether Φ_{−h} ∘ Φ_h = id; `None` where that is not known.
     pub self_adjoint: Option<bool>,
 }
+
+/// What a composition asks of the pieces of a splitting, beyond χ and χ*.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pieces {
+    /// Nothing.
+    Any,
+    /// Two, H = T + V with {V, {V, {V, T}}} = 0, as T = p²/2 and V(q); χ begins with the flow of V, or else of T.
+    Nystrom {
+        /// Whether it is V's.
+        kick_first: bool,
+    },
+    /// Two, H = A + B with a small B; χ begins with the flow of A.
+    Perturbed,
+}
+
+impl fmt::Display for Pieces {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Any => "any pieces",
+            Self::Nystrom { .. } => "two pieces T and V with {V, {V, {V, T}}} = 0",
+            Self::Perturbed => "two pieces, one of them a small perturbation",
+        })
+    }
+}

@@ -128,3 +128,95 @@ pub const BLANES_MOAN_6: [f64; 10] = [
     0.346_358_189_850_728_36,
     -0.362_762_779_254_345_97,
 ];
+
+/// S. Blanes, P. C. Moan (2002), table 3, SRKN₆ᵇ, over the flows of V and T in turn, V first, as α_1 = b_1, α_2 = a_1 − α_1, …:
+/// of order 4 where {V, {V, {V, T}}} = 0. The printed 15 digits were continued by Newton's method on the order conditions
+/// in words over V and T modulo that bracket, to the nearest solution, 3e-16 away.
+pub const NYSTROM_4: [f64; 6] = [
+    0.082_984_406_417_405_16,
+    0.162_314_550_766_866_16,
+    0.233_995_250_731_502,
+    0.370_877_414_979_577_77,
+    -0.409_933_719_901_926_3,
+    0.059_762_097_006_575_17,
+];
+
+/// S. Blanes, P. C. Moan (2002), table 3, SRKN₁₁ᵇ, V first, continued likewise, 7e-16 away.
+pub const NYSTROM_6: [f64; 11] = [
+    0.041_464_998_518_262_845,
+    0.081_764_777_428_008_29,
+    0.116_363_894_490_058_16,
+    0.174_189_903_309_500_15,
+    -0.214_196_095_413_652_86,
+    0.087_146_882_788_235_65,
+    -0.011_892_898_486_655_41,
+    -0.234_438_862_575_419_93,
+    0.222_927_475_154_732_2,
+    0.134_281_397_641_195_73,
+    0.102_388_527_145_735_15,
+];
+
+/// S. Blanes, P. C. Moan (2002), table 3, SRKN₁₄ᵃ, T first, continued likewise, 3e-15 away.
+pub const NYSTROM_6_LONG: [f64; 14] = [
+    0.037_859_319_840_611_25,
+    0.053_859_832_783_850_856,
+    0.048_775_800_318_585_18,
+    0.135_207_369_686_420_83,
+    -0.161_075_257_952_979,
+    0.104_540_892_120_089_21,
+    0.209_700_510_951_355_36,
+    -0.204_785_822_176_643_3,
+    0.074_641_362_659_230_92,
+    0.069_119_764_509_131_35,
+    0.037_297_935_860_410_567,
+    0.291_269_757_886_391_4,
+    -0.300_064_001_014_901_66,
+    0.103_652_534_528_446_97,
+];
+
+/// α_1 = c_1, α_2 = d_1 − c_1, α_3 = c_2 − α_2, α_4 = d_2 − α_3 of Gauss's nodes c_1, c_1 + c_2, … and weights d_1, d_2, … on
+/// [0, 1]: R. I. McLachlan, BIT 35, 258–268 (1995); J. Laskar, P. Robutel, Celestial Mechanics and Dynamical Astronomy
+/// 80, 39–62 (2001), SABA₄.
+pub const PERTURBED_8_2: [f64; 4] = [
+    0.069_431_844_202_973_71,
+    0.104_495_578_365_753_21,
+    0.156_082_055_638_844_95,
+    0.169_990_521_792_428_13,
+];
+
+/// S. Blanes, F. Casas, A. Farrés, J. Laskar, J. Makazaga, A. Murua, Applied Numerical Mathematics 68, 58–72 (2013), ABA(10,4)
+/// with the flow of A first, as α_1 = a_1, α_2 = b_1 − α_1, …. The printed digits were continued by Newton's method on the
+/// order conditions in words over A and B, with one B up to grade 10 and two or more up to grade 4, 4e-17 away.
+pub const PERTURBED_10_4: [f64; 7] = [
+    0.047_067_100_645_972_505,
+    0.071_814_816_722_224_52,
+    0.112_942_118_694_863_59,
+    0.128_108_341_856_637_97,
+    0.154_597_663_823_198_23,
+    -0.427_884_330_528_522_04,
+    0.413_354_288_785_625_25,
+];
+
+/// The same authors, ABA(8,6,4): one B up to grade 8, two up to 6, three or more up to 4; continued likewise, 7e-17 away.
+pub const PERTURBED_8_6_4: [f64; 7] = [
+    0.071_133_426_498_223_12,
+    0.111_950_260_973_974_1,
+    0.129_203_166_982_665_98,
+    0.181_579_692_915_908_86,
+    0.339_832_068_856_905_9,
+    -0.366_396_687_368_864_7,
+    0.032_698_071_141_186_71,
+];
+
+/// The same authors, ABA(10,6,4): one B up to grade 10, two up to 6, three or more up to 4; continued likewise, 6e-17
+/// away.
+pub const PERTURBED_10_6_4: [f64; 8] = [
+    0.038_094_497_422_412_193,
+    0.057_764_383_414_663_015,
+    0.087_534_332_702_250_74,
+    0.116_911_820_440_748_05,
+    0.090_715_875_284_793_2,
+    0.126_354_472_694_197_9,
+    0.309_555_230_957_328_3,
+    -0.326_930_612_916_393_36,
+];

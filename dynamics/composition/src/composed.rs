@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::solver::{MapProperties, SolverStatistics, StepMap, Stepper};
-use leafwise_core::{BuildError, StepError, two_sum};
+use leafwise_core::{BuildError, Pieces, StepError, two_sum};
 use leafwise_expression::Kernel;
 
 use crate::scheme::Scheme;
@@ -21,7 +21,8 @@ impl Composed {
     ///
     /// # Errors
     /// [`BuildError::NotComposable`] when `base` does not declare itself self-adjoint,
-    /// [`BuildError::NoFactors`] when the scheme takes its factors and it offers none.
+    /// [`BuildError::NoFactors`] when the scheme takes its factors and it offers none,
+    /// [`BuildError::Pieces`] when these are not those that the scheme was solved for.
     pub fn new(base: Arc<dyn StepMap>, scheme: Scheme) -> Result<Self, BuildError> {
         if scheme.takes_factors() && base.factors().is_none() {
             return Err(BuildError::NoFactors {
@@ -35,6 +36,10 @@ impl Composed {
                 map: base.describe(),
             });
         }
+        let base = match scheme.pieces {
+            Pieces::Any => base,
+            asked => base.arranged(asked)?,
+        };
         Ok(Self { base, scheme })
     }
 

@@ -11,7 +11,9 @@
 //! - [`scheme`]: a scheme: its order, its coefficients, what it declares.
 //! - [`composed`]: the composition as a step map.
 //! - `schemes`: the parts `triple-jump`, `suzuki-4`, `yoshida-6`, `kahan-li-6`, `kahan-li-8`,
-//!   `suzuki-umeno-8`, `kahan-li-10`, `sofroniou-spaletta-10`, `blanes-moan-4`, `blanes-moan-6`.
+//!   `suzuki-umeno-8`, `kahan-li-10`, `sofroniou-spaletta-10`, `blanes-moan-4`, `blanes-moan-6`;
+//!   for two pieces of a kind `nystrom-4`, `nystrom-6`, `nystrom-6-long`, `perturbed-8-2`, `perturbed-10-4`,
+//!   `perturbed-8-6-4`, `perturbed-10-6-4`.
 
 pub mod coefficients;
 pub mod composed;

@@ -1,5 +1,6 @@
 //! A composition scheme.
 
+use leafwise_core::Pieces;
 use leafwise_core::part::PartInfo;
 
 /// The numbers of a scheme.
@@ -22,6 +23,8 @@ pub struct Scheme {
     pub order: usize,
     /// Its first half.
     pub half: Coefficients,
+    /// The pieces for which its order is proved.
+    pub pieces: Pieces,
 }
 
 impl Scheme {

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use leafwise_core::Pieces;
 use leafwise_core::part::{Compared, PartInfo, PartKind};
 use leafwise_core::registry::CompositionPart;
 
@@ -12,17 +13,15 @@ use crate::scheme::{Coefficients, Scheme};
 const DOMAIN: &str = "any self-adjoint step map; some stages step backwards in time";
 const DOMAIN_OF_FACTORS: &str = "a step map that comes apart into a map of order 1 and its adjoint: splitting; some of them step backwards in time";
 
+const DOMAIN_OF_NYSTROM: &str = "splitting into two pieces with {V, {V, {V, T}}} = 0, which the exact algebra proves: H = p²/2 + V(q), kinetic energies quadratic in momenta; some of its flows step backwards in time";
+const DOMAIN_OF_PERTURBED: &str = "splitting into two pieces, best where one of them is a small perturbation of the other; some of its flows step backwards in time";
+
 fn part(scheme: Scheme) -> CompositionPart {
-    let takes_factors = scheme.takes_factors();
-    CompositionPart::new(
-        scheme.info,
-        scheme.order,
-        takes_factors,
-        move |base, given| {
-            given.refuse_unknown(scheme.info)?;
-            Ok(Arc::new(Composed::new(base, scheme)?))
-        },
-    )
+    let factors = scheme.takes_factors().then_some(scheme.pieces);
+    CompositionPart::new(scheme.info, scheme.order, factors, move |base, given| {
+        given.refuse_unknown(scheme.info)?;
+        Ok(Arc::new(Composed::new(base, scheme)?))
+    })
 }
 
 impl Scheme {
@@ -32,7 +31,7 @@ impl Scheme {
     }
 
     /// Every scheme.
-    pub fn all() -> [Self; 10] {
+    pub fn all() -> [Self; 17] {
         [
             TRIPLE_JUMP,
             SUZUKI_4,
@@ -44,6 +43,13 @@ impl Scheme {
             SOFRONIOU_SPALETTA_10,
             BLANES_MOAN_4,
             BLANES_MOAN_6,
+            NYSTROM_4,
+            NYSTROM_6,
+            NYSTROM_6_LONG,
+            PERTURBED_8_2,
+            PERTURBED_10_4,
+            PERTURBED_8_6_4,
+            PERTURBED_10_6_4,
         ]
     }
 }
@@ -59,6 +65,7 @@ static TRIPLE_JUMP: Scheme = Scheme {
         ..PartInfo::of(PartKind::Composition)
     },
     order: 4,
+    pieces: Pieces::Any,
     half: Coefficients::Stages(&coefficients::TRIPLE_JUMP),
 };
 leafwise_core::built_in!(part(TRIPLE_JUMP));
@@ -74,6 +81,7 @@ static SUZUKI_4: Scheme = Scheme {
         ..PartInfo::of(PartKind::Composition)
     },
     order: 4,
+    pieces: Pieces::Any,
     half: Coefficients::Stages(&coefficients::SUZUKI_4),
 };
 leafwise_core::built_in!(part(SUZUKI_4));
@@ -89,6 +97,7 @@ static YOSHIDA_6: Scheme = Scheme {
         ..PartInfo::of(PartKind::Composition)
     },
     order: 6,
+    pieces: Pieces::Any,
     half: Coefficients::Stages(&coefficients::YOSHIDA_6),
 };
 leafwise_core::built_in!(part(YOSHIDA_6));
@@ -104,6 +113,7 @@ static KAHAN_LI_6: Scheme = Scheme {
         ..PartInfo::of(PartKind::Composition)
     },
     order: 6,
+    pieces: Pieces::Any,
     half: Coefficients::Stages(&coefficients::KAHAN_LI_6),
 };
 leafwise_core::built_in!(part(KAHAN_LI_6));
@@ -120,6 +130,7 @@ static KAHAN_LI_8: Scheme = Scheme {
         ..PartInfo::of(PartKind::Composition)
     },
     order: 8,
+    pieces: Pieces::Any,
     half: Coefficients::Stages(&coefficients::KAHAN_LI_8),
 };
 leafwise_core::built_in!(part(KAHAN_LI_8));
@@ -135,6 +146,7 @@ static SUZUKI_UMENO_8: Scheme = Scheme {
         ..PartInfo::of(PartKind::Composition)
     },
     order: 8,
+    pieces: Pieces::Any,
     half: Coefficients::Stages(&coefficients::SUZUKI_UMENO_8),
 };
 leafwise_core::built_in!(part(SUZUKI_UMENO_8));
@@ -150,6 +162,7 @@ static KAHAN_LI_10: Scheme = Scheme {
         ..PartInfo::of(PartKind::Composition)
     },
     order: 10,
+    pieces: Pieces::Any,
     half: Coefficients::Stages(&coefficients::KAHAN_LI_10),
 };
 leafwise_core::built_in!(part(KAHAN_LI_10));
@@ -166,6 +179,7 @@ static SOFRONIOU_SPALETTA_10: Scheme = Scheme {
         ..PartInfo::of(PartKind::Composition)
     },
     order: 10,
+    pieces: Pieces::Any,
     half: Coefficients::Stages(&coefficients::SOFRONIOU_SPALETTA_10),
 };
 leafwise_core::built_in!(part(SOFRONIOU_SPALETTA_10));
@@ -181,6 +195,7 @@ static BLANES_MOAN_4: Scheme = Scheme {
         ..PartInfo::of(PartKind::Composition)
     },
     order: 4,
+    pieces: Pieces::Any,
     half: Coefficients::Factors(&coefficients::BLANES_MOAN_4),
 };
 leafwise_core::built_in!(part(BLANES_MOAN_4));
@@ -196,6 +211,119 @@ static BLANES_MOAN_6: Scheme = Scheme {
         ..PartInfo::of(PartKind::Composition)
     },
     order: 6,
+    pieces: Pieces::Any,
     half: Coefficients::Factors(&coefficients::BLANES_MOAN_6),
 };
 leafwise_core::built_in!(part(BLANES_MOAN_6));
+
+static NYSTROM_4: Scheme = Scheme {
+    info: &PartInfo {
+        name: "nystrom-4",
+        summary: "six kicks, made for Hamiltonians p²/2 + V(q): error constants below those of blanes-moan-4",
+        declares: "order 4 over splitting (6 stages a step); self-adjoint; Poisson as the map is",
+        domain: DOMAIN_OF_NYSTROM,
+        literature: "Blanes, Moan, Practical symplectic partitioned Runge-Kutta and Runge-Kutta-Nystrom methods, J. Comput. Appl. Math. 142 (2002), table 3, SRKN6b",
+        compared: Some(Compared::at(11)),
+        ..PartInfo::of(PartKind::Composition)
+    },
+    order: 4,
+    pieces: Pieces::Nystrom { kick_first: true },
+    half: Coefficients::Factors(&coefficients::NYSTROM_4),
+};
+leafwise_core::built_in!(part(NYSTROM_4));
+
+static NYSTROM_6: Scheme = Scheme {
+    info: &PartInfo {
+        name: "nystrom-6",
+        summary: "eleven kicks, made for Hamiltonians p²/2 + V(q)",
+        declares: "order 6 over splitting (11 stages a step); self-adjoint; Poisson as the map is",
+        domain: DOMAIN_OF_NYSTROM,
+        literature: "Blanes, Moan (2002), table 3, SRKN11b",
+        compared: Some(Compared::at(12)),
+        ..PartInfo::of(PartKind::Composition)
+    },
+    order: 6,
+    pieces: Pieces::Nystrom { kick_first: true },
+    half: Coefficients::Factors(&coefficients::NYSTROM_6),
+};
+leafwise_core::built_in!(part(NYSTROM_6));
+
+static NYSTROM_6_LONG: Scheme = Scheme {
+    info: &PartInfo {
+        name: "nystrom-6-long",
+        summary: "fourteen kicks, made for Hamiltonians p²/2 + V(q): smaller error constants a stage than nystrom-6",
+        declares: "order 6 over splitting (14 stages a step); self-adjoint; Poisson as the map is",
+        domain: DOMAIN_OF_NYSTROM,
+        literature: "Blanes, Moan (2002), table 3, SRKN14a",
+        compared: Some(Compared::at(13)),
+        ..PartInfo::of(PartKind::Composition)
+    },
+    order: 6,
+    pieces: Pieces::Nystrom { kick_first: false },
+    half: Coefficients::Factors(&coefficients::NYSTROM_6_LONG),
+};
+leafwise_core::built_in!(part(NYSTROM_6_LONG));
+
+static PERTURBED_8_2: Scheme = Scheme {
+    info: &PartInfo {
+        name: "perturbed-8-2",
+        summary: "four stages: the error of H = A + εB is ε h⁸ + ε² h²",
+        declares: "order 2 over splitting (4 stages a step); self-adjoint; Poisson as the map is",
+        domain: DOMAIN_OF_PERTURBED,
+        literature: "McLachlan, Composition methods in the presence of small parameters, BIT 35 (1995); Laskar, Robutel, High order symplectic integrators for perturbed Hamiltonian systems, Celest. Mech. Dyn. Astron. 80 (2001), SABA4",
+        compared: Some(Compared::at(14)),
+        ..PartInfo::of(PartKind::Composition)
+    },
+    order: 2,
+    pieces: Pieces::Perturbed,
+    half: Coefficients::Factors(&coefficients::PERTURBED_8_2),
+};
+leafwise_core::built_in!(part(PERTURBED_8_2));
+
+static PERTURBED_10_4: Scheme = Scheme {
+    info: &PartInfo {
+        name: "perturbed-10-4",
+        summary: "seven stages: the error of H = A + εB is ε h¹⁰ + ε² h⁴",
+        declares: "order 4 over splitting (7 stages a step); self-adjoint; Poisson as the map is",
+        domain: DOMAIN_OF_PERTURBED,
+        literature: "Blanes, Casas, Farres, Laskar, Makazaga, Murua, New families of symplectic splitting methods for numerical integration in dynamical astronomy, Appl. Numer. Math. 68 (2013), ABA(10,4)",
+        compared: Some(Compared::at(15)),
+        ..PartInfo::of(PartKind::Composition)
+    },
+    order: 4,
+    pieces: Pieces::Perturbed,
+    half: Coefficients::Factors(&coefficients::PERTURBED_10_4),
+};
+leafwise_core::built_in!(part(PERTURBED_10_4));
+
+static PERTURBED_8_6_4: Scheme = Scheme {
+    info: &PartInfo {
+        name: "perturbed-8-6-4",
+        summary: "seven stages: the error of H = A + εB is ε h⁸ + ε² h⁶ + ε³ h⁴",
+        declares: "order 4 over splitting (7 stages a step); self-adjoint; Poisson as the map is",
+        domain: DOMAIN_OF_PERTURBED,
+        literature: "Blanes, Casas, Farres, Laskar, Makazaga, Murua (2013), ABA(8,6,4)",
+        compared: Some(Compared::at(16)),
+        ..PartInfo::of(PartKind::Composition)
+    },
+    order: 4,
+    pieces: Pieces::Perturbed,
+    half: Coefficients::Factors(&coefficients::PERTURBED_8_6_4),
+};
+leafwise_core::built_in!(part(PERTURBED_8_6_4));
+
+static PERTURBED_10_6_4: Scheme = Scheme {
+    info: &PartInfo {
+        name: "perturbed-10-6-4",
+        summary: "eight stages: the error of H = A + εB is ε h¹⁰ + ε² h⁶ + ε³ h⁴",
+        declares: "order 4 over splitting (8 stages a step); self-adjoint; Poisson as the map is",
+        domain: DOMAIN_OF_PERTURBED,
+        literature: "Blanes, Casas, Farres, Laskar, Makazaga, Murua (2013), ABA(10,6,4)",
+        compared: Some(Compared::at(17)),
+        ..PartInfo::of(PartKind::Composition)
+    },
+    order: 4,
+    pieces: Pieces::Perturbed,
+    half: Coefficients::Factors(&coefficients::PERTURBED_10_6_4),
+};
+leafwise_core::built_in!(part(PERTURBED_10_6_4));

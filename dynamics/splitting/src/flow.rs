@@ -142,7 +142,7 @@ fn oscillation(velocity: &Polynomial, acceleration: &Polynomial, square: &Polyno
 }
 
 /// D f = Σ_j X^j ∂_j f over the variables that f depends on, which are noted in `reads`.
-fn lie_derivative(
+pub(crate) fn lie_derivative(
     ring: &mut Ring,
     field: &Field,
     f: &Polynomial,

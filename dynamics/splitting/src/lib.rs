@@ -15,11 +15,13 @@
 //! - [`entire`]: the entire functions that close the Lie series.
 //! - [`code`]: flows as straight-line code.
 //! - [`schedule`]: which flows a step takes.
+//! - `arrangement`: the order in which the flows follow each other.
 //! - [`splitting`]: Strang's product as a step map.
 //! - `factor`: its factors χ and χ*, the flows' product in one order and its adjoint.
 //! - [`lattice`]: the same on long lattices, by sweeps.
 //! - `rates`, `display`: rates that are multiples of one, elements of the ring as text.
 
+mod arrangement;
 pub mod code;
 mod display;
 pub mod entire;

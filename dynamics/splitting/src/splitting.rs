@@ -3,12 +3,15 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use leafwise_core::lattice::{LatticeMap, LatticeSource};
-use leafwise_core::part::{Compared, Family, PartInfo, PartKind, PartParameters};
+use leafwise_core::part::{
+    Compared, Family, ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters,
+};
 use leafwise_core::registry::StepperPart;
-use leafwise_core::solver::{ExplicitMap, MapProperties, StepMap, Stepper, Structure};
+use leafwise_core::solver::{ExplicitMap, MapProperties, Pieces, StepMap, Stepper, Structure};
 use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::{Arithmetic, Graph, Kernel, OperationCount, Ring, StepSize, Term};
 
+use crate::arrangement::{AUTO, ORDER, asked_order, named_order};
 use crate::code::product_increment;
 use crate::display::Names;
 use crate::factor::{Factor, Splits, evaluations};
@@ -26,6 +29,12 @@ static INFO: PartInfo = PartInfo {
     literature: "Strang, On the construction and comparison of difference schemes (1968); \
                  McLachlan, Quispel, Splitting methods, Acta Numerica 11 (2002); Hairer, Lubich, \
                  Wanner, Geometric Numerical Integration, section VII.4.2",
+    parameters: &[ParameterInfo {
+        name: ORDER,
+        summary: "the order in which a step takes the pieces, by their numbers in the order of H's terms: \"2 1 3\"; the last \
+                  one is the middle of a step",
+        default: ParameterDefault::Text(AUTO),
+    }],
     family: Some(Family::Splitting),
     compared: Some(Compared::at(1)),
     reference: Some(&[]),
@@ -60,19 +69,41 @@ impl Splitting {
     /// [`BuildError::DoesNotFit`] with the term of H that has no exact flow, or where flows cancel,
     /// [`BuildError::Algebra`] where a formula is outside the algebra.
     pub fn new(system: &PoissonSystem) -> Result<Self, BuildError> {
+        Self::with_parameters(system, &PartParameters::new())
+    }
+
+    /// The same with the pieces in an order of their own.
+    fn with_parameters(
+        system: &PoissonSystem,
+        parameters: &PartParameters,
+    ) -> Result<Self, BuildError> {
         let system = system.formulas(INFO.name)?;
         let mut ring = Ring::new(system.dimension());
         let pieces = find_pieces(system, &mut ring)?;
-        let mut pieces = settled(system, &ring, pieces)?;
-        costliest_last(system, &ring, &mut pieces)?;
+        let pieces = settled(system, &ring, pieces)?;
+        let order = match named_order(&INFO, parameters, pieces.len())? {
+            Some(order) => order,
+            None => costliest_last(system, &ring, &pieces)?,
+        };
+        Self::of_pieces(system, &ring, &pieces, &order)
+    }
+
+    /// The product of `pieces` in this order.
+    fn of_pieces(
+        system: &SystemFormulas,
+        ring: &Ring,
+        pieces: &[Piece],
+        order: &[usize],
+    ) -> Result<Self, BuildError> {
+        let pieces: Vec<Piece> = order.iter().map(|at| pieces[*at].clone()).collect();
         let mut graph = Graph::new();
-        let increment = increment_code(&mut graph, system, &ring, &pieces, &STRANG)?;
+        let increment = increment_code(&mut graph, system, ring, &pieces, &STRANG)?;
         let parameters = system.parameters().len();
         let step = ExplicitMap::compile(graph, increment, parameters);
         Ok(Self {
             shared: Arc::new(Shared {
                 system: system.clone(),
-                ring,
+                ring: ring.clone(),
                 pieces,
                 step,
                 products: Mutex::default(),
@@ -129,12 +160,12 @@ impl Splitting {
     }
 }
 
-/// Moves the piece with the costliest flow to the end: the middle of a step, taken once.
+/// The pieces as they come, the one with the costliest flow last: the middle of a step, taken once.
 fn costliest_last(
     system: &SystemFormulas,
     ring: &Ring,
-    pieces: &mut Vec<Piece>,
-) -> Result<(), BuildError> {
+    pieces: &[Piece],
+) -> Result<Vec<usize>, BuildError> {
     let (parameters, d) = (system.parameters().len(), system.dimension());
     let mut costliest = (0, 0);
     for (at, piece) in pieces.iter().enumerate() {
@@ -152,11 +183,9 @@ fn costliest_last(
             costliest = (cost, at);
         }
     }
-    if !pieces.is_empty() {
-        let piece = pieces.remove(costliest.1);
-        pieces.push(piece);
-    }
-    Ok(())
+    let mut order: Vec<usize> = (0..pieces.len()).filter(|at| *at != costliest.1).collect();
+    order.extend((!pieces.is_empty()).then_some(costliest.1));
+    Ok(order)
 }
 
 fn increment_code(
@@ -207,6 +236,21 @@ impl StepMap for Splitting {
         Some(Factor::both(self))
     }
 
+    fn pieces(&self) -> usize {
+        self.shared.pieces.len()
+    }
+
+    fn arranged(&self, asked: Pieces) -> Result<Arc<dyn StepMap>, BuildError> {
+        let Shared {
+            system,
+            ring,
+            pieces,
+            ..
+        } = self.shared.as_ref();
+        let order = asked_order(system, ring, pieces, asked, self.describe())?;
+        Ok(Arc::new(Self::of_pieces(system, ring, pieces, &order)?))
+    }
+
     /// The product as one kernel. The state between flows is plain doubles; the flows' increments add
     /// up apart from it, so that the step's increment rounds in proportion to itself.
     fn product_stepper(
@@ -241,7 +285,7 @@ fn build(
     parameters: &PartParameters,
 ) -> Result<Arc<dyn StepMap>, BuildError> {
     parameters.refuse_unknown(&INFO)?;
-    Ok(Arc::new(Splitting::new(system)?))
+    Ok(Arc::new(Splitting::with_parameters(system, parameters)?))
 }
 
 fn build_on_lattice(
@@ -249,7 +293,12 @@ fn build_on_lattice(
     parameters: &PartParameters,
 ) -> Result<Arc<dyn LatticeMap>, BuildError> {
     parameters.refuse_unknown(&INFO)?;
-    Ok(Arc::new(LatticeSplitting::new(source)?))
+    let splitting = LatticeSplitting::new(source)?;
+    let order = named_order(&INFO, parameters, splitting.pieces())?;
+    Ok(Arc::new(match order {
+        Some(order) => splitting.in_order(order),
+        None => splitting,
+    }))
 }
 
 leafwise_core::built_in!(StepperPart::new(&INFO, build).with_sweeps(build_on_lattice));

@@ -1,5 +1,6 @@
 //! Claims about splittings, a module each.
 
+mod arrangements;
 mod common;
 mod motions;
 mod splits;

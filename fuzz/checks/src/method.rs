@@ -27,12 +27,12 @@ pub fn method(source: &mut Source<'_>, tensor: &Tensor) -> Method {
         }
     };
     if source.chance(80) {
-        // The first two need the factors of a splitting.
+        // The first nine need the factors of a splitting.
         let has_factors = text.contains("splitting") || source.chance(16);
         let name = source.pick(if has_factors {
             &COMPOSITIONS
         } else {
-            &COMPOSITIONS[2..]
+            &COMPOSITIONS[9..]
         });
         text.push_str(&format!("composition = \"{name}\"\n"));
     }
@@ -40,9 +40,16 @@ pub fn method(source: &mut Source<'_>, tensor: &Tensor) -> Method {
 }
 
 /// Every composition.
-pub const COMPOSITIONS: [&str; 10] = [
+pub const COMPOSITIONS: [&str; 17] = [
     "blanes-moan-4",
     "blanes-moan-6",
+    "nystrom-4",
+    "nystrom-6",
+    "nystrom-6-long",
+    "perturbed-10-4",
+    "perturbed-10-6-4",
+    "perturbed-8-2",
+    "perturbed-8-6-4",
     "kahan-li-10",
     "kahan-li-6",
     "kahan-li-8",

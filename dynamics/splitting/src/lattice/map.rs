@@ -123,6 +123,12 @@ impl LatticeSplitting {
         }))
     }
 
+    /// The same with the pieces in this order.
+    pub(crate) fn in_order(mut self, order: Vec<usize>) -> Self {
+        Arc::make_mut(&mut self.shared).order = order;
+        self
+    }
+
     /// How many pieces there are.
     pub fn pieces(&self) -> usize {
         self.shared.order.len()
@@ -198,6 +204,10 @@ impl StepMap for LatticeSplitting {
 
     fn factors(&self) -> Option<[Arc<dyn StepMap>; 2]> {
         Some(Factor::both(self))
+    }
+
+    fn pieces(&self) -> usize {
+        self.pieces()
     }
 
     fn product_stepper(

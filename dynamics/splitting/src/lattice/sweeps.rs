@@ -10,7 +10,7 @@ use crate::factor::evaluations;
 use crate::schedule::{Flow, passes};
 
 /// A splitting as its steps need it.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Shared {
     pub(super) cells: Cells,
     pub(super) proxy: PoissonSystem,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use leafwise_core::diagnostics::{Defect, TensorDefect};
 use leafwise_core::part::{Family, ParameterSetting, PartKind};
 use leafwise_core::registry::CompositionPart;
-use leafwise_core::{PartParameters, Registry, StepMap, Structure};
+use leafwise_core::{PartParameters, Pieces, Registry, StepMap, Structure};
 
 use super::probe::{distance, given, size};
 use super::trial::Trial;
@@ -100,9 +100,11 @@ fn compositions(registry: &Registry) -> Vec<CompositionPart> {
     let mut parts: Vec<CompositionPart> = parts
         .filter_map(|info| registry.composition(info.name).ok())
         .collect();
+    // Those for pieces of a kind are for `tune` to try.
+    parts.retain(|part| part.factors.is_none_or(|pieces| pieces == Pieces::Any));
     // Sorts are stable: the best of an order stays in front of the others.
-    parts.sort_by_key(|part| (part.order, part.takes_factors));
-    parts.dedup_by_key(|part| (part.order, part.takes_factors));
+    parts.sort_by_key(|part| (part.order, part.factors.is_some()));
+    parts.dedup_by_key(|part| (part.order, part.factors.is_some()));
     parts
 }
 

@@ -328,10 +328,10 @@ fn method_refusal(document: &SceneDocument, error: &BuildError) -> Refusal {
     };
     let place = match error {
         BuildError::Algebra(_) => formula,
-        BuildError::NotComposable { .. } | BuildError::NoFactors { .. } => {
-            part(&document.method.composition)
-                .unwrap_or_else(|| document.system.hamiltonian.place())
-        }
+        BuildError::NotComposable { .. }
+        | BuildError::NoFactors { .. }
+        | BuildError::Pieces { .. } => part(&document.method.composition)
+            .unwrap_or_else(|| document.system.hamiltonian.place()),
         BuildError::DoesNotFit { part: name, .. } if named(name).is_some() => {
             named(name).unwrap_or(formula)
         }

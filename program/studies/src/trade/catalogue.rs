@@ -1,8 +1,9 @@
 //! The methods that are compared on a scene.
 
-use leafwise_core::Accuracy;
 use leafwise_core::dynamics::Generating;
 use leafwise_core::part::{Family, ParameterSetting, PartInfo, PartKind, Settings};
+use leafwise_core::registry::CompositionPart;
+use leafwise_core::{Accuracy, Pieces};
 use leafwise_scene::compose::Stepping;
 use leafwise_scene::document::{MethodParts, MethodTable, PartUse};
 
@@ -87,16 +88,20 @@ impl Catalogue<'_> {
             for order in [2, 4] {
                 let dynamics = made.hamilton_jacobi(self.bench, order);
                 let base = MethodTable::pair(realization.clone(), dynamics);
-                self.compositions(&base, order, false);
+                self.compositions(&base, order);
             }
         }
         for family in [Family::Splitting, Family::Poisson] {
             for stepper in self.bench.registry().family(family) {
-                let base = MethodTable::stepper(PartUse::named(stepper.name));
-                if self.add(base.clone()) {
-                    self.compositions(&base, 2, false);
+                let stepper = PartUse::named(stepper.name);
+                let base = MethodTable::stepper(stepper.clone());
+                let candidate = self.build(&base);
+                let pieces = candidate.as_ref().ok().map(|c| c.run.method.map().pieces());
+                self.add_built(base.clone(), candidate);
+                if let Some(pieces) = pieces {
+                    self.compositions(&base, 2);
                     if family == Family::Splitting {
-                        self.compositions(&base, 2, true);
+                        self.factors(&stepper, pieces);
                     }
                 }
             }
@@ -254,15 +259,41 @@ impl Catalogue<'_> {
         }
     }
 
-    /// Compositions of a base, or of its factors; those that do not raise its order are left out.
-    fn compositions(&mut self, base: &MethodTable, order: usize, of_factors: bool) {
-        let registry = self.bench.registry();
-        let parts = registry.compared(PartKind::Composition).into_iter();
-        for part in parts.filter_map(|info| registry.composition(info.name).ok()) {
-            if part.order > order && part.takes_factors == of_factors {
+    /// Compositions of a base that raise its order.
+    fn compositions(&mut self, base: &MethodTable, order: usize) {
+        for part in self.composition_parts() {
+            if part.order > order && part.factors.is_none() {
                 self.add(base.clone().composed(PartUse::named(part.info.name)));
             }
         }
+    }
+
+    /// Compositions of a splitting's factors; of three pieces in every order.
+    fn factors(&mut self, stepper: &PartUse, pieces: usize) {
+        let mut steppers = vec![stepper.clone()];
+        if pieces == 3 {
+            steppers.extend(ORDERS_OF_THREE.map(|order| stepper.clone().with("pieces", order)));
+        }
+        for part in self.composition_parts() {
+            let own = match part.factors {
+                None => 0,
+                Some(Pieces::Any) => steppers.len(),
+                // It puts the pieces in order by itself.
+                Some(_) => 1,
+            };
+            for stepper in &steppers[..own] {
+                let base = MethodTable::stepper(stepper.clone());
+                self.add(base.composed(PartUse::named(part.info.name)));
+            }
+        }
+    }
+
+    fn composition_parts(&self) -> Vec<CompositionPart> {
+        let registry = self.bench.registry();
+        let parts = registry.compared(PartKind::Composition).into_iter();
+        parts
+            .filter_map(|info| registry.composition(info.name).ok())
+            .collect()
     }
 
     fn baselines(&mut self) {
@@ -337,6 +368,11 @@ fn monomials(candidate: &Candidate) -> usize {
         None => 0,
     }
 }
+
+/// The orders of three pieces, one of each two that are the other's reverse: χ and χ* are then exchanged, and a symmetric
+/// composition of them errs by about as much. Two pieces have one such order; four have twelve, which would cost more
+/// to try than they gain.
+const ORDERS_OF_THREE: [&str; 3] = ["1 2 3", "1 3 2", "2 1 3"];
 
 /// Operations of one evaluation on a lattice.
 fn lattice_work(candidate: &Candidate) -> Option<u64> {
