@@ -146,12 +146,11 @@ fn pieces_of_another_kind_are_refused_with_the_bracket() {
     }
 }
 
-/// H = (p² + q²)/2 + ε q⁴, the oscillator one piece: from ε = 0.04 to 0.01 the errors of a fixed step fall by 2^exponent or more a
-/// halving, where a composition for any pieces errs by ε. The larger piece goes first, whatever order the splitting had.
+/// H = (p² + q²)/2 + ε q⁴, the oscillator one piece: a fixed step errs by ε² or ε³, so far as the conditions at ε hold. The larger piece
+/// goes first, whatever order the splitting had.
 #[test]
 fn compositions_for_perturbations_err_by_powers_of_the_perturbation() {
     for (name, least) in [
-        ("blanes-moan-4", 0.8),
         ("perturbed-8-2", 1.8),
         ("perturbed-10-4", 1.8),
         ("perturbed-8-6-4", 2.7),
@@ -169,14 +168,13 @@ fn compositions_for_perturbations_err_by_powers_of_the_perturbation() {
                 let map = Composed::new(base, scheme).expect("two pieces");
                 run(&system, &map, &problem.initial, time, steps).expect("finite")
             });
-            assert_eq!(end == same, scheme.pieces != Pieces::Any, "{name}");
+            assert_eq!(end, same, "{name}");
             distance(&end, &gauss(&system, &problem.initial, time, 2000))
         };
         let errors = [0.04, 0.02, 0.01].map(error);
         let slope = libm::log2(errors[0] / errors[2]) / 2.0;
         println!("{name}: {slope} {errors:?}");
         assert!(slope > least, "{name}: {slope} {errors:?}");
-        assert_eq!(slope < 1.5, scheme.pieces == Pieces::Any, "{name}");
     }
 }
 
