@@ -73,7 +73,8 @@ pub trait StepMap: Send + Sync {
     fn factors(&self) -> Option<[Arc<dyn StepMap>; 2]> {
         None
     }
-    /// How many pieces the [`factors`](Self::factors) are products of, where these may be taken in any order; 0 elsewhere.
+    /// How many pieces the [`factors`](Self::factors) are products of, where the parameter `pieces` of the part names their
+    /// order; 0 elsewhere.
     fn pieces(&self) -> usize {
         0
     }
