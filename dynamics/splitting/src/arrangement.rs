@@ -6,9 +6,10 @@ use leafwise_core::part::{PartInfo, PartParameters};
 use leafwise_core::solver::Pieces;
 use leafwise_core::system::energy_casimir::coefficient_sum;
 use leafwise_core::{BuildError, SystemFormulas};
-use leafwise_expression::{AlgebraError, Ring};
+use leafwise_expression::{AlgebraError, Polynomial, Ring};
 
 use crate::display::Names;
+use crate::field::Field;
 use crate::flow::lie_derivative;
 use crate::piece::{Piece, Tensor};
 
@@ -66,67 +67,75 @@ pub(crate) fn asked_order(
     ring: &Ring,
     pieces: &[Piece],
     asked: Pieces,
-    map: String,
+    map: &str,
 ) -> Result<Vec<usize>, BuildError> {
-    let refusal = |reason| BuildError::Pieces { map, asked, reason };
-    if asked == Pieces::Any {
-        return Ok((0..pieces.len()).collect());
-    }
-    let [one, other] = pieces else {
-        return Err(refusal(format!("it has {}", pieces.len())));
+    let refusal = |reason| BuildError::Pieces {
+        map: map.to_owned(),
+        asked,
+        reason,
+    };
+    let pair = || match pieces {
+        [one, other] => Ok([one, other]),
+        _ => Err(refusal(format!("it has {}", pieces.len()))),
     };
     let mut ring = ring.clone();
-    match asked {
-        Pieces::Any => unreachable!("answered above"),
+    Ok(match asked {
+        Pieces::Any => (0..pieces.len()).collect(),
         Pieces::Nystrom { kick_first } => {
-            let kick = if is_kick(system, &mut ring, one, other)? {
-                0
-            } else if is_kick(system, &mut ring, other, one)? {
-                1
-            } else {
-                let written = |ring: &mut Ring, piece: &Piece| {
-                    let hamiltonian = piece.hamiltonian(ring);
+            let pair = pair()?;
+            let Some(kick) = kick(system, &mut ring, pair)? else {
+                let [one, other] = pair.map(|piece| {
+                    let hamiltonian = piece.hamiltonian(&mut ring);
+                    let ring = &ring;
                     Names { system, ring }.polynomial(&hamiltonian)
-                };
-                let pieces = [written(&mut ring, one), written(&mut ring, other)];
+                });
                 return Err(refusal(format!(
-                    "{{V, {{V, {{V, T}}}}}} is not 0 for V = {}, T = {}, nor the other way round",
-                    pieces[0], pieces[1]
+                    "{{V, {{V, {{V, T}}}}}} is not 0 for V = {one}, T = {other}, nor the other way round"
                 )));
             };
-            Ok(if kick_first {
-                vec![kick, 1 - kick]
-            } else {
-                vec![1 - kick, kick]
-            })
+            let first = if kick_first { kick } else { 1 - kick };
+            vec![first, 1 - first]
         }
         Pieces::Perturbed => {
-            let mut size = |piece: &Piece| {
+            let [one, other] = pair()?.map(|piece| {
                 let hamiltonian = piece.hamiltonian(&mut ring);
                 coefficient_sum(system, &ring, &hamiltonian)
-            };
-            Ok(if size(one) >= size(other) {
-                vec![0, 1]
-            } else {
-                vec![1, 0]
-            })
+            });
+            let first = usize::from(one < other);
+            vec![first, 1 - first]
         }
-    }
+    })
 }
 
-/// Whether the exact algebra proves that {V, {V, {V, T}}} is a Casimir.
-fn is_kick(
+/// Which of two pieces is V, where the exact algebra proves that {V, {V, {V, T}}} is a Casimir: the one with the shorter
+/// {V, {V, T}} is tried first, since the brackets of the other may be long.
+fn kick(
     system: &SystemFormulas,
     ring: &mut Ring,
-    kick: &Piece,
-    other: &Piece,
-) -> Result<bool, AlgebraError> {
+    pieces: [&Piece; 2],
+) -> Result<Option<usize>, AlgebraError> {
     let tensor = Tensor::new(system, ring)?;
-    let hamiltonian = kick.hamiltonian(ring);
-    let field = tensor.field(ring, &hamiltonian)?;
-    let mut bracket = other.hamiltonian(ring);
-    for _ in 0..3 {
-        bracket = lie_derivative(ring, &field, &bracket, &mut BTreeSet::new())?;
+    let hamiltonians = pieces.map(|piece| piece.hamiltonian(ring));
+    let mut tried = Vec::with_capacity(2);
+    for (at, hamiltonian) in hamiltonians.iter().enumerate() {
+        let field = tensor.field(ring, hamiltonian)?;
+        let mut bracket = hamiltonians[1 - at].clone();
+        for _ in 0..2 {
+            bracket = along(ring, &field, &bracket)?;
+        }
+        tried.push((at, field, bracket));
     }
-    Ok(tensor.field(ring, &bracket)?.is_empty())
+    tried.sort_by_key(|(_, _, bracket)| bracket.terms().len());
+    for (at, field, bracket) in tried {
+        let bracket = along(ring, &field, &bracket)?;
+        if tensor.field(ring, &bracket)?.is_empty() {
+            return Ok(Some(at));
+        }
+    }
+    Ok(None)
+}
+
+/// {f, K} for the field of K, up to its sign.
+fn along(ring: &mut Ring, field: &Field, f: &Polynomial) -> Result<Polynomial, AlgebraError> {
+    lie_derivative(ring, field, f, &mut BTreeSet::new())
 }

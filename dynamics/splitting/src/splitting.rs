@@ -247,7 +247,7 @@ impl StepMap for Splitting {
             pieces,
             ..
         } = self.shared.as_ref();
-        let order = asked_order(system, ring, pieces, asked, self.describe())?;
+        let order = asked_order(system, ring, pieces, asked, &self.describe())?;
         Ok(Arc::new(Self::of_pieces(system, ring, pieces, &order)?))
     }
 

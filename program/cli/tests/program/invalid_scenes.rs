@@ -129,9 +129,9 @@ fn an_unknown_method_or_parameter_of_one_is_named_with_its_neighbour() {
     );
     refused(
         parts,
-        "stepper = { name = \"splitting\", pieces = 2 }",
-        "8:33",
-        &["`splitting` has no parameter `pieces`", "it takes none"],
+        "stepper = { name = \"rk4\", pieces = 2 }",
+        "8:27",
+        &["`rk4` has no parameter `pieces`", "it takes none"],
     );
 }
 
