@@ -5,7 +5,9 @@ use std::time::Instant;
 
 use leafwise::composition::Scheme;
 
-use crate::contestants::{Contestant, HandGauss, HandSplitting, Kind, OdeSolvers, Ours, Solution};
+use crate::contestants::{
+    Adaptive, Contestant, HandDop853, HandGauss, HandSplitting, Kind, OdeSolvers, Ours, Solution,
+};
 use crate::document::{Table, time};
 use crate::measure::{Quartiles, Run, interleaved};
 use crate::problems::Problem;
@@ -43,6 +45,8 @@ fn others<P: Problem + 'static>() -> Vec<Box<dyn Contestant>> {
     let mut others: Vec<Box<dyn Contestant>> = vec![
         Box::new(OdeSolvers::<P>(PhantomData)),
         Box::new(HandGauss::<P, 3>::order_6()),
+        Box::new(HandDop853::<P>(PhantomData)),
+        Box::new(Adaptive::<P>::new("taylor")),
         Box::new(HandGauss::<P, 2>::order_4()),
         Box::new(HandGauss::<P, 1>::midpoint()),
     ];
@@ -156,7 +160,7 @@ pub fn tables<P: Problem + 'static>(targets: &[(f64, &[usize])]) -> String {
             .filter_map(|contestant| reach(contestant.as_ref(), &reference, *target))
             .collect();
         text.push_str(&format!("Error {target:.0e}:\n\n"));
-        let baselines = [others[0].name(), others[1].name()];
+        let baselines = [others[0].name(), others[1].name(), others[2].name(), others[3].name()];
         let (entries, slow) = without_slow(entries, &baselines);
         if !slow.is_empty() {
             text.push_str(&format!(
@@ -166,6 +170,32 @@ pub fn tables<P: Problem + 'static>(targets: &[(f64, &[usize])]) -> String {
         }
         let race = race(&entries, &baselines);
         text.push_str(&format!("{race}\n"));
+    }
+    text
+}
+
+/// The methods without structure that choose their steps, beside each other.
+pub fn adaptive<P: Problem + 'static>() -> String {
+    let (reference, apart) = reference::<P>();
+    let mut text = format!(
+        "{}, T = {}; the reference is known to {apart:.0e}.\n\n",
+        P::TITLE,
+        P::TIME
+    );
+    let all: [Box<dyn Contestant>; 4] = [
+        Box::new(OdeSolvers::<P>(PhantomData)),
+        Box::new(HandDop853::<P>(PhantomData)),
+        Box::new(Adaptive::<P>::new("dop853")),
+        Box::new(Adaptive::<P>::new("taylor")),
+    ];
+    for target in [1e-4, 1e-8, 1e-12] {
+        let entries: Vec<Entry<'_>> = all
+            .iter()
+            .filter_map(|contestant| reach(contestant.as_ref(), &reference, target))
+            .collect();
+        let baselines = [all[0].name(), all[1].name()];
+        let race = race(&entries, &baselines);
+        text.push_str(&format!("Error {target:.0e}:\n\n{race}\n"));
     }
     text
 }

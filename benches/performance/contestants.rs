@@ -1,5 +1,8 @@
 //! Whoever integrates a problem from its start to its end, ours and others.
 
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+
 use leafwise::core::Integrator;
 use leafwise::core::diagnostics::TensorDefect;
 use leafwise::scene::ComposedRun;
@@ -7,6 +10,7 @@ use leafwise_benches::composed;
 use ode_solvers::dop_shared::OutputType;
 use ode_solvers::{Dop853, SVector, System};
 
+use crate::hand::dop853;
 use crate::hand::gauss::{Gauss, MIDPOINT, gauss_4, gauss_6};
 use crate::hand::splitting;
 use crate::problems::Problem;
@@ -117,6 +121,102 @@ impl<P: Problem> Contestant for OdeSolvers<P> {
     }
 }
 
+/// DOP853 written by hand.
+pub struct HandDop853<P>(pub std::marker::PhantomData<P>);
+
+impl<P: Problem> Contestant for HandDop853<P> {
+    fn name(&self) -> String {
+        "DOP853 by hand".to_owned()
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Other
+    }
+
+    fn settings(&self) -> Vec<usize> {
+        tolerances()
+    }
+
+    fn tell(&self, setting: usize) -> String {
+        tell_tolerance(setting)
+    }
+
+    fn solve(&self, setting: usize) -> Option<Solution> {
+        let tolerance = libm::pow(10.0, -(setting as f64) / 8.0);
+        let found = dop853::integrate(P::field, P::INITIAL, P::TIME, tolerance)?;
+        Some(Solution {
+            state: found.0.to_vec(),
+            evaluations: found.1,
+            operations: None,
+        })
+    }
+}
+
+/// A stepper of the program that takes a tolerance, in one step.
+pub struct Adaptive<P> {
+    stepper: &'static str,
+    runs: RefCell<BTreeMap<usize, ComposedRun>>,
+    problem: std::marker::PhantomData<P>,
+}
+
+impl<P> Adaptive<P> {
+    /// By its name.
+    pub fn new(stepper: &'static str) -> Self {
+        Self {
+            stepper,
+            runs: RefCell::default(),
+            problem: std::marker::PhantomData,
+        }
+    }
+}
+
+impl<P: Problem> Contestant for Adaptive<P> {
+    fn name(&self) -> String {
+        format!("`{}`", self.stepper)
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Other
+    }
+
+    fn settings(&self) -> Vec<usize> {
+        tolerances()
+    }
+
+    fn tell(&self, setting: usize) -> String {
+        tell_tolerance(setting)
+    }
+
+    fn solve(&self, setting: usize) -> Option<Solution> {
+        let mut runs = self.runs.borrow_mut();
+        let run = runs.entry(setting).or_insert_with(|| {
+            let tolerance = libm::pow(10.0, -(setting as f64) / 8.0);
+            let name = self.stepper;
+            let method = format!("stepper = {{ name = \"{name}\", tolerance = {tolerance:e} }}");
+            composed(&scene::<P>(&method))
+        });
+        let parameters = run.system.parameter_values();
+        let map = run.method.map();
+        let mut integrator = Integrator::new(map, &parameters, 1.0, P::TIME, &P::INITIAL);
+        integrator.step().ok()?;
+        let statistics = integrator.statistics();
+        Some(Solution {
+            state: integrator.state().to_vec(),
+            evaluations: statistics.evaluations,
+            operations: statistics.operations,
+        })
+    }
+}
+
+/// A scene of the problem by the lines of a `[method]` table.
+fn scene<P: Problem>(method: &str) -> String {
+    format!(
+        "[system]\nlibrary = \"{}\"\n[method]\n{method}\ntime-step = 0.1\n[run]\ninitial = {:?}\nsteps = 1\n",
+        P::LIBRARY,
+        P::INITIAL
+    )
+}
+
 /// A Gauss method written by hand.
 pub struct HandGauss<P, const S: usize> {
     method: Gauss<S>,
@@ -224,15 +324,10 @@ pub struct Ours<P> {
 impl<P: Problem> Ours<P> {
     /// Composed of the lines of a `[method]` table.
     pub fn new(name: String, kind: Kind, method: &str, most_steps: f64) -> Self {
-        let text = format!(
-            "[system]\nlibrary = \"{}\"\n[method]\n{method}\ntime-step = 0.1\n[run]\ninitial = {:?}\nsteps = 1\n",
-            P::LIBRARY,
-            P::INITIAL
-        );
         Self {
             name,
             kind,
-            run: composed(&text),
+            run: composed(&scene::<P>(method)),
             most_steps,
             problem: std::marker::PhantomData,
         }

@@ -26,13 +26,20 @@ use crate::problems::{LotkaVolterra, RigidBody};
 /// A part of the page: its name, and what measures it.
 type Section = (&'static str, fn() -> String);
 
-const SECTIONS: [Section; 6] = [
+const SECTIONS: [Section; 7] = [
     ("steps", steps::table),
     ("rigid-body", || {
         accuracy::tables::<RigidBody>(&[(1e-4, &[4, 6, 8, 10]), (1e-8, &[6, 8, 10, 12])])
     }),
     ("lotka-volterra", || {
         accuracy::tables::<LotkaVolterra>(&[(1e-4, &[4, 6, 8]), (1e-8, &[4, 6, 8, 10])])
+    }),
+    ("adaptive", || {
+        let tables = [
+            accuracy::adaptive::<RigidBody>(),
+            accuracy::adaptive::<LotkaVolterra>(),
+        ];
+        tables.join("\n")
     }),
     ("lattice", lattices::accuracy),
     ("lattice-sizes", lattices::sizes),

@@ -236,6 +236,15 @@ pub enum StepError {
         /// The denominator, or one of its factors.
         denominator: String,
     },
+    /// A motion whose Taylor series converges for shorter and shorter times: it ends.
+    #[error(
+        "the motion runs into a singularity after {percent:.0} % of the step, where its Taylor series' radius of \
+         convergence falls to 0; end the run before, or take a Poisson map of smaller steps if it only comes close"
+    )]
+    Singularity {
+        /// The part of the step before it.
+        percent: f64,
+    },
     /// A diagnostic asked for the tangent of a map that offers none.
     #[error("the map offers no exact tangent, so its tensor defect cannot be measured")]
     NoTangent,

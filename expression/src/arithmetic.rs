@@ -56,6 +56,9 @@ pub enum AlgebraError {
     /// More products of terms than a ring may form.
     #[error("its expansion takes too many products of terms")]
     ExpansionTooLong,
+    /// Code that no series is formed of: step sizes, and functions that a crate evaluates itself.
+    #[error("code of step sizes or of a crate's own functions has no series")]
+    NoSeries,
     /// A function of a curve parameter that is not constant along the curve.
     #[error("`{function}` of a non-constant polynomial is not a polynomial")]
     NotPolynomial {
@@ -100,20 +103,13 @@ pub trait Arithmetic {
     /// Σ cᵢ aᵢ bᵢ.
     fn sum_of_products(
         &mut self,
-        terms: &[(Rational, &Self::Element, &Self::Element)],
+        products: &[(Rational, &Self::Element, &Self::Element)],
     ) -> Self::Element {
-        self.one_by_one(terms)
-    }
-    /// Σ cᵢ aᵢ bᵢ by [`multiply`](Self::multiply) and [`combine`](Self::combine).
-    fn one_by_one(
-        &mut self,
-        terms: &[(Rational, &Self::Element, &Self::Element)],
-    ) -> Self::Element {
-        let products: Vec<_> = terms
-            .iter()
+        let products = products.iter();
+        let sum: Vec<_> = products
             .map(|(c, a, b)| (c.clone(), self.multiply(a, b)))
             .collect();
-        self.combine(&products)
+        self.combine(&sum)
     }
     /// a/b.
     ///
@@ -142,7 +138,22 @@ pub trait Arithmetic {
         function: Function,
         a: &Self::Element,
     ) -> Result<Self::Element, AlgebraError>;
-
+    /// Σ cᵢ eᵢ + Σ cⱼ aⱼ bⱼ: a coefficient of a product of series.
+    fn combine_products(
+        &mut self,
+        terms: &[(Rational, Self::Element)],
+        products: &[(Rational, &Self::Element, &Self::Element)],
+    ) -> Self::Element {
+        let mut sum = terms.to_vec();
+        if self.is_expanded() {
+            sum.push((Rational::one(), self.sum_of_products(products)));
+        } else {
+            for (c, a, b) in products {
+                sum.push((c.clone(), self.multiply(a, b)));
+            }
+        }
+        self.combine(&sum)
+    }
     /// 0.
     fn zero(&mut self) -> Self::Element {
         self.constant(&Rational::zero())

@@ -14,6 +14,7 @@ pub mod compiled;
 pub mod energy_casimir;
 mod field;
 pub mod formulas;
+mod jet;
 pub mod numbers;
 pub mod observables;
 mod tensor_matrix;

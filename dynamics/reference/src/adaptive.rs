@@ -32,7 +32,7 @@ pub(crate) struct Pair {
 }
 
 /// Budget of one step.
-const MOST_SUBSTEPS: usize = 100_000;
+pub(crate) const MOST_SUBSTEPS: usize = 100_000;
 /// Substeps are multiplied by a number between these, after a safety factor.
 const SHRINK: f64 = 1.0 / 3.0;
 const GROW: f64 = 6.0;
@@ -267,6 +267,27 @@ pub(crate) const TOLERANCE: ParameterInfo = ParameterInfo {
     default: ParameterDefault::Real(1e-12),
 };
 
+/// The tolerance that is asked for.
+///
+/// # Errors
+/// [`BuildError::Parameter`] outside `least` to 0.1.
+pub(crate) fn tolerance_of(
+    info: &'static PartInfo,
+    parameters: &PartParameters,
+    least: f64,
+) -> Result<f64, BuildError> {
+    let tolerance = parameters.real(info, TOLERANCE.name)?;
+    if !(least..=0.1).contains(&tolerance) {
+        return Err(BuildError::Parameter {
+            part: info.name,
+            parameter: TOLERANCE.name.to_owned(),
+            value: tolerance.to_string(),
+            expected: format!("the tolerance lies in {least:e} to 0.1"),
+        });
+    }
+    Ok(tolerance)
+}
+
 /// The part `info` over a pair.
 ///
 /// # Errors
@@ -277,15 +298,7 @@ pub(crate) fn adaptive_map(
     system: &PoissonSystem,
     parameters: &PartParameters,
 ) -> Result<Arc<dyn StepMap>, BuildError> {
-    let tolerance = parameters.real(info, TOLERANCE.name)?;
-    if !(1e-14..=0.1).contains(&tolerance) {
-        return Err(BuildError::Parameter {
-            part: info.name,
-            parameter: TOLERANCE.name.to_owned(),
-            value: tolerance.to_string(),
-            expected: "the tolerance lies in 1e-14 to 0.1".to_owned(),
-        });
-    }
+    let tolerance = tolerance_of(info, parameters, 1e-14)?;
     let field = system.field_values()?;
     Ok(Arc::new(ReferenceMap {
         dimension: system.dimension(),

@@ -6,6 +6,7 @@
 //! - [`rk4`]: the classical Runge–Kutta method.
 //! - `dop853`: Dormand and Prince's pair of order 8(5,3), adaptive inside a step.
 //! - [`dormand_prince45`]: their pair of order 5(4), as `ode45`.
+//! - [`taylor`]: the motion's Taylor series, of order and substeps from a tolerance.
 //! - [`implicit_midpoint`], [`gauss`]: symplectic for tensors that are constant on each leaf.
 //! - [`energy_preserving`]: Cohen and Hairer's methods of order 2 and 4.
 //! - [`spherical_midpoint`]: a Poisson map on products of so(3)*.
@@ -30,3 +31,4 @@ pub mod rk4;
 mod singular;
 pub mod spherical_midpoint;
 mod step_equation;
+pub mod taylor;

@@ -4,3 +4,4 @@ mod common;
 mod orders;
 mod parts;
 mod structure;
+mod taylor;

@@ -30,6 +30,50 @@ impl Graph {
         Ok(terms.iter().map(scaled).collect())
     }
 
+    /// `terms` with `inputs[i]` for input i, in any algebra.
+    ///
+    /// # Errors
+    /// [`AlgebraError::NoSeries`] for step sizes and functions of other crates; otherwise where an operation has
+    /// no value on the inputs.
+    pub fn evaluate_in<A: Arithmetic>(
+        &self,
+        algebra: &mut A,
+        terms: &[Term],
+        inputs: &[A::Element],
+    ) -> Result<Vec<A::Element>, AlgebraError> {
+        let is_read = self.read_by(terms);
+        let mut known: Vec<Option<A::Element>> = vec![None; self.len()];
+        for index in (0..self.len()).filter(|&index| is_read[index]) {
+            let of = |node: Node| known[node.index()].clone().expect("operands come first");
+            let value = match self.operation(Node(index as u32)) {
+                Operation::One => algebra.one(),
+                Operation::Pi => algebra.pi(),
+                Operation::Parameter(index) => algebra.parameter(*index as usize),
+                Operation::Input(index) => inputs[*index as usize].clone(),
+                Operation::Sum(terms) => {
+                    let terms = terms.iter().map(|(scale, node)| (scale.clone(), of(*node)));
+                    let terms: Vec<_> = terms.collect();
+                    algebra.combine(&terms)
+                }
+                Operation::Scale(scale, a) => algebra.scale(scale, &of(*a)),
+                Operation::Product(a, b) => algebra.multiply(&of(*a), &of(*b)),
+                Operation::Reciprocal(a) => {
+                    let one = algebra.one();
+                    algebra.divide(&one, &of(*a))?
+                }
+                Operation::Function(function, a) => algebra.apply(*function, &of(*a))?,
+                Operation::Power(a, b) => algebra.power(&of(*a), &of(*b))?,
+                Operation::StepSize(_) | Operation::Analytic(..) => {
+                    return Err(AlgebraError::NoSeries);
+                }
+            };
+            known[index] = Some(value);
+        }
+        let read = |term: &Term| known[term.node.index()].clone().expect("it was read");
+        let scaled = |term: &Term| algebra.scale(&term.scale, &read(term));
+        Ok(terms.iter().map(scaled).collect())
+    }
+
     /// Which nodes terms are computed from, themselves included.
     pub(crate) fn read_by(&self, terms: &[Term]) -> Vec<bool> {
         let mut is_read = vec![false; self.len()];

@@ -25,6 +25,22 @@ impl Graph {
         self.intern(Operation::Scale(term.scale.clone(), term.node), tier)
     }
 
+    /// The term as one node, or its opposite: products with it multiply once, whatever factors it has.
+    pub fn whole(&mut self, term: &Term) -> Term {
+        if self.tier(term.node) != Tier::Step {
+            return term.clone();
+        }
+        // The rational factor goes into the one of the coefficient tier.
+        let term = self.combine(&[(Rational::one(), term.clone())]);
+        let is_split = self.split_coefficient(term.node).0.is_some();
+        if term.scale.abs().is_one() && !is_split {
+            return term;
+        }
+        let sign = Rational::from_integer(term.scale.signum().into());
+        let node = self.intern(Operation::Scale(term.scale.abs(), term.node), Tier::Step);
+        Term { scale: sign, node }
+    }
+
     /// A node of the coefficient tier that holds the whole term, its scale included.
     fn coefficient_node(&mut self, term: &Term) -> Node {
         debug_assert!(self.tier(term.node) != Tier::Step);

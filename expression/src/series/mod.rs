@@ -1,7 +1,9 @@
 //! Truncated power series of formulas, one order at a time.
 
+mod jet;
 mod polynomial;
 mod tape;
 
+pub use jet::jet;
 pub use polynomial::{Univariate, UnivariateElement};
 pub use tape::{Tape, TapeIndex, TaylorState};

@@ -113,11 +113,7 @@ impl<A: Arithmetic> Arithmetic for Univariate<'_, A> {
         &mut self,
         terms: &[(Rational, &Self::Element, &Self::Element)],
     ) -> Self::Element {
-        if self.inner.is_expanded() {
-            self.product_columns(terms)
-        } else {
-            self.one_by_one(terms)
-        }
+        self.product_columns(terms)
     }
     fn divide(
         &mut self,

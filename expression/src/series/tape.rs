@@ -211,19 +211,12 @@ impl<E: Clone + std::fmt::Debug> TaylorState<E> {
                 }
                 Step::Product(a, b) => self.product(arithmetic, *a, *b, k),
                 Step::Quotient(a, b) => {
-                    let products: Vec<_> = (1..=k)
-                        .map(|j| (&self.coefficients[*b][j], &self.coefficients[at][k - j]))
-                        .map(|(bj, g)| (Rational::one(), bj, g))
+                    let first = (Rational::one(), self.coefficients[*a][k].clone());
+                    let below = &self.coefficients[*b][1..];
+                    let products: Vec<_> = (below.iter().zip(self.coefficients[at].iter().rev()))
+                        .map(|(bj, g)| (-Rational::one(), bj, g))
                         .collect();
-                    let mut terms = vec![(Rational::one(), self.coefficients[*a][k].clone())];
-                    if arithmetic.is_expanded() {
-                        terms.push((-Rational::one(), arithmetic.sum_of_products(&products)));
-                    } else {
-                        for (_, bj, g) in products {
-                            terms.push((-Rational::one(), arithmetic.multiply(bj, g)));
-                        }
-                    }
-                    let above = arithmetic.combine(&terms);
+                    let above = arithmetic.combine_products(&[first], &products);
                     arithmetic.divide(&above, &self.coefficients[*b][0])?
                 }
                 Step::Function(f, u) if k == 0 => {
@@ -258,26 +251,25 @@ impl<E: Clone + std::fmt::Debug> TaylorState<E> {
         b: TapeIndex,
         k: usize,
     ) -> E {
-        let mut terms = Vec::with_capacity(k + 1);
+        let mut products = Vec::with_capacity(k + 1);
         if a == b {
             // u² = Σ_{j<k−j} 2 uⱼ u_{k−j} + u_{k/2}².
+            let u = &self.coefficients[a];
             for j in 0..k.div_ceil(2) {
-                let (x, y) = (&self.coefficients[a][j], &self.coefficients[a][k - j]);
-                terms.push((Rational::from_integer(2), x, y));
+                products.push((Rational::from_integer(2), &u[j], &u[k - j]));
             }
             if k.is_multiple_of(2) {
-                let x = &self.coefficients[a][k / 2];
-                terms.push((Rational::one(), x, x));
+                products.push((Rational::one(), &u[k / 2], &u[k / 2]));
             }
         } else {
             for j in 0..=k {
                 let (x, y) = (&self.coefficients[a][j], &self.coefficients[b][k - j]);
                 if !arithmetic.is_zero(x) && !arithmetic.is_zero(y) {
-                    terms.push((Rational::one(), x, y));
+                    products.push((Rational::one(), x, y));
                 }
             }
         }
-        arithmetic.sum_of_products(&terms)
+        arithmetic.combine_products(&[], &products)
     }
 
     /// (1/k) Σ_{j=1..k} j uⱼ d_{k−j}.
@@ -288,13 +280,13 @@ impl<E: Clone + std::fmt::Debug> TaylorState<E> {
         d: TapeIndex,
         k: usize,
     ) -> E {
-        let mut terms = Vec::with_capacity(k);
+        let mut products = Vec::with_capacity(k);
         for j in 1..=k {
             let (x, y) = (&self.coefficients[u][j], &self.coefficients[d][k - j]);
             if !arithmetic.is_zero(x) && !arithmetic.is_zero(y) {
-                terms.push((Rational::new(j as i64, k as i64), x, y));
+                products.push((Rational::new(j as i64, k as i64), x, y));
             }
         }
-        arithmetic.sum_of_products(&terms)
+        arithmetic.combine_products(&[], &products)
     }
 }

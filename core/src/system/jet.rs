@@ -1,0 +1,70 @@
+//! The Taylor coefficients of a system's motion as one kernel.
+
+use leafwise_expression::series::jet;
+use leafwise_expression::graph::lift;
+use leafwise_expression::{Arithmetic, DifferentialAlgebra, Graph, Kernel, Rational, Ring, Term};
+
+use super::SystemFormulas;
+use super::agreement::Agreement;
+use crate::error::BuildError;
+use crate::runge_kutta::SmoothMap;
+
+/// Products of terms that expanding a field may take.
+const MOST_PRODUCTS: u64 = 1 << 16;
+
+/// The order at which two forms of the field are compared.
+const TRIED: usize = 4;
+
+impl SystemFormulas {
+    /// x ↦ (x_1, …, x_p) with x(t) = Σ x_k tᵏ the motion through x, x_k after x_{k−1}; the field as written or
+    /// expanded in exact algebra, whichever has the shorter jet.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a formula or a derivative has no code, or the jet is longer than a kernel.
+    pub fn jet_map(&self, order: usize) -> Result<SmoothMap, BuildError> {
+        let mut graph = Graph::compilable();
+        let x: Vec<Term> = (0..self.dimension()).map(|i| graph.input(i)).collect();
+        let mut field = self.vector_field(&mut graph, &x)?;
+        graph.unless_refused(())?;
+        if let Some(expanded) = self.expanded_field(&mut graph)
+            && self.agreement(&graph, &expanded, &field) == Agreement::Same
+            && self.jet_work(&graph, &expanded)? < self.jet_work(&graph, &field)?
+        {
+            field = expanded;
+        }
+        let jet = jet(&mut graph, &field, order)?.concat();
+        let parameters = self.parameters().len();
+        Ok(SmoothMap::compile_values(
+            &graph,
+            &jet,
+            parameters,
+            x.len(),
+        ))
+    }
+
+    /// X_H by way of the exact ring, where it is short enough.
+    fn expanded_field(&self, graph: &mut Graph) -> Option<Vec<Term>> {
+        let d = self.dimension();
+        let mut ring = Ring::limited(d, MOST_PRODUCTS);
+        let x: Vec<_> = (0..d).map(|i| ring.coordinate(i)).collect();
+        let hamiltonian = self.hamiltonian();
+        let energy = hamiltonian.evaluate_in(&mut ring, &mut |_, at| Ok(x[at].clone()));
+        let gradient = ring.gradient(&energy.ok()?).ok()?;
+        let field = self.apply_tensor(&mut ring, &x, &gradient).ok()?;
+        let minus = graph.constant(&-Rational::one());
+        let outputs: Vec<_> = field
+            .into_iter()
+            .map(|f| vec![(minus.clone(), f)])
+            .collect();
+        let x: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
+        lift(graph, &ring, &outputs, &x).ok()
+    }
+
+    /// Operations of a short jet of a field.
+    fn jet_work(&self, graph: &Graph, field: &[Term]) -> Result<u64, BuildError> {
+        let mut graph = graph.clone();
+        let jet = jet(&mut graph, field, TRIED)?.concat();
+        let kernel = Kernel::compile(&graph, &jet, self.parameters().len(), field.len());
+        Ok(kernel.step_operations().work())
+    }
+}

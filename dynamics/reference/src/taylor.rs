@@ -1,0 +1,382 @@
+//! The Taylor series of the motion, of order and step from a tolerance: the part `taylor`.
+//!
+//! ẋ = f(x) gives x(t) = Σ x_k tᵏ about a state, x_{k+1} = f_k/(k + 1), by one kernel. With tolerance δ the order is
+//! p = ⌈1 − ln(δ)/2⌉ and a substep ρ e⁻² exp(−0.7/(p − 1)), ρ the radius of convergence that x_{p−1} and x_p show:
+//! the terms left out are then below δ e⁻² of the state.
+//!
+//! Substeps take no notice of the steps of εh: a step ends on the polynomial of the substep that it falls into.
+
+use std::sync::Arc;
+
+use leafwise_core::part::{
+    Compared, Family, ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters,
+};
+use leafwise_core::registry::StepperPart;
+use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
+use leafwise_core::solver::{StepReport, Trajectories};
+use leafwise_core::{
+    BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure, two_sum,
+};
+use leafwise_expression::AlgebraError;
+
+use crate::adaptive::{MOST_SUBSTEPS, tolerance_of};
+use crate::reference_map::ReferenceMap;
+
+static INFO: PartInfo = PartInfo {
+    name: "taylor",
+    summary: "the motion's Taylor series, of order and substeps from the tolerance",
+    declares: "order 1 - ln(tolerance)/2, rounded up, before the tolerance takes over; not a Poisson map; not \
+               self-adjoint",
+    domain: "any system of formulas",
+    literature: "Jorba, Zou, A software package for the numerical integration of ODEs by means of high-order Taylor \
+                 methods, Experimental Mathematics 14 (2005); Biscani, Izzo, Revisiting high-order Taylor methods for \
+                 astrodynamics and celestial mechanics, MNRAS 504 (2021)",
+    parameters: &[TOLERANCE],
+    family: Some(Family::Explicit),
+    compared: Some(Compared::at(2)),
+    ..PartInfo::of(PartKind::Stepper)
+};
+
+const TOLERANCE: ParameterInfo = ParameterInfo {
+    name: "tolerance",
+    summary: "the error of a substep relative to each component or its change, 1e-16 to 0.1",
+    default: ParameterDefault::Real(1e-15),
+};
+
+/// A substep is at most so many times the last: coefficients that vanish by chance show no radius.
+const GROW: f64 = 8.0;
+
+/// Trajectories that ask for jets together.
+const TOGETHER: usize = 16;
+
+/// p.
+fn order(tolerance: f64) -> usize {
+    libm::ceil(1.0 - 0.5 * libm::log(tolerance)) as usize
+}
+
+/// The jet of order p as one map x ↦ (x_1, …, x_p).
+fn jet_map(system: &PoissonSystem, order: usize) -> Result<SmoothMap, BuildError> {
+    let formulas = system.formulas(INFO.name)?;
+    formulas.jet_map(order).map_err(|error| match error {
+        BuildError::Algebra(reason @ AlgebraError::CodeTooLong { .. }) => BuildError::NotMade {
+            part: INFO.name,
+            reason: format!(
+                "the jet of order {order} grows too long ({reason}): take a larger tolerance, or dop853, which only \
+                 evaluates the field"
+            ),
+        },
+        other => other,
+    })
+}
+
+/// One trajectory: the polynomial about `base`, along which it is followed to `reached`.
+#[derive(Clone)]
+struct Path {
+    base: Vec<f64>,
+    /// What the base holds beyond doubles.
+    low: Vec<f64>,
+    /// x_k[i] at (k − 1)d + i.
+    jet: Vec<f64>,
+    /// The length of the substep from the base; 0 before its jet is known.
+    length: f64,
+    /// That of the substep before, 0 before there is any.
+    before: f64,
+    /// The time since the base, as a sum of two doubles.
+    reached: [f64; 2],
+    /// The state that was handed out there; none before the first step.
+    state: Vec<f64>,
+    begun: bool,
+}
+
+impl Path {
+    fn new(dimension: usize, order: usize) -> Self {
+        Self {
+            base: vec![0.0; dimension],
+            low: vec![0.0; dimension],
+            jet: vec![0.0; order * dimension],
+            length: 0.0,
+            before: 0.0,
+            reached: [0.0; 2],
+            state: vec![0.0; dimension],
+            begun: false,
+        }
+    }
+
+    /// Goes on from x, on the same polynomial where that is the state it was left at.
+    fn begin(&mut self, x: &[f64], low: &[f64]) {
+        if self.begun && self.state == x {
+            return;
+        }
+        self.base.copy_from_slice(x);
+        self.low.copy_from_slice(low);
+        self.reached = [0.0; 2];
+        self.length = 0.0;
+        self.before = 0.0;
+        self.begun = true;
+    }
+
+    /// Moves the base to the end of its substep; `change` is room for the difference.
+    fn advance(&mut self, change: &mut [f64]) {
+        let length = self.length;
+        polynomial(&self.jet, length, change);
+        for ((base, low), change) in self.base.iter_mut().zip(&mut self.low).zip(change) {
+            (*base, *low) = two_sum(*base, *change + *low);
+        }
+        // The length has half of a double's digits: the difference is exact.
+        self.reached[0] -= length;
+        self.before = length.abs();
+        self.length = 0.0;
+    }
+
+    /// The length of the substep from the base, in the direction of `direction`.
+    ///
+    /// # Errors
+    /// [`StepError::NonFinite`] where a coefficient is not finite.
+    fn choose(&mut self, direction: f64) -> Result<(), StepError> {
+        let d = self.base.len();
+        let order = self.jet.len() / d;
+        let row = |k: usize| &self.jet[(k - 1) * d..][..d];
+        let (first, second) = (row(1), row(2.min(order)));
+        let (last, earlier) = (row(order), row(order - 1));
+        // Without an earlier substep, the first one by the field alone.
+        let before = match self.before > 0.0 {
+            true => self.before,
+            false => radius(size(last) / size(first), order - 1) * FIRST,
+        };
+        let before = if before.is_finite() { before } else { 0.0 };
+        let floor = f64::EPSILON * size(&self.base);
+        // The largest x_k[i] relative to component i or its change.
+        let (mut of_last, mut of_earlier) = (0.0_f64, 0.0_f64);
+        let mut sum = 0.0;
+        for i in 0..d {
+            let change = (before * first[i]).abs().max((before * before * second[i]).abs());
+            let scale = self.base[i].abs().max(change).max(floor);
+            let (a, b) = (last[i].abs(), earlier[i].abs());
+            sum += a + b;
+            if a + b > 0.0 {
+                let inverse = 1.0 / scale;
+                of_last = of_last.max(a * inverse);
+                of_earlier = of_earlier.max(b * inverse);
+            }
+        }
+        if !sum.is_finite() || !of_last.max(of_earlier).is_finite() {
+            return Err(StepError::NonFinite {
+                what: "the Taylor series of the motion",
+            });
+        }
+        let length = radius(of_last, order).min(radius(of_earlier, order - 1));
+        let length = length * FIRST * libm::exp(-0.7 / (order - 1) as f64);
+        let most = match self.before > 0.0 {
+            true => GROW * self.before,
+            false => direction.abs(),
+        };
+        let length = if of_last.max(of_earlier) > 0.0 && self.before == 0.0 {
+            length
+        } else {
+            length.min(most)
+        };
+        self.length = short(length).copysign(direction);
+        Ok(())
+    }
+}
+
+/// e⁻².
+const FIRST: f64 = 0.135_335_283_236_612_7;
+
+/// max |v_i|.
+fn size(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, v| v.abs().max(most))
+}
+
+/// q^(−1/n): the radius of convergence of Σ q_k tᵏ by its term n.
+fn radius(q: f64, n: usize) -> f64 {
+    libm::exp2(-libm::log2(q) / n as f64)
+}
+
+/// The upper half of a double's digits.
+fn short(value: f64) -> f64 {
+    f64::from_bits(value.to_bits() & !((1 << 29) - 1))
+}
+
+/// Σ_{k≥1} x_k tᵏ.
+fn polynomial(jet: &[f64], t: f64, change: &mut [f64]) {
+    change.fill(0.0);
+    for row in jet.chunks_exact(change.len()).rev() {
+        for (sum, coefficient) in change.iter_mut().zip(row) {
+            *sum = *sum * t + coefficient;
+        }
+    }
+    change.iter_mut().for_each(|sum| *sum *= t);
+}
+
+/// Several trajectories in lockstep.
+struct Taylor {
+    field: SmoothMapEvaluator,
+    time_step: f64,
+    paths: Vec<Path>,
+    /// Those that need a jet, and room for their states and jets.
+    open: Vec<usize>,
+    states: Vec<f64>,
+    jets: Vec<f64>,
+    change: Vec<f64>,
+    linear: u64,
+}
+
+impl Taylor {
+    fn new(
+        field: &SmoothMap,
+        parameters: &[f64],
+        time_step: f64,
+        count: usize,
+    ) -> Self {
+        let d = field.inputs();
+        let order = field.outputs() / d;
+        Self {
+            field: field.evaluator(parameters, 1.0, 1.0),
+            time_step,
+            paths: vec![Path::new(d, order); count],
+            open: Vec::with_capacity(count),
+            states: vec![0.0; count * d],
+            jets: vec![0.0; count * order * d],
+            change: vec![0.0; d],
+            linear: 0,
+        }
+    }
+
+    /// Jets and lengths of all that are open; those without drop out.
+    fn evaluate(&mut self, taken: &mut [StepReport]) {
+        let d = self.change.len();
+        let size = self.field.map().outputs();
+        let count = self.open.len();
+        for (state, &at) in self.states.chunks_exact_mut(d).zip(&self.open) {
+            state.copy_from_slice(&self.paths[at].base);
+        }
+        let open = &self.open;
+        let (states, jets) = (&self.states[..count * d], &mut self.jets[..count * size]);
+        self.field
+            .each_value(states, jets, |at, error| taken[open[at]].fail(error));
+        for (jet, &at) in self.jets.chunks_exact(size).zip(&self.open) {
+            taken[at].evaluations += 1;
+            let path = &mut self.paths[at];
+            path.jet.copy_from_slice(jet);
+            if let Err(error) = path.choose(self.time_step) {
+                taken[at].fail(error);
+            }
+        }
+        // Two sizes, three roots: what the choice of a length takes.
+        self.linear += count as u64 * (12 * d as u64 + 60);
+    }
+}
+
+impl Trajectories for Taylor {
+    fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [StepReport]) {
+        let d = self.change.len();
+        let whole = self.time_step.abs();
+        let work = 2 * self.field.map().outputs() as u64;
+        for (at, path) in self.paths.iter_mut().enumerate() {
+            let own = at * d..(at + 1) * d;
+            path.begin(&x[own.clone()], &low[own]);
+            let [time, low] = path.reached;
+            let (time, low) = two_sum(time, self.time_step + low);
+            path.reached = [time, low];
+        }
+        for substep in 0.. {
+            self.open.clear();
+            for (at, path) in self.paths.iter_mut().enumerate() {
+                if taken[at].outcome.is_err() {
+                    continue;
+                }
+                if path.length == 0.0 {
+                    self.open.push(at);
+                } else if path.reached[0].abs() > path.length.abs() {
+                    let short = path.length.abs() <= 16.0 * f64::EPSILON * whole;
+                    if short || substep > MOST_SUBSTEPS {
+                        taken[at].fail(StepError::Singularity {
+                            percent: 100.0 * (1.0 - path.reached[0].abs() / whole).max(0.0),
+                        });
+                        continue;
+                    }
+                    path.advance(&mut self.change);
+                    self.linear += work;
+                    self.open.push(at);
+                }
+            }
+            if self.open.is_empty() {
+                break;
+            }
+            self.evaluate(taken);
+        }
+        for (at, path) in self.paths.iter_mut().enumerate() {
+            if taken[at].outcome.is_err() {
+                continue;
+            }
+            let own = at * d..(at + 1) * d;
+            polynomial(&path.jet, path.reached[0] + path.reached[1], &mut self.change);
+            self.linear += work;
+            for (i, (at, change)) in own.zip(&self.change).enumerate() {
+                let apart = path.low[i] - low[at];
+                increment[at] = (path.base[i] - x[at]) + (apart + change);
+                path.state[i] = two_sum(x[at], increment[at] + low[at]).0;
+            }
+        }
+    }
+
+    fn operations(&self) -> Option<u64> {
+        Some(self.field.operations()? + self.linear)
+    }
+
+    fn restart(&mut self, at: usize) {
+        self.paths[at].begun = false;
+    }
+
+    fn memory(&self, at: usize) -> Vec<f64> {
+        let path = &self.paths[at];
+        let [time, low] = path.reached;
+        let begun = f64::from(u8::from(path.begun));
+        let mut memory = vec![begun, path.before, time, low];
+        for values in [&path.base, &path.low, &path.state] {
+            memory.extend_from_slice(values);
+        }
+        memory
+    }
+
+    fn restore(&mut self, at: usize, memory: &[f64]) {
+        let path = &mut self.paths[at];
+        let d = path.base.len();
+        path.begun = memory[0] != 0.0;
+        path.before = memory[1];
+        path.reached = [memory[2], memory[3]];
+        for (values, kept) in [&mut path.base, &mut path.low, &mut path.state]
+            .into_iter()
+            .zip(memory[4..].chunks_exact(d))
+        {
+            values.copy_from_slice(kept);
+        }
+        // The jet is that of the base again.
+        path.length = 0.0;
+    }
+}
+
+fn build(
+    system: &PoissonSystem,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn StepMap>, BuildError> {
+    let tolerance = tolerance_of(&INFO, parameters, 1e-16)?;
+    let order = order(tolerance);
+    let field = jet_map(system, order)?;
+    Ok(Arc::new(ReferenceMap {
+        dimension: system.dimension(),
+        properties: MapProperties {
+            order,
+            structure: Structure::None,
+            self_adjoint: Some(false),
+        },
+        description: format!("{} tolerance = {tolerance:e}, order {order}", INFO.name),
+        together: TOGETHER,
+        make: Box::new(move |parameters, time_step, count| {
+            Box::new(Taylor::new(&field, parameters, time_step, count))
+        }),
+    }))
+}
+
+leafwise_core::built_in!(StepperPart::new(&INFO, build));

@@ -1,0 +1,279 @@
+//! The Taylor stepper: order, accuracy, dense output, lanes, checkpoints, work and refusals.
+
+#![allow(
+    clippy::print_stdout,
+    reason = "measured numbers, read with --nocapture"
+)]
+
+use crate::common::{
+    LOTKA_VOLTERRA_FLOW, RIGID_BODY_FLOW, distance, heavy_top, lotka_volterra, map, none,
+    orbit, pendulum, rigid_body, run, system, try_map,
+};
+use leafwise_core::diagnostics::fit_slope;
+use leafwise_core::{BuildError, Convention, Integrator, PoissonSystem, StepError, StepMap};
+use std::sync::Arc;
+
+fn taylor(system: &PoissonSystem, tolerance: f64) -> Arc<dyn StepMap> {
+    map("taylor", system, &none().with("tolerance", tolerance))
+}
+
+/// q̇ = p, ṗ = −q: q = cos t, p = −sin t from (1, 0).
+fn oscillator() -> PoissonSystem {
+    let pairs = [((1, 2), "-1")];
+    system(2, &pairs, "(x1^2 + x2^2)/2", &[], Convention::HamiltonianFirst)
+}
+
+/// q̇ = q², ṗ = −2qp: q = 1/(1 − t) from q = 1.
+fn singular() -> PoissonSystem {
+    let pairs = [((1, 2), "-1")];
+    system(2, &pairs, "x1^2*x2", &[], Convention::HamiltonianFirst)
+}
+
+/// Kepler's problem in the plane, by a power and a square root.
+fn kepler() -> PoissonSystem {
+    system(
+        4,
+        &[((1, 3), "-1"), ((2, 4), "-1")],
+        "(x3^2 + x4^2)/2 - 1/sqrt(x1^2 + x2^2)",
+        &[],
+        Convention::HamiltonianFirst,
+    )
+}
+
+/// One step t from the start has the error c t^(p+1) while no second substep is taken.
+#[test]
+fn the_order_is_that_of_the_tolerance() {
+    let (start, system) = (LOTKA_VOLTERRA_FLOW.0, lotka_volterra());
+    let exact = taylor(&system, 1e-16);
+    for (tolerance, order) in [(0.1, 3), (1e-2, 4), (1e-4, 6), (1e-6, 8), (1e-15, 19)] {
+        let map = taylor(&system, tolerance);
+        assert_eq!(map.properties().order, order, "{tolerance:e}");
+        if order > 8 {
+            continue;
+        }
+        let sizes = [0.6, 0.7, 0.8, 0.9, 1.0].map(|part| 0.03 * part);
+        let points = sizes.map(|t| {
+            let end = run(exact.as_ref(), t, 1, &start);
+            (t, distance(&run(map.as_ref(), t, 1, &start), &end))
+        });
+        let slope = fit_slope(&points, 1e-17).expect("points above round-off");
+        println!("order {order}: {:.3}", slope.exponent);
+        let expected = (order + 1) as f64;
+        assert!((slope.exponent - expected).abs() < 0.3, "{order}: {slope:?}");
+    }
+}
+
+/// Errors of some tens of substeps add up, and those of 50-digit flows are told to a few units of round-off.
+#[test]
+fn flows_are_reached_to_the_tolerance() {
+    for (system, flow) in [
+        (rigid_body(), RIGID_BODY_FLOW),
+        (lotka_volterra(), LOTKA_VOLTERRA_FLOW),
+    ] {
+        for tolerance in [1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16] {
+            for steps in [1, 7, 100] {
+                let map = taylor(&system, tolerance);
+                let end = run(map.as_ref(), 1.0 / steps as f64, steps, &flow.0);
+                let error = distance(&end, &flow.1);
+                println!("{}: {steps} steps, error {error:.1e}", map.describe());
+                let round_off = 16.0 * f64::EPSILON;
+                assert!(error < 30.0 * tolerance + round_off, "{tolerance:e}: {error:e}");
+            }
+        }
+    }
+}
+
+/// A hundred turns of an oscillator: round-off of compensated sums, which add up like a random walk.
+#[test]
+fn round_off_of_many_turns_stays_small() {
+    let map = taylor(&oscillator(), 1e-15);
+    for steps in [1, 1000] {
+        let t = 200.0 * std::f64::consts::PI;
+        let end = run(map.as_ref(), t / steps as f64, steps, &[1.0, 0.0]);
+        // T is a double: 200 π itself is 5.7e-14 less or more.
+        let exact = [libm::cos(t), -libm::sin(t)];
+        let error = distance(&end, &exact);
+        println!("{steps} steps: {error:.1e}");
+        assert!(error < 1e-13, "{error:e}");
+    }
+}
+
+/// Between the ends of substeps the polynomial is as good as there, and asks for nothing.
+#[test]
+fn records_within_a_substep_are_on_the_solution() {
+    for (system, start) in [
+        (rigid_body(), vec![1.0, 3.0, 3.0]),
+        (lotka_volterra(), vec![1.0, 1.9, 0.5]),
+        (pendulum(), vec![1.0, 0.5, 0.3, 0.2]),
+        (kepler(), vec![0.5, 0.0, 0.0, 1.7]),
+        (heavy_top(), vec![1.0, 0.5, 3.0, 0.3, 0.2, 0.9]),
+    ] {
+        let exact = taylor(&system, 1e-16);
+        for tolerance in [1e-5, 1e-10] {
+            let map = taylor(&system, tolerance);
+            let states = orbit(map.as_ref(), 0.01, 300, &start);
+            let truth = orbit(exact.as_ref(), 0.01, 300, &start);
+            let pairs = states.iter().zip(&truth);
+            let error = pairs.fold(0.0_f64, |most, (a, b)| most.max(distance(a, b)));
+            println!("{}: {error:.1e}", map.describe());
+            assert!(error < 100.0 * tolerance, "{error:e}");
+            let evaluations = |steps: usize| {
+                let mut integrator =
+                    Integrator::new(map.as_ref(), &[], 1.0, 3.0 / steps as f64, &start);
+                (0..steps).for_each(|_| integrator.step().expect("a step"));
+                integrator.statistics().evaluations
+            };
+            assert_eq!(evaluations(1), evaluations(300), "no jet for a record");
+        }
+    }
+}
+
+fn bits(x: &[f64]) -> Vec<u64> {
+    x.iter().map(|v| v.to_bits()).collect()
+}
+
+/// Within substeps and at their ends, forwards and backwards.
+#[test]
+fn a_restored_run_has_the_same_bits() {
+    let map = taylor(&lotka_volterra(), 1e-9);
+    for (h, before) in [(0.01, 0), (0.01, 3), (0.01, 40), (1.3, 2), (-0.01, 17)] {
+        let start = [1.0, 1.9, 0.5];
+        let mut through = Integrator::new(map.as_ref(), &[], 1.0, h, &start);
+        (0..before).for_each(|_| through.step().expect("a step"));
+        let mut resumed = Integrator::new(map.as_ref(), &[], 1.0, h, &[2.0; 3]);
+        resumed.step().expect("a step of another run");
+        resumed.restore(&through.checkpoint()).expect("a checkpoint of this map");
+        for _ in 0..30 {
+            through.step().expect("a step");
+            resumed.step().expect("a step");
+            assert_eq!(through.checkpoint(), resumed.checkpoint());
+        }
+    }
+}
+
+/// As many lanes as take the kernel of many and as few as take that of one.
+#[test]
+fn lanes_have_the_bits_of_single_runs() {
+    let map = taylor(&rigid_body(), 1e-8);
+    for lanes in [1, 2, 7, 19] {
+        let start = |lane: usize| [1.0, 3.0 - 0.1 * lane as f64, 0.3 * lane as f64];
+        let mut together: Vec<f64> = (0..3)
+            .flat_map(|c| (0..lanes).map(move |lane| start(lane)[c]))
+            .collect();
+        let mut stepper = map.stepper(lanes, &[], 1.0, 0.17);
+        let zero = vec![0.0; 3 * lanes];
+        let mut increment = zero.clone();
+        for _ in 0..40 {
+            let mut outcome = vec![Ok(()); lanes];
+            stepper.increment(&together, &zero, &mut increment, &mut outcome);
+            assert_eq!(outcome, vec![Ok(()); lanes]);
+            together.iter_mut().zip(&increment).for_each(|(x, i)| *x += i);
+        }
+        for lane in 0..lanes {
+            let mut alone = start(lane).to_vec();
+            let mut stepper = map.stepper(1, &[], 1.0, 0.17);
+            for _ in 0..40 {
+                let mut increment = [0.0; 3];
+                stepper.increment(&alone, &[0.0; 3], &mut increment, &mut [Ok(())]);
+                alone.iter_mut().zip(&increment).for_each(|(x, i)| *x += i);
+            }
+            let own: Vec<f64> = together.iter().skip(lane).step_by(lanes).copied().collect();
+            assert_eq!(bits(&alone), bits(&own), "lane {lane} of {lanes}");
+        }
+    }
+}
+
+/// A change of the state from outside begins a new series there.
+#[test]
+fn a_state_from_elsewhere_begins_anew() {
+    let map = taylor(&rigid_body(), 1e-10);
+    let mut stepper = map.stepper(1, &[], 1.0, 0.01);
+    let mut step = |x: &[f64; 3]| {
+        let mut increment = [0.0; 3];
+        let mut outcome = [Ok(())];
+        stepper.increment(x, &[0.0; 3], &mut increment, &mut outcome);
+        assert_eq!(outcome, [Ok(())]);
+        increment
+    };
+    let first = step(&[1.0, 3.0, 3.0]);
+    step(&[2.0, 0.1, -1.0]);
+    assert_eq!(bits(&step(&[1.0, 3.0, 3.0])), bits(&first));
+}
+
+/// q = 1/(1 − t): the step that would cross t = 1 is refused, those before are taken.
+#[test]
+fn a_motion_that_ends_is_reported() {
+    let map = taylor(&singular(), 1e-12);
+    for (h, steps) in [(0.3, 3), (2.0, 0), (0.009, 111)] {
+        let mut integrator = Integrator::new(map.as_ref(), &[], 1.0, h, &[1.0, 1.0]);
+        (0..steps).for_each(|_| integrator.step().expect("before the end"));
+        let (q, t) = (integrator.state()[0], integrator.time());
+        // The condition of q = 1/(1 − t) is its own size.
+        assert!((q * (1.0 - t) - 1.0).abs() < 1e-10 * q, "{q}");
+        match integrator.step() {
+            Err(StepError::Singularity { percent }) => {
+                let expected = 100.0 * (1.0 - t) / h;
+                assert!((percent - expected).abs() < 1e-3, "{percent} {expected}");
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+#[test]
+fn a_state_without_a_series_is_refused() {
+    let map = taylor(&kepler(), 1e-12);
+    let mut integrator = Integrator::new(map.as_ref(), &[], 1.0, 0.1, &[0.0; 4]);
+    let error = integrator.step();
+    assert!(matches!(error, Err(StepError::NonFinite { .. })), "{error:?}");
+}
+
+#[test]
+fn numbers_and_tolerances_out_of_range_are_refused() {
+    let numbers = rigid_body().without_formulas("numbers").expect("numbers");
+    let error = try_map("taylor", &numbers, &none()).err();
+    let is_typed = matches!(&error, Some(BuildError::NotOffered { instead, .. }) if instead.contains("dop853"));
+    assert!(is_typed, "{error:?}");
+    for tolerance in [0.0, 1e-17, 0.2, f64::NAN] {
+        let given = none().with("tolerance", tolerance);
+        let error = try_map("taylor", &rigid_body(), &given).err();
+        assert!(matches!(error, Some(BuildError::Parameter { .. })), "{error:?}");
+    }
+}
+
+/// Equilibria and components at rest are no divisions by 0.
+#[test]
+fn what_rests_stays() {
+    let map = taylor(&rigid_body(), 1e-12);
+    for start in [[0.0; 3], [0.0, 2.0, 0.0]] {
+        assert_eq!(run(map.as_ref(), 0.5, 10, &start), start);
+    }
+    let end = run(taylor(&oscillator(), 1e-12).as_ref(), 0.1, 10, &[0.0, 1.0]);
+    let exact = [libm::sin(1.0), libm::cos(1.0)];
+    assert!(distance(&end, &exact) < 1e-12);
+}
+
+/// Operations of a jet and of all that a substep takes: p(p + 1)/2 products and sums for each of three products of
+/// two series, one factor a coefficient, and 2pd for the sum of the polynomial at the end.
+#[test]
+fn work_is_pinned() {
+    let cases = [(rigid_body(), vec![1.0, 3.0, 3.0]), (lotka_volterra(), vec![1.0, 1.9, 0.5])];
+    let found: Vec<u64> = cases
+        .iter()
+        .map(|(system, start)| {
+            let map = taylor(system, 1e-15);
+            let mut integrator = Integrator::new(map.as_ref(), &[], 1.0, 1e-6, start);
+            integrator.step().expect("a step");
+            let statistics = integrator.statistics();
+            assert_eq!(statistics.evaluations, 1);
+            statistics.operations.expect("counted")
+        })
+        .collect();
+    println!("{found:?}");
+    let (p, d) = (19, 3);
+    let others = 2 * p * d + 12 * d + 60;
+    let products = d * (p * (p + 1) / 2 + p * (p - 1) / 2);
+    // 28 signs; of Lotka–Volterra three sums of two coefficients, one of them times a number.
+    assert_eq!(found, [products + p * d + others + 28, 1473]);
+    assert!(found[1] <= products + 4 * p * d + others, "{found:?}");
+}
