@@ -160,7 +160,12 @@ pub fn tables<P: Problem + 'static>(targets: &[(f64, &[usize])]) -> String {
             .filter_map(|contestant| reach(contestant.as_ref(), &reference, *target))
             .collect();
         text.push_str(&format!("Error {target:.0e}:\n\n"));
-        let baselines = [others[0].name(), others[1].name(), others[2].name(), others[3].name()];
+        let baselines = [
+            others[0].name(),
+            others[1].name(),
+            others[2].name(),
+            others[3].name(),
+        ];
         let (entries, slow) = without_slow(entries, &baselines);
         if !slow.is_empty() {
             text.push_str(&format!(

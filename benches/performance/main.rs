@@ -12,6 +12,7 @@ mod contestants;
 mod document;
 mod hand;
 mod lattices;
+mod long;
 mod measure;
 mod problems;
 mod source;
@@ -26,7 +27,7 @@ use crate::problems::{LotkaVolterra, RigidBody};
 /// A part of the page: its name, and what measures it.
 type Section = (&'static str, fn() -> String);
 
-const SECTIONS: [Section; 7] = [
+const SECTIONS: [Section; 8] = [
     ("steps", steps::table),
     ("rigid-body", || {
         accuracy::tables::<RigidBody>(&[(1e-4, &[4, 6, 8, 10]), (1e-8, &[6, 8, 10, 12])])
@@ -43,6 +44,7 @@ const SECTIONS: [Section; 7] = [
     }),
     ("lattice", lattices::accuracy),
     ("lattice-sizes", lattices::sizes),
+    ("long", long::tables),
     ("building", building::table),
 ];
 

@@ -143,6 +143,8 @@ pub enum Family {
     Splitting,
     /// Other Poisson maps.
     Poisson,
+    /// Taylor series of the motion.
+    Series,
     /// Explicit Runge–Kutta methods.
     Explicit,
     /// Implicit Runge–Kutta methods, which solve dense systems.

@@ -61,6 +61,7 @@ fn the_standard_methods_of_a_rigid_body_are_compared_and_the_front_is_theirs() {
         "suzuki-umeno-8 of so3-exponential + hamilton-jacobi 4 energy-casimir",
         "sofroniou-spaletta-10 of splitting",
         "spherical-midpoint",
+        "taylor",
         "dop853",
         "dormand-prince45",
         "gauss 3",

@@ -1,7 +1,7 @@
 //! The Taylor coefficients of a system's motion as one kernel.
 
-use leafwise_expression::series::jet;
 use leafwise_expression::graph::lift;
+use leafwise_expression::series::jet;
 use leafwise_expression::{Arithmetic, DifferentialAlgebra, Graph, Kernel, Rational, Ring, Term};
 
 use super::SystemFormulas;
@@ -34,12 +34,7 @@ impl SystemFormulas {
         }
         let jet = jet(&mut graph, &field, order)?.concat();
         let parameters = self.parameters().len();
-        Ok(SmoothMap::compile_values(
-            &graph,
-            &jet,
-            parameters,
-            x.len(),
-        ))
+        Ok(SmoothMap::compile_values(&graph, &jet, parameters, x.len()))
     }
 
     /// X_H by way of the exact ring, where it is short enough.

@@ -13,6 +13,7 @@ use leafwise_core::part::{
 };
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
+use leafwise_core::solver::judge::larger;
 use leafwise_core::solver::{StepReport, Trajectories};
 use leafwise_core::{
     BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure, two_sum,
@@ -32,8 +33,9 @@ static INFO: PartInfo = PartInfo {
                  methods, Experimental Mathematics 14 (2005); Biscani, Izzo, Revisiting high-order Taylor methods for \
                  astrodynamics and celestial mechanics, MNRAS 504 (2021)",
     parameters: &[TOLERANCE],
-    family: Some(Family::Explicit),
-    compared: Some(Compared::at(2)),
+    family: Some(Family::Series),
+    compared: Some(Compared::at(1)),
+    reference: Some(&[]),
     ..PartInfo::of(PartKind::Stepper)
 };
 
@@ -132,65 +134,60 @@ impl Path {
     ///
     /// # Errors
     /// [`StepError::NonFinite`] where a coefficient is not finite.
-    fn choose(&mut self, direction: f64) -> Result<(), StepError> {
+    fn choose(&mut self, direction: f64, safety: f64) -> Result<(), StepError> {
         let d = self.base.len();
         let order = self.jet.len() / d;
         let row = |k: usize| &self.jet[(k - 1) * d..][..d];
-        let (first, second) = (row(1), row(2.min(order)));
-        let (last, earlier) = (row(order), row(order - 1));
-        // Without an earlier substep, the first one by the field alone.
+        let (first, second, earlier, last) = (row(1), row(2), row(order - 1), row(order));
+        // Before the first substep, its length by the field alone.
         let before = match self.before > 0.0 {
             true => self.before,
-            false => radius(size(last) / size(first), order - 1) * FIRST,
+            false => length(size(last) / size(first), order - 1),
         };
-        let before = if before.is_finite() { before } else { 0.0 };
-        let floor = f64::EPSILON * size(&self.base);
-        // The largest x_k[i] relative to component i or its change.
-        let (mut of_last, mut of_earlier) = (0.0_f64, 0.0_f64);
-        let mut sum = 0.0;
+        // The largest x_k[i] over component i, or over its change where that is larger; what is 0 up to the second
+        // order counts as round-off of the others.
+        let floor = f64::EPSILON * size(&self.base) + f64::MIN_POSITIVE;
+        let (mut of_earlier, mut of_last) = (0.0_f64, 0.0_f64);
         for i in 0..d {
-            let change = (before * first[i]).abs().max((before * before * second[i]).abs());
-            let scale = self.base[i].abs().max(change).max(floor);
-            let (a, b) = (last[i].abs(), earlier[i].abs());
-            sum += a + b;
-            if a + b > 0.0 {
-                let inverse = 1.0 / scale;
-                of_last = of_last.max(a * inverse);
-                of_earlier = of_earlier.max(b * inverse);
-            }
+            let change = before * (first[i].abs() + before * second[i].abs());
+            let scale = 1.0 / self.base[i].abs().max(change).max(floor);
+            of_earlier = larger(of_earlier, earlier[i].abs() * scale);
+            of_last = larger(of_last, last[i].abs() * scale);
         }
-        if !sum.is_finite() || !of_last.max(of_earlier).is_finite() {
+        if !(of_earlier + of_last).is_finite() {
             return Err(StepError::NonFinite {
                 what: "the Taylor series of the motion",
             });
         }
-        let length = radius(of_last, order).min(radius(of_earlier, order - 1));
-        let length = length * FIRST * libm::exp(-0.7 / (order - 1) as f64);
         let most = match self.before > 0.0 {
             true => GROW * self.before,
-            false => direction.abs(),
+            false if of_last + of_earlier == 0.0 => direction.abs(),
+            false => f64::INFINITY,
         };
-        let length = if of_last.max(of_earlier) > 0.0 && self.before == 0.0 {
-            length
-        } else {
-            length.min(most)
-        };
-        self.length = short(length).copysign(direction);
+        let chosen = length(of_earlier, order - 1).min(length(of_last, order));
+        self.length = short((safety * chosen).min(most)).copysign(direction);
         Ok(())
     }
 }
-
-/// e⁻².
-const FIRST: f64 = 0.135_335_283_236_612_7;
 
 /// max |v_i|.
 fn size(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, v| v.abs().max(most))
 }
 
-/// q^(−1/n): the radius of convergence of Σ q_k tᵏ by its term n.
-fn radius(q: f64, n: usize) -> f64 {
-    libm::exp2(-libm::log2(q) / n as f64)
+/// ρ e⁻² for ρ = q^(−1/n), the radius of convergence of Σ q_k tᵏ by its term n, to a few thousandths: logarithm and
+/// power by parabolas between powers of 2.
+fn length(q: f64, n: usize) -> f64 {
+    // NaN, of a field that is 0, and 0 itself are below all others.
+    let bits = q.max(0.0).to_bits();
+    let mantissa = f64::from_bits(bits & ((1 << 52) - 1) | 1.0_f64.to_bits());
+    let fraction = (2.024_658 - 0.344_845 * mantissa) * mantissa - 1.674_873;
+    let logarithm = (bits >> 52) as f64 - 1023.0 + fraction;
+    let power = -logarithm / n as f64 - 2.0 * std::f64::consts::LOG2_E;
+    let whole = libm::floor(power);
+    let rest = power - whole;
+    let fraction = (0.337_189 * rest + 0.657_636) * rest + 1.001_725;
+    fraction * f64::from_bits(((whole.clamp(-1022.0, 1023.0) + 1023.0) as u64) << 52)
 }
 
 /// The upper half of a double's digits.
@@ -213,6 +210,8 @@ fn polynomial(jet: &[f64], t: f64, change: &mut [f64]) {
 struct Taylor {
     field: SmoothMapEvaluator,
     time_step: f64,
+    /// exp(−0.7/(p − 1)).
+    safety: f64,
     paths: Vec<Path>,
     /// Those that need a jet, and room for their states and jets.
     open: Vec<usize>,
@@ -223,17 +222,13 @@ struct Taylor {
 }
 
 impl Taylor {
-    fn new(
-        field: &SmoothMap,
-        parameters: &[f64],
-        time_step: f64,
-        count: usize,
-    ) -> Self {
+    fn new(field: &SmoothMap, parameters: &[f64], time_step: f64, count: usize) -> Self {
         let d = field.inputs();
         let order = field.outputs() / d;
         Self {
             field: field.evaluator(parameters, 1.0, 1.0),
             time_step,
+            safety: libm::exp(-0.7 / (order - 1) as f64),
             paths: vec![Path::new(d, order); count],
             open: Vec::with_capacity(count),
             states: vec![0.0; count * d],
@@ -246,25 +241,33 @@ impl Taylor {
     /// Jets and lengths of all that are open; those without drop out.
     fn evaluate(&mut self, taken: &mut [StepReport]) {
         let d = self.change.len();
-        let size = self.field.map().outputs();
         let count = self.open.len();
-        for (state, &at) in self.states.chunks_exact_mut(d).zip(&self.open) {
-            state.copy_from_slice(&self.paths[at].base);
-        }
-        let open = &self.open;
-        let (states, jets) = (&self.states[..count * d], &mut self.jets[..count * size]);
-        self.field
-            .each_value(states, jets, |at, error| taken[open[at]].fail(error));
-        for (jet, &at) in self.jets.chunks_exact(size).zip(&self.open) {
-            taken[at].evaluations += 1;
+        if let [at] = self.open[..] {
             let path = &mut self.paths[at];
-            path.jet.copy_from_slice(jet);
-            if let Err(error) = path.choose(self.time_step) {
+            if let Err(error) = self.field.values(&path.base, &mut path.jet) {
+                taken[at].fail(error);
+            }
+        } else {
+            let size = self.field.map().outputs();
+            for (state, &at) in self.states.chunks_exact_mut(d).zip(&self.open) {
+                state.copy_from_slice(&self.paths[at].base);
+            }
+            let open = &self.open;
+            let (states, jets) = (&self.states[..count * d], &mut self.jets[..count * size]);
+            self.field
+                .each_value(states, jets, |at, error| taken[open[at]].fail(error));
+            for (jet, &at) in self.jets.chunks_exact(size).zip(&self.open) {
+                self.paths[at].jet.copy_from_slice(jet);
+            }
+        }
+        for &at in &self.open {
+            taken[at].evaluations += 1;
+            if let Err(error) = self.paths[at].choose(self.time_step, self.safety) {
                 taken[at].fail(error);
             }
         }
-        // Two sizes, three roots: what the choice of a length takes.
-        self.linear += count as u64 * (12 * d as u64 + 60);
+        // What the choice of a length takes.
+        self.linear += count as u64 * (16 * d as u64 + 30);
     }
 }
 
@@ -311,7 +314,11 @@ impl Trajectories for Taylor {
                 continue;
             }
             let own = at * d..(at + 1) * d;
-            polynomial(&path.jet, path.reached[0] + path.reached[1], &mut self.change);
+            polynomial(
+                &path.jet,
+                path.reached[0] + path.reached[1],
+                &mut self.change,
+            );
             self.linear += work;
             for (i, (at, change)) in own.zip(&self.change).enumerate() {
                 let apart = path.low[i] - low[at];

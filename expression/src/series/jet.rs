@@ -147,7 +147,10 @@ mod tests {
         for (k, found) in (1..).zip(found) {
             let expected = expected(k);
             let allowed = 64.0 * f64::EPSILON * expected.abs().max(1e-12);
-            assert!((found - expected).abs() <= allowed, "{what}: x_{k} = {found}, {expected}");
+            assert!(
+                (found - expected).abs() <= allowed,
+                "{what}: x_{k} = {found}, {expected}"
+            );
         }
     }
 
@@ -155,7 +158,11 @@ mod tests {
     #[test]
     fn jets_are_those_of_closed_forms() {
         let factorial = |k: usize| (1..=k).map(|j| j as f64).product::<f64>();
-        let binomial = |a: f64, k: usize| (0..k).map(|j| (a - j as f64) / (j + 1) as f64).product::<f64>();
+        let binomial = |a: f64, k: usize| {
+            (0..k)
+                .map(|j| (a - j as f64) / (j + 1) as f64)
+                .product::<f64>()
+        };
         // 1/(1 − t), e^t, √(1 + 2t), ln(1 + t), (1 + t/2)², and 1 − ln(1 − t).
         assert_close(&jet_of(&["x^2"], &[1.0], 18).0, |_| 1.0, "x²");
         assert_close(&jet_of(&["x"], &[1.0], 18).0, |k| factorial(k).recip(), "x");
@@ -167,7 +174,11 @@ mod tests {
         assert_close(&jet_of(&["sqrt(x)"], &[1.0], 2).0, square, "sqrt");
         let power = |k: usize| binomial(0.4, k) * 2.5f64.powi(k as i32);
         assert_close(&jet_of(&["x^(-3/2)"], &[1.0], 18).0, power, "power");
-        assert_close(&jet_of(&["exp(x - 1)"], &[1.0], 18).0, |k| 1.0 / k as f64, "exp of a sum");
+        assert_close(
+            &jet_of(&["exp(x - 1)"], &[1.0], 18).0,
+            |k| 1.0 / k as f64,
+            "exp of a sum",
+        );
     }
 
     /// ẋ = y, ẏ = −x: every coefficient is a product with ±1/k!, y_1 a sign and x_1 = y nothing.

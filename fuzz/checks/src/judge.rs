@@ -348,6 +348,7 @@ fn failure(error: &StepError) -> &'static str {
         StepError::OtherBranch { .. } => "another branch",
         StepError::LostSign { .. } => "lost sign",
         StepError::Pole { .. } => "pole",
+        StepError::Singularity { .. } => "singularity",
         StepError::NonFinite { .. } => "not finite",
         _ => "another failure",
     }

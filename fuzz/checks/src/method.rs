@@ -74,7 +74,7 @@ pub const REALIZATIONS: [&str; 9] = [
 ];
 
 /// Every stepper.
-pub const STEPPERS: [&str; 9] = [
+pub const STEPPERS: [&str; 10] = [
     "gauss",
     "dop853",
     "dormand-prince45",
@@ -84,6 +84,7 @@ pub const STEPPERS: [&str; 9] = [
     "rk4",
     "spherical-midpoint",
     "splitting",
+    "taylor",
 ];
 
 fn realization(source: &mut Source<'_>, tensor: &Tensor) -> String {
@@ -168,7 +169,7 @@ fn stepper(source: &mut Source<'_>, tensor: &Tensor, tolerance: &mut f64) -> Str
             "{{ name = \"{name}\", base = \"{}\" }}",
             source.pick(&["rk4", "gauss"])
         ),
-        "dop853" | "dormand-prince45" => {
+        "dop853" | "dormand-prince45" | "taylor" => {
             *tolerance = source.pick(&[1e-4, 1e-8, 1e-12]);
             format!("{{ name = \"{name}\", tolerance = {tolerance:?} }}")
         }

@@ -64,7 +64,7 @@ pub(super) fn tighten(run: &ComposedRun) -> Option<String> {
 }
 
 fn tighter(tolerance: f64) -> f64 {
-    let tighter = (TIGHTER * tolerance).max(LEAST);
+    let tighter = (TIGHTER * tolerance).max(LEAST).min(tolerance);
     format!("{tighter:.12e}").parse().unwrap_or(tighter)
 }
 

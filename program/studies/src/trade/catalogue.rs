@@ -298,9 +298,14 @@ impl Catalogue<'_> {
 
     fn baselines(&mut self) {
         let is_small = self.bench.own().dimension() <= LARGEST_DENSE;
-        let mut baselines = self.bench.registry().family(Family::Explicit);
+        let registry = self.bench.registry();
+        let mut baselines = registry.family(Family::Explicit);
+        // A jet takes formulas.
+        if self.bench.own().system.expressions().is_some() {
+            baselines.extend(registry.family(Family::Series));
+        }
         if is_small {
-            baselines.extend(self.bench.registry().family(Family::Implicit));
+            baselines.extend(registry.family(Family::Implicit));
         }
         for baseline in baselines.into_iter().flat_map(compared) {
             self.add(MethodTable::stepper(baseline));

@@ -59,7 +59,7 @@ impl Grid {
     }
 
     /// The grid of a reference solution: steps halved from twice the scene's on, tolerances lowered
-    /// tenfold from 10⁻¹¹ on.
+    /// tenfold from 10⁻¹¹ on, as far as the method takes them.
     pub(super) fn of_reference(candidate: &Candidate, steps: u64) -> Self {
         match candidate.knob {
             Knob::Steps => Self::Geometric {
@@ -70,7 +70,7 @@ impl Grid {
             Knob::Tolerance => Self::Tolerances {
                 first: 11.0,
                 per_decade: 1.0,
-                count: 4,
+                count: 6,
                 steps: libm::ceil(steps as f64 / ADAPTIVE).max(1.0) as u64,
             },
         }

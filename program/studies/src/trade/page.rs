@@ -179,7 +179,7 @@ fn family(compared: &ComparedMethod) -> usize {
     match (&compared.method.parts, compared.family) {
         (MethodParts::Pair { .. }, _) => usize::from(is_composed),
         (_, Some(Family::Splitting | Family::Poisson)) => 2,
-        (_, Some(Family::Explicit)) => 3,
+        (_, Some(Family::Series | Family::Explicit)) => 3,
         _ if is_composed => 2,
         _ => 4,
     }

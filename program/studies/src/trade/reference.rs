@@ -196,8 +196,8 @@ impl Refined {
 /// The largest system of stage equations that a Gauss method of eight stages is tried on.
 const LARGEST_GAUSS: usize = 12;
 
-/// Methods of order 8 and more, of families that share no code: implicit collocation,
-/// compositions of Poisson maps, an adaptive explicit pair.
+/// Methods of order 8 and more, of families that share no code: Taylor series, which reach round-off in the fewest
+/// operations, implicit collocation, compositions of Poisson maps, an adaptive explicit pair.
 fn families(bench: &Bench<'_>) -> Vec<MethodTable> {
     let registry = bench.registry();
     let stepper = |family| {
@@ -226,6 +226,7 @@ fn families(bench: &Bench<'_>) -> Vec<MethodTable> {
     };
     let is_small = bench.own().dimension() <= LARGEST_GAUSS;
     [
+        stepper(Family::Series),
         stepper(Family::Implicit).filter(|_| is_small),
         stepper(Family::Splitting).and_then(|base| composed(0, base)),
         stepper(Family::Explicit),
