@@ -163,7 +163,7 @@ fn stepper_table() {
         ("rigid body", RIGID_BODY),
         ("periodic Lotka-Volterra", PERIODIC_LOTKA_VOLTERRA),
     ] {
-        for stepper in ["rk4", "gauss", "implicit-midpoint", "dop853"] {
+        for stepper in ["rk4", "gauss", "implicit-midpoint", "dop853", "taylor"] {
             let (library, initial) = system;
             let text = format!(
                 "[system]\nlibrary = \"{library}\"\n[method]\nstepper = \"{stepper}\"\ntime-step = 0.05\n\
