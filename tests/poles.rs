@@ -6,13 +6,14 @@ use leafwise::scene::{ComposedRun, compose};
 use proptest::prelude::*;
 use proptest::sample::select;
 
-const METHODS: [&str; 8] = [
+const METHODS: [&str; 9] = [
     r#"stepper = "splitting""#,
     r#"stepper = "rk4""#,
     r#"stepper = { name = "gauss", stages = 2 }"#,
     r#"stepper = { name = "energy-preserving", order = 4 }"#,
     r#"stepper = "implicit-midpoint""#,
     r#"stepper = "dop853""#,
+    r#"stepper = "taylor""#,
     "stepper = \"splitting\"\ncomposition = \"triple-jump\"",
     r#"dynamics = { name = "hamilton-jacobi", order = 2 }"#,
 ];

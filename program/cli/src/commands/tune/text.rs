@@ -65,7 +65,11 @@ fn asked(asked: &Tolerances, judged: Judged) -> String {
 
 fn print_found(found: &Found<'_>, recommended: &Recommendation, console: &mut Console<'_>) {
     let tuning = found.tuning;
-    let kind = if found.any { "method" } else { "Poisson map" };
+    let kind = match (found.any, recommended.measured.is_poisson) {
+        (false, _) => "Poisson map",
+        (true, true) => "method, a Poisson map",
+        (true, false) => "method, not a Poisson map",
+    };
     console.result(&format!(
         "the cheapest {kind}: {}, {}",
         console.bold(&recommended.name),
