@@ -86,7 +86,6 @@ impl<'a, const D: usize> Watch<'a, D> {
             leg(&mut x)?;
             self.look(&x);
         }
-        eprintln!("{method} {setting} {:.2} {:e} {:e}", started.elapsed().as_secs_f64(), self.energy, self.casimirs);
         Some(Found {
             method,
             setting,
@@ -228,8 +227,8 @@ const VOLTERRA: System<3> = System {
     library: LotkaVolterra::LIBRARY,
     initial: LotkaVolterra::INITIAL,
     field: LotkaVolterra::field,
-    energy: |x| 2.0 * x[0] + x[1] + 2.0 * x[2] + x[1].ln() - 2.0 * x[2].ln(),
-    casimirs: &[|x| 2.0 * x[0].ln() + x[1].ln() + x[2].ln()],
+    energy: |x| 2.0 * x[0] + x[1] + 2.0 * x[2] + libm::log(x[1]) - 2.0 * libm::log(x[2]),
+    casimirs: &[|x| 2.0 * libm::log(x[0]) + libm::log(x[1]) + libm::log(x[2])],
     realization: "log-canonical",
     hamilton_jacobi: &[(6, 8.0)],
     splittings: &[("blanes-moan-4", 8.0), ("kahan-li-8", 8.0)],

@@ -5,6 +5,10 @@
 
 /// The state after `time`, and the evaluations of the field; `tolerance` absolute and relative. `None` where the
 /// steps end at round-off.
+#[allow(
+    clippy::disallowed_methods,
+    reason = "the platform's functions, as by hand"
+)]
 #[inline(always)]
 pub fn integrate<const D: usize>(
     field: impl Fn(&[f64; D]) -> [f64; D],
@@ -159,6 +163,10 @@ pub fn integrate<const D: usize>(
 }
 
 /// The first step (section II.4): Euler's step of it changes the field by the hundredth part of the state.
+#[allow(
+    clippy::disallowed_methods,
+    reason = "the platform's functions, as by hand"
+)]
 #[inline(always)]
 fn first<const D: usize>(
     field: &impl Fn(&[f64; D]) -> [f64; D],
