@@ -5,9 +5,9 @@
 
 /// The state after `time`, and the evaluations of the field; `tolerance` absolute and relative. `None` where the
 /// steps end at round-off.
-#[allow(
+#[expect(
     clippy::disallowed_methods,
-    reason = "the platform's functions, as by hand"
+    reason = "a baseline takes the functions of the platform"
 )]
 #[inline(always)]
 pub fn integrate<const D: usize>(
@@ -163,9 +163,9 @@ pub fn integrate<const D: usize>(
 }
 
 /// The first step (section II.4): Euler's step of it changes the field by the hundredth part of the state.
-#[allow(
+#[expect(
     clippy::disallowed_methods,
-    reason = "the platform's functions, as by hand"
+    reason = "a baseline takes the functions of the platform"
 )]
 #[inline(always)]
 fn first<const D: usize>(
