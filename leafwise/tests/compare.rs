@@ -225,6 +225,8 @@ fn a_lattice_of_64_sites_is_compared_by_sweeps_and_written_out() {
 fn nothing_stands_on_a_front_against_a_reference_that_is_not_known() {
     let file = format!("{}/../scenes/magnetic.toml", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(file).expect("a scene");
+    // To t = 1500 a change of the initial state grows by more than 1e16.
+    let text = text.replace("steps   = 10000", "steps   = 15000");
     let document =
         SceneDocument::parse("magnetic.toml", &text, &Registry::with_builtin()).expect("a scene");
     let options = CompareOptions {
@@ -234,7 +236,7 @@ fn nothing_stands_on_a_front_against_a_reference_that_is_not_known() {
     };
     let comparison = comparison(&document, &options);
     let horizon = comparison.horizon.as_ref().expect("a warning");
-    assert!(horizon.known.is_some_and(|known| known.time < 1000.0));
+    assert!(horizon.known.is_some_and(|known| known.time < 1500.0));
     for point in &comparison.points {
         let measured = point.outcome.as_ref().expect("a run");
         assert!(measured.at_floor, "{:e}", measured.error);
