@@ -403,7 +403,7 @@ mod tests {
                 assert!(off < 0.002 + 0.0036 / n as f64, "{q:e}, {n}: {off:e}");
             }
         }
-        assert!(length(0.0, 20) > 1e15 && length(f64::NAN, 2) > 1e15);
+        assert!(length(0.0, 20) > 1e12 && length(f64::NAN, 2) > 1e12);
     }
 
     /// Differences of a time and a length are exact as long as it is over 2⁻²⁸ of it.
@@ -412,7 +412,7 @@ mod tests {
         for k in 1..1000 {
             let (time, own) = (
                 200.0 + libm::sin(f64::from(k)),
-                short(libm::exp(-f64::from(k % 17))),
+                short(libm::exp(-f64::from(k % 13))),
             );
             let rest = time - own;
             assert_eq!((time - rest).to_bits(), own.to_bits());
