@@ -34,7 +34,7 @@ impl Serialize for Structure {
 /// What a step map promises; instruments measure it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MapProperties {
-    /// A lower bound of the order in t = εh.
+    /// A lower bound of the order in t = εh; 0 where the error does not depend on the step.
     pub order: usize,
     /// How well it preserves the Poisson tensor.
     pub structure: Structure,

@@ -26,8 +26,8 @@ use crate::reference_map::ReferenceMap;
 static INFO: PartInfo = PartInfo {
     name: "taylor",
     summary: "the motion's Taylor series, of order and substeps from the tolerance",
-    declares: "order 1 - ln(tolerance)/2, rounded up, before the tolerance takes over; not a Poisson map; not \
-               self-adjoint",
+    declares: "no order in the step: the tolerance sets the error, by substeps of order 1 - ln(tolerance)/2, rounded \
+               up; not a Poisson map; not self-adjoint",
     domain: "any system of formulas",
     literature: "Jorba, Zou, A software package for the numerical integration of ODEs by means of high-order Taylor \
                  methods, Experimental Mathematics 14 (2005); Biscani, Izzo, Revisiting high-order Taylor methods for \
@@ -374,7 +374,8 @@ fn build(
     Ok(Arc::new(ReferenceMap {
         dimension: system.dimension(),
         properties: MapProperties {
-            order,
+            // A step ends on the polynomial it falls into: its error is that of the tolerance, whatever its size.
+            order: 0,
             structure: Structure::None,
             self_adjoint: Some(false),
         },

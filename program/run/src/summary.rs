@@ -231,10 +231,10 @@ pub(crate) fn method_lines(run: &ComposedRun) -> Vec<(String, String)> {
     lines.extend([
         line(
             "Declared order",
-            format!(
-                "{} in t = εh (a lower bound: Theorem 2)",
-                method.declared_order()
-            ),
+            match method.declared_order() {
+                0 => "none in t = εh: its tolerance sets its error".to_owned(),
+                order => format!("{order} in t = εh (a lower bound: Theorem 2)"),
+            },
         ),
         line(
             "Step",

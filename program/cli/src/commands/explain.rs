@@ -27,7 +27,10 @@ pub fn explain(run: &ComposedRun, start: Instant) -> Result<Vec<String>, BuildEr
         ("Tensor".to_owned(), tensor_shape(&run.system).to_string()),
         (
             "Declared order".to_owned(),
-            format!("{} in t = εh", run.method.declared_order()),
+            match run.method.declared_order() {
+                0 => "none in t = εh: its tolerance sets its error".to_owned(),
+                order => format!("{order} in t = εh"),
+            },
         ),
     ];
     rows.extend(
