@@ -111,7 +111,7 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
             for i in 0..D {
                 predicted[i] = match &self.before {
                     Some(before) => (before[i] - x[i]) + odd[i],
-                    None => 0.5 * odd[i],
+                    None => 0.0,
                 };
             }
         } else {

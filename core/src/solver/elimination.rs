@@ -451,12 +451,45 @@ mod tests {
     fn solves_with_a_zero_leading_entry() {
         let a = [0.0, 2.0, 1.0, 1.0, 1.0, 0.0, 3.0, 0.0, 1.0];
         let r = [7.0, 3.0, 6.0];
-        let found = [solve::<3>(&a, &r), solve::<ANY>(&a, &r)].map(|z| z.expect("regular"));
-        assert_eq!(found[0], found[1], "a constant dimension changes no bit");
-        // The residual of elimination with pivoting: a few roundings of entries up to 7.
-        for (found, expected) in found[0].iter().zip([1.0, 2.0, 3.0]) {
-            assert!((found - expected).abs() <= 8.0 * f64::EPSILON, "{found}");
+        // The residual of elimination with pivoting, and of the inverse: a few roundings of entries up to 7.
+        for found in [solve::<3>(&a, &r), solve::<ANY>(&a, &r)] {
+            for (found, expected) in found.expect("regular").iter().zip([1.0, 2.0, 3.0]) {
+                assert!((found - expected).abs() <= 8.0 * f64::EPSILON, "{found}");
+            }
         }
+    }
+
+    /// Near the identity by cofactors, whatever the units of the second coordinate: A⁻¹(A z) = z to the roundings
+    /// of two products of three, over a determinant above 1/8.
+    #[test]
+    fn small_matrices_are_inverted_in_any_units() {
+        let values = [-0.3, 0.0, 0.2, 0.45];
+        let unit = libm::exp2(40.0);
+        let mut near = 0;
+        for at in 0..4_usize.pow(6) {
+            let value = |k: u32| values[at / 4_usize.pow(k) % 4];
+            let a = [
+                [1.0 + value(0), value(1) * unit, value(2)],
+                [value(3) / unit, 1.0, value(4) / unit],
+                [value(5), -value(1) * unit, 1.0 + value(2)],
+            ];
+            let flat: Vec<[f64; 1]> = a.iter().flatten().map(|v| [*v]).collect();
+            let mut factors = Factors::<1>::new(3);
+            let [singular] = factors.factor::<3>(&flat, &[true]);
+            if singular || !factors.is_near_identity::<3>(0) {
+                continue;
+            }
+            near += 1;
+            let z = [1.0, -2.0 / unit, 3.0];
+            let product = |row: &[f64; 3]| row.iter().zip(z).map(|(a, z)| a * z).sum();
+            let mut right = a.each_ref().map(|row| [product(row)]);
+            factors.solve::<3>(&mut right);
+            for (found, expected) in right.iter().zip(z) {
+                let error = (found[0] - expected).abs() / expected.abs();
+                assert!(error <= 256.0 * f64::EPSILON, "{a:?}: {error:e}");
+            }
+        }
+        assert!(near > 1000, "{near} are near the identity");
     }
 
     #[test]

@@ -53,7 +53,11 @@ fn the_order_is_that_of_the_tolerance() {
     let exact = taylor(&system, 1e-16);
     for (tolerance, order) in [(0.1, 3), (1e-2, 4), (1e-4, 6), (1e-6, 8), (1e-15, 19)] {
         let map = taylor(&system, tolerance);
-        assert!(map.describe().ends_with(&format!("order {order}")), "{}", map.describe());
+        assert!(
+            map.describe().ends_with(&format!("order {order}")),
+            "{}",
+            map.describe()
+        );
         assert_eq!(map.properties().order, 0, "no order in the step");
         if order > 8 {
             continue;

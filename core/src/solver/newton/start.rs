@@ -12,7 +12,7 @@ type Row<const W: usize> = [f64; W];
 
 /// The start of the solve for y_{k+1}, as its displacement y − x.
 pub(super) enum Start<const W: usize> {
-    /// y_k and the odd part of the solution's [series](crate::solution_series::SolutionSeries).
+    /// y_k and the odd part of the solution's series, y = x without y_k: where its branch begins.
     Series {
         kernel: Arc<Kernel>,
         workspace: Workspace,
@@ -69,7 +69,7 @@ impl<const W: usize> Start<W> {
                         displacement[i][w] = if is_known[w] {
                             (last[i][w] - x[i][w]) + odd[i][w]
                         } else {
-                            0.5 * odd[i][w]
+                            0.0
                         };
                     }
                 }
