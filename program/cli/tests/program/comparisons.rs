@@ -35,8 +35,10 @@ fn a_comparison_prints_its_front_and_says_how_good_the_reference_is() {
 fn most_failures_come_with_their_reason() {
     let here = Place::with(BODY);
     let method = "so3-exponential+hamilton-jacobi:6";
-    let steps = "1,2,3,4,40";
-    let given = ["--only", method, "--steps", steps, "--repeat", "0"];
+    let (time, steps) = ("40", "1,2,3,4,400");
+    let given = [
+        "--only", method, "--time", time, "--steps", steps, "--repeat", "0",
+    ];
     let said = here.leafwise(&[&["compare", "scene.toml"][..], &given].concat());
     assert_eq!(said.code, Some(0), "{}", said.err);
     assert!(said.out.contains("5 points of 1 method: "), "{}", said.out);
