@@ -42,7 +42,7 @@ fn most_failures_come_with_their_reason() {
     let said = here.leafwise(&[&["compare", "scene.toml"][..], &given].concat());
     assert_eq!(said.code, Some(0), "{}", said.err);
     assert!(said.out.contains("5 points of 1 method: "), "{}", said.out);
-    let reason = "failed most often, 4 of them: step 0: the step left the realization's chart";
+    let reason = "failed most often, 4 of them: step 0: the solution of the step's equation";
     assert!(said.out.contains(reason), "{}", said.out);
 }
 
