@@ -485,15 +485,15 @@ fn sums_that_do_not_fit_are_not_packed() {
         let found = packed::sum_of_products(&[(Rational::one(), f, f)]);
         found.map(|f| f.terms().len())
     };
-    let two = Rational::from_integer(2);
+    let two_to = |n: i64| Rational::from_integer(2).powi(n);
     // (1 + Σ xᵢ)² has exponents 0 … 2: 3³⁹ < 2⁶³ < 3⁴⁰ monomials.
     assert_eq!(is_packed(&sum(0..39, Rational::one())), Some(40 * 41 / 2));
     assert_eq!(is_packed(&sum(0..40, Rational::one())), None);
     // (2⁶¹ + Σ_{i<9} xᵢ)² is bounded by 10·2¹²², that with 2⁶² by 10·2¹²⁴.
-    assert_eq!(is_packed(&sum(0..9, two.powi(61))), Some(55));
-    assert_eq!(is_packed(&sum(0..9, two.powi(62))), None);
-    assert_eq!(is_packed(&sum(0..9, two.powi(200))), None);
-    assert_eq!(is_packed(&sum(0..9, two.powi(-64))), None);
+    assert_eq!(is_packed(&sum(0..9, two_to(61))), Some(55));
+    assert_eq!(is_packed(&sum(0..9, two_to(62))), None);
+    assert_eq!(is_packed(&sum(0..9, two_to(200))), None);
+    assert_eq!(is_packed(&sum(0..9, two_to(-64))), None);
     // Symbols by 256.
     let far = sum(0..9, Rational::one());
     let shifted = |at: Symbol| {
