@@ -416,3 +416,6 @@ impl Table {
         places.filter(|(number, value)| *number != FREE && *value != 0)
     }
 }
+
+#[cfg(test)]
+mod tests;
