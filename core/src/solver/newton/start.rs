@@ -12,7 +12,8 @@ type Row<const W: usize> = [f64; W];
 
 /// The start of the solve for y_{k+1}, as its displacement y − x.
 pub(super) enum Start<const W: usize> {
-    /// y_k and the odd part of the solution's series, y = x without y_k: where its branch begins.
+    /// y_k and the odd part of the solution's series; y = x, where its branch begins, without y_k and where the
+    /// series overflows.
     Series {
         kernel: Arc<Kernel>,
         workspace: Workspace,
@@ -64,13 +65,17 @@ impl<const W: usize> Start<W> {
                 kernel.evaluate_rows(workspace, x);
                 let odd = &kernel.output_rows::<W>(workspace)[..d];
                 let last = &last[..d];
+                let mut zero = [0.0; W];
                 for i in 0..d {
                     for w in 0..W {
-                        displacement[i][w] = if is_known[w] {
-                            (last[i][w] - x[i][w]) + odd[i][w]
-                        } else {
-                            0.0
-                        };
+                        displacement[i][w] = (last[i][w] - x[i][w]) + odd[i][w];
+                        // 0·v is 0 where v is finite, and no number elsewhere.
+                        zero[w] += 0.0 * displacement[i][w];
+                    }
+                }
+                for w in 0..W {
+                    if !is_known[w] || zero[w].is_nan() {
+                        displacement[..d].iter_mut().for_each(|row| row[w] = 0.0);
                     }
                 }
             }

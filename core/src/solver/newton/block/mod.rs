@@ -430,15 +430,16 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         let d = dimension::<D>(self.dimension);
         let (x, y) = (&self.x.as_ref()[..d], &self.y.as_ref()[..d]);
         let increment = &self.increment.as_ref()[..d];
-        let mut sizes = [0.0; W];
+        // 0·v is 0 where v is finite, and no number elsewhere.
+        let mut zero = [0.0; W];
         for row in increment {
             for w in 0..W {
-                sizes[w] += row[w].abs();
+                zero[w] += 0.0 * row[w];
             }
         }
         let mut took = [true; W];
         for w in 0..W {
-            if self.outcome[w].is_ok() && !sizes[w].is_finite() {
+            if self.outcome[w].is_ok() && zero[w].is_nan() {
                 self.outcome[w] = Err(StepError::NonFinite {
                     what: "the increment",
                 });
