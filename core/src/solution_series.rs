@@ -13,9 +13,9 @@ use leafwise_expression::{
 use crate::bisection::LagrangianBisection;
 use crate::error::BuildError;
 use crate::generating_function::{Generating, GeneratingFunction};
-use crate::realization::{Accuracy, RealizationData, SourceSeries};
+use crate::realization::{Accuracy, RealizationData, SourceRecursion};
 
-/// Products of terms that may be spent on one order of the series.
+/// Products of terms that may be spent on one order of the series: milliseconds.
 const PRODUCTS: u64 = 1 << 14;
 
 /// The shortest series that extrapolation of earlier solutions does not surpass at small steps: Y_1, Y_3 and Y_5. On
@@ -26,9 +26,12 @@ const FEWEST: usize = 3;
 /// of one at t = 0.4.
 const MOST: usize = 4;
 
-/// The start of the solves of a method over code, as [`SolutionSeries::kernel`]: the longest sum that takes at most
-/// `operations`, about those of an evaluation that it saves. `None` where the series is longer than that, where Ŝ is
-/// not expanded, or the realization offers no series as far.
+/// Operations a coordinate of what the series replaces, the differences of twelve earlier solutions.
+const EXTRAPOLATION: u64 = 36;
+
+/// The start of the solves of a method over code, as [`SolutionSeries::kernel`], of `work` operations an evaluation with
+/// Jacobians: the longest sum that takes at most half of that, and extrapolation, which are the least that it saves.
+/// `None` where the series is longer, where Ŝ is not expanded, or the realization offers no series as far.
 ///
 /// # Errors
 /// [`BuildError::Algebra`] where an adjoined function has no code.
@@ -36,7 +39,7 @@ pub(crate) fn start_of_solves(
     realization: &dyn RealizationData,
     bisection: &dyn LagrangianBisection,
     parameters: usize,
-    operations: u64,
+    work: u64,
 ) -> Result<Option<Kernel>, BuildError> {
     let (Some(Generating::Polynomials(generating)), Some(series)) =
         (bisection.generating_function(), realization.series())
@@ -50,109 +53,82 @@ pub(crate) fn start_of_solves(
     if known < FEWEST {
         return Ok(None);
     }
-    let solution = SolutionSeries::new(generating, series, 2 * MOST.min(known) - 1);
-    for terms in (FEWEST..=solution.odd.len()).rev() {
-        let kernel = solution.kernel(terms, parameters)?;
-        if kernel.step_operations().work() <= operations {
-            return Ok(Some(kernel));
+    let operations = work / 2 + EXTRAPOLATION * realization.dimension() as u64;
+    let mut solution = SolutionSeries::new(generating);
+    let Ok(mut source) = series.in_ring(&mut solution.ring) else {
+        return Ok(None);
+    };
+    let mut start = None;
+    for terms in 1..=MOST.min(known) {
+        if !solution.extend(generating, source.as_mut()) {
+            break;
         }
+        // Every further term makes the sum longer.
+        let kernel = solution.kernel(parameters)?;
+        if kernel.step_operations().work() > operations {
+            break;
+        }
+        start = (terms >= FEWEST).then_some(kernel);
     }
-    Ok(None)
+    Ok(start)
 }
 
-/// 2 Y_1, 2 Y_3, …, d components each, at ε = 1.
+/// 2 Y_1, 2 Y_3, …, d components each, at ε = 1, as far as they are known.
+///
+/// X_t is followed by its velocity W_t, ∂_t X_t = W_t ∘ X_t: then ∂_t (f ∘ Y_t) = −W_t (f ∘ Y_t) for every
+/// function f, W_t as a derivation (Deprit, Canonical transformations depending on a small parameter, 1969).
+/// With W = Σ t^{n−1} W_n and ∂_t X = Σ t^{k−1} g_k, W_n = Σ_{k≤n} [t^{n−k}] g_k ∘ Y.
 struct SolutionSeries {
     ring: Ring,
     odd: Vec<Vec<Polynomial>>,
-}
-
-impl SolutionSeries {
-    /// The terms up to tᵏ for k ≤ `last`, as far as they are formed by few products of terms.
-    ///
-    /// X_t is followed by its velocity W_t, ∂_t X_t = W_t ∘ X_t: then ∂_t (f ∘ Y_t) = −W_t (f ∘ Y_t) for every
-    /// function f, W_t as a derivation (Deprit, Canonical transformations depending on a small parameter, 1969).
-    /// With W = Σ t^{n−1} W_n and ∂_t X = Σ t^{k−1} g_k, W_n = Σ_{k≤n} [t^{n−k}] g_k ∘ Y.
-    fn new(generating: &GeneratingFunction, series: &dyn SourceSeries, last: usize) -> Self {
-        let mut formed = Forming::new(generating);
-        let d = formed.ring.variables();
-        let mut odd = Vec::new();
-        let Ok(mut source) = series.in_ring(&mut formed.ring) else {
-            return Self {
-                ring: formed.ring,
-                odd,
-            };
-        };
-        for n in 1..=last {
-            formed.ring.allow(PRODUCTS);
-            let gradient = match generating.gradients.get(n / 2) {
-                Some(gradient) if n % 2 == 1 => gradient.clone(),
-                _ => vec![formed.ring.zero(); d],
-            };
-            let alpha = source.push(&mut formed.ring, gradient);
-            let Ok(term) = alpha.and_then(|alpha| Ok(formed.extend(&alpha)?)) else {
-                break;
-            };
-            if formed.ring.refusal().is_some() {
-                break;
-            }
-            if n % 2 == 1 {
-                let two = Rational::from_integer(2);
-                odd.push(term.iter().map(|y| y.scaled(&two)).collect());
-            }
-        }
-        let mut ring = formed.ring;
-        ring.allow(u64::MAX);
-        Self { ring, odd }
-    }
-
-    /// The sum of the first `terms` of them, d outputs of the state.
-    ///
-    /// # Errors
-    /// [`BuildError::Algebra`] where an adjoined function has no code.
-    fn kernel(&self, terms: usize, parameters: usize) -> Result<Kernel, BuildError> {
-        let d = self.ring.variables();
-        let mut graph = Graph::new();
-        let x: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
-        let (epsilon, h) = (
-            graph.step_size(StepSize::Epsilon),
-            graph.step_size(StepSize::H),
-        );
-        let mut power = graph.multiply(&epsilon, &h);
-        let square = graph.multiply(&power, &power);
-        let mut outputs: Vec<Vec<(Term, Polynomial)>> = vec![Vec::new(); d];
-        for term in &self.odd[..terms] {
-            for (output, component) in outputs.iter_mut().zip(term) {
-                output.push((power.clone(), component.clone()));
-            }
-            power = graph.multiply(&power, &square);
-        }
-        let sums = lift(&mut graph, &self.ring, &outputs, &x)?;
-        Ok(Kernel::compile(&graph, &sums, parameters, d))
-    }
-}
-
-/// Y_t, W_t and the g_k, as far as they are known.
-struct Forming {
-    ring: Ring,
     solution: Pulled,
     velocity: Vec<Vec<Polynomial>>,
     derivatives: Vec<Pulled>,
 }
 
-impl Forming {
+impl SolutionSeries {
+    /// No term yet.
     fn new(generating: &GeneratingFunction) -> Self {
         let ring = generating.ring.clone();
         let coordinates = (0..ring.variables()).map(|i| ring.variable(i)).collect();
         Self {
             ring,
+            odd: Vec::new(),
             solution: Pulled::new(coordinates),
             velocity: Vec::new(),
             derivatives: Vec::new(),
         }
     }
 
-    /// Y_n, from α_n.
-    fn extend(&mut self, alpha: &[Polynomial]) -> Result<Vec<Polynomial>, AlgebraError> {
+    /// Forms the next term, two orders or the first; `false` where that takes more than a few products of terms, or a
+    /// derivative does not exist: a start is not needed.
+    fn extend(
+        &mut self,
+        generating: &GeneratingFunction,
+        source: &mut dyn SourceRecursion<Ring>,
+    ) -> bool {
+        let last = 2 * self.odd.len() + 1;
+        while self.velocity.len() < last {
+            self.ring.allow(PRODUCTS);
+            let n = self.velocity.len() + 1;
+            let gradient = match generating.gradients.get(n / 2) {
+                Some(gradient) if n % 2 == 1 => gradient.clone(),
+                _ => vec![self.ring.zero(); self.ring.variables()],
+            };
+            let alpha = source.push(&mut self.ring, gradient);
+            let formed = alpha.is_ok_and(|alpha| self.extend_by(&alpha).is_ok());
+            if !formed || self.ring.refusal().is_some() {
+                return false;
+            }
+        }
+        let two = Rational::from_integer(2);
+        let term = self.solution.last().iter().map(|y| y.scaled(&two));
+        self.odd.push(term.collect());
+        true
+    }
+
+    /// The next order, from its α_n.
+    fn extend_by(&mut self, alpha: &[Polynomial]) -> Result<(), AlgebraError> {
         let ring = &mut self.ring;
         let n = self.velocity.len() as i64 + 1;
         // (−t)ⁿ α_n, differentiated.
@@ -170,8 +146,32 @@ impl Forming {
             ring.combine(&terms)
         });
         self.velocity.push(components.collect());
-        self.solution.extend(ring, &self.velocity)?;
-        Ok(self.solution.last().to_vec())
+        self.solution.extend(ring, &self.velocity)
+    }
+
+    /// The sum of the terms, d outputs of the state.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where an adjoined function has no code.
+    fn kernel(&self, parameters: usize) -> Result<Kernel, BuildError> {
+        let d = self.ring.variables();
+        let mut graph = Graph::new();
+        let x: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
+        let (epsilon, h) = (
+            graph.step_size(StepSize::Epsilon),
+            graph.step_size(StepSize::H),
+        );
+        let mut power = graph.multiply(&epsilon, &h);
+        let square = graph.multiply(&power, &power);
+        let mut outputs: Vec<Vec<(Term, Polynomial)>> = vec![Vec::new(); d];
+        for term in &self.odd {
+            for (output, component) in outputs.iter_mut().zip(term) {
+                output.push((power.clone(), component.clone()));
+            }
+            power = graph.multiply(&power, &square);
+        }
+        let sums = lift(&mut graph, &self.ring, &outputs, &x)?;
+        Ok(Kernel::compile(&graph, &sums, parameters, d))
     }
 }
 
