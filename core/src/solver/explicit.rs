@@ -4,8 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use leafwise_expression::{Graph, Kernel, OperationCount, Term, Workspace};
 
-use super::{MapProperties, SolverStatistics, StepMap, Stepper, finite_sums};
-use crate::compensation::two_sum;
+use super::{MapProperties, SolverStatistics, StepMap, Stepper, add};
 use crate::error::{BuildError, StepError};
 
 /// x ↦ x + f_{ε,h}(x), f given by code.
@@ -215,18 +214,13 @@ impl Stepper for ExplicitStepper {
         for made in 0..steps {
             kernel.evaluate_rows::<1>(&mut self.workspace, state.as_chunks().0);
             let changes = kernel.output_rows::<1>(&self.workspace).as_flattened();
-            // A sum is finite where both summands are.
-            if finite_sums(state, changes).is_err() {
+            self.last.copy_from_slice(state);
+            if add(state, low, changes).is_err() {
                 self.statistics.count_all(made, self.evaluations);
                 let mut outcome = [Ok(())];
                 self.increment(state, low, increment, &mut outcome);
                 let [outcome] = outcome;
-                return (made, outcome.and_then(|()| finite_sums(state, increment)));
-            }
-            let places = state.iter_mut().zip(&mut *low).zip(&mut self.last);
-            for (((x, low), last), change) in places.zip(changes) {
-                *last = *x;
-                (*x, *low) = two_sum(*x, change + *low);
+                return (made, outcome.and_then(|()| add(state, low, increment)));
             }
         }
         self.statistics.count_all(steps, self.evaluations);

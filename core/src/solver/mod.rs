@@ -131,11 +131,8 @@ pub trait Stepper: Send {
             let mut outcome = [Ok(())];
             self.increment(state, low, increment, &mut outcome);
             let [outcome] = outcome;
-            if let Err(error) = outcome.and_then(|()| finite_sums(state, increment)) {
+            if let Err(error) = outcome.and_then(|()| add(state, low, increment)) {
                 return (made, Err(error));
-            }
-            for ((x, low), increment) in state.iter_mut().zip(&mut *low).zip(&*increment) {
-                (*x, *low) = two_sum(*x, increment + *low);
             }
         }
         (steps, Ok(()))
@@ -164,14 +161,23 @@ pub trait Stepper: Send {
     fn restore(&mut self, memory: &[f64]) -> Result<(), usize>;
 }
 
-/// Refuses a step whose end overflows.
-fn finite_sums(state: &[f64], increment: &[f64]) -> Result<(), StepError> {
-    let mut sums = state.iter().zip(increment).map(|(x, change)| x + change);
-    let what = "the new state";
-    match sums.all(f64::is_finite) {
-        true => Ok(()),
-        false => Err(StepError::NonFinite { what }),
+/// x ← x + Δ, what rounding takes from the sum in `low`; an x + Δ that overflows is refused, and x is as it was.
+#[inline(always)]
+fn add(x: &mut [f64], low: &mut [f64], increment: &[f64]) -> Result<(), StepError> {
+    let mut zero = 0.0;
+    for (x, change) in x.iter().zip(increment) {
+        // 0·v is 0 where v is finite, and no number elsewhere.
+        zero += 0.0 * (x + change);
     }
+    if zero.is_nan() {
+        return Err(StepError::NonFinite {
+            what: "the new state",
+        });
+    }
+    for ((x, low), change) in x.iter_mut().zip(low).zip(increment) {
+        (*x, *low) = two_sum(*x, change + *low);
+    }
+    Ok(())
 }
 
 /// Functions of the state that a run watches.

@@ -139,16 +139,16 @@ impl Kernel {
     /// holds what it returns, without a copy.
     ///
     /// # Panics
-    /// When the workspace does not have W lanes, or there are fewer rows than inputs.
-    #[inline]
+    /// When the workspace does not have W lanes, or there are not as many rows as inputs.
+    #[inline(always)]
     pub fn evaluate_rows<const W: usize>(&self, workspace: &mut Workspace, inputs: &[[f64; W]]) {
-        assert_eq!(workspace.lanes, W, "as many lanes as numbers a row");
+        assert_eq!(
+            (workspace.lanes, inputs.len()),
+            (W, self.inputs),
+            "as many lanes as numbers a row, as many rows as inputs"
+        );
         let slots: &mut [f64] = &mut workspace.slots;
-        let rows = slots.as_chunks_mut::<W>().0;
-        // Few rows: a call that copies any number of bytes costs more than they do.
-        for (row, input) in rows[..self.inputs].iter_mut().zip(&inputs[..self.inputs]) {
-            *row = *input;
-        }
+        slots.as_chunks_mut::<W>().0[..inputs.len()].copy_from_slice(inputs);
         match &mut workspace.machine {
             Some(machine) => machine.code.run(slots, &mut machine.scratch),
             None => self.interpret(workspace),

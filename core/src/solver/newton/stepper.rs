@@ -99,6 +99,28 @@ impl Stepper for NewtonStepper {
         }
     }
 
+    fn advance(
+        &mut self,
+        steps: u64,
+        state: &mut [f64],
+        low: &mut [f64],
+        increment: &mut [f64],
+    ) -> (u64, Result<(), StepError>) {
+        let _ = increment;
+        let Self {
+            single,
+            statistics,
+            jacobians,
+            ..
+        } = self;
+        let [block] = &mut single[..] else {
+            unreachable!("a stepper of one lane")
+        };
+        let (made, taken, outcome) = block.run(steps, state, low, statistics);
+        *jacobians += taken;
+        (made, outcome)
+    }
+
     fn solution(&self, lane: usize) -> Option<Vec<f64>> {
         let (block, place) = (lane / WIDE, lane % WIDE);
         match self.wide.get(block) {

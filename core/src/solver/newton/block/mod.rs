@@ -178,25 +178,41 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
     #[inline(always)]
     fn iterate(&mut self) {
         loop {
+            // Of a lane alone it is known when this is compiled who asks.
+            if W == 1 {
+                match self.lanes[0].next {
+                    Next::Newton => self.approach(&[true; W], &[false; W]),
+                    Next::Chord => self.approach(&[false; W], &[true; W]),
+                    Next::Done => break,
+                }
+                continue;
+            }
             let newton = std::array::from_fn(|w| self.lanes[w].next == Next::Newton);
             let chord = std::array::from_fn(|w| self.lanes[w].next == Next::Chord);
-            if any(&newton) {
-                self.evaluate_full(&newton);
-            } else if !any(&chord) {
+            if !any(&newton) && !any(&chord) {
                 break;
             }
-            if any(&chord) {
-                let d = dimension::<D>(self.dimension);
-                let kernel = &self.kernel.residual;
-                kernel.evaluate_rows(&mut self.residual, self.y.as_ref());
-                let guard = &kernel.output_rows::<W>(&self.residual)[self.kernel.bases + 2 * d..];
-                if !guard.is_empty() {
-                    take_guard(&chord, &mut self.guard, guard);
-                }
-            }
-            self.correct(&newton, &chord);
-            self.judge(&newton, &chord);
+            self.approach(&newton, &chord);
         }
+    }
+
+    /// A correction in the lanes of `newton`, with new Jacobians, and of `chord`.
+    #[inline(always)]
+    fn approach(&mut self, newton: &[bool; W], chord: &[bool; W]) {
+        if any(newton) {
+            self.evaluate_full(newton);
+        }
+        if any(chord) {
+            let d = dimension::<D>(self.dimension);
+            let kernel = &self.kernel.residual;
+            kernel.evaluate_rows(&mut self.residual, self.y.as_ref());
+            let guard = &kernel.output_rows::<W>(&self.residual)[self.kernel.bases + 2 * d..];
+            if !guard.is_empty() {
+                take_guard(chord, &mut self.guard, guard);
+            }
+        }
+        self.correct(newton, chord);
+        self.judge(newton, chord);
     }
 
     /// The predicted solutions, and the kernel that each lane evaluates there.
@@ -228,7 +244,9 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             lane.watch.begin();
             lane.watch
                 .take(lane.next == Next::Chord && lane.is_anchor_far);
-            self.outcome[w] = Ok(());
+            if self.outcome[w].is_err() {
+                self.outcome[w] = Ok(());
+            }
         }
     }
 

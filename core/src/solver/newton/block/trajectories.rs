@@ -2,17 +2,26 @@
 
 use super::{Block, Lane, Row};
 use crate::error::StepError;
-use crate::solver::SolverStatistics;
 use crate::solver::elimination::{ANY, Rows, dimension};
 use crate::solver::judge::Watch;
 use crate::solver::newton::convergence::Convergence;
 use crate::solver::newton::kernel::NewtonKernel;
+use crate::solver::{SolverStatistics, add};
 
 /// What a stepper asks of its blocks, whatever their dimension.
 pub(in crate::solver::newton) trait LaneBlock: Send {
     /// Steps from x + low, `from` telling which columns of these structures of arrays are the
     /// block's.
     fn advance(&mut self, from: Columns, x: &[f64], low: &[f64], increment: &mut [f64]);
+    /// Up to `steps` steps of a lane alone, as [`Stepper::advance`](crate::solver::Stepper::advance) makes them, each counted
+    /// in `work`; returns also how many evaluations were with Jacobians.
+    fn run(
+        &mut self,
+        steps: u64,
+        state: &mut [f64],
+        low: &mut [f64],
+        work: &mut SolverStatistics,
+    ) -> (u64, u64, Result<(), StepError>);
     /// Hands over the outcomes of a step and counts it; returns how many evaluations were with
     /// Jacobians.
     fn report(
@@ -49,10 +58,44 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
         }
     }
 
+    fn run(
+        &mut self,
+        steps: u64,
+        state: &mut [f64],
+        low: &mut [f64],
+        work: &mut SolverStatistics,
+    ) -> (u64, u64, Result<(), StepError>) {
+        let d = dimension::<D>(self.dimension);
+        for i in 0..d {
+            self.x.as_mut()[i][0] = state[i];
+            self.low.as_mut()[i][0] = low[i];
+        }
+        let (mut made, mut jacobians, mut outcome) = (0, 0, Ok(()));
+        while made < steps {
+            self.step();
+            jacobians += self.report(std::slice::from_mut(&mut outcome), work);
+            if outcome.is_ok() {
+                let (x, low) = (&mut self.x.as_mut()[..d], &mut self.low.as_mut()[..d]);
+                let increment = self.increment.as_ref()[..d].as_flattened();
+                outcome = add(x.as_flattened_mut(), low.as_flattened_mut(), increment);
+            }
+            if outcome.is_err() {
+                break;
+            }
+            made += 1;
+        }
+        for i in 0..d {
+            state[i] = self.x.as_ref()[i][0];
+            low[i] = self.low.as_ref()[i][0];
+        }
+        (made, jacobians, outcome)
+    }
+
     fn solution(&self, lane: usize) -> Vec<f64> {
         self.y.as_ref().iter().map(|row| row[lane]).collect()
     }
 
+    #[inline]
     fn report(
         &mut self,
         outcome: &mut [Result<(), StepError>],
