@@ -33,7 +33,7 @@ pub struct Ring {
     refusal: Option<AlgebraError>,
 }
 
-/// Products of terms that any ring may form: about a minute's.
+/// Products of terms that any ring may form: a minute where they are formed one by one.
 const MOST_PRODUCTS: u64 = 1 << 28;
 
 /// The largest size of an exponent: sums of a few of them fit a machine word.
