@@ -1,10 +1,10 @@
 //! What formulas may refer to, and their errors placed in the file.
 
 use leafwise_expression::syntax::{self, Formula, Scope, SyntaxError, SyntaxErrorKind};
-use leafwise_expression::{AlgebraError, Expression, Graph};
+use leafwise_expression::{AlgebraError, Expression, Graph, Rational};
 
 use super::Refusal;
-use crate::document::{Boundary, Located, SceneDocument, nearest};
+use crate::document::{Boundary, Located, Number, SceneDocument, nearest};
 
 /// The names of a scene with its families at the given lengths; `N` as a number stays the true
 /// length.
@@ -81,6 +81,16 @@ pub(super) fn parse(
     formula: &Located<String>,
 ) -> Result<Formula, Refusal> {
     Formula::parse(&formula.value).map_err(|error| refusal(document, formula, &error))
+}
+
+/// A number as a rational.
+pub(super) fn exact(
+    document: &SceneDocument,
+    number: &Located<Number>,
+) -> Result<Rational, Refusal> {
+    Rational::parse_decimal(&number.value.literal).map_err(|error| {
+        Box::new(document.diagnostic(&number.place(), error.to_string(), "here", None))
+    })
 }
 
 /// The expression of a formula of the state, with code.

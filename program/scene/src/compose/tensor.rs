@@ -6,9 +6,9 @@ use leafwise_expression::syntax::{Scope, VariablePattern};
 use leafwise_expression::{Arithmetic, Expression, Rational, Ring};
 
 use super::Refusal;
-use super::lie_algebra::{LIE_ALGEBRAS, LieAlgebra};
-use super::names::{algebra_refusal, parse, refusal};
-use crate::document::{BracketSpec, Convention, Located, Number, SceneDocument, nearest};
+use super::lie_algebra;
+use super::names::{algebra_refusal, exact, parse, refusal};
+use crate::document::{BracketSpec, Convention, Located, Number, SceneDocument};
 
 /// {x_i, x_j} for i < j, as the scene's author wrote them.
 pub(super) type Entries = BTreeMap<(usize, usize), Expression>;
@@ -37,7 +37,7 @@ pub(super) fn entries(
                 .map(|(at, (entry, _))| (at, entry))
                 .collect())
         }
-        BracketSpec::LieAlgebra(name) => lie_algebra(document, name, names.len()),
+        BracketSpec::LieAlgebra(spec) => lie_algebra::entries(document, spec, names),
         BracketSpec::LogCanonical(rows) => log_canonical(document, rows, names),
         BracketSpec::MagneticField(field) => magnetic_field(document, scope, field, names.len()),
     }
@@ -156,62 +156,6 @@ impl<'a> Collector<'a> {
     }
 }
 
-fn lie_algebra(
-    document: &SceneDocument,
-    name: &Located<String>,
-    dimension: usize,
-) -> Result<Entries, Refusal> {
-    let place = document.place_in_formula(name, 0..name.value.len());
-    let Some(algebra) = LieAlgebra::find(&name.value) else {
-        let known: Vec<&str> = LIE_ALGEBRAS.iter().map(|algebra| algebra.name).collect();
-        let help = match nearest(&name.value, known.iter().copied()) {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => format!("known: {}", known.join(", ")),
-        };
-        let message = format!("unknown Lie algebra `{}`", name.value);
-        return Err(Box::new(document.diagnostic(
-            &place,
-            message,
-            "not known",
-            Some(help),
-        )));
-    };
-    if algebra.dimension() != dimension {
-        return Err(Box::new(document.diagnostic(
-            &place,
-            format!(
-                "`{}` has dimension {}, and this scene has {dimension} variables",
-                algebra.name,
-                algebra.dimension()
-            ),
-            format!("needs {} variables", algebra.dimension()),
-            Some(format!(
-                "for example: variables = [{}]",
-                algebra
-                    .coordinates
-                    .iter()
-                    .map(|name| format!("\"{name}\""))
-                    .collect::<Vec<_>>()
-                    .join(", ")
-            )),
-        )));
-    }
-    let mut entries = Entries::new();
-    for &(i, j, terms) in algebra.bracket {
-        let sign = if i < j { 1 } else { -1 };
-        let sum = terms
-            .iter()
-            .map(|&(coefficient, k)| scaled(sign * coefficient, k))
-            .collect();
-        entries.insert((i.min(j), i.max(j)), Expression::Sum(sum));
-    }
-    Ok(entries)
-}
-
-fn scaled(coefficient: i64, variable: usize) -> Expression {
-    Expression::Product(vec![integer(coefficient), Expression::Variable(variable)])
-}
-
 fn integer(value: i64) -> Expression {
     Expression::Constant(Rational::from_integer(value))
 }
@@ -222,11 +166,6 @@ fn log_canonical(
     rows: &[Vec<Located<Number>>],
     names: &[String],
 ) -> Result<Entries, Refusal> {
-    let exact = |number: &Located<Number>| {
-        Rational::parse_decimal(&number.value.literal).map_err(|error| {
-            Box::new(document.diagnostic(&number.place(), error.to_string(), "here", None))
-        })
-    };
     if rows.len() != names.len() {
         return Err(Box::new(document.diagnostic(
             &document.system.bracket.place(),
@@ -242,7 +181,7 @@ fn log_canonical(
     let mut entries = Entries::new();
     for i in 0..rows.len() {
         for j in 0..=i {
-            let (below, above) = (exact(&rows[i][j])?, exact(&rows[j][i])?);
+            let (below, above) = (exact(document, &rows[i][j])?, exact(document, &rows[j][i])?);
             if !(&below + &above).is_zero() {
                 let help = if i == j {
                     "the diagonal of an antisymmetric matrix is zero".to_owned()

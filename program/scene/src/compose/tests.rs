@@ -205,3 +205,84 @@ fn parts_left_open_are_chosen_with_matching_orders() {
     assert_eq!(run.method.declared_order(), 4);
     assert!(run.plan.parts.iter().all(|part| part.is_automatic));
 }
+
+/// so(3) by its structure constants, and acting on vectors by its adjoint representation: the heavy top's bracket.
+#[test]
+fn structure_constants_and_representations_are_the_named_brackets() {
+    let system = |n: usize, algebra: &str| {
+        let names: Vec<String> = (0..n).map(|i| format!("\"x{i}\"")).collect();
+        let names = names.join(", ");
+        format!(
+            "variables = [{names}]\nhamiltonian = \"x0\"\nbracket = {{ lie-algebra = {algebra} }}"
+        )
+    };
+    let x = [0.3, 1.7, -2.5, 0.9, -0.4, 1.1];
+    let of = |n: usize, algebra: &str| entries(&system(n, algebra), &x[..n]);
+    // Pairs in either order, a triple twice, a zero.
+    let so3 =
+        "structure = [[1, 2, 3, 1], [3, 2, 1, -1.0], [3, 1, 2, 1], [1, 3, 2, -1], [1, 1, 2, 0]]";
+    assert_eq!(of(3, &format!("{{ {so3} }}")), of(3, "\"so3\""));
+    assert_eq!(of(3, "{ name = \"so3\" }"), of(3, "\"so3\""));
+    let adjoint = "representation = [[[0, 0, 0], [0, 0, -1], [0, 1, 0]], [[0, 0, 1], [0, 0, 0], [-1, 0, 0]], \
+                   [[0, -1, 0], [1, 0, 0], [0, 0, 0]]]";
+    assert_eq!(of(6, &format!("{{ {so3}, {adjoint} }}")), of(6, "\"e3\""));
+    assert_eq!(
+        of(6, &format!("{{ name = \"so3\", {adjoint} }}")),
+        of(6, "\"e3\"")
+    );
+    // The rotations of the plane act on it.
+    let plane = "{ structure = [], representation = [[[0, -1], [1, 0]]] }";
+    assert_eq!(of(3, plane), of(3, "\"se2\""));
+}
+
+#[test]
+fn what_is_no_algebra_and_no_representation_is_refused_where_it_stands() {
+    let refused = |algebra: &str| {
+        let system = format!(
+            "variables = [\"x\", \"y\", \"z\"]\nhamiltonian = \"x\"\nbracket = {{ lie-algebra = {algebra} }}"
+        );
+        let error = refusal(&system, "initial = [1, 2, 3]");
+        let place = error.span.clone();
+        (
+            error.source_text[place].to_owned(),
+            error.message,
+            error.help,
+        )
+    };
+    let (at, message, _) = refused("{ structure = [[1, 2, 4, 1]] }");
+    assert_eq!((&*at, &*message), ("4", "there is no e4 among 3"));
+    let (at, message, _) = refused("{ structure = [[1, 1, 2, 1]] }");
+    assert_eq!((&*at, &*message), ("[1, 1, 2, 1]", "[e1, e1] is not zero"));
+    let (at, message, _) = refused("{ structure = [[1, 2, 3, 1], [2, 1, 3, 1]] }");
+    assert_eq!(at, "[2, 1, 3, 1]");
+    assert_eq!(
+        message,
+        "[e1, e2] has two different coefficients of e3: 1 and -1"
+    );
+    let (at, message, help) = refused("{ name = \"so3\", representation = [[[0]], [[0]], [[0]]] }");
+    assert_eq!(at, "so3");
+    assert_eq!(
+        message,
+        "`so3` has dimension 3, acts on 1 coordinates of vectors, and this scene has 3 variables"
+    );
+    assert_eq!(
+        help.as_deref(),
+        Some("for example: variables = [\"x1\", \"x2\", \"x3\", \"v1\"]")
+    );
+    let (at, message, _) = refused("{ structure = [[1, 2, 2, 1]], representation = [[[1]]] }");
+    assert_eq!(
+        (&*at, &*message),
+        ("[[[1]]]", "1 matrices for an algebra of dimension 2")
+    );
+    let (at, message, _) =
+        refused("{ structure = [], representation = [[[1]], [[1, 2], [3, 4]]] }");
+    assert_eq!(at, "[[1, 2], [3, 4]]");
+    assert_eq!(message, "this matrix has 2 rows, and the first has 1");
+    let (at, message, _) =
+        refused("{ structure = [[1, 2, 1, 1]], representation = [[[1]], [[1]]] }");
+    assert_eq!(at, "[[[1]], [[1]]]");
+    assert!(
+        message.starts_with("this is no representation: in row 1, column 1"),
+        "{message}"
+    );
+}

@@ -1,6 +1,7 @@
 //! `bracket = …`: the ways to write a Poisson tensor.
 
 use super::error::SceneProblemCause;
+use super::lie_algebra::{LieAlgebraSpec, read_lie_algebra};
 use super::located::{Located, Number};
 use super::reader::{Item, Problems};
 use super::schema::{BRACKET, has, names};
@@ -11,8 +12,8 @@ use super::suggest::nearest;
 pub enum BracketSpec {
     /// Entries `"x1,x2" = "formula"` for {x1, x2}.
     Entries(Vec<(Located<String>, Located<String>)>),
-    /// The linear bracket of a Lie algebra known by name.
-    LieAlgebra(Located<String>),
+    /// The linear bracket of a Lie algebra.
+    LieAlgebra(LieAlgebraSpec),
     /// {x_i, x_j} = a_ij x_i x_j; the rows of the square matrix a.
     LogCanonical(Vec<Vec<Located<Number>>>),
     /// Positions and velocities in a magnetic field B with v' = v × B; its components' formulas.
@@ -67,7 +68,7 @@ pub(super) fn read_bracket(item: &Item<'_>, problems: &mut Problems) -> Option<B
         );
     }
     let spec = match kind.key.value.as_str() {
-        "lie-algebra" => kind.string(problems).map(BracketSpec::LieAlgebra),
+        "lie-algebra" => read_lie_algebra(kind, problems).map(BracketSpec::LieAlgebra),
         "magnetic-field" => kind
             .list_of("a list of formulas", problems, Item::formula)
             .map(BracketSpec::MagneticField),
@@ -90,7 +91,11 @@ fn check_pair(entry: &Item<'_>, problems: &mut Problems) {
     }
 }
 
-fn matrix(item: &Item<'_>, problems: &mut Problems) -> Option<Vec<Vec<Located<Number>>>> {
+/// A square matrix of numbers, by its rows.
+pub(super) fn matrix(
+    item: &Item<'_>,
+    problems: &mut Problems,
+) -> Option<Vec<Vec<Located<Number>>>> {
     let rows = item.list("a list of rows of numbers", problems)?;
     let count = rows.len();
     let mut matrix = Vec::with_capacity(count);

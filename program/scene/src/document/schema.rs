@@ -191,8 +191,11 @@ pub(super) static SYSTEM: [Key; 9] = [
 pub(super) static BRACKET: [Key; 3] = [
     key(
         "lie-algebra",
-        Shape::Text,
-        "The linear bracket of a Lie algebra: `leafwise list lie-algebras`",
+        Shape::Either(&[
+            Shape::Text,
+            table(&LIE_ALGEBRA, &[&["name"], &["structure"]]),
+        ]),
+        "The linear bracket of a Lie algebra, by name (`leafwise list lie-algebras`) or by its structure constants",
     ),
     key(
         "log-canonical",
@@ -203,6 +206,20 @@ pub(super) static BRACKET: [Key; 3] = [
         "magnetic-field",
         Shape::List(&Shape::Formula),
         "Positions and velocities with v' = v x B + ...: the formulas of B",
+    ),
+];
+
+pub(super) static LIE_ALGEBRA: [Key; 3] = [
+    key("name", Shape::Text, "One of `leafwise list lie-algebras`"),
+    key(
+        "structure",
+        Shape::List(&NUMBERS),
+        "Structure constants [i, j, k, c] for [e_i, e_j] = ... + c e_k + ..., i < j: {x_i, x_j} = -c x_k",
+    ),
+    key(
+        "representation",
+        Shape::List(&Shape::List(&NUMBERS)),
+        "The semidirect product with vectors: a matrix for each e_i, [e_i, v] = its product with v",
     ),
 ];
 

@@ -142,6 +142,23 @@ fn shapes_are_checked_against_the_dimension() {
     );
     let both = broken(entries, "{ lie-algebra = \"so3\", \"x1,x2\" = \"x3\" }");
     assert_eq!(seen(&both).3, "`x1,x2` cannot stand beside `lie-algebra`");
+    let two = broken(
+        entries,
+        "{ lie-algebra = { name = \"so3\", structure = [] } }",
+    );
+    assert_eq!(seen(&two).3, "`structure` cannot stand beside `name`");
+    let none = broken(entries, "{ lie-algebra = { } }");
+    assert_eq!(seen(&none).3, "lie-algebra needs `name`");
+    let number = broken(entries, "{ lie-algebra = 3 }");
+    assert_eq!(seen(&number).2, "3");
+    let short = broken(entries, "{ lie-algebra = { structure = [[1, 2, 1]] } }");
+    assert_eq!(seen(&short).2, "[1, 2, 1]");
+    assert_eq!(
+        seen(&short).3,
+        "structure[0] has 3 entries, expected four: [i, j, k, c] for [e_i, e_j] = … + c e_k + …"
+    );
+    let none = broken(entries, "{ lie-algebra = { structure = [[0, 2, 1, 1]] } }");
+    assert_eq!(seen(&none).2, "0");
     let kind = broken(entries, "{ lie_algebra = \"so3\" }");
     assert_eq!(
         seen(&kind),
