@@ -229,12 +229,16 @@ pub enum StepError {
     /// A denominator of the equations of motion changed its sign in one step: the flow does not cross
     /// its pole.
     #[error(
-        "the step crosses a pole of the equations of motion, where {denominator} = 0: the flow does not; \
-         reduce the time step"
+        "the step crosses a pole of the equations of motion, where {denominator} = 0: it goes from {before:.3e} to \
+         {after:.3e}, and the flow does not cross it; reduce the time step"
     )]
     Pole {
-        /// The denominator, or one of its factors.
+        /// The denominator, or one of its factors, by its name where the system has one for it.
         denominator: String,
+        /// Its value before the pole.
+        before: f64,
+        /// Its value behind it.
+        after: f64,
     },
     /// A motion whose Taylor series converges for shorter and shorter times: it ends.
     #[error(

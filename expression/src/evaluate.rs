@@ -3,6 +3,7 @@
 use crate::arithmetic::{AlgebraError, Arithmetic, MOST_FACTORS};
 use crate::expression::Expression;
 use crate::rational::Rational;
+use crate::shared::Known;
 
 /// What stands for the variable xᵢ in an algebra.
 pub type VariableIn<'a, A> =
@@ -18,6 +19,15 @@ impl Expression {
         arithmetic: &mut A,
         variable: &mut VariableIn<'_, A>,
     ) -> Result<A::Element, AlgebraError> {
+        self.value_in(arithmetic, variable, &mut Known::default())
+    }
+
+    fn value_in<A: Arithmetic>(
+        &self,
+        arithmetic: &mut A,
+        variable: &mut VariableIn<'_, A>,
+        known: &mut Known<Self, A::Element>,
+    ) -> Result<A::Element, AlgebraError> {
         match self {
             Self::Constant(value) => Ok(arithmetic.constant(value)),
             Self::Pi => Ok(arithmetic.pi()),
@@ -27,7 +37,7 @@ impl Expression {
                 let mut terms = Vec::with_capacity(parts.len());
                 for part in parts {
                     let (sign, part) = part.split_sign();
-                    terms.push((sign, part.evaluate_in(arithmetic, variable)?));
+                    terms.push((sign, part.value_in(arithmetic, variable, known)?));
                 }
                 Ok(arithmetic.combine(&terms))
             }
@@ -37,7 +47,7 @@ impl Expression {
             Self::Product(factors) => {
                 let mut product = arithmetic.one();
                 for factor in factors {
-                    let factor = factor.evaluate_in(arithmetic, variable)?;
+                    let factor = factor.value_in(arithmetic, variable, known)?;
                     product = arithmetic.multiply(&product, &factor);
                     if let Some(refusal) = arithmetic.refusal() {
                         return Err(refusal.clone());
@@ -46,17 +56,17 @@ impl Expression {
                 Ok(product)
             }
             Self::Negate(inner) => {
-                let inner = inner.evaluate_in(arithmetic, variable)?;
+                let inner = inner.value_in(arithmetic, variable, known)?;
                 Ok(arithmetic.negate(&inner))
             }
             Self::Quotient(above, below) => {
-                let above = above.evaluate_in(arithmetic, variable)?;
-                let below = below.evaluate_in(arithmetic, variable)?;
+                let above = above.value_in(arithmetic, variable, known)?;
+                let below = below.value_in(arithmetic, variable, known)?;
                 arithmetic.divide(&above, &below)
             }
             Self::Power(base, exponent) => {
-                let base = base.evaluate_in(arithmetic, variable)?;
-                let exponent = exponent.evaluate_in(arithmetic, variable)?;
+                let base = base.value_in(arithmetic, variable, known)?;
+                let exponent = exponent.value_in(arithmetic, variable, known)?;
                 match arithmetic.as_rational(&exponent) {
                     Some(constant) if constant.is_integer() => {
                         let integer =
@@ -71,8 +81,16 @@ impl Expression {
                 }
             }
             Self::Apply(function, argument) => {
-                let argument = argument.evaluate_in(arithmetic, variable)?;
+                let argument = argument.value_in(arithmetic, variable, known)?;
                 arithmetic.apply(*function, &argument)
+            }
+            Self::Shared(shared) => {
+                if let Some(value) = known.get(shared) {
+                    return Ok(value);
+                }
+                let value = shared.value_in(arithmetic, variable, known)?;
+                known.insert(shared, value.clone());
+                Ok(value)
             }
         }
     }

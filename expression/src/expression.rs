@@ -7,6 +7,7 @@ use crate::analytic::{FunctionPair, Member};
 use crate::elementary;
 use crate::pairs::SINE_AND_COSINE;
 use crate::rational::Rational;
+use crate::shared::{Known, Shared};
 
 /// An elementary function of one argument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -156,6 +157,8 @@ pub enum Expression {
     Power(Box<Expression>, Box<Expression>),
     /// f(a).
     Apply(Function, Box<Expression>),
+    /// A formula that stands elsewhere too.
+    Shared(Shared<Expression>),
 }
 
 impl Expression {
@@ -168,7 +171,11 @@ impl Expression {
     /// # Panics
     /// When an index is outside `variables` or `parameters`.
     pub fn evaluate(&self, variables: &[f64], parameters: &[f64]) -> f64 {
-        let value = |part: &Expression| part.evaluate(variables, parameters);
+        self.value(variables, parameters, &mut Known::default())
+    }
+
+    fn value(&self, variables: &[f64], parameters: &[f64], known: &mut Known<Self, f64>) -> f64 {
+        let mut value = |part: &Expression| part.value(variables, parameters, known);
         match self {
             Expression::Constant(number) => number.to_f64(),
             Expression::Pi => std::f64::consts::PI,
@@ -183,6 +190,11 @@ impl Expression {
                 None => libm::pow(value(base), value(exponent)),
             },
             Expression::Apply(function, argument) => function.apply(value(argument)),
+            Expression::Shared(shared) => known.get(shared).unwrap_or_else(|| {
+                let value = shared.value(variables, parameters, known);
+                known.insert(shared, value);
+                value
+            }),
         }
     }
 
@@ -213,22 +225,70 @@ impl Expression {
     /// # Panics
     /// When an index is outside `values`.
     pub fn with_parameters(&self, values: &[Rational]) -> Self {
-        let all = |parts: &[Expression]| -> Vec<Expression> {
-            parts
-                .iter()
-                .map(|part| part.with_parameters(values))
-                .collect()
-        };
-        let one = |part: &Expression| Box::new(part.with_parameters(values));
+        self.replaced(values, &mut Known::default())
+    }
+
+    fn replaced(&self, values: &[Rational], known: &mut Known<Self, Shared<Self>>) -> Self {
+        let mut of = |part: &Expression| part.replaced(values, known);
         match self {
             Expression::Constant(_) | Expression::Pi | Expression::Variable(_) => self.clone(),
             Expression::Parameter(index) => Expression::Constant(values[*index].clone()),
-            Expression::Sum(terms) => Expression::Sum(all(terms)),
-            Expression::Product(factors) => Expression::Product(all(factors)),
-            Expression::Negate(operand) => Expression::Negate(one(operand)),
-            Expression::Quotient(above, below) => Expression::Quotient(one(above), one(below)),
-            Expression::Power(base, exponent) => Expression::Power(one(base), one(exponent)),
-            Expression::Apply(function, argument) => Expression::Apply(*function, one(argument)),
+            Expression::Sum(terms) => Expression::Sum(terms.iter().map(of).collect()),
+            Expression::Product(factors) => Expression::Product(factors.iter().map(of).collect()),
+            Expression::Negate(operand) => Expression::Negate(Box::new(of(operand))),
+            Expression::Quotient(above, below) => {
+                Expression::Quotient(Box::new(of(above)), Box::new(of(below)))
+            }
+            Expression::Power(base, exponent) => {
+                Expression::Power(Box::new(of(base)), Box::new(of(exponent)))
+            }
+            Expression::Apply(function, argument) => {
+                Expression::Apply(*function, Box::new(of(argument)))
+            }
+            Expression::Shared(shared) => {
+                Expression::Shared(known.get(shared).unwrap_or_else(|| {
+                    let replaced = shared.replaced(values, known);
+                    let replaced = Shared::new(replaced, shared.height());
+                    known.insert(shared, replaced.clone());
+                    replaced
+                }))
+            }
+        }
+    }
+
+    /// The formula as one that several others may hold: each of them evaluates it once, wherever and how often
+    /// it stands there.
+    ///
+    /// ```
+    /// use leafwise_expression::{Expression, Quantity};
+    ///
+    /// // x^(2^40), by forty squares.
+    /// let power = (0..40).fold(Expression::from(Quantity::Variable(0)), |power, _| {
+    ///     let power = power.shared();
+    ///     &power * &power
+    /// });
+    /// assert_eq!(power.evaluate(&[-1.0], &[]), 1.0);
+    /// ```
+    pub fn shared(self) -> Self {
+        let height = self.height();
+        Self::Shared(Shared::new(self, height))
+    }
+
+    /// The levels of nesting, 0 for a number or a name.
+    pub fn height(&self) -> usize {
+        let highest =
+            |parts: &[Expression]| parts.iter().map(Expression::height).max().unwrap_or(0);
+        match self {
+            Expression::Constant(_)
+            | Expression::Pi
+            | Expression::Variable(_)
+            | Expression::Parameter(_) => 0,
+            Expression::Sum(parts) | Expression::Product(parts) => 1 + highest(parts),
+            Expression::Negate(part) | Expression::Apply(_, part) => 1 + part.height(),
+            Expression::Quotient(left, right) | Expression::Power(left, right) => {
+                1 + left.height().max(right.height())
+            }
+            Expression::Shared(shared) => shared.height(),
         }
     }
 
@@ -237,11 +297,17 @@ impl Expression {
         match self {
             Expression::Constant(number) => number.to_i64(),
             Expression::Negate(operand) => operand.integer()?.checked_neg(),
+            Expression::Shared(shared) => shared.integer(),
             _ => None,
         }
     }
 
+    /// Calls `inspect` with every part, of what is shared once.
     fn visit(&self, inspect: &mut impl FnMut(&Expression)) {
+        self.visit_new(inspect, &mut Known::default());
+    }
+
+    fn visit_new(&self, inspect: &mut impl FnMut(&Expression), known: &mut Known<Self, ()>) {
         inspect(self);
         match self {
             Expression::Constant(_)
@@ -249,12 +315,17 @@ impl Expression {
             | Expression::Variable(_)
             | Expression::Parameter(_) => {}
             Expression::Sum(parts) | Expression::Product(parts) => {
-                parts.iter().for_each(|part| part.visit(inspect));
+                parts.iter().for_each(|part| part.visit_new(inspect, known));
             }
-            Expression::Negate(part) | Expression::Apply(_, part) => part.visit(inspect),
+            Expression::Negate(part) | Expression::Apply(_, part) => part.visit_new(inspect, known),
             Expression::Quotient(left, right) | Expression::Power(left, right) => {
-                left.visit(inspect);
-                right.visit(inspect);
+                left.visit_new(inspect, known);
+                right.visit_new(inspect, known);
+            }
+            Expression::Shared(shared) => {
+                if known.insert(shared, ()).is_none() {
+                    shared.visit_new(inspect, known);
+                }
             }
         }
     }

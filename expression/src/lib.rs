@@ -10,6 +10,7 @@
 //! - [`bounded`]: formulas in double arithmetic, with a bound on what rounding does to them.
 //! - [`algebra`]: the differential ring of Laurent polynomials with adjoined functions.
 //! - [`differential`]: the ring and the code as algebras over the state's coordinates.
+//! - [`shared`]: values that several formulas hold.
 //! - [`series`]: Taylor coefficients of formulas along a curve, one order at a time.
 //! - [`graph`]: straight-line code with shared nodes and exact derivatives.
 //! - [`kernel`]: coefficient kernel and step kernel, evaluated W lanes at a time.
@@ -31,6 +32,7 @@ pub mod pairs;
 pub mod rational;
 mod reach;
 pub mod series;
+pub mod shared;
 pub mod syntax;
 mod vector;
 pub mod words;

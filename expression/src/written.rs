@@ -21,7 +21,7 @@ struct Written {
 
 impl Expression {
     /// The formula as text that parses to the same function: factors 1 and sums of one term are left
-    /// out, negative powers stand below a fraction line.
+    /// out, negative powers stand below a fraction line. What is shared is written out wherever it stands.
     ///
     /// # Panics
     /// When an index is outside `variables` or `parameters`.
@@ -106,6 +106,7 @@ impl Names<'_> {
                 }
             },
             Expression::Apply(function, argument) => self.function(*function, argument),
+            Expression::Shared(shared) => self.written(shared),
         }
     }
 
@@ -226,6 +227,7 @@ impl Factors {
                 Expression::Constant(value) if value.is_one() => self.take(base, is_below),
                 _ => self.push(part.clone(), is_below),
             },
+            Expression::Shared(shared) => self.take(shared, is_below),
             other => self.push(other.clone(), is_below),
         }
     }

@@ -8,6 +8,9 @@ use serde::Serialize;
 pub enum Verdict {
     /// The normal form is 0: it holds identically.
     Proved,
+    /// What it is about is made so that it holds.
+    #[serde(rename = "by construction")]
+    ByConstruction,
     /// The algebra could not decide; it holds to round-off at every sample.
     #[serde(rename = "numerically zero")]
     NumericallyZero,
@@ -32,6 +35,19 @@ pub struct IdentityCheck {
     /// Where derivatives are differences, the part of the residual that may be their error; `None`
     /// where they are exact.
     pub floor: Option<f64>,
+}
+
+impl IdentityCheck {
+    /// An identity that holds in exact algebra.
+    pub(super) fn proved() -> Self {
+        Self {
+            verdict: Verdict::Proved,
+            residual: 0.0,
+            worst: Vec::new(),
+            at: Vec::new(),
+            floor: None,
+        }
+    }
 }
 
 /// Normalized residuals below this are round-off: sums of a few hundred products at most.

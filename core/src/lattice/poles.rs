@@ -196,7 +196,7 @@ impl Crossings {
     }
 
     /// The first denominator at whose change of sign the field has a pole.
-    fn pole(&mut self, lane: usize, way: Way<'_>) -> Option<String> {
+    fn pole(&mut self, lane: usize, way: Way<'_>) -> Option<StepError> {
         let looks = self.poles.looks;
         self.look(lane, way, looks[0]);
         for parts in looks.windows(2) {
@@ -211,7 +211,11 @@ impl Crossings {
                     if !keeps && self.is_pole(lane, way, (site, which), (parts[0], parts[1])) {
                         let here = self.poles.proxy_site(site);
                         let denominator = &self.poles.denominators[here][which];
-                        return Some(self.poles.written(denominator, here, site));
+                        return Some(StepError::Pole {
+                            denominator: self.poles.written(denominator, here, site),
+                            before: before[site],
+                            after: after[site],
+                        });
                     }
                 }
             }
@@ -251,9 +255,9 @@ impl StepCheck for Crossings {
     fn check(&mut self, x: &[f64], increment: &[f64], outcome: &mut [Result<(), StepError>]) {
         for (lane, outcome) in outcome.iter_mut().enumerate() {
             if outcome.is_ok()
-                && let Some(denominator) = self.pole(lane, (x, increment))
+                && let Some(pole) = self.pole(lane, (x, increment))
             {
-                *outcome = Err(StepError::Pole { denominator });
+                *outcome = Err(pole);
             }
         }
     }

@@ -52,11 +52,21 @@ impl Poles {
         }
         let field = formulas.vector_field(&mut graph, &x)?;
         graph.unless_refused(())?;
+        let mut named = Vec::with_capacity(formulas.names().len());
+        for (name, formula) in formulas.names() {
+            let term = formula.evaluate_in(&mut graph, &mut |_, at| Ok(x[at].clone()))?;
+            named.push((term.node, name));
+        }
+        graph.unless_refused(())?;
         let names = system.parameters().iter().map(|p| p.name.clone());
         let names: Vec<String> = names.collect();
-        let written = |term: &Term| match graph.formula(term, MOST_PARTS) {
-            Some(formula) => formula.written(system.variables(), &names),
-            None => "a long denominator".to_owned(),
+        let written = |term: &Term| {
+            let name = named.iter().find(|(node, _)| *node == term.node);
+            match (name, graph.formula(term, MOST_PARTS)) {
+                (Some((_, name)), _) => (*name).clone(),
+                (None, Some(formula)) => formula.written(system.variables(), &names),
+                (None, None) => "a long denominator".to_owned(),
+            }
         };
         Ok(Some(Self {
             written: denominators.iter().map(written).collect(),
@@ -133,8 +143,11 @@ impl StepCheck for Crossings {
                     increment: of_lane(increment),
                 };
                 if crossing.is_pole((parts[0], parts[1])) {
-                    let denominator = self.poles.written[which].clone();
-                    outcome[lane] = Err(StepError::Pole { denominator });
+                    outcome[lane] = Err(StepError::Pole {
+                        denominator: self.poles.written[which].clone(),
+                        before: self.before[at],
+                        after: self.after[at],
+                    });
                 }
             }
         }

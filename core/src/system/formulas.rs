@@ -8,6 +8,24 @@ use super::observables;
 use super::{Casimir, Convention, Parameter};
 use crate::error::BuildError;
 
+/// What a tensor is made of, and with it whether it is Poisson.
+#[derive(Clone, Debug, Default)]
+#[non_exhaustive]
+pub enum TensorSource {
+    /// Entries: Jacobi's identity holds for them or not.
+    #[default]
+    Entries,
+    /// Π = −(dϑ)⁻¹, and d(dϑ) = 0.
+    OneForm,
+    /// Π = −ω⁻¹ with dω = 0.
+    TwoForm {
+        /// In exact algebra, or to round-off about the state about which the system moves.
+        is_proved: bool,
+    },
+    /// Dirac's bracket of constraints, Poisson where this system's tensor is.
+    Dirac(Box<SystemFormulas>),
+}
+
 /// A Poisson system whose tensor, Hamiltonian and Casimirs are formulas.
 ///
 /// The tensor is held in the paper's convention whatever the author's: Π_ij = {x_i, x_j} with
@@ -21,6 +39,8 @@ pub struct SystemFormulas {
     casimirs: Vec<Casimir>,
     convention: Convention,
     near: Vec<f64>,
+    source: TensorSource,
+    names: Vec<(String, Expression)>,
 }
 
 impl SystemFormulas {
@@ -64,6 +84,8 @@ impl SystemFormulas {
             casimirs,
             convention,
             near,
+            source: TensorSource::Entries,
+            names: Vec::new(),
         };
         system.check_indices()?;
         Ok(system)
@@ -104,6 +126,41 @@ impl SystemFormulas {
     /// The state about which the system moves.
     pub fn near(&self) -> &[f64] {
         &self.near
+    }
+
+    /// The same system with this tensor in the paper's convention.
+    pub(super) fn with_tensor(
+        self,
+        tensor: BTreeMap<(usize, usize), Expression>,
+        source: TensorSource,
+    ) -> Self {
+        Self {
+            tensor,
+            source,
+            ..self
+        }
+    }
+
+    /// The same system with further Casimirs.
+    pub(super) fn with_casimirs(mut self, casimirs: Vec<Casimir>) -> Self {
+        self.casimirs.extend(casimirs);
+        self
+    }
+
+    /// The same system with further names for formulas of it, by which messages call them.
+    pub fn with_names(mut self, names: impl IntoIterator<Item = (String, Expression)>) -> Self {
+        self.names.extend(names);
+        self
+    }
+
+    /// Names for formulas, by which messages call them.
+    pub fn names(&self) -> &[(String, Expression)] {
+        &self.names
+    }
+
+    /// What the tensor is made of.
+    pub fn source(&self) -> &TensorSource {
+        &self.source
     }
 
     fn check_indices(&self) -> Result<(), BuildError> {

@@ -4,6 +4,7 @@
 //! - [`builder`]: systems written in Rust.
 //! - [`formulas`]: systems given by expressions, from which everything can be derived.
 //! - [`numbers`]: systems that only compute values, such as those of a loaded library.
+//! - [`forms`]: tensors by one-forms, two-forms and constraints.
 //! - [`energy_casimir`]: H less multiples of Casimirs, which has the motion of H.
 //! - [`compiled`]: the values of a system of formulas, by kernels.
 //! - [`observables`]: energy, Casimirs and other functions of the state.
@@ -13,10 +14,12 @@ pub mod builder;
 pub mod compiled;
 pub mod energy_casimir;
 mod field;
+pub mod forms;
 pub mod formulas;
 mod jet;
 pub mod numbers;
 pub mod observables;
+mod pfaffian;
 mod tensor_matrix;
 
 use std::sync::Arc;
@@ -26,7 +29,8 @@ use leafwise_expression::Expression;
 pub use agreement::Agreement;
 pub use builder::SystemBuilder;
 pub use compiled::CompiledNumbers;
-pub use formulas::SystemFormulas;
+pub use forms::FormError;
+pub use formulas::{SystemFormulas, TensorSource};
 pub use numbers::{Derivatives, OpaqueSystem, SystemEvaluator, SystemNumbers};
 pub use observables::{SystemInvariants, SystemObservables};
 pub(crate) use tensor_matrix::TensorMatrix;

@@ -169,6 +169,7 @@ pub(crate) fn summands(formula: &Expression) -> Vec<Expression> {
             let over = |term| Expression::Quotient(Box::new(term), below.clone());
             summands(above).into_iter().map(over).collect()
         }
+        Expression::Shared(shared) => summands(shared),
         other => vec![other.clone()],
     }
 }

@@ -75,6 +75,7 @@ impl DualNumbers<'_> {
                 let slope = self.slope(*function, u.0, value);
                 Dual(value, self.numbers.multiply(&slope, &u.1))
             }
+            Expression::Shared(shared) => self.of(shared),
         }
     }
 

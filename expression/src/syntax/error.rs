@@ -169,15 +169,15 @@ pub enum SyntaxErrorKind {
     )]
     NotASumOverSites,
     /// A state variable where only parameters, the index and numbers may stand.
-    #[error("`{name}` is a state variable; only parameters, indices and numbers may stand here")]
+    #[error("`{name}` depends on the state; only parameters, indices and numbers may stand here")]
     NotAFunctionOfParameters {
-        /// The variable or family.
+        /// The variable, family or definition.
         name: String,
     },
-    /// A parameter where a state variable is needed.
-    #[error("`{name}` is a parameter; a state variable must stand here")]
+    /// A parameter or a definition where a state variable is needed.
+    #[error("`{name}` is no state variable, and one must stand here")]
     NotAVariable {
-        /// The parameter.
+        /// The parameter or definition.
         name: String,
     },
     /// A parameter for which no value was given.

@@ -92,7 +92,7 @@ impl VariablePattern {
         match scope.place(&self.text, &self.reference, bound.as_ref())? {
             Place::Variable(index) => Ok(Some(index)),
             Place::Outside { .. } => Ok(None),
-            Place::Parameter(_) => {
+            Place::Parameter(_) | Place::Definition(_) => {
                 let kind = SyntaxErrorKind::NotAVariable {
                     name: self.name().to_owned(),
                 };

@@ -143,6 +143,7 @@ impl<'a> Resolver<'a> {
         match self.scope.place(self.text, reference, bound)? {
             Place::Variable(index) => Ok(Expression::Variable(index)),
             Place::Parameter(index) => Ok(Expression::Parameter(index)),
+            Place::Definition(index) => Ok(self.scope.definition(index).formula.clone()),
             Place::Outside { level } => Err(Stop::Outside { level }),
         }
     }

@@ -6,7 +6,7 @@ use super::error::{SyntaxError, SyntaxErrorKind};
 use super::lexer::is_name;
 use super::suggestion::nearest;
 use super::tree::{Anchor, Reference, Span};
-use crate::expression::Function;
+use crate::expression::{Expression, Function};
 
 pub(super) const PI: &str = "pi";
 pub(super) const LENGTH: &str = "N";
@@ -31,6 +31,15 @@ pub(super) enum Entry {
     Variable(usize),
     Family { offset: usize, length: usize },
     Parameter(usize),
+    Definition(usize),
+}
+
+/// A formula with a name.
+#[derive(Clone, Debug)]
+pub(super) struct Definition {
+    pub(super) formula: Expression,
+    /// Whether it is a function of the parameters alone.
+    pub(super) is_of_parameters: bool,
 }
 
 /// The names a formula may use, and what they stand for.
@@ -49,6 +58,7 @@ pub struct Scope {
     entries: FxHashMap<String, Entry>,
     scalars: usize,
     parameters: usize,
+    definitions: Vec<Definition>,
     longest: Option<usize>,
     shown_length: Option<usize>,
     boundary: Boundary,
@@ -87,6 +97,16 @@ impl Scope {
         self
     }
 
+    /// Adds a name for a formula of the names that are there: whoever uses it shares it.
+    pub fn with_definition(mut self, name: &str, formula: Expression) -> Self {
+        self.declare(name, Entry::Definition(self.definitions.len()));
+        self.definitions.push(Definition {
+            is_of_parameters: formula.variables().is_empty(),
+            formula: formula.shared(),
+        });
+        self
+    }
+
     /// Sets what a reference beyond the ends of a family means; periodic unless told.
     pub fn with_boundary(mut self, boundary: Boundary) -> Self {
         self.boundary = boundary;
@@ -101,7 +121,7 @@ impl Scope {
         self
     }
 
-    /// Checks that `name` may be given to a variable, a family, a parameter or an index.
+    /// Checks that `name` may be given to a variable, a family, a parameter, a definition or an index.
     ///
     /// # Errors
     /// `InvalidName` when it is not one name, `ReservedName` when it is `pi`, `N`, `sum` or the
@@ -131,6 +151,10 @@ impl Scope {
         if self.entries.insert(name.to_owned(), entry).is_none() {
             self.names.push(name.to_owned());
         }
+    }
+
+    pub(super) fn definition(&self, index: usize) -> &Definition {
+        &self.definitions[index]
     }
 
     /// `N` as a number.
@@ -177,6 +201,8 @@ pub(super) enum Place {
     Variable(usize),
     /// The parameter of this index.
     Parameter(usize),
+    /// The definition of this index.
+    Definition(usize),
     /// Beyond an open boundary; the index of this level leads there.
     Outside { level: usize },
 }
@@ -194,8 +220,9 @@ impl Scope {
         let (offset, length, site) = match (entry, site) {
             (Entry::Variable(index), None) => return Ok(Place::Variable(index)),
             (Entry::Parameter(index), None) => return Ok(Place::Parameter(index)),
+            (Entry::Definition(index), None) => return Ok(Place::Definition(index)),
             (Entry::Family { offset, length }, Some(site)) => (offset, length, site),
-            (Entry::Variable(_) | Entry::Parameter(_), Some(site)) => {
+            (Entry::Variable(_) | Entry::Parameter(_) | Entry::Definition(_), Some(site)) => {
                 let kind = SyntaxErrorKind::NotAFamily { name: name() };
                 return Err(SyntaxError::new(reference.name.to(site.span), kind));
             }

@@ -129,16 +129,29 @@ impl Evaluator<'_> {
             .site
             .map_or(reference.name, |site| reference.name.to(site.span));
         let kind = match self.scope.entry(self.text, reference.name)? {
-            Entry::Parameter(_) if reference.site.is_some() => SyntaxErrorKind::NotAFamily {
-                name: name.to_owned(),
-            },
+            Entry::Parameter(_) | Entry::Definition(_) if reference.site.is_some() => {
+                SyntaxErrorKind::NotAFamily {
+                    name: name.to_owned(),
+                }
+            }
+            Entry::Definition(index) if self.scope.definition(index).is_of_parameters => {
+                let formula = &self.scope.definition(index).formula;
+                match formula.parameters().last() {
+                    Some(last) if *last >= self.parameters.len() => {
+                        SyntaxErrorKind::ParameterWithoutValue {
+                            name: name.to_owned(),
+                        }
+                    }
+                    _ => return Ok(formula.evaluate(&[], self.parameters)),
+                }
+            }
             Entry::Parameter(index) => match self.parameters.get(index) {
                 Some(value) => return Ok(*value),
                 None => SyntaxErrorKind::ParameterWithoutValue {
                     name: name.to_owned(),
                 },
             },
-            Entry::Variable(_) | Entry::Family { .. } => {
+            Entry::Variable(_) | Entry::Family { .. } | Entry::Definition(_) => {
                 SyntaxErrorKind::NotAFunctionOfParameters {
                     name: name.to_owned(),
                 }

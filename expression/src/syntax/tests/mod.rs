@@ -1,3 +1,4 @@
+mod definitions;
 mod families;
 mod grammar;
 mod properties;

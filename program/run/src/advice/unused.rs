@@ -29,15 +29,17 @@ pub fn unused_parameters(document: &SceneDocument) -> Vec<Advice> {
 fn formulas(document: &SceneDocument) -> Vec<&str> {
     let system = &document.system;
     let mut formulas = vec![system.hamiltonian.value.as_str()];
+    formulas.extend(system.define.iter().map(|(_, f)| f.value.as_str()));
     match &system.bracket.value {
-        BracketSpec::Entries(entries) => {
+        BracketSpec::Entries(entries) | BracketSpec::TwoForm(entries) => {
             formulas.extend(entries.iter().map(|(_, f)| f.value.as_str()))
         }
-        BracketSpec::MagneticField(field) => {
+        BracketSpec::MagneticField(field) | BracketSpec::OneForm(field) => {
             formulas.extend(field.iter().map(|f| f.value.as_str()))
         }
         BracketSpec::LieAlgebra(_) | BracketSpec::LogCanonical(_) => {}
     }
+    formulas.extend(system.constraints.iter().map(|f| f.value.as_str()));
     formulas.extend(system.casimirs.iter().map(|(_, f)| f.value.as_str()));
     let ensemble = document.ensemble.iter();
     let records = ensemble.map(|ensemble| &ensemble.record);

@@ -93,7 +93,11 @@ impl SceneChecks {
             )));
         }
         let index = self.false_casimir()?;
-        let (name, formula) = &document.system.casimirs[index];
+        // Constraints come after the Casimirs, and are named by their text.
+        let declared = document.system.casimirs.iter();
+        let declared = declared.map(|(name, formula)| (name, formula));
+        let constraints = document.system.constraints.iter().map(|text| (text, text));
+        let (name, formula) = declared.chain(constraints).nth(index)?;
         let check = &self.casimirs[index].check;
         Some(Box::new(document.diagnostic(
             &document.place_in_formula(formula, 0..formula.value.len()),

@@ -40,9 +40,14 @@ pub fn system_of_fragment(id: &str, fragment: &str) -> Result<PoissonSystem, (St
     })?;
     let families = &document.system.families;
     let lengths: Vec<usize> = families.iter().map(|(_, length)| length.value).collect();
-    let instantiated = instantiate(&document, &lengths).map_err(|refusal| of_scene(*refusal))?;
+    let mut instantiated =
+        instantiate(&document, &lengths).map_err(|refusal| of_scene(*refusal))?;
+    let forms = std::mem::take(&mut instantiated.forms);
     let system = instantiated.system(&document);
-    system.map_err(|error| ("bracket".to_owned(), error.to_string()))
+    let system = system.map_err(|error| ("bracket".to_owned(), error.to_string()))?;
+    forms
+        .apply(&document, system)
+        .map_err(|refusal| of_scene(*refusal))
 }
 
 /// The number of coordinates that a fragment declares.

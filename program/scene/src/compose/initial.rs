@@ -3,7 +3,8 @@
 use leafwise_expression::syntax::{Formula, Scope, VariablePattern};
 
 use super::Refusal;
-use super::names::{parse, refusal, scope};
+use super::definitions::scope;
+use super::names::{parse, refusal};
 use crate::document::{InitialSpec, Located, SceneDocument};
 
 /// The initial state of the scene: one number for each coordinate.
@@ -34,7 +35,7 @@ pub(super) fn initial_state(document: &SceneDocument) -> Result<Vec<f64>, Refusa
                 .collect();
             let mut state = State {
                 document,
-                scope: scope(document, &lengths),
+                scope: scope(document, &lengths)?,
                 parameters,
                 values: vec![0.0; dimension],
                 is_given: vec![false; dimension],

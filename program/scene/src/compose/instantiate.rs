@@ -7,7 +7,9 @@ use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::Expression;
 
 use super::Refusal;
-use super::names::{coordinate_names, function, scope};
+use super::definitions::scope;
+use super::forms::{Forms, forms};
+use super::names::{coordinate_names, function};
 use super::observables::{Observable, observables};
 use super::tensor::{Entries, entries};
 use crate::document::{self, Boundary, SceneDocument};
@@ -19,6 +21,8 @@ pub struct Instantiated {
     pub names: Vec<String>,
     /// {x_i, x_j} for i < j, as the scene's author wrote them.
     pub bracket: Entries,
+    /// What the tensor is made of in place of entries, and what constrains it.
+    pub forms: Forms,
     /// H.
     pub hamiltonian: Expression,
     /// The Casimirs by name.
@@ -35,7 +39,7 @@ pub struct Instantiated {
 /// The first formula that cannot be read, underlined in the scene.
 pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instantiated, Refusal> {
     check_lengths(document)?;
-    let scope = scope(document, lengths);
+    let scope = scope(document, lengths)?;
     let names = coordinate_names(document, lengths);
     let system = &document.system;
     let hamiltonian = function(document, &scope, &system.hamiltonian)?;
@@ -51,6 +55,7 @@ pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instan
         })
         .collect::<Result<_, Refusal>>()?;
     let bracket = entries(document, &scope, &names, lengths)?;
+    let forms = forms(document, &scope, &names, lengths)?;
     let whole = geometry(document);
     let is_shortened = (whole.families.iter())
         .zip(lengths)
@@ -59,6 +64,7 @@ pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instan
     Ok(Instantiated {
         names,
         bracket,
+        forms,
         hamiltonian,
         casimirs,
         observables,
@@ -107,7 +113,7 @@ fn check_lengths(document: &SceneDocument) -> Result<(), Refusal> {
 }
 
 impl Instantiated {
-    /// The Poisson system of the scene's parameters and convention.
+    /// The Poisson system of the scene's parameters and convention, [forms](Forms::apply) not yet applied.
     ///
     /// # Errors
     /// [`BuildError::Dimension`] when a formula uses an index out of range.

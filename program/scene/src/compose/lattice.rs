@@ -6,10 +6,11 @@ use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::syntax::Formula;
 
 use super::Refusal;
+use super::definitions::scope;
 use super::instantiate::{geometry, instantiate};
-use super::names::{parse, refusal, scope};
+use super::names::{parse, refusal};
 use super::observables::{Observable, coordinate};
-use crate::document::{Located, SceneDocument};
+use crate::document::{BracketSpec, Located, SceneDocument};
 
 /// A scene whose families are too long to be written out.
 pub(super) struct SceneLattice<'a> {
@@ -55,6 +56,21 @@ impl<'a> SceneLattice<'a> {
                 Some("make it a family, or shorten the lattice".to_owned()),
             )));
         }
+        if matches!(
+            system.bracket.value,
+            BracketSpec::OneForm(_) | BracketSpec::TwoForm(_)
+        ) || !system.constraints.is_empty()
+        {
+            return Err(Box::new(document.diagnostic(
+                &system.bracket.place(),
+                format!(
+                    "a lattice of more than {DENSE_LIMIT} coordinates has its bracket by entries, not by a form \
+                     or with constraints, whose inverse couples all sites"
+                ),
+                "this bracket",
+                Some("write its entries, or shorten the lattice".to_owned()),
+            )));
+        }
         let geometry = geometry(document);
         has_room(document, geometry.dimension(), 1)?;
         Ok(Some(Self { document, geometry }))
@@ -77,7 +93,7 @@ impl<'a> SceneLattice<'a> {
             self.document
                 .diagnostic(&bracket.place(), error.to_string(), "here", None)
         })?;
-        let scope = scope(self.document, &lengths(&geometry));
+        let scope = scope(self.document, &lengths(&geometry))?;
         for formula in self.formulas() {
             parse(self.document, formula)?
                 .density(&scope, geometry.length() / 2)
@@ -184,7 +200,10 @@ impl LatticeSource for SceneLattice<'_> {
         geometry: &LatticeGeometry,
         site: usize,
     ) -> Result<Vec<SiteDensity>, BuildError> {
-        let scope = scope(self.document, &lengths(geometry));
+        let scope =
+            scope(self.document, &lengths(geometry)).map_err(|refusal| BuildError::Lattice {
+                message: refusal.message.clone(),
+            })?;
         self.formulas()
             .into_iter()
             .map(|formula| {

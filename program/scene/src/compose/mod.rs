@@ -1,7 +1,9 @@
 //! From a scene's text to a Poisson system, a method and the plan of a run.
 //!
 //! - `names`: what formulas may refer to, and their errors placed in the file;
+//! - `definitions`: names for formulas, in an order that lets each use the others;
 //! - `tensor`, `lie_algebra`: the ways to write a bracket;
+//! - `forms`: tensors by one-forms, two-forms and constraints;
 //! - `instantiate`: templates over families written out at chosen lengths;
 //! - `system`: [`compose_system`], the Poisson system with its initial state;
 //! - `initial`: the initial state;
@@ -17,7 +19,9 @@
 //! - `shape`: constant, linear, log-canonical, polynomial, general.
 
 mod checks;
+mod definitions;
 mod fit;
+mod forms;
 mod fragment;
 mod initial;
 mod instantiate;
@@ -39,6 +43,7 @@ mod tests;
 
 pub use checks::{CasimirCheck, SceneChecks};
 pub use fit::{check_first_order, check_tensor};
+pub use forms::Forms;
 pub use fragment::system_of_fragment;
 pub use instantiate::{Instantiated, instantiate};
 pub use lattice::DENSE_LIMIT;

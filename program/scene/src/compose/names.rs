@@ -6,9 +6,9 @@ use leafwise_expression::{AlgebraError, Expression, Graph, Rational};
 use super::Refusal;
 use crate::document::{Boundary, Located, Number, SceneDocument, nearest};
 
-/// The names of a scene with its families at the given lengths; `N` as a number stays the true
-/// length.
-pub(super) fn scope(document: &SceneDocument, lengths: &[usize]) -> Scope {
+/// The variables, parameters and families of a scene, with the families at the given lengths; `N` as a
+/// number stays the true length.
+pub(super) fn declared(document: &SceneDocument, lengths: &[usize]) -> Scope {
     let system = &document.system;
     let names = |list: &[Located<String>]| -> Vec<String> {
         list.iter().map(|name| name.value.clone()).collect()
@@ -56,7 +56,8 @@ pub(super) fn check_names(document: &SceneDocument) -> Result<(), Refusal> {
         .variables
         .iter()
         .chain(system.families.iter().map(|(name, _)| name))
-        .chain(system.parameters.iter().map(|(name, _)| name));
+        .chain(system.parameters.iter().map(|(name, _)| name))
+        .chain(system.define.iter().map(|(name, _)| name));
     for name in declared {
         Scope::check_name(&name.value).map_err(|error| refusal(document, name, &error))?;
     }
@@ -187,6 +188,7 @@ fn unknown_name_help(document: &SceneDocument, name: &str) -> String {
         .iter()
         .chain(system.families.iter().map(|(name, _)| name))
         .chain(system.parameters.iter().map(|(name, _)| name))
+        .chain(system.define.iter().map(|(name, _)| name))
         .map(|name| name.value.as_str())
         .collect();
     match nearest(name, known.iter().copied()) {

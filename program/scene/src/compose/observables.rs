@@ -60,6 +60,7 @@ pub(super) fn observables(
             .iter()
             .map(|(name, _)| name.value.as_str()),
     );
+    known.extend(document.system.constraints.iter().map(|c| c.value.as_str()));
     let mut chosen: Vec<Observable> = Vec::new();
     for asked in &document.run.record.observables {
         let heading = asked.heading();

@@ -4,10 +4,11 @@ use leafwise_core::PoissonSystem;
 use leafwise_core::lattice::LatticeSource;
 
 use super::Refusal;
+use super::definitions::scope;
 use super::initial::initial_state;
 use super::instantiate::instantiate;
 use super::lattice::{SceneLattice, shortened};
-use super::names::{check_names, scope};
+use super::names::check_names;
 use super::observables::{Observable, observables};
 use crate::document::SceneDocument;
 
@@ -37,7 +38,7 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
             system: PoissonSystem::clone(&numbers.system),
             near: initial.clone(),
             initial,
-            observables: observables(document, &scope(document, &[]), None)?,
+            observables: observables(document, &scope(document, &[])?, None)?,
         });
     }
     if let Some(lattice) = SceneLattice::of(document)? {
@@ -63,6 +64,7 @@ pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Re
     let lengths: Vec<usize> = families.iter().map(|(_, length)| length.value).collect();
     let mut instantiated = instantiate(document, &lengths)?;
     let observables = std::mem::take(&mut instantiated.observables);
+    let forms = std::mem::take(&mut instantiated.forms);
     let system = instantiated.system(document).map_err(|error| {
         document.diagnostic(
             &document.system.bracket.place(),
@@ -73,6 +75,7 @@ pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Re
     })?;
     let initial = initial_state(document)?;
     let system = system.with_near(&initial).unwrap_or(system);
+    let system = forms.apply(document, system)?;
     Ok(ComposedSystem {
         system,
         near: initial.clone(),

@@ -22,28 +22,53 @@ pub(super) fn entries(
 ) -> Result<Entries, Refusal> {
     match &document.system.bracket.value {
         BracketSpec::Entries(written) => {
-            let mut collector = Collector {
-                document,
-                names,
-                known: BTreeMap::new(),
-                ring: Ring::new(names.len()),
+            let table = Antisymmetric {
+                noun: "a bracket",
+                name: |a, b| format!("{{{a}, {b}}}"),
             };
-            for (key, formula) in written {
-                collector.template(scope, lengths, key, formula)?;
-            }
-            Ok(collector
-                .known
-                .into_iter()
-                .map(|(at, (entry, _))| (at, entry))
-                .collect())
+            table.entries(document, scope, names, lengths, written)
         }
+        // Made of its form once the state is known about which the system moves.
+        BracketSpec::OneForm(_) | BracketSpec::TwoForm(_) => Ok(Entries::new()),
         BracketSpec::LieAlgebra(spec) => lie_algebra::entries(document, spec, names),
         BracketSpec::LogCanonical(rows) => log_canonical(document, rows, names),
         BracketSpec::MagneticField(field) => magnetic_field(document, scope, field, names.len()),
     }
 }
 
+/// A table of the entries of an antisymmetric matrix, and what messages call it and them.
+pub(super) struct Antisymmetric {
+    pub noun: &'static str,
+    pub name: fn(&str, &str) -> String,
+}
+
+impl Antisymmetric {
+    /// The entries for i < j with the families at the given lengths.
+    pub fn entries(
+        &self,
+        document: &SceneDocument,
+        scope: &Scope,
+        names: &[String],
+        lengths: &[usize],
+        written: &[(Located<String>, Located<String>)],
+    ) -> Result<Entries, Refusal> {
+        let mut collector = Collector {
+            of: self,
+            document,
+            names,
+            known: BTreeMap::new(),
+            ring: Ring::new(names.len()),
+        };
+        for (key, formula) in written {
+            collector.template(scope, lengths, key, formula)?;
+        }
+        let known = collector.known.into_iter();
+        Ok(known.map(|(at, (entry, _))| (at, entry)).collect())
+    }
+}
+
 struct Collector<'a> {
+    of: &'a Antisymmetric,
     document: &'a SceneDocument,
     names: &'a [String],
     known: BTreeMap<(usize, usize), (Expression, &'a Located<String>)>,
@@ -110,9 +135,9 @@ impl<'a> Collector<'a> {
             }
             return Err(Box::new(document.diagnostic(
                 &document.place_in_formula(key, 0..key.value.len()),
-                format!("{{{0},{0}}} is not zero", names[i]),
-                "a bracket is antisymmetric",
-                Some("remove this entry: the bracket of a function with itself vanishes".into()),
+                format!("{} is not zero", (self.of.name)(&names[i], &names[i])),
+                format!("{} is antisymmetric", self.of.noun),
+                Some("remove this entry: it vanishes by antisymmetry".into()),
             )));
         }
         let (at, entry) = if i < j {
@@ -132,7 +157,7 @@ impl<'a> Collector<'a> {
         if self.ring.is_zero(&difference) {
             return Ok(());
         }
-        let pair = format!("{{{}, {}}}", names[at.0], names[at.1]);
+        let pair = (self.of.name)(&names[at.0], &names[at.1]);
         let (message, help) = if earlier_key.value == key.value {
             (
                 format!("`{}` gives two different values for {pair}", key.value),

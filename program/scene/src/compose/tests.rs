@@ -1,5 +1,8 @@
 //! The ways to write a bracket agree, and what contradicts itself is refused where it stands.
 
+mod definitions;
+mod forms;
+
 use leafwise_core::{Evaluator, Registry};
 use leafwise_hamilton_jacobi as _;
 use leafwise_karasev as _;

@@ -3,7 +3,7 @@
 use super::error::SceneProblemCause;
 use super::lie_algebra::{LieAlgebraSpec, read_lie_algebra};
 use super::located::{Located, Number};
-use super::reader::{Item, Problems};
+use super::reader::{Item, Problems, Table};
 use super::schema::{BRACKET, has, names};
 use super::suggest::nearest;
 
@@ -18,6 +18,10 @@ pub enum BracketSpec {
     LogCanonical(Vec<Vec<Located<Number>>>),
     /// Positions and velocities in a magnetic field B with v' = v × B; its components' formulas.
     MagneticField(Vec<Located<String>>),
+    /// Π = −(dϑ)⁻¹; the formulas of ϑ's components.
+    OneForm(Vec<Located<String>>),
+    /// Π = −ω⁻¹; entries `"x1,x2" = "formula"` for ω_12.
+    TwoForm(Vec<(Located<String>, Located<String>)>),
 }
 
 /// What `magnetic-field` was once called, with another sign.
@@ -35,18 +39,7 @@ pub(super) fn read_bracket(item: &Item<'_>, problems: &mut Problems) -> Option<B
         .iter()
         .find(|entry| has(&BRACKET, &entry.key.value));
     let Some(kind) = kind else {
-        let entries: Vec<_> = table
-            .items
-            .iter()
-            .map(|entry| {
-                check_pair(entry, problems);
-                Some((entry.key.clone(), entry.formula(problems)?))
-            })
-            .collect();
-        return entries
-            .into_iter()
-            .collect::<Option<_>>()
-            .map(BracketSpec::Entries);
+        return entries(&table, problems).map(BracketSpec::Entries);
     };
     let mut alone = true;
     for other in table
@@ -72,9 +65,31 @@ pub(super) fn read_bracket(item: &Item<'_>, problems: &mut Problems) -> Option<B
         "magnetic-field" => kind
             .list_of("a list of formulas", problems, Item::formula)
             .map(BracketSpec::MagneticField),
+        "one-form" => kind
+            .list_of("a list of formulas", problems, Item::formula)
+            .map(BracketSpec::OneForm),
+        "two-form" => kind
+            .table("two-form", "a table of pairs of variables", problems)
+            .and_then(|table| entries(&table, problems))
+            .map(BracketSpec::TwoForm),
         _ => matrix(kind, problems).map(BracketSpec::LogCanonical),
     };
     spec.filter(|_| alone)
+}
+
+/// Formulas by pairs of variables.
+fn entries(
+    table: &Table<'_>,
+    problems: &mut Problems,
+) -> Option<Vec<(Located<String>, Located<String>)>> {
+    let items = table.items.iter();
+    let entries: Vec<_> = items
+        .map(|entry| {
+            check_pair(entry, problems);
+            Some((entry.key.clone(), entry.formula(problems)?))
+        })
+        .collect();
+    entries.into_iter().collect()
 }
 
 fn check_pair(entry: &Item<'_>, problems: &mut Problems) {

@@ -202,7 +202,7 @@ impl SceneProblemCause {
             } => Some(format!("did you mean `{name}`?")),
             Self::BracketKey { nearest: None, .. } => Some(
                 "write \"x1,x2\" = \"…\" for {x1, x2}, or one of lie-algebra, log-canonical, \
-                 magnetic-field"
+                 magnetic-field, one-form, two-form"
                     .to_owned(),
             ),
             Self::MagneticSign => Some(

@@ -159,6 +159,8 @@ fn section(id: &Located<String>, system: PoissonSystem, given: PartParameters) -
         variables,
         families: Vec::new(),
         parameters: parameters.collect(),
+        define: Vec::new(),
+        constraints: Vec::new(),
         bracket: Located::new(BracketSpec::Entries(Vec::new()), id.place()),
         boundary: None,
         convention: Convention::default(),

@@ -134,7 +134,7 @@ pub(super) static SCENE: [Key; 5] = [
     ),
 ];
 
-pub(super) static SYSTEM: [Key; 9] = [
+pub(super) static SYSTEM: [Key; 11] = [
     key(
         "library",
         Shape::System,
@@ -156,15 +156,31 @@ pub(super) static SYSTEM: [Key; 9] = [
         "Named numbers that formulas may use",
     ),
     key(
+        "define",
+        FORMULAS,
+        "Names for formulas that other formulas use: { B = \"sqrt(x^2 + y^2)\" }",
+    ),
+    key(
         "bracket",
         Shape::Either(&[
             table(
                 &BRACKET,
-                &[&["lie-algebra"], &["log-canonical"], &["magnetic-field"]],
+                &[
+                    &["lie-algebra"],
+                    &["log-canonical"],
+                    &["magnetic-field"],
+                    &["one-form"],
+                    &["two-form"],
+                ],
             ),
             Shape::Pairs(&Shape::Formula),
         ]),
         "The Poisson tensor: { \"x,y\" = \"formula\" } for each pair that is not zero, or a kind by its name",
+    ),
+    key(
+        "constraints",
+        Shape::List(&Shape::Formula),
+        "Dirac's bracket of second-class constraints, which are Casimirs of it: [\"x^2 + y^2 - 1\", \"x*px + y*py\"]",
     ),
     key(
         "boundary",
@@ -188,7 +204,7 @@ pub(super) static SYSTEM: [Key; 9] = [
     ),
 ];
 
-pub(super) static BRACKET: [Key; 3] = [
+pub(super) static BRACKET: [Key; 5] = [
     key(
         "lie-algebra",
         Shape::Either(&[
@@ -206,6 +222,16 @@ pub(super) static BRACKET: [Key; 3] = [
         "magnetic-field",
         Shape::List(&Shape::Formula),
         "Positions and velocities with v' = v x B + ...: the formulas of B",
+    ),
+    key(
+        "one-form",
+        Shape::List(&Shape::Formula),
+        "The tensor -(d theta)^-1: a formula of theta for each coordinate, as [\"p\", \"0\"] over q, p",
+    ),
+    key(
+        "two-form",
+        Shape::Pairs(&Shape::Formula),
+        "The tensor -omega^-1 of a closed omega: { \"q,p\" = \"-1\" }, each pair that is not zero once",
     ),
 ];
 

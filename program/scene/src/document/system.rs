@@ -179,6 +179,10 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
         Some(item) => item.pairs("a table of numbers", problems, Item::number),
         None => Some(Vec::new()),
     };
+    let define = match table.get("define") {
+        Some(item) => item.pairs("a table of formulas", problems, Item::formula),
+        None => Some(Vec::new()),
+    };
     if table.get("variables").is_none() && table.get("families").is_none() {
         table.require(
             "variables",
@@ -189,6 +193,10 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
     let bracket = table
         .require("bracket", "bracket = { \"x1,x2\" = \"-x3\" }", problems)
         .and_then(|item| read_bracket(item, problems).map(|spec| Located::new(spec, item.place())));
+    let constraints = match table.get("constraints") {
+        Some(item) => item.list_of("a list of formulas", problems, Item::formula),
+        None => Some(Vec::new()),
+    };
     let boundary = match table.get("boundary") {
         Some(item) => choose(
             item,
@@ -224,7 +232,9 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
         variables: variables?,
         families: families?,
         parameters: parameters?,
+        define: define?,
         bracket: bracket?,
+        constraints: constraints?,
         boundary: boundary?,
         convention: convention?,
         hamiltonian: hamiltonian?,
@@ -281,7 +291,8 @@ fn check_names(system: &SystemSection, problems: &mut Problems) {
                 .parameters
                 .iter()
                 .map(|(name, _)| ("parameter", name)),
-        );
+        )
+        .chain(system.define.iter().map(|(name, _)| ("definition", name)));
     for (kind, name) in declared {
         let is_new = seen.insert(&name.value);
         let mut letters = name.value.chars();

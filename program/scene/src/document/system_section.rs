@@ -37,8 +37,12 @@ pub struct SystemSection {
     pub families: Vec<(Located<String>, Located<usize>)>,
     /// Parameters with their values.
     pub parameters: Vec<(Located<String>, Located<Number>)>,
+    /// Names for formulas, in the order of the text.
+    pub define: Vec<(Located<String>, Located<String>)>,
     /// The Poisson tensor.
     pub bracket: Located<BracketSpec>,
+    /// Second-class constraints, for Dirac's bracket.
+    pub constraints: Vec<Located<String>>,
     /// What happens at the ends of a family.
     pub boundary: Option<Located<Boundary>>,
     /// The sign convention.

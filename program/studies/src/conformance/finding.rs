@@ -87,6 +87,7 @@ impl Place<'_> {
         });
         let (found, judgement) = match check.verdict {
             Verdict::Proved => ("proved".to_owned(), Judgement::Met),
+            Verdict::ByConstruction => ("by construction".to_owned(), Judgement::Met),
             Verdict::NumericallyZero => (
                 format!("{:.1e} of its terms{floor}", check.residual),
                 Judgement::Met,

@@ -36,7 +36,8 @@ pub const SCENES_WITH_EVERY_KEY: [&str; 7] = [
     bracket     = { "x1,x2" = "-x3", "x2,x3" = "-x1", "x3,x1" = "-x2" }
     convention  = "{H,x}"
     hamiltonian = "x1^2/(2*I1) + x2^2/(2*I2) + x3^2/(2*I3)"
-    casimirs    = { spin = "x1^2 + x2^2 + x3^2" }
+    define      = { spin2 = "x1^2 + x2^2 + x3^2" }
+    casimirs    = { spin = "spin2" }
     [method]
     realization = { name = "karasev-truncated", order = 6 }
     dynamics    = { name = "hamilton-jacobi", order = 2 }

@@ -1,0 +1,152 @@
+//! `define`: names for formulas, and with them all names that a formula may use.
+//!
+//! A definition may use the others, whatever their order in the file, unless they lead back to it.
+
+use std::collections::BTreeSet;
+
+use leafwise_expression::syntax::{DEPTH_LIMIT, Formula, Scope};
+
+use super::Refusal;
+use super::names::{declared, function, parse};
+use crate::document::{Located, SceneDocument};
+
+/// The names of a scene with its families at the given lengths, and what it defines; `N` as a number stays
+/// the true length.
+pub(super) fn scope(document: &SceneDocument, lengths: &[usize]) -> Result<Scope, Refusal> {
+    let mut scope = declared(document, lengths);
+    let define = &document.system.define;
+    check_observables(document)?;
+    let mut parsed = Vec::with_capacity(define.len());
+    for (_, formula) in define {
+        parsed.push(parse(document, formula)?);
+    }
+    for at in order(document, &parsed)? {
+        let (name, formula) = &define[at];
+        check_families(document, formula, &parsed[at])?;
+        let value = function(document, &scope, formula)?;
+        if value.height() > DEPTH_LIMIT {
+            return Err(Box::new(document.diagnostic(
+                &document.place_in_formula(formula, 0..formula.value.len()),
+                format!(
+                    "`{}` is nested more than {DEPTH_LIMIT} levels deep, with what it is defined by",
+                    name.value
+                ),
+                "in this formula",
+                Some("define fewer steps of it".to_owned()),
+            )));
+        }
+        scope = scope.with_definition(&name.value, value);
+    }
+    Ok(scope)
+}
+
+/// The definitions, each after those that it uses; of those that may come next the first in the file.
+fn order(document: &SceneDocument, parsed: &[Formula]) -> Result<Vec<usize>, Refusal> {
+    let define = &document.system.define;
+    let uses: Vec<BTreeSet<usize>> = parsed
+        .iter()
+        .map(|formula| {
+            let names = formula.references();
+            let named = |(name, _): &(Located<String>, _)| names.contains(name.value.as_str());
+            (0..define.len()).filter(|at| named(&define[*at])).collect()
+        })
+        .collect();
+    let mut order = Vec::with_capacity(define.len());
+    let mut left: BTreeSet<usize> = (0..define.len()).collect();
+    while let Some(first) = left.first().copied() {
+        let mut ready = left.iter().filter(|at| uses[**at].is_disjoint(&left));
+        let Some(next) = ready.next().copied() else {
+            return Err(cycle(document, first, &left, &uses));
+        };
+        left.remove(&next);
+        order.push(next);
+    }
+    Ok(order)
+}
+
+/// Each of `left` uses another of them: following the first use leads round.
+fn cycle(
+    document: &SceneDocument,
+    first: usize,
+    left: &BTreeSet<usize>,
+    uses: &[BTreeSet<usize>],
+) -> Refusal {
+    let mut path = vec![first];
+    let start = loop {
+        let last = path[path.len() - 1];
+        let next = uses[last].intersection(left).next().copied();
+        // There is one: what is left uses what is left.
+        let next = next.unwrap_or(last);
+        if let Some(start) = path.iter().position(|at| *at == next) {
+            break start;
+        }
+        path.push(next);
+    };
+    let name = |at: &usize| format!("`{}`", document.system.define[*at].0.value);
+    let round = &path[start..];
+    let (defined, formula) = &document.system.define[round[0]];
+    let through = match &round[1..] {
+        [] => "uses itself".to_owned(),
+        others => {
+            let others: Vec<String> = others.iter().map(name).collect();
+            format!("is defined by itself, through {}", others.join(", "))
+        }
+    };
+    Box::new(document.diagnostic(
+        &document.place_in_formula(formula, 0..formula.value.len()),
+        format!("`{}` {through}", defined.value),
+        "leads back to this definition",
+        Some("write one of them without the others".to_owned()),
+    ))
+}
+
+/// A definition has one value; members of a family are many.
+fn check_families(
+    document: &SceneDocument,
+    formula: &Located<String>,
+    parsed: &Formula,
+) -> Result<(), Refusal> {
+    let names = parsed.references();
+    let mut families = document.system.families.iter();
+    let Some((family, _)) = families.find(|(family, _)| names.contains(family.value.as_str()))
+    else {
+        return Ok(());
+    };
+    Err(Box::new(document.diagnostic(
+        &document.place_in_formula(formula, 0..formula.value.len()),
+        format!(
+            "a definition cannot use the family `{}`: it has one value, and a lattice one a site",
+            family.value
+        ),
+        "of a family",
+        Some("write it out in the formulas that use it".to_owned()),
+    )))
+}
+
+/// The names of invariants are taken: as an observable a name stands for one thing.
+fn check_observables(document: &SceneDocument) -> Result<(), Refusal> {
+    let system = &document.system;
+    for (name, _) in &system.define {
+        let casimir = system.casimirs.iter().find(|(c, _)| c.value == name.value);
+        let is_taken = match casimir {
+            Some((_, formula)) => formula.value.trim() != name.value,
+            None => name.value == "energy",
+        };
+        if is_taken {
+            let what = match casimir {
+                Some(_) => "a Casimir",
+                None => "the Hamiltonian's value",
+            };
+            return Err(Box::new(document.diagnostic(
+                &name.place(),
+                format!(
+                    "a definition cannot be called `{}`: that is {what}",
+                    name.value
+                ),
+                "taken",
+                Some("give the definition another name".to_owned()),
+            )));
+        }
+    }
+    Ok(())
+}

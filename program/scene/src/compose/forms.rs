@@ -1,0 +1,211 @@
+//! Tensors by one-forms and two-forms, and Dirac's bracket of constraints.
+
+use leafwise_core::PoissonSystem;
+use leafwise_core::system::{Casimir, FormError};
+use leafwise_expression::Expression;
+use leafwise_expression::syntax::Scope;
+
+use super::Refusal;
+use super::names::{function, parse, refusal};
+use super::tensor::{Antisymmetric, Entries};
+use crate::document::{BracketSpec, Located, Place, SceneDocument};
+
+/// What a tensor is made of in place of its entries, and what constrains it.
+#[derive(Clone, Debug, Default)]
+pub struct Forms {
+    form: Form,
+    /// Named by their text.
+    constraints: Vec<Casimir>,
+    /// What the scene defines, for messages.
+    names: Vec<(String, Expression)>,
+}
+
+#[derive(Clone, Debug, Default)]
+enum Form {
+    /// The bracket has entries.
+    #[default]
+    None,
+    One(Vec<Expression>),
+    Two(Entries),
+}
+
+/// Reads the forms and constraints of a scene with its families at the given lengths.
+pub(super) fn forms(
+    document: &SceneDocument,
+    scope: &Scope,
+    names: &[String],
+    lengths: &[usize],
+) -> Result<Forms, Refusal> {
+    let system = &document.system;
+    let form = match &system.bracket.value {
+        BracketSpec::OneForm(components) => {
+            let components = components.iter();
+            let components = components.map(|formula| function(document, scope, formula));
+            Form::One(components.collect::<Result<_, _>>()?)
+        }
+        BracketSpec::TwoForm(written) => {
+            let table = Antisymmetric {
+                noun: "a two-form",
+                name: |a, b| format!("ω({a}, {b})"),
+            };
+            Form::Two(table.entries(document, scope, names, lengths, written)?)
+        }
+        _ => Form::None,
+    };
+    let mut constraints = Vec::with_capacity(system.constraints.len());
+    for formula in &system.constraints {
+        let mut casimirs = system.casimirs.iter();
+        if casimirs.any(|(name, _)| name.value == formula.value) {
+            return Err(Box::new(document.diagnostic(
+                &formula.place(),
+                format!(
+                    "the constraint `{}` has the name of a Casimir",
+                    formula.value
+                ),
+                "taken",
+                Some("a constraint is a Casimir by its text: remove that one".to_owned()),
+            )));
+        }
+        constraints.push(Casimir {
+            name: formula.value.clone(),
+            expression: function(document, scope, formula)?,
+        });
+    }
+    let mut defined = Vec::with_capacity(system.define.len());
+    for (name, _) in &system.define {
+        let value = parse(document, name)?
+            .resolve(scope, None)
+            .map_err(|error| refusal(document, name, &error))?;
+        defined.extend(value.map(|value| (name.value.clone(), value)));
+    }
+    Ok(Forms {
+        form,
+        constraints,
+        names: defined,
+    })
+}
+
+impl Forms {
+    /// A system with the tensor of these forms and constraints, formed about the state about which it moves.
+    ///
+    /// # Errors
+    /// A form that is not closed or has no inverse, and constraints that are not of second class, underlined in
+    /// the scene.
+    pub fn apply(
+        self,
+        document: &SceneDocument,
+        system: PoissonSystem,
+    ) -> Result<PoissonSystem, Refusal> {
+        let Some(formulas) = system.expressions() else {
+            return Ok(system);
+        };
+        let formulas = formulas.clone().with_names(self.names);
+        let variables = formulas.variables().to_vec();
+        let constraints = self.constraints;
+        let formed = match &self.form {
+            Form::None => Ok(formulas),
+            Form::One(form) => formulas.with_one_form(form),
+            Form::Two(form) => formulas.with_two_form(form),
+        };
+        let formed = formed.and_then(|formulas| formulas.with_constraints(constraints));
+        formed
+            .map(PoissonSystem::from)
+            .map_err(|error| refused(document, &error, &variables))
+    }
+}
+
+/// A form that makes no tensor, underlined where that shows.
+fn refused(document: &SceneDocument, error: &FormError, names: &[String]) -> Refusal {
+    let system = &document.system;
+    let bracket = system.bracket.place();
+    let at = |state: &[f64]| {
+        let values = names.iter().zip(state);
+        let values: Vec<String> = values.map(|(name, x)| format!("{name} = {x}")).collect();
+        values.join(", ")
+    };
+    let all = || {
+        let first = system.constraints.first();
+        first.map_or_else(|| bracket.clone(), Located::place)
+    };
+    let (place, message, label, help) = match error {
+        FormError::Components { dimension, .. } => (
+            bracket,
+            error.to_string(),
+            format!("expected {dimension} formulas"),
+            format!("one for each of {}, 0 where there is none", names.join(", ")),
+        ),
+        FormError::OddDimension { .. } => (
+            bracket,
+            error.to_string(),
+            "over an odd number of variables".to_owned(),
+            "add the variable that is missing, or write the bracket by its entries".to_owned(),
+        ),
+        FormError::Degenerate => (
+            bracket,
+            error.to_string(),
+            "has no inverse".to_owned(),
+            "the form must tell all directions apart: is a momentum, or a component, missing?"
+                .to_owned(),
+        ),
+        FormError::DegenerateAt { at: state, .. } => (
+            document.run.initial.place(),
+            error.to_string(),
+            format!("here, at {}", at(state)),
+            "start elsewhere, or correct the formulas".to_owned(),
+        ),
+        FormError::NotClosed { triple, value, at: state } => {
+            let [i, j, k] = triple.map(|index| names[index].as_str());
+            let value = match value.is_nan() {
+                true => "has no value near the initial state".to_owned(),
+                false => format!("is {value:.3e} and not 0, at {}", at(state)),
+            };
+            (
+                entry_of(document, [i, j, k]).unwrap_or(bracket),
+                format!("the two-form ω is not closed: d{i} ω({j}, {k}) + d{j} ω({k}, {i}) + d{k} ω({i}, {j}) {value}"),
+                format!("dω has a component along {i}, {j}, {k}"),
+                "Jacobi's identity is that the two-form is closed, as every dϑ is: bracket = { one-form = [ … ] }"
+                    .to_owned(),
+            )
+        }
+        FormError::FirstClass { constraint: Some(which), .. } => (
+            system.constraints.get(*which).map_or(bracket, Located::place),
+            "this constraint is of first class: its brackets with all constraints vanish".to_owned(),
+            "of first class".to_owned(),
+            "Dirac's bracket is of second-class constraints: add the condition that fixes its gauge, or take a \
+             conserved one off the list"
+                .to_owned(),
+        ),
+        FormError::FirstClass { count, .. } => (
+            all(),
+            error.to_string(),
+            match count % 2 {
+                1 => format!("{count} constraints, an odd number"),
+                _ => "the first of them".to_owned(),
+            },
+            "some combination of them is of first class: add the condition that fixes its gauge, such as the \
+             time derivative of a constraint on positions"
+                .to_owned(),
+        ),
+        other => (
+            bracket,
+            format!("the tensor of this form has no formulas: {other}"),
+            "here".to_owned(),
+            "write the bracket by its entries".to_owned(),
+        ),
+    };
+    Box::new(document.diagnostic(&place, message, label, Some(help)))
+}
+
+/// The first entry of the two-form that is of two of these variables.
+fn entry_of(document: &SceneDocument, triple: [&str; 3]) -> Option<Place> {
+    let BracketSpec::TwoForm(entries) = &document.system.bracket.value else {
+        return None;
+    };
+    let is_of = |(key, _): &&(Located<String>, Located<String>)| {
+        key.value
+            .split(',')
+            .all(|name| triple.contains(&name.trim()))
+    };
+    let (key, _) = entries.iter().find(is_of)?;
+    Some(key.place())
+}
