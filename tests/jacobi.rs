@@ -7,6 +7,7 @@
 
 use leafwise::core::PoissonSystem;
 use leafwise::core::diagnostics::{Verdict, check_casimir, check_jacobi};
+use leafwise::core::system::TensorSource;
 use leafwise_tests::strategies::decimal;
 use leafwise_tests::systems::from_formulas;
 use leafwise_tests::{Problem, library};
@@ -29,7 +30,11 @@ fn every_library_tensor_is_proved_poisson() {
     ) in every_system()
     {
         let check = check_jacobi(&system, &system.parameter_values(), &initial).expect("code");
-        assert_eq!(check.verdict, Verdict::Proved, "{id}: {check:?}");
+        let expected = match system.expressions().expect("formulas").source() {
+            TensorSource::Entries => Verdict::Proved,
+            _ => Verdict::ByConstruction,
+        };
+        assert_eq!(check.verdict, expected, "{id}: {check:?}");
     }
 }
 

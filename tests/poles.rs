@@ -62,11 +62,33 @@ fn a_pole_in_the_way_of_an_explicit_step_is_named() {
             _ => run,
         };
         let (_, error) = positions(&run);
-        let named = StepError::Pole {
-            denominator: denominator.to_owned(),
+        let Some(StepError::Pole {
+            denominator: named,
+            before,
+            after,
+        }) = error
+        else {
+            panic!("{hamiltonian}: {error:?}");
         };
-        assert_eq!(error, Some(named), "{hamiltonian}");
+        assert_eq!(named, denominator, "{hamiltonian}");
+        assert!(before * after < 0.0, "from {before} to {after}");
     }
+}
+
+/// A denominator that the scene has a name for is called by it.
+#[test]
+fn a_defined_denominator_has_its_name() {
+    let run = compose_text(
+        "[system]\nvariables = [\"q\", \"p\"]\nconvention = \"{x,H}\"\ndefine = { gap = \"2 - q\", V = \"1e-3/gap^3\" }\n\
+         bracket = { \"q,p\" = 1 }\nhamiltonian = \"p^2/2 + V\"\n[method]\nstepper = \"rk4\"\n\
+         time-step = 0.5\n[run]\ninitial = [1.5, 5]\nsteps = 20\n",
+    );
+    let (_, error) = positions(&run);
+    let message = error.expect("a pole").to_string();
+    assert!(
+        message.contains("where gap = 0: it goes from 5.000e-1 to -"),
+        "{message}"
+    );
 }
 
 /// 1 + 1/(q − 3) is of one sign at both ends of a step from 1.5 to 4, with a pole of its own at 3 between.
@@ -165,7 +187,7 @@ fn neighbours_of_a_long_chain_do_not_pass_each_other() {
     assert_eq!(error, None);
     let (_, error) = positions(&scene(repelling, 300.0));
     match error {
-        Some(StepError::Pole { denominator }) => {
+        Some(StepError::Pole { denominator, .. }) => {
             assert!(denominator.contains("u["), "{denominator}");
         }
         other => panic!("they meet: {other:?}"),

@@ -1,4 +1,4 @@
-"""Reference flows of library systems: the state at t = 1 from each default initial state.
+"""Reference flows of library systems: the state at a time from each default initial state.
 
 Right-hand sides are written from the equations of motion of the literature, not from the
 brackets of the scene texts, so that the two can be compared. mpmath's Taylor-series `odefun`
@@ -14,7 +14,7 @@ import json
 import pathlib
 import tomllib
 
-from mpmath import cos, exp, matrix, mp, mpf, nstr, odefun, sin
+from mpmath import cos, exp, matrix, mp, mpf, nstr, odefun, sin, sqrt
 
 LIBRARY = pathlib.Path(__file__).parent.parent / "library"
 
@@ -84,36 +84,77 @@ def gradient(q):
     return flow, invariants
 
 
-def integrate(build, text, digits):
+def guiding_centre(q):
+    """x' = (u B* + μ b × ∇B)/(b·B*), u' = −μ B*·∇B/(b·B*) with B* = B + u curl b.
+
+    Components along R, Z and φ, of length 1; (R, φ, Z) is right-handed.
+    """
+    mu, q0 = q["mu"], q["q0"]
+
+    def fields(R, Z):
+        r2 = (R - 1) ** 2 + Z**2
+        s = sqrt(q0**2 + r2)
+        size = s / (q0 * R)
+        b = [-Z / s, (R - 1) / s, q0 / s]
+        field = [size * a for a in b]
+        slope = [(R - 1) / (s * q0 * R) - s / (q0 * R**2), Z / (s * q0 * R), mpf(0)]
+        curl = [q0 * Z / s**3, q0 / (R * s) - q0 * (R - 1) / s**3, r2 / s**3 - 2 / s]
+        return size, b, field, slope, curl
+
+    def flow(_, y):
+        R, Z, _, u = y
+        _, b, field, slope, curl = fields(R, Z)
+        star = [a + u * c for a, c in zip(field, curl)]
+        drift = [b[2] * slope[1], -b[2] * slope[0], b[1] * slope[0] - b[0] * slope[1]]
+        parallel = dot(b, star)
+        velocity = [(u * a + mu * c) / parallel for a, c in zip(star, drift)]
+        return velocity[:2] + [velocity[2] / R, -mu * dot(star, slope) / parallel]
+
+    def invariants(y):
+        R, Z, _, u = y
+        size, b, *_ = fields(R, Z)
+        return [u**2 / 2 + mu * size, ((R - 1) ** 2 + Z**2) / (2 * q0) + u * R * b[2]]
+
+    return flow, invariants
+
+
+def integrate(build, text, time, digits):
     with mp.workdps(digits):
         parameters = {name: mpf(value) for name, value in text["system"]["parameters"].items()}
         flow, invariants = build(parameters)
         initial = [mpf(value) for value in text["default"]["initial"]]
-        final = list(odefun(flow, 0, initial)(1))
+        # In units of the whole time: odefun's steps are those of a motion with units of its own.
+        scaled = lambda s, y: [time * a for a in flow(s, y)]
+        final = list(odefun(scaled, 0, initial)(1))
         drift = max(abs(a - b) for a, b in zip(invariants(initial), invariants(final)))
         return final, drift
 
 
-def case(name, build):
+def case(name, build, time):
     text = tomllib.loads((LIBRARY / f"{name}.toml").read_text(), parse_float=str)
-    final, drift = integrate(build, text, 50)
-    control, _ = integrate(build, text, 60)
+    final, drift = integrate(build, text, time, 50)
+    control, _ = integrate(build, text, time, 60)
     difference = max(abs(a - b) for a, b in zip(final, control))
     assert drift < mpf(10) ** -30 and difference < mpf(10) ** -30, (name, drift, difference)
     return {
         "system": name,
         "initial": [str(value) for value in text["default"]["initial"]],
-        "time": "1",
+        "time": str(time),
         "final": [nstr(value, 25) for value in control],
     }
 
 
 if __name__ == "__main__":
-    systems = {"gradient": gradient, "heavy-top": heavy_top, "so4": so4}
+    systems = {
+        "gradient": (gradient, 1),
+        "guiding-centre": (guiding_centre, 2000),
+        "heavy-top": (heavy_top, 1),
+        "so4": (so4, 1),
+    }
     report = {
-        "note": "Exact flow of library systems over time 1 from their default initial states and "
+        "note": "Exact flow of library systems over a time from their default initial states and "
         "parameters, along each text's own convention; decimal strings of 25 digits. Taylor "
         "integration (mpmath odefun) at 50 and 60 digits, equal to 1e-30; flows.py writes this file.",
-        "flows": [case(name, build) for name, build in systems.items()],
+        "flows": [case(name, *system) for name, system in systems.items()],
     }
     print(json.dumps(report, indent=2, ensure_ascii=False))

@@ -5,6 +5,8 @@ macro_rules! of_each_system {
     ($of:ident) => {
         $of!(
             "gradient",
+            "guiding-centre",
+            "guiding-centre-cartesian",
             "heavy-top",
             "lotka-volterra",
             "lotka-volterra-periodic",

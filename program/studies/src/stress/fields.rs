@@ -27,7 +27,7 @@ pub(super) const CASES: [Case; 2] = [
 ];
 
 /// Scenes that between them hold every key of [`scene_keys`].
-pub const SCENES_WITH_EVERY_KEY: [&str; 7] = [
+pub const SCENES_WITH_EVERY_KEY: [&str; 9] = [
     r#"
     plugins = []
     [system]
@@ -113,6 +113,33 @@ pub const SCENES_WITH_EVERY_KEY: [&str; 7] = [
     time-step   = 0.05
     [run]
     initial = [0, 0, 0, 1, 0, 1]
+    steps   = 10
+    "#,
+    r#"
+    [system]
+    variables   = ["x", "y", "px", "py"]
+    bracket     = { one-form = ["px", "py", 0, 0] }
+    constraints = ["x^2 + y^2 - 1", "x*px + y*py"]
+    hamiltonian = "(px^2 + py^2)/2 + y"
+    [method]
+    realization = "auto"
+    dynamics    = "auto"
+    time-step   = 0.05
+    [run]
+    initial = [1, 0, 0, 0.5]
+    steps   = 10
+    "#,
+    r#"
+    [system]
+    variables   = ["q", "p"]
+    bracket     = { two-form = { "q,p" = -1 } }
+    hamiltonian = "p^2/2 + q^2/2"
+    [method]
+    realization = "auto"
+    dynamics    = "auto"
+    time-step   = 0.05
+    [run]
+    initial = [1, 0]
     steps   = 10
     "#,
     r#"
