@@ -30,4 +30,5 @@ mod sources;
 mod starts;
 mod stress;
 mod theorems;
+mod time;
 mod truncation_high;

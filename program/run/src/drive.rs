@@ -247,7 +247,8 @@ impl<'a> Session<'a> {
     fn step(&mut self) -> Result<Option<Failure>, RunError> {
         if let Err(error) = self.integrator.step() {
             let (steps, time) = (self.integrator.steps(), self.integrator.time());
-            let mut failure = Failure::of_step(&error, steps, time, self.integrator.state());
+            let state = self.run.own(self.integrator.state());
+            let mut failure = Failure::of_step(&error, steps, time, state);
             failure.of_parts(&self.run.plan.parts);
             return Ok(Some(failure));
         }
@@ -275,7 +276,7 @@ impl<'a> Session<'a> {
             name,
             steps,
             time,
-            self.integrator.state(),
+            self.run.own(self.integrator.state()),
         ))
     }
 

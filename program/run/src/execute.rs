@@ -206,7 +206,7 @@ fn describe(
     let status = session.status();
     RunReport {
         outcome,
-        final_state: session.state().to_vec(),
+        final_state: composed.own(session.state()).to_vec(),
         time: status.time,
         steps: status.steps,
         wall_seconds: session.wall_seconds(),

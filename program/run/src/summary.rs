@@ -11,9 +11,9 @@ use super::manifest::{PROGRAM_VERSION, plugins};
 use super::outcome::{RunOutcome, RunReport};
 use super::samples;
 use super::snapshots::spacing;
-use crate::advice::{Advice, EnergyError, MOST_STATES, lines};
+use crate::advice::{Advice, EnergyError, MOST_STATES, lines, states_ahead};
 use leafwise_report::{Ellipsoid, InvariantSeries, Outcome, ReportData, TimeSeries, Trajectory};
-use leafwise_scene::compose::{ComposedRun, Observable, WIDEST_STATE, tensor_shape};
+use leafwise_scene::compose::{ComposedRun, Observable, WIDEST_STATE};
 use leafwise_scene::document::SceneDocument;
 
 /// The most samples that a report is drawn from.
@@ -107,6 +107,10 @@ pub(super) fn report_data(
 
 /// States of the run to judge its method at: the first, the last, and recorded ones between.
 pub(super) fn states(run: &ComposedRun, report: &RunReport) -> io::Result<Vec<Vec<f64>>> {
+    // Samples and reports hold the scene's own coordinates.
+    if run.extension.is_some() {
+        return Ok(states_ahead(run));
+    }
     let d = run.dimension();
     let mut states = vec![run.plan.initial.clone(), report.final_state.clone()];
     if run.plan.states.is_whole_in_samples() {
@@ -140,7 +144,7 @@ pub(super) fn energy_error(
     }
     let d = run.dimension();
     let mut states = Vec::new();
-    if run.plan.states.is_whole_in_samples() {
+    if run.plan.states.is_whole_in_samples() && run.extension.is_none() {
         let stride = report.samples.div_ceil(MOST_ORBIT_STATES).max(1);
         let stride = usize::try_from(stride).unwrap_or(usize::MAX);
         let rows = samples::read(&report.directory, &header(run), report.samples, stride)?;
@@ -245,7 +249,7 @@ pub(crate) fn method_lines(run: &ComposedRun) -> Vec<(String, String)> {
                 short(run.plan.epsilon * run.plan.h)
             ),
         ),
-        line("Tensor", tensor_shape(&run.system).to_string()),
+        line("Tensor", run.tensor_shape().to_string()),
     ]);
     lines.extend(plugins(run).into_iter().map(|library| {
         let parts: Vec<String> = library.parts.keys().cloned().collect();

@@ -4,6 +4,7 @@
 //! - `tensor`, `lie_algebra`: the ways to write a bracket;
 //! - `instantiate`: templates over families written out at chosen lengths;
 //! - `system`: [`compose_system`], the Poisson system with its initial state;
+//! - `extended`: the phase space with the time as a coordinate;
 //! - `initial`: the initial state;
 //! - `observables`: what a run watches and what it records;
 //! - `parts`: realization and dynamic approximation by name;
@@ -17,6 +18,7 @@
 //! - `shape`: constant, linear, log-canonical, polynomial, general.
 
 mod checks;
+mod extended;
 mod fit;
 mod fragment;
 mod initial;
@@ -38,6 +40,7 @@ mod tensor;
 mod tests;
 
 pub use checks::{CasimirCheck, SceneChecks};
+pub use extended::Extension;
 pub use fit::{check_first_order, check_tensor};
 pub use fragment::system_of_fragment;
 pub use instantiate::{Instantiated, instantiate};

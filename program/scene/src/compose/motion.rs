@@ -37,7 +37,7 @@ impl Motion {
             return Some(Self::Values(names.zip(code).collect()));
         };
         let Stepping::Lattice(lattice) = &run.method else {
-            let coordinates: Vec<usize> = (0..system.dimension()).collect();
+            let coordinates: Vec<usize> = (0..run.own(&run.near).len()).collect();
             let names = system.variables().to_vec();
             let formulas = formulas(system, &run.near, &code, &coordinates, &names);
             return Some(Self::Formulas(formulas));

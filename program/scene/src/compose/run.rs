@@ -10,6 +10,7 @@ use leafwise_core::{
 };
 
 use super::Refusal;
+use super::extended::Extension;
 use super::fit::{check_first_order, check_tensor};
 use super::lattice::{SceneLattice, has_room, shortened};
 use super::observables::Observable;
@@ -30,7 +31,7 @@ pub struct RunPlan {
     pub steps: u64,
     /// Every how many steps a sample is kept.
     pub every: u64,
-    /// x_0.
+    /// x_0, with the time and its energy behind it where there is an [`extension`](ComposedRun::extension).
     pub initial: Vec<f64>,
     /// What a sample holds beside time and state.
     pub observables: Vec<Observable>,
@@ -51,6 +52,8 @@ pub struct ComposedRun {
     pub system: PoissonSystem,
     /// A state of `system` near the initial one.
     pub near: Vec<f64>,
+    /// The time as a coordinate, where H names it: two coordinates of `system` behind the scene's own.
+    pub extension: Option<Extension>,
     /// The integrator.
     pub method: Stepping,
     /// From where, how far, what to keep.
@@ -170,6 +173,7 @@ fn compose_at_its_values(
     Ok(ComposedRun {
         system: composed.system,
         near: composed.near,
+        extension: composed.extension,
         method,
         plan,
     })
@@ -270,9 +274,17 @@ fn compose_lattice(
 }
 
 impl ComposedRun {
-    /// The dimension of the state, that of a long lattice at its true length.
+    /// The dimension of the state that is stepped, that of a long lattice at its true length.
     pub fn dimension(&self) -> usize {
         self.method.map().dimension()
+    }
+
+    /// The scene's own coordinates of a state that is stepped: all but the time and its energy.
+    pub fn own<'a>(&self, state: &'a [f64]) -> &'a [f64] {
+        match &self.extension {
+            Some(extension) => &state[..extension.coordinates],
+            None => state,
+        }
     }
 
     /// An integrator at the scene's initial state, with its parameters and step sizes.
@@ -301,10 +313,14 @@ impl ComposedRun {
         Ok(Box::new(observer))
     }
 
-    /// The coordinates' names.
+    /// The names of the scene's own coordinates.
     pub fn names(&self) -> Vec<String> {
         match self.method.lattice() {
-            None => self.system.variables().to_vec(),
+            None => {
+                let mut names = self.system.variables().to_vec();
+                names.truncate(self.own(&self.plan.initial).len());
+                names
+            }
             Some(geometry) => (0..geometry.dimension())
                 .map(|coordinate| geometry.name(coordinate))
                 .collect(),

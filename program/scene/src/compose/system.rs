@@ -4,6 +4,7 @@ use leafwise_core::PoissonSystem;
 use leafwise_core::lattice::LatticeSource;
 
 use super::Refusal;
+use super::extended::Extension;
 use super::initial::initial_state;
 use super::instantiate::instantiate;
 use super::lattice::{SceneLattice, shortened};
@@ -16,8 +17,10 @@ use crate::document::SceneDocument;
 pub struct ComposedSystem {
     /// (M, π, H) with Casimirs and parameters.
     pub system: PoissonSystem,
-    /// x_0.
+    /// x_0, with the time and its energy behind it where there is an [`extension`](Self::extension).
     pub initial: Vec<f64>,
+    /// The time as a coordinate, where H names it.
+    pub extension: Option<Extension>,
     /// What the run records.
     pub observables: Vec<Observable>,
     /// A state of `system` near the initial one: `initial` itself, or the same on the short lattice
@@ -37,6 +40,7 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
             system: PoissonSystem::clone(&numbers.system),
             near: initial.clone(),
             initial,
+            extension: None,
             observables: observables(document, &scope(document, &[]), None)?,
         });
     }
@@ -47,6 +51,7 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
         return Ok(ComposedSystem {
             system,
             initial,
+            extension: None,
             observables,
             near,
         });
@@ -63,6 +68,7 @@ pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Re
     let lengths: Vec<usize> = families.iter().map(|(_, length)| length.value).collect();
     let mut instantiated = instantiate(document, &lengths)?;
     let observables = std::mem::take(&mut instantiated.observables);
+    let extension = instantiated.extension.take();
     let system = instantiated.system(document).map_err(|error| {
         document.diagnostic(
             &document.system.bracket.place(),
@@ -72,11 +78,16 @@ pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Re
         )
     })?;
     let initial = initial_state(document)?;
+    let initial = match &extension {
+        Some(extension) => extension.state(&initial),
+        None => initial,
+    };
     let system = system.with_near(&initial).unwrap_or(system);
     Ok(ComposedSystem {
         system,
         near: initial.clone(),
         initial,
+        extension,
         observables,
     })
 }
