@@ -20,6 +20,7 @@ mod opaque_checks;
 mod opaque_methods;
 mod opaque_steppers;
 mod orders;
+mod pace;
 mod paper;
 mod paper_slopes;
 mod part_names;

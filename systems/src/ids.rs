@@ -7,6 +7,7 @@ macro_rules! of_each_system {
             "driven-oscillator",
             "gradient",
             "heavy-top",
+            "kepler",
             "lotka-volterra",
             "lotka-volterra-periodic",
             "magnetic",

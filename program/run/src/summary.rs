@@ -53,12 +53,7 @@ pub(super) fn report_data(
     let formulas = run.plan.observables.iter().enumerate();
     let formulas = formulas.filter(|(_, o)| !matches!(o, Observable::Invariant { .. }));
     let windows = session.windows();
-    let time_step = run.plan.epsilon * run.plan.h;
-    let ends: Vec<f64> = windows
-        .ends()
-        .into_iter()
-        .map(|end| end as f64 * time_step)
-        .collect();
+    let ends = windows.ends();
     let invariants = report
         .invariants
         .iter()
@@ -204,12 +199,15 @@ fn outcome(run: &ComposedRun, report: &RunReport) -> Outcome {
         RunOutcome::Done => Outcome::Done {
             message: format!("{} to {at}", counted(report.steps as usize, "step")),
         },
-        RunOutcome::Interrupted => Outcome::Interrupted {
-            message: format!(
-                "after {} of {} steps, at {at}; the same command resumes the run",
-                report.steps, run.plan.steps
-            ),
-        },
+        RunOutcome::Interrupted => {
+            let whole = match run.plan.until {
+                None => format!("{} of {} steps, at {at}", report.steps, run.plan.steps),
+                Some(until) => format!("{} steps, at {at} of {}", report.steps, short(until)),
+            };
+            Outcome::Interrupted {
+                message: format!("after {whole}; the same command resumes the run"),
+            }
+        }
         RunOutcome::Failed(failure) => Outcome::Failed {
             message: failure.message.clone(),
             step: failure.step,
@@ -226,6 +224,7 @@ fn outcome(run: &ComposedRun, report: &RunReport) -> Outcome {
 
 pub(crate) fn method_lines(run: &ComposedRun) -> Vec<(String, String)> {
     let method = &run.method;
+    let pace = run.extension.as_ref().and_then(|of| of.pace.as_ref());
     let line = |label: &str, text: String| (label.to_owned(), text);
     let mut lines: Vec<_> = method
         .parts()
@@ -243,14 +242,16 @@ pub(crate) fn method_lines(run: &ComposedRun) -> Vec<(String, String)> {
         line(
             "Step",
             format!(
-                "ε = {}, h = {}: t advances by {}",
+                "ε = {}, h = {}: {} advances by {}",
                 short(run.plan.epsilon),
                 short(run.plan.h),
+                if pace.is_some() { "τ" } else { "t" },
                 short(run.plan.epsilon * run.plan.h)
             ),
         ),
         line("Tensor", run.tensor_shape().to_string()),
     ]);
+    lines.extend(pace.map(|pace| line("Pace", format!("dt/dτ = {}", pace.text))));
     lines.extend(plugins(run).into_iter().map(|library| {
         let parts: Vec<String> = library.parts.keys().cloned().collect();
         line(
@@ -289,13 +290,20 @@ fn facts(run: &ComposedRun, report: &RunReport) -> Vec<(String, String)> {
         ),
         (
             "Samples".to_owned(),
-            match run.plan.every {
-                1 => format!("{}, at every step", report.samples),
-                every => format!("{}, every {every} steps", report.samples),
+            match (run.plan.interval, run.plan.every) {
+                (Some(interval), _) => {
+                    format!("{}, every {} of time", report.samples, short(interval))
+                }
+                (None, 1) => format!("{}, at every step", report.samples),
+                (None, every) => format!("{}, every {every} steps", report.samples),
             },
         ),
         ("Data".to_owned(), report.directory.display().to_string()),
     ];
+    if let Some([least, most]) = report.step_times {
+        let text = format!("{} to {}", rounded(least, 4), rounded(most, 4));
+        facts.insert(1, ("Steps of t".to_owned(), text));
+    }
     let parameters: Vec<String> = run
         .system
         .parameters()

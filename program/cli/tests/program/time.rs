@@ -66,7 +66,10 @@ fn a_run_that_goes_on_has_the_same_bytes() {
     run("40", "longer");
     run("90", "longer");
     run("90", "whole");
-    assert_eq!(here.read("longer/samples.csv"), here.read("whole/samples.csv"));
+    assert_eq!(
+        here.read("longer/samples.csv"),
+        here.read("whole/samples.csv")
+    );
 }
 
 #[test]
@@ -96,7 +99,15 @@ fn a_member_of_an_ensemble_is_its_run_to_the_bit() {
 fn methods_are_compared_by_the_scenes_own_coordinates() {
     let here = Place::with(DRIVEN);
     let only = "splitting,hamilton-jacobi:4";
-    let compared = ["compare", "scene.toml", "--steps", "40,80", "--only", only, "--json"];
+    let compared = [
+        "compare",
+        "scene.toml",
+        "--steps",
+        "40,80",
+        "--only",
+        only,
+        "--json",
+    ];
     let told = here.leafwise(&compared).json();
     let state = told["reference"]["state"].as_array().expect("a state");
     // x(4) = cos 4 + 0.5 sin 4 − 0.2 sin 4.
@@ -121,7 +132,10 @@ fn refused(from: &str, to: &str, place: &str, pieces: &[&str]) {
 
 #[test]
 fn the_time_stands_where_it_has_a_meaning() {
-    let bracket = ["the bracket cannot name the time t", "belongs into the Hamiltonian"];
+    let bracket = [
+        "the bracket cannot name the time t",
+        "belongs into the Hamiltonian",
+    ];
     refused("\"1\" }", "\"1 + t\" }", "3:29", &bracket);
     refused(
         "[method]",
@@ -148,17 +162,208 @@ fn the_time_stands_where_it_has_a_meaning() {
 #[test]
 fn what_is_not_offered_with_the_time_says_so() {
     let lattice = DRIVEN
-        .replace("variables   = [\"q\", \"p\"]", "families = { q = 64, p = 64 }")
+        .replace(
+            "variables   = [\"q\", \"p\"]",
+            "families = { q = 64, p = 64 }",
+        )
         .replace("\"q,p\"", "\"q[i],p[i]\"")
-        .replace("p^2/2 + q^2/2 + 0.1*q*cos(t)", "sum(i, p[i]^2/2 + q[i]^2*cos(t))")
+        .replace(
+            "p^2/2 + q^2/2 + 0.1*q*cos(t)",
+            "sum(i, p[i]^2/2 + q[i]^2*cos(t))",
+        )
         .replace("[1, 0.5]", "{ \"q[i]\" = 1, \"p[i]\" = 0 }")
         .replace(", \"q - t\"", "");
     let here = Place::with(&lattice);
     let said = here.leafwise(&["run", "scene.toml"]);
     assert_eq!(said.code, Some(3), "{}", said.err);
-    said.says(&["not offered on a lattice of more than 24 coordinates", "this one has 128"]);
+    said.says(&[
+        "not offered on a lattice of more than 24 coordinates",
+        "this one has 128",
+    ]);
     let here = Place::with(DRIVEN);
     let said = here.leafwise(&["evaluate", "scene.toml", "--x", "1,0"]);
     assert_eq!(said.code, Some(2), "{}", said.err);
-    said.says(&["names the time t is not evaluated at a point"]);
+    said.says(&["names the time t, or that has a pace, is not evaluated at a point"]);
+}
+
+/// Kepler's problem by steps that shorten towards the centre.
+const PACED: &str = r#"[system]
+library = "kepler"
+[method]
+dynamics  = { name = "hamilton-jacobi", order = 4 }
+pace      = "(q1^2 + q2^2)^0.75"
+time-step = 0.1
+[run]
+initial = [0.5, 0, 0, 1.7]
+until   = 6
+record  = { interval = 0.5 }
+"#;
+
+#[test]
+fn a_paced_run_records_at_the_times_it_is_asked_for() {
+    let here = Place::with(PACED);
+    let told = here
+        .leafwise(&["run", "scene.toml", "--out", "run", "--json"])
+        .json();
+    assert_eq!(told["time"], 6.0);
+    let [least, most] = [0, 1].map(|at| told["step_times"][at].as_f64().expect("a number"));
+    assert!(0.0 < least && least < most);
+    let rows = rows(&here.read("run/samples.csv"));
+    let times: Vec<f64> = rows.iter().map(|row| row[0]).collect();
+    let expected: Vec<f64> = (0..=12).map(|k| 0.5 * f64::from(k)).collect();
+    assert_eq!(times, expected);
+    let page = here.read("run/report.html");
+    for piece in [
+        "dt/dτ = (q1^2 + q2^2)^0.75",
+        "τ advances by 0.1",
+        "every 0.5 of time",
+    ] {
+        assert!(page.contains(piece), "{piece}");
+    }
+    let motion = here.leafwise(&["check", "scene.toml"]);
+    assert!(motion.out.contains("q1'  = p1\n"), "{}", motion.out);
+}
+
+#[test]
+fn a_paced_run_that_goes_on_has_the_same_bytes() {
+    for record in ["{ interval = 0.5 }", "{ interval = 0.01 }", "{ every = 3 }"] {
+        let here = Place::with(&PACED.replace("{ interval = 0.5 }", record));
+        let run = |until: &str, out: &str| {
+            let until = format!("run.until={until}");
+            here.leafwise(&["run", "scene.toml", "--set", &until, "--out", out])
+        };
+        for until in ["2.3", "4", "9"] {
+            let said = run(until, "longer");
+            assert_eq!(said.code, Some(0), "{}", said.err);
+        }
+        assert_eq!(run("9", "whole").code, Some(0));
+        for file in ["samples.csv", "windows.csv"] {
+            let (longer, whole) = (format!("longer/{file}"), format!("whole/{file}"));
+            assert_eq!(here.read(&longer), here.read(&whole), "{record} {file}");
+        }
+        let again = run("9", "whole");
+        assert_eq!(again.code, Some(0), "{}", again.err);
+        again.says(&["it had come to its end before"]);
+        let shorter = run("3", "whole");
+        assert_eq!(shorter.code, Some(2), "{}", shorter.err);
+        shorter.says(&["has come to t = 9.", "t = 3.0 is asked for"]);
+    }
+}
+
+/// Runs the paced scene with one text changed, which must be refused at `place` with every piece said.
+fn refused_pace(from: &str, to: &str, place: &str, pieces: &[&str]) {
+    assert!(PACED.contains(from), "{from}");
+    let here = Place::with(&PACED.replacen(from, to, 1));
+    let said = here.leafwise(&["run", "scene.toml"]);
+    assert_eq!(said.code, Some(3), "{}", said.err);
+    said.says(&[&format!("scene.toml:{place}")]);
+    said.says(pieces);
+    assert!(here.is_untouched(), "something was written");
+}
+
+#[test]
+fn a_pace_is_positive_where_the_run_begins() {
+    let pace = "(q1^2 + q2^2)^0.75";
+    let positive = ["and must be positive", "positive along the motion"];
+    refused_pace(pace, "-q1", "5:14", &positive);
+    refused_pace(pace, "q2", "5:14", &["the pace is 0.0"]);
+    refused_pace(pace, "ln(q2)", "5:14", &["the pace is -inf"]);
+    refused_pace(pace, "sqrt(q2 - 1)", "5:14", &["the pace is NaN"]);
+    refused_pace(
+        pace,
+        "auto",
+        "5:14",
+        &["no pace is chosen by itself", "write a positive formula"],
+    );
+    refused_pace(pace, "r^2", "5:14", &["unknown name `r`"]);
+    refused_pace(
+        "[0.5, 0, 0, 1.7]",
+        "[0, 0, 0, 1.7]",
+        "",
+        &["at the initial state"],
+    );
+}
+
+#[test]
+fn ends_and_intervals_are_times_of_a_pace() {
+    refused_pace("= 6", "= -6", "9:11", &["never comes to t = -6"]);
+    refused_pace("0.1", "-0.1", "9:11", &["never comes to t = 6"]);
+    refused_pace("0.5 }", "0 }", "10:24", &["must be positive"]);
+    refused_pace(
+        "0.5 }",
+        "0.5, every = 2 }",
+        "10:29",
+        &["`every` cannot stand beside `interval`"],
+    );
+    refused_pace(
+        "until   = 6",
+        "until = 6\nsteps = 4",
+        "10:1",
+        &["`steps` cannot stand beside `until`"],
+    );
+    refused_pace("until   = 6", "", "", &["needs `steps`"]);
+    let pace = "pace      = \"(q1^2 + q2^2)^0.75\"\n";
+    refused_pace(
+        pace,
+        "",
+        "8:11",
+        &["steps are all alike without a pace", "write `steps`"],
+    );
+    let counted = PACED.replace("until   = 6", "steps = 6").replace(pace, "");
+    let here = Place::with(&counted);
+    let said = here.leafwise(&["run", "scene.toml"]);
+    assert_eq!(said.code, Some(3), "{}", said.err);
+    said.says(&["`interval` is a time", "write `every`"]);
+}
+
+/// q1 falls to 0, and with it the pace: t never gets there. An oscillating pace turns negative.
+#[test]
+fn a_pace_that_turns_negative_ends_the_run_with_its_place() {
+    let here = Place::with(
+        &PACED
+            .replace("(q1^2 + q2^2)^0.75", "0.1 + q1")
+            .replace("0.1\n[run]", "0.05\n[run]"),
+    );
+    let said = here.leafwise(&["run", "scene.toml", "--out", "run"]);
+    assert_eq!(said.code, Some(1), "{}", said.err);
+    assert!(said.err.contains("the pace 0.1 + q1"), "{}", said.err);
+    said.says(&["write a pace that is positive along the motion"]);
+    // What was recorded is of the motion.
+    let rows = rows(&here.read("run/samples.csv"));
+    assert!(rows.len() > 1);
+    assert!(rows.iter().all(|row| 0.1 + row[1] > 0.0));
+}
+
+#[test]
+fn what_is_not_offered_with_a_pace_says_so() {
+    let here = Place::with(&format!(
+        "{PACED}[ensemble]\nmembers = 3\ninitial = {{ ball = 0.01 }}\n"
+    ));
+    for (command, piece) in [
+        (
+            &["ensemble", "scene.toml"][..],
+            "an ensemble is not offered with a pace",
+        ),
+        (
+            &["compare", "scene.toml"],
+            "methods are not compared with a pace",
+        ),
+        (
+            &["tune", "scene.toml", "--error", "1e-6"],
+            "methods are not compared with a pace",
+        ),
+    ] {
+        let said = here.leafwise(command);
+        assert_eq!(said.code, Some(3), "{command:?}: {}", said.err);
+        said.says(&["scene.toml:5:13", piece]);
+    }
+    let said = here.leafwise(&["evaluate", "scene.toml"]);
+    assert_eq!(said.code, Some(2), "{}", said.err);
+    let splitting = PACED.replace(
+        "dynamics  = { name = \"hamilton-jacobi\", order = 4 }",
+        "stepper = \"splitting\"",
+    );
+    let said = Place::with(&splitting).leafwise(&["run", "scene.toml"]);
+    assert_eq!(said.code, Some(3), "{}", said.err);
+    said.says(&["splitting does not fit this system"]);
 }

@@ -6,12 +6,18 @@
 //! and nothing outside shows them.
 //!
 //! A bracket that changes with time has no such sum: {e, {x, y}} = ∂{x, y}/∂t breaks the Jacobi identity.
+//!
+//! A pace g > 0 makes steps variable that stay Poisson maps: K = (H + e) g with e(0) = −H(x(0)), hence K = 0, moves x by
+//! dx/dτ = g {H, x} and t by dt/dτ = g, so that equal steps of τ are steps g·τ of t (K. Zare, V. Szebehely, *Time transformations
+//! in the extended phase-space*, Celestial Mechanics 11 (1975); E. Hairer, *Variable time step integration with symplectic
+//! methods*, Applied Numerical Mathematics 25 (1997)).
 
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::{Formula, Scope};
 
 use super::Refusal;
 use super::lattice::DENSE_LIMIT;
+use super::names::function;
 use super::tensor::Entries;
 use crate::document::{Convention, InitialSpec, Located, Place, SceneDocument};
 
@@ -22,45 +28,69 @@ pub(super) const TIME: &str = "t";
 const ENERGY: &str = "-H";
 
 /// The two coordinates behind a scene's own.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Extension {
     /// d, the number of the scene's own coordinates: t is x_d, e is x_{d+1}, counted from 0.
     pub coordinates: usize,
+    /// dt/dτ, where steps are of a fictitious time τ.
+    pub pace: Option<Pace>,
+    /// H + e.
+    energy: Expression,
+}
+
+/// g = dt/dτ, a positive function of the scene's coordinates and the time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pace {
+    /// As the scene writes it.
+    pub text: String,
+    /// The function of the extended phase space.
+    pub formula: Expression,
 }
 
 impl Extension {
-    /// The extension that a scene asks for.
+    /// Puts (t, e) behind the coordinates of an instantiated scene whose Hamiltonian names the time or that has a pace: K for
+    /// H, an entry of the bracket, two names. Formulas that may name the time are read in `scope`, which is given its name.
     ///
     /// # Errors
-    /// A lattice too long to be written out.
-    pub(super) fn of(document: &SceneDocument) -> Result<Option<Self>, Refusal> {
-        let hamiltonian = &document.system.hamiltonian;
-        if !names_time(document, hamiltonian) {
+    /// A lattice too long to be written out, and what is wrong with the pace.
+    pub(super) fn of(document: &SceneDocument, scope: &mut Scope) -> Result<Option<Self>, Refusal> {
+        let (hamiltonian, pace) = (&document.system.hamiltonian, &document.method.pace);
+        let is_named = names_time(document, hamiltonian);
+        if !is_named && pace.is_none() {
             return Ok(None);
         }
         let coordinates = document.system.dimension();
         if !document.system.families.is_empty() && coordinates > DENSE_LIMIT {
+            let (formula, what) = match pace {
+                Some(pace) if !is_named => (pace, "a pace"),
+                _ => (hamiltonian, "a Hamiltonian that names the time t"),
+            };
             return Err(Box::new(document.diagnostic(
-                &document.place_in_formula(hamiltonian, 0..hamiltonian.value.len()),
+                &document.place_in_formula(formula, 0..formula.value.len()),
                 format!(
-                    "a Hamiltonian that names the time t is not offered on a lattice of more than {DENSE_LIMIT} \
-                     coordinates, and this one has {coordinates}: every site moves t's energy"
+                    "{what} is not offered on a lattice of more than {DENSE_LIMIT} coordinates, and this one has \
+                     {coordinates}: every site moves t's energy"
                 ),
-                "names t",
+                "here",
                 Some("shorten the lattice".to_owned()),
             )));
         }
-        Ok(Some(Self { coordinates }))
+        if !declares_time(document) {
+            *scope = std::mem::take(scope).with_variable(TIME, coordinates);
+        }
+        Ok(Some(Self {
+            coordinates,
+            pace: pace
+                .as_ref()
+                .map(|text| read_pace(document, scope, text))
+                .transpose()?,
+            energy: Expression::Variable(coordinates + 1),
+        }))
     }
 
-    /// The scene's names and the time.
-    pub(super) fn scope(&self, scope: Scope) -> Scope {
-        scope.with_variable(TIME, self.coordinates)
-    }
-
-    /// Names, bracket and Hamiltonian of the extended phase space.
+    /// Names, bracket and Hamiltonian of the extended phase space in the place of the scene's own.
     pub(super) fn extend(
-        &self,
+        &mut self,
         convention: Convention,
         names: &mut Vec<String>,
         bracket: &mut Entries,
@@ -75,16 +105,90 @@ impl Extension {
             Convention::HamiltonSecond => one,
         };
         bracket.insert((t, e), entry);
-        let own = std::mem::replace(hamiltonian, Expression::Variable(e));
-        *hamiltonian = Expression::Sum(vec![own, Expression::Variable(e)]);
+        self.energy = Expression::Sum(vec![hamiltonian.clone(), Expression::Variable(e)]);
+        *hamiltonian = match &self.pace {
+            None => self.energy.clone(),
+            Some(pace) => Expression::Product(vec![self.energy.clone(), pace.formula.clone()]),
+        };
     }
 
-    /// A state of the extended phase space at t = 0.
-    pub fn state(&self, own: &[f64]) -> Vec<f64> {
+    /// A state of the extended phase space at t = 0, with K = 0 there beside a pace.
+    ///
+    /// # Errors
+    /// A pace that is not positive there, and an energy that is not finite.
+    pub(super) fn state(
+        &self,
+        document: &SceneDocument,
+        own: &[f64],
+        parameters: &[f64],
+    ) -> Result<Vec<f64>, Refusal> {
         let mut state = own.to_vec();
         state.extend([0.0, 0.0]);
-        state
+        let (Some(pace), Some(text)) = (&self.pace, &document.method.pace) else {
+            return Ok(state);
+        };
+        let refuse = |formula: &Located<String>, message: String, help: &str| {
+            let place = document.place_in_formula(formula, 0..formula.value.len());
+            let help = Some(help.to_owned());
+            Err(Box::new(document.diagnostic(
+                &place,
+                message,
+                "at the initial state",
+                help,
+            )))
+        };
+        let energy = self.energy.evaluate(&state, parameters);
+        if !energy.is_finite() {
+            return refuse(
+                &document.system.hamiltonian,
+                format!("the energy is {energy:?} at the initial state"),
+                "check `initial`: no ln or root of a negative number, no division by zero",
+            );
+        }
+        state[self.coordinates + 1] = -energy;
+        let value = pace.formula.evaluate(&state, parameters);
+        if !(value > 0.0 && value.is_finite()) {
+            return refuse(
+                text,
+                format!("the pace is {value:?} at the initial state, and must be positive"),
+                "write a formula that is positive along the motion, as \"(q1^2 + q2^2)^0.75\"",
+            );
+        }
+        Ok(state)
     }
+
+    /// H − ∫ ∂H/∂t dt along the motion from `initial`, a state of the extended phase space: H + e − e_0.
+    pub(super) fn balance(&self, initial: &[f64]) -> Expression {
+        let start = Expression::from(-initial[self.coordinates + 1]);
+        Expression::Sum(vec![self.energy.clone(), start])
+    }
+
+    /// H + e, whose motion is that of the time itself.
+    pub(super) fn energy(&self) -> &Expression {
+        &self.energy
+    }
+}
+
+/// The pace's formula; none is chosen by itself.
+fn read_pace(
+    document: &SceneDocument,
+    scope: &Scope,
+    text: &Located<String>,
+) -> Result<Pace, Refusal> {
+    if text.value.trim() == "auto" {
+        return Err(Box::new(document.diagnostic(
+            &document.place_in_formula(text, 0..text.value.len()),
+            "no pace is chosen by itself: a good one falls where the motion is fast, and what is fast the scene knows",
+            "not a formula",
+            Some(
+                "write a positive formula, as \"(q1^2 + q2^2)^0.75\" for a body about a centre at q = 0".to_owned(),
+            ),
+        )));
+    }
+    Ok(Pace {
+        text: text.value.clone(),
+        formula: function(document, scope, text)?,
+    })
 }
 
 /// Whether a formula names the time, which no declared name hides.
@@ -137,7 +241,7 @@ pub(super) fn about_time(
         );
     }
     told(
-        "the Hamiltonian does not name the time t, and no other formula may",
+        "the Hamiltonian does not name the time t, and no other formula may then",
         "the first column of samples.csv is t",
     )
 }

@@ -39,11 +39,8 @@ pub struct Instantiated {
 pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instantiated, Refusal> {
     check_lengths(document)?;
     let own = scope(document, lengths);
-    let extension = Extension::of(document)?;
-    let scope = match &extension {
-        Some(extension) => extension.scope(own.clone()),
-        None => own.clone(),
-    };
+    let mut scope = own.clone();
+    let mut extension = Extension::of(document, &mut scope)?;
     let mut names = coordinate_names(document, lengths);
     let system = &document.system;
     let mut hamiltonian = function(document, &scope, &system.hamiltonian)?;
@@ -64,7 +61,7 @@ pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instan
         .zip(lengths)
         .any(|((_, whole), length)| whole != length);
     let observables = observables(document, &scope, is_shortened.then_some(&whole))?;
-    if let Some(extension) = &extension {
+    if let Some(extension) = &mut extension {
         let convention = system.convention;
         extension.extend(convention, &mut names, &mut bracket, &mut hamiltonian);
     }

@@ -40,7 +40,7 @@ mod tensor;
 mod tests;
 
 pub use checks::{CasimirCheck, SceneChecks};
-pub use extended::Extension;
+pub use extended::{Extension, Pace};
 pub use fit::{check_first_order, check_tensor};
 pub use fragment::system_of_fragment;
 pub use instantiate::{Instantiated, instantiate};

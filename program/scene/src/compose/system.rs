@@ -35,6 +35,14 @@ pub struct ComposedSystem {
 pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusal> {
     check_names(document)?;
     if let Some(numbers) = &document.system.numbers {
+        if let Some(pace) = &document.method.pace {
+            return Err(Box::new(document.diagnostic(
+                &pace.place(),
+                "a pace needs the formulas of the system, and this one offers only numbers",
+                "here",
+                Some("take steps that are short enough everywhere".to_owned()),
+            )));
+        }
         let initial = initial_state(document)?;
         return Ok(ComposedSystem {
             system: PoissonSystem::clone(&numbers.system),
@@ -79,7 +87,7 @@ pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Re
     })?;
     let initial = initial_state(document)?;
     let initial = match &extension {
-        Some(extension) => extension.state(&initial),
+        Some(extension) => extension.state(document, &initial, &system.parameter_values())?,
         None => initial,
     };
     let system = system.with_near(&initial).unwrap_or(system);
