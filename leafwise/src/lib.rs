@@ -22,6 +22,7 @@ pub use leafwise_composition as composition;
 pub use leafwise_constant as constant;
 pub use leafwise_core as core;
 pub use leafwise_darboux_magnetic as darboux_magnetic;
+pub use leafwise_direct_sum as direct_sum;
 pub use leafwise_expression as expression;
 pub use leafwise_hamilton_jacobi as hamilton_jacobi;
 pub use leafwise_karasev as karasev;

@@ -4,10 +4,12 @@
 macro_rules! of_each_system {
     ($of:ident) => {
         $of!(
+            "driven-oscillator",
             "gradient",
             "guiding-centre",
             "guiding-centre-cartesian",
             "heavy-top",
+            "kepler",
             "lotka-volterra",
             "lotka-volterra-periodic",
             "magnetic",

@@ -142,7 +142,9 @@ fn every_system_table_has_the_keys_of_a_scene_and_no_other() {
 
 #[test]
 fn formulas_use_declared_names_and_every_declared_name_is_used() {
-    const LANGUAGE: [&str; 9] = ["exp", "ln", "sqrt", "sin", "cos", "sum", "pi", "i", "N"];
+    const LANGUAGE: [&str; 10] = [
+        "exp", "ln", "sin", "cos", "sqrt", "sum", "pi", "i", "N", "t",
+    ];
     for system in all() {
         let text = system.system().expect("a library text is well formed");
         let define = text.get("define").and_then(toml::Value::as_table);

@@ -102,6 +102,9 @@ const OF_CONSTRAINTS: &str = "the Pfaffian of the constraints' brackets";
 /// Entries above the diagonal.
 type Entries<E> = BTreeMap<(usize, usize), E>;
 
+/// A component of a three-form along three variables.
+type Component<E> = ([usize; 3], E);
+
 /// A tensor and the Pfaffian it is divided by, in one algebra.
 struct Made<E> {
     entries: Entries<E>,
@@ -397,7 +400,7 @@ fn derivative<A: DifferentialAlgebra>(
     algebra: &mut A,
     form: &Entries<Expression>,
     d: usize,
-) -> Result<Vec<([usize; 3], A::Element)>, FormError> {
+) -> Result<Vec<Component<A::Element>>, FormError> {
     let mut sums: BTreeMap<[usize; 3], Vec<(Rational, A::Element)>> = BTreeMap::new();
     for (&(j, k), entry) in form {
         let entry = value(algebra, entry)?;

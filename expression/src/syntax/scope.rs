@@ -80,6 +80,12 @@ impl Scope {
         self
     }
 
+    /// Adds a scalar variable of this index in the state.
+    pub fn with_variable(mut self, name: &str, index: usize) -> Self {
+        self.declare(name, Entry::Variable(index));
+        self
+    }
+
     /// Adds the family `name[0]` … `name[length − 1]`, whose members have the indices `offset` …
     /// `offset + length − 1` in the state.
     pub fn with_family(mut self, name: &str, offset: usize, length: usize) -> Self {

@@ -125,9 +125,17 @@ impl Progress for Bar {
         if self.bar.is_hidden() {
             return;
         }
+        let energy = format!("energy {:.1e}", status.energy_drift);
+        let Some(until) = status.until else {
+            self.bar.set_position(status.steps);
+            return self.bar.set_message(energy);
+        };
+        // How many steps it takes is not known.
+        let total = (status.steps as f64 * (until / status.time)).max(1.0);
+        self.bar.set_length(total as u64);
         self.bar.set_position(status.steps);
         self.bar
-            .set_message(format!("energy {:.1e}", status.energy_drift));
+            .set_message(format!("t = {:.4e}  {energy}", status.time));
     }
 
     fn is_interrupted(&self) -> bool {

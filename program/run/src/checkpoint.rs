@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::appended::Vouched;
 use super::error::RunError;
 use super::invariants::Windows;
+use super::paced::PacedSteps;
 use super::samples;
 use super::sealed::Format;
 use super::snapshots::Snapshots;
@@ -19,7 +20,7 @@ pub(crate) const FILE: &str = "checkpoint.bin";
 /// What the file holds, and how.
 const FORMAT: Format = Format {
     name: b"leafwis",
-    number: b'7',
+    number: b'8',
 };
 
 /// A run between two steps. Another field, order or type is another format.
@@ -47,6 +48,8 @@ pub(super) struct Checkpoint {
     pub windows: Windows,
     /// Fields of a long lattice.
     pub snapshots: Snapshots,
+    /// Steps of a fictitious time.
+    pub paced: PacedSteps,
 }
 
 impl Checkpoint {
@@ -83,6 +86,8 @@ impl Checkpoint {
         let count = windows.initial.len();
         windows.current.len() == count
             && windows.maxima.len() == count * windows.evaluations.len()
+            && windows.times.len() == windows.evaluations.len()
+            && self.paced.compensation.len() == self.paced.state.len()
             && integrator.compensation.len() == integrator.state.len()
             && self.snapshots.every > 0
     }
@@ -116,7 +121,7 @@ mod tests {
 
     fn example() -> Checkpoint {
         let mut windows = Windows::new(&[1.0, -0.0]);
-        (1..=5000_u64).for_each(|k| windows.push(&[k as f64, f64::NAN], || k));
+        (1..=5000_u64).for_each(|k| windows.push(&[k as f64, f64::NAN], 0.5 * k as f64, || k));
         Checkpoint {
             integrator: IntegratorState {
                 steps: 5000,
@@ -148,6 +153,13 @@ mod tests {
                 times: vec![0.5],
                 values: vec![-0.0],
             },
+            paced: PacedSteps {
+                least: 1e-3,
+                most: 0.5,
+                state: vec![0.1, 0.2],
+                compensation: vec![0.0, -1e-18],
+                seen: 0.25,
+            },
         }
     }
 
@@ -163,7 +175,9 @@ mod tests {
 
     #[test]
     fn lists_that_do_not_belong_together_are_refused() {
-        let spoils: [fn(&mut Checkpoint); 4] = [
+        let spoils: [fn(&mut Checkpoint); 6] = [
+            |it| it.windows.times.push(0.0),
+            |it| it.paced.state.push(0.0),
             |it| it.windows.current.push(0.0),
             |it| it.windows.maxima.push(0.0),
             |it| it.integrator.compensation.push(0.0),
@@ -179,7 +193,7 @@ mod tests {
         }
     }
 
-    /// The bytes of format 6 began with its digit too, and ended in their digest.
+    /// The bytes of formats 6 and 7 began with their digit too, and ended in their digest.
     #[test]
     fn a_checkpoint_of_an_older_format_is_refused_with_what_to_do() {
         let root = tempfile::tempdir().expect("a directory");

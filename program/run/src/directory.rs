@@ -141,7 +141,7 @@ fn lock(path: &Path) -> Result<File, RunError> {
 }
 
 /// The run of a directory, refused where it has failed or is another one. Other comments and other
-/// spaces are the same scene; another number of steps is the same run of one trajectory.
+/// spaces are the same scene; another number of steps, or another end, is the same run of one trajectory.
 fn held(path: &Path, stored: &Manifest, run: &RunRequest<'_>) -> Result<Held, RunError> {
     let directory = path.to_owned();
     if stored.kind != run.kind {
@@ -159,8 +159,10 @@ fn held(path: &Path, stored: &Manifest, run: &RunRequest<'_>) -> Result<Held, Ru
         });
     }
     let changes = changes(path, run.scene)?;
-    let is_steps =
-        |change: &Change| run.kind == Kind::Run && change.key.as_deref() == Some("run.steps");
+    let is_steps = |change: &Change| {
+        let is_end = |key: &str| ["run.steps", "run.until"].contains(&key);
+        run.kind == Kind::Run && change.key.as_deref().is_some_and(is_end)
+    };
     if !changes.iter().all(is_steps) {
         let difference = listed(&changes);
         return Err(if is_done {

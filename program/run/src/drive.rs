@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use leafwise_core::{Integrator, SolverStatistics};
+use leafwise_core::{Integrator, SolverStatistics, StepError};
 
 use super::appended::Vouched;
 use super::checkpoint::Checkpoint;
@@ -10,6 +10,7 @@ use super::directory::RunDirectory;
 use super::error::RunError;
 use super::invariants::{Functions, Windows};
 use super::outcome::{Failure, RunOutcome};
+use super::paced::Paced;
 use super::progress::{Progress, Status};
 use super::samples::Samples;
 use super::snapshots::Snapshots;
@@ -29,6 +30,10 @@ pub(super) struct Session<'a> {
     directory: &'a RunDirectory,
     checkpoint_every: Duration,
     integrator: Integrator,
+    /// Where steps are of a fictitious time.
+    paced: Option<Paced<'a>>,
+    /// The time and the state at the end, where the run ends between two steps.
+    end: Option<(f64, Vec<f64>)>,
     invariants: Functions,
     formulas: Functions,
     columns: Vec<Column>,
@@ -109,6 +114,12 @@ impl<'a> Session<'a> {
                 asked,
             });
         }
+        if let Some(paced) = &mut session.paced {
+            if checkpoint.paced.state.len() != paced.steps.state.len() {
+                return Err(damaged("it is of another system".to_owned()));
+            }
+            paced.steps = checkpoint.paced.clone();
+        }
         session.windows = checkpoint.windows.clone();
         session.snapshots = checkpoint.snapshots.clone();
         session.last_sample = checkpoint.last_sample;
@@ -146,6 +157,8 @@ impl<'a> Session<'a> {
             directory,
             checkpoint_every,
             integrator: Integrator::new(map, &parameters, epsilon, h, &plan.initial),
+            paced: Paced::of(run)?,
+            end: None,
             windows: Windows::new(invariants.at(&plan.initial)),
             invariants,
             formulas,
@@ -173,7 +186,24 @@ impl<'a> Session<'a> {
 
     /// Whether all steps were made.
     pub fn is_at_end(&self) -> bool {
-        self.integrator.steps() == self.run.plan.steps
+        match (&self.paced, self.run.plan.until) {
+            (Some(paced), Some(until)) => !paced.is_before(paced.time(&self.integrator), until),
+            _ => self.integrator.steps() >= self.run.plan.steps,
+        }
+    }
+
+    /// The time of the present state.
+    pub fn time(&self) -> f64 {
+        match &self.paced {
+            Some(paced) => paced.time(&self.integrator),
+            None => self.integrator.time(),
+        }
+    }
+
+    /// The least and the largest time of a step, where they differ by a pace.
+    pub fn step_times(&self) -> Option<[f64; 2]> {
+        let steps = &self.paced.as_ref()?.steps;
+        (steps.most > 0.0).then_some([steps.least, steps.most])
     }
 
     /// Takes up the end of a run that has come to it before; no file is changed.
@@ -185,7 +215,8 @@ impl<'a> Session<'a> {
         if let Some(states) = &mut self.states {
             states.freeze();
         }
-        self.record()?;
+        self.reach_end();
+        self.record_end()?;
         self.states
             .as_mut()
             .map_or(Ok(()), StateTable::confirm_end)?;
@@ -198,14 +229,17 @@ impl<'a> Session<'a> {
     /// the program be killed before it has said how the run ended, the next session comes to the
     /// same failure with the same counts.
     pub fn drive(&mut self, progress: &mut dyn Progress) -> Result<RunOutcome, RunError> {
-        let total = self.run.plan.steps;
         let stride = (COORDINATES_A_LOOK / self.run.dimension().max(1)).max(1);
         let (mut flushed, mut saved) = (Instant::now(), Instant::now());
         let mut failure = self.check_values();
+        if failure.is_none() {
+            // What lies between the end of a shorter run and that of its last step.
+            failure = self.record_step()?;
+        }
         let outcome = loop {
             let started = Instant::now();
             for _ in 0..stride {
-                if failure.is_some() || self.integrator.steps() >= total {
+                if failure.is_some() || self.is_at_end() {
                     break;
                 }
                 failure = self.step()?;
@@ -215,8 +249,11 @@ impl<'a> Session<'a> {
             if let Some(failure) = failure {
                 break RunOutcome::Failed(failure);
             }
-            if self.integrator.steps() >= total {
-                break RunOutcome::Done;
+            if self.is_at_end() {
+                break match self.reach_end() {
+                    None => RunOutcome::Done,
+                    Some(failure) => RunOutcome::Failed(failure),
+                };
             }
             if progress.is_interrupted() {
                 break RunOutcome::Interrupted;
@@ -236,7 +273,10 @@ impl<'a> Session<'a> {
             self.checkpoint()?;
         }
         if outcome != RunOutcome::Interrupted {
-            self.record()?;
+            match outcome {
+                RunOutcome::Done => self.record_end()?,
+                _ => self.record()?,
+            }
             self.states.as_mut().map_or(Ok(()), StateTable::end)?;
             self.samples.end()?;
         }
@@ -245,24 +285,94 @@ impl<'a> Session<'a> {
 
     /// One step with its observers.
     fn step(&mut self) -> Result<Option<Failure>, RunError> {
+        if let Some(paced) = &mut self.paced {
+            paced.keep(&self.integrator);
+        }
         if let Err(error) = self.integrator.step() {
-            let (steps, time) = (self.integrator.steps(), self.integrator.time());
-            let mut failure = Failure::of_step(&error, steps, time, self.integrator.state());
-            failure.of_parts(&self.run.plan.parts);
+            return Ok(Some(self.failure_of_step(&error)));
+        }
+        if let Some(paced) = &mut self.paced
+            && let Some(failure) = paced.take(&self.integrator)
+        {
+            // The state that was reached is none of the motion's.
+            self.end = Some((failure.time, paced.steps.state.clone()));
+            self.last_sample = Some(self.integrator.steps());
             return Ok(Some(failure));
         }
+        let time = self.time();
         let values = self.invariants.at(self.integrator.state());
         let is_finite = values.iter().all(|value| value.is_finite());
         if is_finite {
             let (before, integrator) = (&self.before, &self.integrator);
-            self.windows.push(values, || {
+            self.windows.push(values, time, || {
                 before.evaluations + integrator.statistics().evaluations
             });
         }
-        if self.integrator.steps().is_multiple_of(self.run.plan.every) {
+        let failure = self.record_step()?;
+        Ok(match is_finite {
+            true => failure,
+            false => self.check_values(),
+        })
+    }
+
+    /// Records what the plan asks for of the last step.
+    fn record_step(&mut self) -> Result<Option<Failure>, RunError> {
+        if self.run.plan.interval.is_some() {
+            return self.record_times();
+        }
+        let is_beyond = self.run.plan.until.is_some() && self.is_at_end();
+        if self.integrator.steps().is_multiple_of(self.run.plan.every) && !is_beyond {
             self.record()?;
         }
-        Ok(if is_finite { None } else { self.check_values() })
+        Ok(None)
+    }
+
+    fn failure_of_step(&self, error: &StepError) -> Failure {
+        let state = self.run.own(self.integrator.state());
+        let mut failure = Failure::of_step(error, self.integrator.steps(), self.time(), state);
+        failure.of_parts(&self.run.plan.parts);
+        failure
+    }
+
+    /// Records the states at the given times that the last step has passed.
+    fn record_times(&mut self) -> Result<Option<Failure>, RunError> {
+        loop {
+            let Some(paced) = &self.paced else {
+                return Ok(None);
+            };
+            let time = paced.time_of_sample(self.samples.count());
+            let Some(time) =
+                time.filter(|time| !paced.is_before(paced.time(&self.integrator), *time))
+            else {
+                return Ok(None);
+            };
+            match paced.state_at(&self.integrator, time) {
+                Ok(state) => self.record_state(time, &state)?,
+                Err(error) => return Ok(Some(self.failure_of_step(&error))),
+            }
+        }
+    }
+
+    /// The state at the time at which the run ends; why there is none.
+    fn reach_end(&mut self) -> Option<Failure> {
+        let (Some(paced), Some(until)) = (&self.paced, self.run.plan.until) else {
+            return None;
+        };
+        match paced.state_at(&self.integrator, until) {
+            Ok(state) => {
+                self.end = Some((until, state));
+                None
+            }
+            Err(error) => Some(self.failure_of_step(&error)),
+        }
+    }
+
+    /// Records the state at the end.
+    fn record_end(&mut self) -> Result<(), RunError> {
+        match self.end.clone() {
+            Some((time, state)) => self.record_state(time, &state),
+            None => self.record(),
+        }
     }
 
     /// A failure where the energy or a Casimir has no finite value.
@@ -270,12 +380,12 @@ impl<'a> Session<'a> {
         let values = self.invariants.at(self.integrator.state());
         let at = values.iter().position(|value| !value.is_finite())?;
         let name = invariant_name(self.run, at);
-        let (steps, time) = (self.integrator.steps(), self.integrator.time());
+        let (steps, time) = (self.integrator.steps(), self.time());
         Some(Failure::of_observable(
             name,
             steps,
             time,
-            self.integrator.state(),
+            self.run.own(self.integrator.state()),
         ))
     }
 
@@ -285,7 +395,12 @@ impl<'a> Session<'a> {
         if self.last_sample == Some(steps) {
             return Ok(());
         }
-        let state = self.integrator.state();
+        let (time, state) = (self.time(), self.integrator.state().to_vec());
+        self.record_state(time, &state)
+    }
+
+    /// Records a state at its time.
+    fn record_state(&mut self, time: f64, state: &[f64]) -> Result<(), RunError> {
         let invariants = self.invariants.at(state);
         let formulas = self.formulas.at(state);
         for (count, value) in self.undefined.iter_mut().zip(formulas) {
@@ -304,14 +419,13 @@ impl<'a> Session<'a> {
             Some(states) => states.push(recorded)?,
             None => self.shown.extend(recorded),
         }
-        self.samples
-            .push(self.integrator.time(), &self.shown, &self.row)?;
+        self.samples.push(time, &self.shown, &self.row)?;
         if let Some(geometry) = self.run.method.lattice()
             && state.len() > WIDEST_STATE
         {
-            self.snapshots.push(geometry, self.integrator.time(), state);
+            self.snapshots.push(geometry, time, state);
         }
-        self.last_sample = Some(steps);
+        self.last_sample = Some(self.integrator.steps());
         Ok(())
     }
 
@@ -329,6 +443,10 @@ impl<'a> Session<'a> {
             undefined: self.undefined.clone(),
             windows: self.windows.clone(),
             snapshots: self.snapshots.clone(),
+            paced: self
+                .paced
+                .as_ref()
+                .map_or_else(Default::default, |paced| paced.steps.clone()),
         };
         checkpoint.write(&self.directory.path)
     }
@@ -343,14 +461,21 @@ impl<'a> Session<'a> {
         Status {
             steps: self.integrator.steps(),
             total: self.run.plan.steps,
-            time: self.integrator.time(),
+            time: self
+                .end
+                .as_ref()
+                .map_or_else(|| self.time(), |(time, _)| *time),
+            until: self.run.plan.until,
             energy_drift: self.windows.largest().first().copied().unwrap_or(0.0),
         }
     }
 
-    /// The present state.
+    /// The present state, or that at the end.
     pub fn state(&self) -> &[f64] {
-        self.integrator.state()
+        match &self.end {
+            Some((_, state)) => state,
+            None => self.integrator.state(),
+        }
     }
 
     /// The invariants' deviations.

@@ -53,6 +53,20 @@ pub enum RunError {
         /// The steps of the scene.
         asked: u64,
     },
+    /// The directory holds a run that has gone further in time than the scene asks.
+    #[error(
+        "{} holds a run of the same scene that has come to t = {reached:?}, and t = {asked:?} is asked for; write \
+         elsewhere with --out DIR, or replace it with --force",
+        directory.display()
+    )]
+    Beyond {
+        /// The run directory.
+        directory: PathBuf,
+        /// The time it has come to.
+        reached: f64,
+        /// The time of the scene.
+        asked: f64,
+    },
     /// The directory holds an unfinished run of another scene.
     #[error(
         "{} holds an unfinished run of a different scene:\n{difference}\nundo the change to resume \
@@ -214,6 +228,7 @@ impl RunError {
             Self::Failed { .. }
                 | Self::Ended { .. }
                 | Self::Shortened { .. }
+                | Self::Beyond { .. }
                 | Self::SceneChanged { .. }
                 | Self::VersionChanged { .. }
                 | Self::PluginChanged { .. }

@@ -79,6 +79,16 @@ pub fn run(
         .map(|checkpoint| Session::resume(composed, &directory, checkpoint, every))
         .transpose()?;
     let resumed_at = checkpoint.map(|checkpoint| checkpoint.integrator.steps);
+    if let (Some(session), Some(asked)) = (&resumed, composed.plan.until)
+        && held.is_some_and(|held| !held.has_same_steps)
+        && session.is_at_end()
+    {
+        return Err(RunError::Beyond {
+            directory: directory.path.clone(),
+            reached: session.time(),
+            asked,
+        });
+    }
     if let Some(session) = resumed.as_mut()
         && held.is_some_and(|held| held.is_done)
         && session.is_at_end()
@@ -206,9 +216,10 @@ fn describe(
     let status = session.status();
     RunReport {
         outcome,
-        final_state: session.state().to_vec(),
+        final_state: composed.own(session.state()).to_vec(),
         time: status.time,
         steps: status.steps,
+        step_times: session.step_times(),
         wall_seconds: session.wall_seconds(),
         invariants,
         statistics: session.statistics(),
@@ -227,17 +238,13 @@ fn write_windows(
     directory: &Path,
 ) -> Result<(), RunError> {
     let windows = session.windows();
-    let time_step = composed.plan.epsilon * composed.plan.h;
     let columns: Vec<Vec<f64>> = (0..windows.initial.len())
         .map(|index| windows.series(index))
         .collect();
     let mut table = windows_table(composed, columns.len());
     for (row, end) in windows.ends().into_iter().enumerate() {
         let maxima = columns.iter().map(|column| column[row]);
-        table
-            .number(end as f64 * time_step)
-            .numbers(maxima)
-            .end_row();
+        table.number(end).numbers(maxima).end_row();
     }
     replace(&directory.join(WINDOWS), table.as_str().as_bytes())
 }

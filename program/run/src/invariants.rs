@@ -78,6 +78,10 @@ pub(super) struct Windows {
     pub maxima: Vec<f64>,
     /// Evaluations up to the end of each full window.
     pub evaluations: Vec<u64>,
+    /// The time at the end of each full window.
+    pub times: Vec<f64>,
+    /// The time after the last step.
+    pub time: f64,
 }
 
 impl Windows {
@@ -90,11 +94,14 @@ impl Windows {
             current: vec![0.0; initial.len()],
             maxima: Vec::with_capacity(initial.len() * MOST_WINDOWS),
             evaluations: Vec::with_capacity(MOST_WINDOWS),
+            times: Vec::with_capacity(MOST_WINDOWS),
+            time: 0.0,
         }
     }
 
-    /// Takes in the values after one more step; `evaluations` are the solver's so far.
-    pub fn push(&mut self, values: &[f64], evaluations: impl FnOnce() -> u64) {
+    /// Takes in the values after one more step, and its time; `evaluations` are the solver's so far.
+    pub fn push(&mut self, values: &[f64], time: f64, evaluations: impl FnOnce() -> u64) {
+        self.time = time;
         for ((value, initial), maximum) in values.iter().zip(&self.initial).zip(&mut self.current) {
             *maximum = larger(*maximum, (value - initial).abs());
         }
@@ -104,6 +111,7 @@ impl Windows {
         }
         self.maxima.extend_from_slice(&self.current);
         self.evaluations.push(evaluations());
+        self.times.push(time);
         self.current.fill(0.0);
         self.filled = 0;
         if self.evaluations.len() == MOST_WINDOWS {
@@ -120,9 +128,11 @@ impl Windows {
                 self.maxima[window * count + at] = larger(self.maxima[a], self.maxima[b]);
             }
             self.evaluations[window] = self.evaluations[2 * window + 1];
+            self.times[window] = self.times[2 * window + 1];
         }
         self.maxima.truncate(MOST_WINDOWS / 2 * count);
         self.evaluations.truncate(MOST_WINDOWS / 2);
+        self.times.truncate(MOST_WINDOWS / 2);
         self.width *= 2;
     }
 
@@ -138,13 +148,10 @@ impl Windows {
         largest
     }
 
-    /// The step at which each window ends, the last one as far as it is filled.
-    pub fn ends(&self) -> Vec<u64> {
-        let full = self.evaluations.len() as u64;
-        let mut ends: Vec<u64> = (1..=full).map(|window| window * self.width).collect();
-        if self.filled > 0 {
-            ends.push(full * self.width + self.filled);
-        }
+    /// The time at which each window ends, the last one as far as it is filled.
+    pub fn ends(&self) -> Vec<f64> {
+        let mut ends = self.times.clone();
+        ends.extend((self.filled > 0).then_some(self.time));
         ends
     }
 
@@ -191,11 +198,11 @@ mod tests {
         let steps = 10_000_u64;
         for k in 1..=steps {
             let peak = if k == 4321 { 7.0 } else { 0.0 };
-            windows.push(&[10.0 + peak, -(k as f64)], || 3 * k);
+            windows.push(&[10.0 + peak, -(k as f64)], k as f64, || 3 * k);
         }
         assert_eq!(windows.largest(), [7.0, steps as f64]);
         assert!(windows.evaluations.len() < MOST_WINDOWS);
-        assert_eq!(windows.ends().last(), Some(&steps));
+        assert_eq!(windows.ends().last(), Some(&(steps as f64)));
         assert_eq!(windows.ends().len(), windows.series(0).len());
         assert_eq!(
             windows
@@ -206,14 +213,7 @@ mod tests {
             1
         );
         let growing = windows.series(1);
-        assert_eq!(
-            growing,
-            windows
-                .ends()
-                .iter()
-                .map(|&end| end as f64)
-                .collect::<Vec<_>>()
-        );
+        assert_eq!(growing, windows.ends());
         assert!(
             windows
                 .evaluations_per_step()
@@ -226,7 +226,7 @@ mod tests {
     fn a_deviation_that_is_not_a_number_is_kept() {
         let mut windows = Windows::new(&[1.0]);
         for value in [1.5, f64::NAN, 2.0] {
-            windows.push(&[value], || 0);
+            windows.push(&[value], 1.0, || 0);
         }
         assert!(windows.largest()[0].is_nan());
     }

@@ -5,6 +5,7 @@
 //! - [`csv`]: tables as CSV;
 //! - `execute`: [`run`], from a composed scene to a complete directory;
 //! - `drive`: the step loop;
+//! - `paced`: steps of a fictitious time, states at given times;
 //! - `invariants`: energy and Casimirs at every step, their maxima over windows;
 //! - `samples`: recorded states, appended to `samples.csv`;
 //! - `appended`: a file that only grows, with a digest;
@@ -33,6 +34,7 @@ mod execute;
 mod invariants;
 mod manifest;
 mod outcome;
+mod paced;
 mod progress;
 mod replaced;
 mod samples;

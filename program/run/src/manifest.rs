@@ -16,9 +16,7 @@ use super::outcome::{Failure, InvariantDrift, RunReport};
 use super::replaced::replace;
 use super::time::now;
 use super::{samples, states};
-use leafwise_scene::compose::{
-    ComposedRun, PartChoice, RecordedStates, SceneChecks, StateSlice, tensor_shape,
-};
+use leafwise_scene::compose::{ComposedRun, PartChoice, RecordedStates, SceneChecks, StateSlice};
 use leafwise_scene::document::SceneDocument;
 use leafwise_scene::json::{Double, object, pretty};
 
@@ -259,8 +257,9 @@ impl<'a> Beginning<'a> {
     ) -> Self {
         let casimirs = checks.casimirs.iter();
         let parameters = run.system.parameters().iter();
-        let is_short = run.dimension() <= MOST_WRITTEN;
-        let initial = run.plan.initial.iter().copied().map(Double);
+        let own = run.own(&run.plan.initial);
+        let is_short = own.len() <= MOST_WRITTEN;
+        let initial = own.iter().copied().map(Double);
         Self {
             program: PROGRAM,
             kind,
@@ -268,7 +267,7 @@ impl<'a> Beginning<'a> {
             command,
             scene: &document.name,
             library: document.fragment.as_ref().map(|(id, _)| id.as_str()),
-            dimension: run.dimension(),
+            dimension: own.len(),
             variables: match is_short {
                 true => Variables::Names(run.names()),
                 false => Variables::Families(&run.plan.families),
@@ -278,7 +277,7 @@ impl<'a> Beginning<'a> {
                 .collect(),
             initial: is_short.then(|| initial.collect()),
             states: (kind == Kind::Run).then(|| StatesFields::of(&run.plan.states)),
-            tensor: tensor_shape(&run.system).to_string(),
+            tensor: run.tensor_shape().to_string(),
             checks: Checks {
                 jacobi: checks.jacobi.verdict,
                 casimirs: casimirs

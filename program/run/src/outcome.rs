@@ -150,6 +150,8 @@ pub struct RunReport {
     pub time: f64,
     /// Steps made.
     pub steps: u64,
+    /// The least and the largest time of a step, where they differ by a pace.
+    pub step_times: Option<[f64; 2]>,
     /// Seconds of integration, observers included, build and files apart; all sessions together.
     pub wall_seconds: f64,
     /// Energy, then each Casimir.

@@ -9,6 +9,8 @@ pub struct Status {
     pub total: u64,
     /// t.
     pub time: f64,
+    /// The time at the end, in place of a number of steps.
+    pub until: Option<f64>,
     /// The largest |H(x_k) − H(x_0)| so far.
     pub energy_drift: f64,
 }

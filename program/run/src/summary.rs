@@ -11,9 +11,9 @@ use super::manifest::{PROGRAM_VERSION, plugins};
 use super::outcome::{RunOutcome, RunReport};
 use super::samples;
 use super::snapshots::spacing;
-use crate::advice::{Advice, EnergyError, MOST_STATES, lines};
+use crate::advice::{Advice, EnergyError, MOST_STATES, lines, states_ahead};
 use leafwise_report::{Ellipsoid, InvariantSeries, Outcome, ReportData, TimeSeries, Trajectory};
-use leafwise_scene::compose::{ComposedRun, Observable, WIDEST_STATE, tensor_shape};
+use leafwise_scene::compose::{ComposedRun, Observable, WIDEST_STATE};
 use leafwise_scene::document::SceneDocument;
 
 /// The most samples that a report is drawn from.
@@ -53,12 +53,7 @@ pub(super) fn report_data(
     let formulas = run.plan.observables.iter().enumerate();
     let formulas = formulas.filter(|(_, o)| !matches!(o, Observable::Invariant { .. }));
     let windows = session.windows();
-    let time_step = run.plan.epsilon * run.plan.h;
-    let ends: Vec<f64> = windows
-        .ends()
-        .into_iter()
-        .map(|end| end as f64 * time_step)
-        .collect();
+    let ends = windows.ends();
     let invariants = report
         .invariants
         .iter()
@@ -107,6 +102,10 @@ pub(super) fn report_data(
 
 /// States of the run to judge its method at: the first, the last, and recorded ones between.
 pub(super) fn states(run: &ComposedRun, report: &RunReport) -> io::Result<Vec<Vec<f64>>> {
+    // Samples and reports hold the scene's own coordinates.
+    if run.extension.is_some() {
+        return Ok(states_ahead(run));
+    }
     let d = run.dimension();
     let mut states = vec![run.plan.initial.clone(), report.final_state.clone()];
     if run.plan.states.is_whole_in_samples() {
@@ -140,7 +139,7 @@ pub(super) fn energy_error(
     }
     let d = run.dimension();
     let mut states = Vec::new();
-    if run.plan.states.is_whole_in_samples() {
+    if run.plan.states.is_whole_in_samples() && run.extension.is_none() {
         let stride = report.samples.div_ceil(MOST_ORBIT_STATES).max(1);
         let stride = usize::try_from(stride).unwrap_or(usize::MAX);
         let rows = samples::read(&report.directory, &header(run), report.samples, stride)?;
@@ -200,12 +199,15 @@ fn outcome(run: &ComposedRun, report: &RunReport) -> Outcome {
         RunOutcome::Done => Outcome::Done {
             message: format!("{} to {at}", counted(report.steps as usize, "step")),
         },
-        RunOutcome::Interrupted => Outcome::Interrupted {
-            message: format!(
-                "after {} of {} steps, at {at}; the same command resumes the run",
-                report.steps, run.plan.steps
-            ),
-        },
+        RunOutcome::Interrupted => {
+            let whole = match run.plan.until {
+                None => format!("{} of {} steps, at {at}", report.steps, run.plan.steps),
+                Some(until) => format!("{} steps, at {at} of {}", report.steps, short(until)),
+            };
+            Outcome::Interrupted {
+                message: format!("after {whole}; the same command resumes the run"),
+            }
+        }
         RunOutcome::Failed(failure) => Outcome::Failed {
             message: failure.message.clone(),
             step: failure.step,
@@ -222,6 +224,7 @@ fn outcome(run: &ComposedRun, report: &RunReport) -> Outcome {
 
 pub(crate) fn method_lines(run: &ComposedRun) -> Vec<(String, String)> {
     let method = &run.method;
+    let pace = run.extension.as_ref().and_then(|of| of.pace.as_ref());
     let line = |label: &str, text: String| (label.to_owned(), text);
     let mut lines: Vec<_> = method
         .parts()
@@ -239,14 +242,16 @@ pub(crate) fn method_lines(run: &ComposedRun) -> Vec<(String, String)> {
         line(
             "Step",
             format!(
-                "ε = {}, h = {}: t advances by {}",
+                "ε = {}, h = {}: {} advances by {}",
                 short(run.plan.epsilon),
                 short(run.plan.h),
+                if pace.is_some() { "τ" } else { "t" },
                 short(run.plan.epsilon * run.plan.h)
             ),
         ),
-        line("Tensor", tensor_shape(&run.system).to_string()),
+        line("Tensor", run.tensor_shape().to_string()),
     ]);
+    lines.extend(pace.map(|pace| line("Pace", format!("dt/dτ = {}", pace.text))));
     lines.extend(plugins(run).into_iter().map(|library| {
         let parts: Vec<String> = library.parts.keys().cloned().collect();
         line(
@@ -285,13 +290,20 @@ fn facts(run: &ComposedRun, report: &RunReport) -> Vec<(String, String)> {
         ),
         (
             "Samples".to_owned(),
-            match run.plan.every {
-                1 => format!("{}, at every step", report.samples),
-                every => format!("{}, every {every} steps", report.samples),
+            match (run.plan.interval, run.plan.every) {
+                (Some(interval), _) => {
+                    format!("{}, every {} of time", report.samples, short(interval))
+                }
+                (None, 1) => format!("{}, at every step", report.samples),
+                (None, every) => format!("{}, every {every} steps", report.samples),
             },
         ),
         ("Data".to_owned(), report.directory.display().to_string()),
     ];
+    if let Some([least, most]) = report.step_times {
+        let text = format!("{} to {}", rounded(least, 4), rounded(most, 4));
+        facts.insert(1, ("Steps of t".to_owned(), text));
+    }
     let parameters: Vec<String> = run
         .system
         .parameters()

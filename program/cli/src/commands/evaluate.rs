@@ -118,6 +118,13 @@ pub fn execute(
             "shorten it with --set system.families.NAME=8",
         ));
     };
+    if run.extension.is_some() {
+        return Err(Failure::usage(
+            "a scene whose Hamiltonian names the time t, or that has a pace, is not evaluated at a point: its realization is \
+             that of its coordinates with the time and its energy",
+            "evaluate a copy of the scene with a number in place of t, and without the pace",
+        ));
+    }
     let d = run.system.dimension();
     let x = match &arguments.x {
         Some(text) => numbers(text, "--x", d)?,

@@ -5,7 +5,7 @@ use std::time::Instant;
 use leafwise::core::dynamics::Generating;
 use leafwise::core::{BuildError, Integrator, Method};
 use leafwise::expression::{Execution, Graph, Kernel, StepSize, Term};
-use leafwise::scene::compose::{ComposedRun, tensor_shape};
+use leafwise::scene::compose::ComposedRun;
 
 use crate::table::{duration, words};
 
@@ -23,8 +23,8 @@ pub fn explain(run: &ComposedRun, start: Instant) -> Result<Vec<String>, BuildEr
         Err(error) => format!("the first step fails: {error}"),
     };
     let mut rows = vec![
-        ("Dimension".to_owned(), run.dimension().to_string()),
-        ("Tensor".to_owned(), tensor_shape(&run.system).to_string()),
+        ("Dimension".to_owned(), dimension(run)),
+        ("Tensor".to_owned(), run.tensor_shape().to_string()),
         (
             "Declared order".to_owned(),
             match run.method.declared_order() {
@@ -77,6 +77,15 @@ pub fn explain(run: &ComposedRun, start: Instant) -> Result<Vec<String>, BuildEr
         .collect();
     let motion = super::motion::lines(run);
     Ok([words(&rows), motion].concat())
+}
+
+/// d, and the coordinates that a step moves beside.
+fn dimension(run: &ComposedRun) -> String {
+    let own = run.own(&run.plan.initial).len();
+    match &run.extension {
+        None => own.to_string(),
+        Some(_) => format!("{own}, and the time with its energy"),
+    }
 }
 
 /// What the kernels of a step become as machine code, compiled here if they are to be at all.

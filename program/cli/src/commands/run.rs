@@ -28,7 +28,7 @@ const SHOWN_COORDINATES: usize = 12;
 
 /// Said of a run that has come to its end before.
 pub(super) const REPEATED: &str = "it had come to its end before: nothing was computed or written; larger `steps` \
-                                   continue it, --force runs it anew";
+                                   or `until` continue it, --force runs it anew";
 
 /// Integrates the scene; returns the exit code.
 ///
@@ -221,6 +221,9 @@ fn summary(
     lines.push(String::new());
     let rate = report.steps as f64 / report.wall_seconds.max(1e-9);
     lines.push(format!("  solver   {}", report.statistics.summary()));
+    if let Some([least, most]) = report.step_times {
+        lines.push(format!("  steps    of t from {least:.3e} to {most:.3e}"));
+    }
     lines.push(format!(
         "  time     {}, {} steps a second",
         duration(report.wall_seconds),
@@ -230,10 +233,13 @@ fn summary(
     lines.push(format!("  report   {}", report.report().display()));
     if report.outcome == RunOutcome::Interrupted {
         lines.push(String::new());
+        let whole = match composed.plan.until {
+            None => format!(" of {}", grouped(composed.plan.steps)),
+            Some(until) => format!(", at t = {} of {}", short(report.time), short(until)),
+        };
         lines.push(format!(
-            "stopped at step {} of {}, with a checkpoint: the same command goes on from there",
-            grouped(report.steps),
-            grouped(composed.plan.steps)
+            "stopped at step {}{whole}, with a checkpoint: the same command goes on from there",
+            grouped(report.steps)
         ));
     }
     lines
@@ -305,6 +311,8 @@ struct Told<'a> {
     final_state: &'a [f64],
     time: Double,
     steps: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    step_times: Option<[f64; 2]>,
     wall_seconds: f64,
     #[serde(serialize_with = "object")]
     drift: Vec<(&'a str, Double)>,
@@ -325,6 +333,7 @@ impl<'a> From<&'a RunReport> for Told<'a> {
             final_state: &report.final_state,
             time: Double(report.time),
             steps: report.steps,
+            step_times: report.step_times,
             wall_seconds: report.wall_seconds,
             drift: report.drift(),
             invariants: report.named_invariants(),

@@ -14,4 +14,5 @@ mod plugins;
 mod runs;
 mod states;
 mod support;
+mod time;
 mod warnings;

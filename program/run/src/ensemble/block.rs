@@ -165,7 +165,8 @@ impl<'a> Block<'a> {
         if any {
             for (lane, error) in errors {
                 let (made, state) = self.integrator.last(lane);
-                let failure = Failure::of_step(&error, made, ensemble.time(made), &state);
+                let state = ensemble.run.own(&state);
+                let failure = Failure::of_step(&error, made, ensemble.time(made), state);
                 record.failures[lane] = Some(told(record.first + lane as u64, failure));
             }
         }
@@ -217,7 +218,8 @@ impl<'a> Block<'a> {
             self.integrator.rest(lane);
             let (_, state) = self.integrator.last(lane);
             let time = self.ensemble.time(steps);
-            let failure = Failure::of_observable(names[at], steps, time, &state);
+            let state = self.ensemble.run.own(&state);
+            let failure = Failure::of_observable(names[at], steps, time, state);
             let member = self.record.first + lane as u64;
             self.record.failures[lane] = Some(told(member, failure));
         }

@@ -143,6 +143,7 @@ impl Session<'_> {
                         .saturating_add(signals.steps.load(Ordering::Relaxed)),
                     total: members.saturating_mul(steps),
                     time: ensemble.time(steps),
+                    until: None,
                     energy_drift: self.reductions.whole.first().map_or(0.0, |d| d.maximum),
                 });
                 if result.is_ok() && saved.elapsed() >= CHECKPOINT_EVERY {

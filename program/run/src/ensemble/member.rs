@@ -58,7 +58,7 @@ pub fn member_scene(
     scene.remove("ensemble");
     let missing = |table: &str| rewrite(format!("it has no [{table}]"));
     let run = scene.get_mut("run").and_then(Item::as_table_like_mut);
-    let initial: Array = state.iter().copied().collect();
+    let initial: Array = ensemble.run.own(&state).iter().copied().collect();
     run.ok_or_else(|| missing("run"))?
         .insert("initial", Item::Value(Value::Array(initial)));
     let declared = ensemble.run.system.parameters();

@@ -75,6 +75,16 @@ pub fn compose_ensemble(
             "shorten the lattice, or run its members one by one: leafwise run SCENE --set …",
         ));
     }
+    if let Some(pace) = &document.method.pace {
+        return Err(Box::new(document.diagnostic(
+            &pace.place(),
+            "an ensemble is not offered with a pace: its statistics are of one time, and with a pace every member has its own",
+            "here",
+            Some(
+                "take the pace out, or run its members one by one: leafwise run SCENE --set run.initial=…".to_owned(),
+            ),
+        )));
+    }
     let population = Population::of(document, ensemble, &run, directory)?;
     let steps = run.plan.steps;
     let every = ensemble.record.every.min(steps.max(1));

@@ -26,6 +26,8 @@ pub struct Population {
     members: u64,
     seed: u64,
     center: Vec<f64>,
+    /// The scene's own coordinates, the first of a state.
+    own: usize,
     start: Start,
     parameters: Vec<f64>,
     /// Parameters that differ, by place, in the order of the scene.
@@ -59,7 +61,7 @@ impl Population {
         run: &ComposedRun,
         directory: &Path,
     ) -> Result<Self, Refusal> {
-        let d = run.dimension();
+        let own = run.own(&run.plan.initial).len();
         let mut center = run.plan.initial.clone();
         let (mut invariants, mut rows, mut fingerprint) = (None, None, None);
         let start = match ensemble.initial.as_ref().map(|initial| &initial.value) {
@@ -69,7 +71,7 @@ impl Population {
                 center: given,
             }) => {
                 if let Some(given) = given {
-                    center.copy_from_slice(given);
+                    center[..own].copy_from_slice(given);
                 }
                 if matches!(distribution, Distribution::Leaf(_)) {
                     invariants = Some(leaves(document, ensemble, run, &center)?);
@@ -79,7 +81,7 @@ impl Population {
             Some(InitialDraw::File(file)) => {
                 let path = directory.join(file);
                 let states = states(document, ensemble, &path, &run.names())?;
-                rows = Some((states.len() / d) as u64);
+                rows = Some((states.len() / own) as u64);
                 fingerprint = Some(digest(&states));
                 Start::Rows(states)
             }
@@ -100,6 +102,7 @@ impl Population {
             members,
             seed: ensemble.seed,
             center,
+            own,
             start,
             parameters: run.system.parameter_values(),
             draws,
@@ -156,11 +159,12 @@ impl Population {
         let mut state = self.center.clone();
         match &self.start {
             Start::Same => {}
-            Start::Drawn(distribution) => displace(&mut state, distribution, &mut random),
+            Start::Drawn(distribution) => {
+                displace(&mut state[..self.own], distribution, &mut random)
+            }
             Start::Rows(rows) => {
                 let row = (member / self.points) as usize;
-                let d = state.len();
-                state.copy_from_slice(&rows[row * d..][..d]);
+                state[..self.own].copy_from_slice(&rows[row * self.own..][..self.own]);
             }
         }
         if let Some(invariants) = &self.invariants {

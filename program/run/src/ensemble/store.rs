@@ -75,7 +75,7 @@ impl FinalStore {
         let varied = ensemble.population.varied();
         let mut rows = Table::default();
         for (member, lane, is_done) in record.members() {
-            let state = &record.states[lane];
+            let state = ensemble.run.own(&record.states[lane]);
             if ensemble.final_states == FinalStates::Binary {
                 let bytes: Vec<u8> = state.iter().flat_map(|x| x.to_le_bytes()).collect();
                 file.push(&bytes)?;
@@ -94,7 +94,13 @@ impl FinalStore {
                 .numbers(parameters)
                 .numbers(state.iter().copied())
                 .numbers(measured)
-                .numbers(record.initial_states[lane].iter().copied())
+                .numbers(
+                    ensemble
+                        .run
+                        .own(&record.initial_states[lane])
+                        .iter()
+                        .copied(),
+                )
                 .numbers(drifts)
                 .end_row();
         }

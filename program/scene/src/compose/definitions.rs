@@ -7,13 +7,21 @@ use std::collections::BTreeSet;
 use leafwise_expression::syntax::{DEPTH_LIMIT, Formula, Scope};
 
 use super::Refusal;
+use super::extended::{TIME, names_time};
 use super::names::{declared, function, parse};
 use crate::document::{Located, SceneDocument};
 
 /// The names of a scene with its families at the given lengths, and what it defines; `N` as a number stays
-/// the true length.
-pub(super) fn scope(document: &SceneDocument, lengths: &[usize]) -> Result<Scope, Refusal> {
+/// the true length. `time` is the variable that the time is, without it definitions that name the time are left out.
+pub(super) fn scope(
+    document: &SceneDocument,
+    lengths: &[usize],
+    time: Option<usize>,
+) -> Result<Scope, Refusal> {
     let mut scope = declared(document, lengths);
+    if let Some(time) = time {
+        scope = scope.with_variable(TIME, time);
+    }
     let define = &document.system.define;
     check_observables(document)?;
     let mut parsed = Vec::with_capacity(define.len());
@@ -22,6 +30,9 @@ pub(super) fn scope(document: &SceneDocument, lengths: &[usize]) -> Result<Scope
     }
     for at in order(document, &parsed)? {
         let (name, formula) = &define[at];
+        if time.is_none() && names_time(document, formula) {
+            continue;
+        }
         check_families(document, formula, &parsed[at])?;
         let value = function(document, &scope, formula)?;
         if value.height() > DEPTH_LIMIT {

@@ -6,6 +6,7 @@ use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
 
 use super::Refusal;
+use super::extended::Extension;
 use super::names::{function, parse, refusal};
 use super::tensor::{Antisymmetric, Entries};
 use crate::document::{BracketSpec, Located, Place, SceneDocument};
@@ -29,10 +30,11 @@ enum Form {
     Two(Entries),
 }
 
-/// Reads the forms and constraints of a scene with its families at the given lengths.
+/// Reads the forms and constraints of a scene with its families at the given lengths, by the scene's names without and
+/// with that of the time.
 pub(super) fn forms(
     document: &SceneDocument,
-    scope: &Scope,
+    [own, scope]: [&Scope; 2],
     names: &[String],
     lengths: &[usize],
 ) -> Result<Forms, Refusal> {
@@ -48,7 +50,7 @@ pub(super) fn forms(
                 noun: "a two-form",
                 name: |a, b| format!("ω({a}, {b})"),
             };
-            Form::Two(table.entries(document, scope, names, lengths, written)?)
+            Form::Two(table.entries(document, own, names, lengths, written)?)
         }
         _ => Form::None,
     };
@@ -68,7 +70,7 @@ pub(super) fn forms(
         }
         constraints.push(Casimir {
             name: formula.value.clone(),
-            expression: function(document, scope, formula)?,
+            expression: function(document, own, formula)?,
         });
     }
     let mut defined = Vec::with_capacity(system.define.len());
@@ -86,6 +88,19 @@ pub(super) fn forms(
 }
 
 impl Forms {
+    /// The forms of the phase space with (t, e) behind its coordinates: ϑ + e dt, by which t' = 1 for K = H + e.
+    pub(super) fn extend(&mut self, extension: &Extension) {
+        let (t, e) = (extension.coordinates, extension.coordinates + 1);
+        match &mut self.form {
+            Form::None => {}
+            Form::One(form) => form.extend([Expression::Variable(e), Expression::from(0)]),
+            // d(e dt) = de ∧ dt.
+            Form::Two(form) => {
+                form.insert((t, e), Expression::from(-1));
+            }
+        }
+    }
+
     /// A system with the tensor of these forms and constraints, formed about the state about which it moves.
     ///
     /// # Errors

@@ -35,7 +35,7 @@ pub(super) fn initial_state(document: &SceneDocument) -> Result<Vec<f64>, Refusa
                 .collect();
             let mut state = State {
                 document,
-                scope: scope(document, &lengths)?,
+                scope: scope(document, &lengths, None)?,
                 parameters,
                 values: vec![0.0; dimension],
                 is_given: vec![false; dimension],

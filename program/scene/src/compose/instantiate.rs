@@ -8,6 +8,7 @@ use leafwise_expression::Expression;
 
 use super::Refusal;
 use super::definitions::scope;
+use super::extended::Extension;
 use super::forms::{Forms, forms};
 use super::names::{coordinate_names, function};
 use super::observables::{Observable, observables};
@@ -29,6 +30,8 @@ pub struct Instantiated {
     pub casimirs: Vec<Casimir>,
     /// What the run records.
     pub observables: Vec<Observable>,
+    /// The time and its energy behind the scene's own coordinates, where H names the time.
+    pub extension: Option<Extension>,
 }
 
 /// Writes the scene's templates out with its families at `lengths`, one for each family in the
@@ -39,28 +42,35 @@ pub struct Instantiated {
 /// The first formula that cannot be read, underlined in the scene.
 pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instantiated, Refusal> {
     check_lengths(document)?;
-    let scope = scope(document, lengths)?;
-    let names = coordinate_names(document, lengths);
+    let own = scope(document, lengths, None)?;
+    let mut scope = own.clone();
+    let mut extension = Extension::of(document, lengths, &mut scope)?;
+    let mut names = coordinate_names(document, lengths);
     let system = &document.system;
-    let hamiltonian = function(document, &scope, &system.hamiltonian)?;
+    let mut hamiltonian = function(document, &scope, &system.hamiltonian)?;
     let casimirs = system
         .casimirs
         .iter()
         .map(|(name, formula)| {
-            let expression = function(document, &scope, formula)?;
+            let expression = function(document, &own, formula)?;
             Ok(Casimir {
                 name: name.value.clone(),
                 expression,
             })
         })
         .collect::<Result<_, Refusal>>()?;
-    let bracket = entries(document, &scope, &names, lengths)?;
-    let forms = forms(document, &scope, &names, lengths)?;
+    let mut bracket = entries(document, &own, &names, lengths)?;
+    let mut forms = forms(document, [&own, &scope], &names, lengths)?;
     let whole = geometry(document);
     let is_shortened = (whole.families.iter())
         .zip(lengths)
         .any(|((_, whole), length)| whole != length);
     let observables = observables(document, &scope, is_shortened.then_some(&whole))?;
+    if let Some(extension) = &mut extension {
+        let convention = system.convention;
+        extension.extend(convention, &mut names, &mut bracket, &mut hamiltonian);
+        forms.extend(extension);
+    }
     Ok(Instantiated {
         names,
         bracket,
@@ -68,6 +78,7 @@ pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instan
         hamiltonian,
         casimirs,
         observables,
+        extension,
     })
 }
 

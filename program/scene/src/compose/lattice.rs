@@ -93,7 +93,7 @@ impl<'a> SceneLattice<'a> {
             self.document
                 .diagnostic(&bracket.place(), error.to_string(), "here", None)
         })?;
-        let scope = scope(self.document, &lengths(&geometry))?;
+        let scope = scope(self.document, &lengths(&geometry), None)?;
         for formula in self.formulas() {
             parse(self.document, formula)?
                 .density(&scope, geometry.length() / 2)
@@ -200,10 +200,11 @@ impl LatticeSource for SceneLattice<'_> {
         geometry: &LatticeGeometry,
         site: usize,
     ) -> Result<Vec<SiteDensity>, BuildError> {
-        let scope =
-            scope(self.document, &lengths(geometry)).map_err(|refusal| BuildError::Lattice {
+        let scope = scope(self.document, &lengths(geometry), None).map_err(|refusal| {
+            BuildError::Lattice {
                 message: refusal.message.clone(),
-            })?;
+            }
+        })?;
         self.formulas()
             .into_iter()
             .map(|formula| {

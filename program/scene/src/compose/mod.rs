@@ -6,6 +6,7 @@
 //! - `forms`: tensors by one-forms, two-forms and constraints;
 //! - `instantiate`: templates over families written out at chosen lengths;
 //! - `system`: [`compose_system`], the Poisson system with its initial state;
+//! - `extended`: the phase space with the time as a coordinate;
 //! - `initial`: the initial state;
 //! - `observables`: what a run watches and what it records;
 //! - `parts`: realization and dynamic approximation by name;
@@ -20,6 +21,7 @@
 
 mod checks;
 mod definitions;
+mod extended;
 mod fit;
 mod forms;
 mod fragment;
@@ -42,6 +44,7 @@ mod tensor;
 mod tests;
 
 pub use checks::{CasimirCheck, SceneChecks};
+pub use extended::{Extension, Pace};
 pub use fit::{check_first_order, check_tensor};
 pub use forms::Forms;
 pub use fragment::system_of_fragment;

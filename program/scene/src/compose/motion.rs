@@ -1,7 +1,7 @@
 //! ẋ as formulas to read.
 
 use leafwise_core::lattice::LatticeGeometry;
-use leafwise_core::{Evaluator, SystemFormulas, system::Parameter};
+use leafwise_core::{Evaluator, PoissonSystem, SystemFormulas, system::Parameter};
 use leafwise_expression::{Arithmetic, Expression, Graph, Ring};
 
 use super::run::ComposedRun;
@@ -31,13 +31,14 @@ pub enum Motion {
 impl Motion {
     /// ẋ of a composed run; `None` where it has no value at the initial state.
     pub fn of(run: &ComposedRun) -> Option<Self> {
-        let code = field_at(run)?;
-        let Some(system) = run.system.expressions() else {
-            let names = run.system.variables().iter().cloned();
+        let in_time = run.in_time().ok()?;
+        let code = field_at(run, &in_time)?;
+        let Some(system) = in_time.expressions() else {
+            let names = in_time.variables().iter().cloned();
             return Some(Self::Values(names.zip(code).collect()));
         };
         let Stepping::Lattice(lattice) = &run.method else {
-            let coordinates: Vec<usize> = (0..system.dimension()).collect();
+            let coordinates: Vec<usize> = (0..run.own(&run.near).len()).collect();
             let names = system.variables().to_vec();
             let formulas = formulas(system, &run.near, &code, &coordinates, &names);
             return Some(Self::Formulas(formulas));
@@ -70,8 +71,8 @@ fn names_about(geometry: &LatticeGeometry, here: usize) -> Vec<String> {
 }
 
 /// X_H at a state near the initial one, by the code that steppers use.
-fn field_at(run: &ComposedRun) -> Option<Vec<f64>> {
-    let field = run.system.field_values().ok()?;
+fn field_at(run: &ComposedRun, system: &PoissonSystem) -> Option<Vec<f64>> {
+    let field = system.field_values().ok()?;
     let mut value = vec![0.0; run.system.dimension()];
     let mut evaluator = field.evaluator(&run.system.parameter_values(), 1.0, 1.0);
     evaluator.values(&run.near, &mut value).ok()?;

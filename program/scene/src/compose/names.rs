@@ -4,6 +4,7 @@ use leafwise_expression::syntax::{self, Formula, Scope, SyntaxError, SyntaxError
 use leafwise_expression::{AlgebraError, Expression, Graph, Rational};
 
 use super::Refusal;
+use super::extended::{about_time, is_time};
 use crate::document::{Boundary, Located, Number, SceneDocument, nearest};
 
 /// The variables, parameters and families of a scene, with the families at the given lengths; `N` as a
@@ -121,6 +122,11 @@ pub(super) fn refusal(
     let place = document.place_in_formula(formula, error.span.clone());
     if let Some((message, help)) = about_a_long_lattice(document, &error.kind) {
         return Box::new(document.diagnostic(&place, message, "here", help));
+    }
+    if matches!(&error.kind, SyntaxErrorKind::UnknownName { name } if is_time(document, name))
+        && let Some((message, help)) = about_time(document, formula)
+    {
+        return Box::new(document.diagnostic(&place, message, "the time", Some(help)));
     }
     let label = match &error.kind {
         SyntaxErrorKind::UnknownName { .. } => "neither a variable nor a parameter of this scene",

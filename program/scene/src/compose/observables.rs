@@ -5,6 +5,7 @@ use leafwise_expression::Expression;
 use leafwise_expression::syntax::{Formula, Scope};
 
 use super::Refusal;
+use super::extended::TIME;
 use super::names::{function, refusal};
 use crate::document::{Located, SceneDocument, nearest};
 
@@ -114,7 +115,7 @@ fn expression(
             .value
             .chars()
             .all(|c| c.is_alphanumeric() || "_-'".contains(c));
-        if !is_name {
+        if !is_name || asked.value == TIME {
             return Err(refusal(document, asked, &error));
         }
         let help = match nearest(&asked.value, known.iter().copied()) {

@@ -1,15 +1,17 @@
 //! All of a scene, ready to step.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use leafwise_core::lattice::{LatticeMethod, LatticeObservables};
-use leafwise_core::system::SystemInvariants;
+use leafwise_core::system::{SystemInvariants, SystemObservables};
 use leafwise_core::{
     BuildError, Integrator, Method, Observe, Origin, PartKind, PoissonSystem, Registry, StepMap,
     WithoutPoles,
 };
 
 use super::Refusal;
+use super::extended::Extension;
 use super::fit::{check_first_order, check_tensor};
 use super::lattice::{SceneLattice, has_room, shortened};
 use super::observables::Observable;
@@ -17,7 +19,7 @@ use super::parts::{Base, PartChoice, Parts, parts, system_choice, what_fits};
 use super::states::{RecordedStates, recorded_states};
 use super::stepping::{LatticeBase, LatticeStepping, MapStepping, Stepping};
 use super::system::{ComposedSystem, compose_system};
-use crate::document::{PartSpec, SceneDocument};
+use crate::document::{Located, Number, PartSpec, SceneDocument};
 
 /// What a run does.
 #[derive(Clone, Debug)]
@@ -28,9 +30,13 @@ pub struct RunPlan {
     pub h: f64,
     /// The number of steps.
     pub steps: u64,
+    /// The time at the end, in place of a number of steps.
+    pub until: Option<f64>,
     /// Every how many steps a sample is kept.
     pub every: u64,
-    /// x_0.
+    /// What time lies between two samples, in place of steps.
+    pub interval: Option<f64>,
+    /// x_0, with the time and its energy behind it where there is an [`extension`](ComposedRun::extension).
     pub initial: Vec<f64>,
     /// What a sample holds beside time and state.
     pub observables: Vec<Observable>,
@@ -51,6 +57,8 @@ pub struct ComposedRun {
     pub system: PoissonSystem,
     /// A state of `system` near the initial one.
     pub near: Vec<f64>,
+    /// The time as a coordinate, where H names it: two coordinates of `system` behind the scene's own.
+    pub extension: Option<Extension>,
     /// The integrator.
     pub method: Stepping,
     /// From where, how far, what to keep.
@@ -110,6 +118,7 @@ fn compose_at_its_values(
     document: &SceneDocument,
     registry: &Registry,
 ) -> Result<ComposedRun, Refusal> {
+    check_times(document)?;
     let mut composed = compose_system(document)?;
     let lattice = SceneLattice::of(document)?;
     let mut parts = parts(document, &composed.system, lattice.as_ref(), registry)?;
@@ -154,7 +163,9 @@ fn compose_at_its_values(
         epsilon: step.epsilon(),
         h: step.h(),
         steps: document.run.steps.value,
+        until: document.run.until.as_ref().map(|until| until.value.value),
         every: document.run.record.every,
+        interval: document.run.record.interval.as_ref().map(|t| t.value.value),
         initial: composed.initial,
         observables: composed.observables,
         states: recorded_states(document)?,
@@ -170,9 +181,47 @@ fn compose_at_its_values(
     Ok(ComposedRun {
         system: composed.system,
         near: composed.near,
+        extension: composed.extension,
         method,
         plan,
     })
+}
+
+/// Times stand in place of numbers of steps beside a pace alone, and ahead.
+fn check_times(document: &SceneDocument) -> Result<(), Refusal> {
+    let refuse = |number: &Located<Number>, message: String, help: &str| {
+        let help = Some(help.to_owned());
+        Err(Box::new(document.diagnostic(
+            &number.place(),
+            message,
+            "here",
+            help,
+        )))
+    };
+    let run = &document.run;
+    let times = [
+        ("until", "steps", &run.until),
+        ("interval", "every", &run.record.interval),
+    ];
+    for (key, instead, number) in times {
+        if let Some(number) = number
+            && document.method.pace.is_none()
+        {
+            return refuse(
+                number,
+                format!("`{key}` is a time, and steps are all alike without a pace"),
+                &format!("write `{instead}`, a number of steps, or a pace = \"…\" into [method]"),
+            );
+        }
+    }
+    match &run.until {
+        Some(until) if until.value.value * document.method.step.time_step() <= 0.0 => refuse(
+            until,
+            format!("the run never comes to t = {}", until.value.literal),
+            "it begins at t = 0 and goes the way of its steps: forwards where time-step is positive",
+        ),
+        _ => Ok(()),
+    }
 }
 
 /// Checks the parts of libraries on the system: a realization's tensor, and the first order of the map
@@ -270,9 +319,17 @@ fn compose_lattice(
 }
 
 impl ComposedRun {
-    /// The dimension of the state, that of a long lattice at its true length.
+    /// The dimension of the state that is stepped, that of a long lattice at its true length.
     pub fn dimension(&self) -> usize {
         self.method.map().dimension()
+    }
+
+    /// The scene's own coordinates of a state that is stepped: all but the time and its energy.
+    pub fn own<'a>(&self, state: &'a [f64]) -> &'a [f64] {
+        match &self.extension {
+            Some(extension) => &state[..extension.coordinates],
+            None => state,
+        }
     }
 
     /// An integrator at the scene's initial state, with its parameters and step sizes.
@@ -288,7 +345,7 @@ impl ComposedRun {
         )
     }
 
-    /// The energy, then each Casimir, as functions of the state.
+    /// The energy, then each Casimir, as functions of the state; the energy is the balance H − ∫ ∂H/∂t dt.
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where one has no code.
@@ -297,14 +354,44 @@ impl ComposedRun {
             return Ok(Box::new(lattice.invariants.clone()));
         }
         let values = self.system.parameter_values();
+        let paced = self.extension.as_ref().filter(|of| of.pace.is_some());
+        if let (Some(extension), Some(formulas)) = (paced, self.system.expressions()) {
+            let balance = extension.balance(&self.plan.initial);
+            let casimirs = formulas
+                .casimirs()
+                .iter()
+                .map(|casimir| &casimir.expression);
+            let all: Vec<_> = std::iter::once(&balance).chain(casimirs).collect();
+            return Ok(Box::new(SystemObservables::new(
+                &self.system,
+                &all,
+                &values,
+            )?));
+        }
         let observer = SystemInvariants::new(&self.system, &values)?;
         Ok(Box::new(observer))
     }
 
-    /// The coordinates' names.
+    /// The system whose steps are of the time itself, where those of this run are of another.
+    pub fn in_time(&self) -> Result<Cow<'_, PoissonSystem>, BuildError> {
+        let paced = self.extension.as_ref().filter(|of| of.pace.is_some());
+        Ok(match (paced, self.system.expressions()) {
+            (Some(extension), Some(formulas)) => {
+                let in_time = formulas.with_hamiltonian(extension.energy().clone())?;
+                Cow::Owned(in_time.into())
+            }
+            _ => Cow::Borrowed(&self.system),
+        })
+    }
+
+    /// The names of the scene's own coordinates.
     pub fn names(&self) -> Vec<String> {
         match self.method.lattice() {
-            None => self.system.variables().to_vec(),
+            None => {
+                let mut names = self.system.variables().to_vec();
+                names.truncate(self.own(&self.plan.initial).len());
+                names
+            }
             Some(geometry) => (0..geometry.dimension())
                 .map(|coordinate| geometry.name(coordinate))
                 .collect(),

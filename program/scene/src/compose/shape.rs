@@ -6,6 +6,8 @@ use leafwise_core::PoissonSystem;
 use leafwise_expression::algebra::Monomial;
 use leafwise_expression::{Polynomial, Ring};
 
+use super::run::ComposedRun;
+
 /// The shape of a Poisson tensor, by the normal forms of its entries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TensorShape {
@@ -41,12 +43,28 @@ impl fmt::Display for TensorShape {
 
 /// Classifies the tensor of a system; `General` where the algebra has no normal form.
 pub fn tensor_shape(system: &PoissonSystem) -> TensorShape {
+    shape_of(system, system.dimension())
+}
+
+impl ComposedRun {
+    /// The shape of the tensor of the scene's own coordinates.
+    pub fn tensor_shape(&self) -> TensorShape {
+        match &self.extension {
+            Some(extension) => shape_of(&self.system, extension.coordinates),
+            None => tensor_shape(&self.system),
+        }
+    }
+}
+
+/// The shape of the tensor's entries between the first so many coordinates.
+fn shape_of(system: &PoissonSystem, coordinates: usize) -> TensorShape {
     let Some(system) = system.expressions() else {
         return TensorShape::Opaque;
     };
     let mut ring = Ring::new(system.dimension());
     let mut entries: Vec<((usize, usize), Polynomial)> = Vec::new();
-    for (at, entry) in system.tensor() {
+    let own = system.tensor().iter();
+    for (at, entry) in own.filter(|((_, j), _)| *j < coordinates) {
         let value = entry.evaluate_in(&mut ring, &mut |ring, i| Ok(ring.variable(i)));
         match value {
             Ok(value) if value.is_zero() => {}

@@ -5,6 +5,7 @@ use leafwise_core::lattice::LatticeSource;
 
 use super::Refusal;
 use super::definitions::scope;
+use super::extended::Extension;
 use super::initial::initial_state;
 use super::instantiate::instantiate;
 use super::lattice::{SceneLattice, shortened};
@@ -17,8 +18,10 @@ use crate::document::SceneDocument;
 pub struct ComposedSystem {
     /// (M, π, H) with Casimirs and parameters.
     pub system: PoissonSystem,
-    /// x_0.
+    /// x_0, with the time and its energy behind it where there is an [`extension`](Self::extension).
     pub initial: Vec<f64>,
+    /// The time as a coordinate, where H names it.
+    pub extension: Option<Extension>,
     /// What the run records.
     pub observables: Vec<Observable>,
     /// A state of `system` near the initial one: `initial` itself, or the same on the short lattice
@@ -33,12 +36,21 @@ pub struct ComposedSystem {
 pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusal> {
     check_names(document)?;
     if let Some(numbers) = &document.system.numbers {
+        if let Some(pace) = &document.method.pace {
+            return Err(Box::new(document.diagnostic(
+                &pace.place(),
+                "a pace needs the formulas of the system, and this one offers only numbers",
+                "here",
+                Some("take steps that are short enough everywhere".to_owned()),
+            )));
+        }
         let initial = initial_state(document)?;
         return Ok(ComposedSystem {
             system: PoissonSystem::clone(&numbers.system),
             near: initial.clone(),
             initial,
-            observables: observables(document, &scope(document, &[])?, None)?,
+            extension: None,
+            observables: observables(document, &scope(document, &[], None)?, None)?,
         });
     }
     if let Some(lattice) = SceneLattice::of(document)? {
@@ -48,6 +60,7 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
         return Ok(ComposedSystem {
             system,
             initial,
+            extension: None,
             observables,
             near,
         });
@@ -65,6 +78,7 @@ pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Re
     let mut instantiated = instantiate(document, &lengths)?;
     let observables = std::mem::take(&mut instantiated.observables);
     let forms = std::mem::take(&mut instantiated.forms);
+    let extension = instantiated.extension.take();
     let system = instantiated.system(document).map_err(|error| {
         document.diagnostic(
             &document.system.bracket.place(),
@@ -74,12 +88,17 @@ pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Re
         )
     })?;
     let initial = initial_state(document)?;
+    let initial = match &extension {
+        Some(extension) => extension.state(document, &initial, &system.parameter_values())?,
+        None => initial,
+    };
     let system = system.with_near(&initial).unwrap_or(system);
     let system = forms.apply(document, system)?;
     Ok(ComposedSystem {
         system,
         near: initial.clone(),
         initial,
+        extension,
         observables,
     })
 }

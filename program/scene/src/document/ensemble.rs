@@ -393,6 +393,7 @@ fn read_record(
         let states = None;
         let record = RecordSpec {
             every,
+            interval: None,
             observables,
             states,
         };
@@ -411,6 +412,7 @@ fn read_record(
     let every = every?;
     let record = RecordSpec {
         every: every.as_ref().map_or(u64::MAX, |every| every.value),
+        interval: None,
         observables: observables?,
         states: None,
     };

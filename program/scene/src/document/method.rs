@@ -75,8 +75,10 @@ pub struct MethodSection {
     pub composition: Option<PartSpec>,
     /// A step map in place of realization and dynamics.
     pub stepper: Option<PartSpec>,
-    /// The step.
+    /// The step; of the fictitious time where there is a pace.
     pub step: StepSpec,
+    /// dt/dτ, where steps are equal in a fictitious time τ.
+    pub pace: Option<Located<String>>,
     /// Values of parameters from which the parts choose what they are made of, in place of the system's:
     /// the pieces of a splitting, the multiples of Casimirs.
     pub chosen_at: Vec<(Located<String>, Located<Number>)>,
@@ -109,6 +111,10 @@ pub(super) fn read_method(
         }
     }
     let step = read_step(table, problems);
+    let pace = match table.get("pace") {
+        Some(item) => item.formula(problems).map(Some),
+        None => Some(None),
+    };
     let chosen_at = match table.get(CHOSEN_AT) {
         Some(item) => item.pairs("a table of numbers", problems, Item::number),
         None => Some(Vec::new()),
@@ -119,6 +125,7 @@ pub(super) fn read_method(
         composition: composition?.filter(|part| part.name.value != "none"),
         stepper: stepper?,
         step: step?,
+        pace: pace?,
         chosen_at: chosen_at?,
     })
 }
@@ -232,7 +239,7 @@ fn nonzero(item: &Item<'_>, problems: &mut Problems) -> Option<Located<Number>> 
 }
 
 /// Records that `second`, if present, may not stand beside `first`; tells whether it is.
-fn conflict(
+pub(super) fn conflict(
     table: &Table<'_>,
     first: &str,
     second: &str,

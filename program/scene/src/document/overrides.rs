@@ -12,13 +12,17 @@ use super::schema::{Inner, ROOT};
 use super::suggest::nearest;
 
 /// Keys that give the same thing in other words: setting the first removes the rest.
-const ALTERNATIVES: [(&str, &[&str]); 6] = [
+const ALTERNATIVES: [(&str, &[&str]); 10] = [
     ("time-step", &["epsilon", "h"]),
     ("epsilon", &["time-step"]),
     ("h", &["time-step"]),
     ("stepper", &["realization", "dynamics"]),
     ("realization", &["stepper"]),
     ("dynamics", &["stepper"]),
+    ("steps", &["until"]),
+    ("until", &["steps"]),
+    ("every", &["interval"]),
+    ("interval", &["every"]),
 ];
 
 /// The text with all overrides applied; `None` when the text is not TOML or an override is
@@ -105,6 +109,11 @@ fn apply(document: &mut DocumentMut, path: &str, value: &str) -> Result<(), Refu
         table = item
             .as_table_like_mut()
             .ok_or_else(|| refuse(&format!("`{}` is not a table in this scene", key.get())))?;
+    }
+    if let Some(last) = keys.last()
+        && keys[0].get() == "run"
+    {
+        remove_alternatives(table, last.get());
     }
     if let [section, key, ..] = keys.as_slice()
         && section.get() == "method"

@@ -2,6 +2,7 @@
 
 use super::error::SceneProblemCause;
 use super::located::{Located, Number, Place};
+use super::method::conflict;
 use super::reader::{Item, Problems, Table};
 use super::schema::{RECORD, RUN};
 use super::system_section::SystemSection;
@@ -20,6 +21,8 @@ pub enum InitialSpec {
 pub struct RecordSpec {
     /// Every how many steps a sample is kept; at least 1.
     pub every: u64,
+    /// What time lies between two samples, in place of steps.
+    pub interval: Option<Located<Number>>,
     /// Observables; energy and all Casimirs unless the scene says otherwise.
     pub observables: Vec<ObservableSpec>,
     /// The coordinates that are recorded, by names and slices; where not said, all of a small system.
@@ -50,8 +53,10 @@ pub const ALL_STATES: &str = "all";
 pub struct RunSection {
     /// The initial state.
     pub initial: Located<InitialSpec>,
-    /// The number of steps.
+    /// The number of steps; as many as there are where the run ends at a time.
     pub steps: Located<u64>,
+    /// The time at the end, in place of a number of steps.
+    pub until: Option<Located<Number>>,
     /// What to keep.
     pub record: RecordSpec,
     /// The run directory, when the scene names one.
@@ -68,9 +73,7 @@ pub(super) fn read_run(
     let initial = table
         .require("initial", "initial = [1, 3, 3]", problems)
         .and_then(|item| read_initial(item, system, problems));
-    let steps = table
-        .require("steps", "steps = 1000", problems)
-        .and_then(|item| item.whole(0, problems));
+    let (steps, until) = read_end(table, problems);
     let record = read_record(table, system, problems);
     let out = match table.get("out") {
         Some(item) => item.string(problems).map(Some),
@@ -79,9 +82,28 @@ pub(super) fn read_run(
     Some(RunSection {
         initial: initial?,
         steps: steps?,
+        until: until?,
         record: record?,
         out: out?,
     })
+}
+
+/// `steps`, or `until` alone.
+fn read_end(
+    table: &Table<'_>,
+    problems: &mut Problems,
+) -> (Option<Located<u64>>, Option<Option<Located<Number>>>) {
+    let Some(item) = table.get("until") else {
+        let steps = table.require("steps", "steps = 1000", problems);
+        return (steps.and_then(|item| item.whole(0, problems)), Some(None));
+    };
+    let advice = "give the number of `steps`, or the time `until` which they go";
+    let is_alone = !conflict(table, "until", "steps", advice, problems);
+    let until = item.number(problems).filter(|_| is_alone);
+    let steps = until
+        .as_ref()
+        .map(|until| Located::new(u64::MAX, until.place()));
+    (steps, until.map(Some))
 }
 
 fn read_initial(
@@ -119,6 +141,7 @@ fn read_record(
     let Some(item) = table.get("record") else {
         return Some(RecordSpec {
             every: 1,
+            interval: None,
             observables: read_observables(None, &table.place, system, problems)?,
             states: None,
         });
@@ -128,6 +151,10 @@ fn read_record(
     let every = match record.get("every") {
         Some(every) => every.whole(1, problems).map(|every| every.value),
         None => Some(1),
+    };
+    let interval = match record.get("interval") {
+        Some(item) => read_interval(item, &record, problems).map(Some),
+        None => Some(None),
     };
     let observables = read_observables(Some(&record), &table.place, system, problems);
     let states = match record.get("states") {
@@ -140,9 +167,33 @@ fn read_record(
     };
     Some(RecordSpec {
         every: every?,
+        interval: interval?,
         observables: observables?,
         states: states?,
     })
+}
+
+/// `interval`, in the place of `every`.
+fn read_interval(
+    item: &Item<'_>,
+    record: &Table<'_>,
+    problems: &mut Problems,
+) -> Option<Located<Number>> {
+    let advice = "give `every`, a number of steps, or `interval`, a time";
+    let is_alone = !conflict(record, "interval", "every", advice, problems);
+    let number = item.number(problems)?;
+    if number.value.value <= 0.0 {
+        problems.push(
+            SceneProblemCause::OutOfRange {
+                key: item.title.clone(),
+                value: number.value.literal.clone(),
+                allowed: "positive".to_owned(),
+            },
+            number.place(),
+        );
+        return None;
+    }
+    is_alone.then_some(number)
 }
 
 /// The observables of a `record` table; energy and every Casimir where it gives none.

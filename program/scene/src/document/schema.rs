@@ -119,7 +119,7 @@ pub(super) static SCENE: [Key; 5] = [
     ),
     key(
         "run",
-        table(&RUN, &[&["initial", "steps"]]),
+        table(&RUN, &[&["initial", "steps"], &["initial", "until"]]),
         "Where to start, how far to go, what to keep",
     ),
     key(
@@ -252,7 +252,7 @@ pub(super) static LIE_ALGEBRA: [Key; 3] = [
 /// The key of [`MethodSection::chosen_at`](super::MethodSection::chosen_at).
 pub const CHOSEN_AT: &str = "chosen-at";
 
-pub(super) static METHOD: [Key; 8] = [
+pub(super) static METHOD: [Key; 9] = [
     key(
         "realization",
         Shape::Part(PartKind::Realization),
@@ -281,6 +281,11 @@ pub(super) static METHOD: [Key; 8] = [
         "What one step advances t by, in place of epsilon and h",
     ),
     key(
+        "pace",
+        Shape::Formula,
+        "dt/dtau, positive: steps are then of the fictitious time tau, and small in t where the pace is",
+    ),
+    key(
         CHOSEN_AT,
         Shape::Names(&Shape::Number),
         "Values of parameters from which the parts choose what they are made of",
@@ -289,22 +294,32 @@ pub(super) static METHOD: [Key; 8] = [
 
 const OBSERVABLES: Shape = Shape::List(&Shape::Either(&[Shape::Text, FORMULAS]));
 
-pub(super) static RUN: [Key; 4] = [
+pub(super) static RUN: [Key; 5] = [
     key(
         "initial",
         Shape::Either(&[NUMBERS, FORMULAS]),
         "A number for each variable, or a formula for each variable or family",
     ),
     key("steps", Shape::Whole(0), "How many steps"),
+    key(
+        "until",
+        Shape::Number,
+        "The time at the end, in place of steps, beside a pace",
+    ),
     key("record", table(&RECORD, &[]), "What to keep of the run"),
     key("out", Shape::Text, "The run directory"),
 ];
 
-pub(super) static RECORD: [Key; 3] = [
+pub(super) static RECORD: [Key; 4] = [
     key(
         "every",
         Shape::Whole(1),
         "Every how many steps a sample is kept",
+    ),
+    key(
+        "interval",
+        Shape::Number,
+        "What time lies between two samples, in place of every, beside a pace",
     ),
     key(
         "observables",

@@ -27,7 +27,7 @@ pub(super) const CASES: [Case; 2] = [
 ];
 
 /// Scenes that between them hold every key of [`scene_keys`].
-pub const SCENES_WITH_EVERY_KEY: [&str; 9] = [
+pub const SCENES_WITH_EVERY_KEY: [&str; 10] = [
     r#"
     plugins = []
     [system]
@@ -50,6 +50,18 @@ pub const SCENES_WITH_EVERY_KEY: [&str; 9] = [
     steps   = 10
     record  = { every = 1, observables = ["energy"], states = ["x1"] }
     out     = "runs/case"
+    "#,
+    r#"
+    [system]
+    library = "kepler"
+    [method]
+    dynamics  = { name = "hamilton-jacobi", order = 2 }
+    pace      = "(q1^2 + q2^2)^0.75"
+    time-step = 0.1
+    [run]
+    initial = [0.5, 0, 0, 1.5]
+    until   = 1.5
+    record  = { interval = 0.5 }
     "#,
     r#"
     [system]

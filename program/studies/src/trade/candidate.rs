@@ -39,6 +39,14 @@ impl<'a> Bench<'a> {
         registry: &'a Registry,
         time: Option<f64>,
     ) -> Result<Self, TradeError> {
+        if let Some(pace) = &document.method.pace {
+            return Err(TradeError::Refused(Box::new(document.diagnostic(
+                &pace.place(),
+                "methods are not compared with a pace: their steps of the fictitious time end at different times",
+                "here",
+                Some("compare methods on a copy of the scene without it".to_owned()),
+            ))));
+        }
         let own = compose(document, registry)?;
         let step = own.plan.epsilon * own.plan.h;
         let time = time.unwrap_or(own.plan.steps as f64 * step);

@@ -46,7 +46,7 @@ impl Curve {
         wanted: f64,
         budget: u64,
     ) -> Result<Self, String> {
-        let d = run.dimension().max(1);
+        let d = run.own(&run.plan.initial).len().max(1);
         let most = (MOST_NUMBERS / d).max(4 * NODES);
         let mut count = usize::try_from(steps)
             .unwrap_or(most)
@@ -134,12 +134,12 @@ fn states(
     let initial = &run.plan.initial;
     let mut integrator = Integrator::new(run.method.map(), &values, 1.0, step, initial);
     let mut states = Vec::with_capacity((count + 1) * initial.len());
-    states.extend_from_slice(initial);
+    states.extend_from_slice(run.own(initial));
     for _ in 0..count {
         for _ in 0..stride {
             integrator.step().map_err(|error| error.to_string())?;
         }
-        states.extend_from_slice(integrator.state());
+        states.extend_from_slice(run.own(integrator.state()));
     }
     Ok((states, integrator.statistics().cost()))
 }

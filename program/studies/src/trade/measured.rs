@@ -119,7 +119,7 @@ impl Measured {
     ) -> Self {
         let error = reference.error_of(trial);
         let size = reference.norm();
-        let states: [&[f64]; 2] = [&run.plan.initial, &trial.state];
+        let states: [&[f64]; 2] = [&run.plan.initial, &trial.stepped];
         let tensor_defect = tensor_defect(run, time_step, &states);
         Self {
             operations: trial.statistics.operations,

@@ -120,7 +120,7 @@ impl Search<'_> {
             if structure != Structure::None {
                 let time_step = self.bench.time() / setting.steps as f64;
                 let run = &track.candidate.run;
-                let states: [&[f64]; 2] = [&run.plan.initial, &tried.trial.state];
+                let states: [&[f64]; 2] = [&run.plan.initial, &tried.trial.stepped];
                 tried.is_poisson = is_poisson(structure, tensor_defect(run, time_step, &states));
             }
         } else {

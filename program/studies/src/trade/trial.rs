@@ -69,6 +69,8 @@ impl TrialFailure {
 pub struct Trial {
     /// x at the end.
     pub state: Vec<f64>,
+    /// What the map has stepped to: x, and the time with its energy where H names it.
+    pub(super) stepped: Vec<f64>,
     /// The solver's work.
     pub statistics: SolverStatistics,
     /// max |I(x_k) − I(x_0)| over every step, the energy's first.
@@ -128,7 +130,8 @@ pub(super) fn run_counted(
     observer.evaluate(integrator.state(), &mut initial);
     let mut drift = vec![0.0_f64; count];
     let before = *spent;
-    let (mut largest_error, mut buffer) = (0.0, vec![0.0; run.dimension()]);
+    let own = run.own(&run.plan.initial).len();
+    let (mut largest_error, mut buffer) = (0.0, vec![0.0; own]);
     for step in 0..steps {
         let stepped = integrator.step();
         let own = integrator.statistics().cost();
@@ -154,14 +157,15 @@ pub(super) fn run_counted(
         }
         if let Some(curve) = curve {
             let part = taken as f64 / steps as f64;
-            let error = curve.distance(part, integrator.state(), &mut buffer);
+            let error = curve.distance(part, run.own(integrator.state()), &mut buffer);
             // A NaN is no small error.
             largest_error = larger(largest_error, error);
         }
     }
     Ok(Trial {
         largest_error: curve.map(|_| largest_error),
-        state: integrator.state().to_vec(),
+        state: run.own(integrator.state()).to_vec(),
+        stepped: integrator.state().to_vec(),
         statistics: integrator.statistics(),
         drift,
     })

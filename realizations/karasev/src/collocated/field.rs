@@ -24,7 +24,7 @@ enum Source {
     Kernels {
         value: Arc<Kernel>,
         slopes: Arc<Kernel>,
-        curvature: Curvature,
+        curvature: Box<Curvature>,
     },
     Numbers(Arc<dyn SystemNumbers>),
 }
@@ -102,7 +102,7 @@ fn compiled(system: &SystemFormulas) -> Result<Source, BuildError> {
     Ok(Source::Kernels {
         value: Arc::new(value),
         slopes: Arc::new(slopes),
-        curvature: Curvature::new(system),
+        curvature: Box::new(Curvature::new(system)),
     })
 }
 

@@ -1,0 +1,369 @@
+//! Scenes whose Hamiltonian names the time: nothing outside shows the coordinates behind it.
+
+use crate::support::Place;
+
+/// x'' = -x - 0.1 cos t.
+const DRIVEN: &str = r#"[system]
+variables   = ["q", "p"]
+bracket     = { "q,p" = "1" }
+convention  = "{x,H}"
+hamiltonian = "p^2/2 + q^2/2 + 0.1*q*cos(t)"
+[method]
+dynamics    = { name = "hamilton-jacobi", order = 4 }
+time-step   = 0.1
+[run]
+initial = [1, 0.5]
+steps   = 40
+record  = { every = 4, observables = ["energy", "q - t"] }
+"#;
+
+/// The rows of a table of numbers behind its headings.
+fn rows(text: &str) -> Vec<Vec<f64>> {
+    let row = |line: &str| {
+        let cells = line.split(',');
+        cells.map(|cell| cell.parse().expect("a number")).collect()
+    };
+    text.lines().skip(1).map(row).collect()
+}
+
+#[test]
+fn a_run_shows_the_scenes_own_coordinates_alone() {
+    let here = Place::with(DRIVEN);
+    let told = here
+        .leafwise(&["run", "scene.toml", "--out", "run", "--json"])
+        .json();
+    assert_eq!(told["outcome"], "done");
+    assert_eq!(told["final_state"].as_array().map(Vec::len), Some(2));
+    let samples = here.read("run/samples.csv");
+    assert_eq!(samples.lines().next(), Some("t,q,p,energy,q - t"));
+    let rows = rows(&samples);
+    assert_eq!(rows.len(), 11);
+    for row in &rows {
+        assert_eq!(row[4], row[1] - row[0], "an observable has the time");
+        // The balance: order 4 at steps of 0.1 keeps it to 1e-6.
+        assert!((row[3] - 0.725).abs() < 1e-6, "{row:?}");
+    }
+    assert!(!here.path("run/final_state.bin").exists());
+    let manifest: serde_json::Value =
+        serde_json::from_str(&here.read("run/manifest.json")).expect("JSON");
+    assert_eq!(manifest["dimension"], 2);
+    assert_eq!(manifest["variables"], serde_json::json!(["q", "p"]));
+    assert_eq!(manifest["initial"], serde_json::json!([1.0, 0.5]));
+    assert_eq!(manifest["tensor"], "constant");
+    let motion = here.leafwise(&["check", "scene.toml", "--json"]).json();
+    let formulas = motion["motion"]["formulas"].as_object().expect("formulas");
+    assert_eq!(formulas.keys().collect::<Vec<_>>(), ["q", "p"]);
+}
+
+#[test]
+fn a_run_that_goes_on_has_the_same_bytes() {
+    let here = Place::with(DRIVEN);
+    let run = |steps: &str, out: &str| {
+        let steps = format!("run.steps={steps}");
+        let said = here.leafwise(&["run", "scene.toml", "--set", &steps, "--out", out]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+    };
+    run("40", "longer");
+    run("90", "longer");
+    run("90", "whole");
+    assert_eq!(
+        here.read("longer/samples.csv"),
+        here.read("whole/samples.csv")
+    );
+}
+
+#[test]
+fn a_member_of_an_ensemble_is_its_run_to_the_bit() {
+    for initial in ["ball = 0.1", "box = [0.1, 0.2]", "file = \"states.csv\""] {
+        let members = if initial.starts_with("file") { 2 } else { 5 };
+        let here = Place::with(&format!(
+            "{DRIVEN}[ensemble]\nmembers = {members}\ninitial = {{ {initial} }}\nfinal-states = \"csv\"\n"
+        ));
+        here.write("states.csv", "p,q\n0.5,1\n0.25,-1\n");
+        let said = here.leafwise(&["ensemble", "scene.toml", "--out", "all"]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        let table = here.read("all/final_states.csv");
+        let headings = "member,outcome,q,p,energy,q_initial,p_initial,energy_drift";
+        assert_eq!(table.lines().next(), Some(headings));
+        let member = table.lines().nth(2).expect("a member");
+        let last: Vec<&str> = member.split(',').collect();
+        let said = here.leafwise(&["ensemble", "scene.toml", "--member", "1", "--out", "one"]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        let samples = here.read("one/samples.csv");
+        let end: Vec<&str> = samples.lines().last().expect("a row").split(',').collect();
+        assert_eq!(end[1..3], last[2..4], "{initial}");
+    }
+}
+
+#[test]
+fn methods_are_compared_by_the_scenes_own_coordinates() {
+    let here = Place::with(DRIVEN);
+    let only = "splitting,hamilton-jacobi:4";
+    let compared = [
+        "compare",
+        "scene.toml",
+        "--steps",
+        "40,80",
+        "--only",
+        only,
+        "--json",
+    ];
+    let told = here.leafwise(&compared).json();
+    let state = told["reference"]["state"].as_array().expect("a state");
+    // x(4) = cos 4 + 0.5 sin 4 − 0.2 sin 4.
+    let exact = libm::cos(4.0) + 0.3 * libm::sin(4.0);
+    let found = state[0].as_f64().expect("a number");
+    assert_eq!(state.len(), 2);
+    assert!((found - exact).abs() < 1e-12, "{found}");
+    let tune = here.leafwise(&["tune", "scene.toml", "--error", "1e-6", "--json"]);
+    assert_eq!(tune.code, Some(0), "{}", tune.err);
+}
+
+/// Runs the scene with one text changed, which must be refused at `place` with every piece said.
+fn refused(from: &str, to: &str, place: &str, pieces: &[&str]) {
+    assert!(DRIVEN.contains(from), "{from}");
+    let here = Place::with(&DRIVEN.replacen(from, to, 1));
+    let said = here.leafwise(&["run", "scene.toml"]);
+    assert_eq!(said.code, Some(3), "{}", said.err);
+    said.says(&[&format!("scene.toml:{place}")]);
+    said.says(pieces);
+    assert!(here.is_untouched(), "something was written");
+}
+
+#[test]
+fn the_time_stands_where_it_has_a_meaning() {
+    let bracket = [
+        "the bracket cannot name the time t",
+        "belongs into the Hamiltonian",
+    ];
+    refused("\"1\" }", "\"1 + t\" }", "3:29", &bracket);
+    refused(
+        "[method]",
+        "casimirs = { c = \"t\" }\n[method]",
+        "6:19",
+        &["a Casimir cannot name the time t"],
+    );
+    refused(
+        "[1, 0.5]",
+        "{ q = \"t\", p = 1 }",
+        "10:18",
+        &["every run begins at t = 0", "phase"],
+    );
+    let unnamed = ["the Hamiltonian does not name the time t"];
+    refused("0.1*q*cos(t)", "0.1*q", "12:55", &unnamed);
+    // A coordinate, or a parameter, of this name is no time.
+    let own = DRIVEN.replace("[method]", "parameters = { t = 0.5 }\n[method]");
+    let here = Place::with(&own);
+    let said = here.leafwise(&["check", "scene.toml"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(said.out.contains("-q - 0.1*cos(t)"), "{}", said.out);
+}
+
+#[test]
+fn what_is_not_offered_with_the_time_says_so() {
+    let lattice = DRIVEN
+        .replace(
+            "variables   = [\"q\", \"p\"]",
+            "families = { q = 64, p = 64 }",
+        )
+        .replace("\"q,p\"", "\"q[i],p[i]\"")
+        .replace(
+            "p^2/2 + q^2/2 + 0.1*q*cos(t)",
+            "sum(i, p[i]^2/2 + q[i]^2*cos(t))",
+        )
+        .replace("[1, 0.5]", "{ \"q[i]\" = 1, \"p[i]\" = 0 }")
+        .replace(", \"q - t\"", "");
+    let here = Place::with(&lattice);
+    let said = here.leafwise(&["run", "scene.toml"]);
+    assert_eq!(said.code, Some(3), "{}", said.err);
+    said.says(&[
+        "not offered on a lattice of more than 24 coordinates",
+        "this one has 128",
+    ]);
+    let here = Place::with(DRIVEN);
+    let said = here.leafwise(&["evaluate", "scene.toml", "--x", "1,0"]);
+    assert_eq!(said.code, Some(2), "{}", said.err);
+    said.says(&["names the time t, or that has a pace, is not evaluated at a point"]);
+}
+
+/// Kepler's problem by steps that shorten towards the centre.
+const PACED: &str = r#"[system]
+library = "kepler"
+[method]
+dynamics  = { name = "hamilton-jacobi", order = 4 }
+pace      = "(q1^2 + q2^2)^0.75"
+time-step = 0.1
+[run]
+initial = [0.5, 0, 0, 1.7]
+until   = 6
+record  = { interval = 0.5 }
+"#;
+
+#[test]
+fn a_paced_run_records_at_the_times_it_is_asked_for() {
+    let here = Place::with(PACED);
+    let told = here
+        .leafwise(&["run", "scene.toml", "--out", "run", "--json"])
+        .json();
+    assert_eq!(told["time"], 6.0);
+    let [least, most] = [0, 1].map(|at| told["step_times"][at].as_f64().expect("a number"));
+    assert!(0.0 < least && least < most);
+    let rows = rows(&here.read("run/samples.csv"));
+    let times: Vec<f64> = rows.iter().map(|row| row[0]).collect();
+    let expected: Vec<f64> = (0..=12).map(|k| 0.5 * f64::from(k)).collect();
+    assert_eq!(times, expected);
+    let page = here.read("run/report.html");
+    for piece in [
+        "dt/dτ = (q1^2 + q2^2)^0.75",
+        "τ advances by 0.1",
+        "every 0.5 of time",
+    ] {
+        assert!(page.contains(piece), "{piece}");
+    }
+    let motion = here.leafwise(&["check", "scene.toml"]);
+    assert!(motion.out.contains("q1'  = p1\n"), "{}", motion.out);
+}
+
+#[test]
+fn a_paced_run_that_goes_on_has_the_same_bytes() {
+    for record in ["{ interval = 0.5 }", "{ interval = 0.01 }", "{ every = 3 }"] {
+        let here = Place::with(&PACED.replace("{ interval = 0.5 }", record));
+        let run = |until: &str, out: &str| {
+            let until = format!("run.until={until}");
+            here.leafwise(&["run", "scene.toml", "--set", &until, "--out", out])
+        };
+        for until in ["2.3", "4", "9"] {
+            let said = run(until, "longer");
+            assert_eq!(said.code, Some(0), "{}", said.err);
+        }
+        assert_eq!(run("9", "whole").code, Some(0));
+        for file in ["samples.csv", "windows.csv"] {
+            let (longer, whole) = (format!("longer/{file}"), format!("whole/{file}"));
+            assert_eq!(here.read(&longer), here.read(&whole), "{record} {file}");
+        }
+        let again = run("9", "whole");
+        assert_eq!(again.code, Some(0), "{}", again.err);
+        again.says(&["it had come to its end before"]);
+        let shorter = run("3", "whole");
+        assert_eq!(shorter.code, Some(2), "{}", shorter.err);
+        shorter.says(&["has come to t = 9.", "t = 3.0 is asked for"]);
+    }
+}
+
+/// Runs the paced scene with one text changed, which must be refused at `place` with every piece said.
+fn refused_pace(from: &str, to: &str, place: &str, pieces: &[&str]) {
+    assert!(PACED.contains(from), "{from}");
+    let here = Place::with(&PACED.replacen(from, to, 1));
+    let said = here.leafwise(&["run", "scene.toml"]);
+    assert_eq!(said.code, Some(3), "{}", said.err);
+    said.says(&[&format!("scene.toml:{place}")]);
+    said.says(pieces);
+    assert!(here.is_untouched(), "something was written");
+}
+
+#[test]
+fn a_pace_is_positive_where_the_run_begins() {
+    let pace = "(q1^2 + q2^2)^0.75";
+    let positive = ["and must be positive", "positive along the motion"];
+    refused_pace(pace, "-q1", "5:14", &positive);
+    refused_pace(pace, "q2", "5:14", &["the pace is 0.0"]);
+    refused_pace(pace, "ln(q2)", "5:14", &["the pace is -inf"]);
+    refused_pace(pace, "sqrt(q2 - 1)", "5:14", &["the pace is NaN"]);
+    refused_pace(
+        pace,
+        "auto",
+        "5:14",
+        &["no pace is chosen by itself", "write a positive formula"],
+    );
+    refused_pace(pace, "r^2", "5:14", &["unknown name `r`"]);
+    refused_pace(
+        "[0.5, 0, 0, 1.7]",
+        "[0, 0, 0, 1.7]",
+        "",
+        &["at the initial state"],
+    );
+}
+
+#[test]
+fn ends_and_intervals_are_times_of_a_pace() {
+    refused_pace("= 6", "= -6", "9:11", &["never comes to t = -6"]);
+    refused_pace("0.1", "-0.1", "9:11", &["never comes to t = 6"]);
+    refused_pace("0.5 }", "0 }", "10:24", &["must be positive"]);
+    refused_pace(
+        "0.5 }",
+        "0.5, every = 2 }",
+        "10:29",
+        &["`every` cannot stand beside `interval`"],
+    );
+    refused_pace(
+        "until   = 6",
+        "until = 6\nsteps = 4",
+        "10:1",
+        &["`steps` cannot stand beside `until`"],
+    );
+    refused_pace("until   = 6", "", "", &["needs `steps`"]);
+    let pace = "pace      = \"(q1^2 + q2^2)^0.75\"\n";
+    refused_pace(
+        pace,
+        "",
+        "8:11",
+        &["steps are all alike without a pace", "write `steps`"],
+    );
+    let counted = PACED.replace("until   = 6", "steps = 6").replace(pace, "");
+    let here = Place::with(&counted);
+    let said = here.leafwise(&["run", "scene.toml"]);
+    assert_eq!(said.code, Some(3), "{}", said.err);
+    said.says(&["`interval` is a time", "write `every`"]);
+}
+
+/// q1 falls to 0, and with it the pace: t never gets there. An oscillating pace turns negative.
+#[test]
+fn a_pace_that_turns_negative_ends_the_run_with_its_place() {
+    let here = Place::with(
+        &PACED
+            .replace("(q1^2 + q2^2)^0.75", "0.1 + q1")
+            .replace("0.1\n[run]", "0.05\n[run]"),
+    );
+    let said = here.leafwise(&["run", "scene.toml", "--out", "run"]);
+    assert_eq!(said.code, Some(1), "{}", said.err);
+    assert!(said.err.contains("the pace 0.1 + q1"), "{}", said.err);
+    said.says(&["write a pace that is positive along the motion"]);
+    // What was recorded is of the motion.
+    let rows = rows(&here.read("run/samples.csv"));
+    assert!(rows.len() > 1);
+    assert!(rows.iter().all(|row| 0.1 + row[1] > 0.0));
+}
+
+#[test]
+fn what_is_not_offered_with_a_pace_says_so() {
+    let here = Place::with(&format!(
+        "{PACED}[ensemble]\nmembers = 3\ninitial = {{ ball = 0.01 }}\n"
+    ));
+    for (command, piece) in [
+        (
+            &["ensemble", "scene.toml"][..],
+            "an ensemble is not offered with a pace",
+        ),
+        (
+            &["compare", "scene.toml"],
+            "methods are not compared with a pace",
+        ),
+        (
+            &["tune", "scene.toml", "--error", "1e-6"],
+            "methods are not compared with a pace",
+        ),
+    ] {
+        let said = here.leafwise(command);
+        assert_eq!(said.code, Some(3), "{command:?}: {}", said.err);
+        said.says(&["scene.toml:5:13", piece]);
+    }
+    let said = here.leafwise(&["evaluate", "scene.toml"]);
+    assert_eq!(said.code, Some(2), "{}", said.err);
+    let splitting = PACED.replace(
+        "dynamics  = { name = \"hamilton-jacobi\", order = 4 }",
+        "stepper = \"splitting\"",
+    );
+    let said = Place::with(&splitting).leafwise(&["run", "scene.toml"]);
+    assert_eq!(said.code, Some(3), "{}", said.err);
+    said.says(&["splitting does not fit this system"]);
+}

@@ -1,0 +1,291 @@
+//! Time as a coordinate: the phase space of a scene extended by (t, e).
+//!
+//! Where H names the time, x' = {H(·, t), x} is the motion of K(x, t, e) = H(x, t) + e under the direct sum of the scene's
+//! bracket and a canonical one of t and e: t' = 1, e' = −∂H/∂t, and K, the energy balance H − ∫ ∂H/∂t dt, is constant
+//! (C. Lanczos, *The Variational Principles of Mechanics*, section VI.10). Both coordinates stand behind the scene's own,
+//! and nothing outside shows them.
+//!
+//! A bracket that changes with time has no such sum: {e, {x, y}} = ∂{x, y}/∂t breaks the Jacobi identity. A one-form that does
+//! has: ϑ + e dt is the action ∫ ϑ·dx − H dt, whose motion knows ∂ϑ/∂t; then e' = −∂H/∂t + ∂ϑ/∂t·x'.
+//!
+//! A pace g > 0 makes steps variable that stay Poisson maps: K = (H + e) g with e(0) = −H(x(0)), hence K = 0, moves x by
+//! dx/dτ = g {H, x} and t by dt/dτ = g, so that equal steps of τ are steps g·τ of t (K. Zare, V. Szebehely, *Time transformations
+//! in the extended phase-space*, Celestial Mechanics 11 (1975); E. Hairer, *Variable time step integration with symplectic
+//! methods*, Applied Numerical Mathematics 25 (1997)).
+
+use std::collections::BTreeSet;
+
+use leafwise_expression::Expression;
+use leafwise_expression::syntax::{Formula, Scope};
+
+use super::Refusal;
+use super::definitions;
+use super::lattice::DENSE_LIMIT;
+use super::names::function;
+use super::tensor::Entries;
+use crate::document::{BracketSpec, Convention, InitialSpec, Located, Place, SceneDocument};
+
+/// What formulas call the time.
+pub(super) const TIME: &str = "t";
+
+/// What messages call the coordinate conjugate to the time: no name of a formula.
+const ENERGY: &str = "-H";
+
+/// The two coordinates behind a scene's own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Extension {
+    /// d, the number of the scene's own coordinates: t is x_d, e is x_{d+1}, counted from 0.
+    pub coordinates: usize,
+    /// dt/dτ, where steps are of a fictitious time τ.
+    pub pace: Option<Pace>,
+    /// H + e.
+    energy: Expression,
+}
+
+/// g = dt/dτ, a positive function of the scene's coordinates and the time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pace {
+    /// As the scene writes it.
+    pub text: String,
+    /// The function of the extended phase space.
+    pub formula: Expression,
+}
+
+impl Extension {
+    /// Puts (t, e) behind the coordinates of an instantiated scene whose Hamiltonian or one-form names the time or that has a
+    /// pace: K for H, an entry of the bracket or a component of the form, two names. Formulas that may name the time are read in
+    /// `scope`, which is given its name and the definitions that name it.
+    ///
+    /// # Errors
+    /// A lattice too long to be written out, and what is wrong with the pace.
+    pub(super) fn of(
+        document: &SceneDocument,
+        lengths: &[usize],
+        scope: &mut Scope,
+    ) -> Result<Option<Self>, Refusal> {
+        let (hamiltonian, pace) = (&document.system.hamiltonian, &document.method.pace);
+        let one_form = match &document.system.bracket.value {
+            BracketSpec::OneForm(components) => &components[..],
+            _ => &[],
+        };
+        let mut may_name = std::iter::once(hamiltonian).chain(one_form);
+        let is_named = may_name.any(|formula| names_time(document, formula));
+        if !is_named && pace.is_none() {
+            return Ok(None);
+        }
+        let coordinates = document.system.dimension();
+        if !document.system.families.is_empty() && coordinates > DENSE_LIMIT {
+            let (formula, what) = match pace {
+                Some(pace) if !is_named => (pace, "a pace"),
+                _ => (hamiltonian, "a Hamiltonian that names the time t"),
+            };
+            return Err(Box::new(document.diagnostic(
+                &document.place_in_formula(formula, 0..formula.value.len()),
+                format!(
+                    "{what} is not offered on a lattice of more than {DENSE_LIMIT} coordinates, and this one has \
+                     {coordinates}: every site moves t's energy"
+                ),
+                "here",
+                Some("shorten the lattice".to_owned()),
+            )));
+        }
+        if !declares_time(document) {
+            *scope = definitions::scope(document, lengths, Some(coordinates))?;
+        }
+        Ok(Some(Self {
+            coordinates,
+            pace: pace
+                .as_ref()
+                .map(|text| read_pace(document, scope, text))
+                .transpose()?,
+            energy: Expression::Variable(coordinates + 1),
+        }))
+    }
+
+    /// Names, bracket and Hamiltonian of the extended phase space in the place of the scene's own.
+    pub(super) fn extend(
+        &mut self,
+        convention: Convention,
+        names: &mut Vec<String>,
+        bracket: &mut Entries,
+        hamiltonian: &mut Expression,
+    ) {
+        let (t, e) = (self.coordinates, self.coordinates + 1);
+        names.extend([TIME.to_owned(), ENERGY.to_owned()]);
+        // t' = 1 under x' = {K, x} asks for {e, t} = 1, under x' = {x, K} for {t, e} = 1.
+        let one = Expression::from(1);
+        let entry = match convention {
+            Convention::HamiltonFirst => Expression::Negate(Box::new(one)),
+            Convention::HamiltonSecond => one,
+        };
+        bracket.insert((t, e), entry);
+        self.energy = Expression::Sum(vec![hamiltonian.clone(), Expression::Variable(e)]);
+        *hamiltonian = match &self.pace {
+            None => self.energy.clone(),
+            Some(pace) => Expression::Product(vec![self.energy.clone(), pace.formula.clone()]),
+        };
+    }
+
+    /// A state of the extended phase space at t = 0, with K = 0 there beside a pace.
+    ///
+    /// # Errors
+    /// A pace that is not positive there, and an energy that is not finite.
+    pub(super) fn state(
+        &self,
+        document: &SceneDocument,
+        own: &[f64],
+        parameters: &[f64],
+    ) -> Result<Vec<f64>, Refusal> {
+        let mut state = own.to_vec();
+        state.extend([0.0, 0.0]);
+        let (Some(pace), Some(text)) = (&self.pace, &document.method.pace) else {
+            return Ok(state);
+        };
+        let refuse = |formula: &Located<String>, message: String, help: &str| {
+            let place = document.place_in_formula(formula, 0..formula.value.len());
+            let help = Some(help.to_owned());
+            Err(Box::new(document.diagnostic(
+                &place,
+                message,
+                "at the initial state",
+                help,
+            )))
+        };
+        let energy = self.energy.evaluate(&state, parameters);
+        if !energy.is_finite() {
+            return refuse(
+                &document.system.hamiltonian,
+                format!("the energy is {energy:?} at the initial state"),
+                "check `initial`: no ln or root of a negative number, no division by zero",
+            );
+        }
+        state[self.coordinates + 1] = -energy;
+        let value = pace.formula.evaluate(&state, parameters);
+        if !(value > 0.0 && value.is_finite()) {
+            return refuse(
+                text,
+                format!("the pace is {value:?} at the initial state, and must be positive"),
+                "write a formula that is positive along the motion, as \"(q1^2 + q2^2)^0.75\"",
+            );
+        }
+        Ok(state)
+    }
+
+    /// H − ∫ ∂H/∂t dt along the motion from `initial`, a state of the extended phase space: H + e − e_0.
+    pub(super) fn balance(&self, initial: &[f64]) -> Expression {
+        let start = Expression::from(-initial[self.coordinates + 1]);
+        Expression::Sum(vec![self.energy.clone(), start])
+    }
+
+    /// H + e, whose motion is that of the time itself.
+    pub(super) fn energy(&self) -> &Expression {
+        &self.energy
+    }
+}
+
+/// The pace's formula; none is chosen by itself.
+fn read_pace(
+    document: &SceneDocument,
+    scope: &Scope,
+    text: &Located<String>,
+) -> Result<Pace, Refusal> {
+    if text.value.trim() == "auto" {
+        return Err(Box::new(document.diagnostic(
+            &document.place_in_formula(text, 0..text.value.len()),
+            "no pace is chosen by itself: a good one falls where the motion is fast, and what is fast the scene knows",
+            "not a formula",
+            Some(
+                "write a positive formula, as \"(q1^2 + q2^2)^0.75\" for a body about a centre at q = 0".to_owned(),
+            ),
+        )));
+    }
+    Ok(Pace {
+        text: text.value.clone(),
+        formula: function(document, scope, text)?,
+    })
+}
+
+/// Whether a formula names the time, which no declared name hides, or a definition that does.
+pub(super) fn names_time(document: &SceneDocument, formula: &Located<String>) -> bool {
+    !declares_time(document) && leads_to_time(document, formula, &mut BTreeSet::new())
+}
+
+/// Whether a name is that of the time, or of a definition that names it.
+pub(super) fn is_time(document: &SceneDocument, name: &str) -> bool {
+    let mut define = document.system.define.iter();
+    let defined = define.find(|(defined, _)| defined.value == name);
+    match defined {
+        Some((_, formula)) => names_time(document, formula),
+        None => name == TIME,
+    }
+}
+
+/// `seen` holds the definitions that were followed.
+fn leads_to_time<'a>(
+    document: &'a SceneDocument,
+    formula: &'a Located<String>,
+    seen: &mut BTreeSet<&'a str>,
+) -> bool {
+    let Ok(parsed) = Formula::parse(&formula.value) else {
+        return false;
+    };
+    let names = parsed.references();
+    let mut define = document.system.define.iter();
+    names.contains(TIME)
+        || define.any(|(name, formula)| {
+            names.contains(name.value.as_str())
+                && seen.insert(&name.value)
+                && leads_to_time(document, formula, seen)
+        })
+}
+
+fn declares_time(document: &SceneDocument) -> bool {
+    let system = &document.system;
+    let variables = system.variables.iter();
+    let families = system.families.iter().map(|(name, _)| name);
+    let parameters = system.parameters.iter().map(|(name, _)| name);
+    let defined = system.define.iter().map(|(name, _)| name);
+    let mut declared = variables.chain(families).chain(parameters).chain(defined);
+    declared.any(|name| name.value == TIME)
+}
+
+/// What is wrong with a formula that names the time and may not, with what to try.
+pub(super) fn about_time(
+    document: &SceneDocument,
+    formula: &Located<String>,
+) -> Option<(String, String)> {
+    let system = &document.system;
+    let is = |other: &Located<String>| other.place() == formula.place();
+    let within = |whole: &Place| {
+        let (outer, inner) = (&whole.span, &formula.span);
+        whole.source == formula.source && outer.start <= inner.start && inner.end <= outer.end
+    };
+    let told = |message: &str, help: &str| Some((message.to_owned(), help.to_owned()));
+    if system.casimirs.iter().any(|(_, casimir)| is(casimir)) {
+        return told(
+            "a Casimir cannot name the time t: it would move with it",
+            "a function of t and of Casimirs may stand in run.record.observables",
+        );
+    }
+    if within(&system.bracket.place()) {
+        return told(
+            "the bracket cannot name the time t: a motion keeps a bracket only where it does not change, and with t as \
+             a coordinate the Jacobi identity fails",
+            "a factor f(t) of the whole bracket belongs into the Hamiltonian; a magnetic field that changes comes with \
+             an electric one: write positions and canonical momenta, with the vector potential A(x, t) in H, or the bracket by a \
+             one-form, whose components may name t",
+        );
+    }
+    if let InitialSpec::Fields(fields) = &document.run.initial.value
+        && fields.iter().any(|(_, field)| is(field))
+    {
+        return told(
+            "the initial state cannot name the time t: every run begins at t = 0",
+            "begin later by another phase, as in cos(omega*t + phase) with a parameter",
+        );
+    }
+    told(
+        "the Hamiltonian does not name the time t, and no other formula may then",
+        "the first column of samples.csv is t",
+    )
+}
