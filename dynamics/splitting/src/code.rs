@@ -24,6 +24,9 @@ pub fn flow_increment(
     time: &Term,
     x: &[Term],
 ) -> Result<Vec<Term>, AlgebraError> {
+    if let Some(body) = piece.body() {
+        return body.increment(graph, ring, time, x);
+    }
     if let Some(series) = piece.code() {
         return polynomial_increment(graph, series, time, x);
     }

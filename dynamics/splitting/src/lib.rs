@@ -10,6 +10,7 @@
 //! - [`flow`]: the motion of one coordinate under a piece, found by its Lie series in exact algebra.
 //! - [`piece`](mod@piece): a Hamiltonian with an exact flow, and what can be added to it.
 //! - [`probe`]: Lie series in numbers, which rule out in microseconds that they end.
+//! - `body`: the free rigid body, with vectors that turn with it.
 //! - [`pieces`]: the pieces of a system's Hamiltonian.
 //! - `rounding`: whether the flows round like the formulas; from code where they do not.
 //! - [`entire`]: the entire functions that close the Lie series.
@@ -22,6 +23,7 @@
 //! - `rates`, `display`: rates that are multiples of one, elements of the ring as text.
 
 mod arrangement;
+mod body;
 pub mod code;
 mod display;
 pub mod entire;

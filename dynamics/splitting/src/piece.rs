@@ -8,6 +8,7 @@ use leafwise_expression::{
     AlgebraError, Arithmetic, Expression, Graph, Polynomial, Rational, Ring, Term,
 };
 
+use crate::body::FreeBody;
 use crate::field::{Field, variables};
 use crate::flow::{CoordinateFlow, Motion, coordinate_flow};
 use crate::probe::Probe;
@@ -103,6 +104,8 @@ pub struct Piece {
     flows: Vec<CoordinateFlow>,
     /// The Lie series computed from the formulas, where their expansions cancel.
     code: Option<Arc<LieSeries>>,
+    /// The rigid body whose flow it is, in the place of motions of coordinates.
+    body: Option<Arc<FreeBody>>,
 }
 
 impl Piece {
@@ -116,8 +119,21 @@ impl Piece {
             terms: Vec::new(),
             formulas: Vec::new(),
             code: None,
+            body: None,
             field: Field::new(),
             flows: (0..dimension).map(still).collect(),
+        }
+    }
+
+    /// The free rigid body with its energy K.
+    pub(crate) fn of_body(body: FreeBody, atom: Atom) -> Self {
+        Self {
+            terms: vec![atom.hamiltonian],
+            formulas: vec![atom.formula],
+            field: atom.field,
+            flows: Vec::new(),
+            code: None,
+            body: Some(Arc::new(body)),
         }
     }
 
@@ -154,7 +170,12 @@ impl Piece {
         })
     }
 
-    /// The motion of each coordinate.
+    /// The free rigid body that moves, if it is one.
+    pub(crate) fn body(&self) -> Option<&FreeBody> {
+        self.body.as_deref()
+    }
+
+    /// The motion of each coordinate; none of a free rigid body.
     pub fn motions(&self) -> impl Iterator<Item = &Motion> {
         self.flows.iter().map(|flow| &flow.motion)
     }

@@ -2,8 +2,10 @@
 
 use leafwise_core::system::energy_casimir::{coefficient_sum, shifted};
 use leafwise_core::{BuildError, SystemFormulas};
+use leafwise_expression::algebra::Monomial;
 use leafwise_expression::{Arithmetic, Expression, Polynomial, Rational, Ring};
 
+use crate::body::FreeBody;
 use crate::display::Names;
 use crate::piece::{Atom, NAME, Piece, Tensor};
 use crate::probe::Probe;
@@ -16,16 +18,25 @@ use crate::probe::Probe;
 /// lattice. Where H − λC, C a Casimir and λ such that a monomial of H is gone, takes fewer pieces, it
 /// is split in the place of H, whose flow it has: the rigid body turns about two axes, not three. Of
 /// several with as few pieces the one with the smallest coefficients is taken, at the parameters'
-/// values: the pieces' commutators make the error.
+/// values: the pieces' commutators make the error. [`Bodies::Whole`] makes pieces of the free rigid bodies in H first.
 ///
 /// # Errors
 /// [`BuildError::DoesNotFit`] with the monomial that has no exact flow, [`BuildError::Algebra`] where
 /// a formula is outside the algebra.
-pub fn find_pieces(system: &SystemFormulas, ring: &mut Ring) -> Result<Vec<Piece>, BuildError> {
+pub fn find_pieces(
+    system: &SystemFormulas,
+    ring: &mut Ring,
+    bodies: Bodies,
+) -> Result<Vec<Piece>, BuildError> {
     let (tensor, probe) = (Tensor::new(system, ring)?, Probe::of(system));
     let mut summands_of_h = Vec::new();
     for summand in summands(system.hamiltonian()) {
         summands_of_h.push((polynomial(ring, &summand)?, summand));
+    }
+    if bodies == Bodies::Whole {
+        let bodies = whole_bodies(system, ring, &tensor, &mut summands_of_h)?;
+        let rest = split(system, ring, &probe, &tensor, &summands_of_h)?;
+        return Ok(rest.into_iter().chain(bodies).collect());
     }
     let pieces = split(system, ring, &probe, &tensor, &summands_of_h);
     let parts: Vec<_> = summands_of_h
@@ -58,6 +69,61 @@ pub fn find_pieces(system: &SystemFormulas, ring: &mut Ring) -> Result<Vec<Piece
         (Err(BuildError::DoesNotFit { .. }), Some((_, _, pieces))) => Ok(pieces),
         (pieces, _) => pieces,
     }
+}
+
+/// How free rigid bodies are taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bodies {
+    /// About one axis after the other.
+    Axes,
+    /// By the exact flow of the whole body.
+    Whole,
+}
+
+/// The free rigid bodies in a sum, which keeps the rest.
+fn whole_bodies(
+    system: &SystemFormulas,
+    ring: &mut Ring,
+    tensor: &Tensor,
+    sum: &mut Vec<(Polynomial, Expression)>,
+) -> Result<Vec<Piece>, BuildError> {
+    let mut bodies = Vec::new();
+    loop {
+        let parts: Vec<_> = sum
+            .iter()
+            .map(|(f, _)| (Rational::one(), f.clone()))
+            .collect();
+        let whole = ring.combine(&parts);
+        let Some((body, energy)) = FreeBody::find(system, ring, tensor, &whole)? else {
+            break;
+        };
+        for (f, formula) in sum.iter_mut() {
+            let is_of_energy =
+                |monomial: &Monomial| energy.terms().iter().any(|(m, _)| m == monomial);
+            let rest = f.terms().iter().filter(|(m, _)| !is_of_energy(m)).cloned();
+            let rest = Polynomial::collect(rest);
+            if rest != *f {
+                *formula = ring.formula(&rest);
+                *f = rest;
+            }
+        }
+        sum.retain(|(f, _)| !f.is_zero());
+        let atom = Atom {
+            field: tensor.field(ring, &energy)?,
+            formula: ring.formula(&energy),
+            hamiltonian: energy,
+        };
+        bodies.push(Piece::of_body(body, atom));
+    }
+    if bodies.is_empty() {
+        return Err(BuildError::DoesNotFit {
+            part: NAME,
+            reason: "no three variables whose brackets with one another and with others are those of so(3) have \
+                     their squares in its Hamiltonian, as a rigid body's momenta have: leave `bodies` at \"axes\""
+                .to_owned(),
+        });
+    }
+    Ok(bodies)
 }
 
 fn polynomial(ring: &mut Ring, formula: &Expression) -> Result<Polynomial, BuildError> {

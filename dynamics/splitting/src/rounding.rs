@@ -149,6 +149,16 @@ pub(crate) fn settled(
     };
     let mut all = Vec::with_capacity(pieces.len());
     for piece in pieces {
+        if let Some(body) = piece.body() {
+            let (mut graph, x) = inputs(system);
+            let made = body.field(&mut graph, ring, &x)?;
+            let expected = field_of(&mut graph, system, &piece, &x)?;
+            if system.agreement(&graph, &made, &expected) != Agreement::Same {
+                return Err(refusal());
+            }
+            all.push(piece);
+            continue;
+        }
         let series = lie_series(system, &piece)?;
         let mut graph = series.graph.clone();
         let (_, x) = inputs(system);

@@ -17,7 +17,7 @@ use crate::display::Names;
 use crate::factor::{Factor, Splits, evaluations};
 use crate::lattice::LatticeSplitting;
 use crate::piece::{NAME, Piece};
-use crate::pieces::find_pieces;
+use crate::pieces::{Bodies, find_pieces};
 use crate::rounding::settled;
 use crate::schedule::{STRANG, passes};
 
@@ -29,12 +29,20 @@ static INFO: PartInfo = PartInfo {
     literature: "Strang, On the construction and comparison of difference schemes (1968); \
                  McLachlan, Quispel, Splitting methods, Acta Numerica 11 (2002); Hairer, Lubich, \
                  Wanner, Geometric Numerical Integration, section VII.4.2",
-    parameters: &[ParameterInfo {
-        name: ORDER,
-        summary: "the order in which a step takes the pieces, by their numbers in the order of H's terms: \"2 1 3\"; the last \
-                  one is the middle of a step",
-        default: ParameterDefault::Text(AUTO),
-    }],
+    parameters: &[
+        ParameterInfo {
+            name: ORDER,
+            summary: "the order in which a step takes the pieces, by their numbers in the order of H's terms: \"2 1 3\"; the last \
+                      one is the middle of a step",
+            default: ParameterDefault::Text(AUTO),
+        },
+        ParameterInfo {
+            name: BODIES,
+            summary: "how free rigid bodies are taken, the squares of momenta with the brackets of so(3): \"axes\", about one \
+                      axis after the other, or \"whole\", by the body's exact flow, a piece of its own behind the others",
+            default: ParameterDefault::Text(AXES),
+        },
+    ],
     family: Some(Family::Splitting),
     compared: Some(Compared::at(1)),
     reference: Some(&[]),
@@ -59,6 +67,20 @@ struct Shared {
     products: Mutex<Vec<(Vec<f64>, ExplicitMap)>>,
 }
 
+/// The parameter that says how bodies are taken, and its words.
+const BODIES: &str = "bodies";
+const AXES: &str = "axes";
+const WHOLE: &str = "whole";
+
+fn bodies(parameters: &PartParameters) -> Result<Bodies, BuildError> {
+    let word = parameters.word(&INFO, BODIES, &[AXES, WHOLE])?;
+    Ok(if word == WHOLE {
+        Bodies::Whole
+    } else {
+        Bodies::Axes
+    })
+}
+
 /// The largest product, in operations, that becomes one kernel.
 const LARGEST_PRODUCT: u64 = 20_000;
 
@@ -79,7 +101,7 @@ impl Splitting {
     ) -> Result<Self, BuildError> {
         let system = system.formulas(INFO.name)?;
         let mut ring = Ring::new(system.dimension());
-        let pieces = find_pieces(system, &mut ring)?;
+        let pieces = find_pieces(system, &mut ring, bodies(parameters)?)?;
         let pieces = settled(system, &ring, pieces)?;
         let order = match named_order(&INFO, parameters, pieces.len())? {
             Some(order) => order,
@@ -293,6 +315,14 @@ fn build_on_lattice(
     parameters: &PartParameters,
 ) -> Result<Arc<dyn LatticeMap>, BuildError> {
     parameters.refuse_unknown(&INFO)?;
+    if bodies(parameters)? == Bodies::Whole {
+        return Err(BuildError::DoesNotFit {
+            part: NAME,
+            reason: "the pieces of a long lattice repeat along it and bodies are not taken whole there: leave `bodies` \
+                     at \"axes\""
+                .to_owned(),
+        });
+    }
     let splitting = LatticeSplitting::new(source)?;
     let order = named_order(&INFO, parameters, splitting.pieces())?;
     Ok(Arc::new(match order {

@@ -1,6 +1,7 @@
 //! Claims about splittings, a module each.
 
 mod arrangements;
+mod bodies;
 mod common;
 mod motions;
 mod splits;

@@ -1,0 +1,632 @@
+//! The free rigid body: K = Σ c_l m_l² where m, and vectors n beside it, turn as so(3) does.
+//!
+//! m′ = Ω × m and n′ = Ω × n with Ω_l = κ_l m_l, κ_l = ±2c_l. With
+//!
+//! a₁ = κ₂ − κ₃, a₂ = κ₃ − κ₁, a₃ = κ₁ − κ₂, P = a₃m₂² − a₂m₃², Q = a₁m₂² − a₂m₁², R = a₃m₁² − a₁m₃²
+//!
+//! P, Q and R are constants of the motion, and so are p = a₁P and q = a₃Q. Of S′ = CD, C² = 1 − pS², D² = 1 − qS²,
+//! Jacobi's sn, cn and dn with sn = √p·S, the addition theorem gives
+//!
+//! m(τ) = (m₁C + a₁SD m₂m₃, m₂CD + a₂S m₁m₃, m₃D + a₃SC m₁m₂)/(1 − a₁a₃S²m₂²)
+//!
+//! from the state itself: without the phase of the motion, amplitudes, an order of the axes or a separatrix.
+//!
+//! The rotation from −τ to τ about the state m between is the quaternion (α, β₁m₁, β₂m₂, β₃m₃) over its length, where α and
+//! the β_l depend on τ and the constants of the motion alone: both sides have the same poles and zeros in complex time, and
+//! m(τ) is m(−τ) turned where α a₁S = β₂ − β₃C, α a₂S = β₃C − β₁D, α a₃SC = (β₁D − β₂)C. For κ₂ = 0 they obey
+//!
+//! (1 − pS²)(1 − qS²) dα/dS = −Rβ₂ − αS(q − a₁R − pqS²),
+//! (1 − pS²)(1 − qS²) dβ₂/dS = −a₁a₃S((|m|² − PQS²)β₂ + RSα).
+//!
+//! Two such rotations after one another are one, so that everything doubles in time by sums and products
+//! ([`FreeBody::increment`]): from series over a short time to a whole one, at p = q and m = 0 as elsewhere. What κ₂ adds is
+//! a rotation about m.
+//!
+//! C. G. J. Jacobi, Journal für die reine und angewandte Mathematik 39, 293–350 (1850); exact flows in splittings: R. van Zon,
+//! J. Schofield, Journal of Computational Physics 225, 145–164 (2007); E. Celledoni, F. Fassò, N. Säfström, A. Zanna, SIAM
+//! Journal on Scientific Computing 30, 2084–2112 (2008).
+
+use leafwise_core::SystemFormulas;
+use leafwise_expression::algebra::{Coefficient, Monomial};
+use leafwise_expression::graph::lift;
+use leafwise_expression::{
+    AlgebraError, AnalyticFunction, Arithmetic, Function, Graph, Polynomial, Rational, Ring, Term,
+};
+
+use crate::field::Field;
+use crate::piece::Tensor;
+
+/// How often the time doubles.
+const DOUBLINGS: u32 = 4;
+
+/// Terms of the series over the shortest time τ: √p τ ≤ 3/64, and what they leave out is (6/(64 π))¹² = 5e-19 of them.
+const TERMS: usize = 6;
+
+/// The largest √|p| t over the whole time: S, C and D have their first pole on the real axis, if any, where half of it is
+/// π/2 or more, whatever signs p and q have.
+const FARTHEST: (i64, i64) = (3, 1 << (DOUBLINGS + 1));
+
+/// How often the time doubles for the rotation about m: of 64 radians at most, from a quarter.
+const DOUBLINGS_ABOUT_M: u32 = 7;
+
+/// 0 where |s| ≤ 1, else NaN, which refuses the step.
+const WITHIN: AnalyticFunction = AnalyticFunction::new("splitting-within", |_, s| {
+    if s.abs() <= 1.0 { 0.0 } else { f64::NAN }
+});
+
+/// A free rigid body within a system.
+#[derive(Clone, Debug)]
+pub(crate) struct FreeBody {
+    /// m, and the vectors that turn with it.
+    vectors: Vec<Vector>,
+    /// κ.
+    rates: [Polynomial; 3],
+}
+
+/// A vector by its components, each a coordinate with a sign.
+type Vector = [(usize, i64); 3];
+
+impl FreeBody {
+    /// A body of the squares in `hamiltonian`, and Σ c_l m_l².
+    ///
+    /// # Errors
+    /// [`AlgebraError`] where a derivative does not exist.
+    pub(crate) fn find(
+        system: &SystemFormulas,
+        ring: &mut Ring,
+        tensor: &Tensor,
+        hamiltonian: &Polynomial,
+    ) -> Result<Option<(Self, Polynomial)>, AlgebraError> {
+        let dimension = system.dimension();
+        let mut turns = Vec::with_capacity(dimension);
+        for at in 0..dimension {
+            let x = ring.variable(at);
+            let field = tensor.field(ring, &x)?;
+            turns.push(Turns::new(ring, &field));
+        }
+        for i in 0..dimension {
+            for j in i + 1..dimension {
+                let Some((_, k)) = turns[i].of(j).filter(|(_, k)| *k > j) else {
+                    continue;
+                };
+                if let Some(found) = Self::about(system, ring, &turns, hamiltonian, [i, j, k]) {
+                    return Ok(Some(found));
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// The body whose m has these coordinates.
+    fn about(
+        system: &SystemFormulas,
+        ring: &mut Ring,
+        turns: &[Turns],
+        hamiltonian: &Polynomial,
+        momentum: [usize; 3],
+    ) -> Option<(Self, Polynomial)> {
+        let squares = momentum.map(|at| Monomial::power(at as u32, 2));
+        let coefficient = |monomial: &Monomial| {
+            let mut terms = hamiltonian.terms().iter();
+            terms.find(|(m, _)| m == monomial).map(|(_, c)| c.clone())
+        };
+        let of_squares = squares.each_ref().map(coefficient);
+        if of_squares.iter().flatten().count() < 2 {
+            return None;
+        }
+        let axes = momentum.map(|at| &turns[at]);
+        // e₁ × m = (0, −m₃, m₂), up to the sign that all brackets share.
+        let (sign, _) = axes[0].of(momentum[1])?;
+        let sign = -sign;
+        let mut vectors = vec![momentum.map(|at| (at, 1))];
+        if vector(axes, sign, momentum[0]).as_ref() != vectors.first() {
+            return None;
+        }
+        for at in 0..turns.len() {
+            let is_taken = vectors.iter().flatten().any(|(other, _)| *other == at);
+            if is_taken || axes.iter().all(|axis| axis.rests(at)) {
+                continue;
+            }
+            let mut candidates = (0..turns.len()).filter_map(|first| vector(axes, sign, first));
+            vectors.push(candidates.find(|vector| vector.iter().any(|(other, _)| *other == at))?);
+        }
+        let terms = squares.into_iter().zip(&of_squares);
+        let terms = terms.filter_map(|(m, c)| Some((m, c.clone()?)));
+        let energy = Polynomial::collect(terms);
+        let twice = Rational::from_integer(2 * sign);
+        let rates = of_squares.map(|c| c.map_or_else(Polynomial::zero, Polynomial::constant));
+        let body = Self {
+            rates: rates.map(|c| c.scaled(&twice)),
+            vectors,
+        };
+        let middle = body.middle_axis(system, ring);
+        Some((body.turned_by(middle + 2), energy))
+    }
+
+    /// The axis of the middle κ at the parameters' values: about the two others p and q are not negative.
+    fn middle_axis(&self, system: &SystemFormulas, ring: &Ring) -> usize {
+        let values = system.parameter_values();
+        let value = |c: &Coefficient| ring.coefficient_formula(c).evaluate(&[], &values);
+        let values = self.rates.each_ref().map(|rate| {
+            let constant = rate.terms().first();
+            constant.map_or(0.0, |(_, c)| value(c))
+        });
+        let mut order = [0, 1, 2];
+        order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+        order[1]
+    }
+
+    /// The same with the axes in another cyclic order, `by` as the first.
+    fn turned_by(mut self, by: usize) -> Self {
+        self.rates.rotate_left(by % 3);
+        for vector in &mut self.vectors {
+            vector.rotate_left(by % 3);
+        }
+        self
+    }
+
+    /// x(t) − x from the state `x` over the time `time`.
+    ///
+    /// # Errors
+    /// [`AlgebraError`] where a parameter's function has no code.
+    pub(crate) fn increment(
+        &self,
+        graph: &mut Graph,
+        ring: &Ring,
+        time: &Term,
+        x: &[Term],
+    ) -> Result<Vec<Term>, AlgebraError> {
+        let [first, second, third] = self.rates.each_ref();
+        let mut sums = ring.clone();
+        let wanted = [
+            sums.subtract(second, third),
+            sums.subtract(third, first),
+            sums.subtract(first, second),
+            second.clone(),
+        ];
+        let wanted = wanted.map(|rate| vec![(time.clone(), rate)]);
+        let angles = lift(graph, ring, &wanted, x)?;
+        let mut code = Code(graph);
+        let m = code.components(&self.vectors[0], x);
+        let mut turn = code.turn(&angles, &m);
+        let mut increment = vec![code.0.zero(); x.len()];
+        for (at, vector) in self.vectors.iter().enumerate() {
+            if at == 1 {
+                let about = code.turn_about(&angles[3], &m);
+                turn = code.quaternion_product(&turn, &about);
+            }
+            let n = code.components(vector, x);
+            let change = code.turned(&turn, &n);
+            code.scatter(vector, &change, &mut increment);
+        }
+        Ok(increment)
+    }
+
+    /// Ω × n of every vector, 0 of the other coordinates.
+    pub(crate) fn field(
+        &self,
+        graph: &mut Graph,
+        ring: &Ring,
+        x: &[Term],
+    ) -> Result<Vec<Term>, AlgebraError> {
+        let one = graph.one();
+        let wanted = self
+            .rates
+            .each_ref()
+            .map(|rate| vec![(one.clone(), rate.clone())]);
+        let rates = lift(graph, ring, &wanted, x)?;
+        let mut code = Code(graph);
+        let m = code.components(&self.vectors[0], x);
+        let omega = rates
+            .iter()
+            .zip(&m)
+            .map(|(rate, m)| code.product(&[rate, m]));
+        let omega: Vec<Term> = omega.collect();
+        let mut field = vec![code.0.zero(); x.len()];
+        for vector in &self.vectors {
+            let n = code.components(vector, x);
+            let change = code.cross(&omega, &n);
+            code.scatter(vector, &change, &mut field);
+        }
+        Ok(field)
+    }
+}
+
+/// The vector of which this is the first component, where the fields of m's coordinates turn it: e₂ × n = (n₃, 0, −n₁),
+/// e₃ × n = (−n₂, n₁, 0).
+fn vector(axes: [&Turns; 3], sign: i64, first: usize) -> Option<Vector> {
+    let (to_third, third) = axes[1].of(first)?;
+    let (to_second, second) = axes[2].of(first)?;
+    let vector = [
+        (first, 1),
+        (second, -sign * to_second),
+        (third, sign * to_third),
+    ];
+    let turns = |axis: usize| {
+        let [of, next, other] = [0, 1, 2].map(|by| vector[(axis + by) % 3]);
+        let sign = sign * next.1 * other.1;
+        axes[axis].rests(of.0)
+            && axes[axis].of(next.0) == Some((-sign, other.0))
+            && axes[axis].of(other.0) == Some((sign, next.0))
+    };
+    (0..3).all(turns).then_some(vector)
+}
+
+/// The field of a coordinate where it is made of coordinates.
+struct Turns(Vec<Turn>);
+
+enum Turn {
+    Rests,
+    /// ± a coordinate.
+    Along(i64, usize),
+    Otherwise,
+}
+
+impl Turns {
+    fn new(ring: &Ring, field: &Field) -> Self {
+        let dimension = ring.variables();
+        let turn = |at: usize| match field.get(&at) {
+            None => Turn::Rests,
+            Some(velocity) => {
+                let along = velocity.symbols().first().copied();
+                let along = along.filter(|symbol| (*symbol as usize) < dimension);
+                let sign = along.and_then(|symbol| {
+                    let x = ring.variable(symbol as usize);
+                    [1, -1]
+                        .into_iter()
+                        .find(|sign| x.scaled(&Rational::from_integer(*sign)) == *velocity)
+                });
+                match (along, sign) {
+                    (Some(symbol), Some(sign)) => Turn::Along(sign, symbol as usize),
+                    _ => Turn::Otherwise,
+                }
+            }
+        };
+        Self((0..dimension).map(turn).collect())
+    }
+
+    fn of(&self, at: usize) -> Option<(i64, usize)> {
+        match self.0[at] {
+            Turn::Along(sign, other) => Some((sign, other)),
+            _ => None,
+        }
+    }
+
+    fn rests(&self, at: usize) -> bool {
+        matches!(self.0[at], Turn::Rests)
+    }
+}
+
+/// Straight-line code in vectors and quaternions.
+struct Code<'a>(&'a mut Graph);
+
+impl Code<'_> {
+    fn components(&mut self, vector: &Vector, x: &[Term]) -> [Term; 3] {
+        vector.map(|(at, sign)| self.sum(&[(sign, &[&x[at]])]))
+    }
+
+    /// Writes a vector's components to its coordinates.
+    fn scatter(&mut self, vector: &Vector, components: &[Term], to: &mut [Term]) {
+        for ((at, sign), component) in vector.iter().zip(components) {
+            to[*at] = self.sum(&[(*sign, &[component])]);
+        }
+    }
+
+    fn product(&mut self, factors: &[&Term]) -> Term {
+        let [first, rest @ ..] = factors else {
+            return self.0.one();
+        };
+        rest.iter().fold((*first).clone(), |product, factor| {
+            self.0.multiply(&product, factor)
+        })
+    }
+
+    /// Σ c Π over the factors.
+    fn sum(&mut self, terms: &[(i64, &[&Term])]) -> Term {
+        let products = terms
+            .iter()
+            .map(|(c, factors)| (Rational::from_integer(*c), self.product(factors)));
+        let products: Vec<_> = products.collect();
+        self.0.combine(&products)
+    }
+
+    /// The same as one node.
+    fn whole(&mut self, terms: &[(i64, &[&Term])]) -> Term {
+        let sum = self.sum(terms);
+        self.0.whole(&sum)
+    }
+
+    fn function(&mut self, function: Function, argument: &Term) -> Term {
+        self.0
+            .apply(function, argument)
+            .expect("its argument depends on the state")
+    }
+
+    fn reciprocal(&mut self, below: &Term) -> Term {
+        let one = self.0.one();
+        self.0.divide(&one, below).expect("it is 1 at t = 0")
+    }
+
+    /// Σ_k cₖ zᵏ.
+    fn horner(&mut self, coefficients: &[Term], z: &Term) -> Term {
+        let zero = self.0.zero();
+        coefficients
+            .iter()
+            .rev()
+            .fold(zero, |sum, c| self.sum(&[(1, &[&sum, z]), (1, &[c])]))
+    }
+
+    fn cross(&mut self, a: &[Term], b: &[Term]) -> Vec<Term> {
+        let component = |l: usize| {
+            let (next, other) = ((l + 1) % 3, (l + 2) % 3);
+            self.sum(&[(1, &[&a[next], &b[other]]), (-1, &[&a[other], &b[next]])])
+        };
+        (0..3).map(component).collect()
+    }
+
+    fn quaternion_product(&mut self, a: &[Term], b: &[Term]) -> Vec<Term> {
+        let mut product = vec![self.sum(&[
+            (1, &[&a[0], &b[0]]),
+            (-1, &[&a[1], &b[1]]),
+            (-1, &[&a[2], &b[2]]),
+            (-1, &[&a[3], &b[3]]),
+        ])];
+        for l in 1..4 {
+            let (next, other) = (l % 3 + 1, (l + 1) % 3 + 1);
+            product.push(self.sum(&[
+                (1, &[&a[0], &b[l]]),
+                (1, &[&a[l], &b[0]]),
+                (1, &[&a[next], &b[other]]),
+                (-1, &[&a[other], &b[next]]),
+            ]));
+        }
+        product
+    }
+
+    /// What the rotation of the quaternion (q₀, q), of any length, adds to n: 2(q₀ q×n + q×(q×n))/(q₀² + |q|²).
+    fn turned(&mut self, turn: &[Term], n: &[Term; 3]) -> Vec<Term> {
+        let (scalar, vector) = turn.split_first().expect("four components");
+        let square = self.sum(&[
+            (1, &[scalar, scalar]),
+            (1, &[&vector[0], &vector[0]]),
+            (1, &[&vector[1], &vector[1]]),
+            (1, &[&vector[2], &vector[2]]),
+        ]);
+        let factor = self.reciprocal(&square);
+        let factor = self.whole(&[(2, &[&factor])]);
+        let once = self.cross(vector, n);
+        let twice = self.cross(vector, &once);
+        let both = once.iter().zip(&twice);
+        both.map(|(once, twice)| {
+            let sum = self.sum(&[(1, &[scalar, once]), (1, &[twice])]);
+            self.product(&[&factor, &sum])
+        })
+        .collect()
+    }
+
+    /// The quaternion of the body's rotation from m on less that by κ₂ about m, from the a_l times t.
+    fn turn(&mut self, angles: &[Term], m: &[Term; 3]) -> Vec<Term> {
+        let shortest = Rational::new(1, 1 << (DOUBLINGS + 1));
+        let shorter = |code: &mut Self, angle: &Term| {
+            let scaled = code.0.scale(&shortest, angle);
+            code.0.whole(&scaled)
+        };
+        let [a1, a2, a3] = [0, 1, 2].map(|l| shorter(self, &angles[l]));
+        let [one, half] = [self.0.one(), self.0.constant(&Rational::new(1, 2))];
+        let squares = [0, 1, 2].map(|l| self.product(&[&m[l], &m[l]]));
+        let [s1, s2, s3] = squares.each_ref();
+        let big_p = self.whole(&[(1, &[&a3, s2]), (-1, &[&a2, s3])]);
+        let big_q = self.whole(&[(1, &[&a1, s2]), (-1, &[&a2, s1])]);
+        let big_r = self.whole(&[(1, &[&a3, s1]), (-1, &[&a1, s3])]);
+        let (p, q) = (
+            self.whole(&[(1, &[&a1, &big_p])]),
+            self.whole(&[(1, &[&a3, &big_q])]),
+        );
+        let far = self.sum(&[(1, &[&p, &p]), (1, &[&q, &q])]);
+        let inverse = Rational::new(FARTHEST.1, FARTHEST.0);
+        let square = &inverse * &inverse;
+        let far = self.0.scale(&(&square * &square), &far);
+        let far = self.0.apply_analytic(WITHIN, 0, &far);
+        let p = self.sum(&[(1, &[&p]), (1, &[&far])]);
+        let (e, f) = (self.sum(&[(1, &[&p]), (1, &[&q])]), self.product(&[&p, &q]));
+        let product = self.product(&[&big_p, &big_q]);
+        // S, C, D over the shortest time.
+        let s = self.sine(&e, &f);
+        let mut s = self.0.whole(&s);
+        let w = self.product(&[&s, &s]);
+        let (x, y) = (self.product(&[&p, &w]), self.product(&[&q, &w]));
+        let [mut c, mut d] = [&x, &y].map(|x| {
+            let square = self.sum(&[(1, &[&one]), (-1, &[x])]);
+            self.function(Function::Sqrt, &square)
+        });
+        let (mut gamma, b2) = self.attitude(
+            &[a1.clone(), a3.clone()],
+            squares.each_ref(),
+            &big_r,
+            [&e, &f, &q],
+            &w,
+        );
+        let mut b2 = self.whole(&[(1, &[&s, &w, &b2])]);
+        let mut alpha = self.sum(&[(1, &[&one]), (-1, &[&gamma])]);
+        let above = self.sum(&[(1, &[&b2]), (1, &[&alpha, &a3, &s])]);
+        let b1 = self.0.divide(&above, &d).expect("D is not 0");
+        let mut b1 = self.0.whole(&b1);
+        let above = self.sum(&[(1, &[&b2]), (-1, &[&alpha, &a1, &s])]);
+        let b3 = self.0.divide(&above, &c).expect("C is not 0");
+        let mut b3 = self.0.whole(&b3);
+        for _ in 0..DOUBLINGS {
+            let w = self.product(&[&s, &s]);
+            let (x, y) = (self.product(&[&p, &w]), self.product(&[&q, &w]));
+            let xy = self.product(&[&x, &y]);
+            let below = self.sum(&[(1, &[&half]), (-1, &[&half, &xy])]);
+            let r = self.reciprocal(&below);
+            let r = self.0.whole(&r);
+            let (sc, sd, cd) = (
+                self.product(&[&s, &c]),
+                self.product(&[&s, &d]),
+                self.product(&[&c, &d]),
+            );
+            let square = self.product(&[&b2, &b2, &product, &w]);
+            let next = self.sum(&[
+                (1, &[&gamma]),
+                (1, &[&gamma, &alpha]),
+                (-1, &[&xy]),
+                (-1, &[&square]),
+            ]);
+            gamma = self.product(&[&r, &next]);
+            let first = self.sum(&[(1, &[&alpha, &b1, &c]), (-1, &[&b2, &b3, &big_p, &sd])]);
+            let second = self.sum(&[(1, &[&alpha, &b2, &cd]), (1, &[&b3, &b1, &big_r, &s])]);
+            let third = self.sum(&[(1, &[&alpha, &b3, &d]), (1, &[&b1, &b2, &big_q, &sc])]);
+            [b1, b2, b3] = [first, second, third].map(|b| self.product(&[&r, &b]));
+            s = self.product(&[&r, &s, &cd]);
+            let fall = self.sum(&[(1, &[&x]), (-1, &[&xy])]);
+            c = self.sum(&[(1, &[&one]), (-1, &[&r, &fall])]);
+            let fall = self.sum(&[(1, &[&y]), (-1, &[&xy])]);
+            d = self.sum(&[(1, &[&one]), (-1, &[&r, &fall])]);
+            alpha = self.sum(&[(1, &[&one]), (-1, &[&gamma])]);
+        }
+        // The quaternion about the state between, which is half of the time away; both times 1 − a₁a₃S²m₂².
+        let s_m1 = self.product(&[&s, &m[0]]);
+        let (s_m2, s_m3) = (self.product(&[&s, &m[1]]), self.product(&[&s, &m[2]]));
+        let between = [
+            self.sum(&[(1, &[&m[0], &c]), (1, &[&a1, &d, &s_m2, &m[2]])]),
+            self.sum(&[(1, &[&m[1], &c, &d]), (1, &[&a2, &s_m3, &m[0]])]),
+            self.sum(&[(1, &[&m[2], &d]), (1, &[&a3, &c, &s_m1, &m[1]])]),
+        ];
+        let below = self.sum(&[(1, &[&one]), (-1, &[&a1, &a3, &s_m2, &s_m2])]);
+        vec![
+            self.product(&[&alpha, &below]),
+            self.product(&[&b1, &between[0]]),
+            self.product(&[&b2, &between[1]]),
+            self.product(&[&b3, &between[2]]),
+        ]
+    }
+
+    /// S(1) = Σ cⱼ with (2j)(2j + 1)cⱼ = −e cⱼ₋₁ + 2f Σ c_k c_l c_m, k + l + m = j − 2: of S″ = −eS + 2fS³.
+    fn sine(&mut self, e: &Term, f: &Term) -> Term {
+        // The numbers in front of eⁱfˡ, cⱼ having those with i + 2l = j.
+        let mut series: Vec<Vec<Rational>> = vec![vec![Rational::one()]];
+        for j in 1..=TERMS {
+            let mut next = vec![Rational::zero(); j / 2 + 1];
+            for (l, number) in series[j - 1].iter().enumerate() {
+                next[l] = -number.clone();
+            }
+            for k in 0..(j - 1) {
+                for l in 0..(j - 1 - k) {
+                    for (u, a) in series[k].iter().enumerate() {
+                        for (v, b) in series[l].iter().enumerate() {
+                            for (w, c) in series[j - 2 - k - l].iter().enumerate() {
+                                let product = &(&(a * b) * c) * &Rational::from_integer(2);
+                                next[u + v + w + 1] += &product;
+                            }
+                        }
+                    }
+                }
+            }
+            let share = Rational::new(1, (2 * j * (2 * j + 1)) as i64);
+            series.push(next.iter().map(|number| number * &share).collect());
+        }
+        let of_f = (0..=TERMS / 2).map(|l| {
+            let of_e = (2 * l..=TERMS).map(|j| self.0.constant(&series[j][l]));
+            let of_e: Vec<Term> = of_e.collect();
+            self.horner(&of_e, e)
+        });
+        let of_f: Vec<Term> = of_f.collect();
+        self.horner(&of_f, f)
+    }
+
+    /// 1 − α and β₂/S³ as series in w = S², at κ₂ = 0.
+    fn attitude(
+        &mut self,
+        [a1, a3]: &[Term; 2],
+        squares: [&Term; 3],
+        big_r: &Term,
+        [e, f, q]: [&Term; 3],
+        w: &Term,
+    ) -> (Term, Term) {
+        let [s1, s2, s3] = squares;
+        let both = self.product(&[a1, a3]);
+        let length = self.sum(&[(1, &[s1]), (1, &[s2]), (1, &[s3])]);
+        let (by_length, by_r) = (
+            self.whole(&[(1, &[&both, &length])]),
+            self.whole(&[(1, &[&both, big_r])]),
+        );
+        let h = self.sum(&[(1, &[q]), (-1, &[a1, big_r])]);
+        // α_k in front of wᵏ, b_k in front of S³wᵏ.
+        let (mut alpha, mut b): (Vec<Term>, Vec<Term>) = (vec![self.0.one()], Vec::new());
+        for k in 0..=TERMS {
+            let (n, zero) = (k as i64, self.0.zero());
+            let before = |list: &[Term], by: usize| {
+                k.checked_sub(by)
+                    .map_or_else(|| zero.clone(), |at| list[at].clone())
+            };
+            if k > 0 {
+                let (last, last_but_one, turned) =
+                    (before(&alpha, 1), before(&alpha, 2), before(&b, 2));
+                let factor = self.sum(&[(2 * (n - 1), &[e]), (-1, &[&h])]);
+                let next = self.sum(&[
+                    (1, &[&factor, &last]),
+                    (5 - 2 * n, &[f, &last_but_one]),
+                    (-1, &[big_r, &turned]),
+                ]);
+                let next = self.0.scale(&Rational::new(1, 2 * n), &next);
+                alpha.push(self.0.whole(&next));
+            }
+            // β₂ is of the third order.
+            if k + 2 <= TERMS {
+                let (last, last_but_one) = (before(&b, 1), before(&b, 2));
+                let factor = self.sum(&[(2 * n + 1, &[e]), (-1, &[&by_length])]);
+                let next = self.sum(&[
+                    (1, &[&factor, &last]),
+                    (2 - 2 * n, &[f, &last_but_one]),
+                    (-1, &[&by_r, &alpha[k]]),
+                ]);
+                let next = self.0.scale(&Rational::new(1, 2 * n + 3), &next);
+                b.push(self.0.whole(&next));
+            }
+        }
+        let rise = self.horner(&alpha[1..], w);
+        let gamma = self.whole(&[(-1, &[&rise, w])]);
+        (gamma, self.horner(&b, w))
+    }
+
+    /// The quaternion (cos ½κ₂|m|t, sin ½κ₂|m|t m/|m|), from κ₂t.
+    fn turn_about(&mut self, angle: &Term, m: &[Term; 3]) -> Vec<Term> {
+        let shortest = Rational::new(1, 1 << (DOUBLINGS_ABOUT_M + 1));
+        let angle = self.0.scale(&shortest, angle);
+        let square = self.sum(&[
+            (1, &[&m[0], &m[0]]),
+            (1, &[&m[1], &m[1]]),
+            (1, &[&m[2], &m[2]]),
+        ]);
+        let z = self.product(&[&angle, &angle, &square]);
+        let far = self.0.scale(&Rational::from_integer(16), &z);
+        let far = self.0.apply_analytic(WITHIN, 0, &far);
+        let z = self.sum(&[(1, &[&z]), (1, &[&far])]);
+        // sin θ/θ and (1 − cos θ)/θ², θ² = z ≤ 1/16.
+        let mut number = Rational::one();
+        let (mut odd, mut even) = (Vec::new(), Vec::new());
+        for k in 0..6 {
+            odd.push(self.0.constant(&number));
+            number = &number * &Rational::new(1, 2 * k + 2);
+            even.push(self.0.constant(&number));
+            number = &number * &Rational::new(-1, 2 * k + 3);
+        }
+        let odd = self.horner(&odd, &z);
+        let even = self.horner(&even, &z);
+        let mut sine = self.product(&[&angle, &odd]);
+        let mut versine = self.product(&[&z, &even]);
+        let (one, two) = (self.0.one(), self.0.constant(&Rational::from_integer(2)));
+        for _ in 0..DOUBLINGS_ABOUT_M {
+            let fall = self.sum(&[(1, &[&one]), (-1, &[&versine])]);
+            sine = self.sum(&[(2, &[&sine, &fall])]);
+            sine = self.0.whole(&sine);
+            let rest = self.sum(&[(1, &[&two]), (-1, &[&versine])]);
+            versine = self.sum(&[(2, &[&versine, &rest])]);
+            versine = self.0.whole(&versine);
+        }
+        let mut turn = vec![self.sum(&[(1, &[&one]), (-1, &[&versine])])];
+        turn.extend(m.iter().map(|m| self.product(&[&sine, m])));
+        turn
+    }
+}
