@@ -188,7 +188,7 @@ impl FreeBody {
         let angles = lift(graph, ring, &wanted, x)?;
         let mut code = Code(graph);
         let m = code.components(&self.vectors[0], x);
-        let mut turn = code.turn(&angles, &m);
+        let mut turn = code.turn(&angles, &m, self.vectors.len() == 1);
         let mut increment = vec![code.0.zero(); x.len()];
         for (at, vector) in self.vectors.iter().enumerate() {
             if at == 1 {
@@ -404,8 +404,9 @@ impl Code<'_> {
         .collect()
     }
 
-    /// The quaternion of the body's rotation from m on less that by κ₂ about m, from the a_l times t.
-    fn turn(&mut self, angles: &[Term], m: &[Term; 3]) -> Vec<Term> {
+    /// The quaternion of the body's rotation from m on less that by κ₂ about m, from the a_l times t. Where m is alone, any rotation
+    /// serves that turns it as the body does: the one with β₂ = 0 needs neither α nor the β_l.
+    fn turn(&mut self, angles: &[Term], m: &[Term; 3], is_alone: bool) -> Vec<Term> {
         let shortest = Rational::new(1, 1 << (DOUBLINGS + 1));
         let shorter = |code: &mut Self, angle: &Term| {
             let scaled = code.0.scale(&shortest, angle);
@@ -485,7 +486,7 @@ impl Code<'_> {
             d = self.sum(&[(1, &[&one]), (-1, &[&r, &fall])]);
             alpha = self.sum(&[(1, &[&one]), (-1, &[&gamma])]);
         }
-        // The quaternion about the state between, which is half of the time away; both times 1 − a₁a₃S²m₂².
+        // About the state between, which is half of the time away; that state and α times 1 − a₁a₃S²m₂².
         let s_m1 = self.product(&[&s, &m[0]]);
         let (s_m2, s_m3) = (self.product(&[&s, &m[1]]), self.product(&[&s, &m[2]]));
         let between = [
@@ -493,13 +494,22 @@ impl Code<'_> {
             self.sum(&[(1, &[&m[1], &c, &d]), (1, &[&a2, &s_m3, &m[0]])]),
             self.sum(&[(1, &[&m[2], &d]), (1, &[&a3, &c, &s_m1, &m[1]])]),
         ];
+        if is_alone {
+            alpha = self.product(&[&c, &d]);
+            b1 = self.product(&[&a3, &s, &c]);
+            b2 = self.0.zero();
+            b3 = self.sum(&[(-1, &[&a1, &s, &d])]);
+        }
         let below = self.sum(&[(1, &[&one]), (-1, &[&a1, &a3, &s_m2, &s_m2])]);
-        vec![
-            self.product(&[&alpha, &below]),
-            self.product(&[&b1, &between[0]]),
-            self.product(&[&b2, &between[1]]),
-            self.product(&[&b3, &between[2]]),
-        ]
+        let mut turn = vec![self.product(&[&alpha, &below])];
+        let factors = [b1, b2, b3];
+        turn.extend(
+            factors
+                .iter()
+                .zip(&between)
+                .map(|(b, m)| self.product(&[b, m])),
+        );
+        turn
     }
 
     /// S(1) = Σ cⱼ with (2j)(2j + 1)cⱼ = −e cⱼ₋₁ + 2f Σ c_k c_l c_m, k + l + m = j − 2: of S″ = −eS + 2fS³.

@@ -25,10 +25,11 @@ static INFO: PartInfo = PartInfo {
     name: NAME,
     summary: "Strang's product of exact flows of the Hamiltonian's pieces, found from the formulas",
     declares: "order 2; self-adjoint; exactly Poisson; explicit",
-    domain: "Hamiltonians whose terms have flows that are polynomial, exponential or rotations",
+    domain: "Hamiltonians whose terms have flows that are polynomial, exponential or rotations, or free rigid bodies",
     literature: "Strang, On the construction and comparison of difference schemes (1968); \
                  McLachlan, Quispel, Splitting methods, Acta Numerica 11 (2002); Hairer, Lubich, \
-                 Wanner, Geometric Numerical Integration, section VII.4.2",
+                 Wanner, Geometric Numerical Integration, section VII.4.2; bodies: van Zon, Schofield, J. Comput. Phys. 225 \
+                 (2007); Celledoni, Fassò, Säfström, Zanna, SIAM J. Sci. Comput. 30 (2008)",
     parameters: &[
         ParameterInfo {
             name: ORDER,
@@ -44,7 +45,10 @@ static INFO: PartInfo = PartInfo {
         },
     ],
     family: Some(Family::Splitting),
-    compared: Some(Compared::at(1)),
+    compared: Some(Compared {
+        rank: 1,
+        settings: &[&[], &[(BODIES, ParameterDefault::Text(WHOLE))]],
+    }),
     reference: Some(&[]),
     ..PartInfo::of(PartKind::Stepper)
 };

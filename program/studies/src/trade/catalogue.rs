@@ -92,13 +92,20 @@ impl Catalogue<'_> {
             }
         }
         for family in [Family::Splitting, Family::Poisson] {
-            for stepper in self.bench.registry().family(family) {
-                let stepper = PartUse::named(stepper.name);
+            let steppers = self.bench.registry().family(family).into_iter();
+            for stepper in steppers.flat_map(compared) {
                 let base = MethodTable::stepper(stepper.clone());
                 let candidate = self.build(&base);
+                // A setting for systems of a kind is no method of the others.
+                let misfit = candidate.as_ref().is_err_and(|reason| reason != UNBUILT);
+                if misfit && !stepper.parameters.is_empty() {
+                    continue;
+                }
                 let pieces = candidate.as_ref().ok().map(|c| c.run.method.map().pieces());
                 self.add_built(base.clone(), candidate);
-                if let Some(pieces) = pieces {
+                // One piece is the motion itself.
+                let is_exact = family == Family::Splitting && pieces == Some(1);
+                if let Some(pieces) = pieces.filter(|_| !is_exact) {
                     self.compositions(&base, 2);
                     if family == Family::Splitting {
                         self.factors(&stepper, pieces);
