@@ -103,7 +103,10 @@ fn the_standard_methods_of_a_rigid_body_are_compared_and_the_front_is_theirs() {
         }
         assert!(a.wall.is_none(), "not asked for");
     }
-    assert!(measured().filter(|(_, m)| m.front.poisson).count() >= 5);
+    // The body's exact flow is the motion at any step: on the front no other Poisson map errs less.
+    let on_front = measured().filter(|(_, m)| m.front.poisson);
+    let most_accurate = on_front.min_by(|(_, a), (_, b)| a.error.total_cmp(&b.error));
+    assert_eq!(most_accurate.expect("a front").0.name, "splitting whole");
     // Each method got as far as the reference can tell, spent what it may, or stands at the finest
     // of the grid: a 2048th of the scene's step.
     let finest = 50 * 2048;

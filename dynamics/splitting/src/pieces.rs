@@ -118,8 +118,8 @@ fn whole_bodies(
     if bodies.is_empty() {
         return Err(BuildError::DoesNotFit {
             part: NAME,
-            reason: "no three variables whose brackets with one another and with others are those of so(3) have \
-                     their squares in its Hamiltonian, as a rigid body's momenta have: leave `bodies` at \"axes\""
+            reason: "its Hamiltonian has no squares of a rigid body's momenta, three variables that turn one another and \
+                     all that they move as so(3) does: leave `bodies` at \"axes\""
                 .to_owned(),
         });
     }
