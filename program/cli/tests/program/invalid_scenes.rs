@@ -150,7 +150,7 @@ fn contradictory_entries_are_both_named() {
         "\"x2,x3\" = \"-x1\"",
         "\"x2,x2\" = \"-x1\"",
         "4:35",
-        &["{x2,x2} is not zero"],
+        &["{x2, x2} is not zero"],
     );
 }
 
