@@ -229,7 +229,10 @@ fn every_scene_of_the_gallery_passes_its_check_and_runs_to_its_end() {
         let said = here.leafwise(&["run", path, "--json"]);
         assert_eq!(said.code, Some(0), "{path}\n{}", said.err);
         assert_eq!(said.json()["outcome"], "done", "{path}");
-        assert_eq!(said.json()["steps"].as_u64(), steps, "{path}");
+        // A scene that runs until a time takes as many as it takes.
+        if steps.is_some() {
+            assert_eq!(said.json()["steps"].as_u64(), steps, "{path}");
+        }
         if text.contains("[ensemble]") {
             let said = here.leafwise(&["ensemble", path, "--out", "members", "--json"]);
             assert_eq!(said.code, Some(0), "{path}\n{}", said.err);
