@@ -214,13 +214,16 @@ fn check_times(document: &SceneDocument) -> Result<(), Refusal> {
             );
         }
     }
-    match &run.until {
-        Some(until) if until.value.value * document.method.step.time_step() <= 0.0 => refuse(
+    // Neither number is NaN.
+    let never =
+        |until: &&Located<Number>| until.value.value * document.method.step.time_step() <= 0.0;
+    match run.until.as_ref().filter(never) {
+        Some(until) => refuse(
             until,
             format!("the run never comes to t = {}", until.value.literal),
             "it begins at t = 0 and goes the way of its steps: forwards where time-step is positive",
         ),
-        _ => Ok(()),
+        None => Ok(()),
     }
 }
 
