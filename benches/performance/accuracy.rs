@@ -97,6 +97,11 @@ fn ours<P: Problem + 'static>(orders: &[usize]) -> Vec<Box<dyn Contestant>> {
             ours.push(Box::new(Ours::<P>::new(name, Kind::StepMap, &method, most)));
         }
     }
+    for (name, value) in P::EXACT {
+        let method = format!("stepper = {value}");
+        let name = (*name).to_owned();
+        ours.push(Box::new(Ours::<P>::new(name, Kind::StepMap, &method, most)));
+    }
     ours
 }
 

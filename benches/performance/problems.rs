@@ -16,6 +16,8 @@ pub trait Problem: Flows<State = [f64; 3]> {
     const HAMILTONIANS: &'static [&'static str];
     /// Poisson step maps of order 2 that take compositions: names, and what a scene calls them.
     const STEPPERS: &'static [(&'static str, &'static str)];
+    /// Exact flows, which no composition improves.
+    const EXACT: &'static [(&'static str, &'static str)] = &[];
     /// ẋ.
     fn field(x: &[f64; 3]) -> [f64; 3];
     /// The Casimir, and its largest summand.
@@ -39,6 +41,10 @@ impl Problem for RigidBody {
         ("splitting", "\"splitting\""),
         ("spherical-midpoint", "\"spherical-midpoint\""),
     ];
+    const EXACT: &'static [(&'static str, &'static str)] = &[(
+        "splitting whole",
+        "{ name = \"splitting\", bodies = \"whole\" }",
+    )];
 
     #[inline(always)]
     fn field(x: &[f64; 3]) -> [f64; 3] {
