@@ -8,7 +8,7 @@
 //! Casimir of it (P. A. M. Dirac, *Lectures on Quantum Mechanics*, Yeshiva University, 1964, lecture 1; J. E.
 //! Marsden, T. S. Ratiu, *Introduction to Mechanics and Symmetry*, second edition, section 8.5).
 //!
-//! Inverses are adjugates over Pfaffians ([`pfaffian`](super::pfaffian)), formed twice: in the exact ring, which tells
+//! Inverses are adjugates over Pfaffians (`pfaffian`), formed twice: in the exact ring, which tells
 //! what vanishes and where quotients end, and as code, which expands nothing. The shorter one is taken.
 
 use std::collections::BTreeMap;
