@@ -7,8 +7,8 @@ use std::collections::BTreeSet;
 use leafwise_expression::syntax::{DEPTH_LIMIT, Formula, Scope};
 
 use super::Refusal;
-use super::extended::{TIME, names_time};
 use super::names::{declared, function, parse};
+use super::time::{TIME, names_time};
 use crate::document::{Located, SceneDocument};
 
 /// The names of a scene with its families at the given lengths, and what it defines; `N` as a number stays

@@ -13,20 +13,15 @@
 //! in the extended phase-space*, Celestial Mechanics 11 (1975); E. Hairer, *Variable time step integration with symplectic
 //! methods*, Applied Numerical Mathematics 25 (1997)).
 
-use std::collections::BTreeSet;
-
 use leafwise_expression::Expression;
-use leafwise_expression::syntax::{Formula, Scope};
+use leafwise_expression::syntax::Scope;
 
 use super::Refusal;
 use super::definitions;
-use super::lattice::DENSE_LIMIT;
 use super::names::function;
 use super::tensor::Entries;
-use crate::document::{BracketSpec, Convention, InitialSpec, Located, Place, SceneDocument};
-
-/// What formulas call the time.
-pub(super) const TIME: &str = "t";
+use super::time::{TIME, declares_time, wants_time};
+use crate::document::{Convention, Located, SceneDocument};
 
 /// What messages call the coordinate conjugate to the time: no name of a formula.
 const ENERGY: &str = "-H";
@@ -57,38 +52,17 @@ impl Extension {
     /// `scope`, which is given its name and the definitions that name it.
     ///
     /// # Errors
-    /// A lattice too long to be written out, and what is wrong with the pace.
+    /// What is wrong with the pace.
     pub(super) fn of(
         document: &SceneDocument,
         lengths: &[usize],
         scope: &mut Scope,
     ) -> Result<Option<Self>, Refusal> {
-        let (hamiltonian, pace) = (&document.system.hamiltonian, &document.method.pace);
-        let one_form = match &document.system.bracket.value {
-            BracketSpec::OneForm(components) => &components[..],
-            _ => &[],
-        };
-        let mut may_name = std::iter::once(hamiltonian).chain(one_form);
-        let is_named = may_name.any(|formula| names_time(document, formula));
-        if !is_named && pace.is_none() {
+        if wants_time(document).is_none() {
             return Ok(None);
         }
         let coordinates = document.system.dimension();
-        if !document.system.families.is_empty() && coordinates > DENSE_LIMIT {
-            let (formula, what) = match pace {
-                Some(pace) if !is_named => (pace, "a pace"),
-                _ => (hamiltonian, "a Hamiltonian that names the time t"),
-            };
-            return Err(Box::new(document.diagnostic(
-                &document.place_in_formula(formula, 0..formula.value.len()),
-                format!(
-                    "{what} is not offered on a lattice of more than {DENSE_LIMIT} coordinates, and this one has \
-                     {coordinates}: every site moves t's energy"
-                ),
-                "here",
-                Some("shorten the lattice".to_owned()),
-            )));
-        }
+        let pace = &document.method.pace;
         if !declares_time(document) {
             *scope = definitions::scope(document, lengths, Some(coordinates))?;
         }
@@ -203,89 +177,4 @@ fn read_pace(
         text: text.value.clone(),
         formula: function(document, scope, text)?,
     })
-}
-
-/// Whether a formula names the time, which no declared name hides, or a definition that does.
-pub(super) fn names_time(document: &SceneDocument, formula: &Located<String>) -> bool {
-    !declares_time(document) && leads_to_time(document, formula, &mut BTreeSet::new())
-}
-
-/// Whether a name is that of the time, or of a definition that names it.
-pub(super) fn is_time(document: &SceneDocument, name: &str) -> bool {
-    let mut define = document.system.define.iter();
-    let defined = define.find(|(defined, _)| defined.value == name);
-    match defined {
-        Some((_, formula)) => names_time(document, formula),
-        None => name == TIME,
-    }
-}
-
-/// `seen` holds the definitions that were followed.
-fn leads_to_time<'a>(
-    document: &'a SceneDocument,
-    formula: &'a Located<String>,
-    seen: &mut BTreeSet<&'a str>,
-) -> bool {
-    let Ok(parsed) = Formula::parse(&formula.value) else {
-        return false;
-    };
-    let names = parsed.references();
-    let mut define = document.system.define.iter();
-    names.contains(TIME)
-        || define.any(|(name, formula)| {
-            names.contains(name.value.as_str())
-                && seen.insert(&name.value)
-                && leads_to_time(document, formula, seen)
-        })
-}
-
-fn declares_time(document: &SceneDocument) -> bool {
-    let system = &document.system;
-    let variables = system.variables.iter();
-    let families = system.families.iter().map(|(name, _)| name);
-    let parameters = system.parameters.iter().map(|(name, _)| name);
-    let defined = system.define.iter().map(|(name, _)| name);
-    let mut declared = variables.chain(families).chain(parameters).chain(defined);
-    declared.any(|name| name.value == TIME)
-}
-
-/// What is wrong with a formula that names the time and may not, with what to try.
-pub(super) fn about_time(
-    document: &SceneDocument,
-    formula: &Located<String>,
-) -> Option<(String, String)> {
-    let system = &document.system;
-    let is = |other: &Located<String>| other.place() == formula.place();
-    let within = |whole: &Place| {
-        let (outer, inner) = (&whole.span, &formula.span);
-        whole.source == formula.source && outer.start <= inner.start && inner.end <= outer.end
-    };
-    let told = |message: &str, help: &str| Some((message.to_owned(), help.to_owned()));
-    if system.casimirs.iter().any(|(_, casimir)| is(casimir)) {
-        return told(
-            "a Casimir cannot name the time t: it would move with it",
-            "a function of t and of Casimirs may stand in run.record.observables",
-        );
-    }
-    if within(&system.bracket.place()) {
-        return told(
-            "the bracket cannot name the time t: a motion keeps a bracket only where it does not change, and with t as \
-             a coordinate the Jacobi identity fails",
-            "a factor f(t) of the whole bracket belongs into the Hamiltonian; a magnetic field that changes comes with \
-             an electric one: write positions and canonical momenta, with the vector potential A(x, t) in H, or the bracket by a \
-             one-form, whose components may name t",
-        );
-    }
-    if let InitialSpec::Fields(fields) = &document.run.initial.value
-        && fields.iter().any(|(_, field)| is(field))
-    {
-        return told(
-            "the initial state cannot name the time t: every run begins at t = 0",
-            "begin later by another phase, as in cos(omega*t + phase) with a parameter",
-        );
-    }
-    told(
-        "the Hamiltonian does not name the time t, and no other formula may then",
-        "the first column of samples.csv is t",
-    )
 }

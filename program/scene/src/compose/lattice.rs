@@ -10,6 +10,7 @@ use super::definitions::scope;
 use super::instantiate::{geometry, instantiate};
 use super::names::{parse, refusal};
 use super::observables::{Observable, coordinate};
+use super::time::wants_time;
 use crate::document::{BracketSpec, Located, SceneDocument};
 
 /// A scene whose families are too long to be written out.
@@ -39,11 +40,23 @@ impl<'a> SceneLattice<'a> {
     /// one that is written out.
     ///
     /// # Errors
-    /// A scene that has single variables beside such families.
+    /// A scene that has single variables beside such families, or the time as a coordinate.
     pub fn of(document: &'a SceneDocument) -> Result<Option<Self>, Refusal> {
         let system = &document.system;
         if system.families.is_empty() || system.dimension() <= DENSE_LIMIT {
             return Ok(None);
+        }
+        if let Some((formula, what)) = wants_time(document) {
+            return Err(Box::new(document.diagnostic(
+                &document.place_in_formula(formula, 0..formula.value.len()),
+                format!(
+                    "{what} is not offered on a lattice of more than {DENSE_LIMIT} coordinates, and this one has {}: \
+                     every site moves t's energy",
+                    system.dimension()
+                ),
+                "here",
+                Some("shorten the lattice".to_owned()),
+            )));
         }
         if let Some(single) = system.variables.first() {
             return Err(Box::new(document.diagnostic(

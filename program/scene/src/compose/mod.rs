@@ -6,6 +6,7 @@
 //! - `forms`: tensors by one-forms, two-forms and constraints;
 //! - `instantiate`: templates over families written out at chosen lengths;
 //! - `system`: [`compose_system`], the Poisson system with its initial state;
+//! - `time`: where a scene names the time;
 //! - `extended`: the phase space with the time as a coordinate;
 //! - `initial`: the initial state;
 //! - `observables`: what a run watches and what it records;
@@ -42,6 +43,7 @@ mod system;
 mod tensor;
 #[cfg(test)]
 mod tests;
+mod time;
 
 pub use checks::{CasimirCheck, SceneChecks};
 pub use extended::{Extension, Pace};

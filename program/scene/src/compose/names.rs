@@ -4,7 +4,7 @@ use leafwise_expression::syntax::{self, Formula, Scope, SyntaxError, SyntaxError
 use leafwise_expression::{AlgebraError, Expression, Graph, Rational};
 
 use super::Refusal;
-use super::extended::{about_time, is_time};
+use super::time::{about_time, is_time};
 use crate::document::{Boundary, Located, Number, SceneDocument, nearest};
 
 /// The variables, parameters and families of a scene, with the families at the given lengths; `N` as a

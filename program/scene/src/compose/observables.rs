@@ -5,8 +5,8 @@ use leafwise_expression::Expression;
 use leafwise_expression::syntax::{Formula, Scope};
 
 use super::Refusal;
-use super::extended::TIME;
 use super::names::{function, refusal};
+use super::time::TIME;
 use crate::document::{Located, SceneDocument, nearest};
 
 /// One recorded quantity.

@@ -11,7 +11,6 @@ pub use known::{LIE_ALGEBRAS, LieAlgebra, StructureEntry};
 
 use super::Refusal;
 use super::names::exact;
-use super::tensor::Entries;
 use crate::document::{
     AlgebraSpec, LieAlgebraSpec, Located, Matrix, Place, SceneDocument, StructureConstant, nearest,
 };
@@ -24,7 +23,7 @@ pub(super) fn entries(
     document: &SceneDocument,
     spec: &LieAlgebraSpec,
     names: &[String],
-) -> Result<Entries, Refusal> {
+) -> Result<BTreeMap<(usize, usize), Expression>, Refusal> {
     let vectors = match &spec.representation {
         None => 0,
         Some(matrices) => size(document, matrices)?,

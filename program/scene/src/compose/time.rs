@@ -1,0 +1,111 @@
+//! Where a scene names the time.
+
+use std::collections::BTreeSet;
+
+use leafwise_expression::syntax::Formula;
+
+use crate::document::{BracketSpec, InitialSpec, Located, Place, SceneDocument};
+
+/// What formulas call the time.
+pub(super) const TIME: &str = "t";
+
+/// What makes the time a coordinate of a scene: a Hamiltonian or a one-form that names it, or a pace; the formula and what
+/// it is.
+pub(super) fn wants_time(document: &SceneDocument) -> Option<(&Located<String>, &'static str)> {
+    let hamiltonian = &document.system.hamiltonian;
+    if names_time(document, hamiltonian) {
+        return Some((hamiltonian, "a Hamiltonian that names the time t"));
+    }
+    if let BracketSpec::OneForm(form) = &document.system.bracket.value
+        && let Some(component) = form.iter().find(|formula| names_time(document, formula))
+    {
+        return Some((component, "a one-form that names the time t"));
+    }
+    document.method.pace.as_ref().map(|pace| (pace, "a pace"))
+}
+
+/// Whether a formula names the time, which no declared name hides, or a definition that does.
+pub(super) fn names_time(document: &SceneDocument, formula: &Located<String>) -> bool {
+    !declares_time(document) && leads_to_time(document, formula, &mut BTreeSet::new())
+}
+
+/// Whether a name is that of the time, or of a definition that names it.
+pub(super) fn is_time(document: &SceneDocument, name: &str) -> bool {
+    let mut define = document.system.define.iter();
+    let defined = define.find(|(defined, _)| defined.value == name);
+    match defined {
+        Some((_, formula)) => names_time(document, formula),
+        None => name == TIME,
+    }
+}
+
+/// `seen` holds the definitions that were followed.
+fn leads_to_time<'a>(
+    document: &'a SceneDocument,
+    formula: &'a Located<String>,
+    seen: &mut BTreeSet<&'a str>,
+) -> bool {
+    let Ok(parsed) = Formula::parse(&formula.value) else {
+        return false;
+    };
+    let names = parsed.references();
+    let mut define = document.system.define.iter();
+    names.contains(TIME)
+        || define.any(|(name, formula)| {
+            names.contains(name.value.as_str())
+                && seen.insert(&name.value)
+                && leads_to_time(document, formula, seen)
+        })
+}
+
+/// Whether a variable, family, parameter or definition is called t.
+pub(super) fn declares_time(document: &SceneDocument) -> bool {
+    let system = &document.system;
+    let variables = system.variables.iter();
+    let families = system.families.iter().map(|(name, _)| name);
+    let parameters = system.parameters.iter().map(|(name, _)| name);
+    let defined = system.define.iter().map(|(name, _)| name);
+    let mut declared = variables.chain(families).chain(parameters).chain(defined);
+    declared.any(|name| name.value == TIME)
+}
+
+/// What is wrong with a formula that names the time and may not, with what to try.
+pub(super) fn about_time(
+    document: &SceneDocument,
+    formula: &Located<String>,
+) -> Option<(String, String)> {
+    let system = &document.system;
+    let is = |other: &Located<String>| other.place() == formula.place();
+    let within = |whole: &Place| {
+        let (outer, inner) = (&whole.span, &formula.span);
+        whole.source == formula.source && outer.start <= inner.start && inner.end <= outer.end
+    };
+    let told = |message: &str, help: &str| Some((message.to_owned(), help.to_owned()));
+    if system.casimirs.iter().any(|(_, casimir)| is(casimir)) {
+        return told(
+            "a Casimir cannot name the time t: it would move with it",
+            "a function of t and of Casimirs may stand in run.record.observables",
+        );
+    }
+    if within(&system.bracket.place()) {
+        return told(
+            "the bracket cannot name the time t: a motion keeps a bracket only where it does not change, and with t as \
+             a coordinate the Jacobi identity fails",
+            "a factor f(t) of the whole bracket belongs into the Hamiltonian; a magnetic field that changes comes with \
+             an electric one: write positions and canonical momenta, with the vector potential A(x, t) in H, or the bracket by a \
+             one-form, whose components may name t",
+        );
+    }
+    if let InitialSpec::Fields(fields) = &document.run.initial.value
+        && fields.iter().any(|(_, field)| is(field))
+    {
+        return told(
+            "the initial state cannot name the time t: every run begins at t = 0",
+            "begin later by another phase, as in cos(omega*t + phase) with a parameter",
+        );
+    }
+    told(
+        "the Hamiltonian does not name the time t, and no other formula may then",
+        "the first column of samples.csv is t",
+    )
+}
