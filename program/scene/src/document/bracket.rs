@@ -72,7 +72,7 @@ pub(super) fn read_bracket(item: &Item<'_>, problems: &mut Problems) -> Option<B
             .table("two-form", "a table of pairs of variables", problems)
             .and_then(|table| entries(&table, problems))
             .map(BracketSpec::TwoForm),
-        _ => matrix(kind, problems).map(BracketSpec::LogCanonical),
+        _ => kind.square_matrix(problems).map(BracketSpec::LogCanonical),
     };
     spec.filter(|_| alone)
 }
@@ -104,34 +104,4 @@ fn check_pair(entry: &Item<'_>, problems: &mut Problems) {
             entry.key.place(),
         );
     }
-}
-
-/// A square matrix of numbers, by its rows.
-pub(super) fn matrix(
-    item: &Item<'_>,
-    problems: &mut Problems,
-) -> Option<Vec<Vec<Located<Number>>>> {
-    let rows = item.list("a list of rows of numbers", problems)?;
-    let count = rows.len();
-    let mut matrix = Vec::with_capacity(count);
-    let mut is_square = true;
-    for row in &rows {
-        let Some(numbers) = row.list_of("a row of numbers", problems, Item::number) else {
-            is_square = false;
-            continue;
-        };
-        if numbers.len() != count {
-            is_square = false;
-            problems.push(
-                SceneProblemCause::Shape {
-                    what: row.title.clone(),
-                    found: format!("{} entries", numbers.len()),
-                    expected: format!("{count}, as many as there are rows"),
-                },
-                row.place(),
-            );
-        }
-        matrix.push(numbers);
-    }
-    is_square.then_some(matrix)
 }

@@ -1,6 +1,5 @@
 //! `lie-algebra = …`: a Lie algebra by its name or its structure constants, and the vectors that it acts on.
 
-use super::bracket::matrix;
 use super::error::SceneProblemCause;
 use super::located::{Located, Number};
 use super::reader::{Item, Problems};
@@ -84,7 +83,7 @@ pub(super) fn read_lie_algebra(item: &Item<'_>, problems: &mut Problems) -> Opti
             .list_of(
                 "a list of matrices, one for each e_i",
                 problems,
-                |each, problems| Some(Located::new(matrix(each, problems)?, each.place())),
+                |each, problems| Some(Located::new(each.square_matrix(problems)?, each.place())),
             )
             .map(|matrices| Some(Located::new(matrices, item.place()))),
     };

@@ -300,6 +300,33 @@ impl<'a> Item<'a> {
         values.into_iter().collect()
     }
 
+    /// A square matrix of numbers, by its rows.
+    pub fn square_matrix(&self, problems: &mut Problems) -> Option<Vec<Vec<Located<Number>>>> {
+        let rows = self.list("a list of rows of numbers", problems)?;
+        let count = rows.len();
+        let mut matrix = Vec::with_capacity(count);
+        let mut is_square = true;
+        for row in &rows {
+            let Some(numbers) = row.list_of("a row of numbers", problems, Item::number) else {
+                is_square = false;
+                continue;
+            };
+            if numbers.len() != count {
+                is_square = false;
+                problems.push(
+                    SceneProblemCause::Shape {
+                        what: row.title.clone(),
+                        found: format!("{} entries", numbers.len()),
+                        expected: format!("{count}, as many as there are rows"),
+                    },
+                    row.place(),
+                );
+            }
+            matrix.push(numbers);
+        }
+        is_square.then_some(matrix)
+    }
+
     /// A table; `title` is what messages call it.
     pub fn table(&self, title: &str, expected: &str, problems: &mut Problems) -> Option<Table<'a>> {
         match self.value {

@@ -27,7 +27,7 @@ pub(super) const CASES: [Case; 2] = [
 ];
 
 /// Scenes that between them hold every key of [`scene_keys`].
-pub const SCENES_WITH_EVERY_KEY: [&str; 10] = [
+pub const SCENES_WITH_EVERY_KEY: [&str; 11] = [
     r#"
     plugins = []
     [system]
@@ -104,8 +104,21 @@ pub const SCENES_WITH_EVERY_KEY: [&str; 10] = [
     r#"
     [system]
     variables   = ["x1", "x2", "x3"]
-    bracket     = { lie-algebra = "so3" }
+    bracket     = { lie-algebra = { name = "so3" } }
     hamiltonian = "x1^2 + x2^2/2"
+    [method]
+    realization = "auto"
+    dynamics    = "auto"
+    time-step   = 0.05
+    [run]
+    initial = [1, 2, 3]
+    steps   = 10
+    "#,
+    r#"
+    [system]
+    variables   = ["l", "g1", "g2"]
+    bracket     = { lie-algebra = { structure = [[1, 1, 1, 0]], representation = [[[0, -1], [1, 0]]] } }
+    hamiltonian = "l^2/2 - g1"
     [method]
     realization = "auto"
     dynamics    = "auto"
