@@ -39,7 +39,9 @@ fn the_reference_is_as_near_to_the_flow_as_it_says() {
                 .collect()
         };
         let (id, initial) = (flow["system"].as_str().expect("a name"), list("initial"));
-        let document = scene(id, &format!("{initial:?}"), 0.1, 10);
+        let time = flow["time"].as_str().expect("a decimal");
+        let step = time.parse::<f64>().expect("a number") / 10.0;
+        let document = scene(id, &format!("{initial:?}"), step, 10);
         let bench = Bench::new(&document, &registry, None).expect("a bench");
         let reference = Reference::compute(&bench, Judged::AtTheEnd).expect("a reference");
         let error = distance(&reference.state, &list("final"));

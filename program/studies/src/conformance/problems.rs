@@ -17,8 +17,8 @@ const LIBRARY: [&str; 5] = [
     "heavy-top",
 ];
 
-/// Canonical systems: a pendulum, and Hénon and Heiles'.
-const CANONICAL: [(&str, &str); 2] = [
+/// Canonical systems, a pendulum and Hénon and Heiles', and a spin that drives an oscillator: a direct sum.
+const WRITTEN: [(&str, &str); 3] = [
     (
         "pendulum",
         "[system]\nvariables = [\"q\", \"p\"]\nbracket = { \"q,p\" = \"-1\" }\n\
@@ -32,11 +32,19 @@ const CANONICAL: [(&str, &str); 2] = [
          hamiltonian = \"(p1^2 + p2^2 + q1^2 + q2^2)/2 + q1^2*q2 - q2^3/3\"\n\
          [method]\ntime-step = 0.1\n[run]\ninitial = [0.3, 0.1, -0.2, 0.25]\nsteps = 1\n",
     ),
+    (
+        "spin and oscillator",
+        "[system]\nvariables = [\"x\", \"y\", \"z\", \"q\", \"p\"]\n\
+         bracket = { \"x,y\" = \"-z\", \"y,z\" = \"-x\", \"z,x\" = \"-y\", \"q,p\" = \"-1\" }\n\
+         hamiltonian = \"x^2/2 + y^2/3 + z^2/4 + (p^2 + q^2)/2 + q*x/5\"\n\
+         casimirs = { spin = \"x^2 + y^2 + z^2\" }\n\
+         [method]\ntime-step = 0.1\n[run]\ninitial = [0.6, -0.3, 0.7, 0.4, 0.2]\nsteps = 1\n",
+    ),
 ];
 
 /// The problems of the library, and those of plugins.
 pub(super) fn all(registry: &Registry) -> Vec<Problem> {
-    let canonical = CANONICAL.into_iter().map(|(name, text)| {
+    let written = WRITTEN.into_iter().map(|(name, text)| {
         let document =
             SceneDocument::parse(name, text, &Registry::empty()).expect("a scene of this file");
         Problem::of_scene(&document).expect("a system of this file")
@@ -44,10 +52,7 @@ pub(super) fn all(registry: &Registry) -> Vec<Problem> {
     let library = LIBRARY
         .into_iter()
         .map(|id| Problem::of_library(id).expect("a system of the library"));
-    library
-        .chain(canonical)
-        .chain(of_plugins(registry))
-        .collect()
+    library.chain(written).chain(of_plugins(registry)).collect()
 }
 
 /// The systems that plugins added to the registry.
