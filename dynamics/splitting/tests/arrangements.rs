@@ -5,12 +5,9 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
-use std::sync::Arc;
-
-use crate::common::{Problem, distance, gauss, largest, library, run, step, toda};
+use crate::common::{Problem, distance, gauss, largest, library, run, splitting, step, toda};
 use leafwise_composition::{Composed, Scheme};
 use leafwise_core::diagnostics::{TensorDefect, fit_slope};
-use leafwise_core::registry::Registry;
 use leafwise_core::solver::StepMap;
 use leafwise_core::{BuildError, Convention, Integrator, PartParameters, Pieces, PoissonSystem};
 
@@ -41,15 +38,6 @@ fn henon_heiles() -> Problem {
 
 fn pendulum() -> Problem {
     canonical("pendulum", "p1^2/2 - cos(q1)", &[1.0, 0.5])
-}
-
-fn splitting(
-    system: &PoissonSystem,
-    parameters: &PartParameters,
-) -> Result<Arc<dyn StepMap>, BuildError> {
-    let registry = Registry::with_builtin();
-    let part = registry.stepper("splitting").expect("a built-in stepper");
-    part.build(system, parameters)
 }
 
 fn composed(system: &PoissonSystem, name: &str) -> Result<Composed, BuildError> {

@@ -7,22 +7,12 @@
 
 use std::sync::Arc;
 
-use crate::common::{Problem, distance, gauss, largest, library, observe, run, step};
+use crate::common::{Problem, distance, gauss, largest, library, observe, run, splitting, step};
 use leafwise_composition::{Composed, Scheme};
 use leafwise_core::diagnostics::{TensorDefect, fit_slope};
-use leafwise_core::registry::Registry;
 use leafwise_core::solver::{StepMap, Structure};
 use leafwise_core::{BuildError, PartParameters, PoissonSystem};
 use proptest::prelude::*;
-
-fn splitting(
-    system: &PoissonSystem,
-    parameters: &PartParameters,
-) -> Result<Arc<dyn StepMap>, BuildError> {
-    let registry = Registry::with_builtin();
-    let part = registry.stepper("splitting").expect("a built-in stepper");
-    part.build(system, parameters)
-}
 
 fn whole(system: &PoissonSystem) -> Result<Arc<dyn StepMap>, BuildError> {
     splitting(system, &PartParameters::new().with("bodies", "whole"))

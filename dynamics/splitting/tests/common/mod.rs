@@ -4,9 +4,23 @@
 #[path = "../../../composition/tests/common/mod.rs"]
 mod oracle;
 
-use leafwise_core::{Convention, PoissonSystem};
+use std::sync::Arc;
+
+use leafwise_core::registry::Registry;
+use leafwise_core::solver::StepMap;
+use leafwise_core::{BuildError, Convention, PartParameters, PoissonSystem};
 pub use oracle::{distance, gauss, largest, observe, run, step};
 use toml::{Table, Value};
+
+/// The splitting of a system.
+pub fn splitting(
+    system: &PoissonSystem,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn StepMap>, BuildError> {
+    let registry = Registry::with_builtin();
+    let part = registry.stepper("splitting").expect("a built-in stepper");
+    part.build(system, parameters)
+}
 
 /// A system's text with a state to start from.
 pub struct Problem {

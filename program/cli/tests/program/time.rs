@@ -119,10 +119,14 @@ fn methods_are_compared_by_the_scenes_own_coordinates() {
     assert_eq!(tune.code, Some(0), "{}", tune.err);
 }
 
-/// Runs the scene with one text changed, which must be refused at `place` with every piece said.
+/// Runs the driven scene with one text changed, which must be refused at `place` with every piece said.
 fn refused(from: &str, to: &str, place: &str, pieces: &[&str]) {
-    assert!(DRIVEN.contains(from), "{from}");
-    let here = Place::with(&DRIVEN.replacen(from, to, 1));
+    refused_of(DRIVEN, from, to, place, pieces);
+}
+
+fn refused_of(scene: &str, from: &str, to: &str, place: &str, pieces: &[&str]) {
+    assert!(scene.contains(from), "{from}");
+    let here = Place::with(&scene.replacen(from, to, 1));
     let said = here.leafwise(&["run", "scene.toml"]);
     assert_eq!(said.code, Some(3), "{}", said.err);
     said.says(&[&format!("scene.toml:{place}")]);
@@ -251,13 +255,7 @@ fn a_paced_run_that_goes_on_has_the_same_bytes() {
 
 /// Runs the paced scene with one text changed, which must be refused at `place` with every piece said.
 fn refused_pace(from: &str, to: &str, place: &str, pieces: &[&str]) {
-    assert!(PACED.contains(from), "{from}");
-    let here = Place::with(&PACED.replacen(from, to, 1));
-    let said = here.leafwise(&["run", "scene.toml"]);
-    assert_eq!(said.code, Some(3), "{}", said.err);
-    said.says(&[&format!("scene.toml:{place}")]);
-    said.says(pieces);
-    assert!(here.is_untouched(), "something was written");
+    refused_of(PACED, from, to, place, pieces);
 }
 
 #[test]
