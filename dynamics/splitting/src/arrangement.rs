@@ -11,7 +11,8 @@ use leafwise_expression::{AlgebraError, Polynomial, Ring};
 use crate::display::Names;
 use crate::field::Field;
 use crate::flow::lie_derivative;
-use crate::piece::{Piece, Tensor};
+use crate::piece::Piece;
+use crate::tensor::Tensor;
 
 /// The parameter that names the order.
 pub(crate) const ORDER: &str = "pieces";

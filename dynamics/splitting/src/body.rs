@@ -39,7 +39,7 @@ use leafwise_expression::{
 };
 
 use crate::field::Field;
-use crate::piece::Tensor;
+use crate::tensor::Tensor;
 
 /// How often the time doubles.
 const DOUBLINGS: u32 = 4;

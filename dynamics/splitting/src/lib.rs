@@ -20,6 +20,7 @@
 //! - [`splitting`]: Strang's product as a step map.
 //! - `factor`: its factors χ and χ*, the flows' product in one order and its adjoint.
 //! - [`lattice`]: the same on long lattices, by sweeps.
+//! - `tensor`: fields of Hamiltonians in exact algebra.
 //! - `rates`, `display`: rates that are multiples of one, elements of the ring as text.
 
 mod arrangement;
@@ -38,6 +39,7 @@ mod rates;
 mod rounding;
 pub mod schedule;
 pub mod splitting;
+mod tensor;
 
 pub use lattice::LatticeSplitting;
 pub use piece::Piece;

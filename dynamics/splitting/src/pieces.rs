@@ -7,8 +7,9 @@ use leafwise_expression::{Arithmetic, Expression, Polynomial, Rational, Ring};
 
 use crate::body::FreeBody;
 use crate::display::Names;
-use crate::piece::{Atom, NAME, Piece, Tensor};
+use crate::piece::{Atom, NAME, Piece};
 use crate::probe::Probe;
+use crate::tensor::Tensor;
 
 /// H = Σ H_i (up to Casimirs) with an exact flow of each H_i.
 ///

@@ -1,7 +1,8 @@
 //! Steps of a fictitious time: their times, and states at given times between them.
 
+use leafwise_core::runge_kutta::SmoothMapEvaluator;
 use leafwise_core::system::SystemObservables;
-use leafwise_core::{BuildError, Integrator, Observe, StepError, two_sum};
+use leafwise_core::{BuildError, Evaluator, Integrator, Observe, StepError, two_sum};
 use leafwise_scene::compose::{ComposedRun, Pace};
 use serde::{Deserialize, Serialize};
 
@@ -26,16 +27,28 @@ pub(super) struct PacedSteps {
 pub(super) struct Paced<'a> {
     run: &'a ComposedRun,
     pace: &'a Pace,
+    /// g and H + e.
     observer: SystemObservables,
+    /// ∇K.
+    gradient: Option<SmoothMapEvaluator>,
     parameters: Vec<f64>,
     pub steps: PacedSteps,
 }
 
 /// Steps over which the time has to advance, though single ones may be as short as they like.
-const LOOKED_OVER: u64 = 1 << 20;
+const LOOKED_OVER: u64 = 1 << 16;
 
-/// The least part of the way to the end that it advances by then.
-const STALLED: f64 = 1e-12;
+/// The least part of the way to the end that it advances by then: a run of 10¹² steps comes there in days.
+const STALLED: f64 = 1e-7;
+
+/// The part of |e| below which no balance H + e is looked at.
+const NEGLIGIBLE: f64 = 1e-6;
+
+/// The part of ∇K that (H + e)∇g may be.
+const MOST_FALSE: f64 = 0.1;
+
+/// The part of itself that a state may be moved by (H + e)∇g in one step.
+const MOST_MOVED: f64 = 1e-3;
 
 /// Steps that are tried for one that ends at a given time.
 const MOST_TRIED: usize = 24;
@@ -49,15 +62,21 @@ const SHOWN: usize = 6;
 impl<'a> Paced<'a> {
     /// `None` where a run's steps are of the time itself.
     pub fn of(run: &'a ComposedRun) -> Result<Option<Self>, BuildError> {
-        let pace = run.extension.as_ref().and_then(|of| of.pace.as_ref());
-        let Some(pace) = pace else { return Ok(None) };
+        let extension = run.extension.as_ref();
+        let Some((extension, pace)) = extension.and_then(|of| Some((of, of.pace.as_ref()?))) else {
+            return Ok(None);
+        };
         let parameters = run.system.parameter_values();
-        let observer = SystemObservables::new(&run.system, &[&pace.formula], &parameters)?;
+        let watched = [&pace.formula, extension.energy()];
+        let observer = SystemObservables::new(&run.system, &watched, &parameters)?;
+        let gradient = run.system.gradient_values().ok();
+        let gradient = gradient.map(|map| map.evaluator(&parameters, 1.0, 1.0));
         let initial = &run.plan.initial;
         Ok(Some(Self {
             run,
             pace,
             observer,
+            gradient,
             parameters,
             steps: PacedSteps {
                 least: 0.0,
@@ -107,9 +126,9 @@ impl<'a> Paced<'a> {
     pub fn take(&mut self, integrator: &Integrator) -> Option<Failure> {
         let t = self.place();
         let before = self.steps.state[t];
-        let mut value = [0.0];
-        self.observer.evaluate(integrator.state(), &mut value);
-        let [value] = value;
+        let mut values = [0.0; 2];
+        self.observer.evaluate(integrator.state(), &mut values);
+        let [value, balance] = values;
         let advance = self.advance(integrator);
         let forward = self.run.plan.epsilon * self.run.plan.h;
         let pace = self.pace.text.as_str();
@@ -131,6 +150,11 @@ impl<'a> Paced<'a> {
             format!(
                 "the pace {pace} stalls: it is {value:e}, and this step advances t by {advance:e}"
             )
+        } else if self.is_lost(integrator.state(), balance) {
+            format!(
+                "the pace {pace} is so near to 0, {value:e}, that the error {balance:e} of the energy, K/pace, moves the state: \
+                 it turns back where it should go on"
+            )
         } else {
             let size = advance.abs();
             let is_first = self.steps.most == 0.0;
@@ -150,6 +174,43 @@ impl<'a> Paced<'a> {
             state: state.to_vec(),
             hint: "write a pace that is positive along the motion, or reduce epsilon*h".to_owned(),
         })
+    }
+
+    /// Whether (H + e)∇g, which is 0 on the motion, makes a part of ∇K = g∇H + (H + e)∇g that shows in the state.
+    ///
+    /// ∇g is taken by central differences; an error of the balance below [`NEGLIGIBLE`] is not looked at.
+    fn is_lost(&mut self, state: &[f64], balance: f64) -> bool {
+        let energy = state[self.place() + 1].abs();
+        if balance.abs() <= NEGLIGIBLE * energy {
+            return false;
+        }
+        let Some(gradient) = &mut self.gradient else {
+            return false;
+        };
+        let mut whole = vec![0.0; state.len()];
+        if gradient.values(state, &mut whole).is_err() {
+            return false;
+        }
+        let largest = |values: &[f64]| values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        let own = self.run.own(state).len();
+        let size = largest(&state[..own]);
+        let mut near = state.to_vec();
+        let mut slopes = vec![0.0; own];
+        for (at, slope) in slopes.iter_mut().enumerate() {
+            let width = libm::cbrt(f64::EPSILON) * size;
+            let mut value = |x: f64| {
+                near[at] = x;
+                let mut values = [0.0; 2];
+                self.observer.evaluate(&near, &mut values);
+                values[0]
+            };
+            let (above, below) = (value(state[at] + width), value(state[at] - width));
+            value(state[at]);
+            *slope = (above - below) / (2.0 * width);
+        }
+        let part = balance.abs() * largest(&slopes);
+        let step = (self.run.plan.epsilon * self.run.plan.h).abs();
+        part > MOST_FALSE * largest(&whole[..own]) && part * step > MOST_MOVED * size
     }
 
     /// Whether the time has hardly advanced since the last look.

@@ -7,9 +7,10 @@ use leafwise_core::{BuildError, SystemFormulas};
 use leafwise_expression::algebra::{Generator, Symbol};
 use leafwise_expression::{Expression, Polynomial, Ring};
 
-use crate::piece::{Atom, Piece, Tensor};
+use crate::piece::{Atom, Piece};
 use crate::pieces::{atoms, summands};
 use crate::probe::Probe;
+use crate::tensor::Tensor;
 
 /// A term of one site's share of H, with its name up to translation.
 struct SiteAtom {

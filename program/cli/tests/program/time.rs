@@ -363,3 +363,25 @@ fn what_is_not_offered_with_a_pace_says_so() {
     assert_eq!(said.code, Some(3), "{}", said.err);
     said.says(&["splitting does not fit this system"]);
 }
+
+/// A pace that comes to 0: the exact motion never gets there, a computed one would turn back into another orbit.
+#[test]
+fn a_run_ends_where_its_pace_vanishes() {
+    for (pace, order) in [("q", 4), ("q", 8), ("p + 1", 4), ("p + 1", 8)] {
+        let scene = format!(
+            "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = \"1\" }}\nconvention = \"{{x,H}}\"\n\
+             hamiltonian = \"p^2/2 + q^2/2\"\n[method]\ndynamics = {{ name = \"hamilton-jacobi\", order = {order} }}\n\
+             pace = \"{pace}\"\ntime-step = 0.05\n[run]\ninitial = [1, 0.5]\nuntil = 4\nrecord = {{ every = 100 }}\n"
+        );
+        let here = Place::with(&scene);
+        let said = here.leafwise(&["run", "scene.toml"]);
+        assert_eq!(said.code, Some(1), "{pace}, {order}: {}", said.err);
+        said.says(&["pace"]);
+    }
+    // Slower than any run: 10¹² steps and more.
+    let slow = PACED.replace("(q1^2 + q2^2)^0.75", "1e-13");
+    let here = Place::with(&slow);
+    let said = here.leafwise(&["run", "scene.toml"]);
+    assert_eq!(said.code, Some(1), "{}", said.err);
+    said.says(&["stalls"]);
+}

@@ -152,7 +152,7 @@ impl Extension {
     }
 
     /// H + e, whose motion is that of the time itself.
-    pub(super) fn energy(&self) -> &Expression {
+    pub fn energy(&self) -> &Expression {
         &self.energy
     }
 }
