@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::appended::Vouched;
 use super::error::RunError;
 use super::invariants::Windows;
+use super::last_step::StepStart;
 use super::paced::PacedSteps;
 use super::samples;
 use super::sealed::Format;
@@ -20,7 +21,7 @@ pub(crate) const FILE: &str = "checkpoint.bin";
 /// What the file holds, and how.
 const FORMAT: Format = Format {
     name: b"leafwis",
-    number: b'8',
+    number: b'9',
 };
 
 /// A run between two steps. Another field, order or type is another format.
@@ -50,6 +51,8 @@ pub(super) struct Checkpoint {
     pub snapshots: Snapshots,
     /// Steps of a fictitious time.
     pub paced: PacedSteps,
+    /// The state before the last step.
+    pub start: StepStart,
 }
 
 impl Checkpoint {
@@ -87,7 +90,7 @@ impl Checkpoint {
         windows.current.len() == count
             && windows.maxima.len() == count * windows.evaluations.len()
             && windows.times.len() == windows.evaluations.len()
-            && self.paced.compensation.len() == self.paced.state.len()
+            && self.start.compensation.len() == self.start.state.len()
             && integrator.compensation.len() == integrator.state.len()
             && self.snapshots.every > 0
     }
@@ -156,9 +159,11 @@ mod tests {
             paced: PacedSteps {
                 least: 1e-3,
                 most: 0.5,
+                seen: 0.25,
+            },
+            start: StepStart {
                 state: vec![0.1, 0.2],
                 compensation: vec![0.0, -1e-18],
-                seen: 0.25,
             },
         }
     }
@@ -177,7 +182,7 @@ mod tests {
     fn lists_that_do_not_belong_together_are_refused() {
         let spoils: [fn(&mut Checkpoint); 6] = [
             |it| it.windows.times.push(0.0),
-            |it| it.paced.state.push(0.0),
+            |it| it.start.state.push(0.0),
             |it| it.windows.current.push(0.0),
             |it| it.windows.maxima.push(0.0),
             |it| it.integrator.compensation.push(0.0),

@@ -59,6 +59,8 @@ pub(crate) struct Held {
     pub started: String,
     /// Whether it has come to its end.
     pub is_done: bool,
+    /// Whether that end is where a condition stopped it.
+    pub is_stopped: bool,
     /// Whether the number of steps is the same too.
     pub has_same_steps: bool,
 }
@@ -148,7 +150,8 @@ fn held(path: &Path, stored: &Manifest, run: &RunRequest<'_>) -> Result<Held, Ru
         let other = stored.kind.words();
         return Err(RunError::OtherKind { directory, other });
     }
-    let is_done = stored.outcome == "done";
+    let is_stopped = stored.outcome == "stopped";
+    let is_done = is_stopped || stored.outcome == "done";
     if !is_done && !stored.is_unfinished() {
         return Err(RunError::Failed { directory });
     }
@@ -189,6 +192,7 @@ fn held(path: &Path, stored: &Manifest, run: &RunRequest<'_>) -> Result<Held, Ru
     Ok(Held {
         started: stored.started.clone(),
         is_done,
+        is_stopped,
         has_same_steps: changes.is_empty(),
     })
 }

@@ -8,7 +8,9 @@ use super::appended::Vouched;
 use super::checkpoint::Checkpoint;
 use super::directory::RunDirectory;
 use super::error::RunError;
+use super::events::{Lost, StopWatch};
 use super::invariants::{Functions, Windows};
+use super::last_step::LastStep;
 use super::outcome::{Failure, RunOutcome};
 use super::paced::Paced;
 use super::progress::{Progress, Status};
@@ -32,6 +34,14 @@ pub(super) struct Session<'a> {
     integrator: Integrator,
     /// Where steps are of a fictitious time.
     paced: Option<Paced<'a>>,
+    /// Where states between two steps are asked for.
+    last: Option<LastStep<'a>>,
+    /// Where a condition ends the run.
+    stop: Option<StopWatch<'a>>,
+    /// Whether it has.
+    is_stopped: bool,
+    /// What an earlier session came to.
+    failure: Option<Failure>,
     /// The time and the state at the end, where the run ends between two steps.
     end: Option<(f64, Vec<f64>)>,
     invariants: Functions,
@@ -115,10 +125,13 @@ impl<'a> Session<'a> {
             });
         }
         if let Some(paced) = &mut session.paced {
-            if checkpoint.paced.state.len() != paced.steps.state.len() {
+            paced.steps = checkpoint.paced.clone();
+        }
+        if let Some(last) = &mut session.last {
+            if checkpoint.start.state.len() != last.start.state.len() {
                 return Err(damaged("it is of another system".to_owned()));
             }
-            paced.steps = checkpoint.paced.clone();
+            last.start = checkpoint.start.clone();
         }
         session.windows = checkpoint.windows.clone();
         session.snapshots = checkpoint.snapshots.clone();
@@ -126,6 +139,9 @@ impl<'a> Session<'a> {
         session.undefined.clone_from(&checkpoint.undefined);
         session.before = checkpoint.statistics;
         session.wall = Duration::try_from_secs_f64(checkpoint.wall_seconds).unwrap_or_default();
+        if made > 0 {
+            session.failure = session.find_stop();
+        }
         Ok(session)
     }
 
@@ -152,12 +168,18 @@ impl<'a> Session<'a> {
         }
         let parameters = run.system.parameter_values();
         let (map, epsilon, h) = (run.method.map(), plan.epsilon, plan.h);
+        let (paced, stop) = (Paced::of(run)?, StopWatch::of(run)?);
+        let is_between = paced.is_some() || stop.is_some();
         Ok(Self {
             run,
             directory,
             checkpoint_every,
             integrator: Integrator::new(map, &parameters, epsilon, h, &plan.initial),
-            paced: Paced::of(run)?,
+            paced,
+            last: is_between.then(|| LastStep::new(run)),
+            stop,
+            is_stopped: false,
+            failure: None,
             end: None,
             windows: Windows::new(invariants.at(&plan.initial)),
             invariants,
@@ -184,11 +206,27 @@ impl<'a> Session<'a> {
         self.samples.go_on(has_same_plan)
     }
 
-    /// Whether all steps were made.
+    /// Whether all steps were made, or the run has stopped.
     pub fn is_at_end(&self) -> bool {
+        if self.is_stopped {
+            return true;
+        }
         match (&self.paced, self.run.plan.until) {
             (Some(paced), Some(until)) => !paced.is_before(paced.time(&self.integrator), until),
             _ => self.integrator.steps() >= self.run.plan.steps,
+        }
+    }
+
+    /// Whether a condition has ended the run.
+    pub fn is_stopped(&self) -> bool {
+        self.is_stopped
+    }
+
+    /// How the run ended, which is at its end.
+    pub fn end_reached(&self) -> RunOutcome {
+        match &self.stop {
+            Some(stop) if self.is_stopped => RunOutcome::Stopped(stop.text().to_owned()),
+            _ => RunOutcome::Done,
         }
     }
 
@@ -231,7 +269,10 @@ impl<'a> Session<'a> {
     pub fn drive(&mut self, progress: &mut dyn Progress) -> Result<RunOutcome, RunError> {
         let stride = (COORDINATES_A_LOOK / self.run.dimension().max(1)).max(1);
         let (mut flushed, mut saved) = (Instant::now(), Instant::now());
-        let mut failure = self.check_values();
+        let mut failure = self.failure.take();
+        if failure.is_none() && !self.is_stopped {
+            failure = self.check_values();
+        }
         if failure.is_none() {
             // What lies between the end of a shorter run and that of its last step.
             failure = self.record_step()?;
@@ -251,7 +292,7 @@ impl<'a> Session<'a> {
             }
             if self.is_at_end() {
                 break match self.reach_end() {
-                    None => RunOutcome::Done,
+                    None => self.end_reached(),
                     Some(failure) => RunOutcome::Failed(failure),
                 };
             }
@@ -274,7 +315,7 @@ impl<'a> Session<'a> {
         }
         if outcome != RunOutcome::Interrupted {
             match outcome {
-                RunOutcome::Done => self.record_end()?,
+                RunOutcome::Done | RunOutcome::Stopped(_) => self.record_end()?,
                 _ => self.record()?,
             }
             self.states.as_mut().map_or(Ok(()), StateTable::end)?;
@@ -285,18 +326,21 @@ impl<'a> Session<'a> {
 
     /// One step with its observers.
     fn step(&mut self) -> Result<Option<Failure>, RunError> {
-        if let Some(paced) = &mut self.paced {
-            paced.keep(&self.integrator);
+        if let Some(last) = &mut self.last {
+            last.keep(&self.integrator);
         }
         if let Err(error) = self.integrator.step() {
             return Ok(Some(self.failure_of_step(&error)));
         }
-        if let Some(paced) = &mut self.paced
-            && let Some(failure) = paced.take(&self.integrator)
+        if let (Some(paced), Some(last)) = (&mut self.paced, &self.last)
+            && let Some(failure) = paced.take(last, &self.integrator)
         {
             // The state that was reached is none of the motion's.
-            self.end = Some((failure.time, paced.steps.state.clone()));
+            self.end = Some((failure.time, last.start.state.clone()));
             self.last_sample = Some(self.integrator.steps());
+            return Ok(Some(failure));
+        }
+        if let Some(failure) = self.find_stop() {
             return Ok(Some(failure));
         }
         let time = self.time();
@@ -309,10 +353,43 @@ impl<'a> Session<'a> {
             });
         }
         let failure = self.record_step()?;
-        Ok(match is_finite {
+        Ok(match is_finite || self.is_stopped {
             true => failure,
             false => self.check_values(),
         })
+    }
+
+    /// Looks whether the run has stopped in the last step, and where; why that is not known.
+    fn find_stop(&mut self) -> Option<Failure> {
+        let (Some(stop), Some(last)) = (&mut self.stop, &self.last) else {
+            return None;
+        };
+        let (time, state) = match stop.end(last, &self.integrator) {
+            Ok(None) => return None,
+            Ok(Some(found)) => match &self.paced {
+                Some(paced) => (paced.time_at(&found.state), found.state),
+                None => (last.time(&self.integrator, found.part), found.state),
+            },
+            Err(lost) => return Some(self.failure_of(lost)),
+        };
+        let until = self.paced.as_ref().zip(self.run.plan.until);
+        if until.is_none_or(|(paced, until)| !paced.is_before(until, time)) {
+            self.is_stopped = true;
+            self.end = Some((time, state));
+        }
+        None
+    }
+
+    fn failure_of(&self, lost: Lost<'_>) -> Failure {
+        match lost {
+            Lost::Step(error) => self.failure_of_step(&error),
+            Lost::Undefined(text) => Failure::of_observable(
+                &format!("`{text}`"),
+                self.integrator.steps(),
+                self.time(),
+                self.run.own(self.integrator.state()),
+            ),
+        }
     }
 
     /// Records what the plan asks for of the last step.
@@ -320,7 +397,7 @@ impl<'a> Session<'a> {
         if self.run.plan.interval.is_some() {
             return self.record_times();
         }
-        let is_beyond = self.run.plan.until.is_some() && self.is_at_end();
+        let is_beyond = (self.run.plan.until.is_some() || self.is_stopped) && self.is_at_end();
         if self.integrator.steps().is_multiple_of(self.run.plan.every) && !is_beyond {
             self.record()?;
         }
@@ -337,16 +414,19 @@ impl<'a> Session<'a> {
     /// Records the states at the given times that the last step has passed.
     fn record_times(&mut self) -> Result<Option<Failure>, RunError> {
         loop {
-            let Some(paced) = &self.paced else {
+            let (Some(paced), Some(last)) = (&self.paced, &self.last) else {
                 return Ok(None);
+            };
+            let is_passed = |time: &f64| match &self.end {
+                // The end itself is recorded as the end.
+                Some((end, _)) => paced.is_before(*time, *end),
+                None => !paced.is_before(paced.time(&self.integrator), *time),
             };
             let time = paced.time_of_sample(self.samples.count());
-            let Some(time) =
-                time.filter(|time| !paced.is_before(paced.time(&self.integrator), *time))
-            else {
+            let Some(time) = time.filter(is_passed) else {
                 return Ok(None);
             };
-            match paced.state_at(&self.integrator, time) {
+            match paced.state_at(last, &self.integrator, time) {
                 Ok(state) => self.record_state(time, &state)?,
                 Err(error) => return Ok(Some(self.failure_of_step(&error))),
             }
@@ -355,10 +435,14 @@ impl<'a> Session<'a> {
 
     /// The state at the time at which the run ends; why there is none.
     fn reach_end(&mut self) -> Option<Failure> {
-        let (Some(paced), Some(until)) = (&self.paced, self.run.plan.until) else {
+        if self.is_stopped {
+            return None;
+        }
+        let (Some(paced), Some(last)) = (&self.paced, &self.last) else {
             return None;
         };
-        match paced.state_at(&self.integrator, until) {
+        let until = self.run.plan.until?;
+        match paced.state_at(last, &self.integrator, until) {
             Ok(state) => {
                 self.end = Some((until, state));
                 None
@@ -447,6 +531,10 @@ impl<'a> Session<'a> {
                 .paced
                 .as_ref()
                 .map_or_else(Default::default, |paced| paced.steps.clone()),
+            start: self
+                .last
+                .as_ref()
+                .map_or_else(Default::default, |last| last.start.clone()),
         };
         checkpoint.write(&self.directory.path)
     }

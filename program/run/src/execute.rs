@@ -82,6 +82,7 @@ pub fn run(
     if let (Some(session), Some(asked)) = (&resumed, composed.plan.until)
         && held.is_some_and(|held| !held.has_same_steps)
         && session.is_at_end()
+        && !session.is_stopped()
     {
         return Err(RunError::Beyond {
             directory: directory.path.clone(),
@@ -90,11 +91,12 @@ pub fn run(
         });
     }
     if let Some(session) = resumed.as_mut()
-        && held.is_some_and(|held| held.is_done)
+        && held.is_some_and(|held| held.is_done && held.is_stopped == session.is_stopped())
         && session.is_at_end()
     {
         session.repeat_end()?;
-        let mut report = describe(composed, session, RunOutcome::Done, None, &directory);
+        let outcome = session.end_reached();
+        let mut report = describe(composed, session, outcome, None, &directory);
         report.is_repeated = true;
         report.advice = advice(document, composed, registry, session, &report)?;
         return Ok(report);

@@ -46,7 +46,8 @@ impl Functions {
         }
     }
 
-    fn compile(run: &ComposedRun, formulas: &[&Expression]) -> Result<Self, BuildError> {
+    /// Functions of the state.
+    pub fn compile(run: &ComposedRun, formulas: &[&Expression]) -> Result<Self, BuildError> {
         let values = run.system.parameter_values();
         let observer = SystemObservables::new(&run.system, formulas, &values)?;
         Ok(Self::new(Box::new(observer)))

@@ -58,7 +58,7 @@ pub struct Manifest {
     pub program: String,
     /// The version of the program that began the run.
     pub version: String,
-    /// `running`, `done`, `interrupted` or `failed`.
+    /// `running`, `done`, `stopped`, `interrupted` or `failed`.
     pub outcome: String,
     /// When the run was begun.
     pub started: String,
@@ -142,6 +142,8 @@ struct Written<'a, E> {
 #[derive(Serialize)]
 struct Ending<'a> {
     outcome: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stopped_by: Option<&'a str>,
     steps: u64,
     time: Double,
     wall_seconds: f64,
@@ -319,6 +321,7 @@ impl<'a> Beginning<'a> {
         }
         let ending = Ending {
             outcome: report.outcome.word(),
+            stopped_by: report.outcome.stopped_by(),
             steps: report.steps,
             time: Double(report.time),
             wall_seconds: report.wall_seconds,

@@ -85,6 +85,8 @@ impl Failure {
 pub enum RunOutcome {
     /// All steps were made.
     Done,
+    /// The scene's condition, as written, began to hold.
+    Stopped(String),
     /// It was asked to stop; the same command resumes it.
     Interrupted,
     /// It cannot go on; what was recorded before is in the directory.
@@ -92,12 +94,21 @@ pub enum RunOutcome {
 }
 
 impl RunOutcome {
-    /// In a word: `done`, `interrupted`, `failed`.
+    /// In a word: `done`, `stopped`, `interrupted`, `failed`.
     pub fn word(&self) -> &'static str {
         match self {
             Self::Done => "done",
+            Self::Stopped(_) => "stopped",
             Self::Interrupted => "interrupted",
             Self::Failed(_) => "failed",
+        }
+    }
+
+    /// The condition that ended the run, where one did.
+    pub fn stopped_by(&self) -> Option<&str> {
+        match self {
+            Self::Stopped(condition) => Some(condition),
+            _ => None,
         }
     }
 

@@ -2,23 +2,20 @@
 
 use leafwise_core::runge_kutta::SmoothMapEvaluator;
 use leafwise_core::system::SystemObservables;
-use leafwise_core::{BuildError, Evaluator, Integrator, Observe, StepError, two_sum};
+use leafwise_core::{BuildError, Evaluator, Integrator, Observe, StepError};
 use leafwise_scene::compose::{ComposedRun, Pace};
 use serde::{Deserialize, Serialize};
 
+use super::last_step::LastStep;
 use super::outcome::Failure;
 
-/// What a checkpoint keeps beside the state; empty where steps are of the time itself.
+/// What a checkpoint keeps beside the states; zeros where steps are of the time itself.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct PacedSteps {
     /// min |t_{k+1} − t_k|.
     pub least: f64,
     /// max |t_{k+1} − t_k|.
     pub most: f64,
-    /// x_{k−1} of the last step.
-    pub state: Vec<f64>,
-    /// What x_{k−1} holds beyond a double.
-    pub compensation: Vec<f64>,
     /// The time at the last look whether it advances.
     pub seen: f64,
 }
@@ -31,7 +28,6 @@ pub(super) struct Paced<'a> {
     observer: SystemObservables,
     /// ∇K.
     gradient: Option<SmoothMapEvaluator>,
-    parameters: Vec<f64>,
     pub steps: PacedSteps,
 }
 
@@ -49,9 +45,6 @@ const MOST_FALSE: f64 = 0.1;
 
 /// The part of itself that a state may be moved by (H + e)∇g in one step.
 const MOST_MOVED: f64 = 1e-3;
-
-/// Steps that are tried for one that ends at a given time.
-const MOST_TRIED: usize = 24;
 
 /// Roundings of a time that it may be missed by: the length of a step is rounded too.
 const MISSED: f64 = 64.0;
@@ -71,20 +64,12 @@ impl<'a> Paced<'a> {
         let observer = SystemObservables::new(&run.system, &watched, &parameters)?;
         let gradient = run.system.gradient_values().ok();
         let gradient = gradient.map(|map| map.evaluator(&parameters, 1.0, 1.0));
-        let initial = &run.plan.initial;
         Ok(Some(Self {
             run,
             pace,
             observer,
             gradient,
-            parameters,
-            steps: PacedSteps {
-                least: 0.0,
-                most: 0.0,
-                state: initial.clone(),
-                compensation: vec![0.0; initial.len()],
-                seen: 0.0,
-            },
+            steps: PacedSteps::default(),
         }))
     }
 
@@ -95,7 +80,12 @@ impl<'a> Paced<'a> {
 
     /// The time of the present state.
     pub fn time(&self, integrator: &Integrator) -> f64 {
-        integrator.state()[self.place()]
+        self.time_at(integrator.state())
+    }
+
+    /// The time of a state.
+    pub fn time_at(&self, state: &[f64]) -> f64 {
+        state[self.place()]
     }
 
     /// Whether one time comes before another on the run's way.
@@ -115,21 +105,14 @@ impl<'a> Paced<'a> {
         self.run.plan.until.is_none_or(is_ahead).then_some(time)
     }
 
-    /// Keeps the state that the next step begins at.
-    pub fn keep(&mut self, integrator: &Integrator) {
-        self.steps.state.copy_from_slice(integrator.state());
-        let low = integrator.compensation();
-        self.steps.compensation.copy_from_slice(low);
-    }
-
     /// Takes in the step that was made; why the run cannot go on from there, if it cannot.
-    pub fn take(&mut self, integrator: &Integrator) -> Option<Failure> {
+    pub fn take(&mut self, last: &LastStep<'_>, integrator: &Integrator) -> Option<Failure> {
         let t = self.place();
-        let before = self.steps.state[t];
+        let before = last.start.state[t];
         let mut values = [0.0; 2];
         self.observer.evaluate(integrator.state(), &mut values);
         let [value, balance] = values;
-        let advance = self.advance(integrator);
+        let advance = last.advance(integrator, t);
         let forward = self.run.plan.epsilon * self.run.plan.h;
         let pace = self.pace.text.as_str();
         let message = if !(value > 0.0 && value.is_finite()) {
@@ -166,7 +149,7 @@ impl<'a> Paced<'a> {
             self.steps.most = size.max(self.steps.most);
             return None;
         };
-        let state = self.run.own(&self.steps.state);
+        let state = self.run.own(&last.start.state);
         Some(Failure {
             message,
             step: integrator.steps(),
@@ -228,103 +211,33 @@ impl<'a> Paced<'a> {
         (time - seen).abs() <= f64::max(STALLED * left, f64::EPSILON * time.abs())
     }
 
-    /// t_{k+1} − t_k of the last step.
-    fn advance(&self, integrator: &Integrator) -> f64 {
+    /// The state at `time`, between the state before the last step and the one after it.
+    pub fn state_at(
+        &self,
+        last: &LastStep<'_>,
+        integrator: &Integrator,
+        time: f64,
+    ) -> Result<Vec<f64>, StepError> {
         let t = self.place();
-        let (state, low) = (integrator.state(), integrator.compensation());
-        (state[t] - self.steps.state[t]) + (low[t] - self.steps.compensation[t])
-    }
-
-    /// The state at `time`, between the state before the last step and the one after it: the end of a shorter step from
-    /// there, whose length is solved for. The sequence of steps goes on undisturbed.
-    ///
-    /// t(s) over the parts s of a step rises; s is read off the polynomial s(t) through all values that are known.
-    pub fn state_at(&self, integrator: &Integrator, time: f64) -> Result<Vec<f64>, StepError> {
-        let t = self.place();
-        let (state, low) = (&self.steps.state, &self.steps.compensation);
+        let (state, low) = (&last.start.state, &last.start.compensation);
         let wanted = (time - state[t]) - low[t];
-        let whole = self.advance(integrator);
-        if wanted == 0.0 {
-            return Ok(state.clone());
-        }
-        if wanted == whole {
-            return Ok(integrator.state().to_vec());
-        }
+        let whole = last.advance(integrator, t);
         let rounding = f64::EPSILON * time.abs().max(whole.abs());
-        let mut known = vec![(0.0, 0.0), (whole, 1.0)];
-        let (mut least, mut most) = (0.0, 1.0);
-        let mut nearest: Option<(f64, Vec<f64>)> = None;
-        for _ in 0..MOST_TRIED {
-            let read = inverse(&known, wanted);
-            let is_inside = read > least && read < most;
-            let part = if is_inside {
-                read
-            } else {
-                0.5 * (least + most)
-            };
-            let increment = self.increment(part)?;
-            let missed = increment[t] - wanted;
-            let (is_over, found) = ((missed > 0.0) == (whole > 0.0), increment[t]);
-            if nearest
-                .as_ref()
-                .is_none_or(|(before, _)| missed.abs() < *before)
-            {
-                nearest = Some((missed.abs(), increment));
-            }
-            if missed.abs() <= 0.5 * rounding || most - least <= f64::EPSILON {
-                break;
-            }
-            *(if is_over { &mut most } else { &mut least }) = part;
-            known.push((found, part));
+        let forward = 1.0_f64.copysign(whole);
+        let bracket = last.enclose(
+            integrator,
+            [-wanted * forward, (whole - wanted) * forward],
+            &|missed| missed > 0.0,
+            Some(0.5 * rounding),
+            &mut |increment, _| (increment[t] - wanted) * forward,
+        )?;
+        let missed = bracket.nearest.value.abs();
+        if missed <= MISSED * rounding {
+            return Ok(bracket.nearest.state);
         }
-        match nearest {
-            Some((missed, increment)) if missed <= MISSED * rounding => {
-                let sums = state.iter().zip(low).zip(&increment);
-                Ok(sums
-                    .map(|((x, low), change)| two_sum(*x, change + low).0)
-                    .collect())
-            }
-            nearest => Err(StepError::NoConvergence {
-                evaluations: MOST_TRIED,
-                correction: nearest.map_or(f64::NAN, |(missed, _)| missed / whole.abs()),
-            }),
-        }
-    }
-
-    /// The increment over a part of the last step.
-    fn increment(&self, part: f64) -> Result<Vec<f64>, StepError> {
-        let (plan, map) = (&self.run.plan, self.run.method.map());
-        let mut stepper = map.stepper(1, &self.parameters, plan.epsilon, plan.h * part);
-        let mut increment = vec![0.0; self.steps.state.len()];
-        let mut outcome = [Ok(())];
-        let (state, low) = (&self.steps.state, &self.steps.compensation);
-        stepper.increment(state, low, &mut increment, &mut outcome);
-        let [outcome] = outcome;
-        outcome.map(|()| increment)
-    }
-}
-
-/// The polynomial s(t) through the known values, by Neville's scheme.
-fn inverse(known: &[(f64, f64)], wanted: f64) -> f64 {
-    let mut values: Vec<f64> = known.iter().map(|(_, part)| *part).collect();
-    for width in 1..known.len() {
-        for at in 0..known.len() - width {
-            let (left, right) = (known[at].0, known[at + width].0);
-            let (a, b) = (values[at], values[at + 1]);
-            values[at] = ((wanted - right) * a - (wanted - left) * b) / (left - right);
-        }
-    }
-    values[0]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::inverse;
-
-    #[test]
-    fn a_polynomial_is_inverted_where_it_is_known() {
-        // s = t³ through four values.
-        let known: Vec<(f64, f64)> = [0.0, 1.0, 0.25, 0.5].map(|t: f64| (t, t * t * t)).to_vec();
-        assert!((inverse(&known, 0.75) - 0.421_875).abs() < 1e-15);
+        Err(StepError::NoConvergence {
+            evaluations: bracket.tried,
+            correction: missed / whole.abs(),
+        })
     }
 }

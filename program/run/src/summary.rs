@@ -199,6 +199,12 @@ fn outcome(run: &ComposedRun, report: &RunReport) -> Outcome {
         RunOutcome::Done => Outcome::Done {
             message: format!("{} to {at}", counted(report.steps as usize, "step")),
         },
+        RunOutcome::Stopped(condition) => Outcome::Done {
+            message: format!(
+                "stopped at {at}: {condition}, after {}",
+                counted(report.steps as usize, "step")
+            ),
+        },
         RunOutcome::Interrupted => {
             let whole = match run.plan.until {
                 None => format!("{} of {} steps, at {at}", report.steps, run.plan.steps),

@@ -30,6 +30,10 @@ const SHOWN_COORDINATES: usize = 12;
 pub(super) const REPEATED: &str = "it had come to its end before: nothing was computed or written; larger `steps` \
                                    or `until` continue it, --force runs it anew";
 
+/// Said of a run that its condition has ended before.
+const STAYS: &str =
+    "it had stopped there before: nothing was computed or written; --force runs it anew";
+
 /// Integrates the scene; returns the exit code.
 ///
 /// # Errors
@@ -122,7 +126,7 @@ pub(super) fn integrate(
         console.json(&Told::from(&report));
     }
     Ok(match report.outcome {
-        RunOutcome::Done => exit::DONE,
+        RunOutcome::Done | RunOutcome::Stopped(_) => exit::DONE,
         RunOutcome::Interrupted => exit::INTERRUPTED,
         RunOutcome::Failed(_) => exit::RUN_FAILED,
     })
@@ -190,17 +194,20 @@ fn summary(
     console: &Console<'_>,
 ) -> Vec<String> {
     let method = method_line(composed, registry);
-    let mut lines = vec![format!(
-        "{}: {} steps to t = {} with {method}",
-        console.bold(report.outcome.word()),
-        grouped(report.steps),
-        short(report.time)
-    )];
+    let word = console.bold(report.outcome.word());
+    let (steps, time) = (grouped(report.steps), short(report.time));
+    let mut lines = vec![match report.outcome.stopped_by() {
+        Some(condition) => {
+            format!("{word} at t = {time}: {condition}, after {steps} steps with {method}")
+        }
+        None => format!("{word}: {steps} steps to t = {time} with {method}"),
+    }];
     if let Some(step) = report.resumed_at {
         lines.push(format!("resumed at step {}", grouped(step)));
     }
     if report.is_repeated {
-        lines.push(REPEATED.to_owned());
+        let is_stopped = report.outcome.stopped_by().is_some();
+        lines.push(if is_stopped { STAYS } else { REPEATED }.to_owned());
     }
     lines.push(String::new());
     let mut rows = vec![vec![
@@ -307,6 +314,8 @@ fn failure_lines(
 #[derive(Serialize)]
 struct Told<'a> {
     outcome: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stopped_by: Option<&'a str>,
     #[serde(serialize_with = "doubles")]
     final_state: &'a [f64],
     time: Double,
@@ -330,6 +339,7 @@ impl<'a> From<&'a RunReport> for Told<'a> {
     fn from(report: &'a RunReport) -> Self {
         Self {
             outcome: report.outcome.word(),
+            stopped_by: report.outcome.stopped_by(),
             final_state: &report.final_state,
             time: Double(report.time),
             steps: report.steps,

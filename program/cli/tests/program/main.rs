@@ -3,6 +3,7 @@
 mod claims;
 mod comparisons;
 mod ensembles;
+mod events;
 mod failing_runs;
 mod guide;
 mod invalid_scenes;

@@ -23,7 +23,7 @@ pub(super) fn data(
     let members = ensemble.population.members();
     let end = short(ensemble.time(plan.steps));
     let outcome = match &report.outcome {
-        RunOutcome::Done | RunOutcome::Failed(_) => Outcome::Done {
+        RunOutcome::Done | RunOutcome::Stopped(_) | RunOutcome::Failed(_) => Outcome::Done {
             message: format!("{members} members to t = {end}, {} failed", all.failed),
         },
         RunOutcome::Interrupted => Outcome::Interrupted {

@@ -85,6 +85,16 @@ pub fn compose_ensemble(
             ),
         )));
     }
+    if let Some(stop) = &document.run.stop {
+        return Err(Box::new(document.diagnostic(
+            &stop.place(),
+            "an ensemble is not offered with a `stop`: its statistics are of all members at one time",
+            "here",
+            Some(
+                "take it out, or run its members one by one: leafwise run SCENE --set run.initial=…".to_owned(),
+            ),
+        )));
+    }
     let population = Population::of(document, ensemble, &run, directory)?;
     let steps = run.plan.steps;
     let every = ensemble.record.every.min(steps.max(1));

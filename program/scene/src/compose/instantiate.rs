@@ -8,6 +8,7 @@ use leafwise_expression::Expression;
 
 use super::Refusal;
 use super::definitions::scope;
+use super::events::{Events, events};
 use super::extended::Extension;
 use super::forms::{Forms, forms};
 use super::names::{coordinate_names, function};
@@ -30,6 +31,8 @@ pub struct Instantiated {
     pub casimirs: Vec<Casimir>,
     /// What the run records.
     pub observables: Vec<Observable>,
+    /// What it watches between its steps.
+    pub events: Events,
     /// The time and its energy behind the scene's own coordinates, where H names the time.
     pub extension: Option<Extension>,
 }
@@ -66,6 +69,7 @@ pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instan
         .zip(lengths)
         .any(|((_, whole), length)| whole != length);
     let observables = observables(document, &scope, is_shortened.then_some(&whole))?;
+    let events = events(document, &scope)?;
     if let Some(extension) = &mut extension {
         let convention = system.convention;
         extension.extend(convention, &mut names, &mut bracket, &mut hamiltonian);
@@ -78,6 +82,7 @@ pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instan
         hamiltonian,
         casimirs,
         observables,
+        events,
         extension,
     })
 }

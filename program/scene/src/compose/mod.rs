@@ -8,6 +8,7 @@
 //! - `system`: [`compose_system`], the Poisson system with its initial state;
 //! - `time`: where a scene names the time;
 //! - `extended`: the phase space with the time as a coordinate;
+//! - `events`: what a run watches between its steps;
 //! - `initial`: the initial state;
 //! - `observables`: what a run watches and what it records;
 //! - `parts`: realization and dynamic approximation by name;
@@ -22,6 +23,7 @@
 
 mod checks;
 mod definitions;
+mod events;
 mod extended;
 mod fit;
 mod forms;
@@ -46,6 +48,7 @@ mod tests;
 mod time;
 
 pub use checks::{CasimirCheck, SceneChecks};
+pub use events::{Events, Stop};
 pub use extended::{Extension, Pace};
 pub use fit::{check_first_order, check_tensor};
 pub use forms::Forms;

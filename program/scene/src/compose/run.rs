@@ -11,6 +11,7 @@ use leafwise_core::{
 };
 
 use super::Refusal;
+use super::events::Events;
 use super::extended::Extension;
 use super::fit::{check_first_order, check_tensor};
 use super::lattice::{SceneLattice, has_room, shortened};
@@ -40,6 +41,8 @@ pub struct RunPlan {
     pub initial: Vec<f64>,
     /// What a sample holds beside time and state.
     pub observables: Vec<Observable>,
+    /// What is watched between the steps.
+    pub events: Events,
     /// The coordinates that are recorded.
     pub states: RecordedStates,
     /// Realization and dynamics as chosen.
@@ -168,6 +171,7 @@ fn compose_at_its_values(
         interval: document.run.record.interval.as_ref().map(|t| t.value.value),
         initial: composed.initial,
         observables: composed.observables,
+        events: composed.events,
         states: recorded_states(document)?,
         parts: choices,
         system: system_choice(document, registry),

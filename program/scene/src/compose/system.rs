@@ -5,6 +5,7 @@ use leafwise_core::lattice::LatticeSource;
 
 use super::Refusal;
 use super::definitions::scope;
+use super::events::{Events, events, refuse_on_a_long_lattice};
 use super::extended::Extension;
 use super::initial::initial_state;
 use super::instantiate::instantiate;
@@ -24,6 +25,8 @@ pub struct ComposedSystem {
     pub extension: Option<Extension>,
     /// What the run records.
     pub observables: Vec<Observable>,
+    /// What it watches between its steps.
+    pub events: Events,
     /// A state of `system` near the initial one: `initial` itself, or the same on the short lattice
     /// that stands for a long one.
     pub near: Vec<f64>,
@@ -45,15 +48,21 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
             )));
         }
         let initial = initial_state(document)?;
+        let system = PoissonSystem::clone(&numbers.system);
+        let scope = scope(document, &[], None)?;
+        let events = events(document, &scope)?;
+        events.check(document, &initial, &system.parameter_values())?;
         return Ok(ComposedSystem {
-            system: PoissonSystem::clone(&numbers.system),
+            system,
             near: initial.clone(),
             initial,
             extension: None,
-            observables: observables(document, &scope(document, &[], None)?, None)?,
+            observables: observables(document, &scope, None)?,
+            events,
         });
     }
     if let Some(lattice) = SceneLattice::of(document)? {
+        refuse_on_a_long_lattice(document)?;
         let (system, geometry, observables) = lattice.trial()?;
         let initial = initial_state(document)?;
         let near = shortened(&initial, lattice.geometry(), &geometry);
@@ -62,6 +71,7 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
             initial,
             extension: None,
             observables,
+            events: Events::default(),
             near,
         });
     }
@@ -77,6 +87,7 @@ pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Re
     let lengths: Vec<usize> = families.iter().map(|(_, length)| length.value).collect();
     let mut instantiated = instantiate(document, &lengths)?;
     let observables = std::mem::take(&mut instantiated.observables);
+    let events = std::mem::take(&mut instantiated.events);
     let forms = std::mem::take(&mut instantiated.forms);
     let extension = instantiated.extension.take();
     let system = instantiated.system(document).map_err(|error| {
@@ -92,6 +103,7 @@ pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Re
         Some(extension) => extension.state(document, &initial, &system.parameter_values())?,
         None => initial,
     };
+    events.check(document, &initial, &system.parameter_values())?;
     let system = system.with_near(&initial).unwrap_or(system);
     let system = forms.apply(document, system)?;
     Ok(ComposedSystem {
@@ -100,5 +112,6 @@ pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Re
         initial,
         extension,
         observables,
+        events,
     })
 }

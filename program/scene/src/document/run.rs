@@ -57,6 +57,8 @@ pub struct RunSection {
     pub steps: Located<u64>,
     /// The time at the end, in place of a number of steps.
     pub until: Option<Located<Number>>,
+    /// Where the run ends before: a comparison of two formulas.
+    pub stop: Option<Located<String>>,
     /// What to keep.
     pub record: RecordSpec,
     /// The run directory, when the scene names one.
@@ -74,6 +76,10 @@ pub(super) fn read_run(
         .require("initial", "initial = [1, 3, 3]", problems)
         .and_then(|item| read_initial(item, system, problems));
     let (steps, until) = read_end(table, problems);
+    let stop = match table.get("stop") {
+        Some(item) => item.string(problems).map(Some),
+        None => Some(None),
+    };
     let record = read_record(table, system, problems);
     let out = match table.get("out") {
         Some(item) => item.string(problems).map(Some),
@@ -83,6 +89,7 @@ pub(super) fn read_run(
         initial: initial?,
         steps: steps?,
         until: until?,
+        stop: stop?,
         record: record?,
         out: out?,
     })

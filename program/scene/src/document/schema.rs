@@ -294,7 +294,7 @@ pub(super) static METHOD: [Key; 9] = [
 
 const OBSERVABLES: Shape = Shape::List(&Shape::Either(&[Shape::Text, FORMULAS]));
 
-pub(super) static RUN: [Key; 5] = [
+pub(super) static RUN: [Key; 6] = [
     key(
         "initial",
         Shape::Either(&[NUMBERS, FORMULAS]),
@@ -305,6 +305,11 @@ pub(super) static RUN: [Key; 5] = [
         "until",
         Shape::Number,
         "The time at the end, in place of steps, beside a pace",
+    ),
+    key(
+        "stop",
+        Shape::Text,
+        "Where the run ends before: a comparison, as \"q1^2 + q2^2 > 1\"",
     ),
     key("record", table(&RECORD, &[]), "What to keep of the run"),
     key("out", Shape::Text, "The run directory"),

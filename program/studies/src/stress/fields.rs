@@ -61,6 +61,7 @@ pub const SCENES_WITH_EVERY_KEY: [&str; 11] = [
     [run]
     initial = [0.5, 0, 0, 1.5]
     until   = 1.5
+    stop    = "q1^2 + q2^2 > 4"
     record  = { interval = 0.5 }
     "#,
     r#"

@@ -47,6 +47,14 @@ impl<'a> Bench<'a> {
                 Some("compare methods on a copy of the scene without it".to_owned()),
             ))));
         }
+        if let Some(stop) = &document.run.stop {
+            return Err(TradeError::Refused(Box::new(document.diagnostic(
+                &stop.place(),
+                "methods are not compared with a `stop`: they are compared at one time, which a run that stops may not reach",
+                "here",
+                Some("compare methods on a copy of the scene without it".to_owned()),
+            ))));
+        }
         let own = compose(document, registry)?;
         let step = own.plan.epsilon * own.plan.h;
         let time = time.unwrap_or(own.plan.steps as f64 * step);

@@ -1,0 +1,52 @@
+//! Fields of Hamiltonians in exact algebra.
+
+use std::collections::BTreeMap;
+
+use leafwise_core::SystemFormulas;
+use leafwise_expression::{AlgebraError, Arithmetic, Polynomial, Rational, Ring};
+
+use crate::field::{Field, variables};
+
+/// The tensor in exact algebra, by rows.
+pub(crate) struct Tensor {
+    /// For each j, the i with Π_ij ≠ 0 and that entry.
+    columns: Vec<Vec<(usize, Polynomial)>>,
+}
+
+impl Tensor {
+    pub(crate) fn new(system: &SystemFormulas, ring: &mut Ring) -> Result<Self, AlgebraError> {
+        let mut columns = vec![Vec::new(); system.dimension()];
+        for (&(i, j), formula) in system.tensor() {
+            let entry =
+                formula.evaluate_in(ring, &mut |ring: &mut Ring, at| Ok(ring.variable(at)))?;
+            if !entry.is_zero() {
+                columns[i].push((j, ring.negate(&entry)));
+                columns[j].push((i, entry));
+            }
+        }
+        Ok(Self { columns })
+    }
+
+    /// X_K = −Π∇K, the components that are not zero.
+    pub(crate) fn field(
+        &self,
+        ring: &mut Ring,
+        hamiltonian: &Polynomial,
+    ) -> Result<Field, AlgebraError> {
+        let mut parts = BTreeMap::<usize, Vec<(Rational, Polynomial)>>::new();
+        for j in variables(ring, hamiltonian) {
+            let derivative = ring.derivative(hamiltonian, j)?;
+            for (i, entry) in &self.columns[j] {
+                let product = ring.multiply(entry, &derivative);
+                parts
+                    .entry(*i)
+                    .or_default()
+                    .push((-Rational::one(), product));
+            }
+        }
+        let sums = parts
+            .into_iter()
+            .map(|(i, parts)| (i, ring.combine(&parts)));
+        Ok(sums.filter(|(_, sum)| !sum.is_zero()).collect())
+    }
+}

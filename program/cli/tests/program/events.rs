@@ -1,0 +1,289 @@
+//! What happens between two steps: where a run stops.
+
+use crate::support::{Place, Said};
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// q = sin t.
+const OSCILLATOR: &str = r#"[system]
+variables   = ["q", "p"]
+bracket     = { "q,p" = "1" }
+convention  = "{x,H}"
+hamiltonian = "p^2/2 + q^2/2"
+[method]
+dynamics    = { name = "hamilton-jacobi", order = 8 }
+time-step   = 0.1
+[run]
+initial = [0, 1]
+steps   = 400
+stop    = "q < -0.5"
+record  = { every = 1 }
+"#;
+
+/// Enright and Pryce's D5, which comes to r = 1 where E = π/2 in t = E − 0.9 sin E.
+const KEPLER: &str = r#"[system]
+library = "kepler"
+[method]
+realization = "auto"
+dynamics    = { name = "hamilton-jacobi", order = 8 }
+pace        = "(q1^2 + q2^2)^0.75"
+time-step   = 0.03
+[run]
+initial = [0.1, 0, 0, 4.358898943540674]
+until   = 20
+stop    = "q1^2 + q2^2 >= 1"
+record  = { interval = 0.25, observables = ["energy"] }
+"#;
+
+fn run(here: &Place, out: &str, set: &[&str]) -> Said {
+    let mut arguments = vec!["run", "scene.toml", "--out", out, "--json"];
+    set.iter().for_each(|set| arguments.extend(["--set", set]));
+    here.leafwise(&arguments)
+}
+
+/// The rows of a table of numbers behind its headings.
+fn rows(text: &str) -> Vec<Vec<f64>> {
+    let row = |line: &str| {
+        let cells = line.split(',');
+        cells.map(|cell| cell.parse().expect("a number")).collect()
+    };
+    text.lines().skip(1).map(row).collect()
+}
+
+fn time(told: &serde_json::Value) -> f64 {
+    told["time"].as_f64().expect("a time")
+}
+
+#[test]
+fn a_run_stops_where_its_method_comes_to_the_condition() {
+    let here = Place::with(OSCILLATOR);
+    // Order 2 turns by 2 atan(h/2) each step, a part s of a step by 2 atan(s h/2).
+    let h = 0.1;
+    let turn = |h: f64| 2.0 * libm::atan(h / 2.0);
+    let angle = 7.0 * PI / 6.0;
+    let whole = libm::floor(angle / turn(h));
+    let expected = whole * h + 2.0 * libm::tan((angle - whole * turn(h)) / 2.0);
+    let second = run(&here, "second", &["method.dynamics.order=2"]).json();
+    assert!(
+        (time(&second) - expected).abs() < 1e-13,
+        "{}",
+        time(&second)
+    );
+    // Higher orders come to the flow's own time as they should.
+    for order in [4, 6, 8] {
+        let error = |step: f64| {
+            let order = format!("method.dynamics.order={order}");
+            let step = format!("method.time-step={step}");
+            let told = run(&here, &format!("{order}-{step}"), &[&order, &step]).json();
+            assert_eq!(told["outcome"], "stopped");
+            (time(&told) - angle).abs()
+        };
+        let (long, short) = (error(0.4), error(0.2));
+        let slope = libm::log2(long / short);
+        assert!(
+            (slope - f64::from(order)).abs() < 0.3,
+            "order {order}: {long:e}, {short:e}"
+        );
+    }
+    let eighth = run(&here, "eighth", &[]).json();
+    assert!((time(&eighth) - angle).abs() < 1e-10);
+}
+
+#[test]
+fn the_last_sample_is_the_first_state_where_it_holds() {
+    let here = Place::with(OSCILLATOR);
+    let said = run(&here, "run", &[]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let told = said.json();
+    assert_eq!(told["outcome"], "stopped");
+    assert_eq!(told["stopped_by"], "q < -0.5");
+    assert_eq!(told["steps"], 37);
+    let rows = rows(&here.read("run/samples.csv"));
+    // The initial state, 36 steps, and the state between this step and the next.
+    assert_eq!(rows.len(), 38);
+    let last = &rows[37];
+    assert_eq!(last[0], time(&told));
+    assert_eq!(told["final_state"], serde_json::json!([last[1], last[2]]));
+    // It holds, and not by more than the round-off of a state.
+    assert!(last[1] < -0.5 && last[1] > -0.5 - 4e-16, "{last:?}");
+    assert!(rows[..37].iter().all(|row| row[1] >= -0.5));
+    let manifest: serde_json::Value =
+        serde_json::from_str(&here.read("run/manifest.json")).expect("JSON");
+    assert_eq!(manifest["outcome"], "stopped");
+    assert_eq!(manifest["stopped_by"], "q < -0.5");
+    let page = here.read("run/report.html");
+    assert!(page.contains("stopped at t = 3.66519142919: q &lt; -0.5, after 37 steps"));
+    assert!(
+        said.err.contains("stopped at t = 3.665191429: q < -0.5"),
+        "{}",
+        said.err
+    );
+}
+
+#[test]
+fn the_sequence_of_steps_does_not_know_of_the_condition() {
+    let here = Place::with(OSCILLATOR);
+    run(&here, "stopped", &[]);
+    here.write(
+        "scene.toml",
+        &OSCILLATOR.replace("stop    = \"q < -0.5\"\n", ""),
+    );
+    run(&here, "free", &["run.steps=36"]);
+    let stopped = here.read("stopped/samples.csv");
+    assert!(stopped.starts_with(&here.read("free/samples.csv")));
+}
+
+#[test]
+fn a_run_that_goes_on_stops_with_the_same_bytes_and_stays_so() {
+    let here = Place::with(OSCILLATOR);
+    run(&here, "whole", &[]);
+    let said = run(&here, "longer", &["run.steps=20"]);
+    assert_eq!(said.json()["outcome"], "done");
+    run(&here, "longer", &[]);
+    for file in ["samples.csv", "windows.csv"] {
+        let (whole, longer) = (format!("whole/{file}"), format!("longer/{file}"));
+        assert_eq!(here.read(&whole), here.read(&longer), "{file}");
+    }
+    // Neither the same scene nor one with more steps goes beyond.
+    let before = here.read("whole/samples.csv");
+    for steps in ["run.steps=400", "run.steps=4000"] {
+        let again = run(&here, "whole", &[steps]);
+        assert_eq!(again.code, Some(0), "{}", again.err);
+        assert!(
+            again.err.contains("it had stopped there before"),
+            "{}",
+            again.err
+        );
+        assert_eq!(again.json()["outcome"], "stopped");
+        assert_eq!(here.read("whole/samples.csv"), before);
+    }
+    let fewer = run(&here, "whole", &["run.steps=10"]);
+    assert!(fewer.err.contains("has made 37 steps"), "{}", fewer.err);
+}
+
+#[test]
+fn a_paced_run_stops_at_its_time_and_records_no_time_behind_it() {
+    let here = Place::with(KEPLER);
+    let told = run(&here, "run", &[]).json();
+    assert_eq!(told["outcome"], "stopped");
+    let expected = FRAC_PI_2 - 0.9;
+    assert!((time(&told) - expected).abs() < 1e-10, "{}", time(&told));
+    let whole = here.read("run/samples.csv");
+    let times: Vec<f64> = rows(&whole).iter().map(|row| row[0]).collect();
+    assert_eq!(times, [0.0, 0.25, 0.5, time(&told)]);
+    // An end that lies before it, in the same step or in an earlier one, and then one behind it.
+    for until in ["run.until=0.3", "run.until=0.6707963", "run.until=0.67"] {
+        assert_eq!(run(&here, until, &[until]).json()["outcome"], "done");
+        assert_eq!(run(&here, until, &[]).json()["outcome"], "stopped");
+        assert_eq!(here.read(&format!("{until}/samples.csv")), whole, "{until}");
+    }
+    let less = run(&here, "run", &["run.until=0.5"]);
+    assert_eq!(less.code, Some(2), "{}", less.err);
+}
+
+#[test]
+fn a_condition_on_the_time_stops_at_that_time() {
+    let driven = OSCILLATOR
+        .replace("+ q^2/2\"", "+ q^2/2 + 0.1*q*cos(t)\"")
+        .replace("q < -0.5", "1.05 <= t");
+    let told = run(&Place::with(&driven), "run", &[]).json();
+    assert_eq!(told["outcome"], "stopped");
+    assert!((time(&told) - 1.05).abs() < 1e-15, "{}", time(&told));
+    // Backwards in time too.
+    let back = OSCILLATOR.replace("time-step   = 0.1", "time-step   = -0.1");
+    let told = run(&Place::with(&back), "run", &[]).json();
+    assert!((time(&told) + PI / 6.0).abs() < 1e-10, "{}", time(&told));
+}
+
+#[test]
+fn what_is_no_condition_is_refused_where_it_stands() {
+    let here = Place::with(OSCILLATOR);
+    for (stop, said) in [
+        ("q", "`q` compares nothing: it has no <, <=, >, >="),
+        (
+            "q = 1",
+            "two formulas with one of <, <=, >, >= between them",
+        ),
+        (
+            "0 < q < 1",
+            "two formulas with one of <, <=, >, >= between them",
+        ),
+        (
+            "q => 1",
+            "two formulas with one of <, <=, >, >= between them",
+        ),
+        ("q > radius", "unknown name `radius`"),
+        ("q >", "the formula ends where"),
+        ("> 1", "the formula ends where"),
+        (
+            "q < 5",
+            "`q < 5` holds at the initial state: the run would make no step",
+        ),
+        ("ln(q - 1) > 2", "has no value at the initial state"),
+        ("t > 1", "the Hamiltonian does not name the time t"),
+    ] {
+        let refused = run(&here, "run", &[&format!("run.stop=\"{stop}\"")]);
+        assert_eq!(refused.code, Some(3), "{stop}: {}", refused.err);
+        assert!(refused.err.contains(said), "{stop}: {}", refused.err);
+        assert!(
+            refused.err.contains(&format!("stop    = \"{stop}\"")),
+            "{}",
+            refused.err
+        );
+    }
+    let refused = run(&here, "run", &["run.stop=1"]);
+    assert!(refused.err.contains("must be a string"), "{}", refused.err);
+    assert!(here.is_untouched());
+    // Of a name, the place in the whole text.
+    let refused = run(&here, "run", &["run.stop=\"q > radius\""]);
+    assert!(refused.err.contains("scene.toml:12:16"), "{}", refused.err);
+}
+
+#[test]
+fn a_condition_that_loses_its_value_ends_the_run_with_its_name() {
+    let here = Place::with(&OSCILLATOR.replace("q < -0.5", "sqrt(q + 0.5) < 0.01"));
+    let said = run(&here, "run", &[]);
+    assert_eq!(said.code, Some(1));
+    let message = "`sqrt(q + 0.5) < 0.01` has no finite value at this state";
+    assert!(said.err.contains(message), "{}", said.err);
+}
+
+#[test]
+fn where_no_single_run_stops_a_condition_is_refused() {
+    let ensemble = "[ensemble]\nmembers = 3\ninitial = { ball = 0.1 }\n";
+    let here = Place::with(&format!("{OSCILLATOR}{ensemble}"));
+    for (command, said) in [
+        ("ensemble", "an ensemble is not offered with a `stop`"),
+        ("compare", "methods are not compared with a `stop`"),
+        ("tune", "methods are not compared with a `stop`"),
+    ] {
+        let mut arguments = vec![command, "scene.toml"];
+        if command == "tune" {
+            arguments.extend(["--error", "1e-6"]);
+        }
+        let refused = here.leafwise(&arguments);
+        assert_ne!(refused.code, Some(0), "{command}");
+        assert!(refused.err.contains(said), "{command}: {}", refused.err);
+        assert!(
+            refused.err.contains("scene.toml:12"),
+            "{command}: {}",
+            refused.err
+        );
+    }
+    let chain = r#"[system]
+families    = { q = 40, p = 40 }
+bracket     = { "q[i],p[i]" = "-1" }
+hamiltonian = "sum(i, p[i]^2/2 + (q[i+1] - q[i])^2/2)"
+[method]
+realization = "auto"
+dynamics    = "auto"
+time-step   = 0.05
+[run]
+initial = { "q[i]" = "0.1*sin(2*pi*i/N)", "p[i]" = "0" }
+steps   = 10
+stop    = "q[0] > 1"
+"#;
+    let refused = run(&Place::with(chain), "run", &[]);
+    assert_eq!(refused.code, Some(3), "{}", refused.err);
+    let message = "`stop` is not offered on a lattice of more than 24 coordinates";
+    assert!(refused.err.contains(message), "{}", refused.err);
+}

@@ -1,0 +1,197 @@
+//! States between the one before the last step and the one after it: ends of shorter steps from the first.
+
+use leafwise_core::{Integrator, StepError, two_sum};
+use leafwise_scene::compose::ComposedRun;
+use serde::{Deserialize, Serialize};
+
+/// Steps that are tried for one that ends where a function of the state is zero.
+pub(super) const MOST_TRIED: usize = 100;
+
+/// How near to each other two lengths of a step are that are not told apart, over the whole length.
+const CLOSE: f64 = 4.0 * f64::EPSILON;
+
+/// What a checkpoint keeps of the state before the last step; empty where no state between is asked for.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct StepStart {
+    /// x_{k−1}.
+    pub state: Vec<f64>,
+    /// What x_{k−1} holds beyond a double.
+    pub compensation: Vec<f64>,
+}
+
+/// The last step of a run.
+pub(super) struct LastStep<'a> {
+    run: &'a ComposedRun,
+    parameters: Vec<f64>,
+    pub start: StepStart,
+}
+
+/// The end of a part of a step.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Between {
+    /// The step's length over that of the whole one: from 0 to 1.
+    pub part: f64,
+    /// The state.
+    pub state: Vec<f64>,
+    /// The value there of the function whose zero is looked for.
+    pub value: f64,
+}
+
+/// Two ends of shorter steps about a zero, and the best one.
+pub(super) struct Bracket {
+    /// The last end before it.
+    pub before: Between,
+    /// The first end behind it.
+    pub behind: Between,
+    /// The end where the function is nearest to zero.
+    pub nearest: Between,
+    /// Steps that were tried.
+    pub tried: usize,
+}
+
+impl<'a> LastStep<'a> {
+    /// No step yet.
+    pub fn new(run: &'a ComposedRun) -> Self {
+        let initial = &run.plan.initial;
+        Self {
+            run,
+            parameters: run.system.parameter_values(),
+            start: StepStart {
+                state: initial.clone(),
+                compensation: vec![0.0; initial.len()],
+            },
+        }
+    }
+
+    /// Keeps the state that the next step begins at.
+    pub fn keep(&mut self, integrator: &Integrator) {
+        self.start.state.copy_from_slice(integrator.state());
+        let low = integrator.compensation();
+        self.start.compensation.copy_from_slice(low);
+    }
+
+    /// x_k − x_{k−1} in one coordinate.
+    pub fn advance(&self, integrator: &Integrator, coordinate: usize) -> f64 {
+        let (state, low) = (integrator.state(), integrator.compensation());
+        (state[coordinate] - self.start.state[coordinate])
+            + (low[coordinate] - self.start.compensation[coordinate])
+    }
+
+    /// Where t = k ε h advances by the same each step, the time after a part of the last one.
+    pub fn time(&self, integrator: &Integrator, part: f64) -> f64 {
+        let plan = &self.run.plan;
+        ((integrator.steps() - 1) as f64 + part) * (plan.epsilon * plan.h)
+    }
+
+    /// Encloses the place in the last step where `value`, a function of the increment and of the state, rises through zero;
+    /// `ends` are its values before and after the step. The sequence of steps goes on undisturbed.
+    ///
+    /// The search ends where the value is at most `enough`, if that is given, or where the lengths of steps are not told
+    /// apart any more. A part s of the step is read off the polynomial s(value) through all values that are known; where
+    /// that does not halve the bracket, the next one lies a little beyond the nearer end.
+    pub fn enclose(
+        &self,
+        integrator: &Integrator,
+        ends: [f64; 2],
+        is_behind: &dyn Fn(f64) -> bool,
+        enough: Option<f64>,
+        value: &mut dyn FnMut(&[f64], &[f64]) -> f64,
+    ) -> Result<Bracket, StepError> {
+        let end = |part: f64, state: &[f64], value: f64| Between {
+            part,
+            state: state.to_vec(),
+            value,
+        };
+        let before = end(0.0, &self.start.state, ends[0]);
+        let behind = end(1.0, integrator.state(), ends[1]);
+        let is_nearer = ends[0].abs() < ends[1].abs();
+        let mut bracket = Bracket {
+            nearest: if is_nearer { &before } else { &behind }.clone(),
+            before,
+            behind,
+            tried: 0,
+        };
+        let mut known = vec![(ends[0], 0.0), (ends[1], 1.0)];
+        known.retain(|(value, _)| value.is_finite());
+        let mut beyond = CLOSE;
+        while bracket.tried < MOST_TRIED {
+            let (least, most) = (bracket.before.part, bracket.behind.part);
+            let width = most - least;
+            let is_enough = enough.is_some_and(|enough| bracket.nearest.value.abs() <= enough);
+            if is_enough || width <= CLOSE {
+                break;
+            }
+            let read = inverse(&known);
+            let is_inside = read >= least && read <= most && width > 2.0 * beyond;
+            let part = match is_inside {
+                true => read.max(least + beyond).min(most - beyond),
+                false => 0.5 * (least + most),
+            };
+            let increment = self.increment(part)?;
+            let state = self.sum(&increment);
+            let found = value(&increment, &state);
+            bracket.tried += 1;
+            let tried = end(part, &state, found);
+            if found.abs() < bracket.nearest.value.abs() {
+                bracket.nearest = tried.clone();
+            }
+            if found.is_finite() {
+                known.push((found, part));
+            }
+            *(match is_behind(found) {
+                true => &mut bracket.behind,
+                false => &mut bracket.before,
+            }) = tried;
+            let is_halved = bracket.behind.part - bracket.before.part <= 0.5 * width;
+            beyond = if is_halved { CLOSE } else { 8.0 * beyond };
+        }
+        Ok(bracket)
+    }
+
+    /// The increment over a part of the last step.
+    fn increment(&self, part: f64) -> Result<Vec<f64>, StepError> {
+        let (plan, map) = (&self.run.plan, self.run.method.map());
+        let mut stepper = map.stepper(1, &self.parameters, plan.epsilon, plan.h * part);
+        let mut increment = vec![0.0; self.start.state.len()];
+        let mut outcome = [Ok(())];
+        let (state, low) = (&self.start.state, &self.start.compensation);
+        stepper.increment(state, low, &mut increment, &mut outcome);
+        let [outcome] = outcome;
+        outcome.map(|()| increment)
+    }
+
+    /// The state before the last step and an increment.
+    fn sum(&self, increment: &[f64]) -> Vec<f64> {
+        let (state, low) = (&self.start.state, &self.start.compensation);
+        let sums = state.iter().zip(low).zip(increment);
+        sums.map(|((x, low), change)| two_sum(*x, change + low).0)
+            .collect()
+    }
+}
+
+/// The polynomial s(v) through the known values, at v = 0, by Neville's scheme.
+fn inverse(known: &[(f64, f64)]) -> f64 {
+    let mut values: Vec<f64> = known.iter().map(|(_, part)| *part).collect();
+    for width in 1..known.len() {
+        for at in 0..known.len() - width {
+            let (left, right) = (known[at].0, known[at + width].0);
+            let (a, b) = (values[at], values[at + 1]);
+            values[at] = (left * b - right * a) / (left - right);
+        }
+    }
+    values.first().copied().unwrap_or(f64::NAN)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::inverse;
+
+    #[test]
+    fn a_polynomial_is_inverted_where_it_is_known() {
+        // s = t³ through four values, read at t = 0.75.
+        let known: Vec<(f64, f64)> = [0.0, 1.0, 0.25, 0.5]
+            .map(|t: f64| (t - 0.75, t * t * t))
+            .to_vec();
+        assert!((inverse(&known) - 0.421_875).abs() < 1e-15);
+    }
+}
