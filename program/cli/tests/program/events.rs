@@ -219,7 +219,10 @@ fn what_is_no_condition_is_refused_where_it_stands() {
             "`q < 5` holds at the initial state: the run would make no step",
         ),
         ("ln(q - 1) > 2", "has no value at the initial state"),
-        ("t > 1", "the Hamiltonian does not name the time t"),
+        (
+            "t > 1",
+            "t is the time where the Hamiltonian, a one-form or a pace names it",
+        ),
     ] {
         let refused = run(&here, "run", &[&format!("run.stop=\"{stop}\"")]);
         assert_eq!(refused.code, Some(3), "{stop}: {}", refused.err);

@@ -153,7 +153,7 @@ fn the_time_stands_where_it_has_a_meaning() {
         "10:18",
         &["every run begins at t = 0", "phase"],
     );
-    let unnamed = ["the Hamiltonian does not name the time t"];
+    let unnamed = ["t is the time where the Hamiltonian, a one-form or a pace names it"];
     refused("0.1*q*cos(t)", "0.1*q", "12:54", &unnamed);
     // A coordinate, or a parameter, of this name is no time.
     let own = DRIVEN.replace("[method]", "parameters = { t = 0.5 }\n[method]");

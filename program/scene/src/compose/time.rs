@@ -87,6 +87,12 @@ pub(super) fn about_time(
             "a function of t and of Casimirs may stand in run.record.observables",
         );
     }
+    if system.constraints.iter().any(is) {
+        return told(
+            "a constraint cannot name the time t: with t as a coordinate it would move t's energy",
+            "write the coordinates in which the constraint stands still",
+        );
+    }
     if within(&system.bracket.place()) {
         return told(
             "the bracket cannot name the time t: a motion keeps a bracket only where it does not change, and with t as \
@@ -105,7 +111,7 @@ pub(super) fn about_time(
         );
     }
     told(
-        "the Hamiltonian does not name the time t, and no other formula may then",
-        "the first column of samples.csv is t",
+        "t is the time where the Hamiltonian, a one-form or a pace names it, and here none does",
+        "the first column of samples.csv is t; `+ 0*t` in the Hamiltonian makes the time a name for every recorded formula",
     )
 }
