@@ -34,6 +34,9 @@ pub struct ReportData {
     /// Recorded formulas by their names.
     #[serde(skip)]
     pub observables: Vec<(String, TimeSeries)>,
+    /// The recorded states on a section.
+    #[serde(skip)]
+    pub section: Option<SectionPoints>,
     /// The recorded states to draw.
     #[serde(skip)]
     pub trajectory: Option<Trajectory>,
@@ -99,6 +102,17 @@ pub struct InvariantSeries {
     pub times: Vec<f64>,
     /// max |I(t) − I(0)| over every step of each window.
     pub deviations: Vec<f64>,
+}
+
+/// States on a section.
+#[derive(Clone, Debug, Default)]
+pub struct SectionPoints {
+    /// The section and the direction, as "q1 = 0, upwards".
+    pub title: String,
+    /// What is drawn over each other.
+    pub names: [String; 2],
+    /// A point for each crossing.
+    pub points: Vec<[f64; 2]>,
 }
 
 /// The states to draw.

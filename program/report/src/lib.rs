@@ -28,6 +28,7 @@ mod orbit;
 mod panel;
 mod reproduction;
 mod run;
+mod section;
 mod space;
 mod stroke;
 mod survey;
@@ -37,7 +38,9 @@ mod tests;
 mod work_precision;
 
 pub use comparison::{ComparisonData, render_comparison};
-pub use data::{Ellipsoid, InvariantSeries, Outcome, ReportData, TimeSeries, Trajectory};
+pub use data::{
+    Ellipsoid, InvariantSeries, Outcome, ReportData, SectionPoints, TimeSeries, Trajectory,
+};
 pub use ensemble::{Band, EnsembleData, render_ensemble};
 pub use error::ReportError;
 pub use panel::{Panel, PanelAxis, PanelSeries, Stroke};

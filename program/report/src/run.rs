@@ -9,6 +9,7 @@ use super::figure::Figure;
 use super::history::{energy_figure, observable_figure, solver_figure};
 use super::lattice::lattice_figures;
 use super::orbit::orbit_figure;
+use super::section::section_figure;
 use super::template::render;
 
 /// Recorded formulas that are drawn.
@@ -119,6 +120,9 @@ impl Figures {
                 figures.wide.extend(fields);
             }
             None => {}
+        }
+        if let Some(section) = &data.section {
+            figures.small.push(section_figure(section)?);
         }
         if let Some(energy) = &data.energy {
             figures.small.push(energy_figure(energy)?);

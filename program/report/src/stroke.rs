@@ -64,6 +64,17 @@ pub(super) fn draw_orbit(
     }
 }
 
+/// A dot for each point, as many as can be told apart.
+pub(super) fn draw_dots(canvas: &mut Canvas, points: &[(f64, f64)]) {
+    for index in spread(points, (0..points.len()).collect()) {
+        canvas.disc(
+            points[index],
+            Stroke::NEAR_SIDE.width,
+            Stroke::NEAR_SIDE.ink,
+        );
+    }
+}
+
 /// One point of each cell of a grid just coarse enough to leave few enough dots.
 fn spread(points: &[(f64, f64)], mut kept: Vec<usize>) -> Vec<usize> {
     let mut cell = 1.5;

@@ -95,6 +95,11 @@ fn rigid_body(count: usize) -> ReportData {
             times: times.clone(),
             values: energy,
         }),
+        section: Some(SectionPoints {
+            title: "x1 = 0, upwards".to_owned(),
+            names: ["x2".to_owned(), "x3".to_owned()],
+            points: vec![[1.0, 2.0], [-1.0, f64::NAN], [2.0, 1.0], [0.5, -1.5]],
+        }),
         trajectory: Some(Trajectory::Orbit {
             names: ["x1", "x2", "x3"].map(str::to_owned).to_vec(),
             times: times.clone(),
@@ -216,6 +221,17 @@ fn values_that_are_not_finite_are_reported_and_never_drawn() {
         let points = piece.split('"').next().unwrap_or("");
         assert!(!points.contains("NaN") && !points.contains("inf"));
     }
+}
+
+#[test]
+fn a_section_is_drawn_as_a_dot_for_each_crossing() {
+    let html = page(&rigid_body(50));
+    let (_, figure) = html
+        .split_once("Section x1 = 0, upwards in (x2, x3)")
+        .expect("a figure");
+    let (figure, rest) = figure.split_once("</svg>").expect("a picture");
+    assert_eq!(figure.matches("<circle").count(), 3);
+    assert!(rest.contains("Not finite and not drawn: 1 of 4 crossings."));
 }
 
 #[test]

@@ -51,6 +51,12 @@ pub(super) struct Checkpoint {
     pub snapshots: Snapshots,
     /// Steps of a fictitious time.
     pub paced: PacedSteps,
+    /// The beginning of `section.csv` that holds what was recorded on a section, if there is one.
+    pub section: Vouched,
+    /// Crossings recorded.
+    pub crossings: u64,
+    /// The side of the section on which the run is: 1, −1, or 0 where it has left it to none.
+    pub side: f64,
     /// The state before the last step.
     pub start: StepStart,
 }
@@ -161,6 +167,9 @@ mod tests {
                 most: 0.5,
                 seen: 0.25,
             },
+            section: Vouched::NOTHING,
+            crossings: 3,
+            side: -1.0,
             start: StepStart {
                 state: vec![0.1, 0.2],
                 compensation: vec![0.0, -1e-18],

@@ -226,6 +226,7 @@ fn files(kind: Kind) -> impl Iterator<Item = &'static str> {
         Kind::Run => &[
             samples::FILE,
             samples::UNPUBLISHED,
+            samples::SECTION,
             states::FILE,
             states::FINAL_STATE,
         ],

@@ -8,13 +8,13 @@ use super::appended::Vouched;
 use super::checkpoint::Checkpoint;
 use super::directory::RunDirectory;
 use super::error::RunError;
-use super::events::{Lost, StopWatch};
+use super::events::{Crossings, Lost, StopWatch};
 use super::invariants::{Functions, Windows};
-use super::last_step::LastStep;
+use super::last_step::{Between, LastStep};
 use super::outcome::{Failure, RunOutcome};
 use super::paced::Paced;
 use super::progress::{Progress, Status};
-use super::samples::Samples;
+use super::samples::{self, Samples};
 use super::snapshots::Snapshots;
 use super::states::StateTable;
 use crate::csv::{Headings, Table};
@@ -40,6 +40,9 @@ pub(super) struct Session<'a> {
     stop: Option<StopWatch<'a>>,
     /// Whether it has.
     is_stopped: bool,
+    /// Where crossings of a section are recorded, and their rows.
+    section: Option<Crossings<'a>>,
+    crossings: Option<Samples>,
     /// What an earlier session came to.
     failure: Option<Failure>,
     /// The time and the state at the end, where the run ends between two steps.
@@ -75,13 +78,18 @@ impl<'a> Session<'a> {
         directory: &'a RunDirectory,
         checkpoint_every: Duration,
     ) -> Result<Self, RunError> {
-        let samples = Samples::create(&directory.path, &header(run))?;
+        let path = |name: &str| directory.path.join(name);
+        let header = header(run);
+        let samples = Samples::create(&path(samples::UNPUBLISHED), &header)?;
         let mut session = Self::new(run, directory, checkpoint_every, samples)?;
         if let Some(width) = wide(run) {
             session.states = Some(StateTable::create(&directory.path, width)?);
         }
+        if session.section.is_some() {
+            session.crossings = Some(Samples::create(&path(samples::SECTION), &header)?);
+        }
         session.record()?;
-        session.samples.publish(&directory.path)?;
+        session.samples.publish(&path(samples::FILE))?;
         session.checkpoint()?;
         Ok(session)
     }
@@ -98,7 +106,8 @@ impl<'a> Session<'a> {
             reason,
         };
         let (vouched, count) = (&checkpoint.vouched, checkpoint.samples);
-        let samples = Samples::resume(&directory.path, vouched, count)?;
+        let path = |name: &str| directory.path.join(name);
+        let samples = Samples::resume(&path(samples::FILE), vouched, count)?;
         let mut session = Self::new(run, directory, checkpoint_every, samples)?;
         if let Some(width) = wide(run) {
             session.states = Some(StateTable::resume(
@@ -106,6 +115,11 @@ impl<'a> Session<'a> {
                 width,
                 &checkpoint.states,
             )?);
+        }
+        if let Some(section) = &mut session.section {
+            let (vouched, count) = (&checkpoint.section, checkpoint.crossings);
+            section.side = checkpoint.side;
+            session.crossings = Some(Samples::resume(&path(samples::SECTION), vouched, count)?);
         }
         session
             .integrator
@@ -169,7 +183,8 @@ impl<'a> Session<'a> {
         let parameters = run.system.parameter_values();
         let (map, epsilon, h) = (run.method.map(), plan.epsilon, plan.h);
         let (paced, stop) = (Paced::of(run)?, StopWatch::of(run)?);
-        let is_between = paced.is_some() || stop.is_some();
+        let section = Crossings::of(run)?;
+        let is_between = paced.is_some() || stop.is_some() || section.is_some();
         Ok(Self {
             run,
             directory,
@@ -179,6 +194,8 @@ impl<'a> Session<'a> {
             last: is_between.then(|| LastStep::new(run)),
             stop,
             is_stopped: false,
+            section,
+            crossings: None,
             failure: None,
             end: None,
             windows: Windows::new(invariants.at(&plan.initial)),
@@ -202,6 +219,9 @@ impl<'a> Session<'a> {
     pub fn go_on(&mut self, has_same_plan: bool) -> Result<(), RunError> {
         if let Some(states) = &mut self.states {
             states.go_on(has_same_plan)?;
+        }
+        if let Some(crossings) = &mut self.crossings {
+            crossings.go_on(has_same_plan)?;
         }
         self.samples.go_on(has_same_plan)
     }
@@ -258,6 +278,9 @@ impl<'a> Session<'a> {
         self.states
             .as_mut()
             .map_or(Ok(()), StateTable::confirm_end)?;
+        self.crossings
+            .as_mut()
+            .map_or(Ok(()), Samples::confirm_end)?;
         self.samples.confirm_end()
     }
 
@@ -304,6 +327,7 @@ impl<'a> Session<'a> {
                 (flushed, saved) = (Instant::now(), Instant::now());
             } else if flushed.elapsed() >= FLUSH_EVERY {
                 self.states.as_mut().map_or(Ok(()), StateTable::flush)?;
+                self.crossings.as_mut().map_or(Ok(()), Samples::flush)?;
                 self.samples.flush()?;
                 flushed = Instant::now();
             }
@@ -319,6 +343,7 @@ impl<'a> Session<'a> {
                 _ => self.record()?,
             }
             self.states.as_mut().map_or(Ok(()), StateTable::end)?;
+            self.crossings.as_mut().map_or(Ok(()), Samples::end)?;
             self.samples.end()?;
         }
         Ok(outcome)
@@ -364,20 +389,62 @@ impl<'a> Session<'a> {
         let (Some(stop), Some(last)) = (&mut self.stop, &self.last) else {
             return None;
         };
-        let (time, state) = match stop.end(last, &self.integrator) {
-            Ok(None) => return None,
-            Ok(Some(found)) => match &self.paced {
-                Some(paced) => (paced.time_at(&found.state), found.state),
-                None => (last.time(&self.integrator, found.part), found.state),
-            },
+        let found = match stop.end(last, &self.integrator) {
+            Ok(found) => found?,
             Err(lost) => return Some(self.failure_of(lost)),
         };
-        let until = self.paced.as_ref().zip(self.run.plan.until);
-        if until.is_none_or(|(paced, until)| !paced.is_before(until, time)) {
+        let time = self.time_of(&found);
+        if self.is_on_the_way(time) {
             self.is_stopped = true;
-            self.end = Some((time, state));
+            self.end = Some((time, found.state));
         }
         None
+    }
+
+    /// Records where the last step crosses the section; why that is not known.
+    fn record_crossing(&mut self) -> Result<Option<Failure>, RunError> {
+        let (Some(section), Some(last)) = (&mut self.section, &self.last) else {
+            return Ok(None);
+        };
+        let crossing = section.side_after(&self.integrator).and_then(|side| {
+            let crossing = section.crossing(last, &self.integrator, side);
+            crossing.map(|found| (side, found)).map_err(Lost::Step)
+        });
+        let (side, found) = match crossing {
+            Ok(crossing) => crossing,
+            Err(lost) => return Ok(Some(self.failure_of(lost))),
+        };
+        if let Some(found) = found {
+            let time = self.time_of(&found);
+            if !self.is_on_the_way(time) {
+                return Ok(None);
+            }
+            self.fill_row(&found.state);
+            if let Some(crossings) = &mut self.crossings {
+                crossings.push(time, &self.shown, &self.row)?;
+            }
+        }
+        if let Some(section) = &mut self.section {
+            section.side = side;
+        }
+        Ok(None)
+    }
+
+    /// The time of a state within the last step.
+    fn time_of(&self, between: &Between) -> f64 {
+        match (&self.paced, &self.last) {
+            (None, Some(last)) => last.time(&self.integrator, between.part),
+            (Some(paced), _) => paced.time_at(&between.state),
+            (None, None) => self.time(),
+        }
+    }
+
+    /// Whether a time comes before the run's end, where that lies at a time.
+    fn is_on_the_way(&self, time: f64) -> bool {
+        let forward = self.run.plan.epsilon * self.run.plan.h;
+        let stopped = self.end.as_ref().map(|(end, _)| *end);
+        let end = stopped.or(self.run.plan.until);
+        end.is_none_or(|end| (end - time) * forward >= 0.0)
     }
 
     fn failure_of(&self, lost: Lost<'_>) -> Failure {
@@ -394,6 +461,9 @@ impl<'a> Session<'a> {
 
     /// Records what the plan asks for of the last step.
     fn record_step(&mut self) -> Result<Option<Failure>, RunError> {
+        if let Some(failure) = self.record_crossing()? {
+            return Ok(Some(failure));
+        }
         if self.run.plan.interval.is_some() {
             return self.record_times();
         }
@@ -485,23 +555,15 @@ impl<'a> Session<'a> {
 
     /// Records a state at its time.
     fn record_state(&mut self, time: f64, state: &[f64]) -> Result<(), RunError> {
-        let invariants = self.invariants.at(state);
-        let formulas = self.formulas.at(state);
-        for (count, value) in self.undefined.iter_mut().zip(formulas) {
-            *count += u64::from(!value.is_finite());
+        self.fill_row(state);
+        for (value, column) in self.row.iter().zip(&self.columns) {
+            if let Column::Formula(index) = *column {
+                self.undefined[index] += u64::from(!value.is_finite());
+            }
         }
-        for (value, column) in self.row.iter_mut().zip(&self.columns) {
-            *value = match *column {
-                Column::Invariant(index) => invariants[index],
-                Column::Formula(index) => formulas[index],
-                Column::Coordinate(index) => state[index],
-            };
-        }
-        let recorded = self.run.plan.states.coordinates().map(|at| state[at]);
-        self.shown.clear();
-        match &mut self.states {
-            Some(states) => states.push(recorded)?,
-            None => self.shown.extend(recorded),
+        if let Some(states) = &mut self.states {
+            let recorded = self.run.plan.states.coordinates();
+            states.push(recorded.map(|at| state[at]))?;
         }
         self.samples.push(time, &self.shown, &self.row)?;
         if let Some(geometry) = self.run.method.lattice()
@@ -513,8 +575,27 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
+    /// The columns of a row behind its time: recorded coordinates in `shown`, observables in `row`.
+    fn fill_row(&mut self, state: &[f64]) {
+        let invariants = self.invariants.at(state);
+        let formulas = self.formulas.at(state);
+        for (value, column) in self.row.iter_mut().zip(&self.columns) {
+            *value = match *column {
+                Column::Invariant(index) => invariants[index],
+                Column::Formula(index) => formulas[index],
+                Column::Coordinate(index) => state[index],
+            };
+        }
+        self.shown.clear();
+        if self.states.is_none() {
+            let recorded = self.run.plan.states.coordinates();
+            self.shown.extend(recorded.map(|at| state[at]));
+        }
+    }
+
     fn checkpoint(&mut self) -> Result<(), RunError> {
         let states = self.states.as_mut().map(StateTable::sync).transpose()?;
+        let section = self.crossings.as_mut().map(Samples::sync).transpose()?;
         let vouched = self.samples.sync()?;
         let checkpoint = Checkpoint {
             integrator: self.integrator.checkpoint(),
@@ -531,6 +612,9 @@ impl<'a> Session<'a> {
                 .paced
                 .as_ref()
                 .map_or_else(Default::default, |paced| paced.steps.clone()),
+            section: section.unwrap_or(Vouched::NOTHING),
+            crossings: self.crossings().unwrap_or(0),
+            side: self.section.as_ref().map_or(0.0, |section| section.side),
             start: self
                 .last
                 .as_ref()
@@ -574,6 +658,11 @@ impl<'a> Session<'a> {
     /// Fields of a long lattice.
     pub fn snapshots(&self) -> &Snapshots {
         &self.snapshots
+    }
+
+    /// Crossings recorded, where there is a section.
+    pub fn crossings(&self) -> Option<u64> {
+        self.crossings.as_ref().map(Samples::count)
     }
 
     /// Samples recorded.

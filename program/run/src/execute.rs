@@ -226,6 +226,7 @@ fn describe(
         invariants,
         statistics: session.statistics(),
         samples: session.samples(),
+        crossings: session.crossings(),
         resumed_at,
         is_repeated: false,
         advice: Vec::new(),

@@ -6,7 +6,7 @@
 //! - `execute`: [`run`], from a composed scene to a complete directory;
 //! - `drive`: the step loop;
 //! - `last_step`: states between the last two, by shorter steps;
-//! - `events`: where a condition begins to hold between two steps;
+//! - `events`: where a condition begins to hold, and a section is crossed, between two steps;
 //! - `paced`: steps of a fictitious time, states at given times;
 //! - `invariants`: energy and Casimirs at every step, their maxima over windows;
 //! - `samples`: recorded states, appended to `samples.csv`;

@@ -148,6 +148,8 @@ struct Ending<'a> {
     time: Double,
     wall_seconds: f64,
     samples: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    crossings: Option<u64>,
     #[serde(with = "WorkFields")]
     solver: SolverStatistics,
     #[serde(serialize_with = "object")]
@@ -326,6 +328,7 @@ impl<'a> Beginning<'a> {
             time: Double(report.time),
             wall_seconds: report.wall_seconds,
             samples: report.samples,
+            crossings: report.crossings,
             solver: report.statistics,
             drift: report.drift(),
             invariants: report.named_invariants(),

@@ -171,6 +171,8 @@ pub struct RunReport {
     pub statistics: SolverStatistics,
     /// Samples recorded.
     pub samples: u64,
+    /// Crossings recorded, where there is a section.
+    pub crossings: Option<u64>,
     /// The step an earlier session had come to.
     pub resumed_at: Option<u64>,
     /// Whether it had come to its end before: nothing was computed or written.

@@ -1,4 +1,4 @@
-//! Recorded states, appended to `samples.csv`.
+//! Recorded states, appended to `samples.csv`, and those on a section, appended to `section.csv`.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Seek, SeekFrom};
@@ -12,7 +12,10 @@ use super::error::RunError;
 pub(super) const FILE: &str = "samples.csv";
 pub(super) const UNPUBLISHED: &str = "samples.new";
 
-/// The writer of `samples.csv`: a header, then one row for each sample, shortest decimals that
+/// The states on a section.
+pub(super) const SECTION: &str = "section.csv";
+
+/// The writer of such a file: a header, then one row for each sample, shortest decimals that
 /// read back as the same doubles.
 pub(super) struct Samples {
     file: Appended,
@@ -21,10 +24,9 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    /// A new file with its header, which takes its name when it is
-    /// [`published`](Self::publish).
-    pub fn create(directory: &Path, header: &str) -> Result<Self, RunError> {
-        let mut file = Appended::create(&directory.join(UNPUBLISHED))?;
+    /// A new file with its header.
+    pub fn create(path: &Path, header: &str) -> Result<Self, RunError> {
+        let mut file = Appended::create(path)?;
         file.push(header.as_bytes())?;
         Ok(Self {
             file,
@@ -33,17 +35,17 @@ impl Samples {
         })
     }
 
-    /// Hands all rows to the disk and gives the file its name, in the place of one with the same rows
+    /// Hands all rows to the disk and gives the file another name, in the place of one with the same rows
     /// that a session left which was killed before its first checkpoint.
-    pub fn publish(&mut self, directory: &Path) -> Result<(), RunError> {
+    pub fn publish(&mut self, path: &Path) -> Result<(), RunError> {
         self.file.sync()?;
-        self.file.rename(&directory.join(FILE))
+        self.file.rename(path)
     }
 
     /// The file of an earlier session, to be continued behind the rows that its checkpoint counts.
-    pub fn resume(directory: &Path, vouched: &Vouched, count: u64) -> Result<Self, RunError> {
+    pub fn resume(path: &Path, vouched: &Vouched, count: u64) -> Result<Self, RunError> {
         Ok(Self {
-            file: Appended::resume(&directory.join(FILE), vouched)?,
+            file: Appended::resume(path, vouched)?,
             row: Table::default(),
             count,
         })
@@ -97,21 +99,21 @@ impl Samples {
 /// Whether a directory holds no sample but the first: what a session leaves that was killed before its
 /// first checkpoint.
 pub(super) fn has_begun_at_most(directory: &Path, header: &str) -> bool {
-    match rows_behind(directory, header) {
+    match rows_behind(&directory.join(FILE), header) {
         Ok(lines) => lines.take(2).count() <= 1,
         Err(_) => !directory.join(FILE).exists(),
     }
 }
 
-/// The first `count` rows of `samples.csv` as numbers, every `stride`-th and the last.
+/// The first `count` rows of such a file as numbers, every `stride`-th and the last.
 pub(super) fn read(
-    directory: &Path,
+    path: &Path,
     header: &str,
     count: u64,
     stride: usize,
 ) -> io::Result<Vec<Vec<f64>>> {
     let count = usize::try_from(count).unwrap_or(usize::MAX);
-    let mut lines = rows_behind(directory, header)?.take(count);
+    let mut lines = rows_behind(path, header)?.take(count);
     let mut rows = Vec::new();
     let mut last: Option<String> = None;
     let mut at = 0_usize;
@@ -129,8 +131,8 @@ pub(super) fn read(
 }
 
 /// The lines behind the headings, which may themselves be several lines.
-fn rows_behind(directory: &Path, header: &str) -> io::Result<io::Lines<BufReader<File>>> {
-    let mut file = File::open(directory.join(FILE))?;
+fn rows_behind(path: &Path, header: &str) -> io::Result<io::Lines<BufReader<File>>> {
+    let mut file = File::open(path)?;
     file.seek(SeekFrom::Start(header.len() as u64))?;
     Ok(BufReader::new(file).lines())
 }
@@ -146,7 +148,7 @@ pub(super) fn first_undefined(
 ) -> io::Result<Vec<Option<f64>>> {
     let count = usize::try_from(count).unwrap_or(usize::MAX);
     let mut found = vec![None; columns];
-    for line in rows_behind(directory, header)?.take(count) {
+    for line in rows_behind(&directory.join(FILE), header)?.take(count) {
         let line = line?;
         // No other cell has such letters.
         if !line.contains("NaN") && !line.contains("inf") {

@@ -12,7 +12,9 @@ use super::outcome::{RunOutcome, RunReport};
 use super::samples;
 use super::snapshots::spacing;
 use crate::advice::{Advice, EnergyError, MOST_STATES, lines, states_ahead};
-use leafwise_report::{Ellipsoid, InvariantSeries, Outcome, ReportData, TimeSeries, Trajectory};
+use leafwise_report::{
+    Ellipsoid, InvariantSeries, Outcome, ReportData, SectionPoints, TimeSeries, Trajectory,
+};
 use leafwise_scene::compose::{ComposedRun, Observable, WIDEST_STATE};
 use leafwise_scene::document::SceneDocument;
 
@@ -21,6 +23,9 @@ const MOST_ROWS: u64 = 50_000;
 
 /// The most states that tell how far an orbit reaches.
 const MOST_ORBIT_STATES: u64 = 1000;
+
+/// The part of a column's changes along the run that it has to change by on a section to be drawn over.
+const STILL: f64 = 1e-9;
 
 /// Runs of more steps than this are drawn over a logarithmic time axis.
 const LONG_RUN: u64 = 200_000;
@@ -36,8 +41,13 @@ pub(super) fn report_data(
     let stride = usize::try_from(report.samples.div_ceil(MOST_ROWS))
         .unwrap_or(1)
         .max(1);
-    let rows = samples::read(&report.directory, &header(run), report.samples, stride)
-        .map_err(RunError::io(&report.directory))?;
+    let rows = samples::read(
+        &report.directory.join(samples::FILE),
+        &header(run),
+        report.samples,
+        stride,
+    )
+    .map_err(RunError::io(&report.directory))?;
     let times: Vec<f64> = rows.iter().map(|row| row[0]).collect();
     let width = columns_of_states(run);
     let column = |at: usize| -> Vec<f64> {
@@ -95,9 +105,52 @@ pub(super) fn report_data(
                 (observable.name().to_owned(), series)
             })
             .collect(),
+        section: section(run, report, &rows).map_err(RunError::io(&report.directory))?,
         trajectory: trajectory(run, session, times.clone(), &rows, width),
         solver: (!solver.times.is_empty()).then_some(solver),
     })
+}
+
+/// The states on a section to draw: over the axes that the scene names, or else over the first two columns that vary there;
+/// `recorded` are the samples.
+fn section(
+    run: &ComposedRun,
+    report: &RunReport,
+    recorded: &[Vec<f64>],
+) -> io::Result<Option<SectionPoints>> {
+    let (Some(section), Some(count)) = (&run.plan.events.section, report.crossings) else {
+        return Ok(None);
+    };
+    let stride = usize::try_from(count.div_ceil(MOST_ROWS)).unwrap_or(1);
+    let path = report.directory.join(samples::SECTION);
+    let rows = samples::read(&path, &header(run), count, stride.max(1))?;
+    let mut names = match run.plan.states.are_in_samples() {
+        true => run.plan.states.names(),
+        false => Vec::new(),
+    };
+    names.extend(run.plan.observables.iter().map(|o| o.name().to_owned()));
+    let value = |row: &Vec<f64>, column: usize| row.get(1 + column).copied().unwrap_or(f64::NAN);
+    let spread = |rows: &[Vec<f64>], column: usize| {
+        let values = || rows.iter().map(|row| value(row, column));
+        let (least, most) = (values().reduce(f64::min), values().reduce(f64::max));
+        most.zip(least).map_or(0.0, |(most, least)| most - least)
+    };
+    let varies = |column: &usize| spread(&rows, *column) > STILL * spread(recorded, *column);
+    let axes: Vec<usize> = match &section.axes {
+        Some(axes) => (axes.iter())
+            .filter_map(|axis| names.iter().position(|name| name == axis))
+            .collect(),
+        None => (0..names.len()).filter(varies).take(2).collect(),
+    };
+    let [x, y] = axes[..] else { return Ok(None) };
+    Ok(Some(SectionPoints {
+        title: format!("{}, {}", section.text, section.direction_in_words()),
+        names: [x, y].map(|column| names[column].clone()),
+        points: rows
+            .iter()
+            .map(|row| [value(row, x), value(row, y)])
+            .collect(),
+    }))
 }
 
 /// States of the run to judge its method at: the first, the last, and recorded ones between.
@@ -111,7 +164,12 @@ pub(super) fn states(run: &ComposedRun, report: &RunReport) -> io::Result<Vec<Ve
     if run.plan.states.is_whole_in_samples() {
         let stride = report.samples.div_ceil(MOST_STATES as u64 - 2).max(1);
         let stride = usize::try_from(stride).unwrap_or(usize::MAX);
-        let rows = samples::read(&report.directory, &header(run), report.samples, stride)?;
+        let rows = samples::read(
+            &report.directory.join(samples::FILE),
+            &header(run),
+            report.samples,
+            stride,
+        )?;
         states.extend(rows.iter().skip(1).map(|row| row[1..=d].to_vec()));
     }
     states.dedup();
@@ -142,7 +200,12 @@ pub(super) fn energy_error(
     if run.plan.states.is_whole_in_samples() && run.extension.is_none() {
         let stride = report.samples.div_ceil(MOST_ORBIT_STATES).max(1);
         let stride = usize::try_from(stride).unwrap_or(usize::MAX);
-        let rows = samples::read(&report.directory, &header(run), report.samples, stride)?;
+        let rows = samples::read(
+            &report.directory.join(samples::FILE),
+            &header(run),
+            report.samples,
+            stride,
+        )?;
         states.extend(rows.iter().map(|row| row[1..=d].to_vec()));
     }
     Ok(error.advice(document, run, &states))
@@ -306,6 +369,15 @@ fn facts(run: &ComposedRun, report: &RunReport) -> Vec<(String, String)> {
         ),
         ("Data".to_owned(), report.directory.display().to_string()),
     ];
+    if let (Some(section), Some(count)) = (&run.plan.events.section, report.crossings) {
+        let count = counted(count as usize, "crossing");
+        let text = format!(
+            "{count} of {}, {}",
+            section.text,
+            section.direction_in_words()
+        );
+        facts.insert(facts.len() - 1, ("Section".to_owned(), text));
+    }
     if let Some([least, most]) = report.step_times {
         let text = format!("{} to {}", rounded(least, 4), rounded(most, 4));
         facts.insert(1, ("Steps of t".to_owned(), text));

@@ -236,6 +236,14 @@ fn summary(
         duration(report.wall_seconds),
         grouped(rate as u64)
     ));
+    if let (Some(section), Some(count)) = (&composed.plan.events.section, report.crossings) {
+        lines.push(format!(
+            "  section  {} crossings of {}, {}, in section.csv",
+            grouped(count),
+            section.text,
+            section.direction_in_words()
+        ));
+    }
     lines.extend(states_line(composed).map(|line| format!("  states   {line}")));
     lines.push(format!("  report   {}", report.report().display()));
     if report.outcome == RunOutcome::Interrupted {
@@ -321,6 +329,8 @@ struct Told<'a> {
     time: Double,
     steps: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
+    crossings: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     step_times: Option<[f64; 2]>,
     wall_seconds: f64,
     #[serde(serialize_with = "object")]
@@ -343,6 +353,7 @@ impl<'a> From<&'a RunReport> for Told<'a> {
             final_state: &report.final_state,
             time: Double(report.time),
             steps: report.steps,
+            crossings: report.crossings,
             step_times: report.step_times,
             wall_seconds: report.wall_seconds,
             drift: report.drift(),

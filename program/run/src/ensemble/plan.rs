@@ -85,10 +85,22 @@ pub fn compose_ensemble(
             ),
         )));
     }
-    if let Some(stop) = &document.run.stop {
-        return Err(Box::new(document.diagnostic(
-            &stop.place(),
+    let run_alone = &document.run;
+    let refused = [
+        (
+            run_alone.stop.as_ref(),
             "an ensemble is not offered with a `stop`: its statistics are of all members at one time",
+        ),
+        (
+            run_alone.section.as_ref().map(|section| &section.at),
+            "an ensemble is not offered with a `section`: it keeps statistics, and no states on the way",
+        ),
+    ];
+    for (text, message) in refused {
+        let Some(text) = text else { continue };
+        return Err(Box::new(document.diagnostic(
+            &text.place(),
+            message,
             "here",
             Some(
                 "take it out, or run its members one by one: leafwise run SCENE --set run.initial=…".to_owned(),

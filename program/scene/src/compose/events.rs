@@ -1,4 +1,4 @@
-//! What a run watches between its steps: where it ends.
+//! What a run watches between its steps: where it ends, and the section that it is recorded on.
 
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
@@ -6,7 +6,9 @@ use leafwise_expression::syntax::Scope;
 use super::Refusal;
 use super::lattice::DENSE_LIMIT;
 use super::names::function;
-use crate::document::{Located, SceneDocument};
+use super::observables::Observable;
+use super::states::RecordedStates;
+use crate::document::{Direction, Located, SceneDocument, nearest};
 
 /// Where a run ends before its last step: left > right, or another comparison.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,14 +28,29 @@ impl Stop {
     }
 }
 
+/// A surface left = right whose crossings are recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Section {
+    /// As the scene writes it.
+    pub text: String,
+    /// left − right.
+    pub difference: Expression,
+    /// Which crossings.
+    pub direction: Direction,
+    /// The columns of `section.csv` that the report draws over each other, where the scene names them.
+    pub axes: Option<[String; 2]>,
+}
+
 /// What is watched.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Events {
     /// Where the run ends.
     pub stop: Option<Stop>,
+    /// What is recorded on the way.
+    pub section: Option<Section>,
 }
 
-/// Reads `stop` of a scene.
+/// Reads `stop` and `section` of a scene.
 pub(super) fn events(document: &SceneDocument, scope: &Scope) -> Result<Events, Refusal> {
     let run = &document.run;
     let stop = match &run.stop {
@@ -50,7 +67,16 @@ pub(super) fn events(document: &SceneDocument, scope: &Scope) -> Result<Events, 
         }
         None => None,
     };
-    Ok(Events { stop })
+    let section = match &run.section {
+        Some(section) => Some(Section {
+            text: section.at.value.trim().to_owned(),
+            difference: difference(document, scope, &section.at, &["="])?.0,
+            direction: section.direction,
+            axes: section.axes.clone().map(|axes| axes.map(|axis| axis.value)),
+        }),
+        None => None,
+    };
+    Ok(Events { stop, section })
 }
 
 impl Events {
@@ -77,14 +103,73 @@ impl Events {
                 ));
             }
         }
+        if let (Some(section), Some(spec)) = (&self.section, &run.section) {
+            defined(document, &spec.at, &section.difference, initial, parameters)?;
+        }
         Ok(())
     }
+}
+
+impl Section {
+    /// Whether a crossing to this side counts: 1 where left > right, −1 where left < right.
+    pub fn counts(&self, side: f64) -> bool {
+        match self.direction {
+            Direction::Up => side > 0.0,
+            Direction::Down => side < 0.0,
+            Direction::Both => true,
+        }
+    }
+
+    /// Which crossings, in words.
+    pub fn direction_in_words(&self) -> &'static str {
+        match self.direction {
+            Direction::Up => "upwards",
+            Direction::Down => "downwards",
+            Direction::Both => "in both directions",
+        }
+    }
+}
+
+/// Refuses axes that are no columns of `section.csv`.
+pub(super) fn check_axes(
+    document: &SceneDocument,
+    states: &RecordedStates,
+    observables: &[Observable],
+) -> Result<(), Refusal> {
+    let axes = document.run.section.as_ref();
+    let axes = axes.and_then(|section| section.axes.as_ref());
+    let mut columns = match states.are_in_samples() {
+        true => states.names(),
+        false => Vec::new(),
+    };
+    columns.extend(
+        observables
+            .iter()
+            .map(|observable| observable.name().to_owned()),
+    );
+    for axis in axes.into_iter().flatten() {
+        if !columns.contains(&axis.value) {
+            return Err(Box::new(document.diagnostic(
+                &axis.place(),
+                format!("`{}` is no column of section.csv", axis.value),
+                "not recorded",
+                Some(
+                    match nearest(&axis.value, columns.iter().map(String::as_str)) {
+                        Some(near) => format!("did you mean `{near}`?"),
+                        None => format!("columns: {}", columns.join(", ")),
+                    },
+                ),
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// Refuses events where sites of a lattice are stepped by templates.
 pub(super) fn refuse_on_a_long_lattice(document: &SceneDocument) -> Result<(), Refusal> {
     let run = &document.run;
-    let watched = run.stop.as_ref().map(|stop| ("stop", stop));
+    let section = run.section.as_ref().map(|section| ("section", &section.at));
+    let watched = run.stop.as_ref().map(|stop| ("stop", stop)).or(section);
     let Some((key, text)) = watched else {
         return Ok(());
     };
@@ -107,9 +192,12 @@ fn difference<'a>(
     let whole = text.value.as_str();
     let is_sign = |c: char| "<>=".contains(c);
     let listed = signs.join(", ");
-    let example = match signs.len() {
-        1 => "write a surface, as \"q1 = 0\"",
-        _ => "write when the run is to end, as \"q1^2 + q2^2 > 1\"",
+    let (one, example) = match signs.len() {
+        1 => (listed.clone(), "write a surface, as \"q1 = 0\""),
+        _ => (
+            format!("one of {listed}"),
+            "write when the run is to end, as \"q1^2 + q2^2 > 1\"",
+        ),
     };
     let Some(start) = whole.find(is_sign) else {
         let message = format!("`{}` compares nothing: it has no {listed}", whole.trim());
@@ -119,7 +207,7 @@ fn difference<'a>(
     let end = length.map_or(whole.len(), |length| start + length);
     let sign = &whole[start..end];
     if !signs.contains(&sign) || whole[end..].contains(is_sign) {
-        let message = format!("two formulas with one of {listed} between them are expected");
+        let message = format!("two formulas with {one} between them are expected");
         return Err(Box::new(document.diagnostic(
             &document.place_in_formula(text, start..end),
             message,

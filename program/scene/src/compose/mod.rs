@@ -48,7 +48,7 @@ mod tests;
 mod time;
 
 pub use checks::{CasimirCheck, SceneChecks};
-pub use events::{Events, Stop};
+pub use events::{Events, Section, Stop};
 pub use extended::{Extension, Pace};
 pub use fit::{check_first_order, check_tensor};
 pub use forms::Forms;

@@ -11,7 +11,7 @@ use leafwise_core::{
 };
 
 use super::Refusal;
-use super::events::Events;
+use super::events::{Events, check_axes};
 use super::extended::Extension;
 use super::fit::{check_first_order, check_tensor};
 use super::lattice::{SceneLattice, has_room, shortened};
@@ -162,6 +162,8 @@ fn compose_at_its_values(
     let step = &document.method.step;
     let fits = check_libraries(&composed, &method, &choices, step.epsilon(), registry);
     fits.map_err(|error| refused(&composed, &error))?;
+    let states = recorded_states(document)?;
+    check_axes(document, &states, &composed.observables)?;
     let plan = RunPlan {
         epsilon: step.epsilon(),
         h: step.h(),
@@ -172,7 +174,7 @@ fn compose_at_its_values(
         initial: composed.initial,
         observables: composed.observables,
         events: composed.events,
-        states: recorded_states(document)?,
+        states,
         parts: choices,
         system: system_choice(document, registry),
         families: document

@@ -430,21 +430,5 @@ fn read_quantile(item: &Item<'_>, problems: &mut Problems) -> Option<f64> {
 }
 
 fn read_final_states(item: &Item<'_>, problems: &mut Problems) -> Option<FinalStates> {
-    let written = item.string(problems)?;
-    let words = FinalStates::WORDS.iter().map(|(word, _)| *word);
-    let known = FinalStates::WORDS
-        .iter()
-        .find(|(word, _)| *word == written.value);
-    if known.is_none() {
-        problems.push(
-            SceneProblemCause::UnknownName {
-                kind: "form of final states",
-                nearest: nearest(&written.value, words.clone()),
-                valid: words.map(str::to_owned).collect(),
-                name: written.value.clone(),
-            },
-            written.place(),
-        );
-    }
-    known.map(|(_, form)| *form)
+    item.word("form of final states", &FinalStates::WORDS, problems)
 }

@@ -191,6 +191,30 @@ impl<'a> Item<'a> {
         }
     }
 
+    /// What one of a few words stands for.
+    pub fn word<T: Copy>(
+        &self,
+        kind: &'static str,
+        words: &[(&'static str, T)],
+        problems: &mut Problems,
+    ) -> Option<T> {
+        let written = self.string(problems)?;
+        let known = words.iter().find(|(word, _)| *word == written.value);
+        if known.is_none() {
+            let names = words.iter().map(|(word, _)| *word);
+            problems.push(
+                SceneProblemCause::UnknownName {
+                    kind,
+                    nearest: nearest(&written.value, names.clone()),
+                    valid: names.map(str::to_owned).collect(),
+                    name: written.value.clone(),
+                },
+                written.place(),
+            );
+        }
+        known.map(|(_, meaning)| *meaning)
+    }
+
     /// A finite number.
     pub fn number(&self, problems: &mut Problems) -> Option<Located<Number>> {
         let literal = match self.value {

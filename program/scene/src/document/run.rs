@@ -4,7 +4,7 @@ use super::error::SceneProblemCause;
 use super::located::{Located, Number, Place};
 use super::method::conflict;
 use super::reader::{Item, Problems, Table};
-use super::schema::{RECORD, RUN};
+use super::schema::{RECORD, RUN, SECTION};
 use super::system_section::SystemSection;
 
 /// The initial state.
@@ -48,6 +48,34 @@ impl ObservableSpec {
 /// In `states`, every coordinate.
 pub const ALL_STATES: &str = "all";
 
+/// Which crossings of a surface count, on the way of the run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Direction {
+    /// From left < right to left > right.
+    Up,
+    /// From left > right to left < right.
+    Down,
+    /// All.
+    #[default]
+    Both,
+}
+
+impl Direction {
+    const WORDS: [(&'static str, Self); 3] =
+        [("up", Self::Up), ("down", Self::Down), ("both", Self::Both)];
+}
+
+/// A surface whose crossings are recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SectionSpec {
+    /// The surface: `left = right`.
+    pub at: Located<String>,
+    /// Which crossings.
+    pub direction: Direction,
+    /// The columns that the report draws over each other, where the scene names them.
+    pub axes: Option<[Located<String>; 2]>,
+}
+
 /// The `[run]` table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunSection {
@@ -59,6 +87,8 @@ pub struct RunSection {
     pub until: Option<Located<Number>>,
     /// Where the run ends before: a comparison of two formulas.
     pub stop: Option<Located<String>>,
+    /// A surface whose crossings are recorded.
+    pub section: Option<SectionSpec>,
     /// What to keep.
     pub record: RecordSpec,
     /// The run directory, when the scene names one.
@@ -80,6 +110,10 @@ pub(super) fn read_run(
         Some(item) => item.string(problems).map(Some),
         None => Some(None),
     };
+    let section = match table.get("section") {
+        Some(item) => read_section(item, problems).map(Some),
+        None => Some(None),
+    };
     let record = read_record(table, system, problems);
     let out = match table.get("out") {
         Some(item) => item.string(problems).map(Some),
@@ -90,6 +124,7 @@ pub(super) fn read_run(
         steps: steps?,
         until: until?,
         stop: stop?,
+        section: section?,
         record: record?,
         out: out?,
     })
@@ -111,6 +146,45 @@ fn read_end(
         .as_ref()
         .map(|until| Located::new(u64::MAX, until.place()));
     (steps, until.map(Some))
+}
+
+fn read_section(item: &Item<'_>, problems: &mut Problems) -> Option<SectionSpec> {
+    let expected = "a table such as { at = \"q1 = 0\", direction = \"up\" }";
+    let table = item.table("section", expected, problems)?;
+    table.only(&SECTION, problems);
+    let at = table
+        .require("at", "at = \"q1 = 0\"", problems)
+        .and_then(|item| item.string(problems));
+    let direction = match table.get("direction") {
+        Some(item) => item.word("direction", &Direction::WORDS, problems),
+        None => Some(Direction::default()),
+    };
+    let axes = match table.get("axes") {
+        Some(item) => read_axes(item, problems).map(Some),
+        None => Some(None),
+    };
+    Some(SectionSpec {
+        at: at?,
+        direction: direction?,
+        axes: axes?,
+    })
+}
+
+fn read_axes(item: &Item<'_>, problems: &mut Problems) -> Option<[Located<String>; 2]> {
+    let names = item.list_of("two names, as [\"q2\", \"p2\"]", problems, Item::string)?;
+    let found = format!("{} entries", names.len());
+    let axes = <[Located<String>; 2]>::try_from(names).ok();
+    if axes.is_none() {
+        problems.push(
+            SceneProblemCause::Shape {
+                what: item.title.clone(),
+                found,
+                expected: "two names".to_owned(),
+            },
+            item.place(),
+        );
+    }
+    axes
 }
 
 fn read_initial(

@@ -294,7 +294,7 @@ pub(super) static METHOD: [Key; 9] = [
 
 const OBSERVABLES: Shape = Shape::List(&Shape::Either(&[Shape::Text, FORMULAS]));
 
-pub(super) static RUN: [Key; 6] = [
+pub(super) static RUN: [Key; 7] = [
     key(
         "initial",
         Shape::Either(&[NUMBERS, FORMULAS]),
@@ -311,8 +311,27 @@ pub(super) static RUN: [Key; 6] = [
         Shape::Text,
         "Where the run ends before: a comparison, as \"q1^2 + q2^2 > 1\"",
     ),
+    key(
+        "section",
+        table(&SECTION, &[&["at"]]),
+        "A surface whose crossings are recorded: { at = \"q1 = 0\", direction = \"up\" }",
+    ),
     key("record", table(&RECORD, &[]), "What to keep of the run"),
     key("out", Shape::Text, "The run directory"),
+];
+
+pub(super) static SECTION: [Key; 3] = [
+    key("at", Shape::Text, "The surface, as \"q1 = 0\""),
+    key(
+        "direction",
+        Shape::Words(&["up", "down", "both"]),
+        "Which crossings: where left - right rises, where it falls, or all",
+    ),
+    key(
+        "axes",
+        Shape::List(&Shape::Text),
+        "The two columns that the report draws over each other, as [\"q2\", \"p2\"]",
+    ),
 ];
 
 pub(super) static RECORD: [Key; 4] = [

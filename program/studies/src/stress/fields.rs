@@ -62,6 +62,7 @@ pub const SCENES_WITH_EVERY_KEY: [&str; 11] = [
     initial = [0.5, 0, 0, 1.5]
     until   = 1.5
     stop    = "q1^2 + q2^2 > 4"
+    section = { at = "q1 = 0", direction = "up", axes = ["q2", "p2"] }
     record  = { interval = 0.5 }
     "#,
     r#"

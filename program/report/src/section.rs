@@ -1,0 +1,42 @@
+//! A section: a dot for each crossing.
+
+use super::axis::{Axis, Frame};
+use super::canvas::Canvas;
+use super::data::SectionPoints;
+use super::error::ReportError;
+use super::figure::Figure;
+use super::stroke::draw_dots;
+
+/// The states on a section in the plane of two columns.
+pub(super) fn section_figure(section: &SectionPoints) -> Result<Figure, ReportError> {
+    let (width, height) = (480.0, 480.0);
+    let is_finite = |point: &&[f64; 2]| point.iter().all(|value| value.is_finite());
+    let points: Vec<_> = section.points.iter().filter(is_finite).collect();
+    let x = Axis::linear(points.iter().map(|point| point[0]), 0.06);
+    let y = Axis::linear(points.iter().map(|point| point[1]), 0.06);
+    let frame = Frame::new(width, height, x, y);
+    let mut canvas = Canvas::new(width, height);
+    let [across, up] = &section.names;
+    frame.draw(&mut canvas, across, up);
+    let dots: Vec<_> = points
+        .iter()
+        .map(|point| frame.point(point[0], point[1]))
+        .collect();
+    draw_dots(&mut canvas, &dots);
+    let mut notes = Vec::new();
+    if points.len() < section.points.len() {
+        notes.push(format!(
+            "Not finite and not drawn: {} of {} crossings.",
+            section.points.len() - points.len(),
+            section.points.len()
+        ));
+    }
+    Ok(Figure {
+        title: format!("Section {} in ({across}, {up})", section.title),
+        svg: canvas.finish("The states on the section")?,
+        legend: Vec::new(),
+        caption: "A dot for each crossing, each located between two steps by the method itself."
+            .to_owned(),
+        notes,
+    })
+}
