@@ -4,7 +4,7 @@ use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
 
 use super::Refusal;
-use super::lattice::DENSE_LIMIT;
+use super::dense::DENSE_LIMIT;
 use super::names::function;
 use super::observables::Observable;
 use super::states::RecordedStates;

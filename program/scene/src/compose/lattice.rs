@@ -7,6 +7,7 @@ use leafwise_expression::syntax::Formula;
 
 use super::Refusal;
 use super::definitions::scope;
+use super::dense::DENSE_LIMIT;
 use super::instantiate::{geometry, instantiate};
 use super::names::{parse, refusal};
 use super::observables::{Observable, coordinate};
@@ -18,9 +19,6 @@ pub(super) struct SceneLattice<'a> {
     document: &'a SceneDocument,
     geometry: LatticeGeometry,
 }
-
-/// The largest dimension of a lattice that is written out site by site; longer ones are templates.
-pub const DENSE_LIMIT: usize = 24;
 
 /// The largest dimension of a lattice that is written out for a stepper without sweeps.
 pub(super) const STEPPER_LIMIT: usize = 1024;

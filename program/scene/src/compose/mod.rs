@@ -23,6 +23,7 @@
 
 mod checks;
 mod definitions;
+mod dense;
 mod events;
 mod extended;
 mod fit;
@@ -48,13 +49,13 @@ mod tests;
 mod time;
 
 pub use checks::{CasimirCheck, SceneChecks};
+pub use dense::DENSE_LIMIT;
 pub use events::{Events, Section, Stop};
 pub use extended::{Extension, Pace};
 pub use fit::{check_first_order, check_tensor};
 pub use forms::Forms;
 pub use fragment::system_of_fragment;
 pub use instantiate::{Instantiated, instantiate};
-pub use lattice::DENSE_LIMIT;
 pub use lie_algebra::{LIE_ALGEBRAS, LieAlgebra, StructureEntry};
 pub use motion::Motion;
 pub use observables::Observable;

@@ -12,7 +12,8 @@ use leafwise_core::{
 use serde::{Serialize, Serializer};
 
 use super::Refusal;
-use super::lattice::{DENSE_LIMIT, STEPPER_LIMIT, SceneLattice};
+use super::dense::DENSE_LIMIT;
+use super::lattice::{STEPPER_LIMIT, SceneLattice};
 use super::system::{ComposedSystem, written_out};
 use crate::document::{
     Located, Number, ParameterValue, PartSpec, Place, SceneDocument, Source, nearest,
