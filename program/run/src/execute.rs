@@ -6,8 +6,9 @@ use std::time::Duration;
 use leafwise_core::Registry;
 
 use super::checkpoint::Checkpoint;
+use super::columns::{header, invariant_name, windows_table};
 use super::directory::{REPORT, RunDirectory, RunRequest, SCENE, WINDOWS};
-use super::drive::{Session, header, invariant_name, windows_table};
+use super::drive::Session;
 use super::error::RunError;
 use super::manifest::{Beginning, Kind, plugins};
 use super::outcome::{InvariantDrift, RunOutcome, RunReport};

@@ -3,8 +3,9 @@
 //! - [`ensemble`]: many members at once, reduced into such a directory;
 //! - [`advice`]: what a scene asks for and does not use, or needs and does not ask for;
 //! - [`csv`]: tables as CSV;
+//! - `columns`: the columns of `samples.csv` and `windows.csv`;
 //! - `execute`: [`run`], from a composed scene to a complete directory;
-//! - `drive`: the step loop;
+//! - `drive`: the step loop, and the states it records between two steps;
 //! - `last_step`: states between the last two, by shorter steps;
 //! - `events`: where a condition begins to hold, and a section is crossed, between two steps;
 //! - `paced`: steps of a fictitious time, states at given times;
@@ -26,6 +27,7 @@
 pub mod advice;
 mod appended;
 mod checkpoint;
+mod columns;
 pub mod csv;
 mod difference;
 mod directory;

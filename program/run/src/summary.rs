@@ -4,7 +4,8 @@ use std::io;
 
 use leafwise_expression::words::counted;
 
-use super::drive::{Session, header};
+use super::columns::header;
+use super::drive::Session;
 use super::error::RunError;
 use super::invariants::Functions;
 use super::manifest::{PROGRAM_VERSION, plugins};

@@ -1,23 +1,25 @@
 //! The step loop.
 
+mod between;
+
 use std::time::{Duration, Instant};
 
 use leafwise_core::{Integrator, SolverStatistics, StepError};
 
-use super::appended::Vouched;
-use super::checkpoint::Checkpoint;
-use super::directory::RunDirectory;
-use super::error::RunError;
-use super::events::{Crossings, Lost, StopWatch};
-use super::invariants::{Functions, Windows};
-use super::last_step::{Between, LastStep};
-use super::outcome::{Failure, RunOutcome};
-use super::paced::Paced;
-use super::progress::{Progress, Status};
-use super::samples::{self, Samples};
-use super::snapshots::Snapshots;
-use super::states::StateTable;
-use crate::csv::{Headings, Table};
+use crate::appended::Vouched;
+use crate::checkpoint::Checkpoint;
+use crate::columns::{header, invariant_name};
+use crate::directory::RunDirectory;
+use crate::error::RunError;
+use crate::events::{Crossings, StopWatch};
+use crate::invariants::{Functions, Windows};
+use crate::last_step::LastStep;
+use crate::outcome::{Failure, RunOutcome};
+use crate::paced::Paced;
+use crate::progress::{Progress, Status};
+use crate::samples::{self, Samples};
+use crate::snapshots::Snapshots;
+use crate::states::StateTable;
 use leafwise_scene::compose::{ComposedRun, Observable, WIDEST_STATE};
 
 /// How often waiting samples are handed to the operating system.
@@ -384,81 +386,6 @@ impl<'a> Session<'a> {
         })
     }
 
-    /// Looks whether the run has stopped in the last step, and where; why that is not known.
-    fn find_stop(&mut self) -> Option<Failure> {
-        let (Some(stop), Some(last)) = (&mut self.stop, &self.last) else {
-            return None;
-        };
-        let found = match stop.end(last, &self.integrator) {
-            Ok(found) => found?,
-            Err(lost) => return Some(self.failure_of(lost)),
-        };
-        let time = self.time_of(&found);
-        if self.is_on_the_way(time) {
-            self.is_stopped = true;
-            self.end = Some((time, found.state));
-        }
-        None
-    }
-
-    /// Records where the last step crosses the section; why that is not known.
-    fn record_crossing(&mut self) -> Result<Option<Failure>, RunError> {
-        let (Some(section), Some(last)) = (&mut self.section, &self.last) else {
-            return Ok(None);
-        };
-        let crossing = section.side_after(&self.integrator).and_then(|side| {
-            let crossing = section.crossing(last, &self.integrator, side);
-            crossing.map(|found| (side, found)).map_err(Lost::Step)
-        });
-        let (side, found) = match crossing {
-            Ok(crossing) => crossing,
-            Err(lost) => return Ok(Some(self.failure_of(lost))),
-        };
-        if let Some(found) = found {
-            let time = self.time_of(&found);
-            if !self.is_on_the_way(time) {
-                return Ok(None);
-            }
-            self.fill_row(&found.state);
-            if let Some(crossings) = &mut self.crossings {
-                crossings.push(time, &self.shown, &self.row)?;
-            }
-        }
-        if let Some(section) = &mut self.section {
-            section.side = side;
-        }
-        Ok(None)
-    }
-
-    /// The time of a state within the last step.
-    fn time_of(&self, between: &Between) -> f64 {
-        match (&self.paced, &self.last) {
-            (None, Some(last)) => last.time(&self.integrator, between.part),
-            (Some(paced), _) => paced.time_at(&between.state),
-            (None, None) => self.time(),
-        }
-    }
-
-    /// Whether a time comes before the run's end, where that lies at a time.
-    fn is_on_the_way(&self, time: f64) -> bool {
-        let forward = self.run.plan.epsilon * self.run.plan.h;
-        let stopped = self.end.as_ref().map(|(end, _)| *end);
-        let end = stopped.or(self.run.plan.until);
-        end.is_none_or(|end| (end - time) * forward >= 0.0)
-    }
-
-    fn failure_of(&self, lost: Lost<'_>) -> Failure {
-        match lost {
-            Lost::Step(error) => self.failure_of_step(&error),
-            Lost::Undefined(text) => Failure::of_observable(
-                &format!("`{text}`"),
-                self.integrator.steps(),
-                self.time(),
-                self.run.own(self.integrator.state()),
-            ),
-        }
-    }
-
     /// Records what the plan asks for of the last step.
     fn record_step(&mut self) -> Result<Option<Failure>, RunError> {
         if let Some(failure) = self.record_crossing()? {
@@ -479,46 +406,6 @@ impl<'a> Session<'a> {
         let mut failure = Failure::of_step(error, self.integrator.steps(), self.time(), state);
         failure.of_parts(&self.run.plan.parts);
         failure
-    }
-
-    /// Records the states at the given times that the last step has passed.
-    fn record_times(&mut self) -> Result<Option<Failure>, RunError> {
-        loop {
-            let (Some(paced), Some(last)) = (&self.paced, &self.last) else {
-                return Ok(None);
-            };
-            let is_passed = |time: &f64| match &self.end {
-                // The end itself is recorded as the end.
-                Some((end, _)) => paced.is_before(*time, *end),
-                None => !paced.is_before(paced.time(&self.integrator), *time),
-            };
-            let time = paced.time_of_sample(self.samples.count());
-            let Some(time) = time.filter(is_passed) else {
-                return Ok(None);
-            };
-            match paced.state_at(last, &self.integrator, time) {
-                Ok(state) => self.record_state(time, &state)?,
-                Err(error) => return Ok(Some(self.failure_of_step(&error))),
-            }
-        }
-    }
-
-    /// The state at the time at which the run ends; why there is none.
-    fn reach_end(&mut self) -> Option<Failure> {
-        if self.is_stopped {
-            return None;
-        }
-        let (Some(paced), Some(last)) = (&self.paced, &self.last) else {
-            return None;
-        };
-        let until = self.run.plan.until?;
-        match paced.state_at(last, &self.integrator, until) {
-            Ok(state) => {
-                self.end = Some((until, state));
-                None
-            }
-            Err(error) => Some(self.failure_of_step(&error)),
-        }
     }
 
     /// Records the state at the end.
@@ -689,44 +576,4 @@ impl<'a> Session<'a> {
 fn wide(run: &ComposedRun) -> Option<usize> {
     let states = &run.plan.states;
     (!states.are_in_samples()).then(|| states.width())
-}
-
-/// The name of the energy (0) or of a Casimir.
-pub(super) fn invariant_name(run: &ComposedRun, index: usize) -> &str {
-    match index.checked_sub(1) {
-        None => "energy",
-        Some(casimir) => run.system.casimir_names()[casimir],
-    }
-}
-
-/// The kind of an invariant, beside its name.
-fn invariant_kind(index: usize) -> &'static str {
-    if index == 0 { "Hamiltonian" } else { "Casimir" }
-}
-
-/// The first line of `samples.csv`.
-pub(super) fn header(run: &ComposedRun) -> String {
-    let mut headings = Headings::default();
-    headings.push("t", "time");
-    if run.plan.states.are_in_samples() {
-        headings.extend(run.plan.states.names(), "variable");
-    }
-    for observable in &run.plan.observables {
-        let kind = match observable {
-            Observable::Invariant { index, .. } => invariant_kind(*index),
-            Observable::Formula { .. } | Observable::Coordinate { .. } => "observable",
-        };
-        headings.push(observable.name(), kind);
-    }
-    headings.table().as_str().to_owned()
-}
-
-/// `windows.csv` without a row.
-pub(super) fn windows_table(run: &ComposedRun, invariants: usize) -> Table {
-    let mut headings = Headings::default();
-    headings.push("t_end", "time");
-    for index in 0..invariants {
-        headings.push(invariant_name(run, index), invariant_kind(index));
-    }
-    headings.table()
 }
