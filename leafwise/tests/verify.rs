@@ -118,6 +118,28 @@ fn one_order_more_than_the_truth_is_caught() {
     }
 }
 
+/// Where coordinates are 0 they hold what a step puts into them alone, and entries of the tensor with them: orders of
+/// defects are those of the map there as elsewhere.
+#[test]
+fn an_order_is_that_of_the_map_where_coordinates_are_zero() {
+    let mut problem = Problem::of_library("guiding-centre").expect("in the library");
+    assert_eq!(problem.initial[1..3], [0.0, 0.0]);
+    for place in [[0.0, 0.0], [0.02, 0.3]] {
+        problem.initial[1..3].copy_from_slice(&place);
+        for n in [2, 4] {
+            let map = truncated(&problem, n, 2);
+            let truth = map.properties();
+            let found = measured(&problem, map.as_ref());
+            let context = format!("{place:?} n = {n}: {:?}", found.structure);
+            assert_eq!(found.judgements[1], Judgement::Met, "{context}");
+            let structure = Structure::Order(n as usize + 1);
+            let boasts = Declares(map, MapProperties { structure, ..truth });
+            let found = measured(&problem, &boasts);
+            assert_ne!(found.judgements[1], Judgement::Met, "{context}");
+        }
+    }
+}
+
 /// A map that bears only small steps.
 struct Limited {
     map: Arc<dyn StepMap>,

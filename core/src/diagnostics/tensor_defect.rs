@@ -29,7 +29,9 @@ pub struct Defect {
     /// Where DΦ was taken by differences, the part of the norm that may be their error; `None` where
     /// it is exact.
     pub floor: Option<f64>,
-    relative: Option<f64>,
+    defect: DMatrix<f64>,
+    /// b.
+    bounds: DMatrix<f64>,
     relative_floor: Option<f64>,
 }
 
@@ -43,13 +45,25 @@ impl Defect {
     /// of Π to u times what their arguments put into them. No units of the coordinates change it. `None`
     /// where the tensor vanishes at both ends.
     pub fn relative(&self) -> Option<f64> {
-        self.relative
+        self.relative_in(self)
+    }
+
+    /// The same with the b of another step from the same state: for orders. Where a coordinate or an entry of Π is 0 at
+    /// the state, it holds what the step puts into it alone, so that a step's own b falls with the step.
+    pub fn relative_in(&self, other: &Self) -> Option<f64> {
+        over_pairs(&self.defect, &other.bounds)
     }
 
     /// [`floor`](Self::floor) in the units of [`relative`](Self::relative); 0 for an exact tangent.
     pub fn relative_floor(&self) -> Option<f64> {
         self.relative_floor
     }
+}
+
+/// Of antisymmetric matrices, which hold every pair twice.
+fn over_pairs(matrix: &DMatrix<f64>, bounds: &DMatrix<f64>) -> Option<f64> {
+    let relative = round_off::relative(matrix, bounds);
+    relative.map(|r| std::f64::consts::FRAC_1_SQRT_2 * r)
 }
 
 impl TensorDefect {
@@ -115,20 +129,18 @@ impl TensorDefect {
         let rows = round_off::of_rows(tangent, &sizes, &sizes);
         let one = rows * self.tensor.sizes(x, &sizes)? * tangent.abs().transpose();
         let bounds = &one + one.transpose() + self.tensor.sizes(&next, &sizes)?;
-        // Antisymmetric matrices hold every pair twice.
-        let half = std::f64::consts::FRAC_1_SQRT_2;
-        let in_bounds = |m: &DMatrix<f64>| round_off::relative(m, &bounds).map(|r| half * r);
         Ok(Defect {
             norm: norm(&defect),
             scale: norm(&after),
-            relative: in_bounds(&defect),
             relative_floor: match &floor {
-                Some(floor) => in_bounds(floor),
-                None => in_bounds(&defect).map(|_| 0.0),
+                Some(floor) => over_pairs(floor, &bounds),
+                None => over_pairs(&defect, &bounds).map(|_| 0.0),
             },
             tangent: tangent.transpose().as_slice().to_vec(),
             next,
             floor: floor.as_ref().map(norm),
+            defect,
+            bounds,
         })
     }
 }

@@ -10,7 +10,7 @@ use super::problem::Problem;
 
 /// Tensor defects of one step, relative to the tensor.
 pub(super) struct Defects {
-    /// A defect for each step at which one could be measured.
+    /// A defect for each step at which one could be measured, in units of the step's own round-off.
     points: Vec<(f64, Measured)>,
     /// n in tⁿ⁺¹.
     pub order: MeasuredOrder,
@@ -18,8 +18,8 @@ pub(super) struct Defects {
 
 /// A relative defect.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Measured {
-    pub defect: f64,
+struct Measured {
+    defect: f64,
     /// What of it may be the error of differences; 0 for an exact tangent.
     floor: f64,
 }
@@ -43,12 +43,16 @@ impl Defects {
     /// Nothing is measured after four defects at round-off, or at what differences leave.
     pub fn measure(problem: &Problem, map: &dyn StepMap) -> Self {
         let mut points = Vec::new();
+        let mut of_order = Vec::new();
+        let mut largest: Option<Defect> = None;
         let mut floor = Floor::new(PLATEAU[0], PLATEAU[1]);
         let mut untold = 0;
         for k in 0..SIZES {
             let t = problem.time_step * libm::exp2(3.0 - 0.125 * f64::from(k));
-            let Some(measured) = defect(problem, map, t) else {
+            let Some((defect, measured)) = defect(problem, map, t) else {
                 points.clear();
+                of_order.clear();
+                largest = None;
                 floor = Floor::new(PLATEAU[0], PLATEAU[1]);
                 untold = 0;
                 continue;
@@ -57,15 +61,17 @@ impl Defects {
             untold = if measured.is_told() { 0 } else { untold + 1 };
             if measured.is_told() {
                 floor.take(t, measured.defect);
+                // In the units of the largest step, which are no smaller: round-off is no larger in them.
+                let units = largest.get_or_insert_with(|| defect.clone());
+                of_order.extend(defect.relative_in(units).map(|relative| (t, relative)));
             }
             if floor.touched() == 4 || untold == 4 {
                 break;
             }
         }
         let told = || points.iter().filter(|(_, measured)| measured.is_told());
-        let defects: Vec<(f64, f64)> = told().map(|(t, measured)| (*t, measured.defect)).collect();
         let round_off = told().map(|p| p.1.floor).fold(floor.round_off, f64::max);
-        let order = MeasuredOrder::of(&defects, round_off, 1.0).of_one_step();
+        let order = MeasuredOrder::of(&of_order, round_off, 1.0).of_one_step();
         Self { points, order }
     }
 
@@ -88,9 +94,9 @@ impl Defects {
     }
 }
 
-/// The relative defect of one step of t, by differences where the map offers no tangent and declares
-/// a structure; `None` where the step fails or there is nothing to measure by.
-pub(super) fn defect(problem: &Problem, map: &dyn StepMap, t: f64) -> Option<Measured> {
+/// The defect of one step of t, and how large it is relative to round-off, by differences where the map offers no tangent
+/// and declares a structure; `None` where the step fails or there is nothing to measure by.
+fn defect(problem: &Problem, map: &dyn StepMap, t: f64) -> Option<(Defect, Measured)> {
     let values = problem.system.parameter_values();
     let mut instrument = TensorDefect::new(&problem.system, map, &values, 1.0, t).ok()?;
     let defect = match instrument.measure(&problem.initial) {
@@ -100,8 +106,14 @@ pub(super) fn defect(problem: &Problem, map: &dyn StepMap, t: f64) -> Option<Mea
         measured => measured,
     };
     let defect = defect.ok()?;
-    Some(Measured {
+    let measured = Measured {
         defect: defect.relative()?,
         floor: defect.relative_floor()?,
-    })
+    };
+    Some((defect, measured))
+}
+
+/// The relative defect of one step of t.
+pub(super) fn relative_defect(problem: &Problem, map: &dyn StepMap, t: f64) -> Option<f64> {
+    defect(problem, map, t).map(|(_, measured)| measured.defect)
 }

@@ -6,7 +6,7 @@ use leafwise_scene::json::{double, optional, points};
 use serde::{Serialize, Serializer};
 
 use super::convergence::Convergence;
-use super::defects::{Defects, defect};
+use super::defects::{Defects, relative_defect};
 use super::drift::Drift;
 use super::judgement::Judgement;
 use super::order::MeasuredOrder;
@@ -96,7 +96,7 @@ pub fn measure(
         structure: defects.order,
         time_step: run.time_step,
         too_large: run.too_large.map(|error| error.to_string()),
-        tensor_defect: defect(problem, map, run.time_step).map(|measured| measured.defect),
+        tensor_defect: relative_defect(problem, map, run.time_step),
         self_adjointness: run.self_adjointness,
         casimir_drift: run.drift.casimirs,
         energy_drift: run.drift.energy,
