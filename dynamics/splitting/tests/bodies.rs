@@ -7,7 +7,9 @@
 
 use std::sync::Arc;
 
-use crate::common::{Problem, distance, gauss, largest, library, observe, run, splitting, step};
+use crate::common::{
+    Problem, assert_conserved, distance, gauss, largest, library, run, splitting, step,
+};
 use leafwise_composition::{Composed, Scheme};
 use leafwise_core::diagnostics::{TensorDefect, fit_slope};
 use leafwise_core::solver::{StepMap, Structure};
@@ -385,27 +387,9 @@ fn casimirs_stay_at_round_off() {
         let problem = library(id);
         let system = problem.system();
         let formulas = system.expressions().expect("formulas");
-        let mut observed: Vec<_> = formulas.casimirs().iter().map(|c| &c.expression).collect();
-        if id == "rigid-body" {
-            observed.push(formulas.hamiltonian());
-        }
-        let (steps, h) = (2000, problem.time_step);
+        let energy = (id == "rigid-body").then(|| formulas.hamiltonian());
         let map = whole(&system).expect("a body");
-        let before = observe(&system, &observed, &problem.initial);
-        let end = run(
-            &system,
-            map.as_ref(),
-            &problem.initial,
-            h * steps as f64,
-            steps,
-        );
-        let after = observe(&system, &observed, &end.expect("finite"));
-        let walk = libm::sqrt(steps as f64) * h * f64::EPSILON;
-        for (before, after) in before.iter().zip(&after) {
-            let drift = (after - before).abs() / before.abs().max(1.0);
-            println!("{id}: drift {drift:.1e}, walk {walk:.1e}");
-            assert!(drift <= 16.0 * f64::EPSILON + 8.0 * walk, "{id}: {drift:e}");
-        }
+        assert_conserved(&problem, map.as_ref(), energy.as_slice());
     }
 }
 

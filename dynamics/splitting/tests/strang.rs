@@ -8,7 +8,9 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
-use crate::common::{Problem, distance, gauss, largest, library, observe, run, step, volterra};
+use crate::common::{
+    Problem, assert_conserved, distance, gauss, largest, library, run, step, volterra,
+};
 use leafwise_composition::{Composed, Scheme};
 use leafwise_core::diagnostics::{TensorDefect, fit_slope};
 use leafwise_core::registry::Registry;
@@ -210,40 +212,10 @@ fn the_tangent_is_that_of_the_map() {
     }
 }
 
-/// Casimirs over 2,000 steps, relative to what they are made of: the end is rounded to doubles, and
-/// the steps' rounding of a few ulps of h times the velocity walks at random.
 #[test]
 fn casimirs_stay_at_round_off() {
     for problem in systems() {
-        let system = problem.system();
-        let formulas: Vec<_> = system
-            .expressions()
-            .expect("formulas")
-            .casimirs()
-            .iter()
-            .map(|c| &c.expression)
-            .collect();
-        let (steps, h) = (2000, problem.time_step);
-        let map = strang(&system);
-        let before = observe(&system, &formulas, &problem.initial);
-        let end = run(
-            &system,
-            map.as_ref(),
-            &problem.initial,
-            h * steps as f64,
-            steps,
-        );
-        let after = observe(&system, &formulas, &end.expect("finite"));
-        let walk = libm::sqrt(steps as f64) * h * f64::EPSILON;
-        for (before, after) in before.iter().zip(&after) {
-            let drift = (after - before).abs() / before.abs().max(1.0);
-            println!("{}: drift {drift:.1e}, walk {walk:.1e}", problem.id);
-            assert!(
-                drift <= 16.0 * f64::EPSILON + 8.0 * walk,
-                "{}: {drift:e}",
-                problem.id
-            );
-        }
+        assert_conserved(&problem, strang(&problem.system()).as_ref(), &[]);
     }
 }
 

@@ -9,7 +9,8 @@ use std::sync::Arc;
 use leafwise_core::registry::Registry;
 use leafwise_core::solver::StepMap;
 use leafwise_core::{BuildError, Convention, PartParameters, PoissonSystem};
-pub use oracle::{distance, gauss, largest, observe, run, step};
+use leafwise_expression::Expression;
+pub use oracle::{distance, gauss, largest, run, step};
 use toml::{Table, Value};
 
 /// The splitting of a system.
@@ -20,6 +21,25 @@ pub fn splitting(
     let registry = Registry::with_builtin();
     let part = registry.stepper("splitting").expect("a built-in stepper");
     part.build(system, parameters)
+}
+
+/// Casimirs, and more that a map conserves, over 2,000 steps, relative to what they are made of: the end is rounded to doubles,
+/// and the steps' rounding of a few ulps of h times the velocity walks at random.
+pub fn assert_conserved(problem: &Problem, map: &dyn StepMap, more: &[&Expression]) {
+    let system = problem.system();
+    let formulas = system.expressions().expect("formulas");
+    let casimirs = formulas.casimirs().iter().map(|c| &c.expression);
+    let observed: Vec<_> = casimirs.chain(more.iter().copied()).collect();
+    let (steps, h) = (2000, problem.time_step);
+    let before = oracle::observe(&system, &observed, &problem.initial);
+    let end = run(&system, map, &problem.initial, h * steps as f64, steps).expect("finite");
+    let after = oracle::observe(&system, &observed, &end);
+    let walk = libm::sqrt(steps as f64) * h * f64::EPSILON;
+    for (before, after) in before.iter().zip(&after) {
+        let drift = (after - before).abs() / before.abs().max(1.0);
+        let bound = 16.0 * f64::EPSILON + 8.0 * walk;
+        assert!(drift <= bound, "{}: {drift:e}", problem.id);
+    }
 }
 
 /// A system's text with a state to start from.
