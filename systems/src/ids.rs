@@ -13,6 +13,7 @@ macro_rules! of_each_system {
             "lotka-volterra",
             "lotka-volterra-periodic",
             "magnetic",
+            "magnetic-field-line",
             "point-vortices",
             "rigid-body",
             "se3",
