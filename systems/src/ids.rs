@@ -15,6 +15,7 @@ macro_rules! of_each_system {
             "magnetic",
             "magnetic-field-line",
             "point-vortices",
+            "restricted-three-body",
             "rigid-body",
             "se3",
             "so4",
