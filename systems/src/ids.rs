@@ -5,6 +5,7 @@ macro_rules! of_each_system {
     ($of:ident) => {
         $of!(
             "driven-oscillator",
+            "driven-pendulum",
             "gradient",
             "guiding-centre",
             "guiding-centre-cartesian",
