@@ -11,6 +11,7 @@ macro_rules! of_each_system {
             "guiding-centre",
             "guiding-centre-cartesian",
             "heavy-top",
+            "heavy-top-attitude",
             "kepler",
             "lotka-volterra",
             "lotka-volterra-periodic",
