@@ -17,6 +17,7 @@ macro_rules! of_each_system {
             "lotka-volterra-periodic",
             "magnetic",
             "magnetic-field-line",
+            "maxwell-bloch",
             "point-vortices",
             "restricted-three-body",
             "rigid-body",
