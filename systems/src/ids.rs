@@ -23,6 +23,7 @@ macro_rules! of_each_system {
             "rigid-body",
             "se3",
             "so4",
+            "sphere-vortices",
             "three-wave",
             "toda",
             "volterra-lattice"
