@@ -24,6 +24,7 @@ macro_rules! of_each_system {
             "se3",
             "so4",
             "sphere-vortices",
+            "spin-chain",
             "three-wave",
             "toda",
             "volterra-lattice"
