@@ -4,6 +4,7 @@
 macro_rules! of_each_system {
     ($of:ident) => {
         $of!(
+            "ablowitz-ladik",
             "attitude",
             "driven-oscillator",
             "driven-pendulum",

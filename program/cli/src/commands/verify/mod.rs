@@ -24,7 +24,7 @@ use live::Live;
 const PROBLEMS: [&str; 3] = ["rigid-body", "lotka-volterra-periodic", "heavy-top"];
 
 /// Lattices of the library are too long to be written out.
-const LATTICES: [&str; 3] = ["spin-chain", "toda", "volterra-lattice"];
+const LATTICES: [&str; 4] = ["ablowitz-ladik", "spin-chain", "toda", "volterra-lattice"];
 
 /// Measures; returns the exit code.
 ///
