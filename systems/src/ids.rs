@@ -6,6 +6,7 @@ macro_rules! of_each_system {
         $of!(
             "ablowitz-ladik",
             "attitude",
+            "camassa-holm",
             "driven-oscillator",
             "driven-pendulum",
             "gradient",
