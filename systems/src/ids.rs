@@ -20,6 +20,7 @@ macro_rules! of_each_system {
             "magnetic",
             "magnetic-field-line",
             "maxwell-bloch",
+            "may-leonard",
             "point-vortices",
             "restricted-three-body",
             "rigid-body",
