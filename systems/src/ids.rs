@@ -21,6 +21,7 @@ macro_rules! of_each_system {
             "magnetic-field-line",
             "maxwell-bloch",
             "may-leonard",
+            "nambu",
             "point-vortices",
             "restricted-three-body",
             "rigid-body",

@@ -82,7 +82,7 @@ impl LibrarySystem {
 
 macro_rules! library {
     ($($id:literal),*) => {
-        static LIBRARY: [LibrarySystem; 27] = [$(
+        static LIBRARY: [LibrarySystem; 28] = [$(
             LibrarySystem { id: $id, text: include_str!(concat!("../library/", $id, ".toml")) }
         ),*];
     };
