@@ -13,6 +13,7 @@ mod flows;
 mod guiding_centre;
 mod jacobi;
 mod kernels;
+mod library_orbits;
 mod limits;
 mod lockstep;
 mod module_cycles;

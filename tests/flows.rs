@@ -85,7 +85,8 @@ fn the_gauss_oracle_agrees_with_every_flow() {
             decimal(&flow["time"]),
             64,
         );
-        let error = distance(&found, &end) / largest(&end);
+        // A driven system has the time and its energy behind its coordinates.
+        let error = distance(&found[..end.len()], &end) / largest(&end);
         println!("{}: {error:.1e}", name(&flow));
         assert!(error <= 20.0 * f64::EPSILON, "{}: {error:e}", name(&flow));
     }
