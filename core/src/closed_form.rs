@@ -206,12 +206,20 @@ impl<F: ClosedForm> RealizationData for ClosedRealization<F> {
 }
 
 impl<F: ClosedForm> SourceSeries for ClosedRealization<F> {
-    fn in_ring(&self, ring: &mut Ring) -> Result<Box<dyn SourceRecursion<Ring>>, BuildError> {
-        Ok(Box::new(self.start(ring)?))
+    fn in_ring(
+        &self,
+        ring: &mut Ring,
+        coordinates: &[usize],
+    ) -> Result<Box<dyn SourceRecursion<Ring>>, BuildError> {
+        Ok(Box::new(self.start(ring, coordinates)?))
     }
 
-    fn in_graph(&self, graph: &mut Graph) -> Result<Box<dyn SourceRecursion<Graph>>, BuildError> {
-        Ok(Box::new(self.start(graph)?))
+    fn in_graph(
+        &self,
+        graph: &mut Graph,
+        coordinates: &[usize],
+    ) -> Result<Box<dyn SourceRecursion<Graph>>, BuildError> {
+        Ok(Box::new(self.start(graph, coordinates)?))
     }
 }
 
@@ -219,11 +227,13 @@ impl<F: ClosedForm> ClosedRealization<F> {
     fn start<A: DifferentialAlgebra>(
         &self,
         algebra: &mut A,
+        coordinates: &[usize],
     ) -> Result<Recursion<A::Element>, BuildError> {
         let d = self.form.dimension();
-        let mut constants: Vec<A::Element> = (0..d).map(|i| algebra.coordinate(i)).collect();
+        let x = coordinates.iter().map(|at| algebra.coordinate(*at));
+        let mut constants: Vec<A::Element> = x.collect();
         constants.resize(2 * d, algebra.zero());
-        constants.extend(algebra.formed(d, |ring| self.form.functions(ring))?);
+        constants.extend(algebra.formed(coordinates, |ring| self.form.functions(ring))?);
         let mut tape = Tape::new();
         let variables: Vec<TapeIndex> = (0..constants.len()).map(|at| tape.variable(at)).collect();
         let one = tape.one();

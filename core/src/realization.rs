@@ -195,14 +195,23 @@ pub trait RealizationEvaluator: Evaluator {
 /// The exact (untruncated) series of α∘χ along p(h) = Σ_{k≥1} pₖ hᵏ at ε = 1, where χ is a
 /// cotangent chart with χ(x, 0) = σ(x) and inv(x, p) = (x, −p).
 ///
-/// Either function starts the recursion at α₀ = x, and fails with [`BuildError::Algebra`] where the tensor is outside
+/// Either function starts the recursion at α₀ = x, of whose components the algebra's coordinates of these indices are
+/// x₁ … x_d, and fails with [`BuildError::Algebra`] where the tensor is outside
 /// the algebra.
 #[allow(clippy::missing_errors_doc, reason = "said above, for both")]
 pub trait SourceSeries {
     /// As exact polynomials.
-    fn in_ring(&self, ring: &mut Ring) -> Result<Box<dyn SourceRecursion<Ring>>, BuildError>;
+    fn in_ring(
+        &self,
+        ring: &mut Ring,
+        coordinates: &[usize],
+    ) -> Result<Box<dyn SourceRecursion<Ring>>, BuildError>;
     /// As straight-line code.
-    fn in_graph(&self, graph: &mut Graph) -> Result<Box<dyn SourceRecursion<Graph>>, BuildError>;
+    fn in_graph(
+        &self,
+        graph: &mut Graph,
+        coordinates: &[usize],
+    ) -> Result<Box<dyn SourceRecursion<Graph>>, BuildError>;
 }
 
 /// One order of [`SourceSeries`] after the other.

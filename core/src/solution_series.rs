@@ -55,7 +55,8 @@ pub(crate) fn start_of_solves(
     }
     let operations = work / 2 + EXTRAPOLATION * realization.dimension() as u64;
     let mut solution = SolutionSeries::new(generating);
-    let Ok(mut source) = series.in_ring(&mut solution.ring) else {
+    let coordinates: Vec<usize> = (0..realization.dimension()).collect();
+    let Ok(mut source) = series.in_ring(&mut solution.ring, &coordinates) else {
         return Ok(None);
     };
     let mut start = None;

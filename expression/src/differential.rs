@@ -24,14 +24,14 @@ pub trait DifferentialAlgebra: Arithmetic<Element: 'static> {
         f: &Self::Element,
         dimension: usize,
     ) -> Result<Vec<Self::Element>, AlgebraError>;
-    /// What `form` finds in the exact ring over d = `dimension` coordinates, in this algebra: for
-    /// elements whose normal form matters.
+    /// What `form` finds in an exact ring over x₁ … x_d, in this algebra, of whose coordinates these d are
+    /// x₁ … x_d: for elements whose normal form matters.
     ///
     /// # Errors
     /// Those of `form`, and [`AlgebraError`] when an adjoined function has no code.
     fn formed<E: From<AlgebraError>>(
         &mut self,
-        dimension: usize,
+        coordinates: &[usize],
         form: impl FnOnce(&mut Ring) -> Result<Vec<Polynomial>, E>,
     ) -> Result<Vec<Self::Element>, E>;
 }
@@ -52,10 +52,16 @@ impl DifferentialAlgebra for Ring {
     }
     fn formed<E: From<AlgebraError>>(
         &mut self,
-        _dimension: usize,
+        coordinates: &[usize],
         form: impl FnOnce(&mut Ring) -> Result<Vec<Polynomial>, E>,
     ) -> Result<Vec<Polynomial>, E> {
-        form(self)
+        let mut own = Ring::new(coordinates.len());
+        let elements = form(&mut own)?.into_iter();
+        let of_this_ring = |f| {
+            let formula = own.formula(&f).with_variables(coordinates);
+            formula.evaluate_in(self, &mut |ring: &mut Self, at| Ok(ring.variable(at)))
+        };
+        Ok(elements.map(of_this_ring).collect::<Result<_, _>>()?)
     }
 }
 
@@ -72,14 +78,14 @@ impl DifferentialAlgebra for Graph {
     }
     fn formed<E: From<AlgebraError>>(
         &mut self,
-        dimension: usize,
+        coordinates: &[usize],
         form: impl FnOnce(&mut Ring) -> Result<Vec<Polynomial>, E>,
     ) -> Result<Vec<Term>, E> {
-        let mut ring = Ring::new(dimension);
+        let mut ring = Ring::new(coordinates.len());
         let one = self.constant(&Rational::one());
         let elements = form(&mut ring)?.into_iter();
         let outputs: Vec<_> = elements.map(|f| vec![(one.clone(), f)]).collect();
-        let coordinates: Vec<Term> = (0..dimension).map(|at| self.input(at)).collect();
-        Ok(lift(self, &ring, &outputs, &coordinates)?)
+        let x: Vec<Term> = coordinates.iter().map(|at| self.input(*at)).collect();
+        Ok(lift(self, &ring, &outputs, &x)?)
     }
 }

@@ -225,14 +225,37 @@ impl Expression {
     /// # Panics
     /// When an index is outside `values`.
     pub fn with_parameters(&self, values: &[Rational]) -> Self {
-        self.replaced(values, &mut Known::default())
+        let value = |part: &Expression| match part {
+            Expression::Parameter(index) => Expression::Constant(values[*index].clone()),
+            other => other.clone(),
+        };
+        self.replaced(&value, &mut Known::default())
     }
 
-    fn replaced(&self, values: &[Rational], known: &mut Known<Self, Shared<Self>>) -> Self {
-        let mut of = |part: &Expression| part.replaced(values, known);
+    /// The same formula of other variables: `indices[i]` in the place of i.
+    ///
+    /// # Panics
+    /// When an index is outside `indices`.
+    pub fn with_variables(&self, indices: &[usize]) -> Self {
+        let other = |part: &Expression| match part {
+            Expression::Variable(index) => Expression::Variable(indices[*index]),
+            other => other.clone(),
+        };
+        self.replaced(&other, &mut Known::default())
+    }
+
+    /// The same formula with other parts in the place of those that hold no parts.
+    fn replaced(
+        &self,
+        part: &dyn Fn(&Self) -> Self,
+        known: &mut Known<Self, Shared<Self>>,
+    ) -> Self {
+        let mut of = |inner: &Expression| inner.replaced(part, known);
         match self {
-            Expression::Constant(_) | Expression::Pi | Expression::Variable(_) => self.clone(),
-            Expression::Parameter(index) => Expression::Constant(values[*index].clone()),
+            Expression::Constant(_)
+            | Expression::Pi
+            | Expression::Variable(_)
+            | Expression::Parameter(_) => part(self),
             Expression::Sum(terms) => Expression::Sum(terms.iter().map(of).collect()),
             Expression::Product(factors) => Expression::Product(factors.iter().map(of).collect()),
             Expression::Negate(operand) => Expression::Negate(Box::new(of(operand))),
@@ -247,7 +270,7 @@ impl Expression {
             }
             Expression::Shared(shared) => {
                 Expression::Shared(known.get(shared).unwrap_or_else(|| {
-                    let replaced = shared.replaced(values, known);
+                    let replaced = shared.replaced(part, known);
                     let replaced = Shared::new(replaced, shared.height());
                     known.insert(shared, replaced.clone());
                     replaced

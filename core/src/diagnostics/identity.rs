@@ -85,6 +85,26 @@ fn by_construction(
             verdict: Verdict::NumericallyZero,
             ..holds
         })),
+        TensorSource::Sum { entries, summands } => {
+            let mut checks = vec![check_jacobi(
+                &SystemFormulas::clone(entries).into(),
+                parameters,
+                near,
+            )?];
+            for (places, summand) in summands {
+                let near: Vec<f64> = places.iter().map(|at| near[*at]).collect();
+                let own = check_jacobi(&summand.clone().into(), parameters, &near)?;
+                let worst = own.worst.iter().map(|at| places[*at]).collect();
+                checks.push(IdentityCheck { worst, ..own });
+            }
+            let is_certain = |check: &IdentityCheck| {
+                matches!(check.verdict, Verdict::Proved | Verdict::ByConstruction)
+            };
+            let is_violated = |check: &&IdentityCheck| check.verdict == Verdict::Violated;
+            let least = checks.iter().find(is_violated);
+            let least = least.or_else(|| checks.iter().find(|check| !is_certain(check)));
+            Ok(Some(least.cloned().unwrap_or(holds)))
+        }
         TensorSource::Dirac(base) => {
             let base = check_jacobi(&SystemFormulas::clone(base).into(), parameters, near)?;
             Ok(Some(match base.verdict {

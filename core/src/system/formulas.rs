@@ -24,6 +24,13 @@ pub enum TensorSource {
     },
     /// Dirac's bracket of constraints, Poisson where this system's tensor is.
     Dirac(Box<SystemFormulas>),
+    /// A direct sum, Poisson where every summand is.
+    Sum {
+        /// The tensor of the coordinates of no summand below, by its entries.
+        entries: Box<SystemFormulas>,
+        /// The coordinates of every other summand, and their tensor.
+        summands: Vec<(Vec<usize>, SystemFormulas)>,
+    },
 }
 
 /// A Poisson system whose tensor, Hamiltonian and Casimirs are formulas.
@@ -139,6 +146,37 @@ impl SystemFormulas {
             source,
             ..self
         }
+    }
+
+    /// The same system with the tensors of these summands, each of the coordinates beside it, on which no entry of this one
+    /// depends: with their Casimirs and names.
+    ///
+    /// # Panics
+    /// When a summand has another number of coordinates than stand beside it.
+    pub fn with_summands(mut self, summands: Vec<(Vec<usize>, Self)>) -> Self {
+        let entries = Box::new(self.clone());
+        for (places, summand) in &summands {
+            assert_eq!(places.len(), summand.dimension(), "a place for each coordinate");
+            for (&(i, j), entry) in &summand.tensor {
+                let (i, j, entry) = (places[i], places[j], entry.with_variables(places));
+                let _ = match i < j {
+                    true => self.tensor.insert((i, j), entry),
+                    false => self.tensor.insert((j, i), Expression::Negate(Box::new(entry))),
+                };
+            }
+            self.casimirs.extend(summand.casimirs.iter().map(|casimir| Casimir {
+                name: casimir.name.clone(),
+                expression: casimir.expression.with_variables(places),
+            }));
+            for (name, formula) in &summand.names {
+                let named = (name.clone(), formula.with_variables(places));
+                if !self.names.contains(&named) {
+                    self.names.push(named);
+                }
+            }
+        }
+        self.source = TensorSource::Sum { entries, summands };
+        self
     }
 
     /// The same system with further Casimirs.

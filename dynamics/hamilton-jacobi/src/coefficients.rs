@@ -25,7 +25,7 @@ pub fn generating_function(
     order: usize,
 ) -> Result<GeneratingFunction, BuildError> {
     let mut ring = Ring::new(system.dimension());
-    let source = series.in_ring(&mut ring)?;
+    let source = series.in_ring(&mut ring, &coordinates(system))?;
     let (coefficients, gradients) = odd_coefficients(system, source, order, &mut ring)?;
     Ok(GeneratingFunction {
         ring,
@@ -45,7 +45,7 @@ pub fn within(
     products: u64,
 ) -> Result<Option<GeneratingFunction>, BuildError> {
     let mut ring = Ring::limited(system.dimension(), products);
-    let source = series.in_ring(&mut ring);
+    let source = series.in_ring(&mut ring, &coordinates(system));
     let formed = source.and_then(|source| odd_coefficients(system, source, order, &mut ring));
     if ring.refusal().is_some() {
         return Ok(None);
@@ -68,7 +68,7 @@ pub fn generating_code(
     order: usize,
 ) -> Result<GeneratingCode, BuildError> {
     let mut graph = Graph::limited(MOST_NODES);
-    let source = series.in_graph(&mut graph)?;
+    let source = series.in_graph(&mut graph, &coordinates(system))?;
     let (coefficients, gradients) = odd_coefficients(system, source, order, &mut graph)?;
     Ok(GeneratingCode {
         graph,
@@ -79,6 +79,11 @@ pub fn generating_code(
 
 /// Operations of the longest series that is taken. A step of it takes milliseconds.
 const MOST_NODES: usize = 1 << 18;
+
+/// Those of a system, one after the other.
+fn coordinates(system: &PoissonSystem) -> Vec<usize> {
+    (0..system.dimension()).collect()
+}
 
 /// S_l and dS_l for odd l < m.
 type Coefficients<E> = (Vec<E>, Vec<Vec<E>>);
@@ -181,7 +186,7 @@ pub fn all_coefficients(
 ) -> Result<(Ring, Vec<Polynomial>), BuildError> {
     let mut ring = Ring::new(system.dimension());
     let mut all = Vec::new();
-    let source = series.in_ring(&mut ring)?;
+    let source = series.in_ring(&mut ring, &coordinates(system))?;
     for_each_coefficient(system, source, last, &mut ring, |ring, _, s| {
         let gradient = ring.gradient(&s)?;
         all.push(s);

@@ -45,9 +45,7 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Token>, SyntaxError> {
             position += length;
             TokenKind::Number
         } else if begins_name(character) {
-            position += rest
-                .find(|other| !continues_name(other))
-                .unwrap_or(rest.len());
+            position += name_length(rest);
             TokenKind::Name
         } else if let Some(symbol) = symbol(character) {
             let doubled = rest.starts_with("**");
@@ -72,9 +70,20 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Token>, SyntaxError> {
     Ok(tokens)
 }
 
-/// Whether `text` is one name: letters, digits and underscores, beginning with no digit.
+/// Whether `text` is one name: letters, digits and underscores, beginning with no digit; or a name and that of a component with
+/// a point between, `s.x`.
 pub(super) fn is_name(text: &str) -> bool {
-    text.starts_with(begins_name) && text.chars().all(continues_name)
+    text.starts_with(begins_name) && name_length(text) == text.len()
+}
+
+/// The length of the name at the beginning of `text`.
+fn name_length(text: &str) -> usize {
+    let word = |text: &str| text.find(|c| !continues_name(c)).unwrap_or(text.len());
+    let length = word(text);
+    match text[length..].strip_prefix('.') {
+        Some(component) if component.starts_with(begins_name) => length + 1 + word(component),
+        _ => length,
+    }
 }
 
 fn begins_name(character: char) -> bool {

@@ -1,126 +1,113 @@
-//! The exact realization of a tensor beside a constant one: Π(x) ⊕ C on (x, y).
+//! The exact realization of a direct sum Π₁(x₁) ⊕ Π₂(x₂) ⊕ … of tensors.
 //!
-//! Where (S₁, α₁, β₁) realizes Π and (S₂, α₂, β₂) realizes C, the products α₁ × α₂ and β₁ × β₂ on S₁ × S₂ realize the direct
-//! sum: brackets of functions of different factors vanish. A motion that depends on time is of this kind, with its
-//! time and energy as y.
+//! Where (S_k, α_k, β_k) realizes Π_k, the products α₁ × α₂ × … and β₁ × β₂ × … on S₁ × S₂ × … realize the sum: brackets of
+//! functions of different factors vanish. The summands are found in the tensor: coordinates that no entry joins are of
+//! different ones. A motion that depends on time is of this kind, its time and energy being a summand.
+//!
+//! - `blocks`: the summands of a tensor.
+
+mod blocks;
 
 use std::sync::Arc;
 
-use leafwise_constant::Constant;
 use leafwise_core::part::{Auto, PartInfo, PartKind, PartParameters};
 use leafwise_core::realization::{
     Accuracy, MapCode, RealizationData, SourceRecursion, SourceSeries, SourceTarget,
 };
 use leafwise_core::registry::RealizationPart;
-use leafwise_core::{
-    BuildError, ClosedRealization, Convention, PoissonSystem, Registry, SystemFormulas,
-};
-use leafwise_expression::{DifferentialAlgebra, Expression, Graph, Ring};
+use leafwise_core::{BuildError, PoissonSystem, Registry, SystemFormulas};
+use leafwise_expression::{AlgebraError, Arithmetic, DifferentialAlgebra, Graph, Ring, Term};
+
+use crate::blocks::{blocks, restricted};
 
 static INFO: PartInfo = PartInfo {
     name: "direct-sum",
-    summary: "the exact realization of the first coordinates beside x -+ (1/2) epsilon Pi p of the others, whose tensor \
-              is constant",
+    summary: "the exact realizations of a tensor's summands side by side, each the cheapest that fits",
     declares: "exact; self-adjoint",
-    domain: "tensors that are the direct sum of one with an exact realization as code in pairs (x, p) and of a constant \
-             one of the last coordinates",
+    domain: "tensors that are the direct sum of several, each with an exact realization as code in pairs (x, p)",
     literature: "A. Weinstein, The local structure of Poisson manifolds, J. Differential Geom. 18 (1983): products of \
                  realizations",
     auto: Some(Auto::Exact {
         rank: 4,
-        reason: "the tensor is a direct sum with a constant one: a closed form for each",
+        reason: "the tensor is a direct sum: a closed form for each summand",
     }),
     ..PartInfo::of(PartKind::Realization)
 };
 
-/// α₁ × α₂ and β₁ × β₂: an exact realization on x_1 … x_k, the constant tensor's on the coordinates behind.
+/// α₁ × α₂ × … and β₁ × β₂ × …: exact where every factor is.
 #[derive(Clone, Debug)]
 pub struct DirectSum {
     dimension: usize,
-    /// Of the first coordinates.
-    first: Arc<dyn RealizationData>,
-    /// Over all coordinates, with the entries of the last ones alone: it leaves the first ones as they are.
-    last: ClosedRealization<Constant>,
+    factors: Vec<Factor>,
+}
+
+/// The realization of a summand.
+#[derive(Clone, Debug)]
+struct Factor {
+    /// The summand's coordinates.
+    places: Vec<usize>,
+    realization: Arc<dyn RealizationData>,
 }
 
 impl DirectSum {
-    /// The realization data of a system's tensor, with the first exact realization of `registry` that fits the tensor
-    /// of the first coordinates.
+    /// The realization data of a system's tensor, of each summand by the first exact realization of `registry` that fits it.
     ///
     /// # Errors
-    /// [`BuildError::DoesNotFit`] for a tensor that is no such sum, or where no realization of the first coordinates
-    /// has code in pairs (x, p).
+    /// [`BuildError::DoesNotFit`] for a tensor that is no sum, or where a summand has no exact realization with code in
+    /// pairs (x, p).
     pub fn realize(system: &PoissonSystem, registry: &Registry) -> Result<Self, BuildError> {
         let formulas = system.formulas(INFO.name)?;
-        let (k, dimension) = (coordinates_before(formulas), system.dimension());
-        let unfit = |reason: &str| BuildError::DoesNotFit {
-            part: INFO.name,
-            reason: reason.to_owned(),
-        };
-        if k == 0 || k == dimension {
-            return Err(unfit(
-                "its tensor is not the direct sum of one that depends on the state and of a constant one of the last \
-                 coordinates",
-            ));
+        let blocks = blocks(formulas);
+        if blocks.len() < 2 {
+            return Err(unfit("its tensor is no direct sum: its entries join all coordinates"));
         }
-        let first = restricted(formulas, k, |(i, _)| i < k)?;
-        let first = first.with_near(&formulas.near()[..k])?;
-        let exact = registry.exact_realization(&first, false);
-        let exact = exact
-            .ok_or_else(|| unfit("the tensor of its first coordinates has no exact realization"))?;
-        let first = exact.realization;
-        if first.code().is_none() || !first.points_are_pairs() || first.series().is_none() {
-            return Err(unfit(
-                "the exact realization of its first coordinates has no code in pairs (x, p)",
-            ));
-        }
-        let last = restricted(formulas, dimension, |(i, _)| i >= k)?;
+        let factors = blocks.into_iter().map(|places| {
+            let realization = cheapest(formulas, &places, registry)?;
+            Ok(Factor {
+                places,
+                realization,
+            })
+        });
         Ok(Self {
-            dimension,
-            first,
-            last: Constant::realize(&last)?,
+            dimension: system.dimension(),
+            factors: factors.collect::<Result<_, BuildError>>()?,
         })
     }
+}
 
-    /// k.
-    fn before(&self) -> usize {
-        self.first.dimension()
+fn unfit(reason: impl Into<String>) -> BuildError {
+    BuildError::DoesNotFit {
+        part: INFO.name,
+        reason: reason.into(),
     }
 }
 
-/// The least k such that no entry of the tensor joins the coordinates before k and those behind, and no entry depends on
-/// those behind.
-fn coordinates_before(system: &SystemFormulas) -> usize {
-    let mut k = 0;
-    loop {
-        let joined = system.tensor().iter().filter_map(|(&(i, j), entry)| {
-            let reads = entry.variables().last().copied();
-            let is_before = i < k || reads.is_some();
-            is_before.then(|| 1 + j.max(reads.unwrap_or(0)))
-        });
-        let next = joined.max().unwrap_or(0).max(k);
-        if next == k {
-            return k;
-        }
-        k = next;
-    }
-}
-
-/// The first so many coordinates with some of the entries, and nothing that moves.
-fn restricted(
+/// The first exact realization by rank of the summand of these coordinates.
+fn cheapest(
     system: &SystemFormulas,
-    dimension: usize,
-    is_kept: impl Fn((usize, usize)) -> bool,
-) -> Result<PoissonSystem, BuildError> {
-    let entries = system.tensor().iter().filter(|(at, _)| is_kept(**at));
-    PoissonSystem::new(
-        system.variables()[..dimension].to_vec(),
-        system.parameters().to_vec(),
-        entries.map(|(at, entry)| (*at, entry.clone())),
-        Expression::from(0),
-        Vec::new(),
-        Convention::HamiltonianFirst,
-    )
+    places: &[usize],
+    registry: &Registry,
+) -> Result<Arc<dyn RealizationData>, BuildError> {
+    let names = || {
+        let names: Vec<&str> = places
+            .iter()
+            .map(|at| system.variables()[*at].as_str())
+            .collect();
+        names.join(", ")
+    };
+    let summand = restricted(system, places)?;
+    let exact = registry.exact_realization(&summand, false);
+    let exact =
+        exact.ok_or_else(|| unfit(format!("its summand of {} has no exact realization", names())))?;
+    let realization = exact.realization;
+    let is_code = realization.code().is_some() && realization.series().is_some();
+    match is_code && realization.points_are_pairs() {
+        true => Ok(realization),
+        false => Err(unfit(format!(
+            "the exact realization of its summand of {} has no code in pairs (x, p)",
+            names()
+        ))),
+    }
 }
 
 impl RealizationData for DirectSum {
@@ -133,30 +120,60 @@ impl RealizationData for DirectSum {
     }
 
     fn describe(&self) -> String {
-        format!(
-            "{} of {} and {}",
-            INFO.name,
-            self.first.describe(),
-            self.last.describe()
-        )
+        let mut counted: Vec<(String, usize)> = Vec::new();
+        for factor in &self.factors {
+            let name = factor.realization.describe();
+            match counted.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, count)) => *count += 1,
+                None => counted.push((name, 1)),
+            }
+        }
+        let words = counted.into_iter().map(|(name, count)| match count {
+            1 => name,
+            count => format!("{count} {name}"),
+        });
+        let words: Vec<String> = words.collect();
+        let factors = match words.split_last() {
+            Some((last, before)) if !before.is_empty() => {
+                format!("{} and {last}", before.join(", "))
+            }
+            _ => words.concat(),
+        };
+        format!("{} of {factors}", INFO.name)
     }
 
     fn code(&self) -> Option<MapCode<'_>> {
-        let (first, last) = (self.first.code()?, self.last.code()?);
-        let (k, d) = (self.before(), self.dimension);
+        let codes: Option<Vec<_>> = self.factors.iter().map(|f| f.realization.code()).collect();
+        let codes = codes?;
         Some(Box::new(move |graph, epsilon, z| {
-            let own: Vec<_> = z[..k].iter().chain(&z[d..d + k]).cloned().collect();
-            let mut ends = first(graph, epsilon, &own)?;
-            let rest: SourceTarget = last(graph, epsilon, z)?;
-            ends.base.extend_from_slice(&rest.base[k..]);
-            ends.offset.extend_from_slice(&rest.offset[k..]);
-            ends.increment.extend_from_slice(&rest.increment[k..]);
+            let (x, p) = z.split_at(self.dimension);
+            let room = || x.to_vec();
+            let mut ends = SourceTarget {
+                base: room(),
+                offset: room(),
+                increment: room(),
+                guard: None,
+            };
+            let mut guards = Vec::new();
+            for (factor, code) in self.factors.iter().zip(&codes) {
+                let of = |all: &[Term]| factor.of(all);
+                let own: Vec<Term> = of(x).into_iter().chain(of(p)).collect();
+                let own = code(graph, epsilon, &own)?;
+                for (k, at) in factor.places.iter().enumerate() {
+                    ends.base[*at] = own.base[k].clone();
+                    ends.offset[*at] = own.offset[k].clone();
+                    ends.increment[*at] = own.increment[k].clone();
+                }
+                guards.extend(own.guard);
+            }
+            ends.guard = joined(graph, guards)?;
             Ok(ends)
         }))
     }
 
     fn is_reversible(&self) -> bool {
-        self.first.is_reversible()
+        let mut factors = self.factors.iter();
+        factors.all(|factor| factor.realization.is_reversible())
     }
 
     fn series(&self) -> Option<&dyn SourceSeries> {
@@ -164,43 +181,95 @@ impl RealizationData for DirectSum {
     }
 }
 
+/// Radii and reaches, compared by their largest entries.
+type Guard = (Vec<Term>, Vec<Term>);
+
+/// A point is inside where it is inside for every factor: with one radius for all the reaches side by side, otherwise
+/// the reaches as parts of their radii.
+fn joined(graph: &mut Graph, guards: Vec<Guard>) -> Result<Option<Guard>, AlgebraError> {
+    if guards.len() < 2 {
+        return Ok(guards.into_iter().next());
+    }
+    let (radii, reaches): (Vec<_>, Vec<_>) = guards.into_iter().unzip();
+    let (radii, mut reaches) = (radii.concat(), reaches.concat());
+    let first = radii[0].clone();
+    let is_first = |graph: &mut Graph, radius: &Term| {
+        let difference = graph.subtract(radius, &first);
+        graph.is_zero(&difference)
+    };
+    if radii.iter().all(|radius| is_first(graph, radius)) {
+        return Ok(Some((radii, reaches)));
+    }
+    for (reach, radius) in reaches.iter_mut().zip(&radii) {
+        *reach = graph.divide(reach, radius)?;
+    }
+    let one = graph.one();
+    Ok(Some((vec![one; radii.len()], reaches)))
+}
+
+impl Factor {
+    /// The summand's share of a list over all coordinates.
+    fn of<T: Clone>(&self, all: &[T]) -> Vec<T> {
+        self.places.iter().map(|at| all[*at].clone()).collect()
+    }
+}
+
 impl SourceSeries for DirectSum {
-    fn in_ring(&self, ring: &mut Ring) -> Result<Box<dyn SourceRecursion<Ring>>, BuildError> {
-        Ok(Box::new(Recursions {
-            before: self.before(),
-            first: series_of(self.first.as_ref())?.in_ring(ring)?,
-            last: self.last.in_ring(ring)?,
-        }))
+    fn in_ring(
+        &self,
+        ring: &mut Ring,
+        coordinates: &[usize],
+    ) -> Result<Box<dyn SourceRecursion<Ring>>, BuildError> {
+        self.recursion(coordinates, |series, own| series.in_ring(ring, own))
     }
 
-    fn in_graph(&self, graph: &mut Graph) -> Result<Box<dyn SourceRecursion<Graph>>, BuildError> {
-        Ok(Box::new(Recursions {
-            before: self.before(),
-            first: series_of(self.first.as_ref())?.in_graph(graph)?,
-            last: self.last.in_graph(graph)?,
-        }))
+    fn in_graph(
+        &self,
+        graph: &mut Graph,
+        coordinates: &[usize],
+    ) -> Result<Box<dyn SourceRecursion<Graph>>, BuildError> {
+        self.recursion(coordinates, |series, own| series.in_graph(graph, own))
     }
 }
 
-fn series_of(realization: &dyn RealizationData) -> Result<&dyn SourceSeries, BuildError> {
-    realization.series().ok_or_else(|| BuildError::DoesNotFit {
-        part: INFO.name,
-        reason: "the realization of its first coordinates has no series".to_owned(),
-    })
+impl DirectSum {
+    /// The series of all factors, each over its own of these coordinates.
+    fn recursion<A: DifferentialAlgebra + 'static>(
+        &self,
+        coordinates: &[usize],
+        mut series: impl FnMut(
+            &dyn SourceSeries,
+            &[usize],
+        ) -> Result<Box<dyn SourceRecursion<A>>, BuildError>,
+    ) -> Result<Box<dyn SourceRecursion<A>>, BuildError> {
+        let mut factors = Vec::with_capacity(self.factors.len());
+        for factor in &self.factors {
+            let own = factor.realization.series();
+            let own = own.ok_or_else(|| unfit("the realization of a summand has no series"))?;
+            factors.push((
+                factor.places.clone(),
+                series(own, &factor.of(coordinates))?,
+            ));
+        }
+        Ok(Box::new(Recursions { factors }))
+    }
 }
 
-/// The series of both factors.
+/// The series of all factors.
 struct Recursions<A: DifferentialAlgebra> {
-    before: usize,
-    first: Box<dyn SourceRecursion<A>>,
-    last: Box<dyn SourceRecursion<A>>,
+    factors: Vec<(Vec<usize>, Box<dyn SourceRecursion<A>>)>,
 }
 
 impl<A: DifferentialAlgebra> SourceRecursion<A> for Recursions<A> {
     fn push(&mut self, algebra: &mut A, p: Vec<A::Element>) -> Result<Vec<A::Element>, BuildError> {
-        let mut source = self.first.push(algebra, p[..self.before].to_vec())?;
-        let rest = self.last.push(algebra, p)?;
-        source.extend_from_slice(&rest[self.before..]);
+        let mut source = p.clone();
+        for (places, series) in &mut self.factors {
+            let own = places.iter().map(|at| p[*at].clone()).collect();
+            let own = series.push(algebra, own)?;
+            for (at, coefficient) in places.iter().zip(own) {
+                source[*at] = coefficient;
+            }
+        }
         Ok(source)
     }
 }

@@ -1,10 +1,12 @@
-//! The realization of a direct sum with a constant tensor is exact.
+//! The realization of a direct sum is exact.
 
 use std::sync::Arc;
 
 use leafwise_core::{BuildError, PoissonSystem, RealizationData, Registry};
 use leafwise_direct_sum::DirectSum;
 // Linked for the realizations that they register.
+use leafwise_constant as _;
+use leafwise_lie_poisson as _;
 use leafwise_log_canonical as _;
 use leafwise_so3 as _;
 use leafwise_tests::realizations::{assert_dual_pair, assert_orders, assert_poisson_steps};
@@ -39,9 +41,34 @@ fn species_in_seasons() -> PoissonSystem {
     )
 }
 
+/// Summands that are not contiguous: so(3)* rescaled, log-canonical, affine (sl(2)* in a place that is not its origin),
+/// constant and a coordinate that rests, coupled by H.
+fn five_summands() -> PoissonSystem {
+    from_formulas(
+        &["q", "x", "u", "a", "y", "v", "b", "c", "z", "p", "w"],
+        &[("k", 0.8)],
+        &[
+            ("q,p", "-k"),
+            ("x,y", "z/2"),
+            ("y,z", "x/2"),
+            ("z,x", "y/2"),
+            ("u,v", "k*u*v"),
+            ("a,b", "c + 1"),
+            ("b,c", "a - k"),
+            ("c,a", "-b"),
+        ],
+        "(q^2 + p^2)/2 + x^2/2 + y^2/3 + z^2 + u + v - ln(u) - ln(v) + a^2/2 + b*c/3 + q*x/4 + z*u/5 + a*p/6 + w*c",
+        &[("spin", "x^2 + y^2 + z^2"), ("rest", "w")],
+    )
+}
+
+fn all() -> [PoissonSystem; 3] {
+    [body_and_pendulum(), species_in_seasons(), five_summands()]
+}
+
 #[test]
 fn the_maps_are_a_dual_pair() {
-    for system in [body_and_pendulum(), species_in_seasons()] {
+    for system in all() {
         let exact = realization(&system).expect("a direct sum");
         assert_dual_pair(&system, &exact, (-1.0..1.0, -1.0..1.0, 0.01..1.0), 16.0);
     }
@@ -49,7 +76,7 @@ fn the_maps_are_a_dual_pair() {
 
 #[test]
 fn steps_are_poisson_and_keep_casimirs() {
-    for system in [body_and_pendulum(), species_in_seasons()] {
+    for system in all() {
         let exact = realization(&system).expect("a direct sum");
         assert_poisson_steps(&system, &exact, 0.5..1.5, 0.05);
     }
@@ -57,18 +84,55 @@ fn steps_are_poisson_and_keep_casimirs() {
 
 #[test]
 fn the_order_is_that_of_the_dynamics() {
-    let system = body_and_pendulum();
-    let exact = realization(&system).expect("a direct sum");
-    let initial = [0.8, 0.5, -0.6, 0.7, 0.4];
     let orders = [
         (2, [40, 57, 80, 113]),
         (4, [20, 28, 40, 57]),
         (6, [12, 16, 22, 30]),
     ];
-    assert_orders(&system, &exact, (&initial, 1.0), &orders);
+    let both: [(_, &[f64]); 2] = [
+        (body_and_pendulum(), &[0.8, 0.5, -0.6, 0.7, 0.4]),
+        (
+            five_summands(),
+            &[0.6, 0.8, 1.3, 0.2, 0.5, 0.9, 0.7, -0.4, -0.6, 0.3, 0.1],
+        ),
+    ];
+    for (system, initial) in both {
+        let exact = realization(&system).expect("a direct sum");
+        assert_orders(&system, &exact, (initial, 1.0), &orders);
+    }
 }
 
-/// A central coordinate behind is a constant tensor too; where nothing is constant, or all, there is no sum.
+/// Of each summand the cheapest, constant ones together.
+#[test]
+fn every_summand_has_a_realization_of_its_own() {
+    let described = |system: &PoissonSystem| realization(system).map(|exact| exact.describe());
+    assert_eq!(
+        described(&five_summands()).expect("a direct sum"),
+        "direct-sum of constant, so3-exponential, log-canonical and lie-poisson"
+    );
+    let bodies = from_formulas(
+        &["x", "y", "z", "u", "v", "w", "q", "p", "Q", "P"],
+        &[],
+        &[
+            ("x,y", "-z"),
+            ("y,z", "-x"),
+            ("z,x", "-y"),
+            ("u,v", "-w"),
+            ("v,w", "-u"),
+            ("w,u", "-v"),
+            ("q,p", "-1"),
+            ("Q,P", "-1"),
+        ],
+        "x*u + q*P",
+        &[],
+    );
+    assert_eq!(
+        described(&bodies).expect("a direct sum"),
+        "direct-sum of 2 so3-exponential and constant"
+    );
+}
+
+/// A coordinate that rests is a summand; where all is constant, or one entry joins all, there is no sum.
 #[test]
 fn what_is_no_such_sum_is_refused() {
     let with = |bracket: &[(&str, &str)]| {
@@ -83,9 +147,8 @@ fn what_is_no_such_sum_is_refused() {
         assert!(matches!(error, BuildError::DoesNotFit { .. }), "{error}");
         assert!(error.to_string().contains(reason), "{error}");
     };
-    unfit(&[("x,y", "1"), ("z,c", "2")], "is not the direct sum");
-    unfit(&[("x,y", "x*y"), ("z,c", "z*c")], "is not the direct sum");
-    // The last coordinate enters the first ones' tensor.
-    unfit(&[("x,y", "c")], "is not the direct sum");
-    unfit(&[("x,y", "1 + x^2")], "has no code in pairs");
+    unfit(&[("x,y", "1"), ("z,c", "2")], "is no direct sum");
+    // Every coordinate enters the entry, or is joined by it.
+    unfit(&[("x,y", "c + z")], "is no direct sum");
+    unfit(&[("x,y", "1 + x^2")], "its summand of x, y has no code in pairs");
 }

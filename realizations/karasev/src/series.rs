@@ -20,12 +20,20 @@ impl KarasevSeries {
 }
 
 impl SourceSeries for KarasevSeries {
-    fn in_ring(&self, ring: &mut Ring) -> Result<Box<dyn SourceRecursion<Ring>>, BuildError> {
-        Ok(Box::new(Recursion::start(&self.system, ring)?))
+    fn in_ring(
+        &self,
+        ring: &mut Ring,
+        coordinates: &[usize],
+    ) -> Result<Box<dyn SourceRecursion<Ring>>, BuildError> {
+        Ok(Box::new(Recursion::start(&self.system, ring, coordinates)?))
     }
 
-    fn in_graph(&self, graph: &mut Graph) -> Result<Box<dyn SourceRecursion<Graph>>, BuildError> {
-        Ok(Box::new(Recursion::start(&self.system, graph)?))
+    fn in_graph(
+        &self,
+        graph: &mut Graph,
+        coordinates: &[usize],
+    ) -> Result<Box<dyn SourceRecursion<Graph>>, BuildError> {
+        Ok(Box::new(Recursion::start(&self.system, graph, coordinates)?))
     }
 }
 
@@ -37,10 +45,10 @@ impl<E: Clone + std::fmt::Debug> Recursion<E> {
     fn start<A: DifferentialAlgebra<Element = E>>(
         system: &SystemFormulas,
         algebra: &mut A,
+        coordinates: &[usize],
     ) -> Result<Self, BuildError> {
-        let x: Vec<E> = (0..system.dimension())
-            .map(|i| algebra.coordinate(i))
-            .collect();
+        let x = coordinates.iter().map(|at| algebra.coordinate(*at));
+        let x: Vec<E> = x.collect();
         Ok(Self {
             curve: KarasevCurve::new(system, &x)?,
         })

@@ -38,14 +38,19 @@ impl ClosedForm {
         z: &[Term],
     ) -> Result<SourceTarget, BuildError> {
         let structure = &self.structure;
-        let (x, p) = z.split_at(structure.dimension());
+        let d = z.len() / 2;
+        let (mut x, mut p) = (z[..d].to_vec(), z[d..].to_vec());
+        if structure.is_affine() {
+            x.push(graph.one());
+            p.push(graph.zero());
+        }
         let q: Vec<Term> = p.iter().map(|p| graph.multiply(epsilon, p)).collect();
         let constants = structure.code(graph)?;
         let mut moments = vec![Vec::new(); x.len()];
         let mut offsets = vec![Vec::new(); x.len()];
         let mut reaches = Vec::new();
         for class in &self.classes {
-            let own = restricted(graph, x, &class.coordinates);
+            let own = restricted(graph, &x, &class.coordinates);
             let moment = structure.apply(graph, &constants, &q, &own);
             for (sum, entry) in moments.iter_mut().zip(&moment) {
                 sum.push((Rational::one(), entry.clone()));
@@ -84,10 +89,12 @@ impl ClosedForm {
             sum.push((Rational::new(1, 2), moment.clone()));
             graph.combine(sum)
         });
+        let offset: Vec<Term> = offset.take(d).collect();
+        let increment = moment.iter().take(d).map(|entry| graph.negate(entry));
         Ok(SourceTarget {
-            base: x.to_vec(),
-            offset: offset.collect(),
-            increment: moment.iter().map(|entry| graph.negate(entry)).collect(),
+            base: z[..d].to_vec(),
+            offset,
+            increment: increment.collect(),
             guard: guard(graph, reaches),
         })
     }

@@ -1,4 +1,4 @@
-//! The realization data of a linear tensor.
+//! The realization data of a linear or affine tensor.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ use crate::structure::StructureConstants;
 
 static INFO: PartInfo = PartInfo {
     name: NAME,
-    summary: "the exponential chart of T*G in closed form, for any linear tensor",
+    summary: "the exponential chart of T*G in closed form, for any linear tensor and most affine ones",
     declares: "exact; self-adjoint",
     domain: "epsilon p with every eigenvalue of its coadjoint map of imaginary part below 2 pi and \
              size below 128",
@@ -26,7 +26,7 @@ static INFO: PartInfo = PartInfo {
                  Introduction to Mechanics and Symmetry (1999), chapter 13",
     auto: Some(Auto::Exact {
         rank: 4,
-        reason: "the tensor is linear: matrix functions of the coadjoint map",
+        reason: "the tensor is linear or affine: matrix functions of the coadjoint map",
     }),
     ..PartInfo::of(PartKind::Realization)
 };
@@ -58,12 +58,18 @@ impl LiePoisson {
     ///
     /// # Errors
     /// Those of [`StructureConstants::new`]: [`BuildError::DoesNotFit`] for a tensor that is not
-    /// linear.
+    /// linear or affine, and for an affine one on whose central extension Z² has more roots.
     pub fn new(system: &PoissonSystem) -> Result<Self, BuildError> {
         let formulas = system.formulas(INFO.name)?;
         let structure = StructureConstants::new(formulas)?;
         let maps = match classes(&structure, &system.parameter_values()) {
             Some(classes) => Maps::Code(ClosedForm::new(structure, classes)),
+            None if structure.is_affine() => {
+                return Err(BuildError::DoesNotFit {
+                    part: NAME,
+                    reason: "the tensor is affine, and its linear extension has no closed form".to_owned(),
+                });
+            }
             None => Maps::Numbers(structure),
         };
         Ok(Self {

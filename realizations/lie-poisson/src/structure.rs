@@ -1,4 +1,4 @@
-//! Structure constants c_ij^k of a linear tensor.
+//! Structure constants c_ij^k of a linear tensor, and of an affine one with a further coordinate.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -14,9 +14,13 @@ use nalgebra::{DMatrix, DVector};
 pub(crate) const NAME: &str = "lie-poisson";
 
 /// The nonzero c_ij^k, i < j, of Π_ij(x) = Σ_k c_ij^k x_k as functions of the parameters.
+///
+/// An affine tensor Σ_k c_ij^k x_k + a_ij is this one over (x, 1): a central extension of the algebra, whose further coordinate
+/// is a Casimir.
 #[derive(Clone, Debug)]
 pub struct StructureConstants {
     dimension: usize,
+    is_affine: bool,
     ring: Ring,
     places: Vec<[usize; 3]>,
     constants: Vec<Polynomial>,
@@ -27,30 +31,38 @@ impl StructureConstants {
     /// Those of a system's tensor.
     ///
     /// # Errors
-    /// [`BuildError::DoesNotFit`] with the first entry whose normal form is not linear and
-    /// homogeneous in the variables, [`BuildError::Algebra`] where an entry has no normal form.
+    /// [`BuildError::DoesNotFit`] with the first entry whose normal form is not linear or affine in
+    /// the variables, and where all are constant, [`BuildError::Algebra`] where an entry has no normal form.
     pub fn new(system: &SystemFormulas) -> Result<Self, BuildError> {
         let d = system.dimension();
-        let mut ring = Ring::new(d);
+        let mut ring = Ring::new(d + 1);
         let (mut places, mut constants) = (Vec::new(), Vec::new());
         for (&(i, j), entry) in system.tensor() {
             let value = entry.evaluate_in(&mut ring, &mut |ring, at| Ok(ring.variable(at)))?;
             for (monomial, coefficient) in value.terms() {
-                let &[(symbol, 1)] = monomial.factors() else {
-                    return Err(not_linear(system, i, j));
+                let factor = match monomial.factors() {
+                    [] => d,
+                    &[(symbol, 1)] if ring.generator(symbol).is_none() => symbol as usize,
+                    _ => return Err(not_affine(system, i, j)),
                 };
-                if ring.generator(symbol).is_some() {
-                    return Err(not_linear(system, i, j));
-                }
-                places.push([i, j, symbol as usize]);
+                places.push([i, j, factor]);
                 constants.push(Polynomial::constant(coefficient.clone()));
             }
         }
+        let is_affine = places.iter().any(|place| place[2] == d);
+        if is_affine && places.iter().all(|place| place[2] == d) {
+            return Err(BuildError::DoesNotFit {
+                part: NAME,
+                reason: "no entry depends on a variable: the tensor is constant".to_owned(),
+            });
+        }
         let mut graph = Graph::new();
         let code = as_code(&mut graph, &ring, &constants)?;
-        let kernel = Kernel::compile(&graph, &code, system.parameters().len(), d);
+        let dimension = d + usize::from(is_affine);
+        let kernel = Kernel::compile(&graph, &code, system.parameters().len(), dimension);
         Ok(Self {
-            dimension: d,
+            dimension,
+            is_affine,
             ring,
             places,
             constants,
@@ -58,9 +70,14 @@ impl StructureConstants {
         })
     }
 
-    /// d.
+    /// The number of coordinates, with that which is 1.
     pub fn dimension(&self) -> usize {
         self.dimension
+    }
+
+    /// Whether the last coordinate is 1.
+    pub fn is_affine(&self) -> bool {
+        self.is_affine
     }
 
     /// The ring the constants live in; its variables stand for p.
@@ -148,12 +165,12 @@ pub(crate) fn accumulate(v: &mut SparseVector, i: usize, c: &Rational, f: &Polyn
     }
 }
 
-fn not_linear(system: &SystemFormulas, i: usize, j: usize) -> BuildError {
+fn not_affine(system: &SystemFormulas, i: usize, j: usize) -> BuildError {
     let [first, second] = [i, j].map(|at| &system.variables()[at]);
     BuildError::DoesNotFit {
         part: NAME,
         reason: format!(
-            "{{{first}, {second}}} is not a linear form in the variables with coefficients of the \
+            "{{{first}, {second}}} is not linear or affine in the variables with coefficients of the \
              parameters"
         ),
     }

@@ -14,14 +14,15 @@ use leafwise_karasev::TruncatedKarasev;
 use leafwise_lie_poisson::LiePoisson;
 use leafwise_tests::numbers::{UNIT_ROUNDOFF, distance, largest};
 use leafwise_tests::realizations::{
-    dual_pair_error, inversion_and_section_error, source_and_target,
+    assert_dual_pair, assert_orders, assert_poisson_steps, dual_pair_error,
+    inversion_and_section_error, source_and_target,
 };
 use leafwise_tests::systems::from_formulas;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
 fn realization(system: &PoissonSystem) -> Arc<dyn RealizationData> {
-    Arc::new(LiePoisson::new(system).expect("a linear tensor"))
+    Arc::new(LiePoisson::new(system).expect("a linear or affine tensor"))
 }
 
 /// Z = Π(·)p column by column from the tensor's formulas.
@@ -263,15 +264,81 @@ fn truncations_approach_it_with_their_order() {
 }
 
 #[test]
-fn an_entry_that_is_not_linear_is_named() {
-    for entry in ["x + 1", "x*y", "sin(x)", "1/x"] {
+fn an_entry_that_is_not_affine_is_named() {
+    for entry in ["x*y", "sin(x)", "1/x"] {
         let bracket = [("y,z", "y"), ("x,y", entry)];
         let system = from_formulas(&["x", "y", "z"], &[], &bracket, "x", &[]);
-        let refusal = LiePoisson::new(&system).expect_err("not linear");
+        let refusal = LiePoisson::new(&system).expect_err("not affine");
         let BuildError::DoesNotFit { part, reason } = refusal else {
             panic!("{refusal:?}");
         };
         assert_eq!(part, "lie-poisson");
         assert!(reason.contains("{x, y}"), "{reason}");
     }
+}
+
+/// Affine tensors by their linear extension: so(3)* about another origin, a central charge that only the constants show, and a
+/// charge in the plane whose field grows along x, v = (−y', x') in the frame of the paper.
+fn affine() -> [PoissonSystem; 3] {
+    [
+        from_formulas(
+            &["x", "y", "z"],
+            &[("a", 0.7)],
+            &[("x,y", "-z - a"), ("y,z", "-x + 1/2"), ("z,x", "-y")],
+            "x^2/2 + y^2/3 + z^2/5 + x*y*z/7",
+            &[("spin", "(x - 1/2)^2 + y^2 + (z + a)^2")],
+        ),
+        from_formulas(
+            &["x", "y", "z"],
+            &[("a", 0.7)],
+            &[("x,y", "a"), ("x,z", "y")],
+            "x^2/2 + y^2/3 + z^2/5 + x*y*z/7",
+            &[],
+        ),
+        from_formulas(
+            &["x", "y", "u", "v"],
+            &[],
+            &[("x,u", "-1"), ("y,v", "-1"), ("u,v", "-1 - x/2")],
+            "(u^2 + v^2)/2 + x^2/4 + x*y/8",
+            &[],
+        ),
+    ]
+}
+
+#[test]
+fn affine_tensors_have_exact_realizations() {
+    for system in affine() {
+        let exact = realization(&system);
+        assert_dual_pair(&system, &exact, (-1.0..1.0, -0.6..0.6, 0.01..1.0), 16.0);
+        assert_poisson_steps(&system, &exact, 0.2..1.0, 0.05);
+    }
+    let system = &affine()[2];
+    let orders = [(2, [40, 57, 80, 113]), (4, [20, 28, 40, 57]), (6, [12, 16, 22, 30])];
+    assert_orders(system, &realization(system), (&[0.5, 0.2, -0.3, 0.7], 1.0), &orders);
+}
+
+/// A shift of the origin is a shift of α, and what is constant is not for this realization.
+#[test]
+fn the_affine_rotation_is_the_shifted_one() {
+    let shifted = &affine()[0];
+    let plain = from_formulas(
+        &["x", "y", "z"],
+        &[("a", 0.7)],
+        &[("x,y", "-z"), ("y,z", "-x"), ("z,x", "-y")],
+        "x",
+        &[],
+    );
+    let (x, p, origin) = ([0.4, -0.3, 0.9], [0.5, 0.8, -0.2], [0.5, 0.0, -0.7]);
+    let at: Vec<f64> = (0..3).map(|i| x[i] - origin[i]).collect();
+    let here = source_and_target(shifted, realization(shifted).as_ref(), 0.7, &x, &p);
+    let there = source_and_target(&plain, realization(&plain).as_ref(), 0.7, &at, &p);
+    let (here, there) = (here.expect("inside"), there.expect("inside"));
+    for i in 0..3 {
+        for (here, there) in [(here.0[i], there.0[i]), (here.1[i], there.1[i])] {
+            assert!((here - there - origin[i]).abs() < 1e-15, "{i}: {here} {there}");
+        }
+    }
+    let constant = from_formulas(&["x", "y"], &[], &[("x,y", "2")], "x", &[]);
+    let refused = LiePoisson::new(&constant).expect_err("constant");
+    assert!(refused.to_string().contains("the tensor is constant"), "{refused}");
 }

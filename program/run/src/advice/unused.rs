@@ -25,20 +25,31 @@ pub fn unused_parameters(document: &SceneDocument) -> Vec<Advice> {
         .collect()
 }
 
+fn of_bracket(bracket: &BracketSpec) -> Vec<&str> {
+    match bracket {
+        BracketSpec::Entries(entries) | BracketSpec::TwoForm(entries) => {
+            entries.iter().map(|(_, f)| f.value.as_str()).collect()
+        }
+        BracketSpec::MagneticField(field) | BracketSpec::OneForm(field) => {
+            field.iter().map(|f| f.value.as_str()).collect()
+        }
+        BracketSpec::LieAlgebra(_) | BracketSpec::LogCanonical(_) => Vec::new(),
+        BracketSpec::Sum(summands) => {
+            let constraints = summands.iter().flat_map(|summand| &summand.constraints);
+            let constraints = constraints.map(|f| f.value.as_str());
+            let brackets = summands.iter();
+            let brackets = brackets.flat_map(|summand| of_bracket(&summand.bracket.value));
+            brackets.chain(constraints).collect()
+        }
+    }
+}
+
 /// Every text of a scene that may name a parameter.
 fn formulas(document: &SceneDocument) -> Vec<&str> {
     let system = &document.system;
     let mut formulas = vec![system.hamiltonian.value.as_str()];
     formulas.extend(system.define.iter().map(|(_, f)| f.value.as_str()));
-    match &system.bracket.value {
-        BracketSpec::Entries(entries) | BracketSpec::TwoForm(entries) => {
-            formulas.extend(entries.iter().map(|(_, f)| f.value.as_str()))
-        }
-        BracketSpec::MagneticField(field) | BracketSpec::OneForm(field) => {
-            formulas.extend(field.iter().map(|f| f.value.as_str()))
-        }
-        BracketSpec::LieAlgebra(_) | BracketSpec::LogCanonical(_) => {}
-    }
+    formulas.extend(of_bracket(&system.bracket.value));
     formulas.extend(system.constraints.iter().map(|f| f.value.as_str()));
     formulas.extend(system.casimirs.iter().map(|(_, f)| f.value.as_str()));
     let ensemble = document.ensemble.iter();

@@ -1,14 +1,15 @@
 //! Tensors by one-forms and two-forms, and Dirac's bracket of constraints.
 
-use leafwise_core::PoissonSystem;
 use leafwise_core::system::{Casimir, FormError};
+use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
 
 use super::Refusal;
 use super::extended::Extension;
 use super::names::{function, parse, refusal};
-use super::tensor::{Antisymmetric, Entries};
+use super::sum::{Summand, summands};
+use super::tensor::{Antisymmetric, Entries, entries};
 use crate::document::{BracketSpec, Located, Place, SceneDocument};
 
 /// What a tensor is made of in place of its entries, and what constrains it.
@@ -28,6 +29,8 @@ enum Form {
     None,
     One(Vec<Expression>),
     Two(Entries),
+    /// Those of the summands that have forms, beside the entries of the others.
+    Sum(Vec<(Summand, Forms)>),
 }
 
 /// Reads the forms and constraints of a scene with its families at the given lengths, by the scene's names without and
@@ -51,6 +54,23 @@ pub(super) fn forms(
                 name: |a, b| format!("ω({a}, {b})"),
             };
             Form::Two(table.entries(document, own, names, lengths, written)?)
+        }
+        BracketSpec::Sum(_) => {
+            let mut formed = summands(document, lengths)?;
+            formed.retain(Summand::is_formed);
+            let with_forms = |summand: Summand| {
+                let Summand { document, scope, .. } = &summand;
+                let own = forms(document, [scope, scope], &summand.names, &summand.lengths)?;
+                Ok((summand, own))
+            };
+            let formed: Vec<_> = formed
+                .into_iter()
+                .map(with_forms)
+                .collect::<Result<_, Refusal>>()?;
+            match formed.is_empty() {
+                true => Form::None,
+                false => Form::Sum(formed),
+            }
         }
         _ => Form::None,
     };
@@ -92,7 +112,8 @@ impl Forms {
     pub(super) fn extend(&mut self, extension: &Extension) {
         let (t, e) = (extension.coordinates, extension.coordinates + 1);
         match &mut self.form {
-            Form::None => {}
+            // {t, e} is an entry beside them.
+            Form::None | Form::Sum(_) => {}
             Form::One(form) => form.extend([Expression::Variable(e), Expression::from(0)]),
             // d(e dt) = de ∧ dt.
             Form::Two(form) => {
@@ -117,16 +138,56 @@ impl Forms {
         let formulas = formulas.clone().with_names(self.names);
         let variables = formulas.variables().to_vec();
         let constraints = self.constraints;
-        let formed = match &self.form {
+        let formed = match self.form {
             Form::None => Ok(formulas),
-            Form::One(form) => formulas.with_one_form(form),
-            Form::Two(form) => formulas.with_two_form(form),
+            Form::Sum(summands) => {
+                let mut own = Vec::with_capacity(summands.len());
+                for (summand, forms) in summands {
+                    own.push(of_summand(summand, forms, &formulas)?);
+                }
+                Ok(formulas.with_summands(own))
+            }
+            Form::One(form) => formulas.with_one_form(&form),
+            Form::Two(form) => formulas.with_two_form(&form),
         };
         let formed = formed.and_then(|formulas| formulas.with_constraints(constraints));
         formed
             .map(PoissonSystem::from)
             .map_err(|error| refused(document, &error, &variables))
     }
+}
+
+/// The places and the tensor of a summand that has forms.
+fn of_summand(
+    summand: Summand,
+    forms: Forms,
+    whole: &SystemFormulas,
+) -> Result<(Vec<usize>, SystemFormulas), Refusal> {
+    let Summand {
+        document,
+        scope,
+        names,
+        lengths,
+        places,
+    } = summand;
+    let near: Vec<f64> = places.iter().map(|at| whole.near()[*at]).collect();
+    let error = |error: &BuildError| {
+        let place = document.system.bracket.place();
+        Box::new(document.diagnostic(&place, error.to_string(), "here", None))
+    };
+    let system = SystemFormulas::new(
+        names.clone(),
+        whole.parameters().to_vec(),
+        entries(&document, &scope, &names, &lengths)?,
+        Expression::from(0),
+        Vec::new(),
+        whole.convention(),
+    );
+    let system = system.and_then(|system| system.with_near(&near));
+    let system = PoissonSystem::from(system.map_err(|refused| error(&refused))?);
+    let formed = forms.apply(&document, system)?;
+    let formulas = formed.formulas("a summand").map_err(|refused| error(&refused))?;
+    Ok((places, formulas.clone()))
 }
 
 /// A form that makes no tensor, underlined where that shows.

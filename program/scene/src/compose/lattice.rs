@@ -67,11 +67,7 @@ impl<'a> SceneLattice<'a> {
                 Some("make it a family, or shorten the lattice".to_owned()),
             )));
         }
-        if matches!(
-            system.bracket.value,
-            BracketSpec::OneForm(_) | BracketSpec::TwoForm(_)
-        ) || !system.constraints.is_empty()
-        {
+        if has_forms(&system.bracket.value, &system.constraints) {
             return Err(Box::new(document.diagnostic(
                 &system.bracket.place(),
                 format!(
@@ -161,6 +157,18 @@ pub(super) fn has_room(
         "here",
         Some("shorten the lattice".to_owned()),
     )))
+}
+
+/// Whether a bracket, or a summand of it, is made of a form or with constraints.
+fn has_forms(bracket: &BracketSpec, constraints: &[Located<String>]) -> bool {
+    let is_formed = match bracket {
+        BracketSpec::OneForm(_) | BracketSpec::TwoForm(_) => true,
+        BracketSpec::Sum(summands) => summands
+            .iter()
+            .any(|summand| has_forms(&summand.bracket.value, &summand.constraints)),
+        _ => false,
+    };
+    is_formed || !constraints.is_empty()
 }
 
 /// The lengths of a lattice's families.

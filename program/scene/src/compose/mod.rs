@@ -42,6 +42,7 @@ mod run;
 mod shape;
 mod states;
 mod stepping;
+mod sum;
 mod system;
 mod tensor;
 #[cfg(test)]

@@ -8,6 +8,7 @@ use leafwise_expression::{Arithmetic, Expression, Rational, Ring};
 use super::Refusal;
 use super::lie_algebra;
 use super::names::{algebra_refusal, exact, parse, refusal};
+use super::sum::summands;
 use crate::document::{BracketSpec, Convention, Located, Number, SceneDocument};
 
 /// {x_i, x_j} for i < j, as the scene's author wrote them.
@@ -33,7 +34,29 @@ pub(super) fn entries(
         BracketSpec::LieAlgebra(spec) => lie_algebra::entries(document, spec, names),
         BracketSpec::LogCanonical(rows) => log_canonical(document, rows, names),
         BracketSpec::MagneticField(field) => magnetic_field(document, scope, field, names.len()),
+        BracketSpec::Sum(_) => sum(document, lengths),
     }
+}
+
+/// The entries of all summands but those that are made of forms.
+fn sum(document: &SceneDocument, lengths: &[usize]) -> Result<Entries, Refusal> {
+    let mut sum = Entries::new();
+    for summand in summands(document, lengths)? {
+        if summand.is_formed() {
+            continue;
+        }
+        let (names, lengths) = (&summand.names, &summand.lengths);
+        let own = entries(&summand.document, &summand.scope, names, lengths)?;
+        let places = &summand.places;
+        for ((i, j), entry) in own {
+            let (i, j, entry) = (places[i], places[j], entry.with_variables(places));
+            match i < j {
+                true => sum.insert((i, j), entry),
+                false => sum.insert((j, i), Expression::Negate(Box::new(entry))),
+            };
+        }
+    }
+    Ok(sum)
 }
 
 /// A table of the entries of an antisymmetric matrix, and what messages call it and them.

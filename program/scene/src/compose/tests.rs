@@ -2,6 +2,7 @@
 
 mod definitions;
 mod forms;
+mod sums;
 
 use leafwise_core::{Evaluator, Registry};
 use leafwise_hamilton_jacobi as _;

@@ -4,7 +4,7 @@ use super::error::SceneProblemCause;
 use super::lie_algebra::{LieAlgebraSpec, read_lie_algebra};
 use super::located::{Located, Number};
 use super::reader::{Item, Problems, Table};
-use super::schema::{BRACKET, has, names};
+use super::schema::{BRACKET, SUM, SUMMAND, has, names};
 use super::suggest::nearest;
 
 /// How the Poisson tensor is given.
@@ -22,6 +22,19 @@ pub enum BracketSpec {
     OneForm(Vec<Located<String>>),
     /// Π = −ω⁻¹; entries `"x1,x2" = "formula"` for ω_12.
     TwoForm(Vec<(Located<String>, Located<String>)>),
+    /// The direct sum of brackets over variables of their own.
+    Sum(Vec<SummandSpec>),
+}
+
+/// A summand of a direct sum.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SummandSpec {
+    /// Names of single variables and of families.
+    pub variables: Vec<Located<String>>,
+    /// Its bracket, which is no sum.
+    pub bracket: Located<BracketSpec>,
+    /// Second-class constraints, for Dirac's bracket.
+    pub constraints: Vec<Located<String>>,
 }
 
 /// What `magnetic-field` was once called, with another sign.
@@ -37,7 +50,7 @@ pub(super) fn read_bracket(item: &Item<'_>, problems: &mut Problems) -> Option<B
     let kind = table
         .items
         .iter()
-        .find(|entry| has(&BRACKET, &entry.key.value));
+        .find(|entry| has(&BRACKET, &entry.key.value) || has(&SUM, &entry.key.value));
     let Some(kind) = kind else {
         return entries(&table, problems).map(BracketSpec::Entries);
     };
@@ -72,9 +85,45 @@ pub(super) fn read_bracket(item: &Item<'_>, problems: &mut Problems) -> Option<B
             .table("two-form", "a table of pairs of variables", problems)
             .and_then(|table| entries(&table, problems))
             .map(BracketSpec::TwoForm),
+        "sum" => kind
+            .list_of("a list of summands", problems, summand)
+            .map(BracketSpec::Sum),
         _ => kind.square_matrix(problems).map(BracketSpec::LogCanonical),
     };
     spec.filter(|_| alone)
+}
+
+/// `{ variables = […], bracket = {…} }`.
+fn summand(item: &Item<'_>, problems: &mut Problems) -> Option<SummandSpec> {
+    let table = item.table(&item.title, "a table", problems)?;
+    table.only(&SUMMAND, problems);
+    let variables = table
+        .require("variables", "variables = [\"q\", \"p\"]", problems)
+        .and_then(|item| item.list_of("a list of names", problems, Item::string));
+    let bracket = table
+        .require("bracket", "bracket = { \"q,p\" = \"-1\" }", problems)
+        .and_then(|item| read_bracket(item, problems).map(|spec| Located::new(spec, item.place())));
+    let constraints = match table.get("constraints") {
+        Some(item) => item.list_of("a list of formulas", problems, Item::formula),
+        None => Some(Vec::new()),
+    };
+    let bracket = bracket?;
+    if let BracketSpec::Sum(_) = &bracket.value {
+        problems.push(
+            SceneProblemCause::Conflict {
+                first: "sum".to_owned(),
+                second: "sum".to_owned(),
+                advice: "a summand is no sum: write its summands beside the others".to_owned(),
+            },
+            bracket.place(),
+        );
+        return None;
+    }
+    Some(SummandSpec {
+        variables: variables?,
+        bracket,
+        constraints: constraints?,
+    })
 }
 
 /// Formulas by pairs of variables.
@@ -99,7 +148,7 @@ fn check_pair(entry: &Item<'_>, problems: &mut Problems) {
         problems.push(
             SceneProblemCause::BracketKey {
                 key: key.clone(),
-                nearest: nearest(key, names(&BRACKET)),
+                nearest: nearest(key, names(&BRACKET).chain(names(&SUM))),
             },
             entry.key.place(),
         );

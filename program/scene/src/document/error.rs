@@ -137,6 +137,18 @@ pub enum SceneProblemCause {
         /// The nearest kind of bracket.
         nearest: Option<String>,
     },
+    /// A variable in two summands of a direct sum.
+    #[error("`{name}` is in two summands of the bracket")]
+    TwoSummands {
+        /// The variable.
+        name: String,
+    },
+    /// A variable in no summand of a direct sum.
+    #[error("`{name}` is in no summand of the bracket")]
+    NoSummand {
+        /// The variable.
+        name: String,
+    },
     /// `magnetic`, the bracket of a charge −1 that ran time backwards under `{x,H}`.
     #[error("`magnetic` is now `magnetic-field`, with the force v' = v × B")]
     MagneticSign,
@@ -167,6 +179,8 @@ impl SceneProblemCause {
             Self::InvalidName { reason, .. } => (*reason).to_owned(),
             Self::BracketKey { .. } => "expected two variables and a comma".to_owned(),
             Self::System { .. } => "here".to_owned(),
+            Self::TwoSummands { .. } => "in an earlier summand".to_owned(),
+            Self::NoSummand { .. } => "of no summand".to_owned(),
             Self::MagneticSign => "write `magnetic-field`".to_owned(),
             Self::Override { .. } => "given on the command line".to_owned(),
         }
@@ -202,9 +216,16 @@ impl SceneProblemCause {
             } => Some(format!("did you mean `{name}`?")),
             Self::BracketKey { nearest: None, .. } => Some(
                 "write \"x1,x2\" = \"…\" for {x1, x2}, or one of lie-algebra, log-canonical, \
-                 magnetic-field, one-form, two-form"
+                 magnetic-field, one-form, two-form, sum"
                     .to_owned(),
             ),
+            Self::TwoSummands { .. } => Some(
+                "each variable is of one summand; couple the summands by the Hamiltonian".to_owned(),
+            ),
+            Self::NoSummand { name } => Some(format!(
+                "a variable that commutes with all others is a summand with an empty bracket: \
+                 {{ variables = [\"{name}\"], bracket = {{}} }}"
+            )),
             Self::MagneticSign => Some(
                 "under \"{H,x}\" `magnetic` meant v' = -v × B, under \"{x,H}\" it ran time backwards; for \
                  H = v^2/2 + V(x), magnetic-field = [\"Bx\", \"By\", \"Bz\"] means x' = v and \

@@ -32,7 +32,7 @@ mod system_section;
 #[cfg(test)]
 mod tests;
 
-pub use bracket::BracketSpec;
+pub use bracket::{BracketSpec, SummandSpec};
 pub use ensemble::{Distribution, EnsembleSection, FinalStates, InitialDraw, ParameterDraw};
 pub use error::{SceneErrors, SceneProblem, SceneProblemCause};
 pub use json_schema::json_schema;

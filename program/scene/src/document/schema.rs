@@ -162,19 +162,7 @@ pub(super) static SYSTEM: [Key; 11] = [
     ),
     key(
         "bracket",
-        Shape::Either(&[
-            table(
-                &BRACKET,
-                &[
-                    &["lie-algebra"],
-                    &["log-canonical"],
-                    &["magnetic-field"],
-                    &["one-form"],
-                    &["two-form"],
-                ],
-            ),
-            Shape::Pairs(&Shape::Formula),
-        ]),
+        Shape::Either(&[KIND, PAIRS, table(&SUM, &[&["sum"]])]),
         "The Poisson tensor: { \"x,y\" = \"formula\" } for each pair that is not zero, or a kind by its name",
     ),
     key(
@@ -201,6 +189,44 @@ pub(super) static SYSTEM: [Key; 11] = [
         "casimirs",
         FORMULAS,
         "Functions that commute with all others, by names",
+    ),
+];
+
+/// A kind of bracket by its name.
+const KIND: Shape = table(
+    &BRACKET,
+    &[
+        &["lie-algebra"],
+        &["log-canonical"],
+        &["magnetic-field"],
+        &["one-form"],
+        &["two-form"],
+    ],
+);
+
+const PAIRS: Shape = Shape::Pairs(&Shape::Formula);
+
+pub(super) static SUM: [Key; 1] = [key(
+    "sum",
+    Shape::List(&table(&SUMMAND, &[&["variables", "bracket"]])),
+    "The direct sum of brackets, each over variables of its own: [{ variables = [\"q\", \"p\"], bracket = { … } }, …]",
+)];
+
+pub(super) static SUMMAND: [Key; 3] = [
+    key(
+        "variables",
+        Shape::List(&Shape::Text),
+        "The summand's variables and families, by their names",
+    ),
+    key(
+        "bracket",
+        Shape::Either(&[KIND, PAIRS]),
+        "The bracket of these variables, whose entries depend on no others",
+    ),
+    key(
+        "constraints",
+        Shape::List(&Shape::Formula),
+        "Second-class constraints on these variables, for Dirac's bracket",
     ),
 ];
 

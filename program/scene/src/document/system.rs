@@ -243,6 +243,7 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
     };
     check_names(&system, problems);
     check_dimension(table, &system, problems);
+    check_summands(&system, problems);
     Some(system)
 }
 
@@ -316,6 +317,46 @@ fn check_names(system: &SystemSection, problems: &mut Problems) {
                 name.place(),
             );
         }
+    }
+}
+
+/// Every variable and family is in one summand of a sum.
+fn check_summands(system: &SystemSection, problems: &mut Problems) {
+    let BracketSpec::Sum(summands) = &system.bracket.value else {
+        return;
+    };
+    let families = system.families.iter().map(|(name, _)| name);
+    let declared: Vec<&Located<String>> = system.variables.iter().chain(families).collect();
+    let mut seen: HashSet<&str> = HashSet::new();
+    for name in summands.iter().flat_map(|summand| &summand.variables) {
+        let valid = declared.iter().map(|name| name.value.as_str());
+        if !valid.clone().any(|known| known == name.value) {
+            problems.push(
+                SceneProblemCause::UnknownName {
+                    kind: "variable or family of this system",
+                    name: name.value.clone(),
+                    nearest: nearest(&name.value, valid.clone()),
+                    valid: valid.map(str::to_owned).collect(),
+                },
+                name.place(),
+            );
+        } else if !seen.insert(&name.value) {
+            problems.push(
+                SceneProblemCause::TwoSummands {
+                    name: name.value.clone(),
+                },
+                name.place(),
+            );
+        }
+    }
+    let mut left = declared.into_iter();
+    if let Some(name) = left.find(|name| !seen.contains(name.value.as_str())) {
+        problems.push(
+            SceneProblemCause::NoSummand {
+                name: name.value.clone(),
+            },
+            name.place(),
+        );
     }
 }
 

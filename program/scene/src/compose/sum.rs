@@ -1,0 +1,159 @@
+//! The summands of a direct sum of brackets, each as a scene of its own.
+
+use std::collections::BTreeSet;
+
+use leafwise_expression::syntax::{Formula, Scope, VariablePattern};
+
+use super::Refusal;
+use super::definitions::scope;
+use super::names::coordinate_names;
+use crate::document::{BracketSpec, Located, Place, SceneDocument, SummandSpec};
+
+/// A summand: the scene with its variables, families and bracket alone.
+#[derive(Clone, Debug)]
+pub(super) struct Summand {
+    pub document: SceneDocument,
+    pub scope: Scope,
+    /// Of its own coordinates.
+    pub names: Vec<String>,
+    /// Of its families.
+    pub lengths: Vec<usize>,
+    /// Where its coordinates stand among those of the scene.
+    pub places: Vec<usize>,
+}
+
+impl Summand {
+    /// Whether its tensor is made of a form or with constraints.
+    pub fn is_formed(&self) -> bool {
+        let system = &self.document.system;
+        let bracket = &system.bracket.value;
+        let is_form = matches!(bracket, BracketSpec::OneForm(_) | BracketSpec::TwoForm(_));
+        is_form || !system.constraints.is_empty()
+    }
+}
+
+/// The summands of a scene's bracket with its families at the given lengths; none where it is no sum.
+///
+/// # Errors
+/// A formula of a summand that names a variable of another one, and what is wrong with the definitions.
+pub(super) fn summands(
+    document: &SceneDocument,
+    lengths: &[usize],
+) -> Result<Vec<Summand>, Refusal> {
+    let BracketSpec::Sum(specs) = &document.system.bracket.value else {
+        return Ok(Vec::new());
+    };
+    let specs = specs.iter();
+    specs
+        .map(|spec| summand(document, spec, lengths))
+        .collect()
+}
+
+fn summand(
+    document: &SceneDocument,
+    spec: &SummandSpec,
+    lengths: &[usize],
+) -> Result<Summand, Refusal> {
+    let foreign = foreign_names(document, spec);
+    check_formulas(document, spec, &foreign)?;
+    let whole = &document.system;
+    let mut own = document.clone();
+    let system = &mut own.system;
+    let is_family = |name: &str| whole.families.iter().position(|(f, _)| f.value == name);
+    let names = spec.variables.iter();
+    let families: Vec<usize> = names.filter_map(|name| is_family(&name.value)).collect();
+    system.variables = spec.variables.clone();
+    system.variables.retain(|name| is_family(&name.value).is_none());
+    system.families = families.iter().map(|at| whole.families[*at].clone()).collect();
+    system.define.retain(|(name, _)| !foreign.contains(name.value.as_str()));
+    system.bracket = spec.bracket.clone();
+    system.constraints = spec.constraints.clone();
+    let variable = |name: &Located<String>| {
+        let mut variables = whole.variables.iter();
+        variables.position(|variable| variable.value == name.value)
+    };
+    let mut places: Vec<usize> = system.variables.iter().filter_map(variable).collect();
+    for at in &families {
+        let start = whole.variables.len() + lengths[..*at].iter().sum::<usize>();
+        places.extend(start..start + lengths[*at]);
+    }
+    let lengths: Vec<usize> = families.iter().map(|at| lengths[*at]).collect();
+    Ok(Summand {
+        scope: scope(&own, &lengths, None)?,
+        names: coordinate_names(&own, &lengths),
+        document: own,
+        lengths,
+        places,
+    })
+}
+
+/// The variables of the other summands, and the definitions that lead to them.
+fn foreign_names<'a>(document: &'a SceneDocument, spec: &SummandSpec) -> BTreeSet<&'a str> {
+    let system = &document.system;
+    let families = system.families.iter().map(|(name, _)| name);
+    let declared = system.variables.iter().chain(families);
+    let is_own = |name: &&str| spec.variables.iter().any(|own| own.value == *name);
+    let declared = declared.map(|name| name.value.as_str());
+    let mut foreign: BTreeSet<&str> = declared.filter(|name| !is_own(name)).collect();
+    loop {
+        let leads = |(name, formula): &&(Located<String>, Located<String>)| {
+            !foreign.contains(name.value.as_str()) && first_of(formula, &foreign).is_some()
+        };
+        let Some((name, _)) = system.define.iter().find(leads) else {
+            return foreign;
+        };
+        foreign.insert(&name.value);
+    }
+}
+
+/// The first of these names that a formula names.
+fn first_of<'a>(formula: &Located<String>, names: &BTreeSet<&'a str>) -> Option<&'a str> {
+    let parsed = Formula::parse(&formula.value).ok()?;
+    let referred = parsed.references();
+    names.iter().copied().find(|name| referred.contains(name))
+}
+
+fn check_formulas(
+    document: &SceneDocument,
+    spec: &SummandSpec,
+    foreign: &BTreeSet<&str>,
+) -> Result<(), Refusal> {
+    let couples = |place: &Place, what: &str, name: &str| {
+        let own: Vec<&str> = spec.variables.iter().map(|v| v.value.as_str()).collect();
+        let own = own.join(", ");
+        Err(Box::new(document.diagnostic(
+            place,
+            format!("{what} of the summand of {own} names `{name}`, which is not one of its variables"),
+            "couples two summands",
+            Some(format!(
+                "in a direct sum brackets of variables of different summands are 0, and the others depend on their own: write \
+                 `{name}` into variables, or couple the summands by the Hamiltonian"
+            )),
+        )))
+    };
+    let formula = |formula: &Located<String>| match first_of(formula, foreign) {
+        None => Ok(()),
+        Some(name) => couples(
+            &document.place_in_formula(formula, 0..formula.value.len()),
+            "a formula",
+            name,
+        ),
+    };
+    match &spec.bracket.value {
+        BracketSpec::Entries(entries) | BracketSpec::TwoForm(entries) => {
+            for (key, entry) in entries {
+                let pair = VariablePattern::parse_pair(&key.value);
+                let named = pair.iter().flat_map(|(a, b)| [a.name(), b.name()]);
+                if let Some(name) = named.into_iter().find(|name| foreign.contains(name)) {
+                    return couples(&key.place(), "an entry", name);
+                }
+                formula(entry)?;
+            }
+        }
+        BracketSpec::MagneticField(formulas) | BracketSpec::OneForm(formulas) => {
+            formulas.iter().try_for_each(formula)?;
+        }
+        BracketSpec::LieAlgebra(_) | BracketSpec::LogCanonical(_) | BracketSpec::Sum(_) => {}
+    }
+    spec.constraints.iter().try_for_each(formula)
+}
