@@ -1,5 +1,10 @@
 //! The realization of a direct sum is exact.
 
+#![allow(
+    clippy::print_stdout,
+    reason = "measured numbers, read with --nocapture"
+)]
+
 use std::sync::Arc;
 
 use leafwise_core::{BuildError, PoissonSystem, RealizationData, Registry};
@@ -9,6 +14,7 @@ use leafwise_constant as _;
 use leafwise_lie_poisson as _;
 use leafwise_log_canonical as _;
 use leafwise_so3 as _;
+use leafwise_tests::methods::hamilton_jacobi;
 use leafwise_tests::realizations::{assert_dual_pair, assert_orders, assert_poisson_steps};
 use leafwise_tests::systems::from_formulas;
 
@@ -151,4 +157,42 @@ fn what_is_no_such_sum_is_refused() {
     // Every coordinate enters the entry, or is joined by it.
     unfit(&[("x,y", "c + z")], "is no direct sum");
     unfit(&[("x,y", "1 + x^2")], "its summand of x, y has no code in pairs");
+}
+
+/// Where H couples nothing, the code of an iteration, with and without Jacobians, has at most 1.1 of the operations of its summands'.
+#[test]
+fn a_product_costs_what_its_summands_do() {
+    let body = from_formulas(
+        &["x", "y", "z"],
+        &[],
+        &[("x,y", "-z"), ("y,z", "-x"), ("z,x", "-y")],
+        "x^2/2 + y^2/3 + z^2/5",
+        &[],
+    );
+    let pendulum = from_formulas(&["q", "p"], &[], &[("q,p", "-1")], "p^2/2 - cos(q)", &[]);
+    let both = from_formulas(
+        &["x", "y", "z", "q", "p"],
+        &[],
+        &[("x,y", "-z"), ("y,z", "-x"), ("z,x", "-y"), ("q,p", "-1")],
+        "x^2/2 + y^2/3 + z^2/5 + p^2/2 - cos(q)",
+        &[],
+    );
+    let of = |system: &PoissonSystem| {
+        let registry = Registry::with_builtin();
+        let exact = registry.exact_realization(system, false);
+        exact.expect("an exact realization").realization
+    };
+    let work = |system: &PoissonSystem, order| {
+        let method = hamilton_jacobi(system, &of(system), order);
+        let newton = method.newton().expect("code");
+        [newton.operations(), newton.residual_operations()].map(|count| count.work() as f64)
+    };
+    for order in [2, 4, 6] {
+        let [product, first, second] = [&both, &body, &pendulum].map(|system| work(system, order));
+        for kernel in 0..2 {
+            let (product, apart) = (product[kernel], first[kernel] + second[kernel]);
+            println!("order {order}: {product} against {apart}, {:.3}", product / apart);
+            assert!(product <= 1.1 * apart, "order {order}: {product} against {apart}");
+        }
+    }
 }
