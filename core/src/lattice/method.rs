@@ -71,6 +71,7 @@ impl LatticeMethod {
             y: y_field,
             offset: builder.output(ends.offset),
             increment: builder.output(ends.increment),
+            reach: builder.reach,
         };
         builder.finish_stage();
         let program = LatticeProgram::compile(

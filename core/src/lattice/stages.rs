@@ -14,6 +14,7 @@ pub(super) struct MethodFields {
     pub(super) y: Field,
     pub(super) offset: Field,
     pub(super) increment: Field,
+    pub(super) reach: Option<Field>,
 }
 
 /// What a stage writes into a field: one term a proxy coordinate, `None` where it stays.
@@ -30,6 +31,7 @@ pub struct StageBuilder {
     pub(super) fields: usize,
     pub(super) stages: Vec<Vec<Written>>,
     pub(super) current: Vec<Written>,
+    pub(super) reach: Option<Field>,
 }
 
 impl StageBuilder {
@@ -41,6 +43,7 @@ impl StageBuilder {
             fields: 0,
             stages: Vec::new(),
             current: Vec::new(),
+            reach: None,
         }
     }
 
@@ -74,6 +77,13 @@ impl StageBuilder {
         let (field, _) = self.unwritten();
         self.update(field, values.into_iter().map(Some).collect());
         field
+    }
+
+    /// How far points reach in charts that end, 1 at the end, each at a coordinate of its chart: beyond, a step is refused.
+    pub fn guard(&mut self, reaches: Vec<Option<Term>>) {
+        let (field, _) = self.unwritten();
+        self.update(field, reaches);
+        self.reach = Some(field);
     }
 
     /// Ends the current stage: what it stored can be read from here on.

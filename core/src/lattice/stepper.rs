@@ -187,6 +187,12 @@ impl LatticeTrajectory {
     /// One solve of the step from the displacement that is there.
     fn solve(&mut self, x: &[f64], low: &[f64], increment: &mut [f64]) -> Result<(), StepError> {
         self.iterate(x, low, Purpose::Step)?;
+        if let Some(reach) = self.fields.reach {
+            let ratio = largest(self.evaluator.field(reach));
+            if ratio.is_nan() || ratio >= 1.0 {
+                return Err(StepError::LeftChart { ratio });
+            }
+        }
         let change = self.evaluator.field(self.fields.increment);
         if !is_between(x, self.evaluator.field(self.fields.y), change) {
             return Err(StepError::OtherBranch { reached: 0.0 });

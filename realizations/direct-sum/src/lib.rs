@@ -10,6 +10,7 @@ mod blocks;
 
 use std::sync::Arc;
 
+use leafwise_core::lattice::{StageBuilder, StageCode, StageEnds};
 use leafwise_core::part::{Auto, PartInfo, PartKind, PartParameters};
 use leafwise_core::realization::{
     Accuracy, MapCode, RealizationData, SourceRecursion, SourceSeries, SourceTarget,
@@ -168,6 +169,37 @@ impl RealizationData for DirectSum {
             }
             ends.guard = joined(graph, guards)?;
             Ok(ends)
+        }))
+    }
+
+    /// One stage: every factor reads its own x and p.
+    fn stages(&self) -> Option<StageCode<'_>> {
+        let codes: Option<Vec<_>> = self.factors.iter().map(|f| f.realization.code()).collect();
+        let codes = codes?;
+        Some(Box::new(move |builder: &mut StageBuilder, epsilon, y, p| {
+            let (mut offset, mut increment) = (y.to_vec(), y.to_vec());
+            let mut reaches = vec![None; self.dimension];
+            let mut is_guarded = false;
+            for (factor, code) in self.factors.iter().zip(&codes) {
+                let (x, p) = (factor.of(y), factor.of(p));
+                let ends = code(&mut builder.graph, epsilon, &[&x[..], &p].concat())?;
+                let (radii, own) = ends.guard.unwrap_or_default();
+                if ends.base != x || own.len() > x.len() {
+                    return Err(unfit("the realization of a summand cannot be swept"));
+                }
+                is_guarded |= !own.is_empty();
+                for (k, at) in factor.places.iter().enumerate() {
+                    offset[*at] = ends.offset[k].clone();
+                    increment[*at] = ends.increment[k].clone();
+                    if let (Some(reach), Some(radius)) = (own.get(k), radii.get(k)) {
+                        reaches[*at] = Some(builder.graph.divide(reach, radius)?);
+                    }
+                }
+            }
+            if is_guarded {
+                builder.guard(reaches);
+            }
+            Ok(StageEnds { offset, increment })
         }))
     }
 

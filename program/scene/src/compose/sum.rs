@@ -59,11 +59,14 @@ fn summand(
     let whole = &document.system;
     let mut own = document.clone();
     let system = &mut own.system;
-    let is_family = |name: &str| whole.families.iter().position(|(f, _)| f.value == name);
     let names = spec.variables.iter();
-    let families: Vec<usize> = names.filter_map(|name| is_family(&name.value)).collect();
+    let families = names.flat_map(|name| whole.families_of(&name.value));
+    let at = |family: &(Located<String>, _)| whole.families.iter().position(|(f, _)| *f == family.0);
+    let families: Vec<usize> = families.filter_map(at).collect();
     system.variables = spec.variables.clone();
-    system.variables.retain(|name| is_family(&name.value).is_none());
+    system.variables.retain(|name| whole.families_of(&name.value).next().is_none());
+    let own_names = spec.variables.iter();
+    system.vectors.retain(|v| own_names.clone().any(|name| name.value == v.name.value));
     system.families = families.iter().map(|at| whole.families[*at].clone()).collect();
     system.define.retain(|(name, _)| !foreign.contains(name.value.as_str()));
     system.bracket = spec.bracket.clone();
@@ -90,11 +93,13 @@ fn summand(
 /// The variables of the other summands, and the definitions that lead to them.
 fn foreign_names<'a>(document: &'a SceneDocument, spec: &SummandSpec) -> BTreeSet<&'a str> {
     let system = &document.system;
-    let families = system.families.iter().map(|(name, _)| name);
-    let declared = system.variables.iter().chain(families);
-    let is_own = |name: &&str| spec.variables.iter().any(|own| own.value == *name);
-    let declared = declared.map(|name| name.value.as_str());
-    let mut foreign: BTreeSet<&str> = declared.filter(|name| !is_own(name)).collect();
+    let is_own = |name: &&Located<String>| spec.variables.iter().any(|own| own.value == name.value);
+    let mut foreign = BTreeSet::new();
+    for name in system.declared().into_iter().filter(|name| !is_own(name)) {
+        let families = system.families_of(&name.value);
+        foreign.insert(name.value.as_str());
+        foreign.extend(families.map(|(family, _)| family.value.as_str()));
+    }
     loop {
         let leads = |(name, formula): &&(Located<String>, Located<String>)| {
             !foreign.contains(name.value.as_str()) && first_of(formula, &foreign).is_some()

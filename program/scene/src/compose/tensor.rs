@@ -9,7 +9,9 @@ use super::Refusal;
 use super::lie_algebra;
 use super::names::{algebra_refusal, exact, parse, refusal};
 use super::sum::summands;
-use crate::document::{BracketSpec, Convention, Located, Number, SceneDocument};
+use crate::document::{
+    BracketSpec, Convention, LieAlgebraSpec, Located, Number, SceneDocument,
+};
 
 /// {x_i, x_j} for i < j, as the scene's author wrote them.
 pub(super) type Entries = BTreeMap<(usize, usize), Expression>;
@@ -31,11 +33,58 @@ pub(super) fn entries(
         }
         // Made of its form once the state is known about which the system moves.
         BracketSpec::OneForm(_) | BracketSpec::TwoForm(_) => Ok(Entries::new()),
-        BracketSpec::LieAlgebra(spec) => lie_algebra::entries(document, spec, names),
+        BracketSpec::LieAlgebra(spec) if document.system.vectors.is_empty() => {
+            lie_algebra::entries(document, spec, names)
+        }
+        BracketSpec::LieAlgebra(spec) => at_every_site(document, spec, lengths),
         BracketSpec::LogCanonical(rows) => log_canonical(document, rows, names),
         BracketSpec::MagneticField(field) => magnetic_field(document, scope, field, names.len()),
         BracketSpec::Sum(_) => sum(document, lengths),
     }
+}
+
+/// The linear bracket of an algebra at every site of the families of vectors.
+fn at_every_site(
+    document: &SceneDocument,
+    spec: &LieAlgebraSpec,
+    lengths: &[usize],
+) -> Result<Entries, Refusal> {
+    let system = &document.system;
+    let is_scalar = |name: &&&Located<String>| {
+        let mut vectors = system.vectors.iter();
+        !vectors.any(|vector| vector.name.value == name.value)
+    };
+    let declared = system.declared();
+    if let Some(scalar) = declared.iter().find(is_scalar) {
+        return Err(Box::new(document.diagnostic(
+            &scalar.place(),
+            format!(
+                "a Lie algebra at every site is that of vectors, and `{}` is none",
+                scalar.value
+            ),
+            "no vector",
+            Some("write a direct sum: bracket = { sum = [ … ] }, with a summand for the vectors".to_owned()),
+        )));
+    }
+    let mut all = Entries::new();
+    let mut start = 0;
+    let mut lengths = lengths.iter();
+    for vector in &system.vectors {
+        let components: Vec<String> = vector.components.iter().map(|c| c.value.clone()).collect();
+        let at_site = lie_algebra::entries(document, spec, &components)?;
+        // The components of a family have one length.
+        let own = lengths.by_ref().take(components.len()).copied();
+        let length = own.last().unwrap_or(0);
+        for site in 0..length {
+            let places: Vec<usize> = (0..components.len()).map(|c| start + c * length + site).collect();
+            let entries = at_site.iter();
+            all.extend(entries.map(|((i, j), entry)| {
+                ((places[*i], places[*j]), entry.with_variables(&places))
+            }));
+        }
+        start += components.len() * length;
+    }
+    Ok(all)
 }
 
 /// The entries of all summands but those that are made of forms.

@@ -147,8 +147,11 @@ pub(super) static SYSTEM: [Key; 11] = [
     ),
     key(
         "families",
-        Shape::Names(&Shape::Whole(1)),
-        "Indexed variables of a lattice and how many there are: { q = 1000, p = 1000 }",
+        Shape::Names(&Shape::Either(&[
+            Shape::Whole(1),
+            table(&VECTORS, &[&["components", "length"]]),
+        ])),
+        "Indexed variables of a lattice and how many there are: { q = 1000, p = 1000 }, or vectors",
     ),
     key(
         "parameters",
@@ -190,6 +193,15 @@ pub(super) static SYSTEM: [Key; 11] = [
         FORMULAS,
         "Functions that commute with all others, by names",
     ),
+];
+
+pub(super) static VECTORS: [Key; 2] = [
+    key(
+        "components",
+        Shape::List(&Shape::Text),
+        "Names of a vector's components: of the family s, x at the site i is s.x[i]",
+    ),
+    key("length", Shape::Whole(1), "How many vectors there are"),
 ];
 
 /// A kind of bracket by its name.

@@ -12,9 +12,9 @@ use super::error::SceneProblemCause;
 use super::located::{Located, Place, Source};
 use super::numbers::{asks_for_numbers, read_numbers};
 use super::reader::{Item, Problems, Table};
-use super::schema::{SYSTEM, has};
+use super::schema::{SYSTEM, VECTORS, has};
 use super::suggest::nearest;
-use super::system_section::{Boundary, Convention, SystemSection};
+use super::system_section::{Boundary, Convention, SystemSection, VectorFamily};
 
 /// Reads `[system]`, going to the library when it names one; the fragment used is left in
 /// `fragment` as id and text.
@@ -127,9 +127,23 @@ fn override_values(
     let families = table
         .get("families")
         .and_then(|item| item.pairs("a table of lengths", problems, length));
+    let vectors = &system.vectors;
+    let given = families.into_iter().flatten().flat_map(|(name, length)| {
+        let vector = vectors.iter().find(|vector| vector.name.value == name.value);
+        let of_components: Vec<Located<String>> = match vector {
+            None => vec![name],
+            Some(vector) => {
+                let components = vector.components.iter();
+                let family = |c: &Located<String>| name.clone().map(|_| vector.family(&c.value));
+                components.map(family).collect()
+            }
+        };
+        of_components.into_iter().map(move |name| (name, length.clone()))
+    });
+    let given = given.collect();
     replace(
         &mut system.families,
-        families,
+        Some(given),
         "family of this system",
         problems,
     );
@@ -172,8 +186,8 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
         None => Some(Vec::new()),
     };
     let families = match table.get("families") {
-        Some(item) => item.pairs("a table of lengths", problems, length),
-        None => Some(Vec::new()),
+        Some(item) => read_families(item, problems),
+        None => Some(Families::default()),
     };
     let parameters = match table.get("parameters") {
         Some(item) => item.pairs("a table of numbers", problems, Item::number),
@@ -227,10 +241,12 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
         Some(item) => item.pairs("a table of formulas", problems, Item::formula),
         None => Some(Vec::new()),
     };
+    let Families { scalars, vectors } = families?;
     let system = SystemSection {
         library: None,
         variables: variables?,
-        families: families?,
+        families: scalars,
+        vectors,
         parameters: parameters?,
         define: define?,
         bracket: bracket?,
@@ -253,6 +269,72 @@ const MOST_SITES: u64 = 100_000_000;
 fn length(item: &Item<'_>, problems: &mut Problems) -> Option<Located<usize>> {
     let length = item.whole_in(1, MOST_SITES, problems)?;
     Some(length.map(|length| usize::try_from(length).unwrap_or(usize::MAX)))
+}
+
+/// Families of scalars, those of vectors by their components, and the latter.
+#[derive(Default)]
+struct Families {
+    scalars: Vec<(Located<String>, Located<usize>)>,
+    vectors: Vec<VectorFamily>,
+}
+
+/// `{ x = 100, s = { components = ["x", "y", "z"], length = 100 } }`.
+fn read_families(item: &Item<'_>, problems: &mut Problems) -> Option<Families> {
+    let table = item.table(&item.title, "a table of lengths", problems)?;
+    let mut families = Families::default();
+    let mut is_whole = true;
+    for entry in &table.items {
+        if !entry.is_table() {
+            match length(entry, problems) {
+                Some(length) => families.scalars.push((entry.key.clone(), length)),
+                None => is_whole = false,
+            }
+            continue;
+        }
+        let Some((vector, length)) = vectors(entry, problems) else {
+            is_whole = false;
+            continue;
+        };
+        for component in &vector.components {
+            let name = component.clone().map(|name| vector.family(&name));
+            families.scalars.push((name, length.clone()));
+        }
+        families.vectors.push(vector);
+    }
+    is_whole.then_some(families)
+}
+
+/// `{ components = ["x", "y", "z"], length = 100 }`.
+fn vectors(
+    item: &Item<'_>,
+    problems: &mut Problems,
+) -> Option<(VectorFamily, Located<usize>)> {
+    let table = item.table(&item.title, "a table", problems)?;
+    table.only(&VECTORS, problems);
+    let components = table
+        .require("components", "components = [\"x\", \"y\", \"z\"]", problems)
+        .and_then(|item| {
+            let names = item.list_of("a list of names", problems, Item::string)?;
+            if names.is_empty() {
+                problems.push(
+                    SceneProblemCause::Shape {
+                        what: "components".to_owned(),
+                        found: "no entry".to_owned(),
+                        expected: "at least one name".to_owned(),
+                    },
+                    item.place(),
+                );
+            }
+            Some(names)
+        });
+    let length = table
+        .require("length", "length = 100", problems)
+        .and_then(|item| length(item, problems));
+    let vector = VectorFamily {
+        name: item.key.clone(),
+        components: components?,
+    };
+    Some((vector, length?))
 }
 
 /// One of a few words; spaces inside the word do not matter.
@@ -286,7 +368,7 @@ fn check_names(system: &SystemSection, problems: &mut Problems) {
         .variables
         .iter()
         .map(|name| ("variable", name))
-        .chain(system.families.iter().map(|(name, _)| ("family", name)))
+        .chain(system.declared().into_iter().skip(system.variables.len()).map(|name| ("family", name)))
         .chain(
             system
                 .parameters
@@ -294,8 +376,16 @@ fn check_names(system: &SystemSection, problems: &mut Problems) {
                 .map(|(name, _)| ("parameter", name)),
         )
         .chain(system.define.iter().map(|(name, _)| ("definition", name)));
-    for (kind, name) in declared {
-        let is_new = seen.insert(&name.value);
+    let components = system.vectors.iter().flat_map(|vector| {
+        let is_new = |at: usize| {
+            let mut earlier = vector.components[..at].iter();
+            !earlier.any(|other| other.value == vector.components[at].value)
+        };
+        let components = vector.components.iter().enumerate();
+        components.map(move |(at, name)| ("component", name, is_new(at)))
+    });
+    let declared = declared.map(|(kind, name)| (kind, name, seen.insert(&name.value)));
+    for (kind, name, is_new) in declared.chain(components) {
         let mut letters = name.value.chars();
         let begins_well = letters
             .next()
@@ -325,8 +415,7 @@ fn check_summands(system: &SystemSection, problems: &mut Problems) {
     let BracketSpec::Sum(summands) = &system.bracket.value else {
         return;
     };
-    let families = system.families.iter().map(|(name, _)| name);
-    let declared: Vec<&Located<String>> = system.variables.iter().chain(families).collect();
+    let declared = system.declared();
     let mut seen: HashSet<&str> = HashSet::new();
     for name in summands.iter().flat_map(|summand| &summand.variables) {
         let valid = declared.iter().map(|name| name.value.as_str());

@@ -33,8 +33,11 @@ pub struct SystemSection {
     pub library: Option<Located<String>>,
     /// Single variables, in the order of the state.
     pub variables: Vec<Located<String>>,
-    /// Indexed families with their lengths; their sites follow the single variables.
+    /// Indexed families with their lengths, of a family of vectors one for each component; their sites follow the single
+    /// variables.
     pub families: Vec<(Located<String>, Located<usize>)>,
+    /// Families of vectors, whose components are families `s.x`, `s.y`, ….
+    pub vectors: Vec<VectorFamily>,
     /// Parameters with their values.
     pub parameters: Vec<(Located<String>, Located<Number>)>,
     /// Names for formulas, in the order of the text.
@@ -55,7 +58,46 @@ pub struct SystemSection {
     pub numbers: Option<NumbersSystem>,
 }
 
+/// A vector at every site.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VectorFamily {
+    /// The family's name.
+    pub name: Located<String>,
+    /// The components' names.
+    pub components: Vec<Located<String>>,
+}
+
+impl VectorFamily {
+    /// The name of the family of a component: `s.x`.
+    pub fn family(&self, component: &str) -> String {
+        format!("{}.{component}", self.name.value)
+    }
+
+    /// Whether a family is one of its components.
+    pub fn has(&self, family: &str) -> bool {
+        let mut components = self.components.iter();
+        components.any(|component| self.family(&component.value) == family)
+    }
+}
+
 impl SystemSection {
+    /// The families that a name stands for: one, or the components of vectors.
+    pub fn families_of<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a (Located<String>, Located<usize>)> {
+        let vector = self.vectors.iter().find(|vector| vector.name.value == name);
+        self.families.iter().filter(move |(family, _)| match vector {
+            Some(vector) => vector.has(&family.value),
+            None => family.value == name,
+        })
+    }
+
+    /// The names that scenes give to variables and families.
+    pub fn declared(&self) -> Vec<&Located<String>> {
+        let families = self.families.iter().map(|(name, _)| name);
+        let scalars = families.filter(|name| !self.vectors.iter().any(|v| v.has(&name.value)));
+        let vectors = self.vectors.iter().map(|vector| &vector.name);
+        self.variables.iter().chain(scalars).chain(vectors).collect()
+    }
+
     /// The dimension of the state: single variables and all sites of the families.
     pub fn dimension(&self) -> usize {
         self.families

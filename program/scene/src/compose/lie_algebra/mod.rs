@@ -100,16 +100,20 @@ fn named(
         .map(|name| format!("\"{name}\""))
         .collect();
     coordinates.extend((1..=vectors).map(|a| format!("\"v{a}\"")));
+    let (noun, who) = match document.system.vectors.is_empty() {
+        true => ("variables", "this scene has"),
+        false => ("components", "the vectors have"),
+    };
     Err(refused(
         document,
         &place,
         format!(
-            "`{}` has dimension {d}{acts}, and this scene has {variables} variables",
+            "`{}` has dimension {d}{acts}, and {who} {variables} {noun}",
             algebra.name
         ),
-        format!("needs {} variables", d + vectors),
+        format!("needs {} {noun}", d + vectors),
         Some(format!(
-            "for example: variables = [{}]",
+            "for example: {noun} = [{}]",
             coordinates.join(", ")
         )),
     ))
