@@ -30,6 +30,7 @@ mod poles;
 mod reference;
 mod schema;
 mod sources;
+mod spins;
 mod starts;
 mod stress;
 mod theorems;

@@ -156,18 +156,25 @@ impl SystemFormulas {
     pub fn with_summands(mut self, summands: Vec<(Vec<usize>, Self)>) -> Self {
         let entries = Box::new(self.clone());
         for (places, summand) in &summands {
-            assert_eq!(places.len(), summand.dimension(), "a place for each coordinate");
+            assert_eq!(
+                places.len(),
+                summand.dimension(),
+                "a place for each coordinate"
+            );
             for (&(i, j), entry) in &summand.tensor {
                 let (i, j, entry) = (places[i], places[j], entry.with_variables(places));
                 let _ = match i < j {
                     true => self.tensor.insert((i, j), entry),
-                    false => self.tensor.insert((j, i), Expression::Negate(Box::new(entry))),
+                    false => self
+                        .tensor
+                        .insert((j, i), Expression::Negate(Box::new(entry))),
                 };
             }
-            self.casimirs.extend(summand.casimirs.iter().map(|casimir| Casimir {
-                name: casimir.name.clone(),
-                expression: casimir.expression.with_variables(places),
-            }));
+            self.casimirs
+                .extend(summand.casimirs.iter().map(|casimir| Casimir {
+                    name: casimir.name.clone(),
+                    expression: casimir.expression.with_variables(places),
+                }));
             for (name, formula) in &summand.names {
                 let named = (name.clone(), formula.with_variables(places));
                 if !self.names.contains(&named) {

@@ -21,7 +21,7 @@ static INFO: PartInfo = PartInfo {
     name: "spherical-midpoint",
     summary: "x+ = x + t X(|x| (x + x+)/|x + x+|), triple by triple",
     declares: "order 2; self-adjoint; exactly Poisson; keeps every |x|; exact tangent",
-    domain: "products of so(3)*: triples with {x1,x2} = c x3 and cyclic, c constant",
+    domain: "products of so(3)*: triples of coordinates, wherever they stand, with {x1,x2} = c x3 and cyclic, c constant",
     literature: "R. McLachlan, K. Modin, O. Verdier, Symplectic integrators for spin systems, \
                  Phys. Rev. E 89 (2014); A minimal-variable symplectic integrator on spheres, \
                  Math. Comp. 86 (2017)",
@@ -37,6 +37,10 @@ const TRIPLE: usize = 100;
 /// |x + D|² − |x|² = D·(2x + D) = 0.
 struct Midpoint {
     field: SmoothMapEvaluator,
+    /// The coordinates of each triple.
+    triples: Arc<[[usize; 3]]>,
+    /// Of each coordinate its triple, and which of the three it is.
+    places: Vec<(usize, usize)>,
     time_step: f64,
     start: Vec<f64>,
     change: Vec<f64>,
@@ -47,15 +51,28 @@ struct Midpoint {
     turns: Vec<Matrix3<f64>>,
     stretches: Vec<Matrix3<f64>>,
     /// Operations of the triples.
-    triples: u64,
+    operations: u64,
 }
 
 impl Midpoint {
-    fn new(field: &SmoothMap, parameters: &[f64], time_step: f64) -> Self {
+    fn new(
+        field: &SmoothMap,
+        triples: &Arc<[[usize; 3]]>,
+        parameters: &[f64],
+        time_step: f64,
+    ) -> Self {
         let d = field.inputs();
+        let mut places = vec![(0, 0); d];
+        for (triple, coordinates) in triples.iter().enumerate() {
+            for (c, at) in coordinates.iter().enumerate() {
+                places[*at] = (triple, c);
+            }
+        }
         let room = || vec![0.0; d];
         Self {
             field: field.evaluator(parameters, 1.0, 1.0),
+            triples: Arc::clone(triples),
+            places,
             time_step,
             start: room(),
             change: room(),
@@ -64,14 +81,15 @@ impl Midpoint {
             jacobian: vec![0.0; d * d],
             turns: vec![Matrix3::zeros(); d / 3],
             stretches: vec![Matrix3::zeros(); d / 3],
-            triples: 0,
+            operations: 0,
         }
     }
 
     /// Γ of a triple, ∂Γ/∂D and ∂Γ/∂x; all 0 at the origin, where the field vanishes.
     fn middle(&self, triple: usize) -> (Vector3<f64>, Matrix3<f64>, Matrix3<f64>) {
-        let x = Vector3::from_column_slice(&self.start[3 * triple..][..3]);
-        let sum = 2.0 * x + Vector3::from_column_slice(&self.change[3 * triple..][..3]);
+        let of = |all: &[f64]| Vector3::from(self.triples[triple].map(|at| all[at]));
+        let x = of(&self.start);
+        let sum = 2.0 * x + of(&self.change);
         let (radius, length) = (norm(&x), norm(&sum));
         if radius == 0.0 {
             return (Vector3::zeros(), Matrix3::zeros(), Matrix3::zeros());
@@ -84,8 +102,10 @@ impl Midpoint {
 
     /// Entry (i, k) of t DX(Γ)·B for a matrix B of these blocks.
     fn through(&self, blocks: &[Matrix3<f64>], i: usize, k: usize) -> f64 {
-        let row = &self.jacobian[i * self.start.len() + k / 3 * 3..][..3];
-        let column = blocks[k / 3].column(k % 3);
+        let row = &self.jacobian[i * self.start.len()..][..self.start.len()];
+        let (triple, c) = self.places[k];
+        let row = self.triples[triple].map(|at| row[at]);
+        let column = blocks[triple].column(c);
         let sum: f64 = row.iter().zip(column.iter()).map(|(a, b)| a * b).sum();
         self.time_step * sum
     }
@@ -105,11 +125,13 @@ impl StepEquation for Midpoint {
     ) -> Result<(), StepError> {
         let d = self.start.len();
         // Radii, the middle and its two derivatives; the matrix, block by block.
-        self.triples += (TRIPLE * d / 3 + 7 * d * d) as u64;
+        self.operations += (TRIPLE * d / 3 + 7 * d * d) as u64;
         self.change.copy_from_slice(change);
         for triple in 0..self.turns.len() {
             let (middle, turn, stretch) = self.middle(triple);
-            self.middle[3 * triple..][..3].copy_from_slice(middle.as_slice());
+            for (at, value) in self.triples[triple].iter().zip(middle.iter()) {
+                self.middle[*at] = *value;
+            }
             self.turns[triple] = turn;
             self.stretches[triple] = stretch;
         }
@@ -160,7 +182,7 @@ impl Trajectories for SphericalMidpoint {
 
     fn operations(&self) -> Option<u64> {
         let midpoint = &self.midpoint;
-        Some(midpoint.field.operations()? + midpoint.triples + self.solve.operations())
+        Some(midpoint.field.operations()? + midpoint.operations + self.solve.operations())
     }
 
     fn tangent(&mut self, _: usize) -> Option<Vec<f64>> {
@@ -193,66 +215,68 @@ impl Trajectories for SphericalMidpoint {
     }
 }
 
-/// Whether the tensor is that of a product of so(3)*: in each triple {x1,x2} = c x3,
-/// {x2,x3} = c x1, {x3,x1} = c x2 with one c, and nothing else.
-fn check_triples(system: &SystemFormulas) -> Result<(), BuildError> {
+/// The triples of a product of so(3)*: in each {x1,x2} = c x3, {x2,x3} = c x1, {x3,x1} = c x2 with one c, and nothing else.
+fn triples(system: &SystemFormulas) -> Result<Vec<[usize; 3]>, BuildError> {
     let unfit = |reason: String| BuildError::DoesNotFit {
         part: INFO.name,
         reason,
     };
     let d = system.dimension();
-    if d == 0 || !d.is_multiple_of(3) {
+    let triples = joined(system);
+    if d == 0 || triples.iter().any(|triple| triple.len() != 3) {
         return Err(unfit(format!(
             "its {d} variables do not form triples of so(3)*"
         )));
     }
     let mut ring = Ring::new(d);
     let x: Vec<Polynomial> = (0..d).map(|i| ring.variable(i)).collect();
-    let mut factors: Vec<Option<Polynomial>> = vec![None; d / 3];
-    for (&(i, j), entry) in system.tensor() {
-        let entry = entry.evaluate_in(&mut ring, &mut |_, at| Ok(x[at].clone()))?;
-        if ring.is_zero(&entry) {
-            continue;
-        }
-        let name = |i: usize| &system.variables()[i];
-        let reason = || format!("{{{}, {}}} is not that of so(3)*", name(i), name(j));
-        let first = i / 3 * 3;
-        if j >= first + 3 {
-            return Err(unfit(reason()));
-        }
-        // (0, 1) → +x3, (1, 2) → +x1, (0, 2) → −x2.
-        let third = first + 3 - (i - first) - (j - first);
-        let signed = if j - i == 2 {
-            ring.negate(&entry)
-        } else {
-            entry
-        };
-        let factor = ring.derivative(&signed, third)?;
-        let again = ring.multiply(&factor, &x[third]);
-        let difference = ring.subtract(&again, &signed);
-        let mut constant = ring.is_zero(&difference);
-        for k in 0..d {
-            let slope = ring.derivative(&factor, k)?;
-            constant &= ring.is_zero(&slope);
-        }
-        let known = factors[i / 3].get_or_insert_with(|| factor.clone());
-        let difference = ring.subtract(known, &factor);
-        if !constant || !ring.is_zero(&difference) {
-            return Err(unfit(reason()));
-        }
-    }
-    let entries = |triple: usize| {
-        let first = 3 * triple;
-        let pairs = [(0, 1), (0, 2), (1, 2)].map(|(i, j)| (first + i, first + j));
-        pairs.iter().all(|pair| system.tensor().contains_key(pair))
+    let entry = |ring: &mut Ring, i: usize, j: usize| match system.tensor().get(&(i, j)) {
+        None => Ok(Polynomial::zero()),
+        Some(entry) => entry.evaluate_in(ring, &mut |_, at| Ok(x[at].clone())),
     };
-    match (0..d / 3).find(|triple| !entries(*triple)) {
-        None => Ok(()),
-        Some(triple) => Err(unfit(format!(
-            "the triple from {} on lacks a bracket",
-            system.variables()[3 * triple]
-        ))),
+    let mut found = Vec::with_capacity(triples.len());
+    for triple in triples {
+        let [a, b, c] = [triple[0], triple[1], triple[2]];
+        let mut factor: Option<Polynomial> = None;
+        for (i, j, third) in [(a, b, c), (b, c, a), (a, c, b)] {
+            let value = entry(&mut ring, i, j)?;
+            // {x1, x3} stands above the diagonal with the other sign.
+            let signed = if third == b {
+                ring.negate(&value)
+            } else {
+                value
+            };
+            let own = ring.derivative(&signed, third)?;
+            let again = ring.multiply(&own, &x[third]);
+            let known = factor.get_or_insert_with(|| own.clone());
+            let is_same = *known == own && ring.subtract(&again, &signed).is_zero();
+            if !is_same || own.is_zero() || own.as_constant().is_none() {
+                let [i, j] = [i, j].map(|at| &system.variables()[at]);
+                return Err(unfit(format!("{{{i}, {j}}} is not that of so(3)*")));
+            }
+        }
+        found.push([a, b, c]);
     }
+    Ok(found)
+}
+
+/// Coordinates that entries join, those of each set in order.
+fn joined(system: &SystemFormulas) -> Vec<Vec<usize>> {
+    let mut sets: Vec<Vec<usize>> = (0..system.dimension()).map(|at| vec![at]).collect();
+    for &(i, j) in system.tensor().keys() {
+        let of = |at: usize| sets.iter().position(|set| set.contains(&at));
+        if let (Some(first), Some(second)) = (of(i), of(j))
+            && first != second
+        {
+            let (kept, moved) = (first.min(second), first.max(second));
+            let moved = sets.remove(moved);
+            sets[kept].extend(moved);
+        }
+    }
+    for set in &mut sets {
+        set.sort_unstable();
+    }
+    sets
 }
 
 fn build(
@@ -260,7 +284,7 @@ fn build(
     parameters: &PartParameters,
 ) -> Result<Arc<dyn StepMap>, BuildError> {
     parameters.refuse_unknown(&INFO)?;
-    check_triples(system.formulas(INFO.name)?)?;
+    let triples: Arc<[[usize; 3]]> = triples(system.formulas(INFO.name)?)?.into();
     let field = system.field_map()?;
     Ok(Arc::new(ReferenceMap {
         dimension: system.dimension(),
@@ -273,7 +297,7 @@ fn build(
         together: 1,
         make: Box::new(move |parameters, time_step, _| {
             Box::new(SphericalMidpoint {
-                midpoint: Midpoint::new(&field, parameters, time_step),
+                midpoint: Midpoint::new(&field, &triples, parameters, time_step),
                 solve: StepSolve::new(field.inputs(), true),
             })
         }),

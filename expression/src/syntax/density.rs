@@ -103,7 +103,7 @@ fn split<'a>(node: &'a Node, factors: Vec<Factor<'a>>, parts: &mut Parts<'a>) {
             }
             parts.constants.push((factors, node));
         }
-        Kind::SumOver { index, body } => parts.sums.push((factors, *index, body)),
+        Kind::SumOver { index, body, .. } => parts.sums.push((factors, *index, body)),
         Kind::Sum(terms) => terms
             .iter()
             .for_each(|term| split(term, factors.clone(), parts)),

@@ -72,9 +72,20 @@ impl Printer<'_, '_> {
                 self.print(argument, Binding::Sum)?;
                 self.write(")")
             }
-            Kind::SumOver { index, body } => {
+            Kind::SumOver { index, body, .. } => {
                 self.write("sum(")?;
                 self.write_span(*index)?;
+                let mut body = body;
+                if let Kind::SumOver {
+                    index,
+                    above: Some(_),
+                    body: inner,
+                } = &body.kind
+                {
+                    self.write("<")?;
+                    self.write_span(*index)?;
+                    body = inner;
+                }
                 self.write(", ")?;
                 self.print(body, Binding::Sum)?;
                 self.write(")")

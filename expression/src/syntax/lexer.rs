@@ -15,6 +15,7 @@ pub(super) enum Symbol {
     OpenBracket,
     CloseBracket,
     Comma,
+    Less,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,6 +109,7 @@ fn symbol(character: char) -> Option<Symbol> {
         '[' => Symbol::OpenBracket,
         ']' => Symbol::CloseBracket,
         ',' => Symbol::Comma,
+        '<' => Symbol::Less,
         _ => return None,
     })
 }

@@ -10,7 +10,7 @@
 //! unary   := ("-" | "+") unary | power
 //! power   := atom (("^" | "**") unary)?
 //! atom    := number | name | name "[" site "]" | function "(" formula ")"
-//!          | "sum" "(" name "," formula ")" | "(" formula ")"
+//!          | "sum" "(" name ("<" name)? "," formula ")" | "(" formula ")"
 //! site    := sum or difference of integers and at most one of: an index name, N
 //! ```
 //!

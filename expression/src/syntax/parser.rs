@@ -193,6 +193,35 @@ impl<'a> Parser<'a> {
     fn sum_over(&mut self, start: Span) -> Parsed {
         self.position += 1;
         self.expect(Symbol::Open, "`(`, an index, `,` and a summand after `sum`")?;
+        let index = self.bind()?;
+        let greater = match self.accept(Symbol::Less) {
+            true => Some(self.bind()?),
+            false => None,
+        };
+        self.expect(Symbol::Comma, "`,` and a summand")?;
+        let mut body = self.deeper(start, Self::sum)?;
+        let close = self.expect(Symbol::Close, CLOSE)?;
+        let span = start.to(close);
+        self.bound.pop();
+        if let Some(greater) = greater {
+            self.bound.pop();
+            let kind = Kind::SumOver {
+                index: greater,
+                above: Some(index),
+                body,
+            };
+            body = node(span, kind)?;
+        }
+        let kind = Kind::SumOver {
+            index,
+            above: None,
+            body,
+        };
+        node(span, kind)
+    }
+
+    /// The name of a sum's index, bound from here on.
+    fn bind(&mut self) -> Result<Span, Box<SyntaxError>> {
         let index = self.index_name("the name of an index")?;
         let name = index.of(self.text);
         if self.bound.contains(&name) {
@@ -201,12 +230,8 @@ impl<'a> Parser<'a> {
             };
             return Err(SyntaxError::new(index, kind).into());
         }
-        self.expect(Symbol::Comma, "`,` and a summand")?;
         self.bound.push(name);
-        let body = self.deeper(start, Self::sum)?;
-        self.bound.pop();
-        let close = self.expect(Symbol::Close, CLOSE)?;
-        node(start.to(close), Kind::SumOver { index, body })
+        Ok(index)
     }
 
     fn reference(&mut self) -> Result<Reference, Box<SyntaxError>> {

@@ -91,7 +91,9 @@ impl<'a> Resolver<'a> {
                 let argument = self.boxed(argument, bound)?;
                 Ok(Expression::Apply(*function, argument))
             }
-            Kind::SumOver { index, body } => self.sum_over(node.span, *index, body, bound),
+            Kind::SumOver { index, above, body } => {
+                self.sum_over(node.span, (*index, *above), body, bound)
+            }
             Kind::Sum(terms) => self.expressions(terms, bound).map(Expression::Sum),
             Kind::Product(factors) => self.expressions(factors, bound).map(Expression::Product),
             Kind::Negate(operand) => self.expression(operand, bound).map(negated),
@@ -165,14 +167,14 @@ impl<'a> Resolver<'a> {
     fn sum_over(
         &mut self,
         span: Span,
-        index: Span,
+        (index, above): (Span, Option<Span>),
         body: &Node,
         bound: Option<&Bound<'_>>,
     ) -> Result<Expression, Stop> {
         let length = length(self.scope.longest(), span, SUM)?;
         let mut inner = inner_index(self.text, index, bound)?;
         let mut terms = Vec::new();
-        for value in 0..length {
+        for value in first_value(self.text, above, bound)..length {
             self.terms += 1;
             check_terms(self.terms, span)?;
             inner.value = value;
@@ -254,6 +256,12 @@ pub(super) fn inner_index<'a>(
         level,
         outer: bound,
     })
+}
+
+/// The first value of an index that is greater than that named `above`.
+pub(super) fn first_value(text: &str, above: Option<Span>, bound: Option<&Bound<'_>>) -> usize {
+    let lower = above.and_then(|span| find(bound, span.of(text)));
+    lower.map_or(0, |lower| lower.value + 1)
 }
 
 /// `known`, or the error that no family gives `name` its length.

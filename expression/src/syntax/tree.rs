@@ -96,6 +96,8 @@ pub(super) enum Kind {
     Call(Function, Box<Node>),
     SumOver {
         index: Span,
+        /// An index around it that it is greater than: the inner sum of `sum(i<j, …)`.
+        above: Option<Span>,
         body: Box<Node>,
     },
     Sum(Vec<Node>),

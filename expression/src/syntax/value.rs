@@ -2,7 +2,7 @@
 
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::formula::Formula;
-use super::resolve::{check_terms, inner_index, length};
+use super::resolve::{check_terms, first_value, inner_index, length};
 use super::scope::{Bound, Entry, LENGTH, SUM, Scope, find};
 use super::tree::{Kind, Node, Reference, Span};
 use crate::expression::integer_power;
@@ -58,7 +58,9 @@ impl Evaluator<'_> {
             Kind::Length => Ok(length(self.scope.shown_length(), node.span, LENGTH)? as f64),
             Kind::Reference(reference) => Ok(self.reference(reference, bound)?),
             Kind::Call(function, argument) => Ok(function.apply(self.value(argument, bound)?)),
-            Kind::SumOver { index, body } => self.sum_over(node.span, *index, body, bound),
+            Kind::SumOver { index, above, body } => {
+                self.sum_over(node.span, (*index, *above), body, bound)
+            }
             Kind::Sum(terms) => {
                 let mut sum = 0.0;
                 for term in terms {
@@ -88,14 +90,14 @@ impl Evaluator<'_> {
     fn sum_over(
         &mut self,
         span: Span,
-        index: Span,
+        (index, above): (Span, Option<Span>),
         body: &Node,
         bound: Option<&Bound<'_>>,
     ) -> Result<f64, Box<SyntaxError>> {
         let length = length(self.scope.longest(), span, SUM)?;
         let mut inner = inner_index(self.text, index, bound)?;
         let mut sum = 0.0;
-        for value in 0..length {
+        for value in first_value(self.text, above, bound)..length {
             self.terms += 1;
             check_terms(self.terms, span)?;
             inner.value = value;

@@ -15,9 +15,9 @@ pub mod json;
 pub use compose::{ComposedRun, ComposedSystem, Refusal, SceneChecks, compose, compose_system};
 pub use diagnostic::{SceneDiagnostic, formula_span, string_content};
 pub use document::{
-    Boundary, BracketSpec, SummandSpec, Convention, Distribution, EnsembleSection, FinalStates, InitialDraw,
+    Boundary, BracketSpec, Convention, Distribution, EnsembleSection, FinalStates, InitialDraw,
     InitialSpec, Located, MethodParts, MethodSection, MethodTable, Number, NumbersSystem,
     ParameterDraw, ParameterValue, PartSpec, PartUse, Place, PluginSpec, RecordSpec, RewriteError,
     RunSection, SceneDocument, SceneErrors, SceneProblem, SceneProblemCause, Source, StepSpec,
-    SystemSection,
+    SummandSpec, SystemSection,
 };

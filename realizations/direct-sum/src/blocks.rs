@@ -66,7 +66,10 @@ pub fn restricted(system: &SystemFormulas, block: &[usize]) -> Result<PoissonSys
     let entries = system.tensor().iter();
     let entries = entries.filter(|((i, _), _)| own[*i] != usize::MAX);
     let summand = PoissonSystem::new(
-        block.iter().map(|at| system.variables()[*at].clone()).collect(),
+        block
+            .iter()
+            .map(|at| system.variables()[*at].clone())
+            .collect(),
         system.parameters().to_vec(),
         entries.map(|((i, j), entry)| ((own[*i], own[*j]), entry.with_variables(&own))),
         Expression::from(0),

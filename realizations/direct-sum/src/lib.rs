@@ -60,7 +60,9 @@ impl DirectSum {
         let formulas = system.formulas(INFO.name)?;
         let blocks = blocks(formulas);
         if blocks.len() < 2 {
-            return Err(unfit("its tensor is no direct sum: its entries join all coordinates"));
+            return Err(unfit(
+                "its tensor is no direct sum: its entries join all coordinates",
+            ));
         }
         let factors = blocks.into_iter().map(|places| {
             let realization = cheapest(formulas, &places, registry)?;
@@ -98,8 +100,12 @@ fn cheapest(
     };
     let summand = restricted(system, places)?;
     let exact = registry.exact_realization(&summand, false);
-    let exact =
-        exact.ok_or_else(|| unfit(format!("its summand of {} has no exact realization", names())))?;
+    let exact = exact.ok_or_else(|| {
+        unfit(format!(
+            "its summand of {} has no exact realization",
+            names()
+        ))
+    })?;
     let realization = exact.realization;
     let is_code = realization.code().is_some() && realization.series().is_some();
     match is_code && realization.points_are_pairs() {
@@ -176,31 +182,33 @@ impl RealizationData for DirectSum {
     fn stages(&self) -> Option<StageCode<'_>> {
         let codes: Option<Vec<_>> = self.factors.iter().map(|f| f.realization.code()).collect();
         let codes = codes?;
-        Some(Box::new(move |builder: &mut StageBuilder, epsilon, y, p| {
-            let (mut offset, mut increment) = (y.to_vec(), y.to_vec());
-            let mut reaches = vec![None; self.dimension];
-            let mut is_guarded = false;
-            for (factor, code) in self.factors.iter().zip(&codes) {
-                let (x, p) = (factor.of(y), factor.of(p));
-                let ends = code(&mut builder.graph, epsilon, &[&x[..], &p].concat())?;
-                let (radii, own) = ends.guard.unwrap_or_default();
-                if ends.base != x || own.len() > x.len() {
-                    return Err(unfit("the realization of a summand cannot be swept"));
-                }
-                is_guarded |= !own.is_empty();
-                for (k, at) in factor.places.iter().enumerate() {
-                    offset[*at] = ends.offset[k].clone();
-                    increment[*at] = ends.increment[k].clone();
-                    if let (Some(reach), Some(radius)) = (own.get(k), radii.get(k)) {
-                        reaches[*at] = Some(builder.graph.divide(reach, radius)?);
+        Some(Box::new(
+            move |builder: &mut StageBuilder, epsilon, y, p| {
+                let (mut offset, mut increment) = (y.to_vec(), y.to_vec());
+                let mut reaches = vec![None; self.dimension];
+                let mut is_guarded = false;
+                for (factor, code) in self.factors.iter().zip(&codes) {
+                    let (x, p) = (factor.of(y), factor.of(p));
+                    let ends = code(&mut builder.graph, epsilon, &[&x[..], &p].concat())?;
+                    let (radii, own) = ends.guard.unwrap_or_default();
+                    if ends.base != x || own.len() > x.len() {
+                        return Err(unfit("the realization of a summand cannot be swept"));
+                    }
+                    is_guarded |= !own.is_empty();
+                    for (k, at) in factor.places.iter().enumerate() {
+                        offset[*at] = ends.offset[k].clone();
+                        increment[*at] = ends.increment[k].clone();
+                        if let (Some(reach), Some(radius)) = (own.get(k), radii.get(k)) {
+                            reaches[*at] = Some(builder.graph.divide(reach, radius)?);
+                        }
                     }
                 }
-            }
-            if is_guarded {
-                builder.guard(reaches);
-            }
-            Ok(StageEnds { offset, increment })
-        }))
+                if is_guarded {
+                    builder.guard(reaches);
+                }
+                Ok(StageEnds { offset, increment })
+            },
+        ))
     }
 
     fn is_reversible(&self) -> bool {
@@ -278,10 +286,7 @@ impl DirectSum {
         for factor in &self.factors {
             let own = factor.realization.series();
             let own = own.ok_or_else(|| unfit("the realization of a summand has no series"))?;
-            factors.push((
-                factor.places.clone(),
-                series(own, &factor.of(coordinates))?,
-            ));
+            factors.push((factor.places.clone(), series(own, &factor.of(coordinates))?));
         }
         Ok(Box::new(Recursions { factors }))
     }

@@ -156,7 +156,10 @@ fn what_is_no_such_sum_is_refused() {
     unfit(&[("x,y", "1"), ("z,c", "2")], "is no direct sum");
     // Every coordinate enters the entry, or is joined by it.
     unfit(&[("x,y", "c + z")], "is no direct sum");
-    unfit(&[("x,y", "1 + x^2")], "its summand of x, y has no code in pairs");
+    unfit(
+        &[("x,y", "1 + x^2")],
+        "its summand of x, y has no code in pairs",
+    );
 }
 
 /// Where H couples nothing, the code of an iteration, with and without Jacobians, has at most 1.1 of the operations of its summands'.
@@ -191,8 +194,14 @@ fn a_product_costs_what_its_summands_do() {
         let [product, first, second] = [&both, &body, &pendulum].map(|system| work(system, order));
         for kernel in 0..2 {
             let (product, apart) = (product[kernel], first[kernel] + second[kernel]);
-            println!("order {order}: {product} against {apart}, {:.3}", product / apart);
-            assert!(product <= 1.1 * apart, "order {order}: {product} against {apart}");
+            println!(
+                "order {order}: {product} against {apart}, {:.3}",
+                product / apart
+            );
+            assert!(
+                product <= 1.1 * apart,
+                "order {order}: {product} against {apart}"
+            );
         }
     }
 }

@@ -33,7 +33,11 @@ impl SourceSeries for KarasevSeries {
         graph: &mut Graph,
         coordinates: &[usize],
     ) -> Result<Box<dyn SourceRecursion<Graph>>, BuildError> {
-        Ok(Box::new(Recursion::start(&self.system, graph, coordinates)?))
+        Ok(Box::new(Recursion::start(
+            &self.system,
+            graph,
+            coordinates,
+        )?))
     }
 }
 

@@ -67,7 +67,8 @@ impl LiePoisson {
             None if structure.is_affine() => {
                 return Err(BuildError::DoesNotFit {
                     part: NAME,
-                    reason: "the tensor is affine, and its linear extension has no closed form".to_owned(),
+                    reason: "the tensor is affine, and its linear extension has no closed form"
+                        .to_owned(),
                 });
             }
             None => Maps::Numbers(structure),

@@ -313,8 +313,17 @@ fn affine_tensors_have_exact_realizations() {
         assert_poisson_steps(&system, &exact, 0.2..1.0, 0.05);
     }
     let system = &affine()[2];
-    let orders = [(2, [40, 57, 80, 113]), (4, [20, 28, 40, 57]), (6, [12, 16, 22, 30])];
-    assert_orders(system, &realization(system), (&[0.5, 0.2, -0.3, 0.7], 1.0), &orders);
+    let orders = [
+        (2, [40, 57, 80, 113]),
+        (4, [20, 28, 40, 57]),
+        (6, [12, 16, 22, 30]),
+    ];
+    assert_orders(
+        system,
+        &realization(system),
+        (&[0.5, 0.2, -0.3, 0.7], 1.0),
+        &orders,
+    );
 }
 
 /// A shift of the origin is a shift of α, and what is constant is not for this realization.
@@ -335,10 +344,16 @@ fn the_affine_rotation_is_the_shifted_one() {
     let (here, there) = (here.expect("inside"), there.expect("inside"));
     for i in 0..3 {
         for (here, there) in [(here.0[i], there.0[i]), (here.1[i], there.1[i])] {
-            assert!((here - there - origin[i]).abs() < 1e-15, "{i}: {here} {there}");
+            assert!(
+                (here - there - origin[i]).abs() < 1e-15,
+                "{i}: {here} {there}"
+            );
         }
     }
     let constant = from_formulas(&["x", "y"], &[], &[("x,y", "2")], "x", &[]);
     let refused = LiePoisson::new(&constant).expect_err("constant");
-    assert!(refused.to_string().contains("the tensor is constant"), "{refused}");
+    assert!(
+        refused.to_string().contains("the tensor is constant"),
+        "{refused}"
+    );
 }

@@ -186,3 +186,60 @@ fn patterns_that_lead_nowhere_are_refused_at_their_place() {
         assert!(VariablePattern::parse_one(text).is_err(), "{text}");
     }
 }
+
+/// The sum over pairs: what the double sum counts twice, without its diagonal.
+#[test]
+fn sums_over_pairs_take_each_once() {
+    let sum = |text| at(text, Boundary::Periodic, None).expect("a value");
+    let pairs: f64 = (1..=5)
+        .flat_map(|i| (i + 1..=5).map(move |j| f64::from(i * j * j)))
+        .sum();
+    assert_eq!(sum("sum(i<j, u[i]*u[j]^2)"), pairs);
+    assert_eq!(
+        2.0 * sum("sum(i<j, u[i]*u[j])") + sum("sum(i, u[i]^2)"),
+        sum("sum(i, sum(j, u[i]*u[j]))")
+    );
+    assert_eq!(
+        parse("sum( i <j , u[i]*u[j])").to_string(),
+        "sum(i<j, u[i]*u[j])"
+    );
+    let of_numbers = parse("sum(i<j, 10*i + j)").value(&lattice(Boundary::Open), &[], None);
+    let by_hand: i32 = (0..5)
+        .flat_map(|i| (i + 1..5).map(move |j| 10 * i + j))
+        .sum();
+    assert_eq!(of_numbers, Ok(f64::from(by_hand)));
+    for (text, kind) in [
+        ("sum(i<i, u[i])", "DuplicateIndex"),
+        ("sum(i<, u[i])", "Expected"),
+        ("1 < 2", "Unexpected"),
+    ] {
+        let error = refusal(text, &lattice(Boundary::Open));
+        assert!(
+            format!("{:?}", error.kind).contains(kind),
+            "{text}: {error:?}"
+        );
+    }
+}
+
+/// A component of a vector is a family with a point in its name.
+#[test]
+fn components_have_names_with_a_point() {
+    let scope = Scope::new()
+        .with_family("s.x", 0, 2)
+        .with_family("s.y", 2, 2);
+    let value = |text: &str| {
+        let resolved = parse(text).resolve(&scope, Some(("i", 1)));
+        let expression = resolved.expect("known names").expect("inside");
+        expression.evaluate(&[3.0, 5.0, 7.0, 11.0], &[])
+    };
+    assert_eq!(value("s.x[i]*s.y[i+1] - 2.*s.x[0]"), 29.0);
+    assert_eq!(Scope::check_name("s.x"), Ok(()));
+    for text in ["s.", "s.1", "s.x.y", ".x"] {
+        assert!(Scope::check_name(text).is_err(), "{text}");
+    }
+    let error = refusal("s.z[0]", &scope);
+    assert!(
+        matches!(error.kind, SyntaxErrorKind::UnknownName { .. }),
+        "{error:?}"
+    );
+}

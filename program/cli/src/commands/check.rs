@@ -125,7 +125,9 @@ fn made_of(source: &TensorSource) -> Option<&'static str> {
             Some("the tensor is the inverse of a differential dϑ, and d(dϑ) = 0")
         }
         TensorSource::TwoForm { .. } => Some("the tensor is the inverse of a closed two-form"),
-        TensorSource::Sum { .. } => Some("the tensor is a direct sum, and every summand is Poisson"),
+        TensorSource::Sum { .. } => {
+            Some("the tensor is a direct sum, and every summand is Poisson")
+        }
         TensorSource::Dirac(_) => Some("the tensor is Dirac's bracket of one that is Poisson"),
         _ => None,
     }

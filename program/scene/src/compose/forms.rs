@@ -59,7 +59,9 @@ pub(super) fn forms(
             let mut formed = summands(document, lengths)?;
             formed.retain(Summand::is_formed);
             let with_forms = |summand: Summand| {
-                let Summand { document, scope, .. } = &summand;
+                let Summand {
+                    document, scope, ..
+                } = &summand;
                 let own = forms(document, [scope, scope], &summand.names, &summand.lengths)?;
                 Ok((summand, own))
             };
@@ -186,7 +188,9 @@ fn of_summand(
     let system = system.and_then(|system| system.with_near(&near));
     let system = PoissonSystem::from(system.map_err(|refused| error(&refused))?);
     let formed = forms.apply(&document, system)?;
-    let formulas = formed.formulas("a summand").map_err(|refused| error(&refused))?;
+    let formulas = formed
+        .formulas("a summand")
+        .map_err(|refused| error(&refused))?;
     Ok((places, formulas.clone()))
 }
 

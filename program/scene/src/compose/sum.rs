@@ -44,9 +44,7 @@ pub(super) fn summands(
         return Ok(Vec::new());
     };
     let specs = specs.iter();
-    specs
-        .map(|spec| summand(document, spec, lengths))
-        .collect()
+    specs.map(|spec| summand(document, spec, lengths)).collect()
 }
 
 fn summand(
@@ -61,14 +59,24 @@ fn summand(
     let system = &mut own.system;
     let names = spec.variables.iter();
     let families = names.flat_map(|name| whole.families_of(&name.value));
-    let at = |family: &(Located<String>, _)| whole.families.iter().position(|(f, _)| *f == family.0);
+    let at =
+        |family: &(Located<String>, _)| whole.families.iter().position(|(f, _)| *f == family.0);
     let families: Vec<usize> = families.filter_map(at).collect();
     system.variables = spec.variables.clone();
-    system.variables.retain(|name| whole.families_of(&name.value).next().is_none());
+    system
+        .variables
+        .retain(|name| whole.families_of(&name.value).next().is_none());
     let own_names = spec.variables.iter();
-    system.vectors.retain(|v| own_names.clone().any(|name| name.value == v.name.value));
-    system.families = families.iter().map(|at| whole.families[*at].clone()).collect();
-    system.define.retain(|(name, _)| !foreign.contains(name.value.as_str()));
+    system
+        .vectors
+        .retain(|v| own_names.clone().any(|name| name.value == v.name.value));
+    system.families = families
+        .iter()
+        .map(|at| whole.families[*at].clone())
+        .collect();
+    system
+        .define
+        .retain(|(name, _)| !foreign.contains(name.value.as_str()));
     system.bracket = spec.bracket.clone();
     system.constraints = spec.constraints.clone();
     let variable = |name: &Located<String>| {

@@ -9,9 +9,7 @@ use super::Refusal;
 use super::lie_algebra;
 use super::names::{algebra_refusal, exact, parse, refusal};
 use super::sum::summands;
-use crate::document::{
-    BracketSpec, Convention, LieAlgebraSpec, Located, Number, SceneDocument,
-};
+use crate::document::{BracketSpec, Convention, LieAlgebraSpec, Located, Number, SceneDocument};
 
 /// {x_i, x_j} for i < j, as the scene's author wrote them.
 pub(super) type Entries = BTreeMap<(usize, usize), Expression>;
@@ -56,15 +54,20 @@ fn at_every_site(
     };
     let declared = system.declared();
     if let Some(scalar) = declared.iter().find(is_scalar) {
-        return Err(Box::new(document.diagnostic(
-            &scalar.place(),
-            format!(
-                "a Lie algebra at every site is that of vectors, and `{}` is none",
-                scalar.value
+        return Err(Box::new(
+            document.diagnostic(
+                &scalar.place(),
+                format!(
+                    "a Lie algebra at every site is that of vectors, and `{}` is none",
+                    scalar.value
+                ),
+                "no vector",
+                Some(
+                    "write a direct sum: bracket = { sum = [ … ] }, with a summand for the vectors"
+                        .to_owned(),
+                ),
             ),
-            "no vector",
-            Some("write a direct sum: bracket = { sum = [ … ] }, with a summand for the vectors".to_owned()),
-        )));
+        ));
     }
     let mut all = Entries::new();
     let mut start = 0;
@@ -76,11 +79,15 @@ fn at_every_site(
         let own = lengths.by_ref().take(components.len()).copied();
         let length = own.last().unwrap_or(0);
         for site in 0..length {
-            let places: Vec<usize> = (0..components.len()).map(|c| start + c * length + site).collect();
+            let places: Vec<usize> = (0..components.len())
+                .map(|c| start + c * length + site)
+                .collect();
             let entries = at_site.iter();
-            all.extend(entries.map(|((i, j), entry)| {
-                ((places[*i], places[*j]), entry.with_variables(&places))
-            }));
+            all.extend(
+                entries.map(|((i, j), entry)| {
+                    ((places[*i], places[*j]), entry.with_variables(&places))
+                }),
+            );
         }
         start += components.len() * length;
     }

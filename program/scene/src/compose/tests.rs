@@ -3,6 +3,7 @@
 mod definitions;
 mod forms;
 mod sums;
+mod vectors;
 
 use leafwise_core::{Evaluator, Registry};
 use leafwise_hamilton_jacobi as _;

@@ -46,4 +46,4 @@ pub use run::{Direction, InitialSpec, ObservableSpec, RecordSpec, RunSection, Se
 pub use scene::SceneDocument;
 pub use schema::{CHOSEN_AT, scene_keys};
 pub use suggest::nearest;
-pub use system_section::{VectorFamily, Boundary, Convention, NumbersSystem, SystemSection};
+pub use system_section::{Boundary, Convention, NumbersSystem, SystemSection, VectorFamily};

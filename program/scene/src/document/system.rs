@@ -129,7 +129,9 @@ fn override_values(
         .and_then(|item| item.pairs("a table of lengths", problems, length));
     let vectors = &system.vectors;
     let given = families.into_iter().flatten().flat_map(|(name, length)| {
-        let vector = vectors.iter().find(|vector| vector.name.value == name.value);
+        let vector = vectors
+            .iter()
+            .find(|vector| vector.name.value == name.value);
         let of_components: Vec<Located<String>> = match vector {
             None => vec![name],
             Some(vector) => {
@@ -138,7 +140,9 @@ fn override_values(
                 components.map(family).collect()
             }
         };
-        of_components.into_iter().map(move |name| (name, length.clone()))
+        of_components
+            .into_iter()
+            .map(move |name| (name, length.clone()))
     });
     let given = given.collect();
     replace(
@@ -305,10 +309,7 @@ fn read_families(item: &Item<'_>, problems: &mut Problems) -> Option<Families> {
 }
 
 /// `{ components = ["x", "y", "z"], length = 100 }`.
-fn vectors(
-    item: &Item<'_>,
-    problems: &mut Problems,
-) -> Option<(VectorFamily, Located<usize>)> {
+fn vectors(item: &Item<'_>, problems: &mut Problems) -> Option<(VectorFamily, Located<usize>)> {
     let table = item.table(&item.title, "a table", problems)?;
     table.only(&VECTORS, problems);
     let components = table
@@ -368,7 +369,13 @@ fn check_names(system: &SystemSection, problems: &mut Problems) {
         .variables
         .iter()
         .map(|name| ("variable", name))
-        .chain(system.declared().into_iter().skip(system.variables.len()).map(|name| ("family", name)))
+        .chain(
+            system
+                .declared()
+                .into_iter()
+                .skip(system.variables.len())
+                .map(|name| ("family", name)),
+        )
         .chain(
             system
                 .parameters

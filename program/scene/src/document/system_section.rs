@@ -82,12 +82,17 @@ impl VectorFamily {
 
 impl SystemSection {
     /// The families that a name stands for: one, or the components of vectors.
-    pub fn families_of<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a (Located<String>, Located<usize>)> {
+    pub fn families_of<'a>(
+        &'a self,
+        name: &'a str,
+    ) -> impl Iterator<Item = &'a (Located<String>, Located<usize>)> {
         let vector = self.vectors.iter().find(|vector| vector.name.value == name);
-        self.families.iter().filter(move |(family, _)| match vector {
-            Some(vector) => vector.has(&family.value),
-            None => family.value == name,
-        })
+        self.families
+            .iter()
+            .filter(move |(family, _)| match vector {
+                Some(vector) => vector.has(&family.value),
+                None => family.value == name,
+            })
     }
 
     /// The names that scenes give to variables and families.
@@ -95,7 +100,11 @@ impl SystemSection {
         let families = self.families.iter().map(|(name, _)| name);
         let scalars = families.filter(|name| !self.vectors.iter().any(|v| v.has(&name.value)));
         let vectors = self.vectors.iter().map(|vector| &vector.name);
-        self.variables.iter().chain(scalars).chain(vectors).collect()
+        self.variables
+            .iter()
+            .chain(scalars)
+            .chain(vectors)
+            .collect()
     }
 
     /// The dimension of the state: single variables and all sites of the families.

@@ -27,7 +27,7 @@ pub(super) const CASES: [Case; 2] = [
 ];
 
 /// Scenes that between them hold every key of [`scene_keys`].
-pub const SCENES_WITH_EVERY_KEY: [&str; 11] = [
+pub const SCENES_WITH_EVERY_KEY: [&str; 12] = [
     r#"
     plugins = []
     [system]
@@ -154,6 +154,25 @@ pub const SCENES_WITH_EVERY_KEY: [&str; 11] = [
     time-step   = 0.05
     [run]
     initial = [1, 0, 0, 0.5]
+    steps   = 10
+    "#,
+    r#"
+    [system]
+    variables   = ["a"]
+    families    = { s = { components = ["x", "y", "z"], length = 2 }, q = 2, p = 2 }
+    hamiltonian = "sum(i, q[i]*s.x[i] + p[i]^2/2) + a*sum(i<j, q[i]*q[j])"
+    [system.bracket]
+    sum = [
+      { variables = ["s"], bracket = { lie-algebra = "so3" } },
+      { variables = ["q", "p"], bracket = { "q[i],p[i]" = -1 }, constraints = [] },
+      { variables = ["a"], bracket = {} },
+    ]
+    [method]
+    realization = "auto"
+    dynamics    = "auto"
+    time-step   = 0.05
+    [run]
+    initial = [1, 0, 0.5, 0.6, 0.8, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
     steps   = 10
     "#,
     r#"

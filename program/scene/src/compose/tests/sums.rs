@@ -40,7 +40,11 @@ fn summands_may_be_forms_and_have_constraints() {
     let initial = format!("initial = {POINT:?}");
     let composed = compose_system(&document(&sum(summands), &initial)).expect("a system");
     let formulas = composed.system.expressions().expect("formulas");
-    let names: Vec<&str> = formulas.casimirs().iter().map(|c| c.name.as_str()).collect();
+    let names: Vec<&str> = formulas
+        .casimirs()
+        .iter()
+        .map(|c| c.name.as_str())
+        .collect();
     assert_eq!(names, ["x^2 + y^2 - 1", "x*z + y*c"]);
     let value = |at| formulas.tensor()[&at].evaluate(&POINT, &[2.0]);
     assert_eq!(value((2, 4)), -1.0);
@@ -97,7 +101,10 @@ fn what_couples_summands_is_refused_where_it_stands() {
             format!("{body}, {{ variables = [\"q\", \"p\", \"c\"], bracket = {{ {summand} }} }}");
         let (found, message) = refused(&summands);
         assert_eq!(found, piece, "{message}");
-        assert!(message.contains("of the summand of q, p, c names"), "{message}");
+        assert!(
+            message.contains("of the summand of q, p, c names"),
+            "{message}"
+        );
         assert!(message.contains(named), "{message}");
     }
     // A definition that leads there.
@@ -108,7 +115,11 @@ fn what_couples_summands_is_refused_where_it_stands() {
         ))
     );
     let diagnostic = refusal(&scene, &format!("initial = {POINT:?}"));
-    assert!(diagnostic.message.contains("names `f`"), "{}", diagnostic.message);
+    assert!(
+        diagnostic.message.contains("names `f`"),
+        "{}",
+        diagnostic.message
+    );
     // Sizes are those of the summand.
     let (piece, message) = refused(
         "{ variables = [\"x\", \"y\"], bracket = { lie-algebra = \"so3\" } }, \
