@@ -64,6 +64,11 @@ impl SideBySide {
         &self.state
     }
 
+    /// What the states hold beyond a double, as [`state`](Self::state).
+    pub fn compensation(&self) -> &[f64] {
+        &self.low
+    }
+
     /// Whether a lane's trajectory goes on.
     pub fn lives(&self, lane: usize) -> bool {
         self.rests[lane].is_none()

@@ -74,6 +74,10 @@ impl Stepper for Checked {
         self.stepper.restart();
     }
 
+    fn resize(&mut self, h: f64) -> bool {
+        self.stepper.resize(h)
+    }
+
     fn statistics(&self) -> SolverStatistics {
         let statistics = self.stepper.statistics();
         SolverStatistics {

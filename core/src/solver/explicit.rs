@@ -249,6 +249,14 @@ impl Stepper for ExplicitStepper {
 
     fn restart(&mut self) {}
 
+    fn resize(&mut self, h: f64) -> bool {
+        self.step_sizes.1 = h;
+        let sizes = (vec![self.step_sizes.0; self.lanes], vec![h; self.lanes]);
+        let kernel = &self.shared.step;
+        kernel.prepare(&mut self.workspace, &self.parameters, &sizes.0, &sizes.1);
+        true
+    }
+
     fn statistics(&self) -> SolverStatistics {
         SolverStatistics {
             operations: Some(self.statistics.steps * self.work),

@@ -150,6 +150,12 @@ pub trait Stepper: Send {
     }
     /// Forgets earlier steps: the next solve starts cold.
     fn restart(&mut self);
+    /// Takes another step size h and forgets earlier steps: later ones have the bits of those of a new stepper. Returns
+    /// whether that is offered; where it is not, nothing has changed.
+    fn resize(&mut self, h: f64) -> bool {
+        let _ = h;
+        false
+    }
     /// Work done so far.
     fn statistics(&self) -> SolverStatistics;
     /// Everything that later steps depend on beyond the state, for a checkpoint.

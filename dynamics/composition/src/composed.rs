@@ -95,7 +95,9 @@ impl StepMap for Composed {
             };
             map.stepper(lanes, parameters, epsilon, part * h)
         };
+        let parts = coefficients.clone();
         Box::new(ComposedStepper {
+            parts,
             stages: coefficients.into_iter().enumerate().map(stage).collect(),
             state: Compensated::new(size),
             sum: Compensated::new(size),
@@ -146,6 +148,8 @@ impl Compensated {
 /// States between stages carry their compensation, and the stages' increments are summed with
 /// theirs, so that a composed step rounds no more than its stages do.
 struct ComposedStepper {
+    /// Each stage's part of the step.
+    parts: Vec<f64>,
     stages: Vec<Box<dyn Stepper>>,
     state: Compensated,
     sum: Compensated,
@@ -217,6 +221,12 @@ impl Stepper for ComposedStepper {
 
     fn restart(&mut self) {
         self.stages.iter_mut().for_each(|stage| stage.restart());
+    }
+
+    fn resize(&mut self, h: f64) -> bool {
+        let stages = self.stages.iter_mut().zip(&self.parts);
+        // Stages are of one kind: the first says for all whether they can.
+        stages.fold(true, |all, (stage, part)| all && stage.resize(part * h))
     }
 
     /// Steps and failures are those of whole steps; evaluations are summed over the stages, and so

@@ -113,6 +113,8 @@ pub struct SectionPoints {
     pub names: [String; 2],
     /// A point for each crossing.
     pub points: Vec<[f64; 2]>,
+    /// The member of an ensemble that each is of; nothing of a run.
+    pub members: Vec<u64>,
 }
 
 /// The states to draw.

@@ -4,11 +4,12 @@ use serde::Serialize;
 
 use super::axis::{Axis, Frame};
 use super::canvas::{Canvas, FAINT, GRID, SERIES};
-use super::data::{InvariantSeries, Outcome};
+use super::data::{InvariantSeries, Outcome, SectionPoints};
 use super::drift::drift_figure;
 use super::error::ReportError;
 use super::figure::Figure;
 use super::number::number;
+use super::section::section_figure;
 use super::template::render;
 
 /// What the page of an ensemble is made from.
@@ -40,10 +41,29 @@ pub struct EnsembleData {
     /// The invariants' largest deviations over all members.
     #[serde(skip)]
     pub drifts: Vec<InvariantSeries>,
+    /// The part of the members that the scene's condition has ended; no times without one.
+    #[serde(skip)]
+    pub losses: Losses,
+    /// The states where members cross a section.
+    #[serde(skip)]
+    pub section: Option<SectionPoints>,
     /// Every how many steps deviations were taken in.
     pub drift_every: u64,
     /// Members that failed, and why.
     pub failures: Vec<(String, String)>,
+}
+
+/// The part of the members that have ended, at several times.
+#[derive(Clone, Debug, Default)]
+pub struct Losses {
+    /// The condition that ends them.
+    pub condition: String,
+    /// The times.
+    pub times: Vec<f64>,
+    /// The parts.
+    pub fractions: Vec<f64>,
+    /// Confidence intervals of the probability.
+    pub intervals: Vec<[f64; 2]>,
 }
 
 /// An observable over the members, at several times.
@@ -84,6 +104,11 @@ pub fn render_ensemble(data: &EnsembleData) -> Result<String, ReportError> {
     let page = Page {
         data,
         ends: data.bands.iter().filter_map(End::of).collect(),
+        losses: match data.losses.times.len() {
+            0 => None,
+            _ => Some(loss_figure(&data.losses)?),
+        },
+        section: data.section.as_ref().map(section_figure).transpose()?,
         bands: bands?,
         drift: drift(data)?,
     };
@@ -95,6 +120,8 @@ pub fn render_ensemble(data: &EnsembleData) -> Result<String, ReportError> {
 struct Page<'a> {
     data: &'a EnsembleData,
     ends: Vec<End<'a>>,
+    losses: Option<Figure>,
+    section: Option<Figure>,
     bands: Vec<Figure>,
     drift: Option<Figure>,
 }
@@ -135,6 +162,36 @@ fn drift(data: &EnsembleData) -> Result<Option<Figure>, ReportError> {
          {over} of each window."
     );
     Ok(Some(figure))
+}
+
+/// The part of the members that have ended, and its confidence interval.
+fn loss_figure(losses: &Losses) -> Result<Figure, ReportError> {
+    let (width, height) = (480.0, 226.0);
+    let x = Axis::linear(losses.times.iter().copied(), 0.0);
+    let highest = losses.intervals.iter().map(|interval| interval[1]);
+    let y = Axis::linear(highest.chain([0.0]), 0.0);
+    let frame = Frame::new(width, height, x, y);
+    let mut canvas = Canvas::new(width, height);
+    let line = |values: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
+        let times = losses.times.iter().enumerate();
+        times
+            .map(|(k, time)| frame.point(*time, values(k)))
+            .collect()
+    };
+    let mut outline = line(&|k| losses.intervals[k][1]);
+    outline.extend(line(&|k| losses.intervals[k][0]).into_iter().rev());
+    canvas.area(&outline, FAINT);
+    frame.draw(&mut canvas, "time t", "part of the members");
+    canvas.path(&line(&|k| losses.fractions[k]), SERIES[0], 1.6);
+    Ok(Figure {
+        title: format!("Stopped by {}", losses.condition),
+        svg: canvas.finish("The part of the members that the condition has ended, over time")?,
+        legend: Vec::new(),
+        caption: "The part of the members that have ended by a time (line), and the 95 % confidence interval of that \
+                  probability at each time (band, after Wilson)."
+            .to_owned(),
+        notes: Vec::new(),
+    })
 }
 
 /// Mean, one standard deviation about it, and the range.

@@ -41,7 +41,7 @@ pub use comparison::{ComparisonData, render_comparison};
 pub use data::{
     Ellipsoid, InvariantSeries, Outcome, ReportData, SectionPoints, TimeSeries, Trajectory,
 };
-pub use ensemble::{Band, EnsembleData, render_ensemble};
+pub use ensemble::{Band, EnsembleData, Losses, render_ensemble};
 pub use error::ReportError;
 pub use panel::{Panel, PanelAxis, PanelSeries, Stroke};
 pub use reproduction::{Compared, ReproducedFigure, ReproductionData, render_reproduction};

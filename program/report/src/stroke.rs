@@ -13,6 +13,10 @@ const MOST_JOINED: usize = 9000;
 /// The most dots of an orbit drawn without a line.
 const MOST_DOTS: usize = 3000;
 
+/// The most dots of many orbits, and their radius.
+const MOST_DOTS_OF_MANY: usize = 12_000;
+const FINE: f64 = 1.0;
+
 /// How a piece of an orbit is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stroke {
@@ -58,25 +62,30 @@ pub(super) fn draw_orbit(
         }
         return;
     }
-    for index in spread(points, kept) {
+    for index in spread(points, kept, MOST_DOTS) {
         let Stroke { ink, width } = stroke(index);
         canvas.disc(points[index], width, ink);
     }
 }
 
-/// A dot for each point, as many as can be told apart.
-pub(super) fn draw_dots(canvas: &mut Canvas, points: &[(f64, f64)]) {
-    for index in spread(points, (0..points.len()).collect()) {
-        canvas.disc(
-            points[index],
-            Stroke::NEAR_SIDE.width,
-            Stroke::NEAR_SIDE.ink,
-        );
+/// A dot for each point in its ink, as many as can be told apart, more and smaller ones of many orbits.
+pub(super) fn draw_dots(
+    canvas: &mut Canvas,
+    points: &[(f64, f64)],
+    ink: impl Fn(usize) -> Ink,
+    is_of_many: bool,
+) {
+    let (most, radius) = match is_of_many {
+        true => (MOST_DOTS_OF_MANY, FINE),
+        false => (MOST_DOTS, Stroke::NEAR_SIDE.width),
+    };
+    for index in spread(points, (0..points.len()).collect(), most) {
+        canvas.disc(points[index], radius, ink(index));
     }
 }
 
 /// One point of each cell of a grid just coarse enough to leave few enough dots.
-fn spread(points: &[(f64, f64)], mut kept: Vec<usize>) -> Vec<usize> {
+fn spread(points: &[(f64, f64)], mut kept: Vec<usize>, most: usize) -> Vec<usize> {
     let mut cell = 1.5;
     loop {
         let mut taken = BTreeSet::new();
@@ -84,7 +93,7 @@ fn spread(points: &[(f64, f64)], mut kept: Vec<usize>) -> Vec<usize> {
             let (x, y) = points[*index];
             taken.insert(((x / cell) as i64, (y / cell) as i64))
         });
-        if kept.len() <= MOST_DOTS {
+        if kept.len() <= most {
             return kept;
         }
         cell *= 1.3;

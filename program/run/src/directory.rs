@@ -21,6 +21,8 @@ pub(crate) const REPORT: &str = "report.html";
 /// What the members of an ensemble are reduced to, and the first of those that failed.
 pub(crate) const STATISTICS: &str = "statistics.csv";
 pub(crate) const FAILURES: &str = "failures.csv";
+/// How many of them the scene's condition has ended, against time.
+pub(crate) const LOSSES: &str = "losses.csv";
 /// Held by the program that writes.
 const LOCK: &str = ".lock";
 
@@ -230,7 +232,14 @@ fn files(kind: Kind) -> impl Iterator<Item = &'static str> {
             states::FILE,
             states::FINAL_STATE,
         ],
-        Kind::Ensemble => &[STATISTICS, FAILURES, store::CSV, store::BINARY],
+        Kind::Ensemble => &[
+            STATISTICS,
+            FAILURES,
+            LOSSES,
+            samples::SECTION,
+            store::CSV,
+            store::BINARY,
+        ],
     };
     common.into_iter().chain(own.iter().copied())
 }

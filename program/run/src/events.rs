@@ -1,10 +1,10 @@
 //! What happens between two steps: the end of a run, where a condition begins to hold, and where it crosses a section.
 
-use leafwise_core::{BuildError, Integrator, StepError};
+use leafwise_core::{BuildError, StepError};
 use leafwise_scene::compose::{ComposedRun, Section, Stop};
 
 use super::invariants::Functions;
-use super::last_step::{Between, LastStep};
+use super::last_step::{Between, CLOSE, LastStep};
 
 /// Why an event was not found.
 pub(super) enum Lost<'a> {
@@ -35,27 +35,39 @@ impl<'a> StopWatch<'a> {
         &self.stop.text
     }
 
-    /// The first state of the last step at which the condition holds, to round-off; `None` where it does not hold after
-    /// the step.
+    /// As [`end`].
     pub fn end(
         &mut self,
-        last: &LastStep<'_>,
-        integrator: &Integrator,
+        last: &mut LastStep<'_>,
+        after: &[f64],
     ) -> Result<Option<Between>, Lost<'a>> {
-        let (stop, difference) = (self.stop, &mut self.difference);
-        let value = difference.at(integrator.state())[0];
-        if value.is_nan() {
-            return Err(Lost::Undefined(&stop.text));
-        }
-        if !stop.holds(value) {
-            return Ok(None);
-        }
-        let ends = [difference.at(&last.start.state)[0], value];
-        let value = &mut |_: &[f64], state: &[f64]| difference.at(state)[0];
-        last.enclose(integrator, ends, &|value| stop.holds(value), None, value)
-            .map(|bracket| Some(bracket.behind))
-            .map_err(Lost::Step)
+        let difference = &mut self.difference;
+        let value = difference.at(after)[0];
+        let difference = &mut |state: &[f64]| difference.at(state)[0];
+        end(self.stop, difference, last, after, value)
     }
+}
+
+/// The first state of the last step at which a condition holds, to round-off; `None` where it does not hold `after` the
+/// step, where its difference has this `value`.
+pub(super) fn end<'a>(
+    stop: &'a Stop,
+    difference: &mut dyn FnMut(&[f64]) -> f64,
+    last: &mut LastStep<'_>,
+    after: &[f64],
+    value: f64,
+) -> Result<Option<Between>, Lost<'a>> {
+    if value.is_nan() {
+        return Err(Lost::Undefined(&stop.text));
+    }
+    if !stop.holds(value) {
+        return Ok(None);
+    }
+    let ends = [difference(&last.start.state), value];
+    let value = &mut |_: &[f64], state: &[f64]| difference(state);
+    last.enclose(after, ends, &|value| stop.holds(value), None, value)
+        .map(|bracket| Some(bracket.behind))
+        .map_err(Lost::Step)
 }
 
 /// The largest part of the values before and after a step that is left where they cross zero: beyond it they jump over it.
@@ -84,38 +96,55 @@ impl<'a> Crossings<'a> {
         }))
     }
 
-    /// The side after the last step: the same as before where the state lies on the section.
-    pub fn side_after(&mut self, integrator: &Integrator) -> Result<f64, Lost<'a>> {
-        let value = self.difference.at(integrator.state())[0];
-        if value.is_nan() {
-            return Err(Lost::Undefined(&self.section.text));
-        }
-        Ok(sign(value, self.side))
-    }
-
-    /// Where the last step, which ends on this side, crosses the section in a direction that counts. A value that jumps over
-    /// zero, or has a pole, crosses nothing.
+    /// As [`crossing`], with the side after the step.
     pub fn crossing(
         &mut self,
-        last: &LastStep<'_>,
-        integrator: &Integrator,
-        side: f64,
-    ) -> Result<Option<Between>, StepError> {
-        if self.side * side >= 0.0 || !self.section.counts(side) {
-            return Ok(None);
-        }
+        last: &mut LastStep<'_>,
+        after: &[f64],
+    ) -> Result<(f64, Option<Between>), Lost<'a>> {
         let difference = &mut self.difference;
-        let mut value = |_: &[f64], state: &[f64]| difference.at(state)[0] * side;
-        let ends = [&last.start.state, integrator.state()].map(|state| value(&[], state));
-        let bracket = last.enclose(integrator, ends, &|v| v >= 0.0, Some(0.0), &mut value)?;
-        let largest = ends[0].abs().max(ends[1].abs());
-        let found = bracket.nearest;
-        Ok((found.value.abs() <= JUMP * largest).then_some(found))
+        let value = difference.at(after)[0];
+        let difference = &mut |state: &[f64]| difference.at(state)[0];
+        crossing(self.section, difference, last, after, (self.side, value))
     }
 }
 
+/// The side after the last step, the same as before where the state lies on the section, and where the step crosses it in a
+/// direction that counts; before it the `side` is known, and left − right has this `value` `after` it. A value that jumps
+/// over zero, or has a pole, crosses nothing.
+pub(super) fn crossing<'a>(
+    section: &'a Section,
+    difference: &mut dyn FnMut(&[f64]) -> f64,
+    last: &mut LastStep<'_>,
+    after: &[f64],
+    (side, value): (f64, f64),
+) -> Result<(f64, Option<Between>), Lost<'a>> {
+    if value.is_nan() {
+        return Err(Lost::Undefined(&section.text));
+    }
+    let other = sign(value, side);
+    if side * other >= 0.0 || !section.counts(other) {
+        return Ok((other, None));
+    }
+    let ends = [difference(&last.start.state) * other, value * other];
+    let mut rising = |_: &[f64], state: &[f64]| difference(state) * other;
+    let largest = ends[0].abs().max(ends[1].abs());
+    let bracket = last
+        .enclose(
+            after,
+            ends,
+            &|v| v >= 0.0,
+            Some(CLOSE * largest),
+            &mut rising,
+        )
+        .map_err(Lost::Step)?;
+    let found = bracket.nearest;
+    let crosses = found.value.abs() <= JUMP * largest;
+    Ok((other, crosses.then_some(found)))
+}
+
 /// The sign of a value, and what stands for it where that is zero.
-fn sign(value: f64, zero: f64) -> f64 {
+pub(super) fn sign(value: f64, zero: f64) -> f64 {
     if value == 0.0 {
         zero
     } else {

@@ -1,6 +1,6 @@
 //! States between the one before the last step and the one after it: ends of shorter steps from the first.
 
-use leafwise_core::{Integrator, StepError, two_sum};
+use leafwise_core::{Integrator, StepError, Stepper, two_sum};
 use leafwise_scene::compose::ComposedRun;
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub(super) const MOST_TRIED: usize = 100;
 
 /// How near to each other two lengths of a step are that are not told apart, over the whole length.
-const CLOSE: f64 = 4.0 * f64::EPSILON;
+pub(super) const CLOSE: f64 = 4.0 * f64::EPSILON;
 
 /// What a checkpoint keeps of the state before the last step; empty where no state between is asked for.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -19,10 +19,30 @@ pub(super) struct StepStart {
     pub compensation: Vec<f64>,
 }
 
+/// The state after the last step.
+#[derive(Clone, Copy)]
+pub(super) struct StepEnd<'a> {
+    /// x_k.
+    pub state: &'a [f64],
+    /// What x_k holds beyond a double.
+    pub compensation: &'a [f64],
+}
+
+impl<'a> From<&'a Integrator> for StepEnd<'a> {
+    fn from(integrator: &'a Integrator) -> Self {
+        Self {
+            state: integrator.state(),
+            compensation: integrator.compensation(),
+        }
+    }
+}
+
 /// The last step of a run.
 pub(super) struct LastStep<'a> {
     run: &'a ComposedRun,
     parameters: Vec<f64>,
+    /// Of shorter steps, once there was one.
+    stepper: Option<Box<dyn Stepper>>,
     pub start: StepStart,
 }
 
@@ -52,10 +72,16 @@ pub(super) struct Bracket {
 impl<'a> LastStep<'a> {
     /// No step yet.
     pub fn new(run: &'a ComposedRun) -> Self {
+        Self::with(run, run.system.parameter_values())
+    }
+
+    /// No step yet of a run with other parameters.
+    pub fn with(run: &'a ComposedRun, parameters: Vec<f64>) -> Self {
         let initial = &run.plan.initial;
         Self {
             run,
-            parameters: run.system.parameter_values(),
+            parameters,
+            stepper: None,
             start: StepStart {
                 state: initial.clone(),
                 compensation: vec![0.0; initial.len()],
@@ -71,16 +97,15 @@ impl<'a> LastStep<'a> {
     }
 
     /// x_k − x_{k−1} in one coordinate.
-    pub fn advance(&self, integrator: &Integrator, coordinate: usize) -> f64 {
-        let (state, low) = (integrator.state(), integrator.compensation());
-        (state[coordinate] - self.start.state[coordinate])
-            + (low[coordinate] - self.start.compensation[coordinate])
+    pub fn advance(&self, end: StepEnd<'_>, coordinate: usize) -> f64 {
+        (end.state[coordinate] - self.start.state[coordinate])
+            + (end.compensation[coordinate] - self.start.compensation[coordinate])
     }
 
     /// Where t = k ε h advances by the same each step, the time after a part of the last one.
-    pub fn time(&self, integrator: &Integrator, part: f64) -> f64 {
+    pub fn time(&self, steps: u64, part: f64) -> f64 {
         let plan = &self.run.plan;
-        ((integrator.steps() - 1) as f64 + part) * (plan.epsilon * plan.h)
+        ((steps - 1) as f64 + part) * (plan.epsilon * plan.h)
     }
 
     /// Encloses the place in the last step where `value`, a function of the increment and of the state, rises through zero;
@@ -90,20 +115,20 @@ impl<'a> LastStep<'a> {
     /// apart any more. A part s of the step is read off the polynomial s(value) through all values that are known; where
     /// that does not halve the bracket, the next one lies a little beyond the nearer end.
     pub fn enclose(
-        &self,
-        integrator: &Integrator,
+        &mut self,
+        end: &[f64],
         ends: [f64; 2],
         is_behind: &dyn Fn(f64) -> bool,
         enough: Option<f64>,
         value: &mut dyn FnMut(&[f64], &[f64]) -> f64,
     ) -> Result<Bracket, StepError> {
-        let end = |part: f64, state: &[f64], value: f64| Between {
+        let between = |part: f64, state: &[f64], value: f64| Between {
             part,
             state: state.to_vec(),
             value,
         };
-        let before = end(0.0, &self.start.state, ends[0]);
-        let behind = end(1.0, integrator.state(), ends[1]);
+        let before = between(0.0, &self.start.state, ends[0]);
+        let behind = between(1.0, end, ends[1]);
         let is_nearer = ends[0].abs() < ends[1].abs();
         let mut bracket = Bracket {
             nearest: if is_nearer { &before } else { &behind }.clone(),
@@ -131,7 +156,7 @@ impl<'a> LastStep<'a> {
             let state = self.sum(&increment);
             let found = value(&increment, &state);
             bracket.tried += 1;
-            let tried = end(part, &state, found);
+            let tried = between(part, &state, found);
             if found.abs() < bracket.nearest.value.abs() {
                 bracket.nearest = tried.clone();
             }
@@ -148,10 +173,19 @@ impl<'a> LastStep<'a> {
         Ok(bracket)
     }
 
-    /// The increment over a part of the last step.
-    fn increment(&self, part: f64) -> Result<Vec<f64>, StepError> {
+    /// The increment over a part of the last step. The stepper knows nothing of earlier ones.
+    fn increment(&mut self, part: f64) -> Result<Vec<f64>, StepError> {
         let (plan, map) = (&self.run.plan, self.run.method.map());
-        let mut stepper = map.stepper(1, &self.parameters, plan.epsilon, plan.h * part);
+        let h = plan.h * part;
+        let is_ready = self
+            .stepper
+            .as_mut()
+            .is_some_and(|stepper| stepper.resize(h));
+        if !is_ready {
+            self.stepper = None;
+        }
+        let make = || map.stepper(1, &self.parameters, plan.epsilon, h);
+        let stepper = self.stepper.get_or_insert_with(make);
         let mut increment = vec![0.0; self.start.state.len()];
         let mut outcome = [Ok(())];
         let (state, low) = (&self.start.state, &self.start.compensation);

@@ -57,7 +57,7 @@ pub(crate) use appended::{Appended, Vouched};
 pub(crate) use checkpoint::{FILE as CHECKPOINT, StatisticsFields};
 pub use directory::default_directory;
 pub(crate) use directory::{
-    FAILURES, REPORT, RunDirectory, RunRequest, SCENE, STATISTICS, WINDOWS, stem,
+    FAILURES, LOSSES, REPORT, RunDirectory, RunRequest, SCENE, STATISTICS, WINDOWS, stem,
 };
 pub use error::RunError;
 pub use execute::{RunOptions, run};

@@ -6,7 +6,7 @@ use leafwise_core::{BuildError, Evaluator, Integrator, Observe, StepError};
 use leafwise_scene::compose::{ComposedRun, Pace};
 use serde::{Deserialize, Serialize};
 
-use super::last_step::LastStep;
+use super::last_step::{LastStep, StepEnd};
 use super::outcome::Failure;
 
 /// What a checkpoint keeps beside the states; zeros where steps are of the time itself.
@@ -112,7 +112,7 @@ impl<'a> Paced<'a> {
         let mut values = [0.0; 2];
         self.observer.evaluate(integrator.state(), &mut values);
         let [value, balance] = values;
-        let advance = last.advance(integrator, t);
+        let advance = last.advance(integrator.into(), t);
         let forward = self.run.plan.epsilon * self.run.plan.h;
         let pace = self.pace.text.as_str();
         let message = if !(value > 0.0 && value.is_finite()) {
@@ -214,18 +214,18 @@ impl<'a> Paced<'a> {
     /// The state at `time`, between the state before the last step and the one after it.
     pub fn state_at(
         &self,
-        last: &LastStep<'_>,
-        integrator: &Integrator,
+        last: &mut LastStep<'_>,
+        end: StepEnd<'_>,
         time: f64,
     ) -> Result<Vec<f64>, StepError> {
         let t = self.place();
         let (state, low) = (&last.start.state, &last.start.compensation);
         let wanted = (time - state[t]) - low[t];
-        let whole = last.advance(integrator, t);
+        let whole = last.advance(end, t);
         let rounding = f64::EPSILON * time.abs().max(whole.abs());
         let forward = 1.0_f64.copysign(whole);
         let bracket = last.enclose(
-            integrator,
+            end.state,
             [-wanted * forward, (whole - wanted) * forward],
             &|missed| missed > 0.0,
             Some(0.5 * rounding),

@@ -16,11 +16,11 @@ use crate::advice::{Advice, EnergyError, MOST_STATES, lines, states_ahead};
 use leafwise_report::{
     Ellipsoid, InvariantSeries, Outcome, ReportData, SectionPoints, TimeSeries, Trajectory,
 };
-use leafwise_scene::compose::{ComposedRun, Observable, WIDEST_STATE};
+use leafwise_scene::compose::{ComposedRun, Observable, Section, WIDEST_STATE};
 use leafwise_scene::document::SceneDocument;
 
 /// The most samples that a report is drawn from.
-const MOST_ROWS: u64 = 50_000;
+pub(crate) const MOST_ROWS: u64 = 50_000;
 
 /// The most states that tell how far an orbit reaches.
 const MOST_ORBIT_STATES: u64 = 1000;
@@ -130,28 +130,46 @@ fn section(
         false => Vec::new(),
     };
     names.extend(run.plan.observables.iter().map(|o| o.name().to_owned()));
-    let value = |row: &Vec<f64>, column: usize| row.get(1 + column).copied().unwrap_or(f64::NAN);
-    let spread = |rows: &[Vec<f64>], column: usize| {
-        let values = || rows.iter().map(|row| value(row, column));
-        let (least, most) = (values().reduce(f64::min), values().reduce(f64::max));
-        most.zip(least).map_or(0.0, |(most, least)| most - least)
-    };
-    let varies = |column: &usize| spread(&rows, *column) > STILL * spread(recorded, *column);
+    let moves = |column: usize| spread(recorded, 1 + column);
+    Ok(section_points(section, &names, (&rows, 1), moves))
+}
+
+/// The columns `names` of rows, which begin at a place in them, over each other: those that the scene asks for, or the first
+/// two that vary by more than a small part of what they vary by elsewhere.
+pub(crate) fn section_points(
+    section: &Section,
+    names: &[String],
+    (rows, first): (&[Vec<f64>], usize),
+    elsewhere: impl Fn(usize) -> f64,
+) -> Option<SectionPoints> {
+    let varies = |column: &usize| spread(rows, first + column) > STILL * elsewhere(*column);
     let axes: Vec<usize> = match &section.axes {
         Some(axes) => (axes.iter())
             .filter_map(|axis| names.iter().position(|name| name == axis))
             .collect(),
         None => (0..names.len()).filter(varies).take(2).collect(),
     };
-    let [x, y] = axes[..] else { return Ok(None) };
-    Ok(Some(SectionPoints {
+    let [x, y] = axes[..] else { return None };
+    Some(SectionPoints {
         title: format!("{}, {}", section.text, section.direction_in_words()),
         names: [x, y].map(|column| names[column].clone()),
         points: rows
             .iter()
-            .map(|row| [value(row, x), value(row, y)])
+            .map(|row| [value(row, first + x), value(row, first + y)])
             .collect(),
-    }))
+        members: Vec::new(),
+    })
+}
+
+fn value(row: &[f64], column: usize) -> f64 {
+    row.get(column).copied().unwrap_or(f64::NAN)
+}
+
+/// The largest difference of a column's values.
+pub(crate) fn spread(rows: &[Vec<f64>], column: usize) -> f64 {
+    let values = || rows.iter().map(|row| value(row, column));
+    let (least, most) = (values().reduce(f64::min), values().reduce(f64::max));
+    most.zip(least).map_or(0.0, |(most, least)| most - least)
 }
 
 /// States of the run to judge its method at: the first, the last, and recorded ones between.
@@ -401,7 +419,7 @@ pub(crate) fn short(value: f64) -> String {
 }
 
 /// A number with up to this many digits, at least one.
-fn rounded(value: f64, digits: usize) -> String {
+pub(crate) fn rounded(value: f64, digits: usize) -> String {
     let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
     if rounded == 0.0 || (1e-4..1e9).contains(&rounded.abs()) {
         format!("{rounded}")

@@ -144,6 +144,12 @@ impl Stepper for NewtonStepper {
         blocks.for_each(|block| block.restart());
     }
 
+    fn resize(&mut self, h: f64) -> bool {
+        let blocks = self.wide.iter_mut().chain(&mut self.single);
+        blocks.for_each(|block| block.resize(h));
+        true
+    }
+
     fn statistics(&self) -> SolverStatistics {
         let chords = self.statistics.evaluations - self.jacobians;
         let operations = self.jacobians * self.kernel.work()

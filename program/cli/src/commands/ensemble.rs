@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use leafwise::core::Registry;
+use leafwise::expression::words::counted;
 use leafwise::run::{Advice, RunOptions, RunOutcome};
 use leafwise::run::{
     ensemble::ComposedEnsemble, ensemble::EnsembleEnding, ensemble::EnsembleReport,
@@ -108,7 +109,7 @@ pub fn execute(
     }
     Ok(match report.outcome {
         RunOutcome::Interrupted => exit::INTERRUPTED,
-        _ if report.reductions.done() == 0 => exit::RUN_FAILED,
+        _ if report.reductions.failed == report.reductions.members => exit::RUN_FAILED,
         _ => exit::DONE,
     })
 }
@@ -200,6 +201,25 @@ fn summary(
         lines.extend(drift_table(ensemble, report));
     }
     lines.push(String::new());
+    if let (Some(stop), Some(last)) = (&ensemble.run.plan.events.stop, ensemble.losses(all).last())
+    {
+        let [part, low, high] =
+            [last.fraction, last.interval[0], last.interval[1]].map(|part| percent(part));
+        lines.push(format!(
+            "  stopped  {} of {} members by {}: {part} %, {low} to {high} % with 95 % confidence, in losses.csv",
+            grouped(last.stopped),
+            grouped(last.members),
+            stop.text
+        ));
+    }
+    if let (Some(section), Some(count)) = (&ensemble.run.plan.events.section, report.crossings) {
+        let which = section.direction_in_words();
+        lines.push(format!(
+            "  section  {} of {}, {which}, in section.csv",
+            counted(count as usize, "crossing"),
+            section.text
+        ));
+    }
     lines.push(format!("  solver   {}", all.statistics.summary()));
     let threads = match report.threads {
         0 => String::new(),
@@ -253,6 +273,12 @@ fn end_table(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Vec<String
     numbers(&rows)
 }
 
+/// A part as a percentage of three digits.
+fn percent(part: f64) -> String {
+    let text = format!("{:.2e}", 100.0 * part);
+    text.parse().map_or(text, short)
+}
+
 /// A value with eight digits.
 fn digits(value: f64) -> String {
     let text = format!("{value:.7e}");
@@ -276,7 +302,7 @@ fn drift_table(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Vec<Stri
             drift(whole.maximum),
             whole.member.to_string(),
             drift(all.relative[at].maximum),
-            drift(all.mean_deviation(whole)),
+            drift(whole.mean()),
         ]);
     }
     numbers(&rows)

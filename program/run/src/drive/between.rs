@@ -9,10 +9,10 @@ use crate::outcome::Failure;
 impl Session<'_> {
     /// Looks whether the run has stopped in the last step, and where; why that is not known.
     pub(super) fn find_stop(&mut self) -> Option<Failure> {
-        let (Some(stop), Some(last)) = (&mut self.stop, &self.last) else {
+        let (Some(stop), Some(last)) = (&mut self.stop, &mut self.last) else {
             return None;
         };
-        let found = match stop.end(last, &self.integrator) {
+        let found = match stop.end(last, self.integrator.state()) {
             Ok(found) => found?,
             Err(lost) => return Some(self.failure_of(lost)),
         };
@@ -26,14 +26,10 @@ impl Session<'_> {
 
     /// Records where the last step crosses the section; why that is not known.
     pub(super) fn record_crossing(&mut self) -> Result<Option<Failure>, RunError> {
-        let (Some(section), Some(last)) = (&mut self.section, &self.last) else {
+        let (Some(section), Some(last)) = (&mut self.section, &mut self.last) else {
             return Ok(None);
         };
-        let crossing = section.side_after(&self.integrator).and_then(|side| {
-            let crossing = section.crossing(last, &self.integrator, side);
-            crossing.map(|found| (side, found)).map_err(Lost::Step)
-        });
-        let (side, found) = match crossing {
+        let (side, found) = match section.crossing(last, self.integrator.state()) {
             Ok(crossing) => crossing,
             Err(lost) => return Ok(Some(self.failure_of(lost))),
         };
@@ -56,7 +52,7 @@ impl Session<'_> {
     /// The time of a state within the last step.
     fn time_of(&self, between: &Between) -> f64 {
         match (&self.paced, &self.last) {
-            (None, Some(last)) => last.time(&self.integrator, between.part),
+            (None, Some(last)) => last.time(self.integrator.steps(), between.part),
             (Some(paced), _) => paced.time_at(&between.state),
             (None, None) => self.time(),
         }
@@ -85,7 +81,7 @@ impl Session<'_> {
     /// Records the states at the given times that the last step has passed.
     pub(super) fn record_times(&mut self) -> Result<Option<Failure>, RunError> {
         loop {
-            let (Some(paced), Some(last)) = (&self.paced, &self.last) else {
+            let (Some(paced), Some(last)) = (&self.paced, &mut self.last) else {
                 return Ok(None);
             };
             let is_passed = |time: &f64| match &self.end {
@@ -97,7 +93,7 @@ impl Session<'_> {
             let Some(time) = time.filter(is_passed) else {
                 return Ok(None);
             };
-            match paced.state_at(last, &self.integrator, time) {
+            match paced.state_at(last, (&self.integrator).into(), time) {
                 Ok(state) => self.record_state(time, &state)?,
                 Err(error) => return Ok(Some(self.failure_of_step(&error))),
             }
@@ -109,11 +105,11 @@ impl Session<'_> {
         if self.is_stopped {
             return None;
         }
-        let (Some(paced), Some(last)) = (&self.paced, &self.last) else {
+        let (Some(paced), Some(last)) = (&self.paced, &mut self.last) else {
             return None;
         };
         let until = self.run.plan.until?;
-        match paced.state_at(last, &self.integrator, until) {
+        match paced.state_at(last, (&self.integrator).into(), until) {
             Ok(state) => {
                 self.end = Some((until, state));
                 None

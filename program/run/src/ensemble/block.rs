@@ -1,14 +1,17 @@
 //! A block of members, side by side, from their initial states to the end.
 
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use leafwise_core::{BuildError, SideBySide, SolverStatistics};
+use leafwise_core::{SideBySide, SolverStatistics};
 
 use super::observers::ObservableEvaluator;
 use super::plan::{Column, ComposedEnsemble};
 use super::population::NO_LEAF;
+use super::section::MemberCrossings;
 use super::statistics::{MemberFailure, Reductions};
-use crate::Failure;
+use super::watch::{Found, MemberStop, Watch};
+use crate::{Failure, RunError};
 
 /// Coordinates stepped between two looks at the flag: about a millisecond's work.
 const COORDINATES_A_LOOK: usize = 4096;
@@ -37,23 +40,45 @@ pub(super) struct Record {
     pub states: Vec<Vec<f64>>,
     pub parameters: Vec<Vec<f64>>,
     failures: Vec<Option<MemberFailure>>,
+    /// Where the scene's condition has ended members.
+    pub stops: Vec<Option<MemberStop>>,
+    pub crossings: Vec<MemberCrossings>,
     statistics: SolverStatistics,
+}
+
+/// How a member has ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ended {
+    Done,
+    Stopped,
+    Failed,
+}
+
+impl Ended {
+    /// In a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Done => "done",
+            Self::Stopped => "stopped",
+            Self::Failed => "failed",
+        }
+    }
 }
 
 /// Steps the members `first .. first + lanes`; `None` where it was told to stop.
 ///
 /// # Errors
-/// [`BuildError`] where an observer cannot be made.
+/// [`RunError`] where an observer cannot be made, or crossings cannot be put aside in the directory.
 pub(super) fn run(
     ensemble: &ComposedEnsemble,
-    first: u64,
-    lanes: usize,
+    directory: &Path,
+    (first, lanes): (u64, usize),
     signals: &Signals,
-) -> Result<Option<Record>, BuildError> {
-    let mut block = Block::new(ensemble, first, lanes)?;
+) -> Result<Option<Record>, RunError> {
+    let mut block = Block::new(ensemble, directory, first, lanes)?;
     let total = ensemble.run.plan.steps;
     let stride = (COORDINATES_A_LOOK / (lanes * ensemble.population.dimension())).max(1) as u64;
-    block.start();
+    block.start()?;
     let mut steps = 0;
     while steps < total {
         if signals.stop.load(Ordering::Relaxed) {
@@ -63,7 +88,7 @@ pub(super) fn run(
         let before = steps;
         while steps < until && block.integrator.living() > 0 {
             steps += 1;
-            block.step(steps);
+            block.step(steps)?;
         }
         if block.integrator.living() == 0 {
             signals
@@ -83,6 +108,9 @@ struct Block<'a> {
     integrator: SideBySide,
     invariants: ObservableEvaluator<'a>,
     formulas: ObservableEvaluator<'a>,
+    watch: Watch<'a>,
+    /// The deviations in all windows of members that have ended: their lanes go on as copies of others.
+    deviations: Vec<Option<Vec<f64>>>,
     record: Record,
     /// The time and the window to be filled next.
     sample: usize,
@@ -93,7 +121,12 @@ struct Block<'a> {
 }
 
 impl<'a> Block<'a> {
-    fn new(ensemble: &'a ComposedEnsemble, first: u64, lanes: usize) -> Result<Self, BuildError> {
+    fn new(
+        ensemble: &'a ComposedEnsemble,
+        directory: &Path,
+        first: u64,
+        lanes: usize,
+    ) -> Result<Self, RunError> {
         let plan = &ensemble.run.plan;
         let shape = ensemble.shape();
         let mut failures: Vec<Option<MemberFailure>> = (0..lanes).map(|_| None).collect();
@@ -120,6 +153,8 @@ impl<'a> Block<'a> {
         Ok(Self {
             invariants: ensemble.invariants.evaluator(lanes, &values)?,
             formulas: ensemble.formulas.evaluator(lanes, &values)?,
+            watch: Watch::new(ensemble, &parameters, &values)?,
+            deviations: vec![None; lanes],
             integrator,
             record: Record {
                 first,
@@ -131,6 +166,10 @@ impl<'a> Block<'a> {
                 states,
                 parameters,
                 failures,
+                stops: vec![None; lanes],
+                crossings: (first..first + lanes as u64)
+                    .map(|member| MemberCrossings::new(directory, member))
+                    .collect(),
                 statistics: SolverStatistics::default(),
             },
             sample: 0,
@@ -143,7 +182,7 @@ impl<'a> Block<'a> {
     }
 
     /// Takes in the initial states.
-    fn start(&mut self) {
+    fn start(&mut self) -> Result<(), RunError> {
         for lane in 0..self.record.lanes {
             if self.record.failures[lane].is_some() {
                 self.integrator.rest(lane);
@@ -151,10 +190,19 @@ impl<'a> Block<'a> {
         }
         self.record.initial = self.invariants.at(self.integrator.state()).to_vec();
         self.check_invariants(0);
+        if !self.watch.is_blind() {
+            let found = self.watch.begin(&self.integrator)?;
+            self.take_stops(found);
+        }
         self.take_sample();
+        Ok(())
     }
 
-    fn step(&mut self, steps: u64) {
+    fn step(&mut self, steps: u64) -> Result<(), RunError> {
+        let is_blind = self.watch.is_blind();
+        if !is_blind {
+            self.watch.keep(&self.integrator);
+        }
         let (record, ensemble) = (&mut self.record, self.ensemble);
         let mut any = false;
         let mut errors = Vec::new();
@@ -170,9 +218,23 @@ impl<'a> Block<'a> {
                 record.failures[lane] = Some(told(record.first + lane as u64, failure));
             }
         }
+        let takes_part: Vec<bool> = match is_blind {
+            true => Vec::new(),
+            false => (0..self.record.lanes)
+                .map(|lane| self.integrator.lives(lane))
+                .collect(),
+        };
+        if !is_blind {
+            let found = self.watch.stops(&self.integrator, steps)?;
+            self.take_stops(found);
+        }
         let is_last = steps == ensemble.run.plan.steps;
         if steps.is_multiple_of(ensemble.drift_every) || is_last {
             self.take_drift(steps);
+        }
+        if !is_blind {
+            self.take_crossings(steps, &takes_part)?;
+            self.keep_deviations();
         }
         if self.sampled.get(self.sample) == Some(&steps) {
             self.take_sample();
@@ -180,6 +242,59 @@ impl<'a> Block<'a> {
         if steps == self.window_end {
             self.window += 1;
             self.window_end = self.window_ends.get(self.window).copied().unwrap_or(0);
+        }
+        Ok(())
+    }
+
+    /// Ends the members that the condition has ended, or that it has no value for.
+    fn take_stops(&mut self, found: Found<MemberStop>) {
+        for (lane, ended) in found {
+            self.integrator.rest(lane);
+            match ended {
+                Ok(stop) => self.record.stops[lane] = Some(stop),
+                Err(failure) => self.fail(lane, failure),
+            }
+        }
+    }
+
+    fn take_crossings(&mut self, steps: u64, takes_part: &[bool]) -> Result<(), RunError> {
+        let (watch, record) = (&mut self.watch, &mut self.record);
+        let (stops, failures) = (&record.stops, &record.failures);
+        let found = watch.crossings(
+            &self.integrator,
+            steps,
+            |lane| takes_part[lane] && failures[lane].is_none(),
+            |lane| stops[lane].as_ref().map(|stop| stop.time),
+        )?;
+        for (lane, crossing) in found {
+            let member = self.record.first + lane as u64;
+            match crossing {
+                Ok((time, row)) => {
+                    self.record.crossings[lane].push(member, time, row.into_iter())?;
+                }
+                Err(failure) => {
+                    self.integrator.rest(lane);
+                    self.record.stops[lane] = None;
+                    self.fail(lane, failure);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn fail(&mut self, lane: usize, failure: Failure) {
+        let member = self.record.first + lane as u64;
+        self.record.failures[lane] = Some(told(member, failure));
+    }
+
+    /// Keeps the deviations of members that have just ended.
+    fn keep_deviations(&mut self) {
+        let lanes = self.record.lanes;
+        for (lane, kept) in self.deviations.iter_mut().enumerate() {
+            if self.record.stops[lane].is_some() && kept.is_none() {
+                let own = self.record.windows.iter().skip(lane).step_by(lanes);
+                *kept = Some(own.copied().collect());
+            }
         }
     }
 
@@ -245,7 +360,21 @@ impl<'a> Block<'a> {
     fn finish(mut self) -> Record {
         self.record.statistics = self.integrator.statistics();
         for (lane, state) in self.record.states.iter_mut().enumerate() {
-            *state = self.integrator.last(lane).1;
+            *state = match &self.record.stops[lane] {
+                Some(stop) => stop.state.clone(),
+                None => self.integrator.last(lane).1,
+            };
+            if self.record.failures[lane].is_some() {
+                self.record.crossings[lane].clear();
+            }
+            // A member that never made a step deviates by nothing.
+            let stopped = self.record.stops[lane].is_some();
+            if stopped || self.deviations[lane].is_some() {
+                let own = self.record.windows.iter_mut().skip(lane);
+                let own = own.step_by(self.record.lanes).enumerate();
+                let kept = self.deviations[lane].as_deref().unwrap_or(&[]);
+                own.for_each(|(at, value)| *value = kept.get(at).copied().unwrap_or(0.0));
+            }
         }
         self.record
     }
@@ -269,19 +398,33 @@ fn interleaved(columns: &[Vec<f64>]) -> Vec<f64> {
 }
 
 impl Record {
-    /// The members, their lanes, and whether they reached the end.
-    pub fn members(&self) -> impl Iterator<Item = (u64, usize, bool)> + '_ {
+    /// The members, their lanes, and how they have ended.
+    pub fn members(&self) -> impl Iterator<Item = (u64, usize, Ended)> + '_ {
         (0..self.lanes).map(|lane| {
-            let member = self.first + lane as u64;
-            (member, lane, self.failures[lane].is_none())
+            let ended = match (&self.failures[lane], &self.stops[lane]) {
+                (Some(_), _) => Ended::Failed,
+                (None, Some(_)) => Ended::Stopped,
+                (None, None) => Ended::Done,
+            };
+            (self.first + lane as u64, lane, ended)
         })
     }
 
-    /// The observables of a lane at the last time.
-    pub fn last_sample(&self, lane: usize, observables: usize) -> impl Iterator<Item = f64> + '_ {
+    /// The time at which a lane's member has ended; `end` is that of the last step.
+    pub fn time(&self, lane: usize, end: f64) -> f64 {
+        let failed = self.failures[lane].as_ref().map(|failure| failure.time);
+        let stopped = self.stops[lane].as_ref().map(|stop| stop.time);
+        failed.or(stopped).unwrap_or(end)
+    }
+
+    /// The observables of a lane at the end.
+    pub fn last_sample(&self, lane: usize, observables: usize) -> Vec<f64> {
+        if let Some(stop) = &self.stops[lane] {
+            return stop.row.clone();
+        }
         let from = self.samples.len() - observables * self.lanes;
         let row = self.samples[from..].iter().skip(lane);
-        row.step_by(self.lanes).copied()
+        row.step_by(self.lanes).copied().collect()
     }
 
     /// The largest deviation of each invariant of a lane.
@@ -295,9 +438,11 @@ impl Record {
     }
 
     /// Takes the members in, one after the other.
-    pub fn fold(&mut self, into: &mut Reductions) {
+    pub fn fold(&mut self, ensemble: &ComposedEnsemble, into: &mut Reductions) {
         into.add_work(self.statistics);
         let lanes = self.lanes;
+        let (sampled, window) = (ensemble.sampled_steps(), ensemble.window());
+        let (columns, invariants) = (ensemble.columns.len(), ensemble.invariants.count());
         for lane in 0..lanes {
             into.members += 1;
             if let Some(failure) = self.failures[lane].clone() {
@@ -306,11 +451,22 @@ impl Record {
             }
             let member = self.first + lane as u64;
             let own = |values: &'_ [f64], at: usize| values[at * lanes + lane];
-            for (at, summary) in into.summaries.iter_mut().enumerate() {
-                summary.push(own(&self.samples, at), member);
+            let stop = self.stops[lane].as_ref();
+            if let Some(stop) = stop {
+                into.stopped += 1;
+                into.losses[ensemble.loss_place(stop.step)] += 1;
             }
-            for (at, window) in into.windows.iter_mut().enumerate() {
-                window.push(own(&self.windows, at), member);
+            // What lies before the step in which it has ended.
+            let is_before = |step: u64| stop.is_none_or(|stop| step < stop.step);
+            for (at, summary) in into.summaries.iter_mut().enumerate() {
+                if is_before(sampled[at / columns]) {
+                    summary.push(own(&self.samples, at), member);
+                }
+            }
+            for (at, deviation) in into.windows.iter_mut().enumerate() {
+                if is_before((at / invariants) as u64 * window) {
+                    deviation.push(own(&self.windows, at), member);
+                }
             }
             for (at, deviation) in self.largest_deviations(lane).enumerate() {
                 let initial = own(&self.initial, at);

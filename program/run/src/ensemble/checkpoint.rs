@@ -10,7 +10,7 @@ use crate::{CHECKPOINT, Format, RunError, Vouched};
 /// What the file holds, and how.
 const FORMAT: Format = Format {
     name: b"leafens",
-    number: b'4',
+    number: b'5',
 };
 
 /// An ensemble between two members. Another field, order or type is another format.
@@ -24,6 +24,9 @@ pub(super) struct Checkpoint {
     pub wall_seconds: f64,
     /// The beginning of the file of last states that holds them.
     pub vouched: Vouched,
+    /// The beginning of the file of crossings that holds them, and its rows.
+    pub section: Vouched,
+    pub crossings: u64,
     /// The members taken in so far.
     pub reductions: Reductions,
 }
@@ -53,7 +56,9 @@ mod tests {
             windows: 3,
             invariants: 1,
             has_quantiles: true,
+            losses: 4,
         });
+        reductions.losses[3] = 7;
         for member in 0..5000_u64 {
             reductions.summaries[1].push(1.0 / (1 + member) as f64, member);
         }
@@ -74,6 +79,8 @@ mod tests {
                 bytes: 99,
                 sha256: [3; 32],
             },
+            section: Vouched::NOTHING,
+            crossings: 12,
             reductions,
         };
         let root = tempfile::tempdir().expect("a directory");

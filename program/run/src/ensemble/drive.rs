@@ -2,16 +2,16 @@
 
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
+use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread::Builder;
 use std::time::{Duration, Instant};
 
-use leafwise_core::BuildError;
-
 use super::block::{self, Record, Signals};
 use super::checkpoint::Checkpoint;
 use super::plan::ComposedEnsemble;
+use super::section::SectionStore;
 use super::statistics::Reductions;
 use super::store::FinalStore;
 use crate::{Progress, RunError, RunOutcome, Status};
@@ -50,6 +50,9 @@ pub(super) struct Session<'a> {
     pub ensemble: &'a ComposedEnsemble,
     pub reductions: Reductions,
     pub store: FinalStore,
+    pub section: SectionStore,
+    /// Where it is written.
+    pub directory: &'a Path,
     pub wall: Duration,
     /// Threads that the members were stepped on.
     pub threads: usize,
@@ -70,8 +73,8 @@ impl Session<'_> {
         let blocks = blocks(from, members, workforce);
         let signals = Signals::default();
         let (next, taken) = (AtomicU64::new(0), AtomicU64::new(0));
-        let (sender, receiver) = channel::<(u64, Result<Option<Record>, BuildError>)>();
-        let ensemble = self.ensemble;
+        let (sender, receiver) = channel::<(u64, Result<Option<Record>, RunError>)>();
+        let (ensemble, directory) = (self.ensemble, self.directory);
         let most_waiting = (workforce.threads.get().saturating_mul(WAITING)) as u64;
         let next_block = || {
             let block = next.fetch_add(1, Ordering::Relaxed);
@@ -83,7 +86,10 @@ impl Session<'_> {
                 }
                 std::thread::sleep(Duration::from_millis(1));
             }
-            Some((block, block::run(ensemble, first, lanes, &signals)))
+            Some((
+                block,
+                block::run(ensemble, directory, (first, lanes), &signals),
+            ))
         };
         let work = || {
             while let Some((block, record)) = next_block() {
@@ -122,7 +128,7 @@ impl Session<'_> {
                         waiting.insert(block, record);
                         is_stuck = false;
                     }
-                    Ok((_, Err(error))) => break Err(error.into()),
+                    Ok((_, Err(error))) => break Err(error),
                     Ok((_, Ok(None))) => {}
                     // A worker that panicked leaves its block out: the panic goes on below.
                     Err(_) if workers.iter().all(|worker| worker.is_finished()) && is_stuck => {
@@ -161,7 +167,8 @@ impl Session<'_> {
 
     /// Takes a block in.
     fn take(&mut self, record: &mut Record) -> Result<(), RunError> {
-        record.fold(&mut self.reductions);
+        record.fold(self.ensemble, &mut self.reductions);
+        self.section.push(&mut record.crossings)?;
         self.store.push(self.ensemble, record)
     }
 
@@ -172,6 +179,8 @@ impl Session<'_> {
             members: self.ensemble.population.members(),
             wall_seconds: self.wall.as_secs_f64(),
             vouched: self.store.sync()?,
+            section: self.section.sync()?,
+            crossings: self.section.count,
             reductions: self.reductions.clone(),
         })
     }

@@ -16,6 +16,12 @@ pub struct EnsembleEnding<'a> {
     members: u64,
     done: u64,
     failed: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stopped: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stopped_by: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    crossings: Option<u64>,
     steps: u64,
     time: Double,
     wall_seconds: f64,
@@ -25,8 +31,20 @@ pub struct EnsembleEnding<'a> {
     #[serde(serialize_with = "object")]
     drift: Vec<(&'a str, Drift)>,
     statistics: Vec<AtTime<'a>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    losses: Vec<LossFields>,
     failures: &'a [MemberFailure],
     outcome: &'static str,
+}
+
+/// The members that have ended by a time.
+#[derive(Clone, Debug, Serialize)]
+struct LossFields {
+    time: Double,
+    stopped: u64,
+    members: u64,
+    fraction: Double,
+    interval: [Double; 2],
 }
 
 /// How far an invariant strayed, over all members.
@@ -68,11 +86,15 @@ impl<'a> EnsembleEnding<'a> {
     pub fn new(ensemble: &'a ComposedEnsemble, report: &'a EnsembleReport) -> Self {
         let all = &report.reductions;
         let invariants = ensemble.invariant_names().into_iter().enumerate();
+        let stop = ensemble.run.plan.events.stop.as_ref();
         let rows: Vec<(u64, &str, &Summary)> = summaries(ensemble, report).collect();
         Self {
             members: ensemble.population.members(),
             done: all.done(),
             failed: all.failed,
+            stopped: stop.map(|_| all.stopped),
+            stopped_by: stop.map(|stop| stop.text.as_str()),
+            crossings: report.crossings,
             steps: ensemble.run.plan.steps,
             time: Double(ensemble.time(ensemble.run.plan.steps)),
             wall_seconds: report.wall_seconds,
@@ -84,6 +106,17 @@ impl<'a> EnsembleEnding<'a> {
             statistics: rows
                 .chunk_by(|a, b| a.0 == b.0)
                 .map(|rows| AtTime::of(ensemble, rows))
+                .collect(),
+            losses: ensemble
+                .losses(all)
+                .into_iter()
+                .map(|loss| LossFields {
+                    time: Double(loss.time),
+                    stopped: loss.stopped,
+                    members: loss.members,
+                    fraction: Double(loss.fraction),
+                    interval: loss.interval.map(Double),
+                })
                 .collect(),
             failures: &all.failures,
             outcome: report.outcome.word(),
@@ -98,7 +131,7 @@ impl Drift {
         Self {
             maximum: Double(whole.maximum),
             member: whole.member,
-            mean: Double(all.mean_deviation(whole)),
+            mean: Double(whole.mean()),
             relative: Double(all.relative[at].maximum),
         }
     }

@@ -9,6 +9,7 @@ use super::drive::{Session, Workforce};
 use super::ending::EnsembleEnding;
 use super::plan::ComposedEnsemble;
 use super::report::EnsembleReport;
+use super::section::SectionStore;
 use super::statistics::Reductions;
 use super::store::{FinalStore, has_begun_at_most};
 use super::{page, tables};
@@ -62,10 +63,13 @@ pub fn run_ensemble(
     let resumed_at = resumed.as_ref().map(|session| session.reductions.members);
     let is_done = held.is_some_and(|held| held.is_done);
     if is_done && let Some(session) = resumed {
+        let crossings = ensemble.run.plan.events.section.as_ref();
+        let crossings = crossings.map(|_| session.section.count);
         let mut report = EnsembleReport {
             outcome: RunOutcome::Done,
             wall_seconds: session.wall.as_secs_f64(),
             reductions: session.reductions,
+            crossings,
             resumed_at: None,
             is_repeated: true,
             threads: session.threads,
@@ -83,12 +87,15 @@ pub fn run_ensemble(
     let mut session = match resumed {
         Some(mut session) => {
             session.store.go_on()?;
+            session.section.go_on(&directory.path)?;
             session
         }
         None => Session {
             ensemble,
             reductions: Reductions::new(ensemble.shape()),
             store: FinalStore::create(ensemble, &directory.path)?,
+            section: SectionStore::create(ensemble, &directory.path)?,
+            directory: &directory.path,
             wall: Duration::ZERO,
             threads: 0,
         },
@@ -97,10 +104,13 @@ pub fn run_ensemble(
     let save = &mut |checkpoint: &Checkpoint| checkpoint.write(&directory.path);
     let outcome = session.drive(workforce, progress, save)?;
     session.checkpoint()?.write(&directory.path)?;
+    let crossings = ensemble.run.plan.events.section.as_ref();
+    let crossings = crossings.map(|_| session.section.count);
     let mut report = EnsembleReport {
         outcome,
         wall_seconds: session.wall.as_secs_f64(),
         reductions: session.reductions,
+        crossings,
         resumed_at,
         is_repeated: false,
         threads: session.threads,
@@ -112,7 +122,8 @@ pub fn run_ensemble(
         report.advice = measured(document, ensemble, &report);
     }
     tables::write(ensemble, &report)?;
-    let data = page::data(document, ensemble, &report, &options.command);
+    let data = page::data(document, ensemble, &report, &options.command)
+        .map_err(RunError::io(&directory.path))?;
     let page = render_ensemble(&data)?;
     replace(&directory.path.join(REPORT), page.as_bytes())?;
     beginning.write_end(&directory.path, EnsembleEnding::new(ensemble, &report))?;
@@ -123,7 +134,7 @@ pub fn run_ensemble(
 /// before the first, and begins anew.
 fn resume<'a>(
     ensemble: &'a ComposedEnsemble,
-    directory: &RunDirectory,
+    directory: &'a RunDirectory,
 ) -> Result<Option<Session<'a>>, RunError> {
     let file = directory.path.join(crate::CHECKPOINT);
     if !file.exists() && has_begun_at_most(ensemble, &directory.path) {
@@ -143,7 +154,12 @@ fn resume<'a>(
     let fresh = Reductions::new(ensemble.shape());
     let sizes = |all: &Reductions| {
         let deviations = [&all.windows, &all.whole, &all.relative].map(Vec::len);
-        (all.summaries.len(), all.initial.len(), deviations)
+        (
+            all.summaries.len(),
+            all.losses.len(),
+            all.initial.len(),
+            deviations,
+        )
     };
     if checkpoint.members != population.members() || sizes(&fresh) != sizes(&checkpoint.reductions)
     {
@@ -152,6 +168,13 @@ fn resume<'a>(
     Ok(Some(Session {
         ensemble,
         store: FinalStore::resume(ensemble, &directory.path, &checkpoint.vouched)?,
+        section: SectionStore::resume(
+            ensemble,
+            &directory.path,
+            &checkpoint.section,
+            checkpoint.crossings,
+        )?,
+        directory: &directory.path,
         wall: Duration::try_from_secs_f64(checkpoint.wall_seconds).unwrap_or_default(),
         reductions: checkpoint.reductions,
         threads: 0,

@@ -5,7 +5,8 @@
 //! - `random`: numbers that depend on seed, member and purpose alone; `states`: a file of states;
 //! - `block`: members side by side; `observers`: functions of all their states;
 //! - `drive`: blocks on threads, taken in by number, so that no result depends on either;
-//! - `statistics`, `quantiles`: what members are reduced to;
+//! - `watch`: where members end or cross a section between two steps; `section`: the crossings in one file;
+//! - `statistics`, `quantiles`, `losses`: what members are reduced to;
 //! - `report`: [`EnsembleReport`], what is left behind;
 //! - `checkpoint`, `store`, `tables`, `ending`, `page`: what the run directory holds;
 //! - `execute`: [`run_ensemble`], all of it.
@@ -16,6 +17,7 @@ mod checkpoint;
 mod drive;
 mod ending;
 mod execute;
+mod losses;
 mod member;
 mod observers;
 mod page;
@@ -24,17 +26,20 @@ mod population;
 mod quantiles;
 mod random;
 mod report;
+mod section;
 mod states;
 mod statistics;
 pub(crate) mod store;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod watch;
 
 pub use advice::advise_ensemble;
 pub use drive::Workforce;
 pub use ending::EnsembleEnding;
 pub use execute::{default_ensemble_directory, run_ensemble};
+pub use losses::Loss;
 pub use member::{MemberError, member_scene};
 pub use plan::{ComposedEnsemble, compose_ensemble};
 pub use population::Population;

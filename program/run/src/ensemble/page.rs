@@ -1,11 +1,18 @@
 //! What the report of an ensemble shows.
 
+use std::io;
+
+use leafwise_expression::words::counted;
+
 use super::plan::ComposedEnsemble;
 use super::report::EnsembleReport;
+use super::section::{columns, heading};
 use super::tables::summaries;
 use crate::advice::lines;
+use crate::samples::{self, SECTION};
+use crate::summary::{MOST_ROWS, rounded, section_points, spread};
 use crate::{PROGRAM_VERSION, RunOutcome, file_name, method_lines, short, title};
-use leafwise_report::{Band, EnsembleData, InvariantSeries, Outcome};
+use leafwise_report::{Band, EnsembleData, InvariantSeries, Losses, Outcome, SectionPoints};
 use leafwise_scene::document::SceneDocument;
 
 /// Failed members that the page lists.
@@ -17,14 +24,23 @@ pub(super) fn data(
     ensemble: &ComposedEnsemble,
     report: &EnsembleReport,
     command: &str,
-) -> EnsembleData {
+) -> io::Result<EnsembleData> {
     let all = &report.reductions;
     let plan = &ensemble.run.plan;
     let members = ensemble.population.members();
     let end = short(ensemble.time(plan.steps));
+    let stop = plan.events.stop.as_ref();
+    let stopped = || match stop {
+        Some(stop) => format!("{} stopped by {}, ", all.stopped, stop.text),
+        None => String::new(),
+    };
     let outcome = match &report.outcome {
         RunOutcome::Done | RunOutcome::Stopped(_) | RunOutcome::Failed(_) => Outcome::Done {
-            message: format!("{members} members to t = {end}, {} failed", all.failed),
+            message: format!(
+                "{members} members to t = {end}, {}{} failed",
+                stopped(),
+                all.failed
+            ),
         },
         RunOutcome::Interrupted => Outcome::Interrupted {
             message: format!(
@@ -34,10 +50,15 @@ pub(super) fn data(
         },
     };
     let line = |label: &str, text: String| (label.to_owned(), text);
-    let facts = vec![
+    let mut facts = vec![
         line(
             "Members",
-            format!("{} of {members}, {} failed", all.members, all.failed),
+            format!(
+                "{} of {members}, {}{} failed",
+                all.members,
+                stopped(),
+                all.failed
+            ),
         ),
         line("Steps of each", format!("{} to t = {end}", plan.steps)),
         line(
@@ -51,6 +72,23 @@ pub(super) fn data(
         line("Solver", all.statistics.summary()),
         line("Data", report.directory.display().to_string()),
     ];
+    let losses = ensemble.losses(all);
+    if let Some(last) = losses.last() {
+        let [low, high] = last.interval.map(|end| percent(end));
+        let text = format!(
+            "{} %, between {low} and {high} % with 95 % confidence",
+            percent(last.fraction)
+        );
+        facts.insert(1, line("Stopped", text));
+    }
+    if let (Some(section), Some(count)) = (&plan.events.section, report.crossings) {
+        let (count, which) = (
+            counted(count as usize, "crossing"),
+            section.direction_in_words(),
+        );
+        let text = format!("{count} of {}, {which}", section.text);
+        facts.insert(facts.len() - 1, line("Section", text));
+    }
     let names = ensemble.observables();
     let mut bands: Vec<Band> = names.iter().map(|name| Band::new(name)).collect();
     for (at, (steps, _, summary)) in summaries(ensemble, report).enumerate() {
@@ -94,7 +132,14 @@ pub(super) fn data(
         );
         (format!("member {}", failure.member), text)
     });
-    EnsembleData {
+    Ok(EnsembleData {
+        losses: Losses {
+            condition: stop.map_or_else(String::new, |stop| stop.text.clone()),
+            times: losses.iter().map(|loss| loss.time).collect(),
+            fractions: losses.iter().map(|loss| loss.fraction).collect(),
+            intervals: losses.iter().map(|loss| loss.interval).collect(),
+        },
+        section: section(ensemble, report)?,
         title: title(&document.name),
         version: format!("leafwise {PROGRAM_VERSION}"),
         command: command.to_owned(),
@@ -109,5 +154,32 @@ pub(super) fn data(
         drifts: drifts.collect(),
         drift_every: ensemble.drift_every,
         failures: failures.collect(),
-    }
+    })
+}
+
+/// A part as a percentage of three digits.
+fn percent(part: f64) -> String {
+    rounded(100.0 * part, 3)
+}
+
+/// The crossings of all members, to draw.
+fn section(
+    ensemble: &ComposedEnsemble,
+    report: &EnsembleReport,
+) -> io::Result<Option<SectionPoints>> {
+    let (Some(section), Some(count)) = (&ensemble.run.plan.events.section, report.crossings) else {
+        return Ok(None);
+    };
+    let stride = usize::try_from(count.div_ceil(MOST_ROWS)).unwrap_or(1);
+    let path = report.directory.join(SECTION);
+    let rows = samples::read(&path, &heading(ensemble), count, stride.max(1))?;
+    let names = columns(ensemble);
+    // On the section a coordinate may be held: it varies by round-off alone.
+    let largest = (0..names.len()).map(|column| spread(&rows, 2 + column));
+    let largest = largest.fold(0.0, f64::max);
+    let points = section_points(section, &names, (&rows, 2), |_| largest);
+    Ok(points.map(|points| SectionPoints {
+        members: rows.iter().map(|row| row[0] as u64).collect(),
+        ..points
+    }))
 }

@@ -8,6 +8,7 @@ use leafwise_expression::Expression;
 use super::observers::Functions;
 use super::population::Population;
 use super::statistics::Shape;
+use super::watch::Watched;
 use leafwise_scene::compose::{ComposedRun, DENSE_LIMIT, Observable, Refusal, Stepping, compose};
 use leafwise_scene::document::{EnsembleSection, FinalStates, SceneDocument};
 
@@ -37,6 +38,7 @@ pub struct ComposedEnsemble {
     pub final_states: FinalStates,
     pub(super) invariants: Functions,
     pub(super) formulas: Functions,
+    pub(super) watched: Watched,
     pub(super) columns: Vec<Column>,
 }
 
@@ -85,28 +87,6 @@ pub fn compose_ensemble(
             ),
         )));
     }
-    let run_alone = &document.run;
-    let refused = [
-        (
-            run_alone.stop.as_ref(),
-            "an ensemble is not offered with a `stop`: its statistics are of all members at one time",
-        ),
-        (
-            run_alone.section.as_ref().map(|section| &section.at),
-            "an ensemble is not offered with a `section`: it keeps statistics, and no states on the way",
-        ),
-    ];
-    for (text, message) in refused {
-        let Some(text) = text else { continue };
-        return Err(Box::new(document.diagnostic(
-            &text.place(),
-            message,
-            "here",
-            Some(
-                "take it out, or run its members one by one: leafwise run SCENE --set run.initial=…".to_owned(),
-            ),
-        )));
-    }
     let population = Population::of(document, ensemble, &run, directory)?;
     let steps = run.plan.steps;
     let every = ensemble.record.every.min(steps.max(1));
@@ -142,7 +122,9 @@ pub fn compose_ensemble(
     let expressions: Vec<&Expression> = expressions.iter().collect();
     let formulas = Functions::formulas(&run.system, &expressions).map_err(without_code)?;
     let invariants = Functions::invariants(&run.system).map_err(without_code)?;
+    let watched = Watched::of(&run).map_err(without_code)?;
     Ok(ComposedEnsemble {
+        watched,
         invariants,
         formulas,
         columns,
@@ -226,6 +208,10 @@ impl ComposedEnsemble {
             windows: self.window_ends().len(),
             invariants: self.invariants.count(),
             has_quantiles: !self.quantiles.is_empty(),
+            losses: match self.run.plan.events.stop {
+                Some(_) => self.loss_ends().len(),
+                None => 0,
+            },
         }
     }
 }

@@ -13,6 +13,8 @@ pub struct EnsembleReport {
     pub outcome: RunOutcome,
     /// What its members were reduced to.
     pub reductions: Reductions,
+    /// Crossings recorded, where there is a section.
+    pub crossings: Option<u64>,
     /// Seconds of integration, observers and reductions included, all sessions together.
     pub wall_seconds: f64,
     /// The member an earlier session had come to.

@@ -97,6 +97,8 @@ pub struct Deviation {
     pub member: u64,
     /// The sum of the members' largest.
     pub(super) sum: f64,
+    /// How many members that are.
+    pub(super) count: u64,
 }
 
 impl Deviation {
@@ -105,6 +107,7 @@ impl Deviation {
             maximum: 0.0,
             member: 0,
             sum: 0.0,
+            count: 0,
         }
     }
 
@@ -113,6 +116,12 @@ impl Deviation {
             (self.maximum, self.member) = (deviation, member);
         }
         self.sum += deviation;
+        self.count += 1;
+    }
+
+    /// The mean of the members' largest.
+    pub fn mean(&self) -> f64 {
+        self.sum / self.count.max(1) as f64
     }
 }
 
@@ -133,7 +142,8 @@ pub struct MemberFailure {
     pub state: Vec<f64>,
 }
 
-/// Everything an ensemble is reduced to. Members that fail are counted, and enter nothing else.
+/// Everything an ensemble is reduced to. Members that fail are counted, and enter nothing else; those that the scene's
+/// condition ends enter what lies before.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reductions {
     /// Members that were taken in, in their order.
@@ -142,6 +152,10 @@ pub struct Reductions {
     pub failed: u64,
     /// The first thousand of these.
     pub failures: Vec<MemberFailure>,
+    /// Members that the scene's condition has ended.
+    pub stopped: u64,
+    /// Those of them in each window of steps, behind those at the beginning; nothing without a condition.
+    pub(super) losses: Vec<u64>,
     /// Observables at one time after those at the time before.
     pub summaries: Vec<Summary>,
     /// Invariants in one window after those in the window before.
@@ -165,6 +179,8 @@ pub(super) struct Shape {
     pub windows: usize,
     pub invariants: usize,
     pub has_quantiles: bool,
+    /// Times at which members that have ended are counted.
+    pub losses: usize,
 }
 
 impl Reductions {
@@ -174,6 +190,8 @@ impl Reductions {
             members: 0,
             failed: 0,
             failures: Vec::new(),
+            stopped: 0,
+            losses: vec![0; shape.losses],
             summaries: vec![Summary::new(shape.has_quantiles); shape.times * shape.observables],
             windows: deviations(shape.windows * shape.invariants),
             whole: deviations(shape.invariants),
@@ -185,12 +203,7 @@ impl Reductions {
 
     /// Members that reached the end.
     pub fn done(&self) -> u64 {
-        self.members - self.failed
-    }
-
-    /// The mean over the members of an invariant's largest deviation.
-    pub fn mean_deviation(&self, deviation: &Deviation) -> f64 {
-        deviation.sum / self.done().max(1) as f64
+        self.members - self.failed - self.stopped
     }
 
     pub(super) fn add_work(&mut self, work: SolverStatistics) {

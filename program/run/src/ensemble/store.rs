@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::block::Record;
+use super::block::{Ended, Record};
 use super::plan::ComposedEnsemble;
 use crate::csv::{Headings, Table};
 use crate::{Appended, RunError, Vouched};
@@ -14,7 +14,7 @@ pub(crate) const BINARY: &str = "final_states.bin";
 
 /// The writer of last states; of nothing where the scene asks for none.
 ///
-/// CSV has a row for each member: its number, whether it reached the end, its own parameters, the last
+/// CSV has a row for each member: its number, how it has ended, when, where that differs, its own parameters, the last
 /// coordinates, the observables, the initial coordinates and the invariants' largest deviations. The
 /// binary file holds the last coordinates alone, doubles with the least significant byte first, d a
 /// member. A member that failed has its last good state.
@@ -74,24 +74,26 @@ impl FinalStore {
         };
         let varied = ensemble.population.varied();
         let mut rows = Table::default();
-        for (member, lane, is_done) in record.members() {
+        let has_times = ensemble.run.plan.events.stop.is_some();
+        let end = ensemble.time(ensemble.run.plan.steps);
+        for (member, lane, ended) in record.members() {
             let state = ensemble.run.own(&record.states[lane]);
             if ensemble.final_states == FinalStates::Binary {
                 let bytes: Vec<u8> = state.iter().flat_map(|x| x.to_le_bytes()).collect();
                 file.push(&bytes)?;
                 continue;
             }
-            let outcome = if is_done { "done" } else { "failed" };
+            let is_whole = ended != Ended::Failed;
             let parameters = varied.iter().map(|at| record.parameters[lane][*at]);
-            let measured = record
-                .last_sample(lane, ensemble.columns.len())
-                .map(|value| if is_done { value } else { f64::NAN });
-            let drifts = record
-                .largest_deviations(lane)
-                .map(|value| if is_done { value } else { f64::NAN });
-            rows.whole(member)
-                .text(outcome)
-                .numbers(parameters)
+            let known = |value: f64| if is_whole { value } else { f64::NAN };
+            let measured = record.last_sample(lane, ensemble.columns.len());
+            let measured = measured.into_iter().map(known);
+            let drifts = record.largest_deviations(lane).map(known);
+            rows.whole(member).text(ended.word());
+            if has_times {
+                rows.number(record.time(lane, end));
+            }
+            rows.numbers(parameters)
                 .numbers(state.iter().copied())
                 .numbers(measured)
                 .numbers(
@@ -124,6 +126,9 @@ fn heading(ensemble: &ComposedEnsemble) -> String {
     }
     let mut headings = Headings::default();
     headings.extend(["member", "outcome"], "of the ensemble");
+    if ensemble.run.plan.events.stop.is_some() {
+        headings.push("t", "of the ensemble");
+    }
     let parameters = ensemble.run.system.parameters();
     let varied = ensemble.population.varied();
     headings.extend(varied.iter().map(|at| &parameters[*at].name), "parameter");

@@ -4,7 +4,7 @@ use super::plan::ComposedEnsemble;
 use super::report::EnsembleReport;
 use super::statistics::Summary;
 use crate::csv::{Headings, Table};
-use crate::{FAILURES, RunError, STATISTICS, WINDOWS, replace};
+use crate::{FAILURES, LOSSES, RunError, STATISTICS, WINDOWS, replace};
 
 /// The columns of `statistics.csv` before the quantiles.
 const MOMENTS: [&str; 10] = [
@@ -20,12 +20,15 @@ const MOMENTS: [&str; 10] = [
     "maximum_member",
 ];
 
-/// Writes `statistics.csv`, `windows.csv` and, where members failed, `failures.csv`.
+/// Writes `statistics.csv`, `windows.csv`, with a condition `losses.csv` and, where members failed, `failures.csv`.
 pub(super) fn write(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Result<(), RunError> {
     let put =
         |name: &str, table: Table| replace(&report.directory.join(name), table.as_str().as_bytes());
     put(STATISTICS, statistics(ensemble, report))?;
     put(WINDOWS, windows(ensemble, report))?;
+    if ensemble.run.plan.events.stop.is_some() {
+        put(LOSSES, losses(ensemble, report))?;
+    }
     if report.reductions.failed > 0 {
         put(FAILURES, failures(ensemble, report))?;
     }
@@ -87,9 +90,24 @@ fn windows(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Table {
             table
                 .number(deviation.maximum)
                 .whole(deviation.member)
-                .number(report.reductions.mean_deviation(deviation));
+                .number(deviation.mean());
         }
         table.end_row();
+    }
+    table
+}
+
+/// How many members have ended by each time, and the part of all with its confidence interval.
+fn losses(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Table {
+    let mut table = Table::new(["t", "stopped", "members", "fraction", "low", "high"]);
+    for loss in ensemble.losses(&report.reductions) {
+        table
+            .number(loss.time)
+            .whole(loss.stopped)
+            .whole(loss.members)
+            .number(loss.fraction)
+            .numbers(loss.interval)
+            .end_row();
     }
     table
 }

@@ -1,11 +1,14 @@
 //! Blocks of any dimension, and what they hand over.
 
+use leafwise_expression::Workspace;
+
 use super::{Block, Lane, Row};
 use crate::error::StepError;
 use crate::solver::elimination::{ANY, Rows, dimension};
 use crate::solver::judge::Watch;
 use crate::solver::newton::convergence::Convergence;
 use crate::solver::newton::kernel::NewtonKernel;
+use crate::solver::newton::start::Start;
 use crate::solver::{SolverStatistics, add};
 
 /// What a stepper asks of its blocks, whatever their dimension.
@@ -35,6 +38,8 @@ pub(in crate::solver::newton) trait LaneBlock: Send {
     fn jacobians(&mut self, lane: usize) -> (Vec<f64>, Vec<f64>);
     /// Forgets earlier steps.
     fn restart(&mut self);
+    /// Takes another step size, and forgets earlier steps.
+    fn resize(&mut self, h: f64);
     /// What the next step of a lane depends on. The Jacobians are evaluated again where they were
     /// taken.
     fn memory(&self, lane: usize, into: &mut Vec<f64>);
@@ -134,6 +139,24 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
             lane.anchored = false;
             self.start.clear(w);
         }
+    }
+
+    fn resize(&mut self, h: f64) {
+        self.h = h;
+        let (parameters, sizes) = (&self.parameters, ([self.epsilon; W], [h; W]));
+        let prepare = |kernel: &leafwise_expression::Kernel, workspace: &mut Workspace| {
+            kernel.prepare(workspace, parameters, &sizes.0, &sizes.1);
+        };
+        prepare(&self.kernel.full, &mut self.full);
+        prepare(&self.kernel.residual, &mut self.residual);
+        self.halved = None;
+        if let Start::Series {
+            kernel, workspace, ..
+        } = &mut self.start
+        {
+            prepare(kernel, workspace);
+        }
+        self.restart();
     }
 
     fn memory(&self, lane: usize, into: &mut Vec<f64>) {

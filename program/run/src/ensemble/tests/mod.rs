@@ -1,5 +1,6 @@
 //! Claims about ensembles.
 
+mod events;
 mod members;
 mod refusals;
 mod running;

@@ -117,11 +117,11 @@ fn reductions_are_those_of_the_members() {
     assert_eq!(all.whole[0].maximum, largest);
     assert_eq!(drifts[all.whole[0].member as usize], largest);
     let total: f64 = drifts.iter().sum();
-    assert!((all.mean_deviation(&all.whole[0]) - total / 60.0).abs() <= 1e-14 * total);
+    assert!((all.whole[0].mean() - total / 60.0).abs() <= 1e-14 * total);
 }
 
 /// Interrupts after a few looks.
-struct StopAfter(u32);
+pub(super) struct StopAfter(pub u32);
 
 impl Progress for StopAfter {
     fn show(&mut self, _status: &Status) {

@@ -1,0 +1,200 @@
+//! The crossings of all members, in one file.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+
+use leafwise_scene::compose::Observable;
+
+use super::plan::ComposedEnsemble;
+use crate::appended::create_anew;
+use crate::csv::{Headings, Table};
+use crate::samples::SECTION;
+use crate::{Appended, RunError, Vouched};
+
+/// What a member's rows wait in when they are many: `section-17.part`.
+const PART: (&str, &str) = ("section-", ".part");
+
+/// Bytes of a member's rows that are held in memory.
+const HELD: usize = 1 << 15;
+
+/// A member's crossings until it is taken in: text, and the beginning of it in a file of its own where it is long.
+pub(super) struct MemberCrossings {
+    path: PathBuf,
+    rows: Table,
+    is_begun: bool,
+    /// How many.
+    pub count: u64,
+}
+
+impl MemberCrossings {
+    /// None yet.
+    pub fn new(directory: &Path, member: u64) -> Self {
+        let (before, behind) = PART;
+        Self {
+            path: directory.join(format!("{before}{member}{behind}")),
+            rows: Table::default(),
+            is_begun: false,
+            count: 0,
+        }
+    }
+
+    /// One more row.
+    pub fn push(
+        &mut self,
+        member: u64,
+        time: f64,
+        values: impl Iterator<Item = f64>,
+    ) -> Result<(), RunError> {
+        self.rows
+            .whole(member)
+            .number(time)
+            .numbers(values)
+            .end_row();
+        self.count += 1;
+        if self.rows.as_str().len() >= HELD {
+            self.put_aside().map_err(RunError::io(&self.path))?;
+        }
+        Ok(())
+    }
+
+    /// Forgets all rows.
+    pub fn clear(&mut self) {
+        self.rows.clear();
+        self.count = 0;
+        if std::mem::take(&mut self.is_begun) {
+            // The next session removes what stays.
+            let _ = fs::remove_file(&self.path);
+        }
+    }
+
+    fn put_aside(&mut self) -> io::Result<()> {
+        let mut file = match self.is_begun {
+            false => create_anew(&self.path)?,
+            true => OpenOptions::new().append(true).open(&self.path)?,
+        };
+        self.is_begun = true;
+        file.write_all(self.rows.as_str().as_bytes())?;
+        self.rows.clear();
+        Ok(())
+    }
+
+    /// Hands all rows over.
+    fn take(&mut self, into: &mut Appended) -> Result<(), RunError> {
+        if self.is_begun {
+            let mut file = File::open(&self.path).map_err(RunError::io(&self.path))?;
+            let mut buffer = vec![0; HELD];
+            loop {
+                let read = file.read(&mut buffer).map_err(RunError::io(&self.path))?;
+                if read == 0 {
+                    break;
+                }
+                into.push(&buffer[..read])?;
+            }
+        }
+        into.push(self.rows.as_str().as_bytes())
+    }
+}
+
+impl Drop for MemberCrossings {
+    fn drop(&mut self) {
+        self.clear();
+    }
+}
+
+/// The writer of `section.csv`; of nothing where the scene asks for none. Each row is a member's number and what a run's
+/// section has; members follow each other by number, a member's crossings in time.
+pub(super) struct SectionStore {
+    file: Option<Appended>,
+    /// Rows.
+    pub count: u64,
+}
+
+impl SectionStore {
+    /// A new file.
+    pub fn create(ensemble: &ComposedEnsemble, directory: &Path) -> Result<Self, RunError> {
+        remove_parts(directory).map_err(RunError::io(directory))?;
+        let file = match ensemble.run.plan.events.section {
+            None => None,
+            Some(_) => {
+                let mut file = Appended::create(&directory.join(SECTION))?;
+                file.push(heading(ensemble).as_bytes())?;
+                Some(file)
+            }
+        };
+        Ok(Self { file, count: 0 })
+    }
+
+    /// The file of an earlier session, of which nothing is changed before [`go_on`](Self::go_on).
+    pub fn resume(
+        ensemble: &ComposedEnsemble,
+        directory: &Path,
+        vouched: &Vouched,
+        count: u64,
+    ) -> Result<Self, RunError> {
+        let section = ensemble.run.plan.events.section.as_ref();
+        let file = section.map(|_| Appended::resume(&directory.join(SECTION), vouched));
+        let file = file.transpose()?;
+        Ok(Self { file, count })
+    }
+
+    /// Prepares the file of an earlier session for more members.
+    pub fn go_on(&mut self, directory: &Path) -> Result<(), RunError> {
+        remove_parts(directory).map_err(RunError::io(directory))?;
+        self.file.as_mut().map_or(Ok(()), |file| file.cut(false))
+    }
+
+    /// Appends the crossings of members in their order.
+    pub fn push(&mut self, members: &mut [MemberCrossings]) -> Result<(), RunError> {
+        let Some(file) = &mut self.file else {
+            return Ok(());
+        };
+        for member in members {
+            member.take(file)?;
+            self.count += member.count;
+        }
+        file.flush()
+    }
+
+    /// Hands everything to the disk; returns what a checkpoint may count.
+    pub fn sync(&mut self) -> Result<Vouched, RunError> {
+        match &mut self.file {
+            Some(file) => file.sync(),
+            None => Ok(Vouched::NOTHING),
+        }
+    }
+}
+
+/// What a session leaves that was killed.
+fn remove_parts(directory: &Path) -> io::Result<()> {
+    let (before, behind) = PART;
+    for entry in fs::read_dir(directory)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let number = name
+            .strip_prefix(before)
+            .and_then(|name| name.strip_suffix(behind));
+        if number.is_some_and(|number| number.parse::<u64>().is_ok()) {
+            fs::remove_file(entry.path())?;
+        }
+    }
+    Ok(())
+}
+
+/// The columns behind the member's number and the time.
+pub(super) fn columns(ensemble: &ComposedEnsemble) -> Vec<String> {
+    let observables = ensemble.run.plan.observables.iter();
+    let mut names = ensemble.run.plan.states.names();
+    names.extend(observables.map(|observable| Observable::name(observable).to_owned()));
+    names
+}
+
+/// The first line of the file.
+pub(super) fn heading(ensemble: &ComposedEnsemble) -> String {
+    let mut headings = Headings::default();
+    headings.extend(["member", "t"], "of the crossing");
+    headings.extend(ensemble.run.plan.states.names(), "variable");
+    headings.extend(ensemble.observables(), "observable");
+    headings.table().as_str().to_owned()
+}

@@ -1,0 +1,292 @@
+//! Where members end between two steps, and where they cross a section.
+
+use std::fs;
+
+use super::running::StopAfter;
+use super::*;
+use crate::{Quiet, RunOutcome, run};
+use leafwise_scene::compose::compose;
+
+const FILES: [&str; 6] = [
+    "statistics.csv",
+    "windows.csv",
+    "final_states.csv",
+    "losses.csv",
+    "section.csv",
+    "scene.toml",
+];
+
+/// q(t) = q₀ + p t.
+const FREE: &str = r#"
+[system]
+variables   = ["q", "p"]
+bracket     = { "q,p" = "1" }
+convention  = "{x,H}"
+hamiltonian = "p^2/2"
+[method]
+stepper     = "splitting"
+time-step   = 0.25
+[run]
+initial = [0, 0.5]
+steps   = 16
+stop    = "q >= 1"
+[ensemble]
+members = 2000
+initial = { box = [0, 0.5] }
+record  = { every = 4, observables = ["q"] }
+final-states = "csv"
+"#;
+
+/// q(t) = √(2E) sin(ωt + φ); the frequency differs from member to member.
+const SWING: &str = r#"
+[system]
+variables   = ["q", "p"]
+parameters  = { w = 1 }
+bracket     = { "q,p" = "1" }
+convention  = "{x,H}"
+hamiltonian = "w*(p^2 + q^2)/2"
+[method]
+METHOD
+time-step   = 0.1
+[run]
+initial = [0, 1]
+steps   = 150
+stop    = "q + 0.02*p > 0.9"
+section = { at = "q = 0.3", direction = "both" }
+[ensemble]
+members = 90
+seed    = 3
+initial = { ball = 0.4 }
+parameters = { w = { normal = [1, 0.1] } }
+record  = { every = 7, observables = ["energy", "q*p"], quantiles = [0.5] }
+final-states = "csv"
+"#;
+
+fn parsed(text: &str) -> SceneDocument {
+    SceneDocument::parse("scene.toml", text, &Registry::empty()).expect("a scene")
+}
+
+fn table(directory: &Path, file: &str) -> Vec<Vec<String>> {
+    let text = fs::read_to_string(directory.join(file)).expect(file);
+    let row = |line: &str| line.split(',').map(str::to_owned).collect();
+    text.lines().skip(1).map(row).collect()
+}
+
+fn number(cell: &str) -> f64 {
+    cell.parse().expect("a number")
+}
+
+/// Each member that is fast enough is lost at t = (1 − q)/p, where it is at q = 1; the part of them that is lost by t is
+/// that of the speeds beyond 1/t, and lies as the binomial distribution has it about 1 − 1/t.
+#[test]
+fn free_members_are_lost_when_they_come_to_the_wall() {
+    let document = parsed(FREE);
+    let ensemble = composed(&document);
+    let root = tempfile::tempdir().expect("a directory");
+    let report = attempt(&document, root.path(), workforce(2, 16), &mut Quiet).expect("done");
+    let mut times = Vec::new();
+    for (member, row) in (0..).zip(table(root.path(), "final_states.csv")) {
+        let (state, _) = ensemble.population.draw(member).expect("a state");
+        let (expected, t) = (1.0 / state[1], number(&row[2]));
+        let (q, p) = (number(&row[3]), number(&row[4]));
+        assert_eq!(p, state[1]);
+        if expected < 4.0 {
+            assert_eq!(row[1], "stopped", "{row:?}");
+            // The length of the last step is enclosed to round-off, and is a part of t.
+            assert!(
+                (t - expected).abs() <= 8.0 * f64::EPSILON * expected,
+                "{row:?}"
+            );
+            assert!(q >= 1.0 && q - 1.0 <= 8.0 * f64::EPSILON, "{row:?}");
+            times.push(t);
+        } else {
+            assert_eq!((row[1].as_str(), t), ("done", 4.0), "{row:?}");
+            assert_eq!(q, 4.0 * p);
+        }
+    }
+    let all = &report.reductions;
+    assert_eq!((all.stopped, all.failed), (times.len() as u64, 0));
+    assert_eq!(all.done() + all.stopped, 2000);
+    let losses = ensemble.losses(all);
+    assert_eq!(losses.len(), 17);
+    for (loss, row) in losses.iter().zip(table(root.path(), "losses.csv")) {
+        let count = times.iter().filter(|t| **t <= loss.time).count() as u64;
+        assert_eq!((loss.stopped, loss.members), (count, 2000));
+        assert_eq!(number(&row[3]), count as f64 / 2000.0);
+        let p = (1.0 - 1.0 / loss.time).max(0.0);
+        let deviation = libm::sqrt(p * (1.0 - p) / 2000.0);
+        assert!((loss.fraction - p).abs() <= 4.0 * deviation, "{loss:?}");
+        let [low, high] = loss.interval;
+        assert!(low <= loss.fraction && loss.fraction <= high);
+    }
+    // What is recorded at t = 2 is of the members that are there.
+    let there = times.iter().filter(|t| **t > 2.0).count() as u64 + all.done();
+    assert_eq!(all.summaries[2].count, there);
+    assert!(all.summaries[2].maximum.0 < 1.0);
+    assert_eq!(all.summaries[4].count, all.done());
+}
+
+#[test]
+fn events_depend_neither_on_lanes_nor_on_threads_nor_on_interruptions() {
+    for method in METHODS {
+        let document = parsed(&SWING.replace("METHOD", method));
+        let root = tempfile::tempdir().expect("a directory");
+        let mut all = Vec::new();
+        let mut take = |directory: &Path, report: EnsembleReport| {
+            let mut reductions = report.reductions;
+            reductions.statistics = Default::default();
+            let files = FILES.map(|file| fs::read(directory.join(file)).expect(file));
+            all.push((reductions, report.crossings, files));
+        };
+        for (threads, lanes) in [(1, 64), (1, 1), (2, 7), (3, 8)] {
+            let directory = root.path().join(format!("{threads}-{lanes}"));
+            let report = attempt(&document, &directory, workforce(threads, lanes), &mut Quiet);
+            take(&directory, report.expect("an ensemble"));
+        }
+        let pieces = root.path().join("pieces");
+        let report = loop {
+            let report = attempt(&document, &pieces, workforce(2, 4), &mut StopAfter(3));
+            let report = report.expect("a session");
+            if report.outcome == RunOutcome::Done {
+                break report;
+            }
+        };
+        take(&pieces, report);
+        let (reductions, crossings, _) = &all[0];
+        assert!(
+            reductions.stopped > 10 && reductions.done() > 10,
+            "{reductions:?}"
+        );
+        assert!(crossings.is_some_and(|count| count > 50));
+        for other in &all[1..] {
+            assert!(other == &all[0], "{method}");
+        }
+    }
+}
+
+#[test]
+fn a_member_alone_ends_and_crosses_as_in_the_ensemble() {
+    for method in METHODS {
+        let document = parsed(&SWING.replace("METHOD", method));
+        let ensemble = composed(&document);
+        let root = tempfile::tempdir().expect("a directory");
+        let whole = root.path().join("all");
+        attempt(&document, &whole, workforce(2, 16), &mut Quiet).expect("done");
+        let crossings = fs::read_to_string(whole.join("section.csv")).expect("crossings");
+        assert!(crossings.starts_with("member,t,q,p,energy,q*p\n"));
+        for (member, row) in (0..).zip(table(&whole, "final_states.csv")).step_by(6) {
+            let text = member_scene(&document, &ensemble, member).expect("a scene");
+            let text = text.replace(
+                "[run]",
+                "[run]\nrecord = { observables = [\"energy\", \"q*p\"] }",
+            );
+            let alone = parsed(&text);
+            let composed = match compose(&alone, &Registry::with_builtin()) {
+                Ok(composed) => composed,
+                Err(refusal) => {
+                    assert!(refusal.message.contains("holds at the initial state"));
+                    assert_eq!((row[1].as_str(), number(&row[2])), ("stopped", 0.0));
+                    continue;
+                }
+            };
+            let directory = root.path().join(format!("{member}"));
+            let report = run(
+                &alone,
+                &composed,
+                &Registry::with_builtin(),
+                &options(&directory),
+                &mut Quiet,
+            )
+            .expect("a run");
+            assert_eq!(report.outcome.word(), row[1]);
+            assert_eq!(format!("{:?}", report.time), row[2]);
+            let state: Vec<String> = report
+                .final_state
+                .iter()
+                .map(|x| format!("{x:?}"))
+                .collect();
+            assert_eq!(row[4..6], state, "{method}, {member}");
+            let drift = format!("{:?}", report.invariants[0].maximum);
+            assert_eq!(row.last(), Some(&drift), "{method}, {member}");
+            let own = fs::read_to_string(directory.join("section.csv")).expect("crossings");
+            let own: Vec<String> = own
+                .lines()
+                .skip(1)
+                .map(|line| format!("{member},{line}"))
+                .collect();
+            let begin = format!("{member},");
+            let listed: Vec<&str> = crossings
+                .lines()
+                .filter(|line| line.starts_with(&begin))
+                .collect();
+            assert_eq!(listed, own, "{method}, {member}");
+        }
+    }
+}
+
+/// More rows than a member holds in memory wait in a file, which is gone at the end.
+#[test]
+fn many_crossings_are_put_aside() {
+    let text = FREE
+        .replace("p^2/2\"", "p^2/2 + q^2/2\"")
+        .replace(
+            "stop    = \"q >= 1\"",
+            "section = { at = \"q = 0\", direction = \"up\" }",
+        )
+        .replace("steps   = 16", "steps   = 20000")
+        .replace("members = 2000", "members = 3")
+        .replace("every = 4", "every = 20000");
+    let document = parsed(&text);
+    let root = tempfile::tempdir().expect("a directory");
+    let directory = root.path().join("run");
+    let report = attempt(&document, &directory, workforce(1, 3), &mut Quiet).expect("done");
+    let rows = table(&directory, "section.csv");
+    assert_eq!(report.crossings, Some(rows.len() as u64));
+    let size = fs::metadata(directory.join("section.csv"))
+        .expect("a file")
+        .len();
+    assert!(size > 3 * (1 << 15), "{size}");
+    // The splitting turns by 2 asin(h/2) each step: one crossing in each turn.
+    let turn = std::f64::consts::PI / libm::asin(0.125);
+    let times: Vec<f64> = rows.iter().map(|row| number(&row[1])).collect();
+    for (pair, rows) in times.windows(2).zip(rows.windows(2)) {
+        if rows[0][0] == rows[1][0] {
+            assert!((pair[1] - pair[0] - 0.25 * turn).abs() < 0.02, "{pair:?}");
+        }
+        assert!(rows[0][0] <= rows[1][0]);
+    }
+    let left = fs::read_dir(&directory).expect("files");
+    let left = left.filter(|entry| {
+        let name = entry.as_ref().expect("a file").file_name();
+        name.to_string_lossy().ends_with(".part")
+    });
+    assert_eq!(left.count(), 0);
+}
+
+/// What has no value at a member ends that member alone.
+#[test]
+fn a_condition_without_a_value_is_a_failure_of_its_member() {
+    for (from, to) in [
+        ("stop    = \"q >= 1\"", "stop    = \"sqrt(0.5 - q) < -1\""),
+        (
+            "stop    = \"q >= 1\"",
+            "section = { at = \"sqrt(0.5 - q) = 0.65\" }",
+        ),
+    ] {
+        let document = parsed(&FREE.replace(from, to));
+        let root = tempfile::tempdir().expect("a directory");
+        let report = attempt(&document, root.path(), workforce(2, 16), &mut Quiet).expect("done");
+        let all = &report.reductions;
+        assert!(all.failed > 1000 && all.done() > 100 && all.stopped == 0);
+        let first = &all.failures[0];
+        assert!(first.message.contains("sqrt(0.5 - q)"), "{first:?}");
+        assert!(first.message.contains("has no finite value at this state"));
+        assert!(first.state[0] > 0.5);
+        if report.crossings.is_some() {
+            // The others cross before they fail, and their rows go with them.
+            let rows = table(root.path(), "section.csv");
+            assert!(rows.len() > 50);
+            assert!(rows.iter().all(|row| number(&row[3]) <= 0.125), "{rows:?}");
+        }
+    }
+}

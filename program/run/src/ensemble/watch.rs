@@ -1,0 +1,339 @@
+//! What happens to members between two steps: where they end, and where they cross a section.
+
+use leafwise_core::{BuildError, SideBySide};
+use leafwise_expression::Expression;
+use leafwise_scene::compose::{Section, Stop};
+
+use super::observers::{Functions, ObservableEvaluator};
+use super::plan::{Column, ComposedEnsemble};
+use crate::Failure;
+use crate::events::{Lost, crossing, end, sign};
+use crate::last_step::{Between, LastStep};
+
+/// Where a condition has ended a member.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct MemberStop {
+    /// In which step, counted from 1; 0 where it holds at the initial state.
+    pub step: u64,
+    /// The time.
+    pub time: f64,
+    /// The state.
+    pub state: Vec<f64>,
+    /// The observables there.
+    pub row: Vec<f64>,
+}
+
+/// The differences of both sides, of the condition and of the section, as code.
+pub(super) struct Watched {
+    stop: Option<(Stop, Functions)>,
+    section: Option<(Section, Functions)>,
+}
+
+impl Watched {
+    /// Of a scene.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a formula has no code.
+    pub fn of(run: &leafwise_scene::compose::ComposedRun) -> Result<Self, BuildError> {
+        let events = &run.plan.events;
+        let code = |formula: &Expression| Functions::formulas(&run.system, &[formula]);
+        let stop = events.stop.clone().map(|stop| {
+            let code = code(&stop.difference)?;
+            Ok::<_, BuildError>((stop, code))
+        });
+        let section = events.section.clone().map(|section| {
+            let code = code(&section.difference)?;
+            Ok::<_, BuildError>((section, code))
+        });
+        Ok(Self {
+            stop: stop.transpose()?,
+            section: section.transpose()?,
+        })
+    }
+}
+
+/// The members of a block between two steps.
+pub(super) struct Watch<'a> {
+    ensemble: &'a ComposedEnsemble,
+    parameters: Vec<Vec<f64>>,
+    stop: Option<(&'a Stop, ObservableEvaluator<'a>)>,
+    section: Option<(&'a Section, ObservableEvaluator<'a>)>,
+    /// For each lane, the sign of left − right when it was last not zero.
+    sides: Vec<f64>,
+    /// The states before the last step, and what they hold beyond a double.
+    states: Vec<f64>,
+    low: Vec<f64>,
+    /// What looks at a member alone: one for all where they have the same parameters.
+    alone: Vec<Option<Alone<'a>>>,
+}
+
+/// One member's last step and functions of its state.
+struct Alone<'a> {
+    last: LastStep<'a>,
+    stop: Option<ObservableEvaluator<'a>>,
+    section: Option<ObservableEvaluator<'a>>,
+    invariants: ObservableEvaluator<'a>,
+    formulas: ObservableEvaluator<'a>,
+}
+
+/// A lane and what has become of it.
+pub(super) type Found<T> = Vec<(usize, Result<T, Failure>)>;
+
+impl<'a> Watch<'a> {
+    /// The members with these parameters; `values` are the same as a structure of arrays.
+    pub fn new(
+        ensemble: &'a ComposedEnsemble,
+        parameters: &[Vec<f64>],
+        values: &[f64],
+    ) -> Result<Self, BuildError> {
+        let lanes = parameters.len();
+        let watched = &ensemble.watched;
+        let stop = watched.stop.as_ref().map(|(stop, code)| {
+            let evaluator = code.evaluator(lanes, values)?;
+            Ok::<_, BuildError>((stop, evaluator))
+        });
+        let section = watched.section.as_ref().map(|(section, code)| {
+            let evaluator = code.evaluator(lanes, values)?;
+            Ok::<_, BuildError>((section, evaluator))
+        });
+        let differ = !ensemble.population.varied().is_empty();
+        Ok(Self {
+            ensemble,
+            parameters: parameters.to_vec(),
+            stop: stop.transpose()?,
+            section: section.transpose()?,
+            sides: vec![0.0; lanes],
+            states: Vec::new(),
+            low: Vec::new(),
+            alone: (0..if differ { lanes } else { 1 }).map(|_| None).collect(),
+        })
+    }
+
+    /// Whether there is nothing to look at.
+    pub fn is_blind(&self) -> bool {
+        self.stop.is_none() && self.section.is_none()
+    }
+
+    /// Keeps the states that the next step begins at.
+    pub fn keep(&mut self, integrator: &SideBySide) {
+        self.states.clear();
+        self.states.extend_from_slice(integrator.state());
+        self.low.clear();
+        self.low.extend_from_slice(integrator.compensation());
+    }
+
+    /// Looks at the initial states: the members that end there, and the sides of the section that they begin on.
+    pub fn begin(&mut self, integrator: &SideBySide) -> Result<Found<MemberStop>, BuildError> {
+        let mut found = Vec::new();
+        self.keep(integrator);
+        if let Some((section, evaluator)) = &mut self.section {
+            for (lane, value) in evaluator.at(integrator.state()).iter().enumerate() {
+                self.sides[lane] = sign(*value, 0.0);
+                if value.is_nan() && integrator.lives(lane) {
+                    let lost = Lost::Undefined(&section.text);
+                    found.push((
+                        lane,
+                        Err(failure(self.ensemble, lost, 0, &integrator.last(lane).1)),
+                    ));
+                }
+            }
+        }
+        let Some((stop, evaluator)) = &mut self.stop else {
+            return Ok(found);
+        };
+        let stop = *stop;
+        let values = evaluator.at(integrator.state()).to_vec();
+        for (lane, value) in values.into_iter().enumerate() {
+            if !integrator.lives(lane) || !(stop.holds(value) || value.is_nan()) {
+                continue;
+            }
+            let state = integrator.last(lane).1;
+            let ended = match value.is_nan() {
+                true => Err(failure(
+                    self.ensemble,
+                    Lost::Undefined(&stop.text),
+                    0,
+                    &state,
+                )),
+                false => {
+                    let row = self.row(lane, &state)?;
+                    Ok(MemberStop {
+                        step: 0,
+                        time: 0.0,
+                        state,
+                        row,
+                    })
+                }
+            };
+            found.push((lane, ended));
+        }
+        Ok(found)
+    }
+
+    /// The members that the condition ends in the last step.
+    pub fn stops(
+        &mut self,
+        integrator: &SideBySide,
+        steps: u64,
+    ) -> Result<Found<MemberStop>, BuildError> {
+        let mut found = Vec::new();
+        let Some((stop, evaluator)) = &mut self.stop else {
+            return Ok(found);
+        };
+        let stop = *stop;
+        let values = evaluator.at(integrator.state());
+        // Most steps end no member.
+        if !values
+            .iter()
+            .any(|value| stop.holds(*value) || value.is_nan())
+        {
+            return Ok(found);
+        }
+        for (lane, value) in values.to_vec().into_iter().enumerate() {
+            if !integrator.lives(lane) || !(stop.holds(value) || value.is_nan()) {
+                continue;
+            }
+            let after = integrator.last(lane).1;
+            let ensemble = self.ensemble;
+            let alone = self.alone(lane)?;
+            let Alone {
+                last, stop: own, ..
+            } = alone;
+            let mut difference =
+                |state: &[f64]| own.as_mut().map_or(f64::NAN, |own| own.at(state)[0]);
+            let ended = match end(stop, &mut difference, last, &after, value) {
+                Err(lost) => Err(failure(ensemble, lost, steps, &after)),
+                Ok(None) => continue,
+                Ok(Some(between)) => {
+                    let time = last.time(steps, between.part);
+                    let row = self.row(lane, &between.state)?;
+                    Ok(MemberStop {
+                        step: steps,
+                        time,
+                        state: between.state,
+                        row,
+                    })
+                }
+            };
+            found.push((lane, ended));
+        }
+        Ok(found)
+    }
+
+    /// Where members cross the section in the last step: the time, and the columns of a row. Those that `ended` in it cross
+    /// nothing behind their end.
+    pub fn crossings(
+        &mut self,
+        integrator: &SideBySide,
+        steps: u64,
+        takes_part: impl Fn(usize) -> bool,
+        ended: impl Fn(usize) -> Option<f64>,
+    ) -> Result<Found<(f64, Vec<f64>)>, BuildError> {
+        let mut found = Vec::new();
+        let Some((section, evaluator)) = &mut self.section else {
+            return Ok(found);
+        };
+        let section = *section;
+        let values = evaluator.at(integrator.state());
+        let same = values
+            .iter()
+            .zip(&self.sides)
+            .all(|(value, side)| value * side > 0.0);
+        if same {
+            return Ok(found);
+        }
+        let lanes = self.sides.len();
+        for (lane, value) in values.to_vec().into_iter().enumerate() {
+            let side = self.sides[lane];
+            if value * side > 0.0 || !takes_part(lane) {
+                continue;
+            }
+            let column = integrator.state().iter().skip(lane).step_by(lanes);
+            let after: Vec<f64> = column.copied().collect();
+            let ensemble = self.ensemble;
+            let alone = self.alone(lane)?;
+            let Alone {
+                last, section: own, ..
+            } = alone;
+            let mut difference =
+                |state: &[f64]| own.as_mut().map_or(f64::NAN, |own| own.at(state)[0]);
+            let (other, between) =
+                match crossing(section, &mut difference, last, &after, (side, value)) {
+                    Ok(found) => found,
+                    Err(lost) => {
+                        found.push((lane, Err(failure(ensemble, lost, steps, &after))));
+                        continue;
+                    }
+                };
+            self.sides[lane] = other;
+            let Some(Between { part, state, .. }) = between else {
+                continue;
+            };
+            let time = self.alone(lane)?.last.time(steps, part);
+            let forward = ensemble.run.plan.epsilon * ensemble.run.plan.h;
+            if ended(lane).is_some_and(|end| (end - time) * forward < 0.0) {
+                continue;
+            }
+            let recorded = ensemble.run.plan.states.coordinates();
+            let mut row: Vec<f64> = recorded.map(|at| state[at]).collect();
+            row.extend(self.row(lane, &state)?);
+            found.push((lane, Ok((time, row))));
+        }
+        Ok(found)
+    }
+
+    /// The observables of a member at a state.
+    fn row(&mut self, lane: usize, state: &[f64]) -> Result<Vec<f64>, BuildError> {
+        let ensemble = self.ensemble;
+        let alone = self.alone(lane)?;
+        let invariants = alone.invariants.at(state);
+        let formulas = alone.formulas.at(state);
+        let value = |column: &Column| match *column {
+            Column::Invariant(at) => invariants[at],
+            Column::Formula(at) => formulas[at],
+        };
+        Ok(ensemble.columns.iter().map(value).collect())
+    }
+
+    /// What looks at a lane alone, at its last step.
+    fn alone(&mut self, lane: usize) -> Result<&mut Alone<'a>, BuildError> {
+        let ensemble = self.ensemble;
+        let lanes = self.sides.len();
+        let (parameters, slot) = (&self.parameters[lane], lane.min(self.alone.len() - 1));
+        let slot = &mut self.alone[slot];
+        if slot.is_none() {
+            let watched = &ensemble.watched;
+            let code = |of: &'a Functions| of.evaluator(1, parameters);
+            *slot = Some(Alone {
+                last: LastStep::with(&ensemble.run, parameters.clone()),
+                stop: watched.stop.as_ref().map(|(_, of)| code(of)).transpose()?,
+                section: watched
+                    .section
+                    .as_ref()
+                    .map(|(_, of)| code(of))
+                    .transpose()?,
+                invariants: code(&ensemble.invariants)?,
+                formulas: code(&ensemble.formulas)?,
+            });
+        }
+        let alone = slot.as_mut().expect("it was made above");
+        let start = &mut alone.last.start;
+        for (own, all) in [
+            (&mut start.state, &self.states),
+            (&mut start.compensation, &self.low),
+        ] {
+            let column = all.iter().skip(lane).step_by(lanes);
+            own.iter_mut().zip(column).for_each(|(own, x)| *own = *x);
+        }
+        Ok(alone)
+    }
+}
+
+/// Why a member cannot go on after so many steps.
+fn failure(ensemble: &ComposedEnsemble, lost: Lost<'_>, steps: u64, state: &[f64]) -> Failure {
+    let (time, state) = (ensemble.time(steps), ensemble.run.own(state));
+    match lost {
+        Lost::Undefined(text) => Failure::of_observable(&format!("`{text}`"), steps, time, state),
+        Lost::Step(error) => Failure::of_step(&error, steps, time, state),
+    }
+}
