@@ -224,9 +224,9 @@ fn triples(system: &SystemFormulas) -> Result<Vec<[usize; 3]>, BuildError> {
     let d = system.dimension();
     let triples = joined(system);
     if d == 0 || triples.iter().any(|triple| triple.len() != 3) {
-        return Err(unfit(format!(
-            "its {d} variables do not form triples of so(3)*"
-        )));
+        return Err(unfit(
+            "its variables do not form triples of so(3)*".to_owned(),
+        ));
     }
     let mut ring = Ring::new(d);
     let x: Vec<Polynomial> = (0..d).map(|i| ring.variable(i)).collect();

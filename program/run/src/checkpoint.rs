@@ -21,7 +21,7 @@ pub(crate) const FILE: &str = "checkpoint.bin";
 /// What the file holds, and how.
 const FORMAT: Format = Format {
     name: b"leafwis",
-    number: b'9',
+    number: b'A',
 };
 
 /// A run between two steps. Another field, order or type is another format.

@@ -18,6 +18,11 @@ pub(super) struct PacedSteps {
     pub most: f64,
     /// The time at the last look whether it advances.
     pub seen: f64,
+    /// The time when the number of steps was last a power of two, and by how much it had then advanced since the one before.
+    pub doubled: f64,
+    pub advance: f64,
+    /// How often in a row that advance had not grown.
+    pub slower: u32,
 }
 
 /// The pace of a run at its steps.
@@ -36,6 +41,16 @@ const LOOKED_OVER: u64 = 1 << 16;
 
 /// The least part of the way to the end that it advances by then: a run of 10¹² steps comes there in days.
 const STALLED: f64 = 1e-7;
+
+/// Steps from which on their number is looked at when it doubles.
+const LEAST_DOUBLED: u64 = 1 << 12;
+
+/// Doublings in a row, by each of which the time advances by no more than by that before: a steady motion advances by twice
+/// as much.
+const SLOWER: u32 = 4;
+
+/// The most doublings from the first step to the end: 2⁴² steps take months.
+const MOST_DOUBLINGS: f64 = 42.0;
 
 /// The part of |e| below which no balance H + e is looked at.
 const NEGLIGIBLE: f64 = 1e-6;
@@ -133,6 +148,13 @@ impl<'a> Paced<'a> {
             format!(
                 "the pace {pace} stalls: it is {value:e}, and this step advances t by {advance:e}"
             )
+        } else if self.is_in_vain(integrator) {
+            format!(
+                "the pace {pace} becomes too small to come to the end: it is {value:e} at t = {:?}, and twice as many steps \
+                 advance t by {:e}",
+                self.time(integrator),
+                self.steps.advance,
+            )
         } else if self.is_lost(integrator.state(), balance) {
             format!(
                 "the pace {pace} is so near to 0, {value:e}, that the error {balance:e} of the energy, K/pace, moves the state: \
@@ -194,6 +216,24 @@ impl<'a> Paced<'a> {
         let part = balance.abs() * largest(&slopes);
         let step = (self.run.plan.epsilon * self.run.plan.h).abs();
         part > MOST_FALSE * largest(&whole[..own]) && part * step > MOST_MOVED * size
+    }
+
+    /// Whether ever more steps would lead to no end: the time advances with the logarithm of their number, or less.
+    fn is_in_vain(&mut self, integrator: &Integrator) -> bool {
+        let (made, time) = (integrator.steps(), self.time(integrator));
+        let Some(until) = self.run.plan.until else {
+            return false;
+        };
+        if made < LEAST_DOUBLED || !made.is_power_of_two() {
+            return false;
+        }
+        let advance = (time - self.steps.doubled).abs();
+        let is_slower = made > LEAST_DOUBLED && advance <= self.steps.advance;
+        self.steps.slower = if is_slower { self.steps.slower + 1 } else { 0 };
+        self.steps.doubled = time;
+        self.steps.advance = advance;
+        let left = MOST_DOUBLINGS - f64::from(made.ilog2());
+        self.steps.slower >= SLOWER && (until - time).abs() > left * advance
     }
 
     /// Whether the time has hardly advanced since the last look.

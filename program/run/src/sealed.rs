@@ -1,6 +1,6 @@
 //! Files that are read back to every bit or refused: name, format, content, digest.
 //!
-//! A name of 7 bytes, the format's number as a digit, the content as the crate `postcard` writes it through
+//! A name of 7 bytes, the format's number as a digit or a letter, the content as the crate `postcard` writes it through
 //! serde, and the SHA-256 of all before. A double is its 8 bytes, least significant first.
 
 use std::fs;

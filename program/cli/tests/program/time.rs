@@ -361,7 +361,11 @@ fn what_is_not_offered_with_a_pace_says_so() {
     );
     let said = Place::with(&splitting).leafwise(&["run", "scene.toml"]);
     assert_eq!(said.code, Some(3), "{}", said.err);
-    said.says(&["splitting does not fit this system"]);
+    said.says(&[
+        "splitting does not fit this system",
+        "with a pace the Hamiltonian is (H + e)*((q1^2 + q2^2)^0.75)",
+        "take the pace out",
+    ]);
 }
 
 /// A pace that comes to 0: the exact motion never gets there, a computed one would turn back into another orbit.
@@ -384,4 +388,15 @@ fn a_run_ends_where_its_pace_vanishes() {
     let said = here.leafwise(&["run", "scene.toml"]);
     assert_eq!(said.code, Some(1), "{}", said.err);
     said.says(&["stalls"]);
+    // ∫ exp(t²) dt: the time grows as √ln τ, to 6 in more than 10¹⁵ steps.
+    let never = PACED.replace("(q1^2 + q2^2)^0.75", "exp(-t^2)");
+    let here = Place::with(&never);
+    let said = here.leafwise(&["run", "scene.toml", "--json"]);
+    assert_eq!(said.code, Some(1), "{}", said.err);
+    said.says(&[
+        "the pace exp(-t^2) becomes too small to come to the end",
+        "at t = ",
+    ]);
+    let steps = said.json()["steps"].as_u64().expect("a number");
+    assert!(steps < 1 << 22, "{steps}");
 }

@@ -225,7 +225,18 @@ fn stepper(
     let given = request.parameters(part.info)?;
     let refused = |error| request.refused(&error);
     let base = match lattice {
-        None => Base::Stepper(part.build(system, &given).map_err(refused)?),
+        None => Base::Stepper(part.build(system, &given).map_err(|error| {
+            let mut refusal = request.refused(&error);
+            let is_unfit = matches!(error, BuildError::DoesNotFit { .. });
+            if let Some(pace) = request.document.method.pace.as_ref().filter(|_| is_unfit) {
+                let pace = pace.value.trim();
+                refusal.message += &format!(
+                    "; with a pace the Hamiltonian is (H + e)*({pace}), where t' = {pace}"
+                );
+                refusal.help = Some("take the pace out, or a realization and dynamics".to_owned());
+            }
+            refusal
+        })?),
         Some(lattice) => match part.build_on_lattice(lattice, &given) {
             Ok(map) => Base::Sweeps(map),
             Err(BuildError::DoesNotFit { .. }) if lattice.dimension() <= STEPPER_LIMIT => {
