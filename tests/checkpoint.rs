@@ -1,6 +1,8 @@
 //! A run that stops and continues from its checkpoint has the same bits as one that does not.
 
-use leafwise::core::Integrator;
+use leafwise::core::{Integrator, Registry, Stepper};
+use leafwise::scene::SceneDocument;
+use leafwise::scene::compose::compose;
 use leafwise_tests::{library, method};
 
 #[test]
@@ -78,4 +80,61 @@ fn a_checkpoint_of_another_dimension_is_refused() {
         body.initial,
         "a refused checkpoint changes nothing"
     );
+}
+
+/// Shorter steps on the way to an event take one stepper, and none of them knows of the others.
+#[test]
+fn a_stepper_of_another_step_size_has_the_bits_of_a_new_one() {
+    let registry = Registry::with_builtin();
+    for (library, method) in [
+        ("rigid-body", "stepper = \"splitting\""),
+        (
+            "rigid-body",
+            "stepper = \"splitting\"\ncomposition = \"suzuki-4\"",
+        ),
+        ("rigid-body", "stepper = \"rk4\""),
+        (
+            "rigid-body",
+            "dynamics = { name = \"hamilton-jacobi\", order = 8 }",
+        ),
+        (
+            "rigid-body",
+            "realization = { name = \"karasev-truncated\", order = 4 }\n\
+             dynamics = { name = \"hamilton-jacobi\", order = 2 }\ncomposition = \"suzuki-4\"",
+        ),
+        (
+            "lotka-volterra-periodic",
+            "realization = { name = \"karasev-truncated\", order = 5 }\n\
+             dynamics = { name = \"hamilton-jacobi\", order = 4 }",
+        ),
+    ] {
+        let initial = leafwise_tests::library(library).initial;
+        let text = format!(
+            "[system]\nlibrary = \"{library}\"\n[method]\n{method}\ntime-step = 0.1\n[run]\n\
+             initial = {initial:?}\nsteps = 1\n"
+        );
+        let scene = SceneDocument::parse("scene.toml", &text, &registry).expect("a scene");
+        let run = compose(&scene, &registry).expect("a method");
+        let parameters = run.system.parameter_values();
+        let new = |h: f64| run.method.map().stepper(1, &parameters, 0.1, h);
+        let increment = |stepper: &mut dyn Stepper| {
+            let (d, mut outcome) = (initial.len(), [Ok(())]);
+            let mut increment = vec![0.0; d];
+            stepper.increment(&initial, &vec![1e-20; d], &mut increment, &mut outcome);
+            assert_eq!(outcome, [Ok(())], "{method}");
+            increment
+        };
+        let mut kept = new(1.0);
+        let whole = increment(kept.as_mut());
+        for part in [0.5, 0.37, 1e-9, 0.0, 0.999, 1.0] {
+            assert!(kept.resize(part), "{method}");
+            let expected = increment(new(part).as_mut());
+            // Whatever came between.
+            assert_eq!(increment(kept.as_mut()), expected, "{method}, {part}");
+            assert!(part == 1.0 || expected != whole);
+            increment(kept.as_mut());
+        }
+        assert!(kept.resize(1.0));
+        assert_eq!(increment(kept.as_mut()), whole, "{method}");
+    }
 }

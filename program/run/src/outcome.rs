@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use leafwise_core::part::ParameterSetting;
 use leafwise_core::{PartKind, SolverStatistics, StepError};
 use serde::Serialize;
 
@@ -43,8 +44,9 @@ impl Failure {
         }
     }
 
-    /// What to try with these parts: a stepper has no realization whose order could be raised.
-    pub(super) fn of_parts(&mut self, parts: &[PartChoice]) {
+    /// What to try with these parts: a stepper has no realization whose order could be raised, and a body that is taken whole
+    /// turns exactly over short steps alone.
+    pub(crate) fn of_parts(&mut self, parts: &[PartChoice]) {
         let Some(stepper) = parts.iter().find(|part| part.kind == PartKind::Stepper) else {
             return;
         };
@@ -54,6 +56,16 @@ impl Failure {
         };
         let of_a_realization = "reduce epsilon*h or raise the realization's order";
         self.hint = self.hint.replace(of_a_realization, instead);
+        let whole = ParameterSetting::Text("whole".to_owned());
+        if stepper.parameters.contains(&("bodies", whole))
+            && self.message.starts_with("the increment is not finite")
+        {
+            self.message = "the increment is not finite: in one step a body that is taken whole turns further than its flow \
+                            is formed for, by about one radian and a half, or the state left the formulas' domain"
+                .to_owned();
+            "reduce epsilon*h, or take the axes of bodies one by one: bodies = \"axes\""
+                .clone_into(&mut self.hint);
+        }
     }
 
     /// An invariant that has no value at the state after `steps` steps: no further step is taken.

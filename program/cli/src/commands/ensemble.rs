@@ -203,8 +203,7 @@ fn summary(
     lines.push(String::new());
     if let (Some(stop), Some(last)) = (&ensemble.run.plan.events.stop, ensemble.losses(all).last())
     {
-        let [part, low, high] =
-            [last.fraction, last.interval[0], last.interval[1]].map(|part| percent(part));
+        let [part, low, high] = [last.fraction, last.interval[0], last.interval[1]].map(percent);
         lines.push(format!(
             "  stopped  {} of {} members by {}: {part} %, {low} to {high} % with 95 % confidence, in losses.csv",
             grouped(last.stopped),

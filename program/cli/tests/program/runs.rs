@@ -291,3 +291,18 @@ fn what_steers_a_terminal_is_not_printed_and_means_the_same() {
     }
     assert!(holds(&said.json(), name), "{}", said.out);
 }
+
+/// A flow over 10³ radians is formed by no series: the message says whose, and what to try.
+#[test]
+fn a_body_taken_whole_over_too_long_a_step_says_so() {
+    let here = Place::with(
+        "[system]\nlibrary = \"rigid-body\"\n[method]\nstepper = { name = \"splitting\", bodies = \"whole\" }\n\
+         time-step = 1000\n[run]\ninitial = [1, 3, 3]\nsteps = 10\n",
+    );
+    let said = here.leafwise(&["run", "scene.toml"]);
+    assert_eq!(said.code, Some(1), "{}", said.err);
+    said.says(&[
+        "a body that is taken whole turns further",
+        "bodies = \"axes\"",
+    ]);
+}

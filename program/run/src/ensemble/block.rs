@@ -214,7 +214,8 @@ impl<'a> Block<'a> {
             for (lane, error) in errors {
                 let (made, state) = self.integrator.last(lane);
                 let state = ensemble.run.own(&state);
-                let failure = Failure::of_step(&error, made, ensemble.time(made), state);
+                let mut failure = Failure::of_step(&error, made, ensemble.time(made), state);
+                failure.of_parts(&ensemble.run.plan.parts);
                 record.failures[lane] = Some(told(record.first + lane as u64, failure));
             }
         }

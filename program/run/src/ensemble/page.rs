@@ -74,7 +74,7 @@ pub(super) fn data(
     ];
     let losses = ensemble.losses(all);
     if let Some(last) = losses.last() {
-        let [low, high] = last.interval.map(|end| percent(end));
+        let [low, high] = last.interval.map(percent);
         let text = format!(
             "{} %, between {low} and {high} % with 95 % confidence",
             percent(last.fraction)

@@ -189,7 +189,8 @@ impl<'a> Watch<'a> {
         {
             return Ok(found);
         }
-        for (lane, value) in values.to_vec().into_iter().enumerate() {
+        let values = values.to_vec();
+        for (lane, value) in values.into_iter().enumerate() {
             if !integrator.lives(lane) || !(stop.holds(value) || value.is_nan()) {
                 continue;
             }
@@ -243,7 +244,8 @@ impl<'a> Watch<'a> {
             return Ok(found);
         }
         let lanes = self.sides.len();
-        for (lane, value) in values.to_vec().into_iter().enumerate() {
+        let values = values.to_vec();
+        for (lane, value) in values.into_iter().enumerate() {
             let side = self.sides[lane];
             if value * side > 0.0 || !takes_part(lane) {
                 continue;
