@@ -3,6 +3,7 @@
 use leafwise_core::system::SystemInvariants;
 use leafwise_core::{BuildError, Observe, PoissonSystem};
 use leafwise_expression::{Expression, Graph, Kernel, Term, Workspace};
+use leafwise_scene::compose::{ComposedRun, Section, Stop};
 
 /// Functions of the state, compiled once for all blocks of members.
 pub(super) enum Functions {
@@ -91,6 +92,35 @@ impl Functions {
         Ok(ObservableEvaluator {
             evaluator,
             values: vec![0.0; self.count() * lanes],
+        })
+    }
+}
+
+/// The differences of both sides, of the condition and of the section, as code.
+pub(super) struct Watched {
+    pub stop: Option<(Stop, Functions)>,
+    pub section: Option<(Section, Functions)>,
+}
+
+impl Watched {
+    /// Of a scene.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a formula has no code.
+    pub fn of(run: &ComposedRun) -> Result<Self, BuildError> {
+        let events = &run.plan.events;
+        let code = |formula: &Expression| Functions::formulas(&run.system, &[formula]);
+        let stop = events.stop.clone().map(|stop| {
+            let code = code(&stop.difference)?;
+            Ok::<_, BuildError>((stop, code))
+        });
+        let section = events.section.clone().map(|section| {
+            let code = code(&section.difference)?;
+            Ok::<_, BuildError>((section, code))
+        });
+        Ok(Self {
+            stop: stop.transpose()?,
+            section: section.transpose()?,
         })
     }
 }

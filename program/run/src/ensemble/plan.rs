@@ -5,10 +5,9 @@ use std::path::Path;
 use leafwise_core::Registry;
 use leafwise_expression::Expression;
 
-use super::observers::Functions;
+use super::observers::{Functions, Watched};
 use super::population::Population;
 use super::statistics::Shape;
-use super::watch::Watched;
 use leafwise_scene::compose::{ComposedRun, DENSE_LIMIT, Observable, Refusal, Stepping, compose};
 use leafwise_scene::document::{EnsembleSection, FinalStates, SceneDocument};
 

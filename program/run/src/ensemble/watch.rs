@@ -1,7 +1,6 @@
 //! What happens to members between two steps: where they end, and where they cross a section.
 
 use leafwise_core::{BuildError, SideBySide};
-use leafwise_expression::Expression;
 use leafwise_scene::compose::{Section, Stop};
 
 use super::observers::{Functions, ObservableEvaluator};
@@ -21,35 +20,6 @@ pub(super) struct MemberStop {
     pub state: Vec<f64>,
     /// The observables there.
     pub row: Vec<f64>,
-}
-
-/// The differences of both sides, of the condition and of the section, as code.
-pub(super) struct Watched {
-    stop: Option<(Stop, Functions)>,
-    section: Option<(Section, Functions)>,
-}
-
-impl Watched {
-    /// Of a scene.
-    ///
-    /// # Errors
-    /// [`BuildError::Algebra`] where a formula has no code.
-    pub fn of(run: &leafwise_scene::compose::ComposedRun) -> Result<Self, BuildError> {
-        let events = &run.plan.events;
-        let code = |formula: &Expression| Functions::formulas(&run.system, &[formula]);
-        let stop = events.stop.clone().map(|stop| {
-            let code = code(&stop.difference)?;
-            Ok::<_, BuildError>((stop, code))
-        });
-        let section = events.section.clone().map(|section| {
-            let code = code(&section.difference)?;
-            Ok::<_, BuildError>((section, code))
-        });
-        Ok(Self {
-            stop: stop.transpose()?,
-            section: section.transpose()?,
-        })
-    }
 }
 
 /// The members of a block between two steps.
