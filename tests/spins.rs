@@ -91,7 +91,7 @@ fn lengths_are_kept_to_round_off() {
     let start =
         "{ \"s.x[i]\" = \"sin(1 + i^2)\", \"s.y[i]\" = \"cos(3*i)\", \"s.z[i]\" = \"sin(2*i)/2\" }";
     for (method, steps, kept) in [
-        (hamilton_jacobi(2), 1000, sites + 3),
+        (hamilton_jacobi(2), 1000_u32, sites + 3),
         (SPLITTING.to_owned(), 2000, sites),
     ] {
         let time = 0.05 * f64::from(steps);

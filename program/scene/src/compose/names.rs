@@ -134,7 +134,9 @@ pub(super) fn refusal(
         SyntaxErrorKind::UnexpectedEnd { .. } => "something is missing here",
         _ => "here",
     };
+    let of_vectors = about_vectors(document, &error.kind);
     let help = match (&error.suggestion, &error.kind) {
+        _ if of_vectors.is_some() => of_vectors,
         (Some(name), _) => Some(format!("did you mean `{name}`?")),
         (None, SyntaxErrorKind::UnknownName { name }) => Some(unknown_name_help(document, name)),
         (None, SyntaxErrorKind::UnknownFunction { .. }) => Some(format!(
@@ -144,6 +146,24 @@ pub(super) fn refusal(
         (None, _) => None,
     };
     Box::new(document.diagnostic(&place, error.kind.to_string(), label, help))
+}
+
+/// How the components of a vector are written, where its family stands without one, or a component behind the site.
+fn about_vectors(document: &SceneDocument, kind: &SyntaxErrorKind) -> Option<String> {
+    let mut vectors = document.system.vectors.iter();
+    let vector = match kind {
+        SyntaxErrorKind::UnknownName { name } => vectors.find(|v| v.name.value == *name),
+        SyntaxErrorKind::UnexpectedCharacter { character: '.' } => vectors.next(),
+        _ => None,
+    }?;
+    let components = vector.components.iter();
+    let families: Vec<String> = components.map(|c| vector.family(&c.value)).collect();
+    Some(format!(
+        "`{}` is a family of vectors with the components {}: write {}[i]",
+        vector.name.value,
+        families.join(", "),
+        families.first()?
+    ))
 }
 
 /// A single site of a long lattice, whose formulas are tried on a shorter one.

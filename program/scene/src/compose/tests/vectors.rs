@@ -84,6 +84,12 @@ fn what_does_not_fit_vectors_is_refused_where_it_stands() {
         (piece.as_str(), message.as_str()),
         ("s.w", "unknown name `s.w`")
     );
+    for formula in ["s[0]", "s[0].x"] {
+        let scene = unknown.replace("sum(i, s.w[i])", formula);
+        let help = refusal(&scene, &format!("initial = {POINT:?}")).help;
+        let expected = "`s` is a family of vectors with the components s.x, s.y, s.z: write s.x[i]";
+        assert_eq!(help.as_deref(), Some(expected), "{formula}");
+    }
 }
 
 #[test]
