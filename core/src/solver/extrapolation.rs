@@ -86,6 +86,11 @@ impl<const W: usize> Extrapolation<W> {
         displacement: &mut [[f64; W]],
         took: &[bool; W],
     ) {
+        // A lane alone need not be selected.
+        if W == 1 && !took[0] {
+            return;
+        }
+        let took = if W == 1 { &[true; W] } else { took };
         let last = self.levels - 1;
         let highest = |order: usize| (order + 1).min(last);
         let top = self

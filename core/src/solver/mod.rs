@@ -41,6 +41,7 @@ pub use statistics::SolverStatistics;
 use std::sync::Arc;
 
 use leafwise_expression::Kernel;
+use leafwise_expression::kernel::apart;
 
 use crate::compensation::two_sum;
 use crate::error::{BuildError, StepError};
@@ -167,13 +168,32 @@ pub trait Stepper: Send {
     fn restore(&mut self, memory: &[f64]) -> Result<(), usize>;
 }
 
+/// The most coordinates that are kept [`apart`]: more take longer to add than to load.
+const FEW: usize = 16;
+
 /// x ← x + Δ, what rounding takes from the sum in `low`; an x + Δ that overflows is refused, and x is as it was.
 #[inline(always)]
 fn add(x: &mut [f64], low: &mut [f64], increment: &[f64]) -> Result<(), StepError> {
+    if x.len() <= FEW {
+        add_between(x, low, increment, apart::<1>)
+    } else {
+        add_between(x, low, increment, || ())
+    }
+}
+
+/// The same with something between two coordinates.
+#[inline(always)]
+fn add_between(
+    x: &mut [f64],
+    low: &mut [f64],
+    increment: &[f64],
+    between: impl Fn(),
+) -> Result<(), StepError> {
     let mut zero = 0.0;
     for (x, change) in x.iter().zip(increment) {
         // 0·v is 0 where v is finite, and no number elsewhere.
         zero += 0.0 * (x + change);
+        between();
     }
     if zero.is_nan() {
         return Err(StepError::NonFinite {
@@ -182,6 +202,7 @@ fn add(x: &mut [f64], low: &mut [f64], increment: &[f64]) -> Result<(), StepErro
     }
     for ((x, low), change) in x.iter_mut().zip(low).zip(increment) {
         (*x, *low) = two_sum(*x, change + *low);
+        between();
     }
     Ok(())
 }

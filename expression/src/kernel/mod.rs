@@ -21,4 +21,4 @@ pub use execution::{Execution, MachineCodeSize};
 use jit::MachineCode;
 #[cfg(not(all(feature = "jit", any(target_arch = "x86_64", target_arch = "aarch64"))))]
 use no_jit::MachineCode;
-pub use workspace::Workspace;
+pub use workspace::{Workspace, apart};

@@ -1,6 +1,7 @@
 //! Slots and coefficients of one caller of a kernel, and what it does with them.
 
 use std::sync::Arc;
+use std::sync::atomic::{Ordering, compiler_fence};
 
 use super::MachineCode;
 use super::aligned::Aligned;
@@ -148,7 +149,11 @@ impl Kernel {
             "as many lanes as numbers a row, as many rows as inputs"
         );
         let slots: &mut [f64] = &mut workspace.slots;
-        slots.as_chunks_mut::<W>().0[..inputs.len()].copy_from_slice(inputs);
+        let own = &mut slots.as_chunks_mut::<W>().0[..inputs.len()];
+        for (own, input) in own.iter_mut().zip(inputs) {
+            *own = *input;
+            apart::<W>();
+        }
         match &mut workspace.machine {
             Some(machine) => machine.code.run(slots, &mut machine.scratch),
             None => self.interpret(workspace),
@@ -203,6 +208,16 @@ impl Kernel {
     pub fn output<'a>(&self, workspace: &'a Workspace, index: usize) -> &'a [f64] {
         let lanes = workspace.lanes;
         &workspace.slots[self.step_code.outputs[index] as usize * lanes..][..lanes]
+    }
+}
+
+/// Between two coordinates of one lane: loads of both stay two loads. A load of 16 bytes over two stores of 8 that are on
+/// their way to memory waits until they are there, and all that came before them is done. Between two rows of several
+/// lanes: nothing.
+#[inline(always)]
+pub fn apart<const W: usize>() {
+    if W == 1 {
+        compiler_fence(Ordering::SeqCst);
     }
 }
 

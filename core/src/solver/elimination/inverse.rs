@@ -1,5 +1,7 @@
 //! Inverses of 2 × 2 and 3 × 3 matrices.
 
+use leafwise_expression::kernel::apart;
+
 /// Whether matrices of the dimension D are inverted.
 pub(super) const fn is_inverted<const D: usize>() -> bool {
     D == 2 || D == 3
@@ -13,8 +15,13 @@ pub(super) fn by_cofactors<const D: usize, const W: usize>(
 ) -> ([[f64; W]; 9], [bool; W]) {
     let mut inverse = [[0.0; W]; 9];
     let mut near = [false; W];
+    let mut entries = [[0.0; W]; 9];
+    for (entry, a) in entries[..D * D].iter_mut().zip(a) {
+        *entry = *a;
+        apart::<W>();
+    }
     for w in 0..W {
-        let at = |row: usize, column: usize| a[row % D * D + column % D][w];
+        let at = |row: usize, column: usize| entries[row % D * D + column % D][w];
         let minor = at(0, 0) * at(1, 1) - at(0, 1) * at(1, 0);
         // The pivots are a₀₀, minor/a₀₀ and det/minor.
         near[w] = is_near_one(at(0, 0)) && minor > 0.5 * at(0, 0) && minor < 2.0 * at(0, 0);
@@ -49,7 +56,10 @@ pub(super) fn by_cofactors<const D: usize, const W: usize>(
 pub(super) fn multiply<const W: usize>(inverse: &[[f64; W]], right: &mut [[f64; W]]) {
     let d = right.len();
     let mut given = [[0.0; W]; 3];
-    given[..d].copy_from_slice(right);
+    for (given, value) in given[..d].iter_mut().zip(right.iter()) {
+        *given = *value;
+        apart::<W>();
+    }
     for (value, row) in right.iter_mut().zip(inverse.chunks_exact(d)) {
         for w in 0..W {
             let products = row.iter().zip(&given).map(|(entry, r)| entry[w] * r[w]);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::{Kernel, Workspace};
+use leafwise_expression::{Kernel, Workspace, kernel::apart};
 
 use crate::solver::elimination::dimension;
 use crate::solver::extrapolation::{DEPTH, Extrapolation};
@@ -72,6 +72,7 @@ impl<const W: usize> Start<W> {
                         // 0·v is 0 where v is finite, and no number elsewhere.
                         zero[w] += 0.0 * displacement[i][w];
                     }
+                    apart::<W>();
                 }
                 for w in 0..W {
                     if !is_known[w] || zero[w].is_nan() {
@@ -102,7 +103,10 @@ impl<const W: usize> Start<W> {
             }
             Self::Series { last, is_known, .. } => {
                 let d = dimension::<D>(last.len());
-                last[..d].copy_from_slice(&y[..d]);
+                for (last, y) in last[..d].iter_mut().zip(y) {
+                    *last = *y;
+                    apart::<W>();
+                }
                 *is_known = *took;
             }
         }

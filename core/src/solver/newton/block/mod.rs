@@ -5,7 +5,7 @@ mod trajectories;
 
 pub(super) use trajectories::{Columns, LaneBlock, lane_block};
 
-use leafwise_expression::Workspace;
+use leafwise_expression::{Workspace, kernel::apart};
 
 use super::convergence::{Convergence, Next};
 use super::kernel::NewtonKernel;
@@ -235,6 +235,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                 distance[w] = larger(distance[w], relative(away, scale));
                 outgrown[w] |= y.abs() < HALVED * anchor.abs() && away > NOISE * scale;
             }
+            apart::<W>();
         }
         for (w, lane) in self.lanes.iter_mut().enumerate() {
             let distance = (lane.anchored && !outgrown[w]).then_some(distance[w]);
@@ -323,6 +324,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             for w in 0..W {
                 grown[w] = grown[w].max(increment[i][w].abs());
             }
+            apart::<W>();
         }
         self.factors.solve::<D>(correction);
         // A component may be the round-off of what the others put into it, Σ_j |D − 1|_ij |y_j|;
@@ -375,12 +377,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             }
         }
         let correction = &self.correction.as_ref()[..d];
-        let y = &mut self.y.as_mut()[..d];
-        for i in 0..d {
-            for w in 0..W {
-                y[i][w] += if applied[w] { correction[i][w] } else { 0.0 };
-            }
-        }
+        add_where(&applied, &mut self.y.as_mut()[..d], correction);
         if done.contains(&true) {
             // The last correction enters to first order.
             let (change, increment) = (
@@ -393,6 +390,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                     for w in 0..W {
                         first_order[w] += change[i * d + j][w] * correction[j][w];
                     }
+                    apart::<W>();
                 }
                 for w in 0..W {
                     increment[i][w] += if done[w] { first_order[w] } else { 0.0 };
@@ -481,6 +479,27 @@ fn any<const W: usize>(mask: &[bool; W]) -> bool {
     mask.iter().any(|lane| *lane)
 }
 
+/// values += changes in the lanes of `mask`. Where it holds all, no sum waits for what the mask was found from.
+#[inline(always)]
+fn add_where<const W: usize>(mask: &[bool; W], values: &mut [Row<W>], changes: &[Row<W>]) {
+    if !mask.iter().all(|lane| *lane) {
+        return add_some(mask, values, changes);
+    }
+    for (value, change) in values.iter_mut().zip(changes) {
+        for w in 0..W {
+            value[w] += change[w];
+        }
+    }
+}
+
+/// The same of some lanes alone; a call, which no compiler makes a selection of both sums.
+#[inline(never)]
+fn add_some<const W: usize>(mask: &[bool; W], values: &mut [Row<W>], changes: &[Row<W>]) {
+    for (value, change) in values.iter_mut().zip(changes) {
+        select(mask, value, &std::array::from_fn(|w| value[w] + change[w]));
+    }
+}
+
 /// The values of the lanes in `mask`.
 #[inline(always)]
 fn select<const W: usize>(mask: &[bool; W], kept: &mut Row<W>, value: &Row<W>) {
@@ -494,7 +513,10 @@ fn select<const W: usize>(mask: &[bool; W], kept: &mut Row<W>, value: &Row<W>) {
 fn keep<const W: usize>(mask: &[bool; W], kept: &mut [Row<W>], values: &[Row<W>]) {
     let values = &values[..kept.len()];
     if mask.iter().all(|lane| *lane) {
-        kept.copy_from_slice(values);
+        for (kept, value) in kept.iter_mut().zip(values) {
+            *kept = *value;
+            apart::<W>();
+        }
     } else {
         for (kept, value) in kept.iter_mut().zip(values) {
             select(mask, kept, value);
@@ -534,8 +556,40 @@ fn guard_ratio<const W: usize>(guard: &[Row<W>; 2], w: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{guard_ratio, is_inside, take_guard};
+    use super::{add_where, guard_ratio, is_inside, take_guard};
     use crate::solver::judge::inside_chart;
+
+    /// A lane that is not added to keeps its bits, −0 too, and one that is has the bits that it has alone.
+    #[test]
+    fn sums_of_some_lanes_are_those_of_each_alone() {
+        let (values, changes) = (
+            [-0.0, 1.0, f64::MIN_POSITIVE],
+            [0.1, f64::EPSILON / 2.0, f64::NAN],
+        );
+        for mask in (0..8).map(|bits| std::array::from_fn(|w| bits >> w & 1 == 1)) {
+            let mut together = [values];
+            add_where(&mask, &mut together, &[changes]);
+            for w in 0..3 {
+                let mut alone = [[values[w]]];
+                add_where(&[mask[w]], &mut alone, &[[changes[w]]]);
+                assert_eq!(
+                    together[0][w].to_bits(),
+                    alone[0][0].to_bits(),
+                    "{mask:?}, lane {w}"
+                );
+                let expected = if mask[w] {
+                    values[w] + changes[w]
+                } else {
+                    values[w]
+                };
+                assert_eq!(
+                    together[0][w].to_bits(),
+                    expected.to_bits(),
+                    "{mask:?}, lane {w}"
+                );
+            }
+        }
+    }
 
     #[test]
     fn a_guard_that_is_no_number_is_outside_the_chart() {
