@@ -166,6 +166,11 @@ impl Appended {
             .map_err(RunError::io(&self.path))
     }
 
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Gives the file another name, in the place of one that has it.
     pub fn rename(&mut self, path: &Path) -> Result<(), RunError> {
         fs::rename(&self.path, path).map_err(RunError::io(path))?;

@@ -2,7 +2,7 @@
 
 use leafwise_scene::compose::{ComposedRun, Observable};
 
-use crate::csv::{Headings, Table};
+use crate::csv::Headings;
 
 /// The name of the energy (0) or of a Casimir.
 pub(super) fn invariant_name(run: &ComposedRun, index: usize) -> &str {
@@ -19,9 +19,15 @@ fn invariant_kind(index: usize) -> &'static str {
 
 /// The first line of `samples.csv`.
 pub(super) fn header(run: &ComposedRun) -> String {
+    let headings = headings(run, run.plan.states.are_in_samples());
+    headings.table().as_str().to_owned()
+}
+
+/// The columns of recorded samples, with or without those of states.
+pub(super) fn headings(run: &ComposedRun, has_states: bool) -> Headings {
     let mut headings = Headings::default();
     headings.push("t", "time");
-    if run.plan.states.are_in_samples() {
+    if has_states {
         headings.extend(run.plan.states.names(), "variable");
     }
     for observable in &run.plan.observables {
@@ -31,15 +37,15 @@ pub(super) fn header(run: &ComposedRun) -> String {
         };
         headings.push(observable.name(), kind);
     }
-    headings.table().as_str().to_owned()
+    headings
 }
 
-/// `windows.csv` without a row.
-pub(super) fn windows_table(run: &ComposedRun, invariants: usize) -> Table {
+/// The columns of `windows.csv`.
+pub(super) fn windows_headings(run: &ComposedRun, invariants: usize) -> Headings {
     let mut headings = Headings::default();
     headings.push("t_end", "time");
     for index in 0..invariants {
         headings.push(invariant_name(run, index), invariant_kind(index));
     }
-    headings.table()
+    headings
 }

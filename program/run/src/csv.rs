@@ -125,6 +125,11 @@ impl Headings {
         }
     }
 
+    /// One after the other.
+    pub fn into_names(self) -> Vec<String> {
+        self.0
+    }
+
     /// The table that begins with them.
     pub fn table(&self) -> Table {
         Table::new(&self.0)

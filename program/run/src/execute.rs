@@ -6,7 +6,7 @@ use std::time::Duration;
 use leafwise_core::Registry;
 
 use super::checkpoint::Checkpoint;
-use super::columns::{header, invariant_name, windows_table};
+use super::columns::{header, headings, invariant_name, windows_headings};
 use super::directory::{REPORT, RunDirectory, RunRequest, SCENE, WINDOWS};
 use super::drive::Session;
 use super::error::RunError;
@@ -14,10 +14,12 @@ use super::manifest::{Beginning, Kind, plugins};
 use super::outcome::{InvariantDrift, RunOutcome, RunReport};
 use super::progress::Progress;
 use super::replaced::replace;
+use super::samples::Samples;
 use super::states::FINAL_STATE;
 use super::summary::{self, report_data, short};
 use crate::advice::{Advice, AdviceKind, advise, unused_parameters};
-use leafwise_report::render_report;
+use crate::csv::Headings;
+use leafwise_report::{ReportData, render_report};
 use leafwise_scene::compose::{ComposedRun, SceneChecks};
 use leafwise_scene::document::SceneDocument;
 
@@ -39,6 +41,75 @@ pub struct RunOptions {
 impl RunOptions {
     /// The usual [`checkpoint_every`](Self::checkpoint_every).
     pub const CHECKPOINT_EVERY: Duration = Duration::from_secs(2);
+
+    /// The page to open in a browser.
+    pub fn report(&self) -> PathBuf {
+        self.directory.join(REPORT)
+    }
+}
+
+/// A run that was kept in memory.
+#[derive(Clone, Debug)]
+pub struct Recorded {
+    /// How it ended.
+    pub report: RunReport,
+    /// The columns of the tables: the time, recorded coordinates, observables.
+    pub columns: Vec<String>,
+    /// A row for each sample, one after the other.
+    pub samples: Vec<f64>,
+    /// The same for each crossing, where there is a section.
+    pub crossings: Option<Vec<f64>>,
+    /// The columns of [`windows`](Self::windows): the time at the end of a window, and the invariants.
+    pub windows_columns: Vec<String>,
+    /// The invariants' largest deviations in each window of steps, one row after the other.
+    pub windows: Vec<f64>,
+    /// Figures and facts.
+    pub page: ReportData,
+}
+
+/// Checks the scene as [`run`] does and steps it, with everything recorded in memory, to the same numbers.
+///
+/// # Errors
+/// As [`run`], without those of directories and files.
+pub fn run_in_memory(
+    document: &SceneDocument,
+    composed: &ComposedRun,
+    registry: &Registry,
+    allow_non_poisson: bool,
+    progress: &mut dyn Progress,
+) -> Result<Recorded, RunError> {
+    check(document, composed, allow_non_poisson)?;
+    let mut session = Session::in_memory(composed)?;
+    let outcome = session.drive(progress)?;
+    let mut report = describe(composed, &session, outcome, None);
+    if report.outcome != RunOutcome::Interrupted {
+        report.advice = advice(document, composed, registry, &session, &report)?;
+    }
+    let page = report_data(document, composed, &session, &report, "")?;
+    let (windows_columns, windows) = windows_of(composed, &session);
+    let (samples, crossings) = session.into_values();
+    Ok(Recorded {
+        report,
+        columns: headings(composed, true).into_names(),
+        samples,
+        crossings,
+        windows_columns: windows_columns.into_names(),
+        windows: windows.concat(),
+        page,
+    })
+}
+
+/// The checks of a scene before it is stepped.
+fn check(
+    document: &SceneDocument,
+    composed: &ComposedRun,
+    allow_non_poisson: bool,
+) -> Result<SceneChecks, RunError> {
+    let checks = SceneChecks::of(&composed.system, &composed.near)?;
+    match checks.refusal(document, &composed.system, allow_non_poisson) {
+        Some(refusal) => Err(RunError::Refused(refusal)),
+        None => Ok(checks),
+    }
 }
 
 /// Checks the scene with the parts that it may name, then steps it into its directory; an unfinished run of the same scene is
@@ -58,10 +129,7 @@ pub fn run(
     options: &RunOptions,
     progress: &mut dyn Progress,
 ) -> Result<RunReport, RunError> {
-    let checks = SceneChecks::of(&composed.system, &composed.near)?;
-    if let Some(refusal) = checks.refusal(document, &composed.system, options.allow_non_poisson) {
-        return Err(RunError::Refused(refusal));
-    }
+    let checks = check(document, composed, options.allow_non_poisson)?;
     let kind = Kind::Run;
     let asked = RunRequest {
         kind,
@@ -97,7 +165,7 @@ pub fn run(
     {
         session.repeat_end()?;
         let outcome = session.end_reached();
-        let mut report = describe(composed, session, outcome, None, &directory);
+        let mut report = describe(composed, session, outcome, None);
         report.is_repeated = true;
         report.advice = advice(document, composed, registry, session, &report)?;
         return Ok(report);
@@ -119,13 +187,21 @@ pub fn run(
     };
     let mut finish = |progress: &mut dyn Progress| -> Result<RunReport, RunError> {
         let outcome = session.drive(progress)?;
-        let mut report = describe(composed, &session, outcome, resumed_at, &directory);
+        let mut report = describe(composed, &session, outcome, resumed_at);
         // Who interrupts a run wants it to end.
         if report.outcome != RunOutcome::Interrupted {
             report.advice = advice(document, composed, registry, &session, &report)?;
         }
-        write_end(document, composed, &session, &report, &options.command)?;
-        beginning.write_ended(&report, composed.method.map())?;
+        let path = &directory.path;
+        write_end(
+            document,
+            composed,
+            &session,
+            &report,
+            &options.command,
+            path,
+        )?;
+        beginning.write_ended(path, &report, composed.method.map())?;
         Ok(report)
     };
     finish(progress).map_err(|error| error.with_a_checkpoint(&directory.path))
@@ -139,11 +215,10 @@ fn advice(
     session: &Session<'_>,
     report: &RunReport,
 ) -> Result<Vec<Advice>, RunError> {
-    let states = summary::states(composed, report).map_err(RunError::io(&report.directory))?;
+    let states = summary::states(composed, session, report)?;
     let mut advice = unused_parameters(document);
     advice.extend(advise(composed, registry, &states));
-    let energy = summary::energy_error(document, composed, report);
-    advice.extend(energy.map_err(RunError::io(&report.directory))?);
+    advice.extend(summary::energy_error(document, composed, session, report)?);
     let undefined: Vec<_> = session
         .undefined()
         .filter(|(_, samples)| *samples > 0)
@@ -151,8 +226,7 @@ fn advice(
     if undefined.is_empty() {
         return Ok(advice);
     }
-    let first = summary::first_undefined(composed, report);
-    let first = first.map_err(RunError::io(&report.directory))?;
+    let first = summary::first_undefined(composed, session)?;
     let time = |name: &str| {
         let found = first.iter().find(|(known, _)| known == name);
         found.map_or_else(String::new, |(_, time)| {
@@ -180,8 +254,8 @@ fn write_end(
     session: &Session<'_>,
     report: &RunReport,
     command: &str,
+    directory: &Path,
 ) -> Result<(), RunError> {
-    let directory = &report.directory;
     write_windows(composed, session, directory)?;
     if !composed.plan.states.is_whole_in_samples() {
         let bytes: Vec<u8> = report
@@ -201,7 +275,6 @@ fn describe(
     session: &Session<'_>,
     outcome: RunOutcome,
     resumed_at: Option<u64>,
-    directory: &RunDirectory,
 ) -> RunReport {
     let windows = session.windows();
     let invariants = windows
@@ -226,29 +299,37 @@ fn describe(
         wall_seconds: session.wall_seconds(),
         invariants,
         statistics: session.statistics(),
-        samples: session.samples(),
-        crossings: session.crossings(),
+        samples: session.samples().count(),
+        crossings: session.crossings().map(Samples::count),
         resumed_at,
         is_repeated: false,
         advice: Vec::new(),
-        directory: directory.path.clone(),
     }
 }
 
-/// `windows.csv`: the end of each window and the invariants' largest deviations in it.
+/// `windows.csv`.
 fn write_windows(
     composed: &ComposedRun,
     session: &Session<'_>,
     directory: &Path,
 ) -> Result<(), RunError> {
-    let windows = session.windows();
-    let columns: Vec<Vec<f64>> = (0..windows.initial.len())
-        .map(|index| windows.series(index))
-        .collect();
-    let mut table = windows_table(composed, columns.len());
-    for (row, end) in windows.ends().into_iter().enumerate() {
-        let maxima = columns.iter().map(|column| column[row]);
-        table.number(end).numbers(maxima).end_row();
+    let (headings, rows) = windows_of(composed, session);
+    let mut table = headings.table();
+    for row in rows {
+        table.numbers(row).end_row();
     }
     replace(&directory.join(WINDOWS), table.as_str().as_bytes())
+}
+
+/// The end of each window and the invariants' largest deviations in it.
+fn windows_of(composed: &ComposedRun, session: &Session<'_>) -> (Headings, Vec<Vec<f64>>) {
+    let windows = session.windows();
+    let invariants = 0..windows.initial.len();
+    let columns: Vec<Vec<f64>> = invariants.map(|index| windows.series(index)).collect();
+    let row = |(at, end): (usize, f64)| {
+        let maxima = columns.iter().map(|column| column[at]);
+        std::iter::once(end).chain(maxima).collect()
+    };
+    let rows = windows.ends().into_iter().enumerate().map(row).collect();
+    (windows_headings(composed, columns.len()), rows)
 }

@@ -4,7 +4,7 @@
 //! - [`advice`]: what a scene asks for and does not use, or needs and does not ask for;
 //! - [`csv`]: tables as CSV;
 //! - `columns`: the columns of `samples.csv` and `windows.csv`;
-//! - `execute`: [`run`], from a composed scene to a complete directory;
+//! - `execute`: [`run`], from a composed scene to a complete directory, or in memory: [`run_in_memory`];
 //! - `drive`: the step loop, and the states it records between two steps;
 //! - `last_step`: states between the last two, by shorter steps;
 //! - `events`: where a condition begins to hold, and a section is crossed, between two steps;
@@ -60,7 +60,7 @@ pub(crate) use directory::{
     FAILURES, LOSSES, REPORT, RunDirectory, RunRequest, SCENE, STATISTICS, WINDOWS, stem,
 };
 pub use error::RunError;
-pub use execute::{RunOptions, run};
+pub use execute::{Recorded, RunOptions, run, run_in_memory};
 pub(crate) use manifest::{Beginning, plugins};
 pub use manifest::{Kind, Manifest, PROGRAM_VERSION, PluginRecord};
 pub use outcome::{Failure, InvariantDrift, RunOutcome, RunReport, SolverFields};

@@ -316,7 +316,12 @@ impl<'a> Beginning<'a> {
     }
 
     /// Writes the manifest of a run of one trajectory that has ended.
-    pub fn write_ended(&self, report: &RunReport, map: &dyn StepMap) -> Result<(), RunError> {
+    pub fn write_ended(
+        &self,
+        directory: &Path,
+        report: &RunReport,
+        map: &dyn StepMap,
+    ) -> Result<(), RunError> {
         let mut beginning = self.clone();
         if let Some(states) = &mut beginning.states {
             states.shape.0 = report.samples;
@@ -336,7 +341,7 @@ impl<'a> Beginning<'a> {
             warnings: &report.advice,
             failure: report.outcome.failure(),
         };
-        beginning.write_end(&report.directory, ending)
+        beginning.write_end(directory, ending)
     }
 
     fn write(

@@ -1,7 +1,5 @@
 //! How a run ends.
 
-use std::path::PathBuf;
-
 use leafwise_core::part::ParameterSetting;
 use leafwise_core::{PartKind, SolverStatistics, StepError};
 use serde::Serialize;
@@ -162,7 +160,7 @@ pub struct SolverFields {
     rounded: u64,
 }
 
-/// A run that has ended and left its directory complete.
+/// A run that has ended.
 #[derive(Clone, Debug)]
 pub struct RunReport {
     /// How it ended.
@@ -191,8 +189,6 @@ pub struct RunReport {
     pub is_repeated: bool,
     /// What to change in the scene.
     pub advice: Vec<Advice>,
-    /// The run directory.
-    pub directory: PathBuf,
 }
 
 impl RunReport {
@@ -207,10 +203,5 @@ impl RunReport {
         let all = self.invariants.iter();
         all.map(|invariant| (invariant.name.as_str(), invariant))
             .collect()
-    }
-
-    /// The page to open in a browser.
-    pub fn report(&self) -> PathBuf {
-        self.directory.join("report.html")
     }
 }

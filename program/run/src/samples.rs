@@ -1,4 +1,4 @@
-//! Recorded states, appended to `samples.csv`, and those on a section, appended to `section.csv`.
+//! Recorded states, appended to `samples.csv`, and those on a section, appended to `section.csv`; or both in memory.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Seek, SeekFrom};
@@ -15,12 +15,22 @@ pub(super) const UNPUBLISHED: &str = "samples.new";
 /// The states on a section.
 pub(super) const SECTION: &str = "section.csv";
 
-/// The writer of such a file: a header, then one row for each sample, shortest decimals that
-/// read back as the same doubles.
+/// Rows of a time, recorded coordinates and observables.
 pub(super) struct Samples {
-    file: Appended,
-    row: Table,
+    rows: Rows,
     count: u64,
+}
+
+/// Where rows are kept.
+enum Rows {
+    /// Behind so many bytes of headings, as shortest decimals that read back as the same doubles.
+    File {
+        file: Appended,
+        headings: u64,
+        row: Table,
+    },
+    /// One after the other, each of so many doubles.
+    Memory { values: Vec<f64>, width: usize },
 }
 
 impl Samples {
@@ -28,26 +38,55 @@ impl Samples {
     pub fn create(path: &Path, header: &str) -> Result<Self, RunError> {
         let mut file = Appended::create(path)?;
         file.push(header.as_bytes())?;
-        Ok(Self {
-            file,
-            row: Table::default(),
+        Ok(Self::of_file(file, header, 0))
+    }
+
+    /// Rows of so many numbers in memory.
+    pub fn in_memory(width: usize) -> Self {
+        let values = Vec::new();
+        Self {
+            rows: Rows::Memory { values, width },
             count: 0,
-        })
+        }
+    }
+
+    /// The file of an earlier session, to be continued behind the rows that its checkpoint counts.
+    pub fn resume(
+        path: &Path,
+        header: &str,
+        vouched: &Vouched,
+        count: u64,
+    ) -> Result<Self, RunError> {
+        let file = Appended::resume(path, vouched)?;
+        Ok(Self::of_file(file, header, count))
+    }
+
+    fn of_file(file: Appended, header: &str, count: u64) -> Self {
+        let (headings, row) = (header.len() as u64, Table::default());
+        Self {
+            rows: Rows::File {
+                file,
+                headings,
+                row,
+            },
+            count,
+        }
+    }
+
+    /// The file, where there is one.
+    fn file(&mut self) -> Option<&mut Appended> {
+        match &mut self.rows {
+            Rows::File { file, .. } => Some(file),
+            Rows::Memory { .. } => None,
+        }
     }
 
     /// Hands all rows to the disk and gives the file another name, in the place of one with the same rows
     /// that a session left which was killed before its first checkpoint.
     pub fn publish(&mut self, path: &Path) -> Result<(), RunError> {
-        self.file.sync()?;
-        self.file.rename(path)
-    }
-
-    /// The file of an earlier session, to be continued behind the rows that its checkpoint counts.
-    pub fn resume(path: &Path, vouched: &Vouched, count: u64) -> Result<Self, RunError> {
-        Ok(Self {
-            file: Appended::resume(path, vouched)?,
-            row: Table::default(),
-            count,
+        self.file().map_or(Ok(()), |file| {
+            file.sync()?;
+            file.rename(path)
         })
     }
 
@@ -58,62 +97,139 @@ impl Samples {
     /// run is killed. Where the plan is longer, the last of them may be one that only the end of
     /// the shorter run asked for.
     pub fn go_on(&mut self, has_same_plan: bool) -> Result<(), RunError> {
-        self.file.cut(has_same_plan)
+        self.file().map_or(Ok(()), |file| file.cut(has_same_plan))
     }
 
     /// Appends one row.
     pub fn push(&mut self, time: f64, state: &[f64], observables: &[f64]) -> Result<(), RunError> {
-        self.row.clear();
-        let values = state.iter().chain(observables).copied();
-        self.row.number(time).numbers(values).end_row();
         self.count += 1;
-        self.file.push(self.row.as_str().as_bytes())
+        match &mut self.rows {
+            Rows::File { file, row, .. } => {
+                row.clear();
+                let values = state.iter().chain(observables).copied();
+                row.number(time).numbers(values).end_row();
+                file.push(row.as_str().as_bytes())
+            }
+            Rows::Memory { values, .. } => {
+                values.push(time);
+                values.extend_from_slice(state);
+                values.extend_from_slice(observables);
+                Ok(())
+            }
+        }
     }
 
     /// Hands all rows to the operating system: they survive this program.
     pub fn flush(&mut self) -> Result<(), RunError> {
-        self.file.flush()
+        self.file().map_or(Ok(()), Appended::flush)
     }
 
     /// Hands all rows to the disk: they survive the machine.
     pub fn sync(&mut self) -> Result<Vouched, RunError> {
-        self.file.sync()
+        self.file().map_or(Ok(Vouched::NOTHING), Appended::sync)
     }
 
     /// Ends the file after the last row pushed.
     pub fn end(&mut self) -> Result<(), RunError> {
-        self.file.end()
+        self.file().map_or(Ok(()), Appended::end)
     }
 
     /// Refuses a file that does not end with the row that waits, if one does.
     pub fn confirm_end(&mut self) -> Result<(), RunError> {
-        self.file.confirm_end()
+        self.file().map_or(Ok(()), Appended::confirm_end)
     }
 
     /// Rows pushed.
     pub fn count(&self) -> u64 {
         self.count
     }
+
+    /// All rows one after the other, where they are in memory.
+    pub fn into_values(self) -> Vec<f64> {
+        match self.rows {
+            Rows::File { .. } => Vec::new(),
+            Rows::Memory { values, .. } => values,
+        }
+    }
+
+    /// Every `stride`-th row and the last, of those that were handed over.
+    pub fn read(&self, stride: usize) -> Result<Vec<Vec<f64>>, RunError> {
+        let (count, stride) = (self.rows_in_memory(), stride.max(1));
+        match &self.rows {
+            Rows::File { file, headings, .. } => {
+                let lines = rows_behind(file.path(), *headings);
+                let rows = lines.and_then(|lines| every(lines.take(count), stride));
+                rows.map_err(RunError::io(file.path()))
+            }
+            Rows::Memory { values, width } => {
+                let rows = values.chunks_exact(*width).enumerate();
+                let read = rows.filter(|(at, _)| at % stride == 0 || at + 1 == count);
+                Ok(read.map(|(_, row)| row.to_vec()).collect())
+            }
+        }
+    }
+
+    /// For each of `columns` columns from `start` on, the time of its first value that is not finite.
+    pub fn first_undefined(
+        &self,
+        start: usize,
+        columns: usize,
+    ) -> Result<Vec<Option<f64>>, RunError> {
+        let mut found = vec![None; columns];
+        let mut look = |row: &mut dyn Iterator<Item = f64>| {
+            let time = row.next();
+            for (first, value) in found.iter_mut().zip(row.skip(start - 1)) {
+                if first.is_none() && !value.is_finite() {
+                    *first = time;
+                }
+            }
+        };
+        match &self.rows {
+            Rows::File { file, headings, .. } => {
+                let error = RunError::io(file.path());
+                let lines = match rows_behind(file.path(), *headings) {
+                    Ok(lines) => lines,
+                    Err(cause) => return Err(error(cause)),
+                };
+                for line in lines.take(self.rows_in_memory()) {
+                    let line = match line {
+                        Ok(line) => line,
+                        Err(cause) => return Err(error(cause)),
+                    };
+                    // No other cell has such letters.
+                    if line.contains("NaN") || line.contains("inf") {
+                        look(&mut numbers(&line));
+                    }
+                }
+            }
+            Rows::Memory { values, width } => {
+                for row in values.chunks_exact(*width) {
+                    look(&mut row.iter().copied());
+                }
+            }
+        }
+        Ok(found)
+    }
+
+    fn rows_in_memory(&self) -> usize {
+        usize::try_from(self.count).unwrap_or(usize::MAX)
+    }
 }
 
 /// Whether a directory holds no sample but the first: what a session leaves that was killed before its
 /// first checkpoint.
 pub(super) fn has_begun_at_most(directory: &Path, header: &str) -> bool {
-    match rows_behind(&directory.join(FILE), header) {
+    match rows_behind(&directory.join(FILE), header.len() as u64) {
         Ok(lines) => lines.take(2).count() <= 1,
         Err(_) => !directory.join(FILE).exists(),
     }
 }
 
-/// The first `count` rows of such a file as numbers, every `stride`-th and the last.
-pub(super) fn read(
-    path: &Path,
-    header: &str,
-    count: u64,
+/// Every `stride`-th of the lines and the last, as numbers.
+fn every(
+    mut lines: impl Iterator<Item = io::Result<String>>,
     stride: usize,
 ) -> io::Result<Vec<Vec<f64>>> {
-    let count = usize::try_from(count).unwrap_or(usize::MAX);
-    let mut lines = rows_behind(path, header)?.take(count);
     let mut rows = Vec::new();
     let mut last: Option<String> = None;
     let mut at = 0_usize;
@@ -131,35 +247,8 @@ pub(super) fn read(
 }
 
 /// The lines behind the headings, which may themselves be several lines.
-fn rows_behind(path: &Path, header: &str) -> io::Result<io::Lines<BufReader<File>>> {
+fn rows_behind(path: &Path, headings: u64) -> io::Result<io::Lines<BufReader<File>>> {
     let mut file = File::open(path)?;
-    file.seek(SeekFrom::Start(header.len() as u64))?;
+    file.seek(SeekFrom::Start(headings))?;
     Ok(BufReader::new(file).lines())
-}
-
-/// For each of `columns` columns from `start` on, the time of its first value that is not finite, in the
-/// first `count` rows of `samples.csv`.
-pub(super) fn first_undefined(
-    directory: &Path,
-    header: &str,
-    count: u64,
-    start: usize,
-    columns: usize,
-) -> io::Result<Vec<Option<f64>>> {
-    let count = usize::try_from(count).unwrap_or(usize::MAX);
-    let mut found = vec![None; columns];
-    for line in rows_behind(&directory.join(FILE), header)?.take(count) {
-        let line = line?;
-        // No other cell has such letters.
-        if !line.contains("NaN") && !line.contains("inf") {
-            continue;
-        }
-        let time = numbers(&line).next();
-        for (first, value) in found.iter_mut().zip(numbers(&line).skip(start)) {
-            if first.is_none() && !value.is_finite() {
-                *first = time;
-            }
-        }
-    }
-    Ok(found)
 }

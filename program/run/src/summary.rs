@@ -1,16 +1,12 @@
 //! What `report.html` shows, from what the directory holds.
 
-use std::io;
-
 use leafwise_expression::words::counted;
 
-use super::columns::header;
 use super::drive::Session;
 use super::error::RunError;
 use super::invariants::Functions;
 use super::manifest::{PROGRAM_VERSION, plugins};
 use super::outcome::{RunOutcome, RunReport};
-use super::samples;
 use super::snapshots::spacing;
 use crate::advice::{Advice, EnergyError, MOST_STATES, lines, states_ahead};
 use leafwise_report::{
@@ -42,15 +38,9 @@ pub(super) fn report_data(
     let stride = usize::try_from(report.samples.div_ceil(MOST_ROWS))
         .unwrap_or(1)
         .max(1);
-    let rows = samples::read(
-        &report.directory.join(samples::FILE),
-        &header(run),
-        report.samples,
-        stride,
-    )
-    .map_err(RunError::io(&report.directory))?;
+    let rows = session.samples().read(stride)?;
     let times: Vec<f64> = rows.iter().map(|row| row[0]).collect();
-    let width = columns_of_states(run);
+    let width = columns_of_states(session, run);
     let column = |at: usize| -> Vec<f64> {
         rows.iter()
             .map(|row| row.get(at).copied().unwrap_or(f64::NAN))
@@ -90,7 +80,7 @@ pub(super) fn report_data(
         outcome: outcome(run, report),
         method: method_lines(run),
         advice: lines(&report.advice),
-        facts: facts(run, report),
+        facts: facts(run, session, report),
         invariants,
         logarithmic_time: report.steps > LONG_RUN,
         energy: energy.map(|at| TimeSeries {
@@ -106,7 +96,7 @@ pub(super) fn report_data(
                 (observable.name().to_owned(), series)
             })
             .collect(),
-        section: section(run, report, &rows).map_err(RunError::io(&report.directory))?,
+        section: section(run, session, &rows)?,
         trajectory: trajectory(run, session, times.clone(), &rows, width),
         solver: (!solver.times.is_empty()).then_some(solver),
     })
@@ -116,16 +106,15 @@ pub(super) fn report_data(
 /// `recorded` are the samples.
 fn section(
     run: &ComposedRun,
-    report: &RunReport,
+    session: &Session<'_>,
     recorded: &[Vec<f64>],
-) -> io::Result<Option<SectionPoints>> {
-    let (Some(section), Some(count)) = (&run.plan.events.section, report.crossings) else {
+) -> Result<Option<SectionPoints>, RunError> {
+    let (Some(section), Some(crossings)) = (&run.plan.events.section, session.crossings()) else {
         return Ok(None);
     };
-    let stride = usize::try_from(count.div_ceil(MOST_ROWS)).unwrap_or(1);
-    let path = report.directory.join(samples::SECTION);
-    let rows = samples::read(&path, &header(run), count, stride.max(1))?;
-    let mut names = match run.plan.states.are_in_samples() {
+    let stride = usize::try_from(crossings.count().div_ceil(MOST_ROWS)).unwrap_or(1);
+    let rows = crossings.read(stride)?;
+    let mut names = match session.has_states_in_samples() {
         true => run.plan.states.names(),
         false => Vec::new(),
     };
@@ -173,7 +162,11 @@ pub(crate) fn spread(rows: &[Vec<f64>], column: usize) -> f64 {
 }
 
 /// States of the run to judge its method at: the first, the last, and recorded ones between.
-pub(super) fn states(run: &ComposedRun, report: &RunReport) -> io::Result<Vec<Vec<f64>>> {
+pub(super) fn states(
+    run: &ComposedRun,
+    session: &Session<'_>,
+    report: &RunReport,
+) -> Result<Vec<Vec<f64>>, RunError> {
     // Samples and reports hold the scene's own coordinates.
     if run.extension.is_some() {
         return Ok(states_ahead(run));
@@ -183,12 +176,7 @@ pub(super) fn states(run: &ComposedRun, report: &RunReport) -> io::Result<Vec<Ve
     if run.plan.states.is_whole_in_samples() {
         let stride = report.samples.div_ceil(MOST_STATES as u64 - 2).max(1);
         let stride = usize::try_from(stride).unwrap_or(usize::MAX);
-        let rows = samples::read(
-            &report.directory.join(samples::FILE),
-            &header(run),
-            report.samples,
-            stride,
-        )?;
+        let rows = session.samples().read(stride)?;
         states.extend(rows.iter().skip(1).map(|row| row[1..=d].to_vec()));
     }
     states.dedup();
@@ -200,8 +188,9 @@ pub(super) fn states(run: &ComposedRun, report: &RunReport) -> io::Result<Vec<Ve
 pub(super) fn energy_error(
     document: &SceneDocument,
     run: &ComposedRun,
+    session: &Session<'_>,
     report: &RunReport,
-) -> io::Result<Option<Advice>> {
+) -> Result<Option<Advice>, RunError> {
     let Some(energy) = report.invariants.first() else {
         return Ok(None);
     };
@@ -219,12 +208,7 @@ pub(super) fn energy_error(
     if run.plan.states.is_whole_in_samples() && run.extension.is_none() {
         let stride = report.samples.div_ceil(MOST_ORBIT_STATES).max(1);
         let stride = usize::try_from(stride).unwrap_or(usize::MAX);
-        let rows = samples::read(
-            &report.directory.join(samples::FILE),
-            &header(run),
-            report.samples,
-            stride,
-        )?;
+        let rows = session.samples().read(stride)?;
         states.extend(rows.iter().map(|row| row[1..=d].to_vec()));
     }
     Ok(error.advice(document, run, &states))
@@ -233,21 +217,22 @@ pub(super) fn energy_error(
 /// The observables that have no finite value somewhere, each with the first time.
 pub(super) fn first_undefined(
     run: &ComposedRun,
-    report: &RunReport,
-) -> io::Result<Vec<(String, f64)>> {
-    let start = 1 + columns_of_states(run);
+    session: &Session<'_>,
+) -> Result<Vec<(String, f64)>, RunError> {
+    let start = 1 + columns_of_states(session, run);
     let observables = &run.plan.observables;
-    let (header, count) = (header(run), observables.len());
-    let times = samples::first_undefined(&report.directory, &header, report.samples, start, count)?;
+    let times = session
+        .samples()
+        .first_undefined(start, observables.len())?;
     let named = observables.iter().zip(times);
     Ok(named
         .filter_map(|(observable, time)| Some((observable.name().to_owned(), time?)))
         .collect())
 }
 
-/// Columns of `samples.csv` between the time and the observables.
-fn columns_of_states(run: &ComposedRun) -> usize {
-    match run.plan.states.are_in_samples() {
+/// Columns of samples between the time and the observables.
+fn columns_of_states(session: &Session<'_>, run: &ComposedRun) -> usize {
+    match session.has_states_in_samples() {
         true => run.plan.states.width(),
         false => 0,
     }
@@ -362,7 +347,7 @@ pub(crate) fn method_lines(run: &ComposedRun) -> Vec<(String, String)> {
     lines
 }
 
-fn facts(run: &ComposedRun, report: &RunReport) -> Vec<(String, String)> {
+fn facts(run: &ComposedRun, session: &Session<'_>, report: &RunReport) -> Vec<(String, String)> {
     let statistics = &report.statistics;
     let mut facts = vec![
         ("Steps".to_owned(), report.steps.to_string()),
@@ -386,7 +371,6 @@ fn facts(run: &ComposedRun, report: &RunReport) -> Vec<(String, String)> {
                 (None, every) => format!("{}, every {every} steps", report.samples),
             },
         ),
-        ("Data".to_owned(), report.directory.display().to_string()),
     ];
     if let (Some(section), Some(count)) = (&run.plan.events.section, report.crossings) {
         let count = counted(count as usize, "crossing");
@@ -395,7 +379,10 @@ fn facts(run: &ComposedRun, report: &RunReport) -> Vec<(String, String)> {
             section.text,
             section.direction_in_words()
         );
-        facts.insert(facts.len() - 1, ("Section".to_owned(), text));
+        facts.push(("Section".to_owned(), text));
+    }
+    if let Some(directory) = session.directory() {
+        facts.push(("Data".to_owned(), directory.display().to_string()));
     }
     if let Some([least, most]) = report.step_times {
         let text = format!("{} to {}", rounded(least, 4), rounded(most, 4));

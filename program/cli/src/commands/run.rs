@@ -112,18 +112,18 @@ pub(super) fn integrate(
     bar.finish();
     let report = report?;
     if !told.quiet {
-        for line in summary(composed, registry, &report, console) {
+        for line in summary(composed, registry, &report, options, console) {
             console.prose(&line);
         }
         print_advice(&report.advice, console);
     }
     if let RunOutcome::Failed(failure) = &report.outcome {
-        for line in failure_lines(composed, failure, &report, console) {
+        for line in failure_lines(composed, failure, &report, options, console) {
             console.prose(&line);
         }
     }
     if told.json {
-        console.json(&Told::from(&report));
+        console.json(&Told::new(&report, options));
     }
     Ok(match report.outcome {
         RunOutcome::Done | RunOutcome::Stopped(_) => exit::DONE,
@@ -191,6 +191,7 @@ fn summary(
     composed: &ComposedRun,
     registry: &Registry,
     report: &RunReport,
+    options: &RunOptions,
     console: &Console<'_>,
 ) -> Vec<String> {
     let method = method_line(composed, registry);
@@ -245,7 +246,7 @@ fn summary(
         ));
     }
     lines.extend(states_line(composed).map(|line| format!("  states   {line}")));
-    lines.push(format!("  report   {}", report.report().display()));
+    lines.push(format!("  report   {}", options.report().display()));
     if report.outcome == RunOutcome::Interrupted {
         lines.push(String::new());
         let whole = match composed.plan.until {
@@ -287,6 +288,7 @@ fn failure_lines(
     composed: &ComposedRun,
     failure: &StepFailure,
     report: &RunReport,
+    options: &RunOptions,
     console: &Console<'_>,
 ) -> Vec<String> {
     let mut state: Vec<String> = composed
@@ -312,7 +314,7 @@ fn failure_lines(
         format!("  = help: {}", failure.hint),
         format!(
             "  = everything recorded before it is in {} (samples: {})",
-            report.directory.display(),
+            options.directory.display(),
             grouped(report.samples)
         ),
     ]
@@ -345,8 +347,8 @@ struct Told<'a> {
     error: Option<&'a StepFailure>,
 }
 
-impl<'a> From<&'a RunReport> for Told<'a> {
-    fn from(report: &'a RunReport) -> Self {
+impl<'a> Told<'a> {
+    fn new(report: &'a RunReport, options: &RunOptions) -> Self {
         Self {
             outcome: report.outcome.word(),
             stopped_by: report.outcome.stopped_by(),
@@ -360,7 +362,7 @@ impl<'a> From<&'a RunReport> for Told<'a> {
             invariants: report.named_invariants(),
             solver: report.statistics,
             warnings: &report.advice,
-            run_directory: report.directory.display().to_string(),
+            run_directory: options.directory.display().to_string(),
             error: report.outcome.failure(),
         }
     }

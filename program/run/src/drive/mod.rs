@@ -2,6 +2,7 @@
 
 mod between;
 
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use leafwise_core::{Integrator, SolverStatistics, StepError};
@@ -31,7 +32,8 @@ const COORDINATES_A_LOOK: usize = 4096;
 /// A run between two looks at the clock.
 pub(super) struct Session<'a> {
     run: &'a ComposedRun,
-    directory: &'a RunDirectory,
+    /// Where checkpoints are written, and how often.
+    directory: Option<&'a RunDirectory>,
     checkpoint_every: Duration,
     integrator: Integrator,
     /// Where steps are of a fictitious time.
@@ -83,7 +85,7 @@ impl<'a> Session<'a> {
         let path = |name: &str| directory.path.join(name);
         let header = header(run);
         let samples = Samples::create(&path(samples::UNPUBLISHED), &header)?;
-        let mut session = Self::new(run, directory, checkpoint_every, samples)?;
+        let mut session = Self::new(run, Some(directory), checkpoint_every, samples)?;
         if let Some(width) = wide(run) {
             session.states = Some(StateTable::create(&directory.path, width)?);
         }
@@ -93,6 +95,18 @@ impl<'a> Session<'a> {
         session.record()?;
         session.samples.publish(&path(samples::FILE))?;
         session.checkpoint()?;
+        Ok(session)
+    }
+
+    /// A run in memory: its initial state is recorded.
+    pub fn in_memory(run: &'a ComposedRun) -> Result<Self, RunError> {
+        let width = 1 + run.plan.states.width() + run.plan.observables.len();
+        let samples = Samples::in_memory(width);
+        let mut session = Self::new(run, None, Duration::MAX, samples)?;
+        if session.section.is_some() {
+            session.crossings = Some(Samples::in_memory(width));
+        }
+        session.record()?;
         Ok(session)
     }
 
@@ -109,8 +123,9 @@ impl<'a> Session<'a> {
         };
         let (vouched, count) = (&checkpoint.vouched, checkpoint.samples);
         let path = |name: &str| directory.path.join(name);
-        let samples = Samples::resume(&path(samples::FILE), vouched, count)?;
-        let mut session = Self::new(run, directory, checkpoint_every, samples)?;
+        let header = header(run);
+        let samples = Samples::resume(&path(samples::FILE), &header, vouched, count)?;
+        let mut session = Self::new(run, Some(directory), checkpoint_every, samples)?;
         if let Some(width) = wide(run) {
             session.states = Some(StateTable::resume(
                 &directory.path,
@@ -121,7 +136,8 @@ impl<'a> Session<'a> {
         if let Some(section) = &mut session.section {
             let (vouched, count) = (&checkpoint.section, checkpoint.crossings);
             section.side = checkpoint.side;
-            session.crossings = Some(Samples::resume(&path(samples::SECTION), vouched, count)?);
+            let path = path(samples::SECTION);
+            session.crossings = Some(Samples::resume(&path, &header, vouched, count)?);
         }
         session
             .integrator
@@ -163,7 +179,7 @@ impl<'a> Session<'a> {
 
     fn new(
         run: &'a ComposedRun,
-        directory: &'a RunDirectory,
+        directory: Option<&'a RunDirectory>,
         checkpoint_every: Duration,
         samples: Samples,
     ) -> Result<Self, RunError> {
@@ -481,6 +497,9 @@ impl<'a> Session<'a> {
     }
 
     fn checkpoint(&mut self) -> Result<(), RunError> {
+        let Some(directory) = self.directory else {
+            return Ok(());
+        };
         let states = self.states.as_mut().map(StateTable::sync).transpose()?;
         let section = self.crossings.as_mut().map(Samples::sync).transpose()?;
         let vouched = self.samples.sync()?;
@@ -500,14 +519,14 @@ impl<'a> Session<'a> {
                 .as_ref()
                 .map_or_else(Default::default, |paced| paced.steps.clone()),
             section: section.unwrap_or(Vouched::NOTHING),
-            crossings: self.crossings().unwrap_or(0),
+            crossings: self.crossings().map_or(0, Samples::count),
             side: self.section.as_ref().map_or(0.0, |section| section.side),
             start: self
                 .last
                 .as_ref()
                 .map_or_else(Default::default, |last| last.start.clone()),
         };
-        checkpoint.write(&self.directory.path)
+        checkpoint.write(&directory.path)
     }
 
     /// The solver's work, earlier sessions included.
@@ -547,14 +566,30 @@ impl<'a> Session<'a> {
         &self.snapshots
     }
 
-    /// Crossings recorded, where there is a section.
-    pub fn crossings(&self) -> Option<u64> {
-        self.crossings.as_ref().map(Samples::count)
+    /// Samples recorded.
+    pub fn samples(&self) -> &Samples {
+        &self.samples
     }
 
-    /// Samples recorded.
-    pub fn samples(&self) -> u64 {
-        self.samples.count()
+    /// Crossings recorded, where there is a section.
+    pub fn crossings(&self) -> Option<&Samples> {
+        self.crossings.as_ref()
+    }
+
+    /// Both, one row after the other, where they are in memory.
+    pub fn into_values(self) -> (Vec<f64>, Option<Vec<f64>>) {
+        let crossings = self.crossings.map(Samples::into_values);
+        (self.samples.into_values(), crossings)
+    }
+
+    /// Whether samples hold the recorded coordinates.
+    pub fn has_states_in_samples(&self) -> bool {
+        self.states.is_none()
+    }
+
+    /// Where the run is written, if it is.
+    pub fn directory(&self) -> Option<&Path> {
+        self.directory.map(|directory| directory.path.as_path())
     }
 
     /// For each recorded formula, its name and the samples at which it has no finite value.

@@ -2,6 +2,7 @@
 
 mod damage;
 mod directories;
+mod in_memory;
 mod recorded;
 mod resuming;
 
