@@ -1,0 +1,67 @@
+from collections.abc import Callable
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._run import Run
+
+Array = NDArray[np.float64]
+
+class LeafwiseError(Exception): ...
+class SceneError(LeafwiseError): ...
+
+class IntegrationError(LeafwiseError):
+    run: Run
+
+@final
+class Integrator:
+    def step(self) -> None: ...
+    def advance(self, steps: int) -> None: ...
+    @property
+    def x(self) -> Array: ...
+    @property
+    def t(self) -> float: ...
+    @property
+    def steps(self) -> int: ...
+    def copy_to(self, target: Array) -> None: ...
+
+@final
+class Recorded:
+    columns: list[str]
+    coordinates: int
+    samples: Array
+    crossings: Array | None
+    windows_columns: list[str]
+    windows: Array
+    final_state: Array
+    outcome: str
+    message: str
+    time: float
+    steps: int
+    wall_seconds: float
+    evaluations: int
+    invariants: list[tuple[str, float, float]]
+    advice: list[str]
+    def page(self) -> str: ...
+
+@final
+class Scene:
+    def __init__(self, source: str, name: str, overrides: list[tuple[str, str]]) -> None: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def text(self) -> str: ...
+    @property
+    def origin(self) -> tuple[str, str, list[tuple[str, str]]]: ...
+    def describe(self) -> tuple[list[str], list[str], list[tuple[str, float]], list[str]]: ...
+    def run(
+        self,
+        overrides: list[tuple[str, str]],
+        allow_non_poisson: bool,
+        progress: Callable[[int, int], object] | None,
+    ) -> Recorded: ...
+    def integrator(self) -> Integrator: ...
+
+def command(arguments: list[str]) -> tuple[int, str, str]: ...
+def text_of(table: dict[str, Any]) -> str: ...

@@ -1,0 +1,152 @@
+"""What a run leaves."""
+
+from __future__ import annotations
+
+import html
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._leafwise import Recorded
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+Array = NDArray[np.float64]
+
+
+class Run:
+    """A run: recorded states and what became of the invariants.
+
+    Arrays are views of one table; n is the number of samples, d the number of recorded coordinates.
+    """
+
+    def __init__(self, recorded: Recorded) -> None:
+        self._recorded = recorded
+        self._coordinates = recorded.coordinates
+
+    @property
+    def t(self) -> Array:
+        """Times of the samples: shape (n,)."""
+        return self._recorded.samples[:, 0]
+
+    @property
+    def x(self) -> Array:
+        """States of the samples: shape (n, d)."""
+        return self._recorded.samples[:, 1 : 1 + self._coordinates]
+
+    @property
+    def names(self) -> list[str]:
+        """The names of the recorded coordinates."""
+        return self._recorded.columns[1 : 1 + self._coordinates]
+
+    @property
+    def observables(self) -> dict[str, Array]:
+        """Every recorded observable by its name, energy and Casimirs among them: shape (n,) each."""
+        first, table = 1 + self._coordinates, self._recorded.samples
+        return {name: table[:, first + at] for at, name in enumerate(self._recorded.columns[first:])}
+
+    @property
+    def energy(self) -> Array:
+        """The Hamiltonian at the samples: shape (n,)."""
+        return self.observables["energy"]
+
+    @property
+    def casimirs(self) -> dict[str, Array]:
+        """The Casimirs at the samples by their names: shape (n,) each."""
+        observables = self.observables
+        return {name: observables[name] for name, _, _ in self._recorded.invariants[1:]}
+
+    @property
+    def drift(self) -> dict[str, float]:
+        """The largest deviation of energy and Casimirs from their initial values, over every step."""
+        return {name: largest for name, _, largest in self._recorded.invariants}
+
+    @property
+    def windows(self) -> tuple[Array, dict[str, Array]]:
+        """Over windows of steps: the time at each end, and the largest deviation of each invariant within."""
+        table, names = self._recorded.windows, self._recorded.windows_columns
+        return table[:, 0], {name: table[:, at + 1] for at, name in enumerate(names[1:])}
+
+    @property
+    def crossings(self) -> tuple[Array, Array] | None:
+        """Times and states on the scene's section: shapes (m,) and (m, d); None without one."""
+        table = self._recorded.crossings
+        return None if table is None else (table[:, 0], table[:, 1 : 1 + self._coordinates])
+
+    @property
+    def final_state(self) -> Array:
+        """The last state: shape (d,), all coordinates."""
+        return self._recorded.final_state
+
+    @property
+    def final_time(self) -> float:
+        """The last time."""
+        return self._recorded.time
+
+    @property
+    def steps(self) -> int:
+        """Steps made."""
+        return self._recorded.steps
+
+    @property
+    def evaluations(self) -> int:
+        """Evaluations of the step equations."""
+        return self._recorded.evaluations
+
+    @property
+    def wall_seconds(self) -> float:
+        """Seconds of integration, without building the method."""
+        return self._recorded.wall_seconds
+
+    @property
+    def outcome(self) -> str:
+        """``done``, ``stopped`` by the scene's condition, ``interrupted`` or ``failed``."""
+        return self._recorded.outcome
+
+    @property
+    def message(self) -> str:
+        """Why the run ended before its end."""
+        return self._recorded.message
+
+    @property
+    def warnings(self) -> list[str]:
+        """What to change in the scene."""
+        return self._recorded.advice
+
+    def report(self) -> str:
+        """The report as a page that needs nothing else."""
+        return self._recorded.page()
+
+    def save_report(self, file: str | PathLike[str]) -> None:
+        """Write the report to a file to open in a browser."""
+        Path(file).write_text(self.report(), encoding="utf-8")
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A column for each coordinate and observable over the index t. Needs pandas."""
+        import pandas
+
+        table = self._recorded.samples
+        columns = self._recorded.columns
+        return pandas.DataFrame(table[:, 1:], pandas.Index(self.t, name=columns[0]), columns[1:])
+
+    def to_xarray(self) -> xarray.Dataset:
+        """The states as ``x`` over t and the coordinates' names, the observables over t. Needs xarray."""
+        import xarray
+
+        variables: dict[str, Any] = {"x": (("t", "coordinate"), self.x)}
+        variables |= {name: ("t", values) for name, values in self.observables.items()}
+        return xarray.Dataset(variables, {"t": self.t, "coordinate": self.names})
+
+    def _repr_html_(self) -> str:
+        page = html.escape(self.report())
+        return f'<iframe srcdoc="{page}" style="width: 100%; height: 40em; border: 0"></iframe>'
+
+    def __repr__(self) -> str:
+        drift = ", ".join(f"{name} {value:.1e}" for name, value in self.drift.items())
+        end = f"{self.outcome}: {self.steps} steps to t = {self.final_time:g}"
+        return f"<leafwise.Run {end}, {len(self.t)} samples, drift: {drift}>"

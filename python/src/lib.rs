@@ -1,0 +1,32 @@
+//! The Python package `leafwise`: scenes, runs as arrays, and the program's commands.
+//!
+//! - [`scene`]: scenes, composed and stepped without the interpreter's lock;
+//! - [`recorded`]: what a run leaves, as arrays;
+//! - [`integrator`]: one trajectory, step by step;
+//! - [`command`]: the program, in this process;
+//! - [`text`]: tables of Python as text of a scene;
+//! - [`error`]: the program's failures as exceptions.
+
+mod command;
+mod error;
+mod integrator;
+mod recorded;
+mod scene;
+mod text;
+
+/// The compiled part of the package.
+#[pyo3::pymodule]
+mod _leafwise {
+    #[pymodule_export]
+    use super::command::command;
+    #[pymodule_export]
+    use super::error::{IntegrationError, LeafwiseError, SceneError};
+    #[pymodule_export]
+    use super::integrator::Integrator;
+    #[pymodule_export]
+    use super::recorded::Recorded;
+    #[pymodule_export]
+    use super::scene::Scene;
+    #[pymodule_export]
+    use super::text::text_of;
+}

@@ -1,0 +1,130 @@
+//! What a run leaves, as arrays.
+
+use leafwise::report::{ReportData, render_report};
+use leafwise::run::{self, RunOutcome, RunReport};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+
+use crate::error::LeafwiseError;
+
+/// A run in memory.
+#[pyclass(frozen, module = "leafwise")]
+pub(crate) struct Recorded {
+    /// The names of `samples`' columns.
+    #[pyo3(get)]
+    columns: Vec<String>,
+    /// How many of them are coordinates, behind the time.
+    #[pyo3(get)]
+    coordinates: usize,
+    /// A row for each sample.
+    #[pyo3(get)]
+    samples: Py<PyArray2<f64>>,
+    /// A row for each crossing of the section, if there is one.
+    #[pyo3(get)]
+    crossings: Option<Py<PyArray2<f64>>>,
+    /// The names of `windows`' columns.
+    #[pyo3(get)]
+    windows_columns: Vec<String>,
+    /// A row for each window of steps.
+    #[pyo3(get)]
+    windows: Py<PyArray2<f64>>,
+    /// The last state.
+    #[pyo3(get)]
+    final_state: Py<PyArray1<f64>>,
+    /// done, stopped, interrupted or failed.
+    #[pyo3(get)]
+    outcome: &'static str,
+    /// Why it stopped or failed.
+    #[pyo3(get)]
+    message: String,
+    /// The last time.
+    #[pyo3(get)]
+    time: f64,
+    /// Steps made.
+    #[pyo3(get)]
+    steps: u64,
+    /// Seconds of integration.
+    #[pyo3(get)]
+    wall_seconds: f64,
+    /// Evaluations of the solver.
+    #[pyo3(get)]
+    evaluations: u64,
+    /// Name, initial value and largest deviation of each invariant.
+    #[pyo3(get)]
+    invariants: Vec<(String, f64, f64)>,
+    /// What to change in the scene.
+    #[pyo3(get)]
+    advice: Vec<String>,
+    page: ReportData,
+}
+
+impl Recorded {
+    pub fn new(py: Python<'_>, coordinates: usize, recorded: run::Recorded) -> PyResult<Self> {
+        let run::Recorded {
+            report,
+            columns,
+            samples,
+            crossings,
+            windows_columns,
+            windows,
+            page,
+        } = recorded;
+        let width = columns.len();
+        let crossings = crossings.map(|rows| table(py, rows, width)).transpose()?;
+        Ok(Self {
+            samples: table(py, samples, width)?,
+            crossings,
+            windows: table(py, windows, windows_columns.len())?,
+            columns,
+            coordinates,
+            windows_columns,
+            final_state: PyArray1::from_slice(py, &report.final_state).unbind(),
+            outcome: report.outcome.word(),
+            message: message(&report),
+            time: report.time,
+            steps: report.steps,
+            wall_seconds: report.wall_seconds,
+            evaluations: report.statistics.evaluations,
+            invariants: report
+                .invariants
+                .iter()
+                .map(|one| (one.name.clone(), one.initial, one.maximum))
+                .collect(),
+            advice: report
+                .advice
+                .iter()
+                .map(|one| format!("{}; {}", one.message, one.change))
+                .collect(),
+            page,
+        })
+    }
+}
+
+/// Why a run ended before its end.
+fn message(report: &RunReport) -> String {
+    match &report.outcome {
+        RunOutcome::Done => String::new(),
+        RunOutcome::Stopped(condition) => condition.clone(),
+        RunOutcome::Interrupted => format!("interrupted after {} steps", report.steps),
+        RunOutcome::Failed(failure) => format!(
+            "step {} failed at t = {}: {}; {}",
+            failure.step, failure.time, failure.message, failure.hint
+        ),
+    }
+}
+
+/// Rows one after the other, as an array without a copy.
+fn table(py: Python<'_>, rows: Vec<f64>, width: usize) -> PyResult<Py<PyArray2<f64>>> {
+    let count = rows.len() / width;
+    Ok(PyArray1::from_vec(py, rows)
+        .reshape([count, width])?
+        .unbind())
+}
+
+#[pymethods]
+impl Recorded {
+    /// The report of the run: a page that needs nothing else.
+    fn page(&self) -> PyResult<String> {
+        render_report(&self.page).map_err(|error| LeafwiseError::new_err(error.to_string()))
+    }
+}

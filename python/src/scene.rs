@@ -1,0 +1,194 @@
+//! Scenes, composed and stepped without the interpreter's lock.
+
+use std::time::{Duration, Instant};
+
+use leafwise::core::Registry;
+use leafwise::run::{Progress, Status, run_in_memory};
+use leafwise::scene::document::{Located, ObservableSpec, Place, Source};
+use leafwise::scene::{ComposedRun, SceneDocument, compose};
+use leafwise_cli::failure::Failure;
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+
+use crate::error::{exception, of_scene};
+use crate::integrator::Integrator;
+use crate::recorded::Recorded;
+
+/// How often signals are looked for and progress is told.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
+
+type Overrides = Vec<(String, String)>;
+
+/// Coordinates, Casimirs, parameters with their values, and the method in words.
+type Description = (Vec<String>, Vec<String>, Vec<(String, f64)>, Vec<String>);
+
+/// A scene with its overrides.
+#[pyclass(frozen, module = "leafwise")]
+pub(crate) struct Scene {
+    document: SceneDocument,
+    registry: Registry,
+    source: String,
+    overrides: Overrides,
+}
+
+impl Scene {
+    /// The scene with more overrides, and its system and method.
+    fn composed(&self, more: &Overrides) -> PyResult<(SceneDocument, ComposedRun)> {
+        let mut document = match more.is_empty() {
+            true => self.document.clone(),
+            false => {
+                let (name, text) = (&self.document.name, &self.document.text);
+                let document = SceneDocument::parse_with(name, text, more, &self.registry);
+                document.map_err(|errors| of_scene(&errors))?
+            }
+        };
+        record_invariants(&mut document);
+        let composed = compose(&document, &self.registry);
+        let composed = composed.map_err(|refusal| exception(&Failure::from(refusal)))?;
+        Ok((document, composed))
+    }
+}
+
+/// Energy and Casimirs among what is recorded.
+fn record_invariants(document: &mut SceneDocument) {
+    let casimirs = document.system.casimirs.iter();
+    let names = casimirs.map(|(name, _)| name.value.clone());
+    let names: Vec<String> = std::iter::once("energy".to_owned()).chain(names).collect();
+    let recorded = &mut document.run.record.observables;
+    let place = Place {
+        source: Source::Scene,
+        span: 0..0,
+    };
+    for name in names {
+        if recorded.iter().all(|known| known.heading() != name) {
+            recorded.push(ObservableSpec {
+                name: None,
+                formula: Located::new(name, place.clone()),
+            });
+        }
+    }
+}
+
+#[pymethods]
+impl Scene {
+    #[new]
+    fn new(source: String, name: &str, overrides: Overrides) -> PyResult<Self> {
+        let registry = Registry::with_builtin();
+        let document = SceneDocument::parse_with(name, &source, &overrides, &registry);
+        Ok(Self {
+            document: document.map_err(|errors| of_scene(&errors))?,
+            registry,
+            source,
+            overrides,
+        })
+    }
+
+    /// The scene's name.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.document.name
+    }
+
+    /// Its text, with the overrides.
+    #[getter]
+    fn text(&self) -> &str {
+        &self.document.text
+    }
+
+    /// What it was made of: text, name and overrides.
+    #[getter]
+    fn origin(&self) -> (&str, &str, Overrides) {
+        (&self.source, &self.document.name, self.overrides.clone())
+    }
+
+    /// What it composes to.
+    fn describe(&self, py: Python<'_>) -> PyResult<Description> {
+        py.detach(|| {
+            let (_, run) = self.composed(&Vec::new())?;
+            let casimirs = run.system.casimir_names();
+            let parameters = run.system.parameters().iter();
+            Ok((
+                run.names(),
+                casimirs.iter().map(|name| (*name).to_owned()).collect(),
+                parameters.map(|p| (p.name.clone(), p.value)).collect(),
+                (run.method.parts().into_iter())
+                    .map(|(label, text)| format!("{label}: {text}"))
+                    .collect(),
+            ))
+        })
+    }
+
+    /// Steps the scene with more overrides; `progress` is called with the steps made and their number.
+    fn run(
+        &self,
+        py: Python<'_>,
+        overrides: Overrides,
+        allow_non_poisson: bool,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Recorded> {
+        let (coordinates, recorded) = py.detach(|| {
+            let (document, composed) = self.composed(&overrides)?;
+            let mut told = Told::new(progress);
+            let registry = &self.registry;
+            let recorded =
+                run_in_memory(&document, &composed, registry, allow_non_poisson, &mut told);
+            match told.raised {
+                Some(error) => Err(error),
+                None => recorded
+                    .map(|recorded| (composed.plan.states.width(), recorded))
+                    .map_err(|error| exception(&Failure::from(error))),
+            }
+        })?;
+        Recorded::new(py, coordinates, recorded)
+    }
+
+    /// The method's steps from the initial state.
+    fn integrator(&self, py: Python<'_>) -> PyResult<Integrator> {
+        let (_, composed) = py.detach(|| self.composed(&Vec::new()))?;
+        Ok(Integrator::new(composed.integrator()))
+    }
+}
+
+/// Looks for Ctrl-C, and tells a function of Python where the run stands.
+struct Told {
+    function: Option<Py<PyAny>>,
+    looked: Instant,
+    is_interrupted: bool,
+    /// What the function raised.
+    raised: Option<PyErr>,
+}
+
+impl Told {
+    fn new(function: Option<Py<PyAny>>) -> Self {
+        Self {
+            function,
+            looked: Instant::now(),
+            is_interrupted: false,
+            raised: None,
+        }
+    }
+}
+
+impl Progress for Told {
+    fn show(&mut self, status: &Status) {
+        if self.looked.elapsed() < LOOK_EVERY || self.is_interrupted {
+            return;
+        }
+        Python::attach(|py| {
+            self.is_interrupted = py.check_signals().is_err();
+            if let Some(function) = &self.function
+                && let Err(error) = function.call1(py, (status.steps, status.total))
+            {
+                self.is_interrupted = true;
+                // Ctrl-C while the function runs.
+                let is_interruption = error.is_instance_of::<PyKeyboardInterrupt>(py);
+                self.raised = (!is_interruption).then_some(error);
+            }
+        });
+        self.looked = Instant::now();
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.is_interrupted
+    }
+}
