@@ -99,6 +99,7 @@ fn rigid_body(count: usize) -> ReportData {
             title: "x1 = 0, upwards".to_owned(),
             names: ["x2".to_owned(), "x3".to_owned()],
             points: vec![[1.0, 2.0], [-1.0, f64::NAN], [2.0, 1.0], [0.5, -1.5]],
+            members: Vec::new(),
         }),
         trajectory: Some(Trajectory::Orbit {
             names: ["x1", "x2", "x3"].map(str::to_owned).to_vec(),

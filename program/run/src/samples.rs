@@ -157,8 +157,7 @@ impl Samples {
         let (count, stride) = (self.rows_in_memory(), stride.max(1));
         match &self.rows {
             Rows::File { file, headings, .. } => {
-                let lines = rows_behind(file.path(), *headings);
-                let rows = lines.and_then(|lines| every(lines.take(count), stride));
+                let rows = read(file.path(), *headings, self.count, stride);
                 rows.map_err(RunError::io(file.path()))
             }
             Rows::Memory { values, width } => {
@@ -225,11 +224,15 @@ pub(super) fn has_begun_at_most(directory: &Path, header: &str) -> bool {
     }
 }
 
-/// Every `stride`-th of the lines and the last, as numbers.
-fn every(
-    mut lines: impl Iterator<Item = io::Result<String>>,
+/// The first `count` rows of a file as numbers behind so many bytes of headings, every `stride`-th and the last.
+pub(super) fn read(
+    path: &Path,
+    headings: u64,
+    count: u64,
     stride: usize,
 ) -> io::Result<Vec<Vec<f64>>> {
+    let count = usize::try_from(count).unwrap_or(usize::MAX);
+    let mut lines = rows_behind(path, headings)?.take(count);
     let mut rows = Vec::new();
     let mut last: Option<String> = None;
     let mut at = 0_usize;

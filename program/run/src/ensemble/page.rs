@@ -172,7 +172,8 @@ fn section(
     };
     let stride = usize::try_from(count.div_ceil(MOST_ROWS)).unwrap_or(1);
     let path = report.directory.join(SECTION);
-    let rows = samples::read(&path, &heading(ensemble), count, stride.max(1))?;
+    let headings = heading(ensemble).len() as u64;
+    let rows = samples::read(&path, headings, count, stride.max(1))?;
     let names = columns(ensemble);
     // On the section a coordinate may be held: it varies by round-off alone.
     let largest = (0..names.len()).map(|column| spread(&rows, 2 + column));
