@@ -328,7 +328,7 @@ fn reference_flows_start_from_the_default_states() {
         .expect("the reference flows are readable");
     let report: serde_json::Value = serde_json::from_str(&text).expect("the file is JSON");
     let flows = report["flows"].as_array().expect("flows are a list");
-    assert_eq!(flows.len(), 4);
+    assert_eq!(flows.len(), 14);
     let numbers = |list: &serde_json::Value| -> Vec<f64> {
         list.as_array()
             .expect("a state is a list")

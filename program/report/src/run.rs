@@ -86,7 +86,7 @@ fn growth(deviations: &[f64]) -> Option<f64> {
     (first > 0.0).then_some(last / first)
 }
 
-/// The pictures: wide ones, the orbit, and small ones beside it.
+/// The pictures: wide ones, the orbit with small ones beside it, or small ones two in a row.
 #[derive(Default, Serialize)]
 struct Figures {
     wide: Vec<Figure>,
@@ -132,6 +132,11 @@ impl Figures {
         }
         if let Some(solver) = &data.solver {
             figures.small.push(solver_figure(solver)?);
+        }
+        // Beside many or square ones the orbit would stand in a tall empty card.
+        if data.section.is_some() || figures.small.len() > 2 {
+            let orbit = figures.orbit.take();
+            figures.small.splice(..0, orbit);
         }
         Ok(figures)
     }

@@ -211,7 +211,7 @@ fn sums_over_pairs_take_each_once() {
     for (text, kind) in [
         ("sum(i<i, u[i])", "DuplicateIndex"),
         ("sum(i<, u[i])", "Expected"),
-        ("1 < 2", "Unexpected"),
+        ("1 < 2", "Expected"),
     ] {
         let error = refusal(text, &lattice(Boundary::Open));
         assert!(
