@@ -5,6 +5,7 @@ use leafwise::core::Structure;
 use leafwise::core::diagnostics::StepEquation;
 use leafwise::prelude::*;
 use leafwise::run::{advice::Advice, advice::AdviceKind, advice::advise, advice::states_ahead};
+use leafwise_tests::scenes::composed;
 
 /// A system of the library from a state, with a method.
 fn scene(library: &str, initial: &str, method: &str) -> String {
@@ -16,11 +17,6 @@ fn scene(library: &str, initial: &str, method: &str) -> String {
 
 fn body(method: &str) -> String {
     scene("rigid-body", "[1, 3, 3]", method)
-}
-
-fn composed(text: &str) -> ComposedRun {
-    let document = SceneDocument::parse("scene", text, &Registry::with_builtin()).expect("a scene");
-    compose(&document, &Registry::with_builtin()).expect("a run")
 }
 
 fn advice(text: &str) -> Vec<Advice> {

@@ -28,6 +28,7 @@ mod paper_slopes;
 mod part_names;
 mod poles;
 mod reference;
+mod runs;
 mod schema;
 mod sources;
 mod spins;

@@ -10,8 +10,9 @@
 use leafwise::core::diagnostics::{TensorDefect, Verdict};
 use leafwise::core::system::{FormError, TensorSource};
 use leafwise::core::{PoissonSystem, StepError};
-use leafwise::prelude::{Registry, SceneDocument};
+use leafwise::prelude::Registry;
 use leafwise::scene::{ComposedRun, SceneChecks, compose};
+use leafwise_tests::scenes::{composed, document};
 
 /// u and μ of an orbit from (1.05, 0, 0, u), and (R, Z, φ, u) at T.
 struct Orbit {
@@ -33,13 +34,6 @@ const PASSING: Orbit = Orbit {
 
 /// The toroidal momentum, and its name in the Cartesian system.
 const TOROIDAL: &str = "r2/(2*q0) + q0*u*R/s";
-
-fn composed(text: &str) -> ComposedRun {
-    let registry = Registry::with_builtin();
-    let document = SceneDocument::parse("scene", text, &registry)
-        .unwrap_or_else(|errors| panic!("{errors}\n{text}"));
-    compose(&document, &registry).unwrap_or_else(|refusal| panic!("{refusal}\n{text}"))
-}
 
 fn run(system: &str, orbit: &Orbit, order: u32, step: f64, steps: usize) -> ComposedRun {
     composed(&format!(
@@ -308,8 +302,7 @@ fn a_step_across_a_degenerate_place_names_the_pfaffian() {
         other => panic!("{other:?}"),
     }
     let registry = Registry::with_builtin();
-    let text = scene("[1, 0]");
-    let document = SceneDocument::parse("scene", &text, &registry).expect("a scene");
+    let document = document(&scene("[1, 0]"), &[]);
     let refusal = compose(&document, &registry).err().expect("refused");
     assert!(
         refusal.message.contains("its Pfaffian is"),

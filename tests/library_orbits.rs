@@ -8,30 +8,19 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
-use std::collections::BTreeMap;
-
-use leafwise::core::{Integrator, Registry};
-use leafwise::run::{Quiet, RunOptions};
-use leafwise::scene::{ComposedRun, SceneDocument, compose};
+use leafwise::core::Integrator;
+use leafwise::scene::ComposedRun;
 use leafwise_tests::numbers::{UNIT_ROUNDOFF, decimal, decimals, distance, largest};
 use leafwise_tests::orders::measure;
+use leafwise_tests::scenes::composed;
 use serde_json::Value;
+
+use crate::runs::{Table, ran};
 
 fn orbits() -> Vec<Value> {
     let text = include_str!("../systems/reference/closed_forms.json");
     let data: Value = serde_json::from_str(text).expect("reference data");
     data["orbits"].as_array().expect("a list of orbits").clone()
-}
-
-fn document(text: &str, overrides: &[(String, String)]) -> SceneDocument {
-    let registry = Registry::with_builtin();
-    SceneDocument::parse_with("scene", text, overrides, &registry)
-        .unwrap_or_else(|errors| panic!("{errors}\n{text}"))
-}
-
-fn composed(text: &str) -> ComposedRun {
-    let registry = Registry::with_builtin();
-    compose(&document(text, &[]), &registry).unwrap_or_else(|refusal| panic!("{refusal}\n{text}"))
 }
 
 /// The system with these parameters, and its automatic realization under `hamilton-jacobi` of this order. Families get their
@@ -137,38 +126,9 @@ fn closed_forms_are_followed_with_the_declared_order() {
 }
 
 /// The samples of a scene, by column.
-fn samples(text: &str, overrides: &[(&str, &str)]) -> BTreeMap<String, Vec<f64>> {
-    let overrides: Vec<(String, String)> = overrides
-        .iter()
-        .map(|(key, value)| ((*key).to_owned(), (*value).to_owned()))
-        .collect();
-    let registry = Registry::with_builtin();
-    let document = document(text, &overrides);
-    let run = compose(&document, &registry).unwrap_or_else(|refusal| panic!("{refusal}\n{text}"));
-    let root = tempfile::tempdir().expect("a directory");
-    let options = RunOptions {
-        directory: root.path().join("run"),
-        force: false,
-        allow_non_poisson: false,
-        command: String::new(),
-        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
-    };
-    leafwise::run::run(&document, &run, &registry, &options, &mut Quiet)
-        .unwrap_or_else(|error| panic!("{error}\n{text}"));
-    let table = std::fs::read_to_string(options.directory.join("samples.csv")).expect("a table");
-    let mut lines = table.lines();
-    let names: Vec<&str> = lines.next().expect("a head").split(',').collect();
-    let mut columns = vec![Vec::new(); names.len()];
-    for line in lines {
-        for (column, entry) in columns.iter_mut().zip(line.split(',')) {
-            column.push(entry.parse().expect("a number"));
-        }
-    }
-    names
-        .iter()
-        .map(|name| (*name).to_owned())
-        .zip(columns)
-        .collect()
+fn samples(text: &str, overrides: &[(&str, &str)]) -> Table {
+    let (_, table) = ran(text, overrides);
+    table("samples.csv")
 }
 
 /// Momenta of symmetries that act linearly commute with the realization and the generating function, so that steps keep them to

@@ -5,12 +5,13 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
+use leafwise::core::StepMap;
 use leafwise::core::diagnostics::TensorDefect;
-use leafwise::core::{Registry, StepMap};
-use leafwise::run::{Quiet, RunOptions, RunReport};
-use leafwise::scene::{ComposedRun, SceneDocument, compose};
 use leafwise_tests::numbers::{UNIT_ROUNDOFF, distance, largest};
 use leafwise_tests::orders::measure;
+use leafwise_tests::scenes::composed;
+
+use crate::runs::{Table, ran};
 
 /// Enright and Pryce's D5 at T = 20, as printed.
 const D5: [f64; 4] = [
@@ -37,14 +38,6 @@ fn pericentre(e: f64) -> [f64; 4] {
     [1.0 - e, 0.0, 0.0, libm::sqrt((1.0 + e) / (1.0 - e))]
 }
 
-fn document(text: &str) -> (SceneDocument, ComposedRun) {
-    let registry = Registry::with_builtin();
-    let document = SceneDocument::parse("scene", text, &registry)
-        .unwrap_or_else(|errors| panic!("{errors}\n{text}"));
-    let run = compose(&document, &registry).unwrap_or_else(|refusal| panic!("{refusal}\n{text}"));
-    (document, run)
-}
-
 fn scene(system: &str, method: &str, initial: &[f64], run: &str) -> String {
     format!("[system]\n{system}\n[method]\n{method}\n[run]\ninitial = {initial:?}\n{run}\n")
 }
@@ -56,35 +49,10 @@ fn kepler(order: usize, step: f64) -> String {
     )
 }
 
-/// Runs a scene in a directory of its own; `read` is given `samples.csv` and `windows.csv`.
-fn ran(text: &str) -> (RunReport, [Vec<Vec<f64>>; 2]) {
-    let (document, run) = document(text);
-    let root = tempfile::tempdir().expect("a directory");
-    let options = RunOptions {
-        directory: root.path().join("run"),
-        force: false,
-        allow_non_poisson: false,
-        command: String::new(),
-        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
-    };
-    let registry = Registry::with_builtin();
-    let report = leafwise::run::run(&document, &run, &registry, &options, &mut Quiet)
-        .unwrap_or_else(|error| panic!("{error}\n{text}"));
-    let tables = ["samples.csv", "windows.csv"].map(|name| {
-        let text = std::fs::read_to_string(options.directory.join(name)).expect("a table");
-        let row = |line: &str| {
-            let cells = line.split(',');
-            cells.map(|cell| cell.parse().expect("a number")).collect()
-        };
-        text.lines().skip(1).map(row).collect()
-    });
-    (report, tables)
-}
-
 #[test]
 fn keplers_problem_d5_is_solved_to_1e_12_in_fewer_than_a_thousand_steps() {
     let text = scene(KEPLER, &kepler(8, 0.03), &pericentre(0.9), "until = 20");
-    let (report, [samples, _]) = ran(&text);
+    let (report, table) = ran(&text, &[]);
     let error = distance(&report.final_state, &D5);
     println!(
         "{} steps, error {error:.1e}, of t {:?}",
@@ -93,9 +61,10 @@ fn keplers_problem_d5_is_solved_to_1e_12_in_fewer_than_a_thousand_steps() {
     assert!(report.steps <= 1000, "{}", report.steps);
     assert!(error <= 1e-12, "{error:e}");
     assert_eq!(report.time, 20.0);
-    let last = samples.last().expect("the end");
-    assert_eq!(last[0], 20.0);
-    assert_eq!(last[1..5], report.final_state);
+    let samples = table("samples.csv");
+    let last = |name: &str| *samples[name].last().expect("the end");
+    assert_eq!(last("t"), 20.0);
+    assert_eq!(["q1", "q2", "p1", "p2"].map(last), report.final_state[..]);
     // r runs from 0.1 to 1.9, r^{3/2} over a factor of 83.
     let [least, most] = report.step_times.expect("different steps");
     assert!((70.0..90.0).contains(&(most / least)), "{least} {most}");
@@ -112,9 +81,10 @@ fn the_energy_error_stays_what_it_is_over_many_periods() {
             "until = {until:?}\nrecord = {{ interval = {:?} }}",
             until / 8.0
         );
-        let (report, [_, windows]) = ran(&scene(KEPLER, &method, &pericentre(0.9), &run));
+        let (report, table) = ran(&scene(KEPLER, &method, &pericentre(0.9), &run), &[]);
+        let windows = &table("windows.csv")["energy"];
         let drift = report.invariants[0].maximum;
-        let most = |part: &[Vec<f64>]| part.iter().fold(0.0_f64, |most, row| most.max(row[1]));
+        let most = |part: &[f64]| part.iter().copied().fold(0.0, f64::max);
         let tenth = windows.len() / 10;
         let (first, last) = (
             most(&windows[..tenth]),
@@ -139,19 +109,17 @@ fn an_eccentricity_of_0_99_returns_after_its_period() {
     let start = pericentre(0.99);
     let until = 2.0 * std::f64::consts::PI;
     let run = format!("until = {until:?}");
-    let (report, _) = ran(&scene(
-        KEPLER,
-        &kepler(8, two_hundredth(0.99)),
-        &start,
-        &run,
-    ));
+    let (report, _) = ran(
+        &scene(KEPLER, &kepler(8, two_hundredth(0.99)), &start, &run),
+        &[],
+    );
     let error = distance(&report.final_state, &start) / largest(start);
     println!("e = 0.99: {} steps, error {error:.1e}", report.steps);
     // At most one more: that which passes the end.
     assert!(report.steps.abs_diff(200) <= 1, "{}", report.steps);
     assert!(error < 1e-5, "{error:e}");
     let finer = kepler(8, 0.25 * two_hundredth(0.99));
-    let (report, _) = ran(&scene(KEPLER, &finer, &start, &run));
+    let (report, _) = ran(&scene(KEPLER, &finer, &start, &run), &[]);
     let error = distance(&report.final_state, &start) / largest(start);
     println!("e = 0.99: {} steps, error {error:.1e}", report.steps);
     assert!(error < 1e-9, "{error:e}");
@@ -172,7 +140,7 @@ fn states_at_a_given_time_have_the_order_of_the_method() {
                 &pericentre(0.9),
                 "until = 20",
             );
-            (*step, distance(&ran(&text).0.final_state, &D5))
+            (*step, distance(&ran(&text, &[]).0.final_state, &D5))
         };
         let points: Vec<_> = steps.iter().map(error).collect();
         let found = measure(&points, 512.0 * UNIT_ROUNDOFF, 2.0).expect("errors above round-off");
@@ -188,7 +156,7 @@ fn states_at_a_given_time_have_the_order_of_the_method() {
 #[test]
 fn the_map_of_the_fictitious_time_is_exactly_poisson() {
     for order in [2, 4] {
-        let (_, run) = document(&scene(
+        let run = composed(&scene(
             KEPLER,
             &kepler(order, 0.05),
             &pericentre(0.6),
@@ -214,22 +182,21 @@ fn records_at_given_times_do_not_disturb_the_steps() {
     let method = kepler(6, 0.07);
     let end = |record: &str| {
         let run = format!("until = 9.5\n{record}");
-        ran(&scene(KEPLER, &method, &pericentre(0.7), &run))
+        let (report, table) = ran(&scene(KEPLER, &method, &pericentre(0.7), &run), &[]);
+        (report, table("samples.csv"))
     };
-    let (without, [all, _]) = end("");
-    let (with, [samples, _]) = end("record = { interval = 0.25 }");
+    let (without, all) = end("");
+    let (with, samples) = end("record = { interval = 0.25 }");
     assert_eq!(without.final_state, with.final_state);
     assert_eq!(without.steps, with.steps);
-    let times: Vec<f64> = samples.iter().map(|row| row[0]).collect();
     let expected: Vec<f64> = (0..=38).map(|k| 0.25 * f64::from(k)).collect();
-    assert_eq!(times, expected);
+    assert_eq!(samples["t"], expected);
     // Every step that ends before the end is a sample where none is asked for.
-    assert_eq!(all.len() as u64, without.steps + 1);
+    assert_eq!(all["t"].len() as u64, without.steps + 1);
     // The energy of a state between two steps errs like that of steps.
-    let energy = |rows: &[Vec<f64>]| {
-        rows.iter()
-            .map(|row| (row[5] - rows[0][5]).abs())
-            .fold(0.0, f64::max)
+    let energy = |table: &Table| {
+        let values = &table["energy"];
+        largest(values.iter().map(|value| value - values[0]))
     };
     let (between, at_steps) = (energy(&samples), energy(&all));
     assert!(between <= 2.0 * at_steps, "{between:e} {at_steps:e}");
@@ -250,7 +217,7 @@ fn a_pace_and_a_hamiltonian_may_both_name_the_time() {
         let method = format!(
             "dynamics = {{ name = \"hamilton-jacobi\", order = 4 }}\npace = \"1/(1 + q^2 + sin(t)^2)\"\ntime-step = {step:?}"
         );
-        let (report, _) = ran(&scene(system, &method, &[1.0, 0.5], "until = 10"));
+        let (report, _) = ran(&scene(system, &method, &[1.0, 0.5], "until = 10"), &[]);
         (step, distance(&report.final_state, &exact))
     };
     let points: Vec<_> = [0.4, 0.3, 0.2, 0.15, 0.1].map(error).to_vec();

@@ -1,8 +1,8 @@
 //! No step crosses a pole of the equations of motion; places where they stay finite are crossed.
 
 use leafwise::core::StepError;
-use leafwise::prelude::{Registry, SceneDocument};
-use leafwise::scene::{ComposedRun, compose};
+use leafwise::scene::ComposedRun;
+use leafwise_tests::scenes::composed;
 use proptest::prelude::*;
 use proptest::sample::select;
 
@@ -25,14 +25,7 @@ fn scene(hamiltonian: &str, method: &str, step: f64, initial: [f64; 2]) -> Compo
          hamiltonian = \"{hamiltonian}\"\n[method]\n{method}\ntime-step = {step:?}\n\
          [run]\ninitial = [{q:?}, {p:?}]\nsteps = 20\n"
     );
-    compose_text(&text)
-}
-
-fn compose_text(text: &str) -> ComposedRun {
-    let registry = Registry::with_builtin();
-    let document = SceneDocument::parse("scene", text, &registry)
-        .unwrap_or_else(|errors| panic!("{errors}\n{text}"));
-    compose(&document, &registry).unwrap_or_else(|refusal| panic!("{refusal}\n{text}"))
+    composed(&text)
 }
 
 /// The positions until a step is refused, and why it was.
@@ -78,7 +71,7 @@ fn a_pole_in_the_way_of_an_explicit_step_is_named() {
 /// A denominator that the scene has a name for is called by it.
 #[test]
 fn a_defined_denominator_has_its_name() {
-    let run = compose_text(
+    let run = composed(
         "[system]\nvariables = [\"q\", \"p\"]\nconvention = \"{x,H}\"\ndefine = { gap = \"2 - q\", V = \"1e-3/gap^3\" }\n\
          bracket = { \"q,p\" = 1 }\nhamiltonian = \"p^2/2 + V\"\n[method]\nstepper = \"rk4\"\n\
          time-step = 0.5\n[run]\ninitial = [1.5, 5]\nsteps = 20\n",
@@ -180,7 +173,7 @@ fn neighbours_of_a_long_chain_do_not_pass_each_other() {
              bracket = {{ \"u[i],p[i]\" = \"1\" }}\nhamiltonian = \"sum(i, p[i]^2/2 + {coupling})\"\n[method]\nstepper = \"splitting\"\n\
              time-step = 0.1\n[run]\ninitial = {{ \"u[i]\" = \"0\", \"p[i]\" = \"{speed:?}*sin(2*pi*i/N)\" }}\nsteps = 40\n"
         );
-        compose_text(&text)
+        composed(&text)
     };
     let repelling = "1/(1 + u[i+1] - u[i])^2";
     let (_, error) = positions(&scene(repelling, 0.1));

@@ -8,9 +8,10 @@
 use std::f64::consts::PI;
 
 use leafwise::core::{Registry, StepError};
-use leafwise::scene::{ComposedRun, SceneDocument, compose};
+use leafwise::scene::compose;
 use leafwise_tests::numbers::{UNIT_ROUNDOFF, distance};
 use leafwise_tests::orders::measure;
+use leafwise_tests::scenes::{document, end, until};
 
 const SPLITTING: &str = "stepper = \"splitting\"\ncomposition = \"suzuki-4\"";
 
@@ -19,23 +20,6 @@ const MIDPOINT: &str = "stepper = \"spherical-midpoint\"";
 
 fn hamilton_jacobi(order: usize) -> String {
     format!("realization = \"auto\"\ndynamics = {{ name = \"hamilton-jacobi\", order = {order} }}")
-}
-
-fn composed(system: &str, method: &str, initial: &str, (time, steps): (f64, usize)) -> ComposedRun {
-    let step = time / steps as f64;
-    let text = format!(
-        "[system]\n{system}\n[method]\n{method}\ntime-step = {step:?}\n[run]\ninitial = {initial}\nsteps = {steps}\n"
-    );
-    let registry = Registry::with_builtin();
-    let document = SceneDocument::parse("scene", &text, &registry)
-        .unwrap_or_else(|errors| panic!("{errors}\n{text}"));
-    compose(&document, &registry).unwrap_or_else(|refusal| panic!("{refusal}\n{text}"))
-}
-
-fn end(run: &ComposedRun) -> Vec<f64> {
-    let mut integrator = run.integrator();
-    integrator.advance(run.plan.steps).expect("every step");
-    integrator.state().to_vec()
 }
 
 /// so(3) at every site, H = −J Σ s_i·s_{i+1} on a ring.
@@ -74,7 +58,7 @@ fn a_spin_wave_is_met_with_the_declared_order() {
     ] {
         let exact = wave_at(sites, time);
         let error = |steps: &usize| {
-            let run = composed(&heisenberg(sites), &method, WAVE, (time, *steps));
+            let run = until(&heisenberg(sites), &method, WAVE, (time, *steps));
             (time / *steps as f64, distance(&end(&run), &exact))
         };
         let points: Vec<_> = steps.iter().map(error).collect();
@@ -95,7 +79,7 @@ fn lengths_are_kept_to_round_off() {
         (SPLITTING.to_owned(), 2000, sites),
     ] {
         let time = 0.05 * f64::from(steps);
-        let run = composed(&heisenberg(sites), &method, start, (time, steps as usize));
+        let run = until(&heisenberg(sites), &method, start, (time, steps as usize));
         let invariants = |x: &[f64]| {
             let spin = |i: usize| [x[i], x[sites + i], x[2 * sites + i]];
             let squares = (0..sites).map(|i| spin(i).iter().map(|v| v * v).sum());
@@ -121,7 +105,7 @@ fn a_single_site_is_so3_to_the_bit() {
                  hamiltonian = \"x^2/2 + y^2/3 + z^2/5\"";
     for method in [hamilton_jacobi(2), hamilton_jacobi(6), SPLITTING.to_owned()] {
         let of = |system: &str| {
-            let run = composed(system, &method, "[0.8, 0.5, -0.6]", (50.0, 500));
+            let run = until(system, &method, "[0.8, 0.5, -0.6]", (50.0, 500));
             end(&run).into_iter().map(f64::to_bits).collect::<Vec<_>>()
         };
         assert_eq!(of(site), of(alone), "{method}");
@@ -143,7 +127,7 @@ fn a_resting_family_is_a_field_of_its_own_at_every_site() {
     for sites in [5, 30] {
         for method in [hamilton_jacobi(2), SPLITTING.to_owned()] {
             let (time, steps) = (3.0, 30);
-            let run = composed(&system(sites), &method, initial, (time, steps));
+            let run = until(&system(sites), &method, initial, (time, steps));
             let found = end(&run);
             let field = |i: usize| match i {
                 3 => 2.5,
@@ -175,13 +159,13 @@ fn the_end_of_a_chart_is_seen_on_a_lattice() {
     };
     let initial = "{ \"s.x[i]\" = 0, \"s.y[i]\" = 0, \"s.z[i]\" = 1 }";
     for sites in [2, 30] {
-        let run = composed(&system(sites), &hamilton_jacobi(2), initial, (7.0, 1));
+        let run = until(&system(sites), &hamilton_jacobi(2), initial, (7.0, 1));
         let refused = run.integrator().step().expect_err("beyond the wall");
         assert!(
             matches!(refused, StepError::LeftChart { .. }),
             "{sites}: {refused:?}"
         );
-        let run = composed(&system(sites), &hamilton_jacobi(2), initial, (6.0, 1));
+        let run = until(&system(sites), &hamilton_jacobi(2), initial, (6.0, 1));
         run.integrator().step().expect("inside");
     }
 }
@@ -198,7 +182,7 @@ fn sums_over_pairs_couple_all_spins() {
     // H = (|S|² − Σ|s_i|²)/2: every spin turns about S = Σ s_i, which rests; {H, s} = S × s in the paper's sign.
     let initial = "{ \"s.x[i]\" = \"sin(1 + i)/2\", \"s.y[i]\" = \"cos(2*i)/2\", \"s.z[i]\" = \"sin(5*i)/2\" }";
     let sites = 5;
-    let run = composed(&system(sites), &hamilton_jacobi(6), initial, (1.0, 100));
+    let run = until(&system(sites), &hamilton_jacobi(6), initial, (1.0, 100));
     let start = run.integrator().state().to_vec();
     let found = end(&run);
     let spin = |x: &[f64], i: usize| [x[i], x[sites + i], x[2 * sites + i]];
@@ -226,9 +210,7 @@ fn sums_over_pairs_couple_all_spins() {
         system(1000),
         hamilton_jacobi(2)
     );
-    let registry = Registry::with_builtin();
-    let document = SceneDocument::parse("scene", &text, &registry).expect("a scene");
-    let refusal = compose(&document, &registry)
+    let refusal = compose(&document(&text, &[]), &Registry::with_builtin())
         .err()
         .expect("all sites couple");
     println!("{refusal}");

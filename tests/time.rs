@@ -6,10 +6,10 @@
     reason = "measured numbers, read with --nocapture"
 )]
 
-use leafwise::core::Registry;
-use leafwise::scene::{ComposedRun, SceneDocument, compose};
+use leafwise::scene::ComposedRun;
 use leafwise_tests::numbers::{UNIT_ROUNDOFF, distance, largest};
 use leafwise_tests::orders::measure;
+use leafwise_tests::scenes::{end, until};
 
 /// x″ = −x − 0.1 cos t under the literature's convention.
 const OSCILLATOR: &str = "variables = [\"q\", \"p\"]\nbracket = { \"q,p\" = \"1\" }\nconvention = \"{x,H}\"\n\
@@ -20,23 +20,8 @@ const SPIN: &str = "variables = [\"x\", \"y\", \"z\"]\nbracket = { lie-algebra =
                     hamiltonian = \"z + 0.4*(x*cos(w*t) + y*sin(w*t))\"\n\
                     casimirs = { spin = \"x^2 + y^2 + z^2\" }";
 
-/// A run to t = `time` in so many steps.
 fn scene(system: &str, method: &str, initial: &[f64], time: f64, steps: usize) -> ComposedRun {
-    let step = time / steps as f64;
-    let text = format!(
-        "[system]\n{system}\n[method]\n{method}\ntime-step = {step:?}\n[run]\ninitial = {initial:?}\nsteps = {steps}\n"
-    );
-    let registry = Registry::with_builtin();
-    let document = SceneDocument::parse("scene", &text, &registry)
-        .unwrap_or_else(|errors| panic!("{errors}\n{text}"));
-    compose(&document, &registry).unwrap_or_else(|refusal| panic!("{refusal}\n{text}"))
-}
-
-/// The scene's own coordinates at the end.
-fn end(run: &ComposedRun) -> Vec<f64> {
-    let mut integrator = run.integrator();
-    integrator.advance(run.plan.steps).expect("every step");
-    run.own(integrator.state()).to_vec()
+    until(system, method, &format!("{initial:?}"), (time, steps))
 }
 
 /// x = A cos t + B sin t − t sin(t)/20 from (A, B).

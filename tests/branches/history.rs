@@ -1,6 +1,6 @@
 //! A step does not depend on the steps before it by more than round-off.
 
-use leafwise::core::{Method, PartParameters, StepMap};
+use leafwise::core::{Method, PartParameters, Registry, StepMap};
 use leafwise_tests::opaque::with_derivatives;
 
 use super::lattices::chain;
@@ -36,7 +36,7 @@ fn forgets(map: &dyn StepMap, run: &ComposedRun, may_refuse: bool) -> Result<(),
 
 /// {q, p} = −(1 + c q²), by collocation.
 fn collocated(which: usize, c: f64, order: i64, t: f64, (q, p): (f64, f64)) -> ComposedRun {
-    scene(&format!(
+    composed(&format!(
         "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = \"-1 - {c:?}*q^2\" }}\n\
          hamiltonian = \"p^2/2 + {}\"\n[method]\nrealization = \"karasev-collocated\"\n\
          dynamics = {{ name = \"hamilton-jacobi\", order = {order} }}\ntime-step = {t:?}\n\

@@ -13,7 +13,7 @@ pub(super) fn chain(
     steps: u32,
 ) -> ComposedRun {
     let site = potential.0.replace('q', "q[i]");
-    scene(&format!(
+    composed(&format!(
         "[system]\nfamilies = {{ q = {SITES}, p = {SITES} }}\nbracket = {{ \"q[i],p[i]\" = \"-1\" }}\n\
          hamiltonian = \"sum(i, p[i]^2/2 + {site})\"\n[method]\nrealization = \"constant\"\n\
          dynamics = {{ name = \"hamilton-jacobi\", order = 2 }}\ntime-step = {t:?}\n[run]\n\

@@ -82,7 +82,7 @@ steps = 1
 #[test]
 fn an_iterate_far_off_is_no_solution() {
     for (text, exponents) in LOG_CANONICAL {
-        let run = scene(text);
+        let run = composed(text);
         let (states, _) = steps(&run);
         if let [x, next] = &states[..] {
             keeps_leaves(x, next, exponents, &[]).unwrap_or_else(|why| panic!("{why}\n{text}"));
@@ -95,7 +95,7 @@ fn an_iterate_far_off_is_no_solution() {
 #[test]
 fn no_species_turns_negative() {
     for realization in ["log-canonical", "karasev-collocated"] {
-        let run = scene(&format!(
+        let run = composed(&format!(
             r#"
 [system]
 variables = ["x1", "x2"]
@@ -161,7 +161,7 @@ proptest! {
         }));
         prop_assume!(speed > 1e-3);
         let h = rate / speed;
-        let run = scene(&format!(
+        let run = composed(&format!(
             "[system]\nvariables = [\"x1\", \"x2\", \"x3\"]\nbracket = {{ log-canonical = {matrix:?} }}\n\
              hamiltonian = \"{hamiltonian}\"\n[method]\nrealization = \"log-canonical\"\n\
              dynamics = {{ name = \"hamilton-jacobi\", order = {} }}\ntime-step = {h:?}\n\

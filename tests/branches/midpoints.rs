@@ -5,7 +5,7 @@ use super::*;
 /// q' + 2.25 sin q' = 3 has the roots 1.05, 3.255 and 5.1; the first is connected with q' = 3.
 #[test]
 fn a_pendulum_s_long_step_is_on_the_first_branch_or_refused() {
-    let run = scene(
+    let run = composed(
         r#"
 [system]
 variables = ["q", "p"]
@@ -78,7 +78,7 @@ pub(super) fn canonical(
     (q, p): (f64, f64),
     steps: u32,
 ) -> ComposedRun {
-    scene(&format!(
+    composed(&format!(
         "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = \"-1\" }}\n\
          hamiltonian = \"p^2/2 + {}\"\n[method]\n{method}\ntime-step = {t:?}\n\
          [run]\ninitial = [{q:?}, {p:?}]\nsteps = {steps}\n",
@@ -217,7 +217,7 @@ fn a_wall_after_a_quiet_stretch_is_solved_to_round_off() {
         (1e-9, 0.2, 0.03),
         (1e-10, 0.1, 0.01),
     ] {
-        let run = scene(&format!(
+        let run = composed(&format!(
             "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = \"-1\" }}\n\
              hamiltonian = \"p^2/2 + {quartic:?}*q^4/4 + exp(-q/{width:?})\"\n[method]\n\
              realization = \"constant\"\ndynamics = {{ name = \"hamilton-jacobi\", order = 2 }}\n\

@@ -8,20 +8,14 @@ mod log_canonical;
 mod midpoints;
 
 use leafwise::core::{Integrator, StepError};
-use leafwise::prelude::{Registry, SceneDocument};
-use leafwise::scene::{ComposedRun, compose};
+use leafwise::scene::ComposedRun;
 use leafwise_tests::numbers::{distance, largest};
+use leafwise_tests::scenes::composed;
 use proptest::prelude::*;
 
 fn cases() -> u32 {
     let wanted = std::env::var("LEAFWISE_SWEEP").ok();
     wanted.and_then(|text| text.parse().ok()).unwrap_or(48)
-}
-
-fn scene(text: &str) -> ComposedRun {
-    let document = SceneDocument::parse("scene", text, &Registry::with_builtin()).expect("a scene");
-    compose(&document, &Registry::with_builtin())
-        .unwrap_or_else(|refusal| panic!("{refusal}\n{text}"))
 }
 
 /// The scene's steps, one after the other, until one is refused.
@@ -66,7 +60,7 @@ fn is_continuous_in_h(run: &ComposedRun, most: f64) {
 /// x⁴/4 + 0.666 y²z² + z² on so(3)*: the midpoint rule keeps |x|².
 #[test]
 fn an_overflowed_stage_is_no_solution() {
-    let run = scene(
+    let run = composed(
         r#"
 [system]
 variables = ["x", "y", "z"]
@@ -91,7 +85,7 @@ steps = 3
 /// The energy is kept on every branch; the state only on one.
 #[test]
 fn an_energy_preserving_step_does_not_jump_to_another_branch() {
-    let run = scene(
+    let run = composed(
         r#"
 [system]
 variables = ["x", "y", "z"]
@@ -136,7 +130,7 @@ fn collective_steps_of_three_waves_converge_at_every_small_step() {
                 [0.4, 0.31, 0.52, 0.77, 0.9],
                 [0.51, -0.43, 0.7, 0.35, 1.3],
             ] {
-                let run = scene(&format!(
+                let run = composed(&format!(
                     "[system]\nlibrary = \"three-wave\"\n[method]\nrealization = {realization}\n\
                      dynamics = {{ name = \"collective\", integrator = \"{integrator}\" }}\n\
                      time-step = {t:?}\n[run]\ninitial = {initial:?}\nsteps = 10\n"

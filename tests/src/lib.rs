@@ -6,6 +6,7 @@
 //! - [`orders`]: a measured order with a tolerance that follows from the points.
 //! - [`lattice`]: a long lattice beside the same one written out.
 //! - [`systems`]: Poisson systems of the library by id, or from a few formulas.
+//! - [`scenes`]: runs composed from scene texts.
 //! - [`methods`]: methods of realization and dynamics, runs, values of formulas.
 //! - [`gauss`]: an independent integrator of high order, as an oracle.
 //! - [`coefficients`]: Karasev's coefficients at a point, exact and compiled.
@@ -24,6 +25,7 @@ pub mod numbers;
 pub mod opaque;
 pub mod orders;
 pub mod realizations;
+pub mod scenes;
 pub mod strategies;
 pub mod structure;
 pub mod systems;

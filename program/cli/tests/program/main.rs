@@ -13,6 +13,7 @@ mod other_commands;
 mod parts;
 mod plugins;
 mod runs;
+mod sections;
 mod states;
 mod support;
 mod time;
