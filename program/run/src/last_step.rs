@@ -108,6 +108,15 @@ impl<'a> LastStep<'a> {
         ((steps - 1) as f64 + part) * (plan.epsilon * plan.h)
     }
 
+    /// The state at a time within the last step, where t = k ε h advances by the same each step.
+    pub fn state_at(&mut self, steps: u64, time: f64) -> Result<Vec<f64>, StepError> {
+        let plan = &self.run.plan;
+        let step = plan.epsilon * plan.h;
+        let part = (time - (steps - 1) as f64 * step) / step;
+        let increment = self.increment(part.clamp(0.0, 1.0))?;
+        Ok(self.sum(&increment))
+    }
+
     /// Encloses the place in the last step where `value`, a function of the increment and of the state, rises through zero;
     /// `ends` are its values before and after the step. The sequence of steps goes on undisturbed.
     ///

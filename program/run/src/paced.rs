@@ -109,17 +109,6 @@ impl<'a> Paced<'a> {
         (other - time) * forward > 0.0
     }
 
-    /// The time of the sample with this number, where samples lie at given times.
-    pub fn time_of_sample(&self, number: u64) -> Option<f64> {
-        let forward = self.run.plan.epsilon * self.run.plan.h;
-        let interval = self.run.plan.interval?;
-        let time = number as f64 * interval.copysign(forward);
-        // The end itself is recorded as the end.
-        let is_end = |until: f64| (until - time).abs() <= MISSED * f64::EPSILON * until.abs();
-        let is_ahead = |until: f64| self.is_before(time, until) && !is_end(until);
-        self.run.plan.until.is_none_or(is_ahead).then_some(time)
-    }
-
     /// Takes in the step that was made; why the run cannot go on from there, if it cannot.
     pub fn take(&mut self, last: &LastStep<'_>, integrator: &Integrator) -> Option<Failure> {
         let t = self.place();

@@ -12,7 +12,7 @@ use crate::advice::{Advice, EnergyError, MOST_STATES, lines, states_ahead};
 use leafwise_report::{
     Ellipsoid, InvariantSeries, Outcome, ReportData, SectionPoints, TimeSeries, Trajectory,
 };
-use leafwise_scene::compose::{ComposedRun, Observable, Section, WIDEST_STATE};
+use leafwise_scene::compose::{ComposedRun, Observable, SampleTimes, Section, WIDEST_STATE};
 use leafwise_scene::document::SceneDocument;
 
 /// The most samples that a report is drawn from.
@@ -363,12 +363,13 @@ fn facts(run: &ComposedRun, session: &Session<'_>, report: &RunReport) -> Vec<(S
         ),
         (
             "Samples".to_owned(),
-            match (run.plan.interval, run.plan.every) {
-                (Some(interval), _) => {
-                    format!("{}, every {} of time", report.samples, short(interval))
+            match &run.plan.samples {
+                SampleTimes::Interval(interval) => {
+                    format!("{}, every {} of time", report.samples, short(*interval))
                 }
-                (None, 1) => format!("{}, at every step", report.samples),
-                (None, every) => format!("{}, every {every} steps", report.samples),
+                SampleTimes::Given(_) => format!("{}, at given times", report.samples),
+                SampleTimes::Every(1) => format!("{}, at every step", report.samples),
+                SampleTimes::Every(every) => format!("{}, every {every} steps", report.samples),
             },
         ),
     ];

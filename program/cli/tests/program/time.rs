@@ -400,3 +400,139 @@ fn a_run_ends_where_its_pace_vanishes() {
     let steps = said.json()["steps"].as_u64().expect("a number");
     assert!(steps < 1 << 22, "{steps}");
 }
+
+/// q'' = -q by steps of 0.1, with samples where the test says.
+const AT_TIMES: &str = r#"[system]
+variables   = ["q", "p"]
+bracket     = { "q,p" = "1" }
+convention  = "{x,H}"
+hamiltonian = "p^2/2 + q^2/2"
+[method]
+realization = "auto"
+dynamics    = { name = "hamilton-jacobi", order = 8 }
+time-step   = 0.1
+[run]
+initial = [1, 0]
+steps   = 40
+record  = { times = [0, 0.25, 0.3, 0.8, 0.81, 0.82, 3.99] }
+"#;
+
+#[test]
+fn samples_lie_at_given_times() {
+    let here = Place::with(AT_TIMES);
+    here.leafwise(&["run", "scene.toml", "--out", "run"]);
+    let at_times = rows(&here.read("run/samples.csv"));
+    let times: Vec<f64> = at_times.iter().map(|row| row[0]).collect();
+    assert_eq!(times, [0.0, 0.25, 0.3, 0.8, 0.81, 0.82, 3.99, 4.0]);
+    for row in &at_times {
+        // Forty steps of order 8 err by less than h^9 each.
+        assert!((row[1] - row[0].cos()).abs() < 4e-8, "{row:?}");
+        assert!((row[2] + row[0].sin()).abs() < 4e-8, "{row:?}");
+    }
+    let page = here.read("run/report.html");
+    assert!(page.contains("8, at given times"));
+    // The steps know nothing of it, and a time at the end of one is that step's.
+    let every = "run.record.every=1";
+    here.leafwise(&["run", "scene.toml", "--out", "steps", "--set", every]);
+    let steps = rows(&here.read("steps/samples.csv"));
+    assert_eq!(at_times[2][1..], steps[3][1..]);
+    assert_eq!(at_times[3], steps[8]);
+    assert_eq!(at_times[7], steps[40]);
+}
+
+#[test]
+fn samples_at_given_times_have_the_same_bytes_however_the_run_came_there() {
+    let dense: Vec<String> = (1..200)
+        .map(|k| format!("{:?}", 0.017 * f64::from(k)))
+        .collect();
+    let dense = format!("times = [{}]", dense.join(", "));
+    for times in ["times = [0.05, 2, 3.04]", &dense] {
+        let here =
+            Place::with(&AT_TIMES.replace("times = [0, 0.25, 0.3, 0.8, 0.81, 0.82, 3.99]", times));
+        let run = |steps: &str, out: &str| {
+            let steps = format!("run.steps={steps}");
+            here.leafwise(&["run", "scene.toml", "--set", &steps, "--out", out])
+        };
+        for steps in ["34", "35", "120"] {
+            let said = run(steps, "longer");
+            assert_eq!(said.code, Some(0), "{}", said.err);
+        }
+        assert_eq!(run("120", "whole").code, Some(0));
+        for file in ["samples.csv", "windows.csv"] {
+            let (longer, whole) = (format!("longer/{file}"), format!("whole/{file}"));
+            assert_eq!(here.read(&longer), here.read(&whole), "{times} {file}");
+        }
+        run("120", "whole").says(&["it had come to its end before"]);
+    }
+}
+
+#[test]
+fn given_times_go_the_way_of_the_run() {
+    let backwards = AT_TIMES
+        .replace("time-step   = 0.1", "time-step   = -0.1")
+        .replace("[0, 0.25, 0.3, 0.8, 0.81, 0.82, 3.99]", "[-0.25, -4]");
+    let here = Place::with(&backwards);
+    let said = here.leafwise(&["run", "scene.toml", "--out", "run"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let at_times = rows(&here.read("run/samples.csv"));
+    let times: Vec<f64> = at_times.iter().map(|row| row[0]).collect();
+    assert_eq!(times, [0.0, -0.25, -4.0]);
+    let refused = |to: &str, place: &str, pieces: &[&str]| {
+        refused_of(
+            AT_TIMES,
+            "[0, 0.25, 0.3, 0.8, 0.81, 0.82, 3.99]",
+            to,
+            place,
+            pieces,
+        );
+    };
+    refused(
+        "[1, 0.5]",
+        "13:25",
+        &["does not come to t = 0.5 after t = 1", "from 0 on"],
+    );
+    refused("[1, 1]", "13:25", &["does not come to t = 1 after t = 1"]);
+    refused("[-1]", "13:22", &["does not come to t = -1 after t = 0"]);
+    refused(
+        "[1, 4.5]",
+        "13:25",
+        &["the run ends at t = 4.0, before t = 4.5"],
+    );
+    refused("[1, nan]", "13:25", &["finite"]);
+    refused("3", "13:21", &["a list of times"]);
+    let beside = "[1], every = 2";
+    refused(beside, "13:26", &["`every` cannot stand beside `times`"]);
+    let paced = PACED.replace("until   = 6", "steps = 6");
+    refused_of(
+        &paced,
+        "interval = 0.5",
+        "times = [1]",
+        "10:21",
+        &["with a pace nobody knows", "write `until`"],
+    );
+}
+
+#[test]
+fn a_paced_run_records_at_given_times() {
+    let here = Place::with(&PACED.replace("interval = 0.5", "times = [0.5, 1.5, 6]"));
+    here.leafwise(&["run", "scene.toml", "--out", "run"]);
+    let given = rows(&here.read("run/samples.csv"));
+    let interval = "run.record.interval=0.5";
+    here.leafwise(&["run", "scene.toml", "--out", "grid", "--set", interval]);
+    let grid = rows(&here.read("grid/samples.csv"));
+    assert_eq!(
+        given,
+        [&grid[0], &grid[1], &grid[3], &grid[12]].map(Clone::clone)
+    );
+}
+
+/// The last step holds a sample between its ends, and the run's last state is another.
+#[test]
+fn a_run_of_steps_keeps_its_last_state_behind_the_last_time() {
+    let here = Place::with(&PACED.replace("until   = 6", "steps = 7"));
+    let said = here
+        .leafwise(&["run", "scene.toml", "--out", "run", "--json"])
+        .json();
+    let given = rows(&here.read("run/samples.csv"));
+    assert_eq!(given.last().map(|row| row[0]), said["time"].as_f64());
+}

@@ -5,6 +5,7 @@ use crate::error::RunError;
 use crate::events::Lost;
 use crate::last_step::Between;
 use crate::outcome::Failure;
+use leafwise_scene::compose::is_same_time;
 
 impl Session<'_> {
     /// Looks whether the run has stopped in the last step, and where; why that is not known.
@@ -80,24 +81,41 @@ impl Session<'_> {
 
     /// Records the states at the given times that the last step has passed.
     pub(super) fn record_times(&mut self) -> Result<Option<Failure>, RunError> {
-        loop {
-            let (Some(paced), Some(last)) = (&self.paced, &mut self.last) else {
+        while let Some(time) = self.passed_time() {
+            let (steps, present) = (self.integrator.steps(), self.time());
+            let Some(last) = &mut self.last else {
                 return Ok(None);
             };
-            let is_passed = |time: &f64| match &self.end {
-                // The end itself is recorded as the end.
-                Some((end, _)) => paced.is_before(*time, *end),
-                None => !paced.is_before(paced.time(&self.integrator), *time),
+            let state = match &self.paced {
+                Some(paced) => paced.state_at(last, (&self.integrator).into(), time),
+                None if is_same_time(present, time) => {
+                    self.record_present(time)?;
+                    continue;
+                }
+                None => last.state_at(steps, time),
             };
-            let time = paced.time_of_sample(self.samples.count());
-            let Some(time) = time.filter(is_passed) else {
-                return Ok(None);
-            };
-            match paced.state_at(last, (&self.integrator).into(), time) {
+            match state {
                 Ok(state) => self.record_state(time, &state)?,
                 Err(error) => return Ok(Some(self.failure_of_step(&error))),
             }
         }
+        Ok(None)
+    }
+
+    /// The time of the next sample, where the last step has passed it.
+    fn passed_time(&self) -> Option<f64> {
+        let plan = &self.run.plan;
+        let forward = plan.epsilon * plan.h;
+        let time = plan.samples.time(self.samples.count(), forward)?;
+        // The end itself is recorded as the end.
+        let ends = [self.end.as_ref().map(|(end, _)| *end), plan.until];
+        let is_ahead = |end: f64| (end - time) * forward > 0.0 && !is_same_time(time, end);
+        if !ends.into_iter().flatten().all(is_ahead) {
+            return None;
+        }
+        let present = self.time();
+        let is_met = self.paced.is_none() && is_same_time(present, time);
+        (is_met || (present - time) * forward >= 0.0).then_some(time)
     }
 
     /// The state at the time at which the run ends; why there is none.

@@ -21,7 +21,7 @@ use crate::progress::{Progress, Status};
 use crate::samples::{self, Samples};
 use crate::snapshots::Snapshots;
 use crate::states::StateTable;
-use leafwise_scene::compose::{ComposedRun, Observable, WIDEST_STATE};
+use leafwise_scene::compose::{ComposedRun, Observable, SampleTimes, WIDEST_STATE};
 
 /// How often waiting samples are handed to the operating system.
 const FLUSH_EVERY: Duration = Duration::from_millis(200);
@@ -202,7 +202,8 @@ impl<'a> Session<'a> {
         let (map, epsilon, h) = (run.method.map(), plan.epsilon, plan.h);
         let (paced, stop) = (Paced::of(run)?, StopWatch::of(run)?);
         let section = Crossings::of(run)?;
-        let is_between = paced.is_some() || stop.is_some() || section.is_some();
+        let is_between =
+            paced.is_some() || stop.is_some() || section.is_some() || !plan.samples.are_steps();
         Ok(Self {
             run,
             directory,
@@ -407,11 +408,11 @@ impl<'a> Session<'a> {
         if let Some(failure) = self.record_crossing()? {
             return Ok(Some(failure));
         }
-        if self.run.plan.interval.is_some() {
+        let SampleTimes::Every(every) = self.run.plan.samples else {
             return self.record_times();
-        }
+        };
         let is_beyond = (self.run.plan.until.is_some() || self.is_stopped) && self.is_at_end();
-        if self.integrator.steps().is_multiple_of(self.run.plan.every) && !is_beyond {
+        if self.integrator.steps().is_multiple_of(every) && !is_beyond {
             self.record()?;
         }
         Ok(None)
@@ -452,8 +453,15 @@ impl<'a> Session<'a> {
         if self.last_sample == Some(steps) {
             return Ok(());
         }
-        let (time, state) = (self.time(), self.integrator.state().to_vec());
-        self.record_state(time, &state)
+        self.record_present(self.time())
+    }
+
+    /// Records the present state at its time, which may be rounded otherwise.
+    fn record_present(&mut self, time: f64) -> Result<(), RunError> {
+        let state = self.integrator.state().to_vec();
+        self.record_state(time, &state)?;
+        self.last_sample = Some(self.integrator.steps());
+        Ok(())
     }
 
     /// Records a state at its time.
@@ -474,7 +482,6 @@ impl<'a> Session<'a> {
         {
             self.snapshots.push(geometry, time, state);
         }
-        self.last_sample = Some(self.integrator.steps());
         Ok(())
     }
 

@@ -17,6 +17,7 @@ use super::fit::{check_first_order, check_tensor};
 use super::lattice::{SceneLattice, has_room, shortened};
 use super::observables::Observable;
 use super::parts::{Base, PartChoice, Parts, parts, system_choice, what_fits};
+use super::sample_times::{SampleTimes, check_given_times};
 use super::states::{RecordedStates, recorded_states};
 use super::stepping::{LatticeBase, LatticeStepping, MapStepping, Stepping};
 use super::system::{ComposedSystem, compose_system};
@@ -33,10 +34,8 @@ pub struct RunPlan {
     pub steps: u64,
     /// The time at the end, in place of a number of steps.
     pub until: Option<f64>,
-    /// Every how many steps a sample is kept.
-    pub every: u64,
-    /// What time lies between two samples, in place of steps.
-    pub interval: Option<f64>,
+    /// When samples are kept.
+    pub samples: SampleTimes,
     /// x_0, with the time and its energy behind it where there is an [`extension`](ComposedRun::extension).
     pub initial: Vec<f64>,
     /// What a sample holds beside time and state.
@@ -169,8 +168,7 @@ fn compose_at_its_values(
         h: step.h(),
         steps: document.run.steps.value,
         until: document.run.until.as_ref().map(|until| until.value.value),
-        every: document.run.record.every,
-        interval: document.run.record.interval.as_ref().map(|t| t.value.value),
+        samples: SampleTimes::of(document),
         initial: composed.initial,
         observables: composed.observables,
         events: composed.events,
@@ -229,7 +227,7 @@ fn check_times(document: &SceneDocument) -> Result<(), Refusal> {
             format!("the run never comes to t = {}", until.value.literal),
             "it begins at t = 0 and goes the way of its steps: forwards where time-step is positive",
         ),
-        None => Ok(()),
+        None => check_given_times(document),
     }
 }
 

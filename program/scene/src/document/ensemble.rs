@@ -394,6 +394,7 @@ fn read_record(
         let record = RecordSpec {
             every,
             interval: None,
+            times: None,
             observables,
             states,
         };
@@ -413,6 +414,7 @@ fn read_record(
     let record = RecordSpec {
         every: every.as_ref().map_or(u64::MAX, |every| every.value),
         interval: None,
+        times: None,
         observables: observables?,
         states: None,
     };

@@ -12,7 +12,7 @@ use super::schema::{Inner, ROOT};
 use super::suggest::nearest;
 
 /// Keys that give the same thing in other words: setting the first removes the rest.
-const ALTERNATIVES: [(&str, &[&str]); 10] = [
+const ALTERNATIVES: [(&str, &[&str]); 11] = [
     ("time-step", &["epsilon", "h"]),
     ("epsilon", &["time-step"]),
     ("h", &["time-step"]),
@@ -21,8 +21,9 @@ const ALTERNATIVES: [(&str, &[&str]); 10] = [
     ("dynamics", &["stepper"]),
     ("steps", &["until"]),
     ("until", &["steps"]),
-    ("every", &["interval"]),
-    ("interval", &["every"]),
+    ("every", &["interval", "times"]),
+    ("interval", &["every", "times"]),
+    ("times", &["every", "interval"]),
 ];
 
 /// The text with all overrides applied; `None` when the text is not TOML or an override is

@@ -23,6 +23,8 @@ pub struct RecordSpec {
     pub every: u64,
     /// What time lies between two samples, in place of steps.
     pub interval: Option<Located<Number>>,
+    /// The times of all samples, in place of steps.
+    pub times: Option<Located<Vec<Located<Number>>>>,
     /// Observables; energy and all Casimirs unless the scene says otherwise.
     pub observables: Vec<ObservableSpec>,
     /// The coordinates that are recorded, by names and slices; where not said, all of a small system.
@@ -223,6 +225,7 @@ fn read_record(
         return Some(RecordSpec {
             every: 1,
             interval: None,
+            times: None,
             observables: read_observables(None, &table.place, system, problems)?,
             states: None,
         });
@@ -237,6 +240,10 @@ fn read_record(
         Some(item) => read_interval(item, &record, problems).map(Some),
         None => Some(None),
     };
+    let times = match record.get("times") {
+        Some(item) => read_times(item, &record, problems).map(Some),
+        None => Some(None),
+    };
     let observables = read_observables(Some(&record), &table.place, system, problems);
     let states = match record.get("states") {
         Some(one) if one.is_string() => one.string(problems).map(|one| Some(vec![one])),
@@ -249,6 +256,7 @@ fn read_record(
     Some(RecordSpec {
         every: every?,
         interval: interval?,
+        times: times?,
         observables: observables?,
         states: states?,
     })
@@ -275,6 +283,20 @@ fn read_interval(
         return None;
     }
     is_alone.then_some(number)
+}
+
+/// `times`, in the place of `every` and `interval`.
+fn read_times(
+    item: &Item<'_>,
+    record: &Table<'_>,
+    problems: &mut Problems,
+) -> Option<Located<Vec<Located<Number>>>> {
+    let advice = "give one of them: a number of steps, a time between samples, or a list of times";
+    let is_alone = ["every", "interval"]
+        .map(|other| !conflict(record, "times", other, advice, problems))
+        == [true; 2];
+    let times = item.list_of("a list of times", problems, Item::number)?;
+    is_alone.then(|| Located::new(times, item.place()))
 }
 
 /// The observables of a `record` table; energy and every Casimir where it gives none.

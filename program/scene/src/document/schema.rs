@@ -372,7 +372,7 @@ pub(super) static SECTION: [Key; 3] = [
     ),
 ];
 
-pub(super) static RECORD: [Key; 4] = [
+pub(super) static RECORD: [Key; 5] = [
     key(
         "every",
         Shape::Whole(1),
@@ -382,6 +382,11 @@ pub(super) static RECORD: [Key; 4] = [
         "interval",
         Shape::Number,
         "What time lies between two samples, in place of every, beside a pace",
+    ),
+    key(
+        "times",
+        NUMBERS,
+        "The times of all samples, in place of every, as [0.5, 1, 10]",
     ),
     key(
         "observables",

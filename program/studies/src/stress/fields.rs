@@ -75,6 +75,7 @@ pub const SCENES_WITH_EVERY_KEY: [&str; 12] = [
     [run]
     initial = [1, 3, 3]
     steps   = 10
+    record  = { times = [0.25, 1] }
     "#,
     r#"
     [system]
