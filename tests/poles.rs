@@ -189,3 +189,40 @@ fn neighbours_of_a_long_chain_do_not_pass_each_other() {
     let (_, error) = positions(&scene(soft, 300.0));
     assert_eq!(error, None);
 }
+
+/// Steps in one call are judged as steps one by one: signs and poles end both at the same step, with the same refusal,
+/// state and counts.
+#[test]
+fn steps_in_one_call_are_checked_one_by_one() {
+    let species = |hamiltonian: &str, initial: [f64; 2], step: f64| {
+        composed(&format!(
+            "[system]\nvariables = [\"x1\", \"x2\"]\nbracket = {{ log-canonical = [[0, -1], [1, 0]] }}\n\
+             hamiltonian = \"{hamiltonian}\"\n[method]\nrealization = \"log-canonical\"\n\
+             dynamics = {{ name = \"hamilton-jacobi\", order = 2 }}\ntime-step = {step:?}\n\
+             [run]\ninitial = {initial:?}\nsteps = 40\n"
+        ))
+    };
+    let towards = |method: &str| scene("p^2/2 + 1/(q - 2)^2", method, 0.5, [-5.3, 5.0]);
+    let cases = [
+        (species("x1 + x2", [16.0, 0.01], 7.75), "lost sign"),
+        (species("x1 + x2 + 1e-12/(x1 - 3)", [0.5, 4.0], 0.1), "pole"),
+        (towards(METHODS[0]), "pole"),
+        (towards(METHODS[1]), "pole"),
+        (towards(METHODS[8]), "pole"),
+    ];
+    for (at, (run, refusal)) in cases.into_iter().enumerate() {
+        let (mut one, mut many) = (run.integrator(), run.integrator());
+        let failure = (0..40).find_map(|_| one.step().err());
+        let named = match &failure {
+            Some(StepError::LostSign { .. }) => "lost sign",
+            Some(StepError::Pole { .. }) => "pole",
+            _ => "none",
+        };
+        assert_eq!(named, refusal, "case {at}: {failure:?}");
+        assert!(one.steps() >= 2, "case {at}: {} steps", one.steps());
+        assert_eq!(many.advance(40).err(), failure, "case {at}");
+        assert_eq!(one.checkpoint(), many.checkpoint(), "case {at}");
+        assert_eq!(one.statistics(), many.statistics(), "case {at}");
+        assert_eq!(one.statistics().failures, 1, "case {at}");
+    }
+}

@@ -78,7 +78,8 @@ impl Integrator {
     /// The [`StepError`] of the step that failed; the state is that before it, [`steps`](Self::steps) its number.
     pub fn advance(&mut self, steps: u64) -> Result<(), StepError> {
         let (state, low) = (&mut self.state, &mut self.low);
-        let (made, outcome) = self.stepper.advance(steps, state, low, &mut self.increment);
+        let increment = &mut self.increment;
+        let (made, outcome) = self.stepper.advance(steps, state, low, increment, None);
         self.steps += made;
         outcome
     }

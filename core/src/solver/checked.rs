@@ -6,7 +6,7 @@ use super::{SolverStatistics, Stepper};
 use crate::error::StepError;
 
 /// What a step from x to x + Δ must fulfil beyond its own equations.
-pub(crate) trait StepCheck: Send {
+pub trait StepCheck: Send {
     /// Replaces the outcome of each lane whose finished step does not fulfil it. Arrays are those of
     /// [`Stepper::increment`].
     fn check(&mut self, x: &[f64], increment: &[f64], outcome: &mut [Result<(), StepError>]);
@@ -62,6 +62,23 @@ impl Stepper for Checked {
         }
     }
 
+    fn advance(
+        &mut self,
+        steps: u64,
+        state: &mut [f64],
+        low: &mut [f64],
+        increment: &mut [f64],
+        check: Option<&mut dyn StepCheck>,
+    ) -> (u64, Result<(), StepError>) {
+        let mut both = InTurn {
+            first: self.check.as_mut(),
+            failures: &mut self.failures,
+            then: check,
+        };
+        self.stepper
+            .advance(steps, state, low, increment, Some(&mut both))
+    }
+
     fn solution(&self, lane: usize) -> Option<Vec<f64>> {
         self.stepper.solution(lane)
     }
@@ -92,5 +109,23 @@ impl Stepper for Checked {
 
     fn restore(&mut self, memory: &[f64]) -> Result<(), usize> {
         self.stepper.restore(memory)
+    }
+}
+
+/// A check, which counts what it refuses, and another of what it lets pass; of a lane alone.
+struct InTurn<'own, 'then> {
+    first: &'own mut dyn StepCheck,
+    failures: &'own mut u64,
+    then: Option<&'then mut dyn StepCheck>,
+}
+
+impl StepCheck for InTurn<'_, '_> {
+    fn check(&mut self, x: &[f64], increment: &[f64], outcome: &mut [Result<(), StepError>]) {
+        let before = Checked::failed(outcome);
+        self.first.check(x, increment, outcome);
+        *self.failures += (Checked::failed(outcome) - before) as u64;
+        if let Some(then) = &mut self.then {
+            then.check(x, increment, outcome);
+        }
     }
 }

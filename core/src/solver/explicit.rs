@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use leafwise_expression::{Graph, Kernel, OperationCount, Term, Workspace};
 
-use super::{MapProperties, SolverStatistics, StepMap, Stepper, add};
+use super::{MapProperties, SolverStatistics, StepCheck, StepMap, Stepper, add};
 use crate::error::{BuildError, StepError};
 
 /// x ↦ x + f_{ε,h}(x), f given by code.
@@ -209,12 +209,24 @@ impl Stepper for ExplicitStepper {
         state: &mut [f64],
         low: &mut [f64],
         increment: &mut [f64],
+        mut check: Option<&mut dyn StepCheck>,
     ) -> (u64, Result<(), StepError>) {
         let kernel = &self.shared.step;
         for made in 0..steps {
             kernel.evaluate_rows::<1>(&mut self.workspace, state.as_chunks().0);
             let changes = kernel.output_rows::<1>(&self.workspace).as_flattened();
             self.last.copy_from_slice(state);
+            if let Some(check) = &mut check
+                && changes.iter().all(|change| change.is_finite())
+            {
+                let mut outcome = [Ok(())];
+                check.check(state, changes, &mut outcome);
+                let [outcome] = outcome;
+                if outcome.is_err() {
+                    self.statistics.count_all(made + 1, self.evaluations);
+                    return (made, outcome);
+                }
+            }
             if add(state, low, changes).is_err() {
                 self.statistics.count_all(made, self.evaluations);
                 let mut outcome = [Ok(())];

@@ -20,7 +20,8 @@ mod statistics;
 
 pub use anderson::Anderson;
 pub use branch::Branch;
-pub(crate) use checked::{Checked, MakeCheck, StepCheck};
+pub use checked::StepCheck;
+pub(crate) use checked::{Checked, MakeCheck};
 pub(crate) use crossing::{Crossing, looks};
 pub use explicit::{CodeStepMap, ExplicitMap};
 pub use extrapolation::Extrapolation;
@@ -120,17 +121,22 @@ pub trait Stepper: Send {
     );
     /// Up to `steps` steps x_{k+1} = x_k + Δ_k of a stepper of one lane; x_k is `state` + `low`, and what rounding
     /// takes from a sum stays in `low`. Returns the steps made, and what ended them: the state is then that before
-    /// the step that failed. `increment` is room for Δ_k.
+    /// the step that failed. `increment` is room for Δ_k. Where there is a `check`, it looks at every step before
+    /// that is taken.
     fn advance(
         &mut self,
         steps: u64,
         state: &mut [f64],
         low: &mut [f64],
         increment: &mut [f64],
+        mut check: Option<&mut dyn StepCheck>,
     ) -> (u64, Result<(), StepError>) {
         for made in 0..steps {
             let mut outcome = [Ok(())];
             self.increment(state, low, increment, &mut outcome);
+            if let Some(check) = &mut check {
+                check.check(state, increment, &mut outcome);
+            }
             let [outcome] = outcome;
             if let Err(error) = outcome.and_then(|()| add(state, low, increment)) {
                 return (made, Err(error));

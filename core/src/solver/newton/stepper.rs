@@ -3,7 +3,7 @@
 use super::block::{Columns, LaneBlock, lane_block};
 use super::kernel::NewtonKernel;
 use crate::error::StepError;
-use crate::solver::{SolverStatistics, Stepper, tangent_of_map};
+use crate::solver::{SolverStatistics, StepCheck, Stepper, tangent_of_map};
 
 /// The lanes of a wide block, as many as a kernel evaluates at once.
 const WIDE: usize = 8;
@@ -105,6 +105,7 @@ impl Stepper for NewtonStepper {
         state: &mut [f64],
         low: &mut [f64],
         increment: &mut [f64],
+        check: Option<&mut dyn StepCheck>,
     ) -> (u64, Result<(), StepError>) {
         let _ = increment;
         let Self {
@@ -116,7 +117,7 @@ impl Stepper for NewtonStepper {
         let [block] = &mut single[..] else {
             unreachable!("a stepper of one lane")
         };
-        let (made, taken, outcome) = block.run(steps, state, low, statistics);
+        let (made, taken, outcome) = block.run(steps, state, low, statistics, check);
         *jacobians += taken;
         (made, outcome)
     }

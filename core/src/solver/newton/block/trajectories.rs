@@ -9,7 +9,7 @@ use crate::solver::judge::Watch;
 use crate::solver::newton::convergence::Convergence;
 use crate::solver::newton::kernel::NewtonKernel;
 use crate::solver::newton::start::Start;
-use crate::solver::{SolverStatistics, add};
+use crate::solver::{SolverStatistics, StepCheck, add};
 
 /// What a stepper asks of its blocks, whatever their dimension.
 pub(in crate::solver::newton) trait LaneBlock: Send {
@@ -24,6 +24,7 @@ pub(in crate::solver::newton) trait LaneBlock: Send {
         state: &mut [f64],
         low: &mut [f64],
         work: &mut SolverStatistics,
+        check: Option<&mut dyn StepCheck>,
     ) -> (u64, u64, Result<(), StepError>);
     /// Hands over the outcomes of a step and counts it; returns how many evaluations were with
     /// Jacobians.
@@ -69,6 +70,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
         state: &mut [f64],
         low: &mut [f64],
         work: &mut SolverStatistics,
+        mut check: Option<&mut dyn StepCheck>,
     ) -> (u64, u64, Result<(), StepError>) {
         let d = dimension::<D>(self.dimension);
         for i in 0..d {
@@ -79,6 +81,11 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
         while made < steps {
             self.step();
             jacobians += self.report(std::slice::from_mut(&mut outcome), work);
+            if let Some(check) = &mut check {
+                let (x, increment) = (self.x.as_ref(), self.increment.as_ref());
+                let outcome = std::slice::from_mut(&mut outcome);
+                check.check(x.as_flattened(), increment.as_flattened(), outcome);
+            }
             if outcome.is_ok() {
                 let (x, low) = (&mut self.x.as_mut()[..d], &mut self.low.as_mut()[..d]);
                 let increment = self.increment.as_ref()[..d].as_flattened();
