@@ -2,7 +2,8 @@
 
 use leafwise_expression::Workspace;
 
-use super::{Block, guard_ratio, take_guard};
+use super::Block;
+use super::masks::{guard_ratio, take_guard};
 use crate::solver::elimination::Rows;
 use crate::solver::judge::{Allowed, all_finite, inside_chart, larger};
 use crate::solver::newton::convergence::Convergence;
