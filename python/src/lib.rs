@@ -2,12 +2,14 @@
 //!
 //! - [`scene`]: scenes, composed and stepped without the interpreter's lock;
 //! - [`recorded`]: what a run leaves, as arrays;
+//! - [`ensemble`]: what an ensemble leaves, as arrays;
 //! - [`integrator`]: one trajectory, step by step;
 //! - [`command`]: the program, in this process;
 //! - [`text`]: tables of Python as text of a scene;
 //! - [`error`]: the program's failures as exceptions.
 
 mod command;
+mod ensemble;
 mod error;
 mod integrator;
 mod recorded;
@@ -19,6 +21,8 @@ mod text;
 mod _leafwise {
     #[pymodule_export]
     use super::command::command;
+    #[pymodule_export]
+    use super::ensemble::Ensemble;
     #[pymodule_export]
     use super::error::{IntegrationError, LeafwiseError, SceneError};
     #[pymodule_export]

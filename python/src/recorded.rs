@@ -114,7 +114,7 @@ fn message(report: &RunReport) -> String {
 }
 
 /// Rows one after the other, as an array without a copy.
-fn table(py: Python<'_>, rows: Vec<f64>, width: usize) -> PyResult<Py<PyArray2<f64>>> {
+pub(crate) fn table(py: Python<'_>, rows: Vec<f64>, width: usize) -> PyResult<Py<PyArray2<f64>>> {
     let count = rows.len() / width;
     Ok(PyArray1::from_vec(py, rows)
         .reshape([count, width])?

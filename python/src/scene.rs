@@ -1,15 +1,22 @@
 //! Scenes, composed and stepped without the interpreter's lock.
 
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use leafwise::core::Registry;
-use leafwise::run::{Progress, Status, run_in_memory};
+use leafwise::run::ensemble::{
+    Members, Workforce, compose_ensemble, compose_members, run_ensemble,
+};
+use leafwise::run::{Progress, RunOptions, Status, run_in_memory};
 use leafwise::scene::document::{Located, ObservableSpec, Place, Source};
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
 use leafwise_cli::failure::Failure;
+use numpy::PyReadonlyArray2;
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
+use crate::ensemble::{Ensemble, Left};
 use crate::error::{exception, of_scene};
 use crate::integrator::Integrator;
 use crate::recorded::Recorded;
@@ -32,16 +39,19 @@ pub(crate) struct Scene {
 }
 
 impl Scene {
+    /// The scene with more overrides.
+    fn with(&self, more: &Overrides) -> PyResult<SceneDocument> {
+        if more.is_empty() {
+            return Ok(self.document.clone());
+        }
+        let (name, text) = (&self.document.name, &self.document.text);
+        let document = SceneDocument::parse_with(name, text, more, &self.registry);
+        document.map_err(|errors| of_scene(&errors))
+    }
+
     /// The scene with more overrides, and its system and method.
     fn composed(&self, more: &Overrides) -> PyResult<(SceneDocument, ComposedRun)> {
-        let mut document = match more.is_empty() {
-            true => self.document.clone(),
-            false => {
-                let (name, text) = (&self.document.name, &self.document.text);
-                let document = SceneDocument::parse_with(name, text, more, &self.registry);
-                document.map_err(|errors| of_scene(&errors))?
-            }
-        };
+        let mut document = self.with(more)?;
         record_invariants(&mut document);
         let composed = compose(&document, &self.registry);
         let composed = composed.map_err(|refusal| exception(&Failure::from(refusal)))?;
@@ -140,6 +150,51 @@ impl Scene {
             }
         })?;
         Recorded::new(py, coordinates, recorded)
+    }
+
+    /// Steps an ensemble of the scene with more overrides into the directory `out`: members with these states (n, d) and
+    /// parameters, or those of its own table, whose files are in `files`.
+    #[allow(clippy::too_many_arguments)]
+    fn ensemble(
+        &self,
+        py: Python<'_>,
+        overrides: Overrides,
+        states: Option<PyReadonlyArray2<'_, f64>>,
+        parameters: Vec<(String, Vec<f64>)>,
+        files: PathBuf,
+        out: PathBuf,
+        threads: Option<NonZeroUsize>,
+        allow_non_poisson: bool,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Ensemble> {
+        let states = states.map(|states| states.as_array().iter().copied().collect());
+        let members = Members { states, parameters };
+        let (composed, report, left) = py.detach(|| {
+            let document = self.with(&overrides)?;
+            let ensemble = match members == Members::default() {
+                true => compose_ensemble(&document, &self.registry, &files),
+                false => compose_members(&document, &self.registry, &members),
+            };
+            let ensemble = ensemble.map_err(|refusal| exception(&Failure::from(refusal)))?;
+            let options = RunOptions {
+                directory: out,
+                force: false,
+                allow_non_poisson,
+                command: String::new(),
+                checkpoint_every: Duration::MAX,
+            };
+            let mut workforce = Workforce::default();
+            workforce.threads = threads.unwrap_or(workforce.threads);
+            let mut told = Told::new(progress);
+            let report = run_ensemble(&document, &ensemble, &options, workforce, &mut told);
+            if let Some(error) = told.raised {
+                return Err(error);
+            }
+            let report = report.map_err(|error| exception(&Failure::from(error)))?;
+            let left = Left::read(&ensemble, &report)?;
+            Ok((ensemble, report, left))
+        })?;
+        Ensemble::new(py, &composed, &report, left)
     }
 
     /// The method's steps from the initial state.

@@ -5,17 +5,22 @@
     scene = lw.Scene.load("scenes/rigid_body.toml")
     run = scene.run(steps=10_000, record=10)
     run.t, run.x, run.energy, run.casimirs["spin"], run.drift
+    cloud = scene.ensemble(x0=states, parameters={"I2": values})
+    solution = lw.solve(bracket={"q,p": "1"}, hamiltonian="p^2/2 - cos(q)", x0=[0, 1], t_span=(0, 20))
 
 Units are those of the scene. States have the shape (d,), recorded ones (samples, d).
 """
 
 from ._commands import command, describe, list_parts as list
+from ._ensemble import Ensemble
 from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning, SceneError
 from ._leafwise import Integrator
 from ._run import Run
 from ._scene import Scene
+from ._solve import Solution, solve
 
 __all__ = [
+    "Ensemble",
     "Integrator",
     "IntegrationError",
     "LeafwiseError",
@@ -23,7 +28,9 @@ __all__ = [
     "Run",
     "Scene",
     "SceneError",
+    "Solution",
     "command",
     "describe",
     "list",
+    "solve",
 ]

@@ -1,4 +1,5 @@
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, final
 
 import numpy as np
@@ -13,6 +14,21 @@ class SceneError(LeafwiseError): ...
 
 class IntegrationError(LeafwiseError):
     run: Run
+
+@final
+class Ensemble:
+    parameters: list[str]
+    variables: list[str]
+    observables: list[str]
+    invariants: list[str]
+    has_times: bool
+    time: float
+    members: Array
+    outcomes: NDArray[np.uint8]
+    crossings: Array | None
+    ending: str
+    advice: list[str]
+    page: str
 
 @final
 class Integrator:
@@ -61,6 +77,17 @@ class Scene:
         allow_non_poisson: bool,
         progress: Callable[[int, int], object] | None,
     ) -> Recorded: ...
+    def ensemble(
+        self,
+        overrides: list[tuple[str, str]],
+        states: Array | None,
+        parameters: list[tuple[str, Array]],
+        files: Path,
+        out: Path,
+        threads: int | None,
+        allow_non_poisson: bool,
+        progress: Callable[[int, int], object] | None,
+    ) -> Ensemble: ...
     def integrator(self) -> Integrator: ...
 
 def command(arguments: list[str]) -> tuple[int, str, str]: ...

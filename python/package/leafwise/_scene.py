@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import tempfile
 import warnings
 from collections.abc import Callable, Mapping
@@ -10,10 +9,15 @@ from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
+from numpy.typing import ArrayLike
+
 from . import _leafwise
+from ._arrays import reals
 from ._commands import command
+from ._ensemble import Ensemble
 from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning
 from ._leafwise import Integrator, text_of
+from ._progress import shown
 from ._run import Run
 
 
@@ -109,7 +113,7 @@ class Scene:
         record: int | None = None,
         initial: Any = None,
         allow_non_poisson: bool = False,
-        progress: bool | Callable[[int, int], object] = False,
+        progress: bool | Callable[[int, int], object] | None = None,
     ) -> Run:
         """Step the scene, with every sample in memory: the same numbers as the program's.
 
@@ -119,7 +123,8 @@ class Scene:
             record: every how many steps a sample is kept.
             initial: the initial state, shape (d,).
             allow_non_poisson: step a tensor that violates the Jacobi identity.
-            progress: True for a line on standard error, or a function of the steps made and their number.
+            progress: a function of the steps made and their number; True for a bar on standard error, False for none, and on
+                terminals alone, in long runs, where not given.
 
         Ctrl-C ends the run and returns what was recorded, with the outcome ``interrupted`` and a warning.
 
@@ -129,10 +134,8 @@ class Scene:
         """
         given = {"run.steps": steps, "run.until": until, "run.record.every": record, "run.initial": initial}
         overrides = _overrides({key: value for key, value in given.items() if value is not None})
-        told = _line if progress is True else progress or None
-        recorded = self._scene.run(overrides, allow_non_poisson, told)
-        if progress is True:
-            print(file=sys.stderr)
+        with shown(progress) as told:
+            recorded = self._scene.run(overrides, allow_non_poisson, told)
         run = Run(recorded)
         for advice in run.warnings:
             warnings.warn(advice, LeafwiseWarning, stacklevel=2)
@@ -143,6 +146,66 @@ class Scene:
             error.run = run
             raise error
         return run
+
+    def ensemble(
+        self,
+        x0: ArrayLike | None = None,
+        parameters: Mapping[str, ArrayLike] | None = None,
+        *,
+        steps: int | None = None,
+        record: int | None = None,
+        quantiles: ArrayLike | None = None,
+        threads: int | None = None,
+        allow_non_poisson: bool = False,
+        progress: bool | Callable[[int, int], object] | None = None,
+    ) -> Ensemble:
+        """Step many members side by side on all threads, without a trajectory in memory: the same numbers as the program's.
+
+        Args:
+            x0: the members' initial states, shape (n, d); the scene's own where not given.
+            parameters: parameters by name with a value for each member, shape (n,) each. Where neither is given, members are
+                those of the scene's ``[ensemble]``.
+            steps: the number of steps.
+            record: every how many steps statistics are taken, beside the first and the last.
+            quantiles: what parts of the members lie below the quantiles in the statistics, shape (k,).
+            threads: how many threads; no result depends on it.
+            allow_non_poisson: step a tensor that violates the Jacobi identity.
+            progress: as in :meth:`run`, of the members' steps.
+
+        A member that fails ends no other: see ``outcomes``. Ctrl-C returns the members that had ended, with a warning.
+
+        Raises:
+            SceneError: the scene, or one of the parameters' names, is not valid.
+            TypeError, ValueError: an array has another shape or type, or holds a number that is not finite.
+        """
+        states = None if x0 is None else reals("x0", x0, None, len(self.variables))
+        count = None if states is None else len(states)
+        given = {name: reals(name, values, None) for name, values in (parameters or {}).items()}
+        for name, values in given.items():
+            count = len(values) if count is None else count
+            if len(values) != count:
+                raise ValueError(f"{name} has {len(values)} values for {count} members")
+        if count == 0:
+            raise ValueError("there are no members")
+        options = {
+            "run.steps": steps,
+            "ensemble.final-states": "csv",
+            "ensemble.record.every": record,
+            "ensemble.record.quantiles": quantiles,
+        }
+        overrides = _overrides({key: value for key, value in options.items() if value is not None})
+        files = Path(self.name).parent
+        with tempfile.TemporaryDirectory() as folder, shown(progress) as told:
+            out = Path(folder) / "ensemble"
+            left = self._scene.ensemble(
+                overrides, states, list(given.items()), files, out, threads, allow_non_poisson, told
+            )
+        ensemble = Ensemble(left)
+        for advice in ensemble.warnings:
+            warnings.warn(advice, LeafwiseWarning, stacklevel=2)
+        if ensemble.outcome == "interrupted":
+            warnings.warn(f"interrupted after {len(ensemble)} members", LeafwiseWarning, stacklevel=2)
+        return ensemble
 
     def integrator(self) -> Integrator:
         """The method's steps from the initial state, for a loop of one's own."""
@@ -177,7 +240,3 @@ class Scene:
 def _overrides(values: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Keys and values as TOML."""
     return [(key, text_of({"value": value}).partition("=")[2].strip()) for key, value in values.items()]
-
-
-def _line(made: int, total: int) -> None:
-    print(f"\r{made} of {total} steps", end="", file=sys.stderr, flush=True)

@@ -2,7 +2,7 @@
 //!
 //! - `plan`: [`compose_ensemble`], a scene's system and method with its members;
 //! - `population`: [`Population`], the members' initial states and parameters by number;
-//! - `random`: numbers that depend on seed, member and purpose alone; `states`: a file of states;
+//! - `random`: numbers that depend on seed, member and purpose alone; `states`: [`Members`] that are given, by a file too;
 //! - `block`: members side by side; `observers`: functions of all their states;
 //! - `drive`: blocks on threads, taken in by number, so that no result depends on either;
 //! - `watch`: where members end or cross a section between two steps; `section`: the crossings in one file;
@@ -41,7 +41,8 @@ pub use ending::EnsembleEnding;
 pub use execute::{default_ensemble_directory, run_ensemble};
 pub use losses::Loss;
 pub use member::{MemberError, member_scene};
-pub use plan::{ComposedEnsemble, compose_ensemble};
+pub use plan::{ComposedEnsemble, compose_ensemble, compose_members};
 pub use population::Population;
 pub use report::EnsembleReport;
+pub use states::Members;
 pub use statistics::{Deviation, MemberFailure, Reductions, Summary};

@@ -7,6 +7,7 @@ use leafwise_expression::Expression;
 
 use super::observers::{Functions, Watched};
 use super::population::Population;
+use super::states::Members;
 use super::statistics::Shape;
 use leafwise_scene::compose::{ComposedRun, DENSE_LIMIT, Observable, Refusal, Stepping, compose};
 use leafwise_scene::document::{EnsembleSection, FinalStates, SceneDocument};
@@ -58,6 +59,27 @@ pub fn compose_ensemble(
     registry: &Registry,
     directory: &Path,
 ) -> Result<ComposedEnsemble, Refusal> {
+    compose_from(document, registry, directory, None)
+}
+
+/// The same with members in memory, in the place of those of `[ensemble] initial`.
+///
+/// # Errors
+/// As [`compose_ensemble`]; members that are not whole, not finite or of another system.
+pub fn compose_members(
+    document: &SceneDocument,
+    registry: &Registry,
+    members: &Members,
+) -> Result<ComposedEnsemble, Refusal> {
+    compose_from(document, registry, Path::new(""), Some(members))
+}
+
+fn compose_from(
+    document: &SceneDocument,
+    registry: &Registry,
+    directory: &Path,
+    members: Option<&Members>,
+) -> Result<ComposedEnsemble, Refusal> {
     let ensemble = section(document)?;
     let mut own = document.clone();
     own.run.record = ensemble.record.clone();
@@ -86,7 +108,7 @@ pub fn compose_ensemble(
             ),
         )));
     }
-    let population = Population::of(document, ensemble, &run, directory)?;
+    let population = Population::of(document, ensemble, &run, directory, members)?;
     let steps = run.plan.steps;
     let every = ensemble.record.every.min(steps.max(1));
     let numbers = (steps / every + 2).saturating_mul(run.plan.observables.len() as u64);

@@ -10,7 +10,7 @@ use leafwise_core::solver::{CorrectionSize, DenseFactors, LinearIteration};
 use sha2::{Digest, Sha256};
 
 use super::random::Random;
-use super::states::read_states;
+use super::states::Members;
 use leafwise_scene::compose::{ComposedRun, Refusal};
 use leafwise_scene::document::{
     Distribution, EnsembleSection, InitialDraw, Located, ParameterDraw, SceneDocument,
@@ -32,11 +32,13 @@ pub struct Population {
     parameters: Vec<f64>,
     /// Parameters that differ, by place, in the order of the scene.
     draws: Vec<(usize, ParameterDraw)>,
+    /// Parameters with a value for each row of states, by place.
+    given: Vec<(usize, Vec<f64>)>,
     /// Points of the grid; 1 where there is none.
     points: u64,
     /// Energy and Casimirs, for leaves.
     invariants: Option<SmoothMap>,
-    /// Of a file of states, so that a changed one is not resumed from.
+    /// Of members that are given, so that a changed one is not resumed from.
     fingerprint: Option<[u8; 32]>,
 }
 
@@ -51,20 +53,24 @@ pub(super) const NO_LEAF: &str =
     "no way along the Casimirs' gradients leads from the drawn state to the center's leaf";
 
 impl Population {
-    /// The members of a scene; `directory` is where its files are.
+    /// The members of a scene; `directory` is where its files are, `given` are members in memory.
     ///
     /// # Errors
     /// What does not fit, underlined in the scene.
-    pub fn of(
+    pub(super) fn of(
         document: &SceneDocument,
         ensemble: &EnsembleSection,
         run: &ComposedRun,
         directory: &Path,
+        given: Option<&Members>,
     ) -> Result<Self, Refusal> {
         let own = run.own(&run.plan.initial).len();
         let mut center = run.plan.initial.clone();
-        let (mut invariants, mut rows, mut fingerprint) = (None, None, None);
-        let start = match ensemble.initial.as_ref().map(|initial| &initial.value) {
+        let mut invariants = None;
+        let mut members = given.cloned().unwrap_or_default();
+        let drawn = ensemble.initial.as_ref().map(|initial| &initial.value);
+        let drawn = drawn.filter(|_| members.states.is_none());
+        let mut start = match drawn {
             None => Start::Same,
             Some(InitialDraw::Drawn {
                 distribution,
@@ -79,33 +85,54 @@ impl Population {
                 Start::Drawn(distribution.clone())
             }
             Some(InitialDraw::File(file)) => {
-                let path = directory.join(file);
-                let states = states(document, ensemble, &path, &run.names())?;
-                rows = Some((states.len() / own) as u64);
-                fingerprint = Some(digest(&states));
-                Start::Rows(states)
+                let read = read(document, ensemble, &directory.join(file), run)?;
+                members.states = read.states;
+                members.parameters.extend(read.parameters);
+                Start::Same
             }
         };
+        let rows = rows(document, ensemble, &members, own)?;
+        let fingerprint = rows.map(|_| digest(&members));
+        if let Some(states) = members.states.take() {
+            start = Start::Rows(states);
+        }
         let declared = run.system.parameters();
+        let at = |name: &str| declared.iter().position(|p| p.name == name);
         let draws: Vec<_> = ensemble
             .parameters
             .iter()
-            .filter_map(|(name, draw)| {
-                let at = declared.iter().position(|p| p.name == name.value)?;
-                Some((at, draw.value.clone()))
-            })
+            .filter_map(|(name, draw)| Some((at(&name.value)?, draw.value.clone())))
             .collect();
         let sizes = draws.iter().map(|(_, draw)| draw.points());
         let points = sizes.fold(1, u64::saturating_mul);
-        let members = members(document, ensemble, rows, points)?;
+        let mut own_parameters = Vec::with_capacity(members.parameters.len());
+        for (name, values) in members.parameters {
+            let drawn = ensemble.parameters.iter().find(|(n, _)| n.value == name);
+            let is_known = |at: usize| own_parameters.iter().any(|(known, _)| *known == at);
+            let place = drawn.map_or(ensemble.place.clone(), |(key, _)| key.place());
+            let why = match at(&name) {
+                Some(at) if drawn.is_none() && !is_known(at) => {
+                    own_parameters.push((at, values));
+                    continue;
+                }
+                Some(_) => "has a value for each member already",
+                None => "is no parameter of the system",
+            };
+            let message = format!("`{name}` {why}");
+            return Err(Box::new(document.diagnostic(&place, message, "here", None)));
+        }
+        // Those in memory are all members, whatever number a scene has for others.
+        let asked = ensemble.members.as_ref().filter(|_| given.is_none());
+        let count = member_count(document, ensemble, asked, rows, points)?;
         Ok(Self {
-            members,
+            members: count,
             seed: ensemble.seed,
             center,
             own,
             start,
             parameters: run.system.parameter_values(),
             draws,
+            given: own_parameters,
             points,
             invariants,
             fingerprint,
@@ -122,14 +149,15 @@ impl Population {
         self.center.len()
     }
 
-    /// The digest of the states that were read from a file.
+    /// The digest of members that were given.
     pub(super) fn fingerprint(&self) -> Option<[u8; 32]> {
         self.fingerprint
     }
 
     /// The places of the parameters that differ.
     pub fn varied(&self) -> Vec<usize> {
-        self.draws.iter().map(|(at, _)| *at).collect()
+        let drawn = self.draws.iter().map(|(at, _)| *at);
+        drawn.chain(self.given.iter().map(|(at, _)| *at)).collect()
     }
 
     /// A member's initial state and parameters; `None` where its distribution has no state for it.
@@ -155,6 +183,10 @@ impl Population {
                 }
             };
         }
+        let row = (member / self.points) as usize;
+        for (at, values) in &self.given {
+            parameters[*at] = values[row];
+        }
         let mut random = Random::new(self.seed, member, 0);
         let mut state = self.center.clone();
         match &self.start {
@@ -163,7 +195,6 @@ impl Population {
                 displace(&mut state[..self.own], distribution, &mut random)
             }
             Start::Rows(rows) => {
-                let row = (member / self.points) as usize;
                 state[..self.own].copy_from_slice(&rows[row * self.own..][..self.own]);
             }
         }
@@ -349,23 +380,60 @@ fn leaves(
     ))
 }
 
-/// The rows of a file, one number for each coordinate, in the order of `names`.
-fn states(
+/// How many members are given; `None` where none are.
+fn rows(
+    document: &SceneDocument,
+    ensemble: &EnsembleSection,
+    members: &Members,
+    own: usize,
+) -> Result<Option<u64>, Refusal> {
+    let states = members.states.iter().map(|states| states.len() / own);
+    let values = members.parameters.iter().map(|(_, values)| values.len());
+    let counts: Vec<usize> = states.chain(values).collect();
+    let is_whole = members
+        .states
+        .as_ref()
+        .is_none_or(|s| s.len().is_multiple_of(own));
+    let all = members
+        .states
+        .iter()
+        .chain(members.parameters.iter().map(|(_, v)| v));
+    let refuse = |message: &str| {
+        let place = ensemble.initial.as_ref().map(Located::place);
+        let place = place.as_ref().unwrap_or(&ensemble.place);
+        Err(Box::new(document.diagnostic(place, message, "here", None)))
+    };
+    if !is_whole || counts.iter().any(|count| *count != counts[0]) || counts.first() == Some(&0) {
+        return refuse(
+            "members that are given need a state and a value of each parameter for each of them",
+        );
+    }
+    if all.flatten().any(|value| !value.is_finite()) {
+        return refuse("members that are given hold a number that is not finite");
+    }
+    Ok(counts.first().map(|count| *count as u64))
+}
+
+/// The members in a file.
+fn read(
     document: &SceneDocument,
     ensemble: &EnsembleSection,
     path: &Path,
-    names: &[String],
-) -> Result<Vec<f64>, Refusal> {
+    run: &ComposedRun,
+) -> Result<Members, Refusal> {
     let refuse = |message: String| {
         let place = ensemble.initial.as_ref().map(Located::place);
         let place = place.as_ref().unwrap_or(&ensemble.place);
         let help = "one row of coordinates for each member: CSV, with the coordinates' names in the first \
-                    line or without, or a JSON list of lists";
+                    line or without, and parameters under their names, or a JSON list of lists";
         Box::new(document.diagnostic(place, message, "this file", Some(help.to_owned())))
     };
     let text = read_text(path)
         .map_err(|error| refuse(format!("cannot read {}: {error}", path.display())))?;
-    read_states(&text, names).map_err(|reason| refuse(format!("{}: {reason}", path.display())))
+    let parameters = run.system.parameters().iter();
+    let parameters: Vec<&str> = parameters.map(|p| p.name.as_str()).collect();
+    Members::read(&text, &run.names(), &parameters)
+        .map_err(|reason| refuse(format!("{}: {reason}", path.display())))
 }
 
 /// Members of an ensemble, at most: more than a machine steps in years, so that a slip of the keyboard
@@ -373,17 +441,18 @@ fn states(
 const MOST_MEMBERS: u64 = 1_000_000_000_000;
 
 /// The number of members, checked against [`MOST_MEMBERS`].
-fn members(
+fn member_count(
     document: &SceneDocument,
     ensemble: &EnsembleSection,
+    given: Option<&Located<u64>>,
     rows: Option<u64>,
     points: u64,
 ) -> Result<u64, Refusal> {
-    let members = asked_members(document, ensemble, rows, points)?;
+    let members = asked_members(document, ensemble, given, rows, points)?;
     if members <= MOST_MEMBERS {
         return Ok(members);
     }
-    let given = ensemble.members.as_ref().map(Located::place);
+    let given = given.map(Located::place);
     let place = given.as_ref().unwrap_or(&ensemble.place);
     Err(Box::new(document.diagnostic(
         place,
@@ -397,11 +466,12 @@ fn members(
 fn asked_members(
     document: &SceneDocument,
     ensemble: &EnsembleSection,
+    given: Option<&Located<u64>>,
     rows: Option<u64>,
     points: u64,
 ) -> Result<u64, Refusal> {
     let most = rows.map(|rows| rows.saturating_mul(points));
-    let Some(given) = &ensemble.members else {
+    let Some(given) = given else {
         if let Some(most) = most {
             return Ok(most);
         }
@@ -443,11 +513,17 @@ fn asked_members(
     Ok(wanted)
 }
 
-/// SHA-256 of the doubles' bytes.
-fn digest(values: &[f64]) -> [u8; 32] {
+/// SHA-256 of the doubles' bytes, and of the parameters' names.
+fn digest(members: &Members) -> [u8; 32] {
     let mut digest = Sha256::new();
-    for value in values {
+    for value in members.states.iter().flatten() {
         digest.update(value.to_le_bytes());
+    }
+    for (name, values) in &members.parameters {
+        digest.update(name);
+        values
+            .iter()
+            .for_each(|value| digest.update(value.to_le_bytes()));
     }
     digest.finalize().into()
 }

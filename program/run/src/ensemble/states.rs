@@ -1,50 +1,71 @@
-//! A file of states: CSV, or a JSON list of lists.
+//! Members that are given: in memory, or as a file, CSV or a JSON list of lists.
 
-/// The numbers of all rows, one for each of the coordinates `names` a row, in their order.
-///
-/// # Errors
-/// The first thing wrong, and in which row or column.
-pub(super) fn read_states(text: &str, names: &[String]) -> Result<Vec<f64>, String> {
-    let d = names.len();
-    // A byte order mark, as spreadsheets write it.
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let (columns, rows) = if text.trim_start().starts_with('[') {
-        let rows: Result<Vec<Vec<f64>>, _> = serde_json::from_str(text);
-        let rows = rows.map_err(|error| format!("not a JSON list of lists of numbers: {error}"))?;
-        (None, rows)
-    } else {
-        read_csv(text)?
-    };
-    let places = columns.map(|columns| places(&columns, names)).transpose()?;
-    if rows.is_empty() {
-        return Err("it has no row of numbers".to_owned());
-    }
-    let mut states = Vec::with_capacity(rows.len() * d);
-    for (at, row) in rows.iter().enumerate() {
-        if row.len() != d {
-            return Err(format!(
-                "row {} has {} numbers, and the state has {d} coordinates",
-                at + 1,
-                row.len()
-            ));
-        }
-        if let Some(value) = row.iter().find(|value| !value.is_finite()) {
-            return Err(format!(
-                "row {} holds {value:?}, not a finite number",
-                at + 1
-            ));
-        }
-        match &places {
-            Some(places) => states.extend(places.iter().map(|place| row[*place])),
-            None => states.extend(row),
-        }
-    }
-    Ok(states)
+/// The initial states of members, and parameters of their own.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Members {
+    /// The coordinates of one member after the other, where they are given; all start at the scene's initial state where not.
+    pub states: Option<Vec<f64>>,
+    /// The parameters that are given, by name, with a value for each member.
+    pub parameters: Vec<(String, Vec<f64>)>,
 }
 
-/// Where the columns of a file hold each coordinate.
-fn places(columns: &[String], names: &[String]) -> Result<Vec<usize>, String> {
-    if let Some(column) = columns.iter().find(|column| !names.contains(column)) {
+impl Members {
+    /// The members of a text, a row each: one number for each of the coordinates `names`, in their order or under their names;
+    /// beside those columns may have names of `parameters`.
+    ///
+    /// # Errors
+    /// The first thing wrong, and in which row or column.
+    pub(super) fn read(text: &str, names: &[String], parameters: &[&str]) -> Result<Self, String> {
+        // A byte order mark, as spreadsheets write it.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let (columns, rows) = if text.trim_start().starts_with('[') {
+            let rows: Result<Vec<Vec<f64>>, _> = serde_json::from_str(text);
+            let rows =
+                rows.map_err(|error| format!("not a JSON list of lists of numbers: {error}"))?;
+            (None, rows)
+        } else {
+            read_csv(text)?
+        };
+        let columns = columns.unwrap_or_else(|| names.to_vec());
+        let places = places(&columns, names, parameters)?;
+        if rows.is_empty() {
+            return Err("it has no row of numbers".to_owned());
+        }
+        for (at, row) in rows.iter().enumerate() {
+            if row.len() != columns.len() {
+                return Err(format!(
+                    "row {} has {} numbers, and {}",
+                    at + 1,
+                    row.len(),
+                    match columns.len() == names.len() {
+                        true => format!("the state has {} coordinates", names.len()),
+                        false => format!("there are {} columns", columns.len()),
+                    }
+                ));
+            }
+            if let Some(value) = row.iter().find(|value| !value.is_finite()) {
+                return Err(format!(
+                    "row {} holds {value:?}, not a finite number",
+                    at + 1
+                ));
+            }
+        }
+        let state = |row: &Vec<f64>| places.iter().map(|place| row[*place]).collect::<Vec<_>>();
+        let is_parameter = |(_, name): &(usize, &String)| !names.contains(name);
+        let own = columns.iter().enumerate().filter(is_parameter);
+        let own = own.map(|(at, name)| (name.clone(), rows.iter().map(|row| row[at]).collect()));
+        Ok(Self {
+            states: Some(rows.iter().flat_map(state).collect()),
+            parameters: own.collect(),
+        })
+    }
+}
+
+/// Where the columns of a file hold each coordinate; the others are parameters.
+fn places(columns: &[String], names: &[String], parameters: &[&str]) -> Result<Vec<usize>, String> {
+    let is_known =
+        |column: &&String| names.contains(column) || parameters.contains(&column.as_str());
+    if let Some(column) = columns.iter().find(|column| !is_known(column)) {
         let shown: Vec<&str> = names.iter().take(8).map(String::as_str).collect();
         let rest = if names.len() > shown.len() {
             ", …"
@@ -52,20 +73,17 @@ fn places(columns: &[String], names: &[String]) -> Result<Vec<usize>, String> {
             ""
         };
         return Err(format!(
-            "its column `{column}` is none of the coordinates {}{rest}",
+            "its column `{column}` is none of the coordinates {}{rest}, and no parameter",
             shown.join(", ")
         ));
     }
+    let twice = |(at, column): &(usize, &String)| columns[..*at].contains(column);
+    if let Some((_, column)) = columns.iter().enumerate().find(twice) {
+        return Err(format!("it has two columns `{column}`"));
+    }
     let place = |name: &String| {
-        let mut found = columns
-            .iter()
-            .enumerate()
-            .filter(|(_, column)| *column == name);
-        match (found.next(), found.next()) {
-            (Some((place, _)), None) => Ok(place),
-            (None, _) => Err(format!("it has no column `{name}`")),
-            (Some(_), Some(_)) => Err(format!("it has two columns `{name}`")),
-        }
+        let found = columns.iter().position(|column| column == name);
+        found.ok_or_else(|| format!("it has no column `{name}`"))
     };
     names.iter().map(place).collect()
 }
@@ -120,10 +138,14 @@ fn cells(line: &str) -> Vec<&str> {
 
 #[cfg(test)]
 mod tests {
-    use super::read_states;
+    use super::Members;
+
+    fn members(text: &str) -> Result<Members, String> {
+        Members::read(text, &["x1".to_owned(), "x2".to_owned()], &["I1", "I2"])
+    }
 
     fn read(text: &str) -> Result<Vec<f64>, String> {
-        read_states(text, &["x1".to_owned(), "x2".to_owned()])
+        members(text).map(|members| members.states.unwrap_or_default())
     }
 
     #[test]
@@ -171,6 +193,27 @@ mod tests {
             ("x1\n1", "no column `x2`"),
         ] {
             let error = read(text).expect_err(text);
+            assert!(error.contains(said), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn columns_may_have_the_names_of_parameters() {
+        let found = members("x2,I2,x1\n1,7,2\n3,8,4").expect("members");
+        assert_eq!(found.states, Some(vec![2.0, 1.0, 4.0, 3.0]));
+        assert_eq!(found.parameters, [("I2".to_owned(), vec![7.0, 8.0])]);
+        for (text, said) in [
+            (
+                "x1,x2,I2\n1,2",
+                "row 1 has 2 numbers, and there are 3 columns",
+            ),
+            ("x1,x2,I2,I2\n1,2,3,4", "two columns `I2`"),
+            (
+                "x1,x2,I3\n1,2,3",
+                "column `I3` is none of the coordinates x1, x2, and no parameter",
+            ),
+        ] {
+            let error = members(text).expect_err(text);
             assert!(error.contains(said), "{text}: {error}");
         }
     }

@@ -470,7 +470,7 @@ pub(super) static DRAWS: [Key; 7] = [
     key(
         "file",
         Shape::Text,
-        "The rows of a file, .csv or .npy, beside the scene",
+        "The rows of a file beside the scene, CSV or JSON; columns may name parameters",
     ),
     key(
         CENTER,

@@ -191,6 +191,9 @@ fn files_and_grids_set_the_number_of_members() {
     let ensemble = compose_ensemble(&document, &Registry::with_builtin(), root.path());
     let population = ensemble.expect("an ensemble").population;
     assert_eq!(population.members(), 12);
+    let own = "x1,x2,x3,I2\n1,2,3,0.5\n4,5,6,0.75\n";
+    fs::write(root.path().join("own.csv"), own).expect("writable");
+    fs::write(root.path().join("unknown.csv"), own.replace("I2", "I4")).expect("writable");
     let drawn: Vec<_> = (0..12)
         .map(|k| population.draw(k).expect("a state"))
         .collect();
@@ -211,6 +214,14 @@ fn files_and_grids_set_the_number_of_members() {
             "cannot read",
         ),
         (
+            "initial = { file = \"own.csv\" }\nparameters = { I2 = { values = [1] } }",
+            "`I2` has a value for each member already",
+        ),
+        (
+            "initial = { file = \"unknown.csv\" }",
+            "its column `I4` is none of the coordinates x1, x2, x3, and no parameter",
+        ),
+        (
             "members = 5\nrecord = { observables = [\"enrgy\"] }",
             "unknown observable `enrgy`",
         ),
@@ -220,4 +231,70 @@ fn files_and_grids_set_the_number_of_members() {
         let message = refusal.err().expect(ensemble).message;
         assert!(message.contains(said), "{message}");
     }
+}
+
+/// A file's columns under the names of parameters, and the same numbers in memory, are the same members.
+#[test]
+fn members_in_memory_are_those_of_a_file() {
+    let root = tempfile::tempdir().expect("a directory");
+    let rows = "I2,x1,x2,x3\n0.5,1,2,3\n0.75,4,5,6\n0.9,-1,0.5,2\n";
+    fs::write(root.path().join("members.csv"), rows).expect("writable");
+    let registry = Registry::with_builtin();
+    let keep = "final-states = \"csv\"";
+    let of_file = scene(
+        METHODS[1],
+        &format!("initial = {{ file = \"members.csv\" }}\n{keep}"),
+    );
+    let of_file = (
+        compose_ensemble(&of_file, &registry, root.path()).expect("an ensemble"),
+        of_file,
+    );
+    let members = Members {
+        states: Some(vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0, -1.0, 0.5, 2.0]),
+        parameters: vec![("I2".to_owned(), vec![0.5, 0.75, 0.9])],
+    };
+    // A number of members and a distribution are those of others.
+    let of_memory = scene(
+        METHODS[1],
+        &format!("members = 7\ninitial = {{ leaf = 0.1 }}\n{keep}"),
+    );
+    let of_memory = (
+        compose_members(&of_memory, &registry, &members).expect("an ensemble"),
+        of_memory,
+    );
+    let left = [&of_file, &of_memory].map(|(ensemble, document)| {
+        let out = tempfile::tempdir().expect("a directory");
+        let options = options(&out.path().join("out"));
+        let (all, progress) = (workforce(2, 2), &mut crate::Quiet);
+        let report = run_ensemble(document, ensemble, &options, all, progress).expect("a run");
+        assert_eq!(report.reductions.members, 3);
+        fs::read_to_string(options.directory.join("final_states.csv")).expect("a file")
+    });
+    assert_eq!(left[0], left[1]);
+    assert!(
+        left[0].starts_with("member,outcome,I2,x1,x2,x3,energy"),
+        "{}",
+        left[0]
+    );
+    let refused = |members: Members, said: &str| {
+        let refusal = compose_members(&of_memory.1, &registry, &members);
+        let message = refusal.err().expect(said).message;
+        assert!(message.contains(said), "{message}");
+    };
+    let with = |change: &dyn Fn(&mut Members)| {
+        let mut members = members.clone();
+        change(&mut members);
+        members
+    };
+    let whole = "a state and a value of each parameter for each of them";
+    refused(with(&|m| m.parameters[0].1.push(1.0)), whole);
+    refused(with(&|m| m.states = Some(vec![1.0; 8])), whole);
+    refused(with(&|m| m.states = Some(Vec::new())), whole);
+    refused(with(&|m| m.parameters[0].1[1] = f64::NAN), "not finite");
+    refused(
+        with(&|m| m.parameters[0].0 = "I4".to_owned()),
+        "`I4` is no parameter",
+    );
+    let twice = with(&|m| m.parameters.push(m.parameters[0].clone()));
+    refused(twice, "`I2` has a value for each member already");
 }

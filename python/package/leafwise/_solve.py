@@ -1,0 +1,257 @@
+"""Initial value problems, with the result of ``scipy.integrate.solve_ivp``."""
+
+from __future__ import annotations
+
+import math
+import re
+import warnings
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._arrays import reals
+from ._errors import IntegrationError, LeafwiseWarning
+from ._run import Run
+from ._scene import Scene
+
+Array = NDArray[np.float64]
+
+#: The method where none is given.
+_METHOD: dict[str, Any] = {"realization": "auto", "dynamics": {"name": "hamilton-jacobi", "order": 4}}
+
+#: The steps that the search for an accuracy begins with.
+_FIRST = 64
+
+
+class Solution:
+    """A solution: the fields of SciPy's ``OdeResult``, also by ``solution["t"]``; d coordinates, m points.
+
+    Called with times, shape () or (k,) within the span, it steps again and gives the method's own states there, shape (d,) or
+    (d, k).
+    """
+
+    #: Times of the points: shape (m,).
+    t: Array
+    #: States: shape (d, m).
+    y: Array
+    #: The energy at the points: shape (m,).
+    energy: Array
+    #: The Casimirs at the points, by name: shape (m,) each.
+    casimirs: dict[str, Array]
+    #: The largest deviation of energy and Casimirs from their initial values, over every step.
+    drift: dict[str, float]
+    #: Evaluations of the step equations, those of trial runs included.
+    nfev: int
+    #: 0 at the end of the span, -1 where a step failed, the accuracy was not met or Ctrl-C ended it.
+    status: int
+    #: What that means.
+    message: str
+    #: The step.
+    step: float
+    #: The scene that was run.
+    scene: Scene
+    #: The run.
+    run: Run
+
+    #: As in SciPy, where events are not asked for.
+    t_events = None
+    y_events = None
+    #: Nothing else is counted.
+    njev = 0
+    nlu = 0
+
+    def __init__(self, scene: Scene, run: Run, span: tuple[float, float], points: Array | None, step: float) -> None:
+        self.scene, self.run, self.step, self._span = scene, run, step, span
+        kept = slice(None)
+        times = run.t + span[0]
+        if points is not None:
+            # Samples are the first state, the points behind it, and the last state where that is none of them.
+            if run.outcome != "done":
+                # Behind them is the state before the step that failed.
+                forward = math.copysign(1.0, step)
+                reached = abs(run.final_time) * (1 + 1e-14)
+                points = points[(points - span[0]) * forward <= reached]
+            first = int(len(points) == 0 or points[0] != span[0])
+            kept = slice(first, first + len(points))
+            times[kept] = points
+        elif run.outcome == "done":
+            times[-1] = span[1]
+        self.t, self.y, self.energy = times[kept], run.x[kept].T, run.energy[kept]
+        self.casimirs = {name: values[kept] for name, values in run.casimirs.items()}
+        self.drift = run.drift
+        self.nfev = run.evaluations
+        self.status = 0 if run.outcome == "done" else -1
+        self.message = run.message or "the end of the span was reached"
+
+    @property
+    def success(self) -> bool:
+        """Whether the end of the span was reached, to the accuracy asked for."""
+        return self.status >= 0
+
+    @property
+    def sol(self) -> Solution:
+        """The solution as a function, as SciPy's ``dense_output``."""
+        return self
+
+    def __call__(self, t: ArrayLike) -> Array:
+        times = np.asarray(t)
+        points, order = np.unique(reals("t", times.reshape(-1), None), return_inverse=True)
+        if self._span[1] < self._span[0]:
+            points, order = points[::-1], len(points) - 1 - order
+        points = _points(points, self._span)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", LeafwiseWarning)
+            run = _at(self.scene, points, self._span).run()
+        found = Solution(self.scene, run, self._span, points, self.step).y[:, order]
+        return found.reshape(len(found), *times.shape)
+
+    def __getitem__(self, field: str) -> Any:
+        return getattr(self, field)
+
+    def __repr__(self) -> str:
+        drift = ", ".join(f"{name} {value:.1e}" for name, value in self.drift.items())
+        return f"<leafwise.Solution {self.message}: {self.y.shape[1]} points, step {self.step:g}, drift: {drift}>"
+
+
+def solve(
+    *,
+    x0: ArrayLike,
+    t_span: tuple[float, float],
+    t_eval: ArrayLike | None = None,
+    bracket: Mapping[str, Any] | str | None = None,
+    hamiltonian: str | None = None,
+    variables: Iterable[str] | None = None,
+    parameters: Mapping[str, float] | None = None,
+    casimirs: Mapping[str, str] | None = None,
+    define: Mapping[str, str] | None = None,
+    convention: str | None = None,
+    library: str | None = None,
+    method: Mapping[str, Any] | str | None = None,
+    step: float | None = None,
+    rtol: float | None = None,
+    max_steps: int = 10_000_000,
+) -> Solution:
+    """Solve ẋ = {H, x} from x0 over a span of time; the result has the fields of ``scipy.integrate.solve_ivp``.
+
+    Args:
+        x0: the initial state, shape (d,).
+        t_span: the first and the last time; the second may be the smaller one.
+        t_eval: times of the points, shape (m,), on the way of the span; all steps where not given.
+        bracket: the Poisson tensor as in scenes, ``{"q,p": "1"}``; ``hamiltonian``, ``parameters``, ``casimirs``, ``define``,
+            ``convention`` and ``library`` are those of a scene's ``[system]``.
+        variables: the coordinates' names; where not given, those of the bracket's pairs in the order in which they come.
+        method: a scene's ``[method]`` without its step, or the name of a stepper; Hamilton-Jacobi of order 4 where not given.
+        step: the longest step: the span has a whole number of steps.
+        rtol: in place of a step. Steps are halved until two runs agree at all points within ``rtol`` times the largest
+            coordinate; the finer one is the result. 1e-6 where neither is given.
+        max_steps: where that search ends.
+
+    Raises:
+        SceneError: the system is not valid.
+        TypeError, ValueError: an argument is not.
+    """
+    start, end = (float(time) for time in t_span)
+    if not (math.isfinite(start) and math.isfinite(end) and start != end):
+        raise ValueError(f"t_span is {t_span}: two different finite times are needed")
+    if step is not None and rtol is not None:
+        raise ValueError("give step or rtol, not both")
+    if step is not None and not (math.isfinite(step) and step != 0):
+        raise ValueError(f"step is {step}, not a length")
+    if rtol is not None and not 0 < rtol < 1:
+        raise ValueError(f"rtol is {rtol}: a number between 0 and 1 is needed")
+    span, state = (start, end), reals("x0", x0, None)
+    points = None if t_eval is None else _points(reals("t_eval", t_eval, None), span)
+    given = {
+        "library": library,
+        "variables": None if variables is None else list(variables),
+        "bracket": bracket if isinstance(bracket, str) or bracket is None else dict(bracket),
+        "hamiltonian": hamiltonian,
+        "parameters": None if parameters is None else dict(parameters),
+        "casimirs": None if casimirs is None else dict(casimirs),
+        "define": None if define is None else dict(define),
+        "convention": convention,
+    }
+    system = {key: value for key, value in given.items() if value is not None}
+    if "variables" not in system and isinstance(bracket, Mapping) and all("," in pair for pair in bracket):
+        names = (name.strip() for pair in bracket for name in pair.split(","))
+        system["variables"] = list(dict.fromkeys(names))
+    if start != 0 and _names_the_time(system):
+        raise ValueError(f"t_span begins at {start}, and a system that names the time t begins at 0: shift its phase")
+    how = {"stepper": method} if isinstance(method, str) else dict(_METHOD if method is None else method)
+
+    def attempt(steps: int) -> Solution:
+        length = (end - start) / steps
+        table = {
+            "system": system,
+            "method": how | {"time-step": length},
+            "run": {"initial": state, "steps": steps},
+        }
+        scene = Scene(table)
+        try:
+            run = (scene if points is None else _at(scene, points, span)).run()
+        except IntegrationError as failure:
+            run = failure.run
+        return Solution(scene, run, span, points, length)
+
+    if step is not None:
+        # A quotient that is whole but for its rounding is whole.
+        steps = max(1, math.ceil(abs(end - start) / abs(step) * (1 - 4e-16)))
+        return attempt(steps)
+    return _refined(attempt, points is None, 1e-6 if rtol is None else rtol, max_steps)
+
+
+def _refined(attempt: Callable[[int], Solution], has_all_steps: bool, rtol: float, max_steps: int) -> Solution:
+    """The finer of two runs that agree."""
+    coarse: Solution | None = None
+    steps, evaluations, difference = _FIRST, 0, math.inf
+    with warnings.catch_warnings():
+        # Of the step that is found alone.
+        warnings.simplefilter("ignore", LeafwiseWarning)
+        while True:
+            fine = attempt(steps)
+            evaluations += fine.nfev
+            if fine.run.outcome == "interrupted":
+                break
+            if coarse is not None and coarse.success and fine.success:
+                finer = fine.y[:, ::2] if has_all_steps else fine.y
+                difference = float(np.abs(finer - coarse.y).max() / np.abs(finer).max())
+                if difference <= rtol:
+                    break
+            if 2 * steps > max_steps:
+                if fine.success:
+                    fine.status = -1
+                    fine.message = f"with {steps} steps two runs still differ by {difference:.1e}: rtol {rtol:g} is not met"
+                break
+            coarse, steps = fine, 2 * steps
+    for advice in fine.run.warnings:
+        warnings.warn(advice, LeafwiseWarning, stacklevel=3)
+    fine.nfev = evaluations
+    return fine
+
+
+def _points(points: Array, span: tuple[float, float]) -> Array:
+    """Points that go the way of the span.
+
+    Raises:
+        ValueError: they do not.
+    """
+    forward = math.copysign(1.0, span[1] - span[0])
+    if len(points) and min((points - span[0]) * forward) < 0 or max((points - span[1]) * forward, default=0) > 0:
+        raise ValueError(f"t_eval leaves t_span {span}")
+    if not (np.diff(points) * forward > 0).all():
+        raise ValueError("t_eval goes another way than t_span, or has a time twice")
+    return points
+
+
+def _at(scene: Scene, points: Array, span: tuple[float, float]) -> Scene:
+    """The scene with its samples at points."""
+    return scene.set(run__record__times=points - span[0])
+
+
+def _names_the_time(system: Mapping[str, Any]) -> bool:
+    if "t" in system.get("variables", ()) or "t" in system.get("parameters", ()):
+        return False
+    return any(re.search(r"\bt\b", str(system.get(key, ""))) for key in ("hamiltonian", "bracket", "define"))
+

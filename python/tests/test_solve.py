@@ -1,0 +1,118 @@
+"""Initial value problems: closed forms, SciPy's fields, and what is refused."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import leafwise as lw
+
+OSCILLATOR = {
+    "bracket": {"q,p": "1"},
+    "convention": "{x,H}",
+    "hamiltonian": "p^2/2 + q^2/2",
+    "x0": [1.0, 0.0],
+}
+BODY = {
+    "bracket": {"x1,x2": "-x3", "x2,x3": "-x1", "x3,x1": "-x2"},
+    "hamiltonian": "x1^2/2 + x2^2/(2*I2) + x3^2/2.5",
+    "parameters": {"I2": 0.75},
+    "casimirs": {"spin": "x1^2 + x2^2 + x3^2"},
+    "x0": [1.0, 3.0, 3.0],
+}
+
+
+def test_points_lie_where_they_are_asked_for() -> None:
+    times = np.array([0.0, 0.1, 0.35, 0.7, 2.0, 9.99, 10.0])
+    found = lw.solve(**OSCILLATOR, t_span=(0, 10), t_eval=times, step=0.1)
+    assert found.success and found.status == 0 and found.nfev >= 100
+    np.testing.assert_array_equal(found.t, times)
+    assert found.y.shape == (2, 7)
+    # The phase errs by less than h⁴ a unit of time, the orbit's radius by round-off alone.
+    np.testing.assert_allclose(found.y, [np.cos(times), -np.sin(times)], atol=10 * 0.1**4)
+    at_steps = lw.solve(**OSCILLATOR, t_span=(0, 10), step=0.1)
+    assert at_steps.y.shape == (2, 101) and at_steps.t[-1] == 10.0
+    np.testing.assert_array_equal(found.y[:, [0, 1, 3, 4, 6]], at_steps.y[:, [0, 1, 7, 20, 100]])
+    for points in ([], [3.3], [0.0], [10.0]):
+        one = lw.solve(**OSCILLATOR, t_span=(0, 10), t_eval=points, step=0.1)
+        assert one.t.tolist() == points and one.y.shape == (2, len(points))
+
+
+def test_the_fields_are_scipys() -> None:
+    found = lw.solve(**BODY, t_span=(0, 5), t_eval=np.linspace(0, 5, 11), rtol=1e-8)
+
+    def motion(_: float, x: np.ndarray) -> np.ndarray:
+        return np.cross(x / [1.0, 0.75, 1.25], x)
+
+    other = solve_ivp(motion, (0, 5), BODY["x0"], "DOP853", found.t, rtol=1e-12, atol=1e-12)
+    assert set(other) - {"sol"} <= {name for name in dir(found) if not name.startswith("_")}
+    np.testing.assert_array_equal(found.t, other.t)
+    np.testing.assert_allclose(found.y, other.y, atol=1e-8 * np.abs(other.y).max())
+    assert (found["status"], found["success"]) == (other.status, other.success)
+    np.testing.assert_allclose(found.casimirs["spin"], 19.0, rtol=1e-14)
+    assert found.energy.shape == (11,) and found.drift["spin"] < 1e-13
+    # As a function: the method's own states, in any order and shape.
+    np.testing.assert_array_equal(found.sol(found.t), found.y)
+    again = found([[2.0, 0.25], [2.0, 5.0]])
+    assert again.shape == (3, 2, 2)
+    np.testing.assert_array_equal(again[:, 0, 0], found.y[:, 4])
+    np.testing.assert_array_equal(again[:, 1, 1], found.y[:, -1])
+    assert found(1.0).shape == (3,)
+
+
+def test_a_span_may_go_back_and_begin_anywhere() -> None:
+    found = lw.solve(**OSCILLATOR, t_span=(2, -3), t_eval=[2, 0.5, -3], step=-0.01)
+    assert found.t.tolist() == [2.0, 0.5, -3.0]
+    np.testing.assert_allclose(found.y[0], np.cos(found.t - 2), atol=1e-7)
+    np.testing.assert_array_equal(found([-3, 2]), found.y[:, [2, 0]])
+    driven = OSCILLATOR | {"hamiltonian": "p^2/2 + q^2/2 + q*cos(t)"}
+    lw.solve(**driven, t_span=(0, 1), step=0.1)
+    with pytest.raises(ValueError, match="names the time t begins at 0"):
+        lw.solve(**driven, t_span=(1, 2), step=0.1)
+
+
+def test_an_accuracy_is_met_or_said_to_be_missed() -> None:
+    for rtol in (1e-4, 1e-9):
+        found = lw.solve(**OSCILLATOR, t_span=(0, 20), t_eval=[20.0], rtol=rtol)
+        assert found.success
+        assert np.hypot(*(found.y[:, 0] - [np.cos(20), -np.sin(20)])) < rtol
+    found = lw.solve(**OSCILLATOR, t_span=(0, 20), t_eval=[20.0], rtol=1e-13, max_steps=256)
+    assert (found.success, found.status) == (False, -1)
+    assert "with 256 steps two runs still differ" in found.message
+
+
+def test_a_step_that_fails_ends_the_solution() -> None:
+    # x' = x² has left every bound at t = 1.
+    system = {"bracket": {"x,y": "1"}, "convention": "{x,H}", "hamiltonian": "x^2*y", "x0": [1.0, 1.0]}
+    times = np.linspace(0, 2, 41)
+    with pytest.warns(lw.LeafwiseWarning, match="the energy is off"):
+        found = lw.solve(**system, t_span=(0, 2), t_eval=times, step=0.01, method="implicit-midpoint")
+    assert not found.success and "failed at t" in found.message
+    assert 0 < len(found.t) < 41 and found.y.shape == (2, len(found.t))
+    np.testing.assert_allclose(found.y[0, :11], 1 / (1 - found.t[:11]), rtol=1e-3)
+
+
+@pytest.mark.parametrize(
+    "changed, error, words",
+    [
+        ({"x0": [1.0, np.nan]}, ValueError, r"x0\[1\] is nan"),
+        ({"x0": [[1.0, 0.0]]}, ValueError, r"x0 has the shape \(1, 2\), not \(n,\)"),
+        ({"x0": ["a", "b"]}, TypeError, "x0 holds .*, not real numbers"),
+        ({"x0": [1j, 0]}, TypeError, "complex128"),
+        ({"x0": [1.0]}, lw.SceneError, "2, one for each variable"),
+        ({"t_span": (0, 0)}, ValueError, "two different finite times"),
+        ({"t_span": (0, np.inf)}, ValueError, "two different finite times"),
+        ({"t_eval": [0.0, 11.0]}, ValueError, "leaves t_span"),
+        ({"t_eval": [1.0, 0.5]}, ValueError, "another way"),
+        ({"t_eval": [1.0, 1.0]}, ValueError, "a time twice"),
+        ({"t_eval": [[1.0]]}, ValueError, r"not \(n,\)"),
+        ({"step": 0}, ValueError, "step is 0"),
+        ({"step": np.nan}, ValueError, "step is nan"),
+        ({"step": 0.1, "rtol": 1e-3}, ValueError, "not both"),
+        ({"rtol": 0}, ValueError, "rtol is 0"),
+        ({"hamiltonian": "p^2 + r", "step": 0.1}, lw.SceneError, "unknown name `r`"),
+        ({"method": "rk5", "step": 0.1}, lw.SceneError, "rk5"),
+    ],
+)
+def test_what_is_refused(changed: dict[str, object], error: type[Exception], words: str) -> None:
+    with pytest.raises(error, match=words):
+        lw.solve(**(OSCILLATOR | {"t_span": (0, 10)} | changed))
