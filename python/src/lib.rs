@@ -20,7 +20,7 @@ mod text;
 #[pyo3::pymodule]
 mod _leafwise {
     #[pymodule_export]
-    use super::command::command;
+    use super::command::{command, load_plugin, program, start_again_by};
     #[pymodule_export]
     use super::ensemble::Ensemble;
     #[pymodule_export]

@@ -1,7 +1,7 @@
 //! Scenes, composed and stepped without the interpreter's lock.
 
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use leafwise::core::Registry;
@@ -12,10 +12,12 @@ use leafwise::run::{Progress, RunOptions, Status, run_in_memory};
 use leafwise::scene::document::{Located, ObservableSpec, Place, Source};
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
 use leafwise_cli::failure::Failure;
+use leafwise_cli::scene::SceneText;
 use numpy::PyReadonlyArray2;
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
+use crate::command::with_plugins;
 use crate::ensemble::{Ensemble, Left};
 use crate::error::{exception, of_scene};
 use crate::integrator::Integrator;
@@ -82,12 +84,22 @@ fn record_invariants(document: &mut SceneDocument) {
 #[pymethods]
 impl Scene {
     #[new]
-    fn new(source: String, name: &str, overrides: Overrides) -> PyResult<Self> {
-        let registry = Registry::with_builtin();
-        let document = SceneDocument::parse_with(name, &source, &overrides, &registry);
+    fn new(py: Python<'_>, source: String, name: &str, overrides: Overrides) -> PyResult<Self> {
+        let text = SceneText {
+            name: name.to_owned(),
+            text: source.clone(),
+            overrides: overrides.clone(),
+        };
+        let base = Path::new(name).parent().unwrap_or(Path::new("."));
+        let (document, parts) = py.detach(|| {
+            let mut parts = with_plugins()?;
+            let document = parts.document(text, base);
+            let document = document.map_err(|failure| exception(&failure))?;
+            PyResult::Ok((document, parts))
+        })?;
         Ok(Self {
-            document: document.map_err(|errors| of_scene(&errors))?,
-            registry,
+            document,
+            registry: parts.registry,
             source,
             overrides,
         })

@@ -1,6 +1,8 @@
 //! The plugins that a command line and a scene ask for.
 
-use std::path::Path;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use leafwise::core::Registry;
 use leafwise::plugins::{
@@ -18,6 +20,22 @@ pub const NO_PLUGINS: &str = "LEAFWISE_NO_PLUGINS";
 
 /// The hidden command that tries a library in a process of its own.
 pub const PROBE: [&str; 2] = ["plugin", "probe"];
+
+/// How this program is started again; see [`start_again_by`].
+static PROGRAM: OnceLock<(PathBuf, Vec<OsString>)> = OnceLock::new();
+
+/// Says which file with which arguments is this program, where it runs within another: libraries are tried, and measured, in
+/// processes of their own. The first word counts.
+pub fn start_again_by(program: PathBuf, arguments: Vec<OsString>) {
+    PROGRAM.get_or_init(|| (program, arguments));
+}
+
+/// The file and the first arguments that start this program again: its own file where nothing else was said. A program that
+/// does not know its own file starts nothing, and every plugin is refused with that reason.
+pub fn own_program() -> (PathBuf, Vec<OsString>) {
+    let own = || (std::env::current_exe().unwrap_or_default(), Vec::new());
+    PROGRAM.get().cloned().unwrap_or_else(own)
+}
 
 /// What a command works with: the built-in parts, and those of the plugins asked for.
 pub struct Parts {
@@ -78,9 +96,16 @@ impl Parts {
     /// # Errors
     /// [`Failure::Plugin`] where one of them is refused, and those of reading a scene.
     pub fn scene(&mut self, arguments: &SceneArguments) -> Result<SceneDocument, Failure> {
-        let text = read(arguments)?;
-        let (effective, plugins) = PluginSpec::of_scene(&text.text, &text.overrides);
         let base = arguments.scene.parent().unwrap_or(Path::new("."));
+        self.document(read(arguments)?, base)
+    }
+
+    /// The same of a text; relative paths of plugins start from `base`.
+    ///
+    /// # Errors
+    /// As [`scene`](Self::scene).
+    pub fn document(&mut self, text: SceneText, base: &Path) -> Result<SceneDocument, Failure> {
+        let (effective, plugins) = PluginSpec::of_scene(&text.text, &text.overrides);
         for plugin in plugins {
             let request = PluginRequest {
                 name: plugin.path.value.clone().into(),
@@ -130,10 +155,8 @@ fn loader(arguments: &PluginArguments) -> Loader {
     if are_forbidden(arguments) {
         return Loader::off();
     }
-    // A program that does not know its own file starts nothing, and every plugin is refused with that
-    // reason.
-    let own = std::env::current_exe().unwrap_or_default();
-    let probe = ProbeCommand::new(own, PROBE.map(Into::into));
+    let (own, arguments) = own_program();
+    let probe = ProbeCommand::new(own, arguments.into_iter().chain(PROBE.map(Into::into)));
     Loader::new(SearchPath::of_environment())
         .with_probe(probe)
         .with_user_cache()

@@ -11,7 +11,7 @@
 Units are those of the scene. States have the shape (d,), recorded ones (samples, d).
 """
 
-from ._commands import command, describe, list_parts as list
+from ._commands import command, describe, list_parts as list, load_plugin
 from ._ensemble import Ensemble
 from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning, SceneError
 from ._leafwise import Integrator
@@ -32,5 +32,6 @@ __all__ = [
     "command",
     "describe",
     "list",
+    "load_plugin",
     "solve",
 ]

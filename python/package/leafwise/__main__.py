@@ -2,18 +2,15 @@
 
 import sys
 
-from ._leafwise import command
+from ._leafwise import program
 
 
 def main() -> int:
     """Run the program on the command line; its exit code."""
     try:
-        code, out, err = command(sys.argv[1:])
+        return program(sys.argv[1:])
     except KeyboardInterrupt:
         return 130
-    sys.stdout.write(out)
-    sys.stderr.write(err)
-    return code
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ use leafwise::plugins::Refusal;
 use crate::arguments::PluginCheckArguments;
 use crate::console::Console;
 use crate::failure::Failure;
+use crate::plugins::own_program;
 
 /// What the measuring process writes at its end, before its exit code.
 const COMPLETED: &str = "leafwise-plugin-check: ";
@@ -38,8 +39,7 @@ pub fn execute(
     console: &mut Console<'_>,
 ) -> Result<u8, Failure> {
     let refused = |refusal: Refusal| Failure::plugin(refusal.of(&arguments.path), None);
-    let own = std::env::current_exe().unwrap_or_default();
-    let mut child = start(own, given).map_err(|refusal| refused(*refusal))?;
+    let mut child = start(own_program(), given).map_err(|refusal| refused(*refusal))?;
     let lines = child.stdout.take().map(lines_of);
     let mut kept = Vec::new();
     let mut code = None;
@@ -74,8 +74,12 @@ pub fn execute(
 }
 
 /// The same command in a process that measures.
-fn start(own: PathBuf, given: &[OsString]) -> Result<Child, Box<Refusal>> {
+fn start(
+    (own, arguments): (PathBuf, Vec<OsString>),
+    given: &[OsString],
+) -> Result<Child, Box<Refusal>> {
     Command::new(&own)
+        .args(arguments)
         .arg("--measures-here")
         .args(given.iter().skip(1))
         .stdin(Stdio::null())
