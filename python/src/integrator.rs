@@ -1,23 +1,52 @@
 //! One trajectory, step by step.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, TryLockError};
+use std::time::{Duration, Instant};
 
 use numpy::{PyArray1, PyArrayMethods};
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 
 use crate::error::IntegrationError;
+use crate::functions::Functions;
+
+/// How often signals are looked for.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
+
+/// Steps between two looks at the clock.
+const STRIDE: u64 = 256;
 
 /// One trajectory: the method's steps from a scene's initial state.
 #[pyclass(frozen, module = "leafwise")]
-pub(crate) struct Integrator(Mutex<leafwise::core::Integrator>);
+pub(crate) struct Integrator {
+    own: Mutex<leafwise::core::Integrator>,
+    /// The system, where it is functions of Python.
+    functions: Option<Functions>,
+}
 
 impl Integrator {
-    pub fn new(integrator: leafwise::core::Integrator) -> Self {
-        Self(Mutex::new(integrator))
+    pub fn new(integrator: leafwise::core::Integrator, functions: Option<Functions>) -> Self {
+        Self {
+            own: Mutex::new(integrator),
+            functions,
+        }
     }
 
-    fn get(&self) -> MutexGuard<'_, leafwise::core::Integrator> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Nothing waits for it: the thread that has it may wait for the interpreter's lock.
+    fn get(&self) -> PyResult<MutexGuard<'_, leafwise::core::Integrator>> {
+        match self.own.try_lock() {
+            Ok(integrator) => Ok(integrator),
+            Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => Err(PyRuntimeError::new_err(
+                "the integrator is stepping, in another thread or in a function of its own system",
+            )),
+        }
+    }
+
+    #[cold]
+    fn failure(&self, error: &leafwise::core::StepError) -> PyErr {
+        let raised = self.functions.as_ref().and_then(Functions::raised);
+        raised.unwrap_or_else(|| IntegrationError::new_err(error.to_string()))
     }
 }
 
@@ -25,42 +54,55 @@ impl Integrator {
 impl Integrator {
     /// One step.
     fn step(&self) -> PyResult<()> {
-        let mut integrator = self.get();
-        integrator.step().map_err(|error| failure(&error))
+        let stepped = self.get()?.step();
+        stepped.map_err(|error| self.failure(&error))
     }
 
-    /// So many steps.
+    /// So many steps. Ctrl-C ends them between two, with KeyboardInterrupt.
     fn advance(&self, py: Python<'_>, steps: u64) -> PyResult<()> {
-        py.detach(|| self.get().advance(steps))
-            .map_err(|error| failure(&error))
+        py.detach(|| {
+            let mut integrator = self.get()?;
+            let (mut left, mut looked) = (steps, Instant::now());
+            while left > 0 {
+                let some = left.min(STRIDE);
+                let advanced = integrator.advance(some);
+                advanced.map_err(|error| self.failure(&error))?;
+                left -= some;
+                if looked.elapsed() >= LOOK_EVERY {
+                    Python::attach(|py| py.check_signals())?;
+                    looked = Instant::now();
+                }
+            }
+            Ok(())
+        })
     }
 
     /// The present state: shape (d,), a copy.
     #[getter]
-    fn x<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, self.get().state())
+    fn x<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(PyArray1::from_slice(py, self.get()?.state()))
     }
 
     /// The present time.
     #[getter]
-    fn t(&self) -> f64 {
-        self.get().time()
+    fn t(&self) -> PyResult<f64> {
+        Ok(self.get()?.time())
     }
 
     /// Steps made.
     #[getter]
-    fn steps(&self) -> u64 {
-        self.get().steps()
+    fn steps(&self) -> PyResult<u64> {
+        Ok(self.get()?.steps())
     }
 
     /// Writes the present state into an array of shape (d,).
     fn copy_to(&self, target: &Bound<'_, PyArray1<f64>>) -> PyResult<()> {
         let mut target = target.try_readwrite()?;
-        let integrator = self.get();
+        let integrator = self.get()?;
         let state = integrator.state();
         let place = target.as_slice_mut()?;
         if place.len() != state.len() {
-            return Err(pyo3::exceptions::PyValueError::new_err(format!(
+            return Err(PyValueError::new_err(format!(
                 "the array has {} numbers, a state {}",
                 place.len(),
                 state.len()
@@ -69,8 +111,4 @@ impl Integrator {
         place.copy_from_slice(state);
         Ok(())
     }
-}
-
-fn failure(error: &leafwise::core::StepError) -> PyErr {
-    IntegrationError::new_err(error.to_string())
 }

@@ -3,6 +3,7 @@
 //! - [`scene`]: scenes, composed and stepped without the interpreter's lock;
 //! - [`recorded`]: what a run leaves, as arrays;
 //! - [`ensemble`]: what an ensemble leaves, as arrays;
+//! - [`functions`]: a system whose values functions of Python compute;
 //! - [`integrator`]: one trajectory, step by step;
 //! - [`command`]: the program, in this process;
 //! - [`text`]: tables of Python as text of a scene;
@@ -11,6 +12,7 @@
 mod command;
 mod ensemble;
 mod error;
+mod functions;
 mod integrator;
 mod recorded;
 mod scene;

@@ -2,13 +2,14 @@
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use leafwise::core::Registry;
 use leafwise::run::ensemble::{
     Members, Workforce, compose_ensemble, compose_members, run_ensemble,
 };
-use leafwise::run::{Progress, RunOptions, Status, run_in_memory};
+use leafwise::run::{Progress, RunOptions, RunOutcome, Status, run_in_memory};
 use leafwise::scene::document::{Located, ObservableSpec, Place, Source};
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
 use leafwise_cli::failure::Failure;
@@ -20,6 +21,7 @@ use pyo3::prelude::*;
 use crate::command::with_plugins;
 use crate::ensemble::{Ensemble, Left};
 use crate::error::{exception, of_scene};
+use crate::functions::Functions;
 use crate::integrator::Integrator;
 use crate::recorded::Recorded;
 
@@ -38,26 +40,75 @@ pub(crate) struct Scene {
     registry: Registry,
     source: String,
     overrides: Overrides,
+    /// `leafwise.System`, where the scene's system is functions of Python.
+    system: Option<Arc<Py<PyAny>>>,
+}
+
+/// A scene with the parts that it names.
+struct Read {
+    document: SceneDocument,
+    registry: Registry,
+    functions: Option<Functions>,
+}
+
+impl Read {
+    fn new(text: SceneText, system: Option<&Arc<Py<PyAny>>>) -> PyResult<Self> {
+        let mut parts = with_plugins()?;
+        let functions = system.map(|system| Functions::new(Arc::clone(system)));
+        if let Some(functions) = &functions {
+            functions.join(&mut parts.registry)?;
+        }
+        let name = text.name.clone();
+        let base = Path::new(&name).parent().unwrap_or(Path::new("."));
+        let document = parts.document(text, base);
+        Ok(Self {
+            document: document.map_err(|failure| exception(&failure))?,
+            registry: parts.registry,
+            functions,
+        })
+    }
+
+    /// The system and the method, where the invariants are recorded.
+    fn composed(&mut self) -> PyResult<ComposedRun> {
+        record_invariants(&mut self.document);
+        let composed = compose(&self.document, &self.registry);
+        self.unless_raised(composed.map_err(|refusal| exception(&Failure::from(refusal))))
+    }
+
+    /// What a function of the system has raised goes before what came of it.
+    fn unless_raised<T>(&self, found: PyResult<T>) -> PyResult<T> {
+        match self.functions.as_ref().and_then(Functions::raised) {
+            Some(error) => Err(error),
+            None => found,
+        }
+    }
 }
 
 impl Scene {
     /// The scene with more overrides.
-    fn with(&self, more: &Overrides) -> PyResult<SceneDocument> {
-        if more.is_empty() {
-            return Ok(self.document.clone());
+    fn with(&self, more: &Overrides) -> PyResult<Read> {
+        if self.system.is_some() {
+            // Its functions tell their exceptions to this reader alone.
+            let text = SceneText {
+                name: self.document.name.clone(),
+                text: self.document.text.clone(),
+                overrides: more.clone(),
+            };
+            return Read::new(text, self.system.as_ref());
         }
-        let (name, text) = (&self.document.name, &self.document.text);
-        let document = SceneDocument::parse_with(name, text, more, &self.registry);
-        document.map_err(|errors| of_scene(&errors))
-    }
-
-    /// The scene with more overrides, and its system and method.
-    fn composed(&self, more: &Overrides) -> PyResult<(SceneDocument, ComposedRun)> {
-        let mut document = self.with(more)?;
-        record_invariants(&mut document);
-        let composed = compose(&document, &self.registry);
-        let composed = composed.map_err(|refusal| exception(&Failure::from(refusal)))?;
-        Ok((document, composed))
+        let document = match more.is_empty() {
+            true => self.document.clone(),
+            false => {
+                let (name, text) = (&self.document.name, &self.document.text);
+                let document = SceneDocument::parse_with(name, text, more, &self.registry);
+                document.map_err(|errors| of_scene(&errors))?
+            }
+        };
+        Ok(Read {
+            document,
+            registry: self.registry.clone(),
+            functions: None,
+        })
     }
 }
 
@@ -84,24 +135,26 @@ fn record_invariants(document: &mut SceneDocument) {
 #[pymethods]
 impl Scene {
     #[new]
-    fn new(py: Python<'_>, source: String, name: &str, overrides: Overrides) -> PyResult<Self> {
+    fn new(
+        py: Python<'_>,
+        source: String,
+        name: &str,
+        overrides: Overrides,
+        system: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
         let text = SceneText {
             name: name.to_owned(),
             text: source.clone(),
             overrides: overrides.clone(),
         };
-        let base = Path::new(name).parent().unwrap_or(Path::new("."));
-        let (document, parts) = py.detach(|| {
-            let mut parts = with_plugins()?;
-            let document = parts.document(text, base);
-            let document = document.map_err(|failure| exception(&failure))?;
-            PyResult::Ok((document, parts))
-        })?;
+        let system = system.map(Arc::new);
+        let read = py.detach(|| Read::new(text, system.as_ref()))?;
         Ok(Self {
-            document,
-            registry: parts.registry,
+            document: read.document,
+            registry: read.registry,
             source,
             overrides,
+            system,
         })
     }
 
@@ -117,16 +170,18 @@ impl Scene {
         &self.document.text
     }
 
-    /// What it was made of: text, name and overrides.
+    /// What it was made of: text, name, overrides, and a system of functions.
     #[getter]
-    fn origin(&self) -> (&str, &str, Overrides) {
-        (&self.source, &self.document.name, self.overrides.clone())
+    fn origin(&self, py: Python<'_>) -> (&str, &str, Overrides, Option<Py<PyAny>>) {
+        let system = self.system.as_ref().map(|system| system.clone_ref(py));
+        let overrides = self.overrides.clone();
+        (&self.source, &self.document.name, overrides, system)
     }
 
     /// What it composes to.
     fn describe(&self, py: Python<'_>) -> PyResult<Description> {
         py.detach(|| {
-            let (_, run) = self.composed(&Vec::new())?;
+            let run = self.with(&Vec::new())?.composed()?;
             let casimirs = run.system.casimir_names();
             let parameters = run.system.parameters().iter();
             Ok((
@@ -149,17 +204,24 @@ impl Scene {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Recorded> {
         let (coordinates, recorded) = py.detach(|| {
-            let (document, composed) = self.composed(&overrides)?;
-            let mut told = Told::new(progress);
-            let registry = &self.registry;
+            let mut read = self.with(&overrides)?;
+            let composed = read.composed()?;
+            let mut told = Told::new(progress, read.functions.as_ref());
+            let (document, registry) = (&read.document, &read.registry);
             let recorded =
-                run_in_memory(&document, &composed, registry, allow_non_poisson, &mut told);
-            match told.raised {
-                Some(error) => Err(error),
-                None => recorded
-                    .map(|recorded| (composed.plan.states.width(), recorded))
-                    .map_err(|error| exception(&Failure::from(error))),
-            }
+                run_in_memory(document, &composed, registry, allow_non_poisson, &mut told);
+            let recorded = recorded.map_err(|error| exception(&Failure::from(error)));
+            let recorded = match told.into_raised() {
+                None => recorded?,
+                // Ctrl-C within a function of the system.
+                Some(error) if is_interruption(&error) => {
+                    let mut recorded = recorded?;
+                    recorded.report.outcome = RunOutcome::Interrupted;
+                    recorded
+                }
+                Some(error) => return Err(error),
+            };
+            PyResult::Ok((composed.plan.states.width(), recorded))
         })?;
         Recorded::new(py, coordinates, recorded)
     }
@@ -182,12 +244,13 @@ impl Scene {
         let states = states.map(|states| states.as_array().iter().copied().collect());
         let members = Members { states, parameters };
         let (composed, report, left) = py.detach(|| {
-            let document = self.with(&overrides)?;
+            let read = self.with(&overrides)?;
             let ensemble = match members == Members::default() {
-                true => compose_ensemble(&document, &self.registry, &files),
-                false => compose_members(&document, &self.registry, &members),
+                true => compose_ensemble(&read.document, &read.registry, &files),
+                false => compose_members(&read.document, &read.registry, &members),
             };
-            let ensemble = ensemble.map_err(|refusal| exception(&Failure::from(refusal)))?;
+            let ensemble = ensemble.map_err(|refusal| exception(&Failure::from(refusal)));
+            let ensemble = read.unless_raised(ensemble)?;
             let options = RunOptions {
                 directory: out,
                 force: false,
@@ -197,9 +260,9 @@ impl Scene {
             };
             let mut workforce = Workforce::default();
             workforce.threads = threads.unwrap_or(workforce.threads);
-            let mut told = Told::new(progress);
-            let report = run_ensemble(&document, &ensemble, &options, workforce, &mut told);
-            if let Some(error) = told.raised {
+            let mut told = Told::new(progress, read.functions.as_ref());
+            let report = run_ensemble(&read.document, &ensemble, &options, workforce, &mut told);
+            if let Some(error) = told.into_raised() {
                 return Err(error);
             }
             let report = report.map_err(|error| exception(&Failure::from(error)))?;
@@ -211,32 +274,48 @@ impl Scene {
 
     /// The method's steps from the initial state.
     fn integrator(&self, py: Python<'_>) -> PyResult<Integrator> {
-        let (_, composed) = py.detach(|| self.composed(&Vec::new()))?;
-        Ok(Integrator::new(composed.integrator()))
+        py.detach(|| {
+            let mut read = self.with(&Vec::new())?;
+            let integrator = read.composed()?.integrator();
+            Ok(Integrator::new(integrator, read.functions))
+        })
     }
 }
 
-/// Looks for Ctrl-C, and tells a function of Python where the run stands.
-struct Told {
+/// Looks for Ctrl-C and exceptions of a system's functions, and tells a function of Python where the run stands.
+struct Told<'a> {
     function: Option<Py<PyAny>>,
+    functions: Option<&'a Functions>,
     looked: Instant,
     is_interrupted: bool,
     /// What the function raised.
     raised: Option<PyErr>,
 }
 
-impl Told {
-    fn new(function: Option<Py<PyAny>>) -> Self {
+impl<'a> Told<'a> {
+    fn new(function: Option<Py<PyAny>>, functions: Option<&'a Functions>) -> Self {
         Self {
             function,
+            functions,
             looked: Instant::now(),
             is_interrupted: false,
             raised: None,
         }
     }
+
+    /// What the function, or one of the system's, raised.
+    fn into_raised(self) -> Option<PyErr> {
+        let of_system = self.functions.and_then(Functions::raised);
+        self.raised.or(of_system)
+    }
 }
 
-impl Progress for Told {
+/// Whether it is Ctrl-C.
+fn is_interruption(error: &PyErr) -> bool {
+    Python::attach(|py| error.is_instance_of::<PyKeyboardInterrupt>(py))
+}
+
+impl Progress for Told<'_> {
     fn show(&mut self, status: &Status) {
         if self.looked.elapsed() < LOOK_EVERY || self.is_interrupted {
             return;
@@ -248,14 +327,13 @@ impl Progress for Told {
             {
                 self.is_interrupted = true;
                 // Ctrl-C while the function runs.
-                let is_interruption = error.is_instance_of::<PyKeyboardInterrupt>(py);
-                self.raised = (!is_interruption).then_some(error);
+                self.raised = (!is_interruption(&error)).then_some(error);
             }
         });
         self.looked = Instant::now();
     }
 
     fn is_interrupted(&self) -> bool {
-        self.is_interrupted
+        self.is_interrupted || self.functions.is_some_and(Functions::has_raised)
     }
 }

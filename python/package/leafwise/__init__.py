@@ -14,6 +14,7 @@ Units are those of the scene. States have the shape (d,), recorded ones (samples
 from ._commands import command, describe, list_parts as list, load_plugin
 from ._ensemble import Ensemble
 from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning, SceneError
+from ._functions import System
 from ._leafwise import Integrator
 from ._run import Run
 from ._scene import Scene
@@ -29,6 +30,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "Solution",
+    "System",
     "command",
     "describe",
     "list",

@@ -5,6 +5,7 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
+from ._functions import System
 from ._run import Run
 
 Array = NDArray[np.float64]
@@ -63,13 +64,15 @@ class Recorded:
 
 @final
 class Scene:
-    def __init__(self, source: str, name: str, overrides: list[tuple[str, str]]) -> None: ...
+    def __init__(
+        self, source: str, name: str, overrides: list[tuple[str, str]], system: System | None
+    ) -> None: ...
     @property
     def name(self) -> str: ...
     @property
     def text(self) -> str: ...
     @property
-    def origin(self) -> tuple[str, str, list[tuple[str, str]]]: ...
+    def origin(self) -> tuple[str, str, list[tuple[str, str]], System | None]: ...
     def describe(self) -> tuple[list[str], list[str], list[tuple[str, float]], list[str]]: ...
     def run(
         self,

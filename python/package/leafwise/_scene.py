@@ -16,6 +16,7 @@ from ._arrays import reals
 from ._commands import command
 from ._ensemble import Ensemble
 from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning
+from ._functions import System
 from ._leafwise import Integrator, text_of
 from ._progress import shown
 from ._run import Run
@@ -25,7 +26,7 @@ class Scene:
     """A system, a method and a plan: what a scene file says.
 
     ``Scene({"system": ..., "method": ..., "run": ...})`` or ``Scene(system=..., method=..., run=...)``; arrays are
-    lists. ``Scene.load`` reads a file, ``Scene.parse`` a text.
+    lists, and a system may be a :class:`System` of functions. ``Scene.load`` reads a file, ``Scene.parse`` a text.
 
     Raises:
         SceneError: each problem with its place.
@@ -35,7 +36,11 @@ class Scene:
         whole = {**(table or {}), **sections}
         if not whole:
             raise TypeError("a scene needs sections: Scene(system=..., method=..., run=...)")
-        self._hold(_leafwise.Scene(text_of(whole), "scene.toml", []))
+        system = whole.get("system")
+        functions = system if isinstance(system, System) else None
+        if functions:
+            whole["system"] = {"library": "python/functions"}
+        self._hold(_leafwise.Scene(text_of(whole), "scene.toml", [], functions))
 
     def _hold(self, scene: _leafwise.Scene) -> None:
         self._scene = scene
@@ -57,9 +62,9 @@ class Scene:
         return cls._of(text, fspath(path), _overrides(set or {}))
 
     @classmethod
-    def _of(cls, text: str, name: str, overrides: list[tuple[str, str]]) -> Scene:
+    def _of(cls, text: str, name: str, overrides: list[tuple[str, str]], system: System | None = None) -> Scene:
         scene = cls.__new__(cls)
-        scene._hold(_leafwise.Scene(text, name, overrides))
+        scene._hold(_leafwise.Scene(text, name, overrides, system))
         return scene
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -68,7 +73,7 @@ class Scene:
     def set(self, **values: Any) -> Scene:
         """The same scene with other values: ``scene.set(run__steps=100)``, two underscores for a dot."""
         pairs = {key.replace("__", "."): value for key, value in values.items()}
-        return self._of(self.text, self.name, _overrides(pairs))
+        return self._of(self.text, self.name, _overrides(pairs), self._scene.origin[3])
 
     @property
     def name(self) -> str:
@@ -212,7 +217,9 @@ class Scene:
         return self._scene.integrator()
 
     def command(self, name: str, *arguments: str, accept: tuple[int, ...] = (0,)) -> Any:
-        """The object of a command on this scene: ``scene.command("evaluate", "--at", ...)``."""
+        """The object of a command on this scene: ``scene.command("evaluate", "--at", ...)``. Commands know no functions of Python."""
+        if self._scene.origin[3] is not None:
+            raise LeafwiseError(f"`{name}` works on scenes of formulas and plugins, and this system is functions of Python")
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / (Path(self.name).name or "scene.toml")
             file.write_text(self.text, encoding="utf-8")

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._arrays import reals
 from ._errors import IntegrationError, LeafwiseWarning
+from ._functions import System
 from ._run import Run
 from ._scene import Scene
 
@@ -20,6 +21,13 @@ Array = NDArray[np.float64]
 
 #: The method where none is given.
 _METHOD: dict[str, Any] = {"realization": "auto", "dynamics": {"name": "hamilton-jacobi", "order": 4}}
+
+#: The same for functions of Python, of which no formula is known.
+_METHOD_OF_NUMBERS: dict[str, Any] = {
+    "realization": "karasev-collocated",
+    "dynamics": {"name": "hamilton-jacobi", "order": 2},
+    "composition": "suzuki-4",
+}
 
 #: The steps that the search for an accuracy begins with.
 _FIRST = 64
@@ -120,6 +128,7 @@ def solve(
     x0: ArrayLike,
     t_span: tuple[float, float],
     t_eval: ArrayLike | None = None,
+    system: System | None = None,
     bracket: Mapping[str, Any] | str | None = None,
     hamiltonian: str | None = None,
     variables: Iterable[str] | None = None,
@@ -141,8 +150,10 @@ def solve(
         t_eval: times of the points, shape (m,), on the way of the span; all steps where not given.
         bracket: the Poisson tensor as in scenes, ``{"q,p": "1"}``; ``hamiltonian``, ``parameters``, ``casimirs``, ``define``,
             ``convention`` and ``library`` are those of a scene's ``[system]``.
+        system: functions of Python, in place of formulas.
         variables: the coordinates' names; where not given, those of the bracket's pairs in the order in which they come.
-        method: a scene's ``[method]`` without its step, or the name of a stepper; Hamilton-Jacobi of order 4 where not given.
+        method: a scene's ``[method]`` without its step, or the name of a stepper; where not given Hamilton-Jacobi of order 4, and
+            of functions five stages of Hamilton-Jacobi of order 2 over Karasev's realization by collocation.
         step: the longest step: the span has a whole number of steps.
         rtol: in place of a step. Steps are halved until two runs agree at all points within ``rtol`` times the largest
             coordinate; the finer one is the result. 1e-6 where neither is given.
@@ -173,18 +184,21 @@ def solve(
         "define": None if define is None else dict(define),
         "convention": convention,
     }
-    system = {key: value for key, value in given.items() if value is not None}
-    if "variables" not in system and isinstance(bracket, Mapping) and all("," in pair for pair in bracket):
+    formulas = {key: value for key, value in given.items() if value is not None}
+    if system is not None and formulas:
+        raise ValueError(f"give system or {next(iter(formulas))}, not both")
+    if system is None and "variables" not in formulas and isinstance(bracket, Mapping) and all("," in pair for pair in bracket):
         names = (name.strip() for pair in bracket for name in pair.split(","))
-        system["variables"] = list(dict.fromkeys(names))
-    if start != 0 and _names_the_time(system):
+        formulas["variables"] = list(dict.fromkeys(names))
+    if start != 0 and _names_the_time(formulas):
         raise ValueError(f"t_span begins at {start}, and a system that names the time t begins at 0: shift its phase")
-    how = {"stepper": method} if isinstance(method, str) else dict(_METHOD if method is None else method)
+    usual = _METHOD if system is None else _METHOD_OF_NUMBERS
+    how = {"stepper": method} if isinstance(method, str) else dict(usual if method is None else method)
 
     def attempt(steps: int) -> Solution:
         length = (end - start) / steps
         table = {
-            "system": system,
+            "system": formulas if system is None else system,
             "method": how | {"time-step": length},
             "run": {"initial": state, "steps": steps},
         }

@@ -1,0 +1,167 @@
+//! A Poisson system whose values functions of Python compute.
+
+use std::fmt;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use leafwise::core::part::{PartInfo, PartKind};
+use leafwise::core::registry::SystemPart;
+use leafwise::core::system::{
+    Derivatives, OpaqueSystem, Parameter, SystemEvaluator, SystemNumbers,
+};
+use leafwise::core::{Origin, PoissonSystem, Registry, StepError};
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+
+use crate::error::LeafwiseError;
+
+/// The id under which a scene names the one system of this kind that it has.
+const NAME: &str = "python/functions";
+
+/// What the system's part declares.
+static INFO: PartInfo = PartInfo {
+    name: NAME,
+    summary: "functions of Python",
+    declares: "Π(x)p, H, ∇H and Casimirs as numbers",
+    domain: "where the functions are defined",
+    ..PartInfo::of(PartKind::System)
+};
+
+/// The functions, and the first exception that one of them has raised. Every run has its own.
+#[derive(Clone)]
+pub(crate) struct Functions {
+    /// `leafwise.System`: what it has, and `_values`, which calls its functions.
+    system: Arc<Py<PyAny>>,
+    raised: Arc<Mutex<Option<PyErr>>>,
+}
+
+impl fmt::Debug for Functions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(NAME)
+    }
+}
+
+impl Functions {
+    pub fn new(system: Arc<Py<PyAny>>) -> Self {
+        let raised = Arc::default();
+        Self { system, raised }
+    }
+
+    /// Adds the system to those that a scene may name.
+    ///
+    /// # Errors
+    /// A system without names.
+    pub fn join(&self, registry: &mut Registry) -> PyResult<()> {
+        let system = Python::attach(|py| {
+            let of = |name: &str| self.system.bind(py).getattr(name);
+            let parameters: Vec<(String, f64)> = of("_parameters")?.extract()?;
+            let parameters = parameters.into_iter();
+            PyResult::Ok(OpaqueSystem {
+                name: NAME.to_owned(),
+                variables: of("variables")?.extract()?,
+                parameters: parameters
+                    .map(|(name, value)| Parameter { name, value })
+                    .collect(),
+                casimirs: of("casimirs")?.extract()?,
+                numbers: Arc::new(self.clone()),
+            })
+        })?;
+        let part = SystemPart::new(&INFO, move |_| Ok(PoissonSystem::from(system.clone())));
+        let origin = Origin::built_in(env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION"));
+        let joined = registry.register(part.into(), origin);
+        joined.map_err(|error| LeafwiseError::new_err(error.to_string()))
+    }
+
+    /// The first exception that a function has raised since the last time.
+    pub fn raised(&self) -> Option<PyErr> {
+        let mut raised = self.raised.lock().unwrap_or_else(PoisonError::into_inner);
+        raised.take()
+    }
+
+    /// Whether one has raised an exception.
+    pub fn has_raised(&self) -> bool {
+        let raised = self.raised.lock().unwrap_or_else(PoisonError::into_inner);
+        raised.is_some()
+    }
+
+    fn keep(&self, error: PyErr) {
+        let mut raised = self.raised.lock().unwrap_or_else(PoisonError::into_inner);
+        raised.get_or_insert(error);
+    }
+}
+
+impl SystemNumbers for Functions {
+    fn derivatives(&self) -> Derivatives {
+        Derivatives::default()
+    }
+
+    fn evaluator(&self, parameters: &[f64]) -> Box<dyn SystemEvaluator> {
+        Box::new(FunctionsEvaluator {
+            functions: self.clone(),
+            parameters: parameters.to_vec(),
+        })
+    }
+}
+
+struct FunctionsEvaluator {
+    functions: Functions,
+    parameters: Vec<f64>,
+}
+
+impl FunctionsEvaluator {
+    /// `_values` of one of the functions, points one after the other.
+    fn values(
+        &self,
+        function: &str,
+        y: &[f64],
+        v: Option<&[f64]>,
+        out: &mut [f64],
+    ) -> Result<(), StepError> {
+        if out.is_empty() {
+            return Ok(());
+        }
+        Python::attach(|py| {
+            let array = |values: &[f64]| PyArray1::from_slice(py, values);
+            let arguments = (
+                function,
+                &self.parameters,
+                out.len(),
+                array(y),
+                v.map(array),
+            );
+            let system = self.functions.system.bind(py);
+            let copied = system
+                .call_method1("_values", arguments)
+                .and_then(|values| {
+                    let values: PyReadonlyArray1<'_, f64> = values.extract()?;
+                    out.copy_from_slice(values.as_slice()?);
+                    Ok(())
+                });
+            copied.map_err(|error| {
+                let message = error.to_string();
+                self.functions.keep(error);
+                StepError::Part {
+                    part: format!("the function `{function}`"),
+                    message,
+                }
+            })
+        })
+    }
+}
+
+impl SystemEvaluator for FunctionsEvaluator {
+    fn tensor(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.values("tensor", y, Some(v), out)
+    }
+
+    fn hamiltonian(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.values("hamiltonian", y, None, out)
+    }
+
+    fn gradient(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.values("gradient", y, None, out)
+    }
+
+    fn casimirs(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.values("casimirs", y, None, out)
+    }
+}
