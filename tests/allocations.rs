@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use allocation_counter::measure;
+use leafwise::core::gradient::{Plan, Trajectory, Way};
 use leafwise::core::part::PartKind;
 use leafwise::core::solver::Observe;
 use leafwise::core::{Integrator, Method, PartParameters, Registry, StepMap};
@@ -141,6 +142,48 @@ fn lattices_and_observers() {
 fn an_allocation_is_counted() {
     let counted = measure(|| drop(std::hint::black_box(vec![1.0])));
     assert_eq!(counted.count_total, 1);
+}
+
+/// Steps back hold as many bytes at once for any number of steps, and checkpoints as many more as there are: 40 for 10³
+/// steps, 68 for 10⁵.
+#[test]
+fn a_gradient_holds_as_much_for_a_hundred_times_the_steps() {
+    let problem = library("rigid-body");
+    let registry = Registry::with_builtin();
+    let method = registry.automatic(&problem.system, 4).expect("a method");
+    let parameters = problem.system.parameter_values();
+    let at = Trajectory {
+        map: &method,
+        parameters: &parameters,
+        epsilon: 1.0,
+        h: problem.time_step,
+        goes_on: &|| true,
+    };
+    for (way, factor) in [(Way::Back, 1.0), (Way::Checkpoints, 68.0 / 40.0)] {
+        let held = |steps: u64| {
+            let plan = Plan {
+                steps,
+                every: steps,
+            };
+            let reached = at.run(&problem.initial, plan).expect("a run");
+            let cotangents = [0.0, 0.0, 0.0, 1.0, 2.0, 3.0];
+            let measured = measure(|| {
+                at.pull(
+                    &problem.initial,
+                    &reached,
+                    &cotangents,
+                    plan,
+                    (true, Some(way)),
+                )
+                .expect("a gradient");
+            });
+            measured.bytes_max as f64
+        };
+        // Kernels are compiled once.
+        held(100_000);
+        let [few, many] = [1_000, 100_000].map(held);
+        assert!(many <= factor * few, "{way:?}: {few} and {many} bytes");
+    }
 }
 
 #[test]

@@ -20,6 +20,7 @@
 //! - [`lattice`]: long lattices in O(N) time and memory a step.
 //! - [`part`], [`part_description`], [`origin`], [`registry`]: parts by name, built in or loaded.
 //! - [`diagnostics`]: realization error, tensor defect, fitted slopes, Jacobi and Casimir checks.
+//! - [`gradient`]: derivatives of trajectories, forwards and backwards.
 //! - [`error`]: typed failures.
 
 pub mod bisection;
@@ -33,6 +34,7 @@ pub mod error;
 pub mod evaluator;
 pub mod generating;
 mod generating_function;
+pub mod gradient;
 pub mod integrator;
 pub mod lattice;
 pub mod method;
@@ -60,6 +62,7 @@ pub use dynamics::{Correction, DynamicApproximation};
 pub use error::{BuildError, StepError};
 pub use evaluator::Evaluator;
 pub use generating::GraphOfDifferential;
+pub use gradient::{ByTangents, Differential};
 pub use integrator::Integrator;
 pub use lattice::LatticeMethod;
 pub use method::{Method, MethodEvaluators};

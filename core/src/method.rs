@@ -1,15 +1,16 @@
 //! Realization and dynamic approximation combined into a step map.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use leafwise_expression::{AlgebraError, Graph, Kernel, StepSize, Term};
 
-use crate::bisection::LagrangianBisection;
+use crate::bisection::{LagrangianBisection, PointCode};
 use crate::code_evaluators::{CodeBisection, CodeRealization, realization_evaluator};
 use crate::dynamics::{Correction, DynamicApproximation};
 use crate::error::BuildError;
 use crate::evaluator::Evaluator;
-use crate::realization::{Accuracy, RealizationData, RealizationEvaluator};
+use crate::gradient::{ByTangents, Differential, Solved, by_parameters};
+use crate::realization::{Accuracy, MapCode, RealizationData, RealizationEvaluator, SourceTarget};
 use crate::solution_series::start_of_solves;
 use crate::solver::{
     Checked, KeptSigns, Lanes, MakeCheck, MapProperties, NewtonKernel, NewtonStepper,
@@ -29,6 +30,8 @@ pub struct Method {
     kept_signs: Vec<usize>,
     /// What no step crosses.
     poles: Option<Arc<Poles>>,
+    /// The derivatives by parameters of both ends, compiled when the first differential is asked for.
+    by_parameters: Arc<OnceLock<Option<Arc<Kernel>>>>,
 }
 
 /// A method's two parts as numbers, for fixed parameters, ε and h.
@@ -96,6 +99,7 @@ impl Method {
                 dynamics,
                 bisection,
                 path,
+                by_parameters: Arc::default(),
             });
         }
         Self::compose_generic(system, realization, dynamics, bisection)
@@ -128,12 +132,7 @@ impl Method {
         };
         let path = match (realization.code(), bisection.code()) {
             (Some(ends), Some(points)) if dynamics.correction() == Correction::Bisection => {
-                let mut graph = Graph::compilable();
-                let y: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
-                let epsilon = graph.step_size(StepSize::Epsilon);
-                let h = graph.step_size(StepSize::H);
-                let z = points(&mut graph, &epsilon, &h, &y)?;
-                let ends = ends(&mut graph, &epsilon, &z)?;
+                let (mut graph, ends) = code_along(d, &ends, &points)?;
                 let kernel = graph.unless_refused(()).map_err(BuildError::from);
                 let kernel =
                     kernel.and_then(|()| NewtonKernel::compile(&mut graph, &ends, parameters));
@@ -190,6 +189,7 @@ impl Method {
             dynamics,
             bisection,
             path,
+            by_parameters: Arc::default(),
         })
     }
 
@@ -252,6 +252,21 @@ impl Method {
         Ok(MethodEvaluators { maps, points })
     }
 
+    /// The gradient by parameters of both ends; `None` where there are none, and where a formula has no derivative.
+    fn slopes_by_parameters(&self, parameters: usize) -> Option<Arc<Kernel>> {
+        if parameters == 0 {
+            return None;
+        }
+        let compile = || -> Option<Arc<Kernel>> {
+            let (ends, points) = (self.realization.code()?, self.bisection.code()?);
+            let (mut graph, ends) = code_along(self.dimension(), &ends, &points).ok()?;
+            by_parameters(&mut graph, &ends, parameters)
+                .ok()
+                .map(Arc::new)
+        };
+        self.by_parameters.get_or_init(compile).clone()
+    }
+
     /// How a step is computed, for reports: `one kernel`, `fused` or `evaluators`.
     pub fn path(&self) -> String {
         format!("{:?}", self.path)
@@ -261,6 +276,21 @@ impl Method {
     pub fn declared_order(&self) -> usize {
         self.properties().order
     }
+}
+
+/// y ↦ β̂(L(y)), (α̂ − β̂)(L(y)) as code.
+fn code_along(
+    d: usize,
+    ends: &MapCode<'_>,
+    points: &PointCode<'_>,
+) -> Result<(Graph, SourceTarget), BuildError> {
+    let mut graph = Graph::compilable();
+    let y: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
+    let epsilon = graph.step_size(StepSize::Epsilon);
+    let h = graph.step_size(StepSize::H);
+    let z = points(&mut graph, &epsilon, &h, &y)?;
+    let ends = ends(&mut graph, &epsilon, &z)?;
+    Ok((graph, ends))
 }
 
 /// The coordinates whose sign a map with these properties keeps.
@@ -377,5 +407,20 @@ impl StepMap for Method {
             None => stepper,
             Some(poles) => Checked::boxed(stepper, Arc::clone(poles).make(lanes, parameters)),
         }
+    }
+
+    fn differential(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Differential> {
+        let stepper = self.stepper(1, parameters, epsilon, h);
+        let Path::Code(newton) = &self.path else {
+            return Box::new(ByTangents::new(stepper, self.dimension()));
+        };
+        let by_parameters = self.slopes_by_parameters(parameters.len());
+        Box::new(Solved::new(
+            stepper,
+            newton,
+            by_parameters,
+            parameters,
+            (epsilon, h),
+        ))
     }
 }

@@ -31,5 +31,6 @@ examples! {
     realization "../examples/05_realization.rs",
     comparison "../examples/06_comparison.rs",
     checks "../examples/07_checks.rs",
-    resuming "../examples/08_resuming.rs"
+    resuming "../examples/08_resuming.rs",
+    gradient "../examples/09_gradient.rs"
 }

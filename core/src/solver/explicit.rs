@@ -6,6 +6,7 @@ use leafwise_expression::{Graph, Kernel, OperationCount, Term, Workspace};
 
 use super::{MapProperties, SolverStatistics, StepCheck, StepMap, Stepper, add};
 use crate::error::{BuildError, StepError};
+use crate::gradient::{ByTangents, Differential, Explicit, in_reverse};
 
 /// x ↦ x + f_{ε,h}(x), f given by code.
 #[derive(Clone, Debug)]
@@ -23,6 +24,8 @@ struct Shared {
     step: Kernel,
     /// Df, compiled when the first tangent is asked for.
     tangent: OnceLock<Option<Kernel>>,
+    /// The gradient of w·f, compiled when the first differential is asked for.
+    reverse: OnceLock<Option<Arc<Kernel>>>,
 }
 
 impl ExplicitMap {
@@ -36,6 +39,7 @@ impl ExplicitMap {
                 increment,
                 parameters,
                 tangent: OnceLock::new(),
+                reverse: OnceLock::new(),
             }),
             evaluations: 1,
         }
@@ -93,6 +97,36 @@ impl ExplicitMap {
     }
 }
 
+impl ExplicitMap {
+    /// One trajectory's steps with their derivatives; a self-adjoint map's are inverted by the opposite step.
+    pub fn differential(
+        &self,
+        parameters: &[f64],
+        (epsilon, h): (f64, f64),
+        is_self_adjoint: bool,
+    ) -> Box<dyn Differential> {
+        let stepper = self.stepper(1, parameters, epsilon, h);
+        let Shared {
+            graph, increment, ..
+        } = self.shared.as_ref();
+        let compile = || {
+            in_reverse(graph, increment, self.shared.parameters)
+                .ok()
+                .map(Arc::new)
+        };
+        match self.shared.reverse.get_or_init(compile) {
+            None => Box::new(ByTangents::new(stepper, self.dimension())),
+            Some(kernel) => Box::new(Explicit::new(
+                stepper,
+                Arc::clone(kernel),
+                parameters,
+                (epsilon, h),
+                is_self_adjoint,
+            )),
+        }
+    }
+}
+
 /// An explicit map as a [`StepMap`].
 #[derive(Clone, Debug)]
 pub struct CodeStepMap {
@@ -131,6 +165,12 @@ impl StepMap for CodeStepMap {
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
         self.map.stepper(lanes, parameters, epsilon, h)
+    }
+
+    fn differential(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Differential> {
+        let is_self_adjoint = self.properties.self_adjoint == Some(true);
+        self.map
+            .differential(parameters, (epsilon, h), is_self_adjoint)
     }
 }
 

@@ -46,6 +46,7 @@ use leafwise_expression::kernel::apart;
 
 use crate::compensation::two_sum;
 use crate::error::{BuildError, StepError};
+use crate::gradient::{ByTangents, Differential};
 
 /// DΦ = 1 + D((α̂ − β̂)∘L)·D(β̂∘L)⁻¹ from the two tangents at the solution, all row-major d × d.
 pub(crate) fn tangent_of_map(target: &[f64], change: &[f64], d: usize) -> Option<Vec<f64>> {
@@ -71,6 +72,11 @@ pub trait StepMap: Send + Sync {
     /// A stepper of `lanes` trajectories at once with these parameters (a structure of
     /// arrays over the lanes) and step sizes.
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper>;
+    /// One trajectory's steps with their derivatives by the state, and by the parameters where that is known.
+    fn differential(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Differential> {
+        let stepper = self.stepper(1, parameters, epsilon, h);
+        Box::new(ByTangents::new(stepper, self.dimension()))
+    }
     /// χ and χ* where Φ_h = χ*_{h/2} ∘ χ_{h/2}: a map of order 1 and its adjoint, χ*_h = χ_{−h}⁻¹.
     fn factors(&self) -> Option<[Arc<dyn StepMap>; 2]> {
         None
@@ -91,18 +97,11 @@ pub trait StepMap: Send + Sync {
             reason: "its pieces are not known as formulas".to_owned(),
         })
     }
-    /// A stepper of … ∘ χ*_{α_4 h} ∘ χ_{α_3 h} ∘ χ*_{α_2 h} ∘ χ_{α_1 h} over the [`factors`](Self::factors), where
+    /// … ∘ χ*_{α_4 h} ∘ χ_{α_3 h} ∘ χ*_{α_2 h} ∘ χ_{α_1 h} over the [`factors`](Self::factors), where
     /// that takes less than one factor after the other; Φ_{γ_s h} ∘ … ∘ Φ_{γ_1 h} has
     /// α_{2i−1} = α_{2i} = γ_i/2. Two factors count as an evaluation.
-    fn product_stepper(
-        &self,
-        parts: &[f64],
-        lanes: usize,
-        parameters: &[f64],
-        epsilon: f64,
-        h: f64,
-    ) -> Option<Box<dyn Stepper>> {
-        let _ = (parts, lanes, parameters, epsilon, h);
+    fn product(&self, parts: &[f64]) -> Option<Arc<dyn StepMap>> {
+        let _ = parts;
         None
     }
 }
@@ -179,7 +178,7 @@ const FEW: usize = 16;
 
 /// x ← x + Δ, what rounding takes from the sum in `low`; an x + Δ that overflows is refused, and x is as it was.
 #[inline(always)]
-fn add(x: &mut [f64], low: &mut [f64], increment: &[f64]) -> Result<(), StepError> {
+pub(crate) fn add(x: &mut [f64], low: &mut [f64], increment: &[f64]) -> Result<(), StepError> {
     if x.len() <= FEW {
         add_between(x, low, increment, apart::<1>)
     } else {

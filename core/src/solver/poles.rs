@@ -12,6 +12,7 @@ use super::checked::{Checked, MakeCheck, StepCheck};
 use super::crossing::{Crossing, looks};
 use super::{MapProperties, StepMap, Stepper};
 use crate::error::{BuildError, StepError};
+use crate::gradient::Differential;
 use crate::system::PoissonSystem;
 
 /// Longest text of a denominator in a message.
@@ -204,5 +205,9 @@ impl StepMap for WithoutPoles {
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
         let stepper = self.map.stepper(lanes, parameters, epsilon, h);
         Checked::boxed(stepper, Arc::clone(&self.poles).make(lanes, parameters))
+    }
+
+    fn differential(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Differential> {
+        self.map.differential(parameters, epsilon, h)
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::solver::{MapProperties, SolverStatistics, StepMap, Stepper};
-use leafwise_core::{BuildError, Pieces, StepError, two_sum};
+use leafwise_core::{BuildError, Differential, Pieces, StepError, two_sum};
 use leafwise_expression::Kernel;
 
 use crate::scheme::Scheme;
@@ -52,6 +52,17 @@ impl Composed {
     pub fn scheme(&self) -> Scheme {
         self.scheme
     }
+
+    /// What is applied one after the other, each over its part of the step.
+    fn stages(&self) -> Vec<(Arc<dyn StepMap>, f64)> {
+        let factors = self.base.factors().filter(|_| self.scheme.takes_factors());
+        let coefficients = self.scheme.coefficients().into_iter().enumerate();
+        let stage = |(at, part)| match &factors {
+            None => (Arc::clone(&self.base), part),
+            Some(factors) => (Arc::clone(&factors[at % 2]), part),
+        };
+        coefficients.map(stage).collect()
+    }
 }
 
 impl StepMap for Composed {
@@ -79,26 +90,15 @@ impl StepMap for Composed {
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
-        let product =
-            self.base
-                .product_stepper(&self.scheme.parts(), lanes, parameters, epsilon, h);
-        if let Some(product) = product {
-            return product;
+        if let Some(product) = self.base.product(&self.scheme.parts()) {
+            return product.stepper(lanes, parameters, epsilon, h);
         }
-        let coefficients = self.scheme.coefficients();
         let size = self.dimension() * lanes;
-        let factors = self.base.factors().filter(|_| self.scheme.takes_factors());
-        let stage = |(at, part): (usize, f64)| -> Box<dyn Stepper> {
-            let map = match &factors {
-                None => &self.base,
-                Some(factors) => &factors[at % 2],
-            };
-            map.stepper(lanes, parameters, epsilon, part * h)
-        };
-        let parts = coefficients.clone();
+        let stages = self.stages().into_iter();
+        let stages = stages.map(|(map, part)| map.stepper(lanes, parameters, epsilon, part * h));
         Box::new(ComposedStepper {
-            parts,
-            stages: coefficients.into_iter().enumerate().map(stage).collect(),
+            parts: self.scheme.coefficients(),
+            stages: stages.collect(),
             state: Compensated::new(size),
             sum: Compensated::new(size),
             increment: vec![0.0; size],
@@ -107,6 +107,70 @@ impl StepMap for Composed {
             steps: 0,
             failures: 0,
         })
+    }
+
+    fn differential(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Differential> {
+        if let Some(product) = self.base.product(&self.scheme.parts()) {
+            return product.differential(parameters, epsilon, h);
+        }
+        let size = self.dimension();
+        let stages = self.stages().into_iter();
+        let stages = stages.map(|(map, part)| map.differential(parameters, epsilon, part * h));
+        Box::new(ComposedDifferential {
+            stages: stages.collect(),
+            state: Compensated::new(size),
+            sum: Compensated::new(size),
+        })
+    }
+}
+
+/// The differential of a product, stage by stage.
+struct ComposedDifferential {
+    stages: Vec<Box<dyn Differential>>,
+    state: Compensated,
+    sum: Compensated,
+}
+
+impl Differential for ComposedDifferential {
+    fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64]) -> Result<(), StepError> {
+        self.state.set(x, low);
+        self.sum.clear();
+        for stage in &mut self.stages {
+            stage.step(&self.state.high, &self.state.low, increment)?;
+            self.state.add(increment);
+            self.sum.add(increment);
+        }
+        for (at, increment) in increment.iter_mut().enumerate() {
+            *increment = self.sum.high[at] + self.sum.low[at];
+        }
+        Ok(())
+    }
+
+    fn push(&mut self, tangents: &mut [f64], parameters: &[f64]) -> Result<(), StepError> {
+        let mut stages = self.stages.iter_mut();
+        stages.try_for_each(|stage| stage.push(tangents, parameters))
+    }
+
+    fn pull(&mut self, covector: &mut [f64], gradient: &mut [f64]) -> Result<(), StepError> {
+        let mut stages = self.stages.iter_mut().rev();
+        stages.try_for_each(|stage| stage.pull(covector, gradient))
+    }
+
+    fn pull_inverse(
+        &mut self,
+        covector: &mut [f64],
+        gradient: &mut [f64],
+    ) -> Result<(), StepError> {
+        let mut stages = self.stages.iter_mut();
+        stages.try_for_each(|stage| stage.pull_inverse(covector, gradient))
+    }
+
+    fn knows_parameters(&self) -> bool {
+        self.stages.iter().all(|stage| stage.knows_parameters())
+    }
+
+    fn operations(&self) -> Option<u64> {
+        self.stages.iter().map(|stage| stage.operations()).sum()
     }
 }
 

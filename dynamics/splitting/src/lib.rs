@@ -18,7 +18,7 @@
 //! - [`schedule`]: which flows a step takes.
 //! - `arrangement`: the order in which the flows follow each other.
 //! - [`splitting`]: Strang's product as a step map.
-//! - `factor`: its factors χ and χ*, the flows' product in one order and its adjoint.
+//! - `product`: its factors χ and χ*, the flows' product in one order and its adjoint, and products of both.
 //! - [`lattice`]: the same on long lattices, by sweeps.
 //! - `tensor`: fields of Hamiltonians in exact algebra.
 //! - `rates`, `display`: rates that are multiples of one, elements of the ring as text.
@@ -28,13 +28,13 @@ mod body;
 pub mod code;
 mod display;
 pub mod entire;
-mod factor;
 pub mod field;
 pub mod flow;
 pub mod lattice;
 pub mod piece;
 pub mod pieces;
 pub mod probe;
+mod product;
 mod rates;
 mod rounding;
 pub mod schedule;

@@ -8,16 +8,16 @@ use leafwise_core::part::{
 };
 use leafwise_core::registry::StepperPart;
 use leafwise_core::solver::{ExplicitMap, MapProperties, Pieces, StepMap, Stepper, Structure};
-use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
+use leafwise_core::{BuildError, Differential, PoissonSystem, SystemFormulas};
 use leafwise_expression::{Arithmetic, Graph, Kernel, OperationCount, Ring, StepSize, Term};
 
 use crate::arrangement::{AUTO, ORDER, asked_order, named_order};
 use crate::code::product_increment;
 use crate::display::Names;
-use crate::factor::{Factor, Splits, evaluations};
 use crate::lattice::LatticeSplitting;
 use crate::piece::{NAME, Piece};
 use crate::pieces::{Bodies, find_pieces};
+use crate::product::{Product, Splits, evaluations, is_symmetric};
 use crate::rounding::settled;
 use crate::schedule::{STRANG, passes};
 
@@ -164,7 +164,7 @@ impl Splitting {
     }
 
     /// χ and χ* over `parts` of the time, in turn, as one kernel.
-    fn product(&self, parts: &[f64]) -> ExplicitMap {
+    fn kernel_of(&self, parts: &[f64]) -> ExplicitMap {
         let Shared {
             system,
             ring,
@@ -259,7 +259,7 @@ impl StepMap for Splitting {
     }
 
     fn factors(&self) -> Option<[Arc<dyn StepMap>; 2]> {
-        Some(Factor::both(self))
+        Some(Product::factors(self))
     }
 
     fn pieces(&self) -> usize {
@@ -277,19 +277,17 @@ impl StepMap for Splitting {
         Ok(Arc::new(Self::of_pieces(system, ring, pieces, &order)?))
     }
 
+    fn differential(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Differential> {
+        let step = &self.shared.step;
+        step.differential(parameters, (epsilon, h), true)
+    }
+
     /// The product as one kernel. The state between flows is plain doubles; the flows' increments add
     /// up apart from it, so that the step's increment rounds in proportion to itself.
-    fn product_stepper(
-        &self,
-        parts: &[f64],
-        lanes: usize,
-        parameters: &[f64],
-        epsilon: f64,
-        h: f64,
-    ) -> Option<Box<dyn Stepper>> {
+    fn product(&self, parts: &[f64]) -> Option<Arc<dyn StepMap>> {
         let operations = self.shared.step.operations().total() as u64 * evaluations(parts);
         (operations <= LARGEST_PRODUCT)
-            .then(|| self.passes_stepper(parts, lanes, parameters, epsilon, h))
+            .then(|| -> Arc<dyn StepMap> { Arc::new(Product::new(self, parts)) })
     }
 }
 
@@ -302,7 +300,19 @@ impl Splits for Splitting {
         epsilon: f64,
         h: f64,
     ) -> Box<dyn Stepper> {
-        self.product(parts).stepper(lanes, parameters, epsilon, h)
+        self.kernel_of(parts).stepper(lanes, parameters, epsilon, h)
+    }
+
+    fn passes_differential(
+        &self,
+        parts: &[f64],
+        parameters: &[f64],
+        epsilon: f64,
+        h: f64,
+    ) -> Box<dyn Differential> {
+        let is_self_adjoint = is_symmetric(parts);
+        self.kernel_of(parts)
+            .differential(parameters, (epsilon, h), is_self_adjoint)
     }
 }
 

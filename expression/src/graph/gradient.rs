@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::node::{Graph, Node, Operation, Term, Tier};
 use crate::arithmetic::{AlgebraError, Arithmetic};
+use crate::expression::Function;
 use crate::rational::Rational;
 
 impl Graph {
@@ -13,36 +14,60 @@ impl Graph {
     /// # Errors
     /// [`AlgebraError`] when the derivative of a function does not exist.
     pub fn gradient(&mut self, term: &Term, inputs: usize) -> Result<Vec<Term>, AlgebraError> {
-        let mut gradient = vec![self.zero(); inputs];
+        let [gradient, _] = self.gradients(term, [inputs, 0])?;
+        Ok(gradient)
+    }
+
+    /// The same and ∂(term)/∂(parameter) for so many `[inputs, parameters]`, by one sweep: through the coefficients to
+    /// the parameters that they are made of.
+    ///
+    /// # Errors
+    /// As [`gradient`](Self::gradient).
+    pub fn gradients(
+        &mut self,
+        term: &Term,
+        [inputs, parameters]: [usize; 2],
+    ) -> Result<[Vec<Term>; 2], AlgebraError> {
+        let mut gradients = [inputs, parameters].map(|count| vec![self.zero(); count]);
+        let lowest = if parameters == 0 {
+            Tier::Step
+        } else {
+            Tier::Coefficient
+        };
         // Operands come before their uses: the largest node left has all its contributions.
         let mut adjoints: BTreeMap<Node, Vec<(Rational, Term)>> = BTreeMap::new();
         let one = self.one();
         adjoints.insert(term.node, vec![(term.scale.clone(), one)]);
         while let Some((node, contributions)) = adjoints.pop_last() {
-            if self.tier(node) != Tier::Step {
+            if self.tier(node) < lowest {
                 continue;
             }
             let adjoint = self.combine(&contributions);
             if self.is_zero(&adjoint) {
                 continue;
             }
-            if let Operation::Input(index) = *self.operation(node) {
-                if let Some(component) = gradient.get_mut(index as usize) {
+            let component = match *self.operation(node) {
+                Operation::Input(index) => Some((0, index)),
+                Operation::Parameter(index) => Some((1, index)),
+                _ => None,
+            };
+            if let Some((kind, index)) = component {
+                if let Some(component) = gradients[kind].get_mut(index as usize) {
                     *component = adjoint;
                 }
                 continue;
             }
-            for (operand, partial) in self.partials(node)? {
+            for (operand, partial) in self.partials(node, lowest)? {
                 let part = self.multiply(&partial, &adjoint);
                 let entry = adjoints.entry(operand).or_default();
                 entry.push((Rational::one(), part));
             }
         }
-        Ok(gradient)
+        Ok(gradients)
     }
 
-    /// ∂(node)/∂(operand) for each of its operands of the step tier.
-    fn partials(&mut self, node: Node) -> Result<Vec<(Node, Term)>, AlgebraError> {
+    /// ∂(node)/∂(operand) for each of its operands from the tier `lowest` on.
+    fn partials(&mut self, node: Node, lowest: Tier) -> Result<Vec<(Node, Term)>, AlgebraError> {
         let partials = match self.operation(node).clone() {
             Operation::Sum(terms) => {
                 let scaled = |(scale, inner): &(Rational, Node)| (*inner, self.constant(scale));
@@ -50,6 +75,12 @@ impl Graph {
             }
             Operation::Scale(scale, inner) => vec![(inner, self.constant(&scale))],
             Operation::Product(a, b) => vec![(a, Term::of(b)), (b, Term::of(a))],
+            Operation::Power(a, exponent) if self.tier(exponent) >= lowest => {
+                // ∂(a^b)/∂b = a^b ln a.
+                let logarithm = self.apply(Function::Ln, &Term::of(a))?;
+                let of_exponent = self.multiply(&Term::of(node), &logarithm);
+                vec![(a, self.outer_derivative(node)?), (exponent, of_exponent)]
+            }
             Operation::Reciprocal(a)
             | Operation::Function(_, a)
             | Operation::Analytic(_, _, a)
@@ -60,8 +91,8 @@ impl Graph {
             | Operation::StepSize(_)
             | Operation::Input(_) => Vec::new(),
         };
-        let of_state = |(operand, _): &(Node, Term)| self.tier(*operand) == Tier::Step;
-        Ok(partials.into_iter().filter(of_state).collect())
+        let varies = |(operand, _): &(Node, Term)| self.tier(*operand) >= lowest;
+        Ok(partials.into_iter().filter(varies).collect())
     }
 }
 
@@ -70,7 +101,6 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::expression::Function;
     use crate::kernel::Kernel;
 
     const INPUTS: usize = 3;
@@ -145,5 +175,54 @@ mod tests {
         let gradient = graph.gradient(&cube, 2).expect("derivatives exist");
         assert!(graph.is_zero(&gradient[unused]));
         assert_eq!(gradient[0], graph.derivative(&cube, 0).expect("it exists"));
+    }
+
+    /// A parameter is an input that changes less often: the same code with inputs in the place of parameters has the same
+    /// slopes, through coefficients, powers of coefficients and exponents.
+    #[test]
+    fn parameters_have_the_slopes_of_inputs_in_their_place() {
+        let code = |graph: &mut Graph, at: [Term; 4]| -> Term {
+            let [x, y, a, b] = at;
+            let sum = graph.add(&a, &b);
+            let root = graph.apply(Function::Sqrt, &sum).expect("a root");
+            let inverse = graph.divide(&root, &a).expect("a quotient");
+            let square = graph.multiply(&x, &x);
+            let one = graph.one();
+            let base = graph.add(&one, &square);
+            // An exponent that changes with the state is one of exp.
+            let power = match graph.tier(b.node) {
+                Tier::Step => {
+                    let logarithm = graph.apply(Function::Ln, &base).expect("a logarithm");
+                    let exponent = graph.multiply(&b, &logarithm);
+                    graph.apply(Function::Exp, &exponent).expect("a power")
+                }
+                _ => graph.power(&base, &b).expect("a power"),
+            };
+            let sine = graph.apply(Function::Sin, &inverse).expect("a sine");
+            let product = graph.multiply(&power, &sine);
+            let other = graph.multiply(&inverse, &y);
+            graph.combine(&[(Rational::new(3, 7), product), (Rational::one(), other)])
+        };
+        let mut graph = Graph::new();
+        let inputs: [Term; 4] = std::array::from_fn(|i| graph.input(i));
+        let of_inputs = code(&mut graph, inputs.clone());
+        let expected = graph.gradient(&of_inputs, 4).expect("derivatives exist");
+        let [x, y, ..] = inputs;
+        let (a, b) = (graph.parameter(0), graph.parameter(1));
+        let of_parameters = code(&mut graph, [x, y, a, b]);
+        let found = graph.gradients(&of_parameters, [2, 2]).expect("they exist");
+        let outputs = [found.concat(), expected].concat();
+        let kernel = Kernel::compile(&graph, &outputs, 2, 4);
+        let mut workspace = kernel.workspace(1);
+        kernel.prepare(&mut workspace, &[0.7, 1.3], &[1.0], &[1.0]);
+        let mut values = [0.0; 8];
+        kernel.evaluate(&mut workspace, &[-0.4, 2.1, 0.7, 1.3], &mut values);
+        let (found, expected) = values.split_at(4);
+        for (a, b) in found.iter().zip(expected) {
+            assert!(
+                (a - b).abs() <= 16.0 * f64::EPSILON * b.abs(),
+                "{found:?} {expected:?}"
+            );
+        }
     }
 }

@@ -13,8 +13,8 @@ use leafwise_expression::{Arithmetic, Ring, StepSize};
 use super::sweeps::{Shared, Sweeps};
 use super::units::find_repeating_pieces;
 use crate::code::flow_increment;
-use crate::factor::{Factor, Splits};
 use crate::piece::{NAME, Piece};
+use crate::product::{Product, Splits};
 use crate::rounding::settled;
 use crate::schedule::{Flow, STRANG, passes};
 
@@ -203,22 +203,15 @@ impl StepMap for LatticeSplitting {
     }
 
     fn factors(&self) -> Option<[Arc<dyn StepMap>; 2]> {
-        Some(Factor::both(self))
+        Some(Product::factors(self))
     }
 
     fn pieces(&self) -> usize {
         self.pieces()
     }
 
-    fn product_stepper(
-        &self,
-        parts: &[f64],
-        lanes: usize,
-        parameters: &[f64],
-        epsilon: f64,
-        h: f64,
-    ) -> Option<Box<dyn Stepper>> {
-        Some(self.passes_stepper(parts, lanes, parameters, epsilon, h))
+    fn product(&self, parts: &[f64]) -> Option<Arc<dyn StepMap>> {
+        Some(Arc::new(Product::new(self, parts)))
     }
 }
 

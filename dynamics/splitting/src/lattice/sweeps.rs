@@ -6,7 +6,7 @@ use leafwise_core::lattice::{Cells, Field, Fields, LatticeProgram, Prepared};
 use leafwise_core::solver::{SolverStatistics, Stepper};
 use leafwise_core::{PoissonSystem, StepError};
 
-use crate::factor::evaluations;
+use crate::product::evaluations;
 use crate::schedule::{Flow, passes};
 
 /// A splitting as its steps need it.
