@@ -5,6 +5,7 @@
 //! - [`ensemble`]: what an ensemble leaves, as arrays;
 //! - [`functions`]: a system whose values functions of Python compute;
 //! - [`integrator`]: one trajectory, step by step;
+//! - [`gradient`]: trajectories with their derivatives;
 //! - [`command`]: the program, in this process;
 //! - [`text`]: tables of Python as text of a scene;
 //! - [`error`]: the program's failures as exceptions.
@@ -13,6 +14,7 @@ mod command;
 mod ensemble;
 mod error;
 mod functions;
+mod gradient;
 mod integrator;
 mod recorded;
 mod scene;
@@ -27,6 +29,8 @@ mod _leafwise {
     use super::ensemble::Ensemble;
     #[pymodule_export]
     use super::error::{IntegrationError, LeafwiseError, SceneError};
+    #[pymodule_export]
+    use super::gradient::{Growth, Map};
     #[pymodule_export]
     use super::integrator::Integrator;
     #[pymodule_export]

@@ -20,8 +20,9 @@ use pyo3::prelude::*;
 
 use crate::command::with_plugins;
 use crate::ensemble::{Ensemble, Left};
-use crate::error::{exception, of_scene};
+use crate::error::{LeafwiseError, exception, of_scene};
 use crate::functions::Functions;
+use crate::gradient::Map;
 use crate::integrator::Integrator;
 use crate::recorded::Recorded;
 
@@ -279,6 +280,16 @@ impl Scene {
             let integrator = read.composed()?.integrator();
             Ok(Integrator::new(integrator, read.functions))
         })
+    }
+
+    /// The method, to be stepped and differentiated from any state with any parameters.
+    fn map(&self, py: Python<'_>) -> PyResult<Map> {
+        if self.system.is_some() {
+            return Err(LeafwiseError::new_err(
+                "a system of Python functions has no derivatives of steps: write it as formulas",
+            ));
+        }
+        Map::new(py.detach(|| self.with(&Vec::new())?.composed())?)
     }
 }
 

@@ -44,7 +44,7 @@ impl fmt::Display for Growth {
         let (factor, time) = (self.logarithm / std::f64::consts::LN_10, self.time);
         write!(
             f,
-            "derivatives grew by 10^{factor:.1} over t = {time}, as e^({:.3} t): ",
+            "derivatives grew by 10^{factor:.1} over t = {time}, as e^({:.1e} t): ",
             self.rate()
         )?;
         match self.digits() {
@@ -86,7 +86,7 @@ mod tests {
         let all = [10.0, 30.0, 50.0].map(|logarithm| growth(logarithm).to_string());
         assert_eq!(
             all[0],
-            "derivatives grew by 10^4.3 over t = 100, as e^(0.100 t): about 12 digits of them are right"
+            "derivatives grew by 10^4.3 over t = 100, as e^(1.0e-1 t): about 12 digits of them are right"
         );
         assert!(all[1].ends_with("about 3 digits of them are right; take a shorter run"));
         assert!(all[2].contains("no digit of them is right"));

@@ -14,14 +14,19 @@ Units are those of the scene. States have the shape (d,), recorded ones (samples
 from ._commands import command, describe, list_parts as list, load_plugin
 from ._ensemble import Ensemble
 from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning, SceneError
+from ._fit import Fit
 from ._functions import System
-from ._leafwise import Integrator
+from ._gradient import Gradient, Tangents, Trajectory
+from ._leafwise import Growth, Integrator
 from ._run import Run
 from ._scene import Scene
 from ._solve import Solution, solve
 
 __all__ = [
     "Ensemble",
+    "Fit",
+    "Gradient",
+    "Growth",
     "Integrator",
     "IntegrationError",
     "LeafwiseError",
@@ -31,6 +36,8 @@ __all__ = [
     "SceneError",
     "Solution",
     "System",
+    "Tangents",
+    "Trajectory",
     "command",
     "describe",
     "list",

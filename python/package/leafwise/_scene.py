@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,9 @@ from ._arrays import reals
 from ._commands import command
 from ._ensemble import Ensemble
 from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning
+from ._fit import Fit, fit
 from ._functions import System
+from ._gradient import Trajectory
 from ._leafwise import Integrator, text_of
 from ._progress import shown
 from ._run import Run
@@ -215,6 +217,50 @@ class Scene:
     def integrator(self) -> Integrator:
         """The method's steps from the initial state, for a loop of one's own."""
         return self._scene.integrator()
+
+    def trajectory(
+        self, parameters: Sequence[str] | None = None, *, steps: int | None = None, record: int | None = None
+    ) -> Trajectory:
+        """The samples as a differentiable function of the initial state and these parameters, all where none are named."""
+        return Trajectory(self, parameters, steps=steps, record=record)
+
+    def fit(
+        self,
+        data: ArrayLike,
+        parameters: Sequence[str],
+        *,
+        sigma: ArrayLike | None = None,
+        observed: Sequence[str] | None = None,
+        record: int | None = None,
+        initial: bool = False,
+        iterations: int = 50,
+    ) -> Fit:
+        """Parameters from noisy observations, by Gauss and Newton's method with exact derivatives.
+
+        Args:
+            data: the observations, shape (n, m): a row for each sample, the first at t = 0; NaN where nothing was observed.
+            parameters: the parameters to find, from the scene's own values on.
+            sigma: the standard deviation of the noise: a number, or shape (m,) or (n, m). Where it is not given it is
+                taken from the residuals, the same for all data.
+            observed: the coordinates that the columns are of; all where none are named.
+            record: every how many steps there is an observation; the scene's own where not given.
+            initial: find the initial state too, from the scene's own on.
+            iterations: at most so many.
+
+        Raises:
+            LeafwiseError: the data do not determine what is to be found, or the method's derivatives are not known.
+            IntegrationError: a step could not be taken at the scene's own values.
+        """
+        return fit(
+            self,
+            data,
+            parameters,
+            sigma=sigma,
+            observed=observed,
+            record=record,
+            initial=initial,
+            iterations=iterations,
+        )
 
     def command(self, name: str, *arguments: str, accept: tuple[int, ...] = (0,)) -> Any:
         """The object of a command on this scene: ``scene.command("evaluate", "--at", ...)``. Commands know no functions of Python."""

@@ -1,0 +1,264 @@
+"""Parameters from noisy observations."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Sequence
+from copy import copy
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ._arrays import Array, reals
+from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning
+from ._gradient import Trajectory
+
+if TYPE_CHECKING:
+    from ._scene import Scene
+
+#: A correction smaller than this part of the uncertainties ends the iteration.
+_SMALL = 1e-3
+#: The same for parts of the data.
+_NEAR = 1.0
+#: First the first eighth of the data is fitted, then the first quarter, …: over a short time phases turn by little, and the sum of
+#: squares has one minimum.
+_PARTS = (8, 4, 2)
+#: Standard deviations of the sum of squares that noise does not make.
+_UNLIKELY = 10
+#: A correction smaller than this part of the values ends it too, where there is no noise.
+_ROUNDING = 1e-13
+#: How often a correction is halved that makes the sum of squares no smaller.
+_HALVINGS = 30
+#: Columns of the Jacobian are told apart down to this part of the largest singular value.
+_RANK = 1e-9
+
+
+@dataclass(frozen=True)
+class Fit:
+    """What a fit found: the least sum of squares, with what the noise leaves open."""
+
+    scene: Scene
+    """The scene with the values found."""
+    names: list[str]
+    """What was fitted: parameters, then initial coordinates as ``q(0)`` where they were asked for."""
+    values: dict[str, float]
+    """The values found, by name."""
+    errors: dict[str, float]
+    """Their standard deviations, by name."""
+    covariance: Array
+    """Their covariance, in the order of ``names``: shape (k, k)."""
+    residuals: Array
+    """(data - model)/sigma: shape (n, m); 0 where the data is NaN."""
+    chi2: float
+    """The sum of their squares: about ``freedom`` where sigma is right."""
+    freedom: int
+    """Data less values fitted."""
+    iterations: int
+    """Linear problems solved."""
+    is_converged: bool
+    """Whether the last correction was a small part of the uncertainties."""
+
+    def __repr__(self) -> str:
+        found = ", ".join(f"{name} = {self.values[name]:.6g} ± {self.errors[name]:.1g}" for name in self.names)
+        return f"<leafwise.Fit {found}; chi2 {self.chi2:.4g} of {self.freedom}, {self.iterations} iterations>"
+
+
+def fit(
+    scene: Scene,
+    data: ArrayLike,
+    parameters: Sequence[str],
+    *,
+    sigma: ArrayLike | None,
+    observed: Sequence[str] | None,
+    record: int | None,
+    initial: bool,
+    iterations: int,
+) -> Fit:
+    """See :meth:`Scene.fit`."""
+    columns = _columns(scene, observed)
+    given = np.asarray(data)
+    if given.dtype.kind not in "iuf" or given.ndim != 2 or given.shape[1] != len(columns) or len(given) < 2:
+        raise ValueError(
+            f"data has the shape {given.shape} of {given.dtype}, not (n, {len(columns)}) with a row for each of "
+            f"n > 1 samples, the first at t = 0"
+        )
+    given = given.astype(np.float64)
+    is_there = ~np.isnan(given)
+    if np.isinf(given).any():
+        raise ValueError("data is infinite somewhere; write NaN for what was not observed")
+    weight = _weight(sigma, given.shape) * is_there
+    every = Trajectory(scene, parameters, record=record).record
+    model = Trajectory(scene, parameters, record=every, steps=every * (len(given) - 1))
+    names = [*model.parameters, *(f"{name}(0)" for name in scene.variables if initial)]
+    if not names:
+        raise ValueError("nothing to fit: name parameters, or ask for initial=True")
+    count, freedom = len(model.parameters), int(is_there.sum()) - len(names)
+    if freedom < 0:
+        raise ValueError(f"{int(is_there.sum())} numbers do not determine {len(names)} values")
+
+    whole = _Problem(model, np.where(is_there, given, 0.0), weight, columns, initial)
+    at = np.concatenate([model.values, model.x0 if initial else []])
+    made = 0
+    for part in _PARTS:
+        first = whole.first(-(-len(given) // part))
+        if first.numbers <= len(names):
+            continue
+        try:
+            near = _descend(first, at, _NEAR, iterations - made, names)
+        except LeafwiseError:
+            # So few of the data do not determine all of it.
+            continue
+        at, made = near.at, made + near.iterations
+    found = _descend(whole, at, _SMALL, iterations - made, names)
+    at, made = found.at, made + found.iterations
+    scale = 1.0 if sigma is not None else found.chi2 / max(freedom, 1)
+    if not found.is_converged:
+        message = f"no fit after {made} iterations: the last correction was {found.size:.1e} standard deviations"
+        warnings.warn(f"{message}; begin nearer, or with fewer samples", LeafwiseWarning, stacklevel=3)
+    elif sigma is not None and found.chi2 > freedom + _UNLIKELY * (2 * max(freedom, 1)) ** 0.5:
+        message = f"the sum of squares is {found.chi2:.3g}, where noise of sigma makes {freedom}: another minimum, another model"
+        warnings.warn(f"{message}, or a sigma that is too small; begin nearer", LeafwiseWarning, stacklevel=3)
+    covariance = found.inverse * scale
+    changed: dict[str, object] = {
+        f"system__parameters__{name}": float(value) for name, value in zip(model.parameters, at[:count], strict=True)
+    }
+    if initial:
+        changed["run__initial"] = at[count:]
+    return Fit(
+        scene=scene.set(**changed),
+        names=names,
+        values=dict(zip(names, at.tolist(), strict=True)),
+        errors=dict(zip(names, np.sqrt(np.diag(covariance)).tolist(), strict=True)),
+        covariance=covariance,
+        residuals=found.left,
+        chi2=found.chi2,
+        freedom=freedom,
+        iterations=made,
+        is_converged=found.is_converged,
+    )
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """Data beside a trajectory."""
+
+    model: Trajectory
+    known: Array
+    weight: Array
+    columns: list[int]
+    initial: bool
+
+    @property
+    def numbers(self) -> int:
+        """How many data there are."""
+        return int(np.count_nonzero(self.weight))
+
+    def first(self, rows: int) -> _Problem:
+        """The same with the first rows of the data alone."""
+        model = copy(self.model)
+        model.steps = model.record * (rows - 1)
+        return _Problem(model, self.known[:rows], self.weight[:rows], self.columns, self.initial)
+
+    def left(self, at: Array) -> Array:
+        """The residuals."""
+        count = len(self.model.parameters)
+        return self._left(self.model(at[count:] if self.initial else None, at[:count]))
+
+    def linear(self, at: Array) -> tuple[Array, Array]:
+        """The residuals, and how the model changes with what is fitted."""
+        count, whole = len(self.model.parameters), np.eye(len(at))
+        dx0 = whole[:, count:] if self.initial else None
+        dvalues = whole[:, :count] if count else None
+        x, dx, _ = self.model.jvp(dx0, dvalues, x0=at[count:] if self.initial else None, values=at[:count])
+        slopes = dx[:, :, self.columns] * self.weight[:, None, :]
+        return self._left(x), slopes.transpose(0, 2, 1).reshape(-1, len(at))
+
+    def _left(self, x: Array) -> Array:
+        left: Array = (self.known - x[:, self.columns]) * self.weight
+        return left
+
+
+class _Found(NamedTuple):
+    """Where an iteration ended."""
+
+    at: Array
+    left: Array
+    chi2: float
+    inverse: Array
+    size: float
+    """The last correction in standard deviations."""
+    iterations: int
+    is_converged: bool
+
+
+def _descend(problem: _Problem, at: Array, small: float, most: int, names: list[str]) -> _Found:
+    """Gauss and Newton's iteration until corrections are as small as this part of the uncertainties."""
+    made = 0
+    while True:
+        left, slopes = problem.linear(at)
+        correction, inverse = _solve(slopes, left.ravel(), names)
+        chi2 = float((left**2).sum())
+        # Uncertainties by the noise that the residuals show.
+        scale = chi2 / max(problem.numbers - len(names), 1)
+        size = float(np.linalg.norm(slopes @ correction)) / max(scale, np.finfo(float).tiny) ** 0.5
+        is_rounding = bool((np.abs(correction) <= _ROUNDING * np.abs(at)).all())
+        is_converged = size <= small or is_rounding
+        if is_converged or made >= most:
+            return _Found(at, left, chi2, inverse, size, made, is_converged)
+        shorter = _shorter(at, correction, chi2, problem.left)
+        if shorter is None:
+            # No correction however short makes the sum smaller: round-off, where the correction is one.
+            return _Found(at, left, chi2, inverse, size, made, size <= 1.0)
+        at, made = shorter, made + 1
+
+
+def _columns(scene: Scene, observed: Sequence[str] | None) -> list[int]:
+    """Which coordinates the data are of."""
+    known = scene.variables
+    for name in observed or []:
+        if name not in known:
+            raise LeafwiseError(f"the system has no coordinate {name!r}; it has {', '.join(known)}")
+    return [known.index(name) for name in (known if observed is None else observed)]
+
+
+def _weight(sigma: ArrayLike | None, shape: tuple[int, ...]) -> Array:
+    """1/sigma for each number of the data."""
+    if sigma is None:
+        return np.ones(shape)
+    ndim = np.ndim(sigma)
+    given = reals("sigma", sigma, *shape[2 - ndim :]) if ndim <= 2 else reals("sigma", sigma, *shape)
+    if (given <= 0).any():
+        raise ValueError("sigma is positive")
+    return np.broadcast_to(1.0 / given, shape).copy()
+
+
+def _solve(slopes: Array, left: Array, names: list[str]) -> tuple[Array, Array]:
+    """The correction with the least ‖left − slopes·correction‖, and (slopesᵀ slopes)⁻¹."""
+    scales = np.linalg.norm(slopes, axis=0)
+    for name, scale in zip(names, scales, strict=True):
+        if scale == 0.0:
+            raise LeafwiseError(f"the data do not depend on {name}: fit it from others, or leave it out")
+    u, sizes, vt = np.linalg.svd(slopes / scales, full_matrices=False)
+    if sizes[-1] <= _RANK * sizes[0]:
+        mixed = [name for name, part in zip(names, vt[-1], strict=True) if abs(part) > 0.1]
+        raise LeafwiseError(
+            f"the data do not tell {' and '.join(mixed)} apart: fix one of them, or observe more coordinates or a longer time"
+        )
+    correction = (vt.T @ ((u.T @ left) / sizes)) / scales
+    half = vt.T / sizes / scales[:, None]
+    return correction, half @ half.T
+
+
+def _shorter(at: Array, correction: Array, chi2: float, residuals: Callable[[Array], Array]) -> Array | None:
+    """The first of at + correction, at + correction/2, … with a smaller sum of squares."""
+    for halving in range(_HALVINGS):
+        trial = at + correction * 0.5**halving
+        try:
+            found = float((residuals(trial) ** 2).sum())
+        except IntegrationError:
+            continue
+        if found < chi2:
+            return trial
+    return None

@@ -1,0 +1,216 @@
+"""Trajectories as differentiable functions."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ._arrays import Array, reals
+from ._errors import LeafwiseError, LeafwiseWarning
+from ._leafwise import Growth
+
+if TYPE_CHECKING:
+    from ._scene import Scene
+
+
+class Gradient(NamedTuple):
+    """The gradient of a function of the samples."""
+
+    x0: Array
+    """By the initial state: shape (d,)."""
+    values: Array
+    """By the parameters: shape (p,)."""
+    growth: Growth
+    """How the derivatives grew on their way, and how many digits that leaves."""
+    from_checkpoints: bool
+    """Whether steps were taken again from checkpoints, in place of steps back."""
+
+
+class Tangents(NamedTuple):
+    """Samples and their tangents."""
+
+    x: Array
+    """The samples: shape (n, d)."""
+    dx: Array
+    """Their tangents: shape (n, d), or (n, k, d) for k directions."""
+    growth: Growth
+    """How they grew on their way, and how many digits that leaves."""
+
+
+class Trajectory:
+    """The samples x of a scene, shape (n, d), as a function of the initial state x0, shape (d,), and the values of chosen
+    parameters, shape (p,).
+
+    Its derivatives are those of the steps that are taken, exact to round-off. ``vjp`` keeps nothing of the run but its end
+    where the method is its own inverse, and as many checkpoints as the logarithm of the steps elsewhere. Derivatives that have
+    lost all but six digits, as along chaotic motion, come with a warning that says how fast they grow.
+
+    Raises:
+        LeafwiseError: the scene has a pace, a condition that stops it or samples at times; a name is no parameter.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        parameters: Sequence[str] | None = None,
+        *,
+        steps: int | None = None,
+        record: int | None = None,
+    ) -> None:
+        self.scene = scene
+        self._map = scene._scene.map()
+        known = scene.parameters
+        chosen = list(known) if parameters is None else list(parameters)
+        for name in chosen:
+            if name not in known:
+                names = ", ".join(known) or "none"
+                raise LeafwiseError(f"the system has no parameter {name!r}; it has {names}")
+            if chosen.count(name) > 1:
+                raise LeafwiseError(f"the parameter {name!r} is named twice")
+        self.parameters = chosen
+        """The names of the parameters that ``values`` holds, in their order."""
+        self._all = np.array(list(known.values()), dtype=np.float64)
+        self._at = [list(known).index(name) for name in chosen]
+        own_steps, own_record = self._map.plan
+        self.steps = own_steps if steps is None else _count("steps", steps, 0)
+        """The number of steps."""
+        self.record = own_record if record is None else _count("record", record, 1)
+        """Every how many steps there is a sample."""
+
+    @property
+    def t(self) -> Array:
+        """Times of the samples: shape (n,)."""
+        numbers = np.arange(0, self.steps + 1, self.record, dtype=np.float64)
+        times: Array = numbers * self._map.time_step
+        return times
+
+    @property
+    def x0(self) -> Array:
+        """The scene's initial state: shape (d,)."""
+        return self._map.initial
+
+    @property
+    def values(self) -> Array:
+        """The scene's values of the parameters: shape (p,)."""
+        return self._all[self._at]
+
+    def __call__(self, x0: ArrayLike | None = None, values: ArrayLike | None = None) -> Array:
+        """The samples: shape (n, d), the program's to the bit.
+
+        Raises:
+            IntegrationError: a step could not be taken.
+        """
+        return self._run(x0, values)[0]
+
+    def _run(self, x0: ArrayLike | None, values: ArrayLike | None) -> tuple[Array, Array]:
+        """Samples, and the end of the run."""
+        return self._map.run(self._initial(x0), self._whole(values), (self.steps, self.record))
+
+    def jvp(
+        self,
+        dx0: ArrayLike | None = None,
+        dvalues: ArrayLike | None = None,
+        *,
+        x0: ArrayLike | None = None,
+        values: ArrayLike | None = None,
+    ) -> Tangents:
+        """The samples, and how they change in the direction (dx0, dvalues): shapes (d,) and (p,), or (k, d) and (k, p) for k
+        directions at once. What is not given does not change.
+
+        Raises:
+            IntegrationError: a step could not be taken.
+            LeafwiseError: the method's derivatives are not known.
+        """
+        d, p = len(self.x0), len(self.parameters)
+        given = [("dx0", dx0, d), ("dvalues", dvalues, p)]
+        dims = {np.ndim(of) for _, of, _ in given if of is not None}
+        if dims not in ({1}, {2}):
+            raise ValueError("give dx0 or dvalues, each for one direction or both for several")
+        rows = [None if of is None else reals(name, of, *[None] * (dims == {2}), n) for name, of, n in given]
+        count = max(1 if of is None or of.ndim == 1 else len(of) for of in rows)
+        if any(of is not None and of.size != count * n for of, (_, _, n) in zip(rows, given, strict=True)):
+            raise ValueError(f"dx0 and dvalues have {count} and fewer directions")
+        of_state, of_values = (
+            np.zeros((count, n)) if of is None else of.reshape(count, n)
+            for of, (_, _, n) in zip(rows, given, strict=True)
+        )
+        by_values = np.zeros((count, len(self._all) if dvalues is not None else 0))
+        if dvalues is not None:
+            by_values[:, self._at] = of_values
+        x, dx, growth = self._map.push(
+            self._initial(x0),
+            self._whole(values),
+            np.ascontiguousarray(of_state),
+            by_values,
+            (self.steps, self.record),
+        )
+        _warn(growth)
+        return Tangents(x, dx[:, 0] if dims == {1} else dx, growth)
+
+    def vjp(
+        self, x0: ArrayLike | None = None, values: ArrayLike | None = None
+    ) -> tuple[Array, Callable[[ArrayLike], Gradient]]:
+        """The samples, shape (n, d), and a function from the derivatives w of any function of them, shape (n, d), to its
+        gradient by x0 and the parameters.
+
+        Raises:
+            IntegrationError: a step could not be taken.
+            LeafwiseError: from the function, where the method's derivatives are not known.
+        """
+        initial, whole = self._initial(x0).copy(), self._whole(values)
+        x, end = self._map.run(initial, whole, (self.steps, self.record))
+        return x, lambda w: self._pull(initial, whole[self._at], end, w)
+
+    def _pull(self, x0: ArrayLike, values: ArrayLike, end: Array, w: ArrayLike) -> Gradient:
+        """The gradient of a function with the derivatives w, of the run that came to this end."""
+        samples = self.steps // self.record + 1
+        of_state, of_values, growth, again = self._map.pull(
+            self._initial(x0),
+            self._whole(values),
+            end,
+            reals("w", w, samples, len(self.x0)),
+            bool(self.parameters),
+            (self.steps, self.record),
+        )
+        _warn(growth)
+        chosen = of_values[self._at] if self.parameters else of_values
+        return Gradient(of_state, chosen, growth, again)
+
+    def _initial(self, x0: ArrayLike | None) -> Array:
+        return self.x0 if x0 is None else reals("x0", x0, len(self.x0))
+
+    def _whole(self, values: ArrayLike | None) -> Array:
+        """All parameters with these values of the chosen ones."""
+        whole = self._all.copy()
+        if values is not None:
+            whole[self._at] = reals("values", values, len(self.parameters))
+        return whole
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return _again, (self.scene, self.parameters, self.steps, self.record)
+
+    def __repr__(self) -> str:
+        names = ", ".join(["x0", *self.parameters])
+        return f"<leafwise.Trajectory of {names}: {self.steps} steps, {self.steps // self.record + 1} samples>"
+
+
+def _again(scene: Scene, parameters: list[str], steps: int, record: int) -> Trajectory:
+    return Trajectory(scene, parameters, steps=steps, record=record)
+
+
+def _count(name: str, value: int, least: int) -> int:
+    """A number of steps."""
+    if isinstance(value, bool) or int(value) != value:
+        raise TypeError(f"{name} is {value!r}, not a whole number")
+    if value < least:
+        raise ValueError(f"{name} is {value}, less than {least}")
+    return int(value)
+
+
+def _warn(growth: Growth) -> None:
+    if growth.is_large:
+        warnings.warn(str(growth), LeafwiseWarning, stacklevel=3)

@@ -1,0 +1,280 @@
+//! The samples of a scene as a function of the initial state and the parameters, with its derivatives.
+
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use leafwise::core::gradient::{self, GradientError, Plan, Pushed, Reached, Way};
+use leafwise::scene::ComposedRun;
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+
+use crate::error::{IntegrationError, LeafwiseError};
+
+/// How often signals are looked for.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
+
+/// Samples (n, d), and the end of the run: the last state and what it holds beyond a double, (2, stepped coordinates).
+type Run<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
+
+/// Samples (n, d), their tangents (n, k, d), and how these grew.
+type Tangents<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>, Growth);
+
+/// The gradient by the initial state (d,) and by the parameters, how it grew, and whether checkpoints were taken.
+type Gradient<'py> = (
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Growth,
+    bool,
+);
+
+/// How fast derivatives grew, and how many of their digits that leaves.
+#[pyclass(frozen, module = "leafwise")]
+pub(crate) struct Growth(gradient::Growth);
+
+#[pymethods]
+impl Growth {
+    /// ln of the factor by which they grew.
+    #[getter]
+    fn logarithm(&self) -> f64 {
+        self.0.logarithm
+    }
+
+    /// The factor's logarithm over time: along chaotic motion the largest Lyapunov exponent.
+    #[getter]
+    fn rate(&self) -> f64 {
+        self.0.rate()
+    }
+
+    /// Decimal digits left: 16 at most, negative where none is.
+    #[getter]
+    fn digits(&self) -> f64 {
+        self.0.digits()
+    }
+
+    /// Whether fewer than six are left.
+    #[getter]
+    fn is_large(&self) -> bool {
+        self.0.is_large()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<leafwise.Growth {}>", self.0)
+    }
+
+    fn __str__(&self) -> String {
+        self.0.to_string()
+    }
+}
+
+/// Steps, and every how many of them there is a sample.
+fn as_plan((steps, every): (u64, u64)) -> Plan {
+    Plan { steps, every }
+}
+
+/// A scene's method, ready to be stepped from any state with any parameters.
+#[pyclass(frozen, module = "leafwise")]
+pub(crate) struct Map {
+    run: ComposedRun,
+}
+
+impl Map {
+    /// The map of a scene.
+    ///
+    /// # Errors
+    /// [`LeafwiseError`] for a scene whose samples are not those after so many equal steps.
+    pub fn new(run: ComposedRun) -> PyResult<Self> {
+        let plan = &run.plan;
+        let is_paced = (run.extension.as_ref()).is_some_and(|extension| extension.pace.is_some());
+        let odd = [
+            (is_paced, "a pace"),
+            (plan.events.stop.is_some(), "a condition that stops it"),
+            (!plan.samples.are_steps(), "samples at times"),
+        ];
+        match odd.iter().find(|(is_there, _)| *is_there) {
+            None => Ok(Self { run }),
+            Some((_, what)) => Err(LeafwiseError::new_err(format!(
+                "derivatives are of samples after equal numbers of equal steps, and this scene has {what}; take it out, \
+                 and record every so many steps"
+            ))),
+        }
+    }
+
+    /// Calls with the trajectories at these parameters; Ctrl-C ends them.
+    fn at<T: Send>(
+        &self,
+        py: Python<'_>,
+        parameters: &[f64],
+        call: impl FnOnce(gradient::Trajectory<'_>) -> Result<T, GradientError> + Send,
+    ) -> PyResult<T> {
+        let looked = Mutex::new(Instant::now());
+        let raised = Mutex::new(None);
+        let goes_on = || {
+            let mut looked = looked.lock().unwrap_or_else(PoisonError::into_inner);
+            if looked.elapsed() < LOOK_EVERY {
+                return true;
+            }
+            *looked = Instant::now();
+            let signalled = Python::attach(|py| py.check_signals());
+            let is_quiet = signalled.is_ok();
+            *raised.lock().unwrap_or_else(PoisonError::into_inner) = signalled.err();
+            is_quiet
+        };
+        let plan = &self.run.plan;
+        let found = py.detach(|| {
+            call(gradient::Trajectory {
+                map: self.run.method.map(),
+                parameters,
+                epsilon: plan.epsilon,
+                h: plan.h,
+                goes_on: &goes_on,
+            })
+        });
+        found.map_err(|error| match error {
+            GradientError::Interrupted => (raised.into_inner())
+                .unwrap_or_else(PoisonError::into_inner)
+                .unwrap_or_else(|| PyKeyboardInterrupt::new_err(())),
+            GradientError::Step { .. } => IntegrationError::new_err(error.to_string()),
+            other => LeafwiseError::new_err(other.to_string()),
+        })
+    }
+
+    /// The state that is stepped from the scene's own coordinates.
+    fn whole(&self, own: &[f64]) -> Vec<f64> {
+        let mut whole = self.run.plan.initial.clone();
+        whole[..own.len()].copy_from_slice(own);
+        whole
+    }
+
+    /// Rows of the scene's own coordinates with zeros behind them.
+    fn padded(&self, rows: &[f64]) -> Vec<f64> {
+        let (own, whole) = (self.dimension(), self.run.plan.initial.len());
+        let pad = |row: &[f64]| [row, &vec![0.0; whole - own]].concat();
+        rows.chunks_exact(own).flat_map(pad).collect()
+    }
+
+    /// The scene's own coordinates of rows of states.
+    fn own(&self, rows: &[f64]) -> Vec<f64> {
+        let (own, whole) = (self.dimension(), self.run.plan.initial.len());
+        let rows = rows.chunks_exact(whole);
+        rows.flat_map(|row| row[..own].iter().copied()).collect()
+    }
+
+    fn dimension(&self) -> usize {
+        self.run.own(&self.run.plan.initial).len()
+    }
+}
+
+#[pymethods]
+impl Map {
+    /// The scene's initial state, shape (d,).
+    #[getter]
+    fn initial<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.run.own(&self.run.plan.initial))
+    }
+
+    /// How many coordinates are stepped: two more than d where the system names the time.
+    #[getter]
+    fn width(&self) -> usize {
+        self.run.plan.initial.len()
+    }
+
+    /// The time of a step.
+    #[getter]
+    fn time_step(&self) -> f64 {
+        self.run.plan.epsilon * self.run.plan.h
+    }
+
+    /// The scene's number of steps, and every how many of them it keeps a sample.
+    #[getter]
+    fn plan(&self) -> (u64, u64) {
+        let every = match self.run.plan.samples {
+            leafwise::scene::compose::SampleTimes::Every(every) => every,
+            _ => 1,
+        };
+        (self.run.plan.steps, every)
+    }
+
+    /// The run from `initial`.
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        initial: PyReadonlyArray1<'py, f64>,
+        parameters: PyReadonlyArray1<'py, f64>,
+        plan: (u64, u64),
+    ) -> PyResult<Run<'py>> {
+        let initial = self.whole(initial.as_slice()?);
+        let plan = as_plan(plan);
+        let run = self.at(py, parameters.as_slice()?, |at| at.run(&initial, plan))?;
+        let samples = PyArray1::from_vec(py, self.own(&run.samples));
+        let end = PyArray1::from_vec(py, [run.state, run.compensation].concat());
+        Ok((
+            samples.reshape([plan.samples(), self.dimension()])?,
+            end.reshape([2, initial.len()])?,
+        ))
+    }
+
+    /// Tangents of every sample in k directions: of the initial state (k, d), of the parameters (k, p) with p = 0 for none.
+    fn push<'py>(
+        &self,
+        py: Python<'py>,
+        initial: PyReadonlyArray1<'py, f64>,
+        parameters: PyReadonlyArray1<'py, f64>,
+        tangents: PyReadonlyArray2<'py, f64>,
+        by_parameters: PyReadonlyArray2<'py, f64>,
+        plan: (u64, u64),
+    ) -> PyResult<Tangents<'py>> {
+        let initial = self.whole(initial.as_slice()?);
+        let tangents = self.padded(tangents.as_slice()?);
+        let directions = (&tangents[..], by_parameters.as_slice()?);
+        let plan = as_plan(plan);
+        let pushed = self.at(py, parameters.as_slice()?, |at| {
+            at.push(&initial, directions, plan)
+        })?;
+        let Pushed {
+            samples,
+            tangents: moved,
+            growth,
+        } = pushed;
+        let (n, d) = (plan.samples(), self.dimension());
+        let k = tangents.len() / initial.len();
+        Ok((
+            PyArray1::from_vec(py, self.own(&samples)).reshape([n, d])?,
+            PyArray1::from_vec(py, self.own(&moved)).reshape([n, k, d])?,
+            Growth(growth),
+        ))
+    }
+
+    /// The gradient by the initial state, and where asked by the parameters, of a function of the samples with the derivatives
+    /// `cotangents` (n, d), for a run that came to `end`.
+    #[allow(clippy::too_many_arguments)]
+    fn pull<'py>(
+        &self,
+        py: Python<'py>,
+        initial: PyReadonlyArray1<'py, f64>,
+        parameters: PyReadonlyArray1<'py, f64>,
+        end: PyReadonlyArray2<'py, f64>,
+        cotangents: PyReadonlyArray2<'py, f64>,
+        by_parameters: bool,
+        plan: (u64, u64),
+    ) -> PyResult<Gradient<'py>> {
+        let initial = self.whole(initial.as_slice()?);
+        let (state, compensation) = end.as_slice()?.split_at(initial.len());
+        let reached = Reached {
+            samples: Vec::new(),
+            state: state.to_vec(),
+            compensation: compensation.to_vec(),
+        };
+        let cotangents = self.padded(cotangents.as_slice()?);
+        let plan = as_plan(plan);
+        let found = self.at(py, parameters.as_slice()?, |at| {
+            at.pull(&initial, &reached, &cotangents, plan, (by_parameters, None))
+        })?;
+        Ok((
+            PyArray1::from_slice(py, self.run.own(&found.initial)),
+            PyArray1::from_vec(py, found.parameters),
+            Growth(found.growth),
+            found.way == Way::Checkpoints,
+        ))
+    }
+}
