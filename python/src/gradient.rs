@@ -10,6 +10,7 @@ use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
 use crate::error::{IntegrationError, LeafwiseError};
+use crate::functions::Functions;
 
 /// How often signals are looked for.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
@@ -76,6 +77,8 @@ fn as_plan((steps, every): (u64, u64)) -> Plan {
 #[pyclass(frozen, module = "leafwise")]
 pub(crate) struct Map {
     run: ComposedRun,
+    /// Those of a system of Python's.
+    functions: Option<Functions>,
 }
 
 impl Map {
@@ -83,7 +86,7 @@ impl Map {
     ///
     /// # Errors
     /// [`LeafwiseError`] for a scene whose samples are not those after so many equal steps.
-    pub fn new(run: ComposedRun) -> PyResult<Self> {
+    pub fn new(run: ComposedRun, functions: Option<Functions>) -> PyResult<Self> {
         let plan = &run.plan;
         let is_paced = (run.extension.as_ref()).is_some_and(|extension| extension.pace.is_some());
         let odd = [
@@ -92,7 +95,7 @@ impl Map {
             (!plan.samples.are_steps(), "samples at times"),
         ];
         match odd.iter().find(|(is_there, _)| *is_there) {
-            None => Ok(Self { run }),
+            None => Ok(Self { run, functions }),
             Some((_, what)) => Err(LeafwiseError::new_err(format!(
                 "derivatives are of samples after equal numbers of equal steps, and this scene has {what}; take it out, \
                  and record every so many steps"
@@ -100,7 +103,7 @@ impl Map {
         }
     }
 
-    /// Calls with the trajectories at these parameters; Ctrl-C ends them.
+    /// Calls with the trajectories at these parameters; Ctrl-C ends them, and what a function of the system raises.
     fn at<T: Send>(
         &self,
         py: Python<'_>,
@@ -109,6 +112,7 @@ impl Map {
     ) -> PyResult<T> {
         let looked = Mutex::new(Instant::now());
         let raised = Mutex::new(None);
+        let functions = self.functions.as_ref();
         let goes_on = || {
             let mut looked = looked.lock().unwrap_or_else(PoisonError::into_inner);
             if looked.elapsed() < LOOK_EVERY {
@@ -130,6 +134,9 @@ impl Map {
                 goes_on: &goes_on,
             })
         });
+        if let Some(error) = functions.and_then(Functions::raised) {
+            return Err(error);
+        }
         found.map_err(|error| match error {
             GradientError::Interrupted => (raised.into_inner())
                 .unwrap_or_else(PoisonError::into_inner)

@@ -20,7 +20,7 @@ use pyo3::prelude::*;
 
 use crate::command::with_plugins;
 use crate::ensemble::{Ensemble, Left};
-use crate::error::{LeafwiseError, exception, of_scene};
+use crate::error::{exception, of_scene};
 use crate::functions::Functions;
 use crate::gradient::Map;
 use crate::integrator::Integrator;
@@ -284,12 +284,10 @@ impl Scene {
 
     /// The method, to be stepped and differentiated from any state with any parameters.
     fn map(&self, py: Python<'_>) -> PyResult<Map> {
-        if self.system.is_some() {
-            return Err(LeafwiseError::new_err(
-                "a system of Python functions has no derivatives of steps: write it as formulas",
-            ));
-        }
-        Map::new(py.detach(|| self.with(&Vec::new())?.composed())?)
+        py.detach(|| {
+            let mut read = self.with(&Vec::new())?;
+            Map::new(read.composed()?, read.functions)
+        })
     }
 }
 

@@ -120,6 +120,24 @@ def test_methods_that_are_no_inverse_of_themselves_take_checkpoints() -> None:
     np.testing.assert_allclose(gradient.x0, dx[-1, :, 0], rtol=0, atol=1e-12 * np.abs(dx).max())
 
 
+def test_functions_of_python_have_no_derivatives_and_raise_their_own() -> None:
+    with pytest.warns(lw.LeafwiseWarning, match="hundred times faster"):
+        system = lw.System(
+            variables=["q", "p"],
+            hamiltonian=lambda x: x[1] ** 2 / 2 - np.cos(x[0]),
+            gradient=lambda x: [1 / 0 if np.any(x[0] > 2) else np.sin(x[0]), x[1]],
+            tensor=lambda x, p: np.array([p[1], -p[0]]),
+        )
+    method = {"realization": "karasev-collocated", "dynamics": {"name": "hamilton-jacobi", "order": 2}, "time-step": 0.1}
+    scene = lw.Scene(system=system, method=method, run={"initial": [0.5, 0.1], "steps": 20})
+    trajectory = scene.trajectory(record=20)
+    np.testing.assert_array_equal(trajectory(), scene.run(record=20).x)
+    with pytest.raises(lw.LeafwiseError, match="offers no exact derivative of its steps; take"):
+        trajectory.jvp(np.eye(2))
+    with pytest.raises(ZeroDivisionError):
+        trajectory([3.0, 0.0])
+
+
 def test_numbers_have_no_derivatives_by_parameters() -> None:
     scene = body(RIGID_BODY["method"] | {"realization": "karasev-collocated"})
     assert scene.trajectory([], steps=2).vjp()[1](np.ones((3, 3))).values.shape == (0,)
@@ -324,19 +342,3 @@ def test_jax_differentiates_batches_and_compiles() -> None:
     pulled = [trajectory.vjp(x0, values)[1](w) for x0 in many]
     np.testing.assert_array_equal(by_state, [gradient.x0 for gradient in pulled])
     np.testing.assert_array_equal(by_values, [gradient.values for gradient in pulled])
-
-
-def test_torch_differentiates() -> None:
-    torch = pytest.importorskip("torch")
-    from leafwise.torch import solve
-
-    trajectory = lw.Scene(RIGID_BODY).trajectory(["I1", "I2"], steps=100, record=50)
-    w = np.random.default_rng(5).standard_normal((3, 3))
-    x0 = torch.tensor([1.0, 3.0, 3.0], dtype=torch.float64, requires_grad=True)
-    values = torch.tensor([1.0, 0.75], dtype=torch.float64, requires_grad=True)
-    x = solve(trajectory, x0, values)
-    np.testing.assert_array_equal(x.detach().numpy(), trajectory())
-    (torch.from_numpy(w) * x).sum().backward()
-    gradient = trajectory.vjp()[1](w)
-    np.testing.assert_array_equal(x0.grad.numpy(), gradient.x0)
-    np.testing.assert_array_equal(values.grad.numpy(), gradient.values)

@@ -23,10 +23,10 @@ from ._scene import Scene
 from ._solve import Solution, solve
 
 __all__ = [
-    "Ensemble",
     "Fit",
     "Gradient",
     "Growth",
+    "Ensemble",
     "Integrator",
     "IntegrationError",
     "LeafwiseError",
@@ -34,10 +34,10 @@ __all__ = [
     "Run",
     "Scene",
     "SceneError",
-    "Solution",
-    "System",
     "Tangents",
     "Trajectory",
+    "Solution",
+    "System",
     "command",
     "describe",
     "list",

@@ -17,8 +17,8 @@ from ._commands import command
 from ._ensemble import Ensemble
 from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning
 from ._fit import Fit, fit
-from ._functions import System
 from ._gradient import Trajectory
+from ._functions import System
 from ._leafwise import Integrator, text_of
 from ._progress import shown
 from ._run import Run
