@@ -4,7 +4,7 @@
 //! forwards, and no schedule reverses more (A. Griewank, A. Walther, *Algorithm 799: revolve*, ACM Transactions on Mathematical
 //! Software 26 (2000)).
 
-use super::trajectory::GradientError;
+use super::error::GradientError;
 use crate::error::StepError;
 use crate::integrator::{Checkpoint, Integrator};
 

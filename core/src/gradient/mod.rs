@@ -8,13 +8,15 @@
 
 mod checkpoints;
 pub mod differential;
+mod error;
 mod explicit;
 pub mod growth;
 mod solved;
 pub mod trajectory;
 
 pub use differential::{ByTangents, Differential};
+pub use error::GradientError;
 pub(crate) use explicit::{Explicit, in_reverse};
 pub use growth::Growth;
 pub(crate) use solved::{Solved, by_parameters};
-pub use trajectory::{Gradient, GradientError, Plan, Pushed, Reached, Trajectory, Way};
+pub use trajectory::{Gradient, Plan, Pushed, Reached, Trajectory, Way};

@@ -2,8 +2,10 @@
 
 use leafwise_expression::kernel::apart;
 
-use super::Row;
 use crate::solver::judge::larger;
+
+/// One number of each lane.
+pub(super) type Row<const W: usize> = [f64; W];
 
 /// Whether a mask holds a lane.
 #[inline(always)]

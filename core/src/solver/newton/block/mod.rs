@@ -8,7 +8,7 @@ pub(super) use trajectories::{Columns, LaneBlock, lane_block};
 
 use leafwise_expression::{Workspace, kernel::apart};
 
-use self::masks::{add_where, any, guard_ratio, is_inside, keep, select, take_guard};
+use self::masks::{Row, add_where, any, guard_ratio, is_inside, keep, select, take_guard};
 use super::convergence::{Convergence, Next};
 use super::kernel::NewtonKernel;
 use super::start::Start;
@@ -29,9 +29,6 @@ const HALVED: f64 = 0.5;
 
 /// A component that moves by less than this part of its scale is noise, not smaller.
 const NOISE: f64 = 1e-6;
-
-/// One number of each lane.
-type Row<const W: usize> = [f64; W];
 
 /// W trajectories, each with its own history and its own stop; what one computes does not depend on
 /// the others. Vectors are rows of W numbers, one row a coordinate.

@@ -2,7 +2,8 @@
 
 use leafwise_expression::Workspace;
 
-use super::{Block, Lane, Row};
+use super::masks::Row;
+use super::{Block, Lane};
 use crate::error::StepError;
 use crate::solver::elimination::{ANY, Rows, dimension};
 use crate::solver::judge::Watch;
