@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::checkpoint;
 use super::difference::{Change, changed_keys, listed};
 use super::error::RunError;
-use super::manifest::{self, Kind, Manifest, PROGRAM_VERSION, PluginRecord};
+use super::manifest::{self, FilesRecord, Kind, Manifest, PROGRAM_VERSION, PluginRecord};
 use super::{samples, states};
 use crate::ensemble::store;
 use leafwise_scene::document::SceneDocument;
@@ -52,6 +52,8 @@ pub(crate) struct RunRequest<'a> {
     pub scene: &'a str,
     /// The libraries it uses.
     pub plugins: &'a [PluginRecord],
+    /// What it read of files.
+    pub files: Option<&'a FilesRecord>,
 }
 
 /// A run of the same scene and inputs that a directory holds.
@@ -190,6 +192,12 @@ fn held(path: &Path, stored: &Manifest, run: &RunRequest<'_>) -> Result<Held, Ru
             plugin: changed.path.clone(),
             sha256: changed.sha256.clone(),
         });
+    }
+    if let (Some(before), Some(now)) = (&stored.files, run.files)
+        && before.sha256 != now.sha256
+    {
+        let files = now.paths.join(", ");
+        return Err(RunError::FileChanged { directory, files });
     }
     Ok(Held {
         started: stored.started.clone(),

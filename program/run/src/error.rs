@@ -105,6 +105,18 @@ pub enum RunError {
         /// The hash of the file that began the run.
         sha256: String,
     },
+    /// A file of values has changed since the run began.
+    #[error(
+        "{} holds a run begun with other numbers in {files}; continuing it would mix the two: \
+         run again with --force to replace it, or with --out DIR to write elsewhere",
+        directory.display()
+    )]
+    FileChanged {
+        /// The run directory.
+        directory: PathBuf,
+        /// The files that the scene reads.
+        files: String,
+    },
     /// The directory holds a run of one trajectory where an ensemble is asked for, or the reverse.
     #[error(
         "{} holds {other}; write elsewhere with --out DIR, or replace it with --force",
@@ -232,6 +244,7 @@ impl RunError {
                 | Self::SceneChanged { .. }
                 | Self::VersionChanged { .. }
                 | Self::PluginChanged { .. }
+                | Self::FileChanged { .. }
                 | Self::Foreign { .. }
                 | Self::OtherKind { .. }
                 | Self::Busy { .. }

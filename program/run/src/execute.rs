@@ -10,7 +10,7 @@ use super::columns::{header, headings, invariant_name, windows_headings};
 use super::directory::{REPORT, RunDirectory, RunRequest, SCENE, WINDOWS};
 use super::drive::Session;
 use super::error::RunError;
-use super::manifest::{Beginning, Kind, plugins};
+use super::manifest::{Beginning, Kind, files, plugins};
 use super::outcome::{InvariantDrift, RunOutcome, RunReport};
 use super::progress::Progress;
 use super::replaced::replace;
@@ -131,10 +131,12 @@ pub fn run(
 ) -> Result<RunReport, RunError> {
     let checks = check(document, composed, options.allow_non_poisson)?;
     let kind = Kind::Run;
+    let files = files(composed);
     let asked = RunRequest {
         kind,
         scene: &document.text,
         plugins: &plugins(composed),
+        files: files.as_ref(),
     };
     let directory = RunDirectory::open(&options.directory, &asked, options.force)?;
     let held = directory.held.as_ref();

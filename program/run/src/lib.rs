@@ -61,8 +61,8 @@ pub(crate) use directory::{
 };
 pub use error::RunError;
 pub use execute::{Recorded, RunOptions, run, run_in_memory};
-pub(crate) use manifest::{Beginning, plugins};
-pub use manifest::{Kind, Manifest, PROGRAM_VERSION, PluginRecord};
+pub(crate) use manifest::{Beginning, files, plugins};
+pub use manifest::{FilesRecord, Kind, Manifest, PROGRAM_VERSION, PluginRecord};
 pub use outcome::{Failure, InvariantDrift, RunOutcome, RunReport, SolverFields};
 pub use progress::{Progress, Quiet, Status};
 pub(crate) use replaced::replace;

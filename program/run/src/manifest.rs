@@ -9,6 +9,7 @@ use leafwise_core::{Origin, PartKind, SolverStatistics, StepMap};
 use leafwise_expression::OperationCount;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
+use sha2::{Digest, Sha256};
 
 use super::advice::Advice;
 use super::error::RunError;
@@ -68,6 +69,18 @@ pub struct Manifest {
     /// The libraries it uses.
     #[serde(default)]
     pub plugins: Vec<PluginRecord>,
+    /// What it read of files.
+    #[serde(default)]
+    pub files: Option<FilesRecord>,
+}
+
+/// Values of sites that a run read from files.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FilesRecord {
+    /// The files, as the scene names them.
+    pub paths: Vec<String>,
+    /// SHA-256 of the state that the run begins with and of its parameters of sites, in hexadecimal.
+    pub sha256: String,
 }
 
 /// A library that a run uses.
@@ -119,6 +132,8 @@ pub(crate) struct Beginning<'a> {
     system: Option<Part<'a>>,
     parts: Vec<Part<'a>>,
     plugins: Vec<PluginRecord>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    files: Option<FilesRecord>,
     path: String,
     declared_order: usize,
     epsilon: f64,
@@ -296,6 +311,7 @@ impl<'a> Beginning<'a> {
                 .map(|choice| Part::of(choice, run))
                 .collect(),
             plugins: plugins(run),
+            files: files(run),
             path: run.path(),
             declared_order: run.method.declared_order(),
             epsilon: run.plan.epsilon,
@@ -400,6 +416,27 @@ impl Kernels {
             None => Self::Costs(run.method.costs()),
         }
     }
+}
+
+/// What a run read of files; `None` where its scene names none.
+pub(crate) fn files(run: &ComposedRun) -> Option<FilesRecord> {
+    let paths = run.plan.files.clone();
+    (!paths.is_empty()).then(|| FilesRecord {
+        paths,
+        sha256: digest(&run.plan.initial)
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect(),
+    })
+}
+
+/// SHA-256 of the doubles' bytes.
+pub(crate) fn digest(values: &[f64]) -> [u8; 32] {
+    let mut digest = Sha256::new();
+    for value in values {
+        digest.update(value.to_le_bytes());
+    }
+    digest.finalize().into()
 }
 
 /// The libraries that parts come from, each once.

@@ -90,7 +90,8 @@ impl<'a> Paced<'a> {
 
     /// Where t stands in a state.
     fn place(&self) -> usize {
-        self.run.own(&self.run.plan.initial).len()
+        let extension = self.run.extension.as_ref();
+        extension.map_or(self.run.plan.coordinates, |of| of.coordinates)
     }
 
     /// The time of the present state.

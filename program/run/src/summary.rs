@@ -168,7 +168,7 @@ pub(super) fn states(
     report: &RunReport,
 ) -> Result<Vec<Vec<f64>>, RunError> {
     // Samples and reports hold the scene's own coordinates.
-    if run.extension.is_some() {
+    if run.is_extended() {
         return Ok(states_ahead(run));
     }
     let d = run.dimension();
@@ -205,7 +205,7 @@ pub(super) fn energy_error(
     }
     let d = run.dimension();
     let mut states = Vec::new();
-    if run.plan.states.is_whole_in_samples() && run.extension.is_none() {
+    if run.plan.states.is_whole_in_samples() && !run.is_extended() {
         let stride = report.samples.div_ceil(MOST_ORBIT_STATES).max(1);
         let stride = usize::try_from(stride).unwrap_or(usize::MAX);
         let rows = session.samples().read(stride)?;

@@ -4,13 +4,15 @@
 //! - [`diagnostic`]: what is wrong, underlined where it stands;
 //! - [`compose`](mod@compose): the text as a Poisson system, a method and the plan of a run;
 //! - [`json`]: doubles and named values as JSON;
-//! - [`input`]: files that are read whole, within bounds.
+//! - [`input`]: files that are read whole, within bounds;
+//! - [`table`]: numbers in them.
 
 pub mod compose;
 pub mod diagnostic;
 pub mod document;
 pub mod input;
 pub mod json;
+pub mod table;
 
 pub use compose::{ComposedRun, ComposedSystem, Refusal, SceneChecks, compose, compose_system};
 pub use diagnostic::{SceneDiagnostic, formula_span, string_content};

@@ -113,7 +113,7 @@ pub fn execute(
         return Err(Failure::usage(
             format!(
                 "a lattice of {} coordinates is not evaluated at a point",
-                run.dimension()
+                run.plan.coordinates
             ),
             "shorten it with --set system.families.NAME=8",
         ));
@@ -126,8 +126,14 @@ pub fn execute(
         ));
     }
     let d = run.system.dimension();
+    // Behind the coordinates stand parameters of sites.
+    let own = run.plan.coordinates;
+    let behind = |given: Vec<Rational>, rest: &[f64]| -> Vec<Rational> {
+        let rest = rest.iter().filter_map(|x| Rational::from_f64(*x));
+        given.into_iter().chain(rest).collect()
+    };
     let x = match &arguments.x {
-        Some(text) => numbers(text, "--x", d)?,
+        Some(text) => behind(numbers(text, "--x", own)?, &run.plan.initial[own..]),
         None => run
             .plan
             .initial
@@ -136,7 +142,7 @@ pub fn execute(
             .collect(),
     };
     let p = match &arguments.p {
-        Some(text) => numbers(text, "--p", d)?,
+        Some(text) => behind(numbers(text, "--p", own)?, &vec![0.0; d - own]),
         None => vec![Rational::zero(); d],
     };
     let values = evaluate(&run, method, &x, &p).and_then(Values::finite);

@@ -270,7 +270,7 @@ fn states_line(composed: &ComposedRun) -> Option<String> {
             grouped(states.width() as u64)
         ));
     }
-    if states.is_chosen || composed.dimension() <= WIDEST_STATE {
+    if states.is_chosen || composed.plan.coordinates <= WIDEST_STATE {
         return None;
     }
     let example = match composed.plan.families.first() {

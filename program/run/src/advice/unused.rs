@@ -1,7 +1,9 @@
 //! Parameters that nothing depends on.
 
 use super::{Advice, AdviceKind};
-use leafwise_scene::document::{BracketSpec, InitialSpec, ParameterValue, SceneDocument};
+use leafwise_scene::document::{
+    BracketSpec, FieldSpec, InitialSpec, ParameterValue, SceneDocument,
+};
 
 /// A warning of each parameter that stands in no formula of the scene; those of library systems are not
 /// looked at.
@@ -12,7 +14,9 @@ pub fn unused_parameters(document: &SceneDocument) -> Vec<Advice> {
     }
     let formulas = formulas(document);
     let is_used = |name: &str| formulas.iter().any(|formula| names(formula, name));
-    let declared = system.parameters.iter().map(|(name, _)| &name.value);
+    let numbers = system.parameters.iter().map(|(name, _)| &name.value);
+    let at_rest = system.families[system.moving().len()..].iter();
+    let declared = numbers.chain(at_rest.map(|(name, _)| &name.value));
     let unused = declared.filter(|name| !is_used(name));
     unused
         .map(|name| Advice {
@@ -48,6 +52,7 @@ fn of_bracket(bracket: &BracketSpec) -> Vec<&str> {
 fn formulas(document: &SceneDocument) -> Vec<&str> {
     let system = &document.system;
     let mut formulas = vec![system.hamiltonian.value.as_str()];
+    formulas.extend(system.sites.iter().filter_map(|(_, field)| of_field(field)));
     formulas.extend(system.define.iter().map(|(_, f)| f.value.as_str()));
     formulas.extend(of_bracket(&system.bracket.value));
     formulas.extend(system.constraints.iter().map(|f| f.value.as_str()));
@@ -58,7 +63,7 @@ fn formulas(document: &SceneDocument) -> Vec<&str> {
         formulas.extend(record.observables.iter().map(|o| o.formula.value.as_str()));
     }
     if let InitialSpec::Fields(fields) = &document.run.initial.value {
-        formulas.extend(fields.iter().map(|(_, f)| f.value.as_str()));
+        formulas.extend(fields.iter().filter_map(|(_, field)| of_field(field)));
     }
     let method = &document.method;
     let parts = [
@@ -77,6 +82,10 @@ fn formulas(document: &SceneDocument) -> Vec<&str> {
         }
     }
     formulas
+}
+
+fn of_field(field: &FieldSpec) -> Option<&str> {
+    field.formula().map(|formula| formula.value.as_str())
 }
 
 /// Whether a formula has this name among its words.

@@ -15,7 +15,7 @@ use super::store::{FinalStore, has_begun_at_most};
 use super::{page, tables};
 use crate::{
     Beginning, Kind, Progress, REPORT, RunDirectory, RunError, RunOptions, RunOutcome, RunRequest,
-    SCENE, plugins, replace,
+    SCENE, files, plugins, replace,
 };
 use leafwise_report::render_ensemble;
 use leafwise_scene::compose::SceneChecks;
@@ -49,10 +49,12 @@ pub fn run_ensemble(
         return Err(RunError::Refused(refusal));
     }
     let kind = Kind::Ensemble;
+    let files = files(composed);
     let asked = RunRequest {
         kind,
         scene: &document.text,
         plugins: &plugins(composed),
+        files: files.as_ref(),
     };
     let directory = RunDirectory::open(&options.directory, &asked, options.force)?;
     let held = directory.held.as_ref();

@@ -93,7 +93,7 @@ fn compose_from(
             format!(
                 "an ensemble of lattices of more than {DENSE_LIMIT} coordinates is not offered, and this one has {}: \
                  they step by templates, one at a time",
-                run.dimension()
+                run.plan.coordinates
             ),
             "shorten the lattice, or run its members one by one: leafwise run SCENE --set …",
         ));

@@ -1,5 +1,7 @@
 //! Members that are given: in memory, or as a file, CSV or a JSON list of lists.
 
+use leafwise_scene::table::{Table, place};
+
 /// The initial states of members, and parameters of their own.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Members {
@@ -16,46 +18,20 @@ impl Members {
     /// # Errors
     /// The first thing wrong, and in which row or column.
     pub(super) fn read(text: &str, names: &[String], parameters: &[&str]) -> Result<Self, String> {
-        // A byte order mark, as spreadsheets write it.
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let (columns, rows) = if text.trim_start().starts_with('[') {
-            let rows: Result<Vec<Vec<f64>>, _> = serde_json::from_str(text);
-            let rows =
-                rows.map_err(|error| format!("not a JSON list of lists of numbers: {error}"))?;
-            (None, rows)
-        } else {
-            read_csv(text)?
-        };
-        let columns = columns.unwrap_or_else(|| names.to_vec());
-        let places = places(&columns, names, parameters)?;
-        if rows.is_empty() {
-            return Err("it has no row of numbers".to_owned());
-        }
-        for (at, row) in rows.iter().enumerate() {
-            if row.len() != columns.len() {
-                return Err(format!(
-                    "row {} has {} numbers, and {}",
-                    at + 1,
-                    row.len(),
-                    match columns.len() == names.len() {
-                        true => format!("the state has {} coordinates", names.len()),
-                        false => format!("there are {} columns", columns.len()),
-                    }
-                ));
-            }
-            if let Some(value) = row.iter().find(|value| !value.is_finite()) {
-                return Err(format!(
-                    "row {} holds {value:?}, not a finite number",
-                    at + 1
-                ));
-            }
-        }
+        let table = Table::read(text)?;
+        let columns = table.columns.as_deref().unwrap_or(names);
+        let places = places(columns, names, parameters)?;
+        table.check(columns.len(), || match columns.len() == names.len() {
+            true => format!("the state has {} coordinates", names.len()),
+            false => format!("there are {} columns", columns.len()),
+        })?;
+        let rows = table.rows.iter();
         let state = |row: &Vec<f64>| places.iter().map(|place| row[*place]).collect::<Vec<_>>();
         let is_parameter = |(_, name): &(usize, &String)| !names.contains(name);
         let own = columns.iter().enumerate().filter(is_parameter);
-        let own = own.map(|(at, name)| (name.clone(), rows.iter().map(|row| row[at]).collect()));
+        let own = own.map(|(at, name)| (name.clone(), rows.clone().map(|row| row[at]).collect()));
         Ok(Self {
-            states: Some(rows.iter().flat_map(state).collect()),
+            states: Some(rows.clone().flat_map(state).collect()),
             parameters: own.collect(),
         })
     }
@@ -81,59 +57,7 @@ fn places(columns: &[String], names: &[String], parameters: &[&str]) -> Result<V
     if let Some((_, column)) = columns.iter().enumerate().find(twice) {
         return Err(format!("it has two columns `{column}`"));
     }
-    let place = |name: &String| {
-        let found = columns.iter().position(|column| column == name);
-        found.ok_or_else(|| format!("it has no column `{name}`"))
-    };
-    names.iter().map(place).collect()
-}
-
-/// Names of columns where there is a line of them, and the rows.
-type Table = (Option<Vec<String>>, Vec<Vec<f64>>);
-
-/// Rows of numbers between commas, semicolons or blanks behind an optional line of names; empty
-/// lines and lines that begin with # are left out.
-fn read_csv(text: &str) -> Result<Table, String> {
-    let lines = text.lines().zip(1..);
-    let lines = lines.filter(|(line, _)| !line.trim().is_empty() && !line.starts_with('#'));
-    let (mut columns, mut rows) = (None, Vec::new());
-    for (at, (line, number)) in lines.enumerate() {
-        let cells = cells(line);
-        if let Some(empty) = cells.iter().position(|cell| cell.is_empty()) {
-            let column = empty + 1;
-            return Err(format!(
-                "line {number} has an empty cell in column {column}, where a number is missing: {line}"
-            ));
-        }
-        let row: Result<Vec<f64>, _> = cells.iter().map(|cell| cell.parse::<f64>()).collect();
-        // A line without any number is one of names; one with some is a row with a slip in it.
-        let is_named = at == 0 && cells.iter().all(|cell| cell.parse::<f64>().is_err());
-        match row {
-            Ok(row) => rows.push(row),
-            Err(_) if is_named => {
-                let names = cells.iter().map(|cell| cell.trim_matches('"').to_owned());
-                columns = Some(names.collect());
-            }
-            Err(_) => return Err(format!("line {number} is not a row of numbers: {line}")),
-        }
-    }
-    Ok((columns, rows))
-}
-
-/// The cells of a line: between commas where it has one, else between semicolons, else between tabs,
-/// else between spaces. Only of spaces are several one.
-fn cells(line: &str) -> Vec<&str> {
-    let line = line.trim_matches(' ');
-    match [',', ';', '\t']
-        .into_iter()
-        .find(|mark| line.contains(*mark))
-    {
-        Some(mark) => line
-            .split(mark)
-            .map(|cell| cell.trim_matches(' '))
-            .collect(),
-        None => line.split_whitespace().collect(),
-    }
+    names.iter().map(|name| place(columns, name)).collect()
 }
 
 #[cfg(test)]

@@ -29,7 +29,7 @@ const ENERGY: &str = "-H";
 /// The two coordinates behind a scene's own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extension {
-    /// d, the number of the scene's own coordinates: t is x_d, e is x_{d+1}, counted from 0.
+    /// d, the number of the scene's own coordinates and parameters of sites: t is x_d, e is x_{d+1}, counted from 0.
     pub coordinates: usize,
     /// dt/dτ, where steps are of a fictitious time τ.
     pub pace: Option<Pace>,

@@ -1,18 +1,29 @@
-//! The initial state.
+//! The initial state, and the parameters of sites behind it.
 
 use leafwise_expression::syntax::{Formula, Scope, VariablePattern};
 
 use super::Refusal;
 use super::definitions::scope;
 use super::names::{parse, refusal};
-use crate::document::{InitialSpec, Located, SceneDocument};
+use crate::document::{FieldSpec, InitialSpec, Located, Place, SceneDocument};
+use crate::table::read_column;
 
-/// The initial state of the scene: one number for each coordinate.
+/// The initial state of the scene: one number for each coordinate, then the parameters of sites.
 pub(super) fn initial_state(document: &SceneDocument) -> Result<Vec<f64>, Refusal> {
     let system = &document.system;
-    let dimension = system.dimension();
+    let lengths: Vec<usize> = system.families.iter().map(|(_, l)| l.value).collect();
+    let parameters = system.parameters.iter();
+    let mut state = State {
+        document,
+        scope: scope(document, &lengths, None)?,
+        parameters: parameters.map(|(_, value)| value.value.value).collect(),
+        values: vec![0.0; system.dimension()],
+        is_given: vec![false; system.dimension()],
+    };
+    state.assign_all(&system.sites)?;
     match &document.run.initial.value {
         InitialSpec::Vector(numbers) => {
+            let dimension = system.coordinates();
             if numbers.len() != dimension {
                 return Err(Box::new(document.diagnostic(
                     &document.run.initial.place(),
@@ -24,35 +35,17 @@ pub(super) fn initial_state(document: &SceneDocument) -> Result<Vec<f64>, Refusa
                     None,
                 )));
             }
-            Ok(numbers.iter().map(|number| number.value.value).collect())
+            for (at, number) in numbers.iter().enumerate() {
+                state.values[at] = number.value.value;
+                state.is_given[at] = true;
+            }
         }
         InitialSpec::Fields(fields) => {
-            let lengths: Vec<usize> = system.families.iter().map(|(_, l)| l.value).collect();
-            let parameters: Vec<f64> = system
-                .parameters
-                .iter()
-                .map(|(_, value)| value.value.value)
-                .collect();
-            let mut state = State {
-                document,
-                scope: scope(document, &lengths, None)?,
-                parameters,
-                values: vec![0.0; dimension],
-                is_given: vec![false; dimension],
-            };
-            // Templates first: a single site then overrides the field, whatever their order.
-            for wants_index in [true, false] {
-                for (key, formula) in fields {
-                    let pattern = VariablePattern::parse_one(&key.value)
-                        .map_err(|error| refusal(document, key, &error))?;
-                    if pattern.index_name().is_some() == wants_index {
-                        state.assign(key, &pattern, formula, &parse(document, formula)?)?;
-                    }
-                }
-            }
-            state.finish()
+            state.check_moving(fields)?;
+            state.assign_all(fields)?;
         }
     }
+    state.finish()
 }
 
 struct State<'a> {
@@ -64,6 +57,119 @@ struct State<'a> {
 }
 
 impl State<'_> {
+    /// Parameters of sites have their values in `[system]`.
+    fn check_moving(&self, fields: &[(Located<String>, FieldSpec)]) -> Result<(), Refusal> {
+        for (key, _) in fields {
+            let pattern = VariablePattern::parse_one(&key.value)
+                .map_err(|error| refusal(self.document, key, &error))?;
+            if self.document.system.is_at_rest(pattern.name()) {
+                return Err(Box::new(self.document.diagnostic(
+                    &key.place(),
+                    format!("`{}` is a parameter of every site", pattern.name()),
+                    "no coordinate",
+                    Some("its values stand in [system] parameters".to_owned()),
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Templates first: a single site then overrides the field, whatever their order.
+    fn assign_all(&mut self, fields: &[(Located<String>, FieldSpec)]) -> Result<(), Refusal> {
+        for wants_index in [true, false] {
+            for (key, field) in fields {
+                let pattern = VariablePattern::parse_one(&key.value)
+                    .map_err(|error| refusal(self.document, key, &error))?;
+                if pattern.index_name().is_some() == wants_index {
+                    match field {
+                        FieldSpec::Formula(formula) => {
+                            let parsed = parse(self.document, formula)?;
+                            self.assign(key, &pattern, formula, &parsed)?;
+                        }
+                        FieldSpec::Numbers(numbers, place) => {
+                            let numbers: Vec<f64> = numbers.iter().map(|n| n.value.value).collect();
+                            self.assign_numbers(key, &pattern, &numbers, place)?;
+                        }
+                        FieldSpec::File { file, column } => {
+                            let numbers = self.read(file, column.as_ref())?;
+                            self.assign_numbers(key, &pattern, &numbers, &file.place())?;
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn read(
+        &self,
+        file: &Located<String>,
+        column: Option<&Located<String>>,
+    ) -> Result<Vec<f64>, Refusal> {
+        let path = self.document.directory().join(&file.value);
+        let name = column.map(|column| column.value.as_str());
+        read_column(&path, name).map_err(|reason| {
+            let help = "a number for each site, each in a row of its own: CSV, with the columns' names in the first \
+                        line or without, or a JSON list";
+            let document = self.document;
+            Box::new(document.diagnostic(&file.place(), reason, "this file", Some(help.to_owned())))
+        })
+    }
+
+    /// The number of sites of the family that a key names.
+    fn length(&self, pattern: &VariablePattern) -> usize {
+        let mut families = self.document.system.families.iter();
+        let family = families.find(|(name, _)| name.value == pattern.name());
+        family.map_or(1, |(_, length)| length.value)
+    }
+
+    /// A number for each site.
+    fn assign_numbers(
+        &mut self,
+        key: &Located<String>,
+        pattern: &VariablePattern,
+        numbers: &[f64],
+        place: &Place,
+    ) -> Result<(), Refusal> {
+        let refuse = |place: &Place, message: String, help: String| {
+            Err(Box::new(self.document.diagnostic(
+                place,
+                message,
+                "here",
+                Some(help),
+            )))
+        };
+        let Some(index) = pattern.index_name() else {
+            return refuse(
+                &key.place(),
+                format!("`{}` is one site, and these are numbers of many", key.value),
+                format!("write \"{}[i]\" for all sites", pattern.name()),
+            );
+        };
+        let length = self.length(pattern);
+        let found = numbers.len();
+        if found != length {
+            return refuse(
+                place,
+                format!(
+                    "{found} numbers, and `{}` has {length} sites",
+                    pattern.name()
+                ),
+                "one number for each site".to_owned(),
+            );
+        }
+        for (i, value) in numbers.iter().enumerate() {
+            let at = pattern
+                .resolve(&self.scope, Some((index, i)))
+                .map_err(|error| refusal(self.document, key, &error))?;
+            if let Some(at) = at {
+                self.values[at] = *value;
+                self.is_given[at] = true;
+            }
+        }
+        Ok(())
+    }
+
     fn assign(
         &mut self,
         key: &Located<String>,
@@ -71,17 +177,9 @@ impl State<'_> {
         formula: &Located<String>,
         parsed: &Formula,
     ) -> Result<(), Refusal> {
-        let length = self
-            .document
-            .system
-            .families
-            .iter()
-            .find(|(name, _)| name.value == pattern.name())
-            .map_or(1, |(_, length)| length.value);
-        let sites = if pattern.index_name().is_some() {
-            length
-        } else {
-            1
+        let sites = match pattern.index_name() {
+            Some(_) => self.length(pattern),
+            None => 1,
         };
         for i in 0..sites {
             let index = pattern.index_name().map(|name| (name, i));
@@ -120,7 +218,10 @@ impl State<'_> {
                 &self
                     .document
                     .place_in_formula(formula, 0..formula.value.len()),
-                format!("the initial value of {name} is {written}"),
+                match at < self.document.system.coordinates() {
+                    true => format!("the initial value of {name} is {written}"),
+                    false => format!("the value of {name} is {written}"),
+                },
                 format!("outside the formula's domain{site}"),
                 Some("a logarithm or root of a negative number, or a division by zero".to_owned()),
             ),
@@ -143,14 +244,27 @@ impl State<'_> {
     }
 
     fn finish(self) -> Result<Vec<f64>, Refusal> {
-        match self.is_given.iter().position(|given| !given) {
-            None => Ok(self.values),
-            Some(at) => Err(Box::new(self.document.diagnostic(
-                &self.document.run.initial.place(),
-                format!("initial gives no value for {}", self.name(at)),
-                "incomplete",
-                Some("give every variable and family, as in \"x[i]\" = \"1 + i/N\"".to_owned()),
-            ))),
-        }
+        let Some(at) = self.is_given.iter().position(|given| !given) else {
+            return Ok(self.values);
+        };
+        let system = &self.document.system;
+        let name = self.name(at);
+        let family = name.split('[').next().unwrap_or_default();
+        let mut sites = system.sites.iter();
+        let key = sites.find(|(key, _)| key.value.split('[').next() == Some(family));
+        let (what, place) = match key {
+            Some((key, _)) if at >= system.coordinates() => ("parameters", key.place()),
+            _ => ("initial", self.document.run.initial.place()),
+        };
+        let help = match what {
+            "parameters" => format!("give every site one, as in \"{family}[i]\" = \"1 + i/N\""),
+            _ => "give every variable and family, as in \"x[i]\" = \"1 + i/N\"".to_owned(),
+        };
+        Err(Box::new(self.document.diagnostic(
+            &place,
+            format!("{what} gives no value for {name}"),
+            "incomplete",
+            Some(help),
+        )))
     }
 }

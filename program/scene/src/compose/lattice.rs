@@ -41,7 +41,7 @@ impl<'a> SceneLattice<'a> {
     /// A scene that has single variables beside such families, or the time as a coordinate.
     pub fn of(document: &'a SceneDocument) -> Result<Option<Self>, Refusal> {
         let system = &document.system;
-        if system.families.is_empty() || system.dimension() <= DENSE_LIMIT {
+        if system.families.is_empty() || system.coordinates() <= DENSE_LIMIT {
             return Ok(None);
         }
         if let Some((formula, what)) = wants_time(document) {
@@ -50,7 +50,7 @@ impl<'a> SceneLattice<'a> {
                 format!(
                     "{what} is not offered on a lattice of more than {DENSE_LIMIT} coordinates, and this one has {}: \
                      every site moves t's energy",
-                    system.dimension()
+                    system.coordinates()
                 ),
                 "here",
                 Some("shorten the lattice".to_owned()),
@@ -160,7 +160,7 @@ pub(super) fn has_room(
 }
 
 /// Whether a bracket, or a summand of it, is made of a form or with constraints.
-fn has_forms(bracket: &BracketSpec, constraints: &[Located<String>]) -> bool {
+pub(super) fn has_forms(bracket: &BracketSpec, constraints: &[Located<String>]) -> bool {
     let is_formed = match bracket {
         BracketSpec::OneForm(_) | BracketSpec::TwoForm(_) => true,
         BracketSpec::Sum(summands) => summands

@@ -38,7 +38,7 @@ impl Motion {
             return Some(Self::Values(names.zip(code).collect()));
         };
         let Stepping::Lattice(lattice) = &run.method else {
-            let coordinates: Vec<usize> = (0..run.own(&run.near).len()).collect();
+            let coordinates: Vec<usize> = (0..run.plan.coordinates).collect();
             let names = system.variables().to_vec();
             let formulas = formulas(system, &run.near, &code, &coordinates, &names);
             return Some(Self::Formulas(formulas));
@@ -46,7 +46,8 @@ impl Motion {
         let geometry = lattice.base.map().proxy_geometry();
         let site = geometry.length() / 2;
         let offsets = geometry.offsets();
-        let families = offsets.iter().zip(&geometry.families);
+        let moving = run.plan.families.len();
+        let families = offsets.iter().zip(&geometry.families[..moving]);
         let coordinates: Vec<usize> = families
             .filter(|(_, (_, length))| site < *length)
             .map(|(offset, _)| offset + site)

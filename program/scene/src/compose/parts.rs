@@ -294,7 +294,7 @@ fn pair(
         order,
     );
     let is_open = request.named().is_none() && !request.has_parameters();
-    let is_long = document.system.dimension() > DENSE_LIMIT;
+    let is_long = document.system.coordinates() > DENSE_LIMIT;
     if let Some((realization, choice)) = is_open
         .then(|| exact_realization(system, registry, is_long))
         .flatten()

@@ -36,12 +36,18 @@ pub struct RunPlan {
     pub until: Option<f64>,
     /// When samples are kept.
     pub samples: SampleTimes,
-    /// x_0, with the time and its energy behind it where there is an [`extension`](ComposedRun::extension).
+    /// x_0, with parameters of sites behind it, then the time and its energy where there is an
+    /// [`extension`](ComposedRun::extension).
     pub initial: Vec<f64>,
     /// What a sample holds beside time and state.
     pub observables: Vec<Observable>,
     /// What is watched between the steps.
     pub events: Events,
+    /// The number of the scene's own coordinates, the first of a state: behind them stand parameters of sites, the time
+    /// and its energy.
+    pub coordinates: usize,
+    /// Files that values of sites are read from.
+    pub files: Vec<String>,
     /// The coordinates that are recorded.
     pub states: RecordedStates,
     /// Realization and dynamics as chosen.
@@ -170,6 +176,8 @@ fn compose_at_its_values(
         until: document.run.until.as_ref().map(|until| until.value.value),
         samples: SampleTimes::of(document),
         initial: composed.initial,
+        coordinates: document.system.coordinates(),
+        files: document.files(),
         observables: composed.observables,
         events: composed.events,
         states,
@@ -177,7 +185,7 @@ fn compose_at_its_values(
         system: system_choice(document, registry),
         families: document
             .system
-            .families
+            .moving()
             .iter()
             .map(|(name, length)| (name.value.clone(), length.value))
             .collect(),
@@ -331,12 +339,14 @@ impl ComposedRun {
         self.method.map().dimension()
     }
 
-    /// The scene's own coordinates of a state that is stepped: all but the time and its energy.
+    /// The scene's own coordinates of a state that is stepped: all but parameters of sites, the time and its energy.
     pub fn own<'a>(&self, state: &'a [f64]) -> &'a [f64] {
-        match &self.extension {
-            Some(extension) => &state[..extension.coordinates],
-            None => state,
-        }
+        &state[..self.plan.coordinates]
+    }
+
+    /// Whether the state that is stepped holds more than the scene's own coordinates.
+    pub fn is_extended(&self) -> bool {
+        self.dimension() > self.plan.coordinates
     }
 
     /// An integrator at the scene's initial state, with its parameters and step sizes.
@@ -396,10 +406,10 @@ impl ComposedRun {
         match self.method.lattice() {
             None => {
                 let mut names = self.system.variables().to_vec();
-                names.truncate(self.own(&self.plan.initial).len());
+                names.truncate(self.plan.coordinates);
                 names
             }
-            Some(geometry) => (0..geometry.dimension())
+            Some(geometry) => (0..self.plan.coordinates)
                 .map(|coordinate| geometry.name(coordinate))
                 .collect(),
         }

@@ -84,7 +84,7 @@ impl RecordedStates {
 /// A name or slice that the state does not have, underlined in the scene.
 pub(super) fn recorded_states(document: &SceneDocument) -> Result<RecordedStates, Refusal> {
     let all = variables(document);
-    let dimension = document.system.dimension();
+    let dimension = document.system.coordinates();
     let Some(asked) = &document.run.record.states else {
         let slices = if dimension <= WIDEST_STATE {
             all
@@ -129,7 +129,7 @@ pub(super) fn recorded_states(document: &SceneDocument) -> Result<RecordedStates
 fn variables(document: &SceneDocument) -> Vec<StateSlice> {
     let system = &document.system;
     let singles = system.variables.iter().map(|name| (name, None));
-    let families = system.families.iter();
+    let families = system.moving().iter();
     let families = families.map(|(name, length)| (name, Some(length.value)));
     let mut offset = 0;
     let mut all = Vec::new();

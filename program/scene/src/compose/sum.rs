@@ -61,7 +61,9 @@ fn summand(
     let families = names.flat_map(|name| whole.families_of(&name.value));
     let at =
         |family: &(Located<String>, _)| whole.families.iter().position(|(f, _)| *f == family.0);
-    let families: Vec<usize> = families.filter_map(at).collect();
+    // Every summand may name the parameters of sites.
+    let at_rest = whole.moving().len()..whole.families.len();
+    let families: Vec<usize> = families.filter_map(at).chain(at_rest).collect();
     system.variables = spec.variables.clone();
     system
         .variables

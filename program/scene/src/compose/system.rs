@@ -9,8 +9,8 @@ use super::events::{Events, events, refuse_on_a_long_lattice};
 use super::extended::Extension;
 use super::initial::initial_state;
 use super::instantiate::instantiate;
-use super::lattice::{SceneLattice, shortened};
-use super::names::check_names;
+use super::lattice::{SceneLattice, has_forms, shortened};
+use super::names::{check_names, parse};
 use super::observables::{Observable, observables};
 use crate::document::SceneDocument;
 
@@ -38,6 +38,7 @@ pub struct ComposedSystem {
 /// The first thing wrong, underlined in the scene.
 pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusal> {
     check_names(document)?;
+    check_sites(document)?;
     if let Some(numbers) = &document.system.numbers {
         if let Some(pace) = &document.method.pace {
             return Err(Box::new(document.diagnostic(
@@ -76,6 +77,48 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
         });
     }
     written_out(document)
+}
+
+/// Refuses parameters of sites beside a bracket that is an inverse, which would have none with them, and those that an
+/// ensemble would have to form anew for each member.
+fn check_sites(document: &SceneDocument) -> Result<(), Refusal> {
+    let system = &document.system;
+    let Some((key, _)) = system.sites.first() else {
+        return Ok(());
+    };
+    if has_forms(&system.bracket.value, &system.constraints) {
+        return Err(Box::new(
+            document.diagnostic(
+                &key.place(),
+                "parameters of sites do not stand beside a bracket by a form or with constraints",
+                "here",
+                Some(
+                    "write the bracket's entries, or a number for each site where it is used"
+                        .to_owned(),
+                ),
+            ),
+        ));
+    }
+    let varied = document.ensemble.iter();
+    let varied: Vec<&str> = varied
+        .flat_map(|ensemble| &ensemble.parameters)
+        .map(|(name, _)| name.value.as_str())
+        .collect();
+    for formula in system.sites.iter().filter_map(|(_, field)| field.formula()) {
+        let names = parse(document, formula)?;
+        let names = names.references();
+        if let Some(name) = varied.iter().find(|name| names.contains(**name)) {
+            return Err(Box::new(document.diagnostic(
+                &document.place_in_formula(formula, 0..formula.value.len()),
+                format!(
+                    "values of sites are formed once, and `{name}` differs from member to member"
+                ),
+                "of a parameter that the ensemble varies",
+                Some(format!("multiply by `{name}` in the Hamiltonian")),
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// The system with its families written out at their true lengths.

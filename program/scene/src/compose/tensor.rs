@@ -21,6 +21,8 @@ pub(super) fn entries(
     names: &[String],
     lengths: &[usize],
 ) -> Result<Entries, Refusal> {
+    // Parameters of sites stand behind the coordinates and commute with all.
+    let coordinates = &names[..coordinates(document, lengths)];
     match &document.system.bracket.value {
         BracketSpec::Entries(written) => {
             let table = Antisymmetric {
@@ -32,13 +34,22 @@ pub(super) fn entries(
         // Made of its form once the state is known about which the system moves.
         BracketSpec::OneForm(_) | BracketSpec::TwoForm(_) => Ok(Entries::new()),
         BracketSpec::LieAlgebra(spec) if document.system.vectors.is_empty() => {
-            lie_algebra::entries(document, spec, names)
+            lie_algebra::entries(document, spec, coordinates)
         }
         BracketSpec::LieAlgebra(spec) => at_every_site(document, spec, lengths),
-        BracketSpec::LogCanonical(rows) => log_canonical(document, rows, names),
-        BracketSpec::MagneticField(field) => magnetic_field(document, scope, field, names.len()),
+        BracketSpec::LogCanonical(rows) => log_canonical(document, rows, coordinates),
+        BracketSpec::MagneticField(field) => {
+            magnetic_field(document, scope, field, coordinates.len())
+        }
         BracketSpec::Sum(_) => sum(document, lengths),
     }
+}
+
+/// The number of coordinates that move, with the families at the given lengths.
+fn coordinates(document: &SceneDocument, lengths: &[usize]) -> usize {
+    let system = &document.system;
+    let moving = &lengths[..system.moving().len()];
+    system.variables.len() + moving.iter().sum::<usize>()
 }
 
 /// The linear bracket of an algebra at every site of the families of vectors.

@@ -2,6 +2,7 @@
 
 mod definitions;
 mod forms;
+mod sites;
 mod sums;
 mod vectors;
 

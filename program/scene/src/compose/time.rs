@@ -103,7 +103,9 @@ pub(super) fn about_time(
         );
     }
     if let InitialSpec::Fields(fields) = &document.run.initial.value
-        && fields.iter().any(|(_, field)| is(field))
+        && fields
+            .iter()
+            .any(|(_, field)| field.formula().is_some_and(is))
     {
         return told(
             "the initial state cannot name the time t: every run begins at t = 0",

@@ -171,7 +171,7 @@ fn read_initial(
     let table = item.table("initial", "a table such as { ball = 0.1 }", problems)?;
     table.only(&DRAWS, problems);
     let chosen = one_of(&table, &DRAWS, "initial = { ball = 0.1 }", problems)?;
-    let dimension = system.map(SystemSection::dimension);
+    let dimension = system.map(SystemSection::coordinates);
     let center = optional(&table, CENTER, problems, |item, problems| {
         vector(item, dimension, problems)
     })?;

@@ -149,6 +149,12 @@ pub enum SceneProblemCause {
         /// The variable.
         name: String,
     },
+    /// A parameter of every site in a system without families.
+    #[error("`{key}` is a parameter of every site, and the system has no families")]
+    WithoutSites {
+        /// Its key.
+        key: String,
+    },
     /// `magnetic`, the bracket of a charge −1 that ran time backwards under `{x,H}`.
     #[error("`magnetic` is now `magnetic-field`, with the force v' = v × B")]
     MagneticSign,
@@ -181,6 +187,7 @@ impl SceneProblemCause {
             Self::System { .. } => "here".to_owned(),
             Self::TwoSummands { .. } => "in an earlier summand".to_owned(),
             Self::NoSummand { .. } => "of no summand".to_owned(),
+            Self::WithoutSites { .. } => "of no lattice".to_owned(),
             Self::MagneticSign => "write `magnetic-field`".to_owned(),
             Self::Override { .. } => "given on the command line".to_owned(),
         }
@@ -226,6 +233,9 @@ impl SceneProblemCause {
                 "a variable that commutes with all others is a summand with an empty bracket: \
                  {{ variables = [\"{name}\"], bracket = {{}} }}"
             )),
+            Self::WithoutSites { .. } => Some(
+                "declare the lattice that it belongs to: families = { q = 100, p = 100 }".to_owned(),
+            ),
             Self::MagneticSign => Some(
                 "under \"{H,x}\" `magnetic` meant v' = -v × B, under \"{x,H}\" it ran time backwards; for \
                  H = v^2/2 + V(x), magnetic-field = [\"Bx\", \"By\", \"Bz\"] means x' = v and \

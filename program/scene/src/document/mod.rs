@@ -3,6 +3,7 @@
 //! - `located`: values that remember where they were written;
 //! - `system`, `bracket`, `method`, `run`, `ensemble`, `plugin`: one table or list of the scene each;
 //! - `system_section`: what `[system]` says, be it read from the scene, a library or a system without formulas;
+//! - `field`: what variables, sites of families and parameters of sites begin with;
 //! - `numbers`: systems that have no formulas;
 //! - `method_table`: a method as a value, written into a scene's text;
 //! - `overrides`: `--set path=value`, applied by rewriting the text;
@@ -14,6 +15,7 @@
 mod bracket;
 mod ensemble;
 mod error;
+mod field;
 mod json_schema;
 mod lie_algebra;
 mod located;
@@ -35,6 +37,7 @@ mod tests;
 pub use bracket::{BracketSpec, SummandSpec};
 pub use ensemble::{Distribution, EnsembleSection, FinalStates, InitialDraw, ParameterDraw};
 pub use error::{SceneErrors, SceneProblem, SceneProblemCause};
+pub use field::FieldSpec;
 pub use json_schema::json_schema;
 pub use lie_algebra::{AlgebraSpec, LieAlgebraSpec, Matrix, StructureConstant};
 pub use located::{Located, Number, Place, Source};

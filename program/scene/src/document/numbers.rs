@@ -158,6 +158,7 @@ fn section(id: &Located<String>, system: PoissonSystem, given: PartParameters) -
         library: Some(id.clone()),
         variables,
         families: Vec::new(),
+        sites: Vec::new(),
         vectors: Vec::new(),
         parameters: parameters.collect(),
         define: Vec::new(),

@@ -142,6 +142,11 @@ impl<'a> Item<'a> {
         self.value.is_table()
     }
 
+    /// Whether the value is a number.
+    pub fn is_number(&self) -> bool {
+        matches!(self.value, DeValue::Integer(_) | DeValue::Float(_))
+    }
+
     /// The value if it is a truth value.
     pub fn flag(&self) -> Option<bool> {
         self.value.as_bool()

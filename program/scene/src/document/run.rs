@@ -1,6 +1,7 @@
 //! The `[run]` table: where to start, how far to go, what to keep.
 
 use super::error::SceneProblemCause;
+use super::field::{FieldSpec, read_field};
 use super::located::{Located, Number, Place};
 use super::method::conflict;
 use super::reader::{Item, Problems, Table};
@@ -12,8 +13,8 @@ use super::system_section::SystemSection;
 pub enum InitialSpec {
     /// One number for each coordinate of the state.
     Vector(Vec<Located<Number>>),
-    /// A formula for each variable or family, as `"x[i]" = "1 + 0.1*sin(2*pi*i/N)"`.
-    Fields(Vec<(Located<String>, Located<String>)>),
+    /// What each variable or family begins with, as `"x[i]" = "1 + 0.1*sin(2*pi*i/N)"`.
+    Fields(Vec<(Located<String>, FieldSpec)>),
 }
 
 /// What to keep of the run.
@@ -196,11 +197,11 @@ fn read_initial(
 ) -> Option<Located<InitialSpec>> {
     let expected = "a list of numbers or a table of formulas";
     if item.is_table() {
-        let fields = item.pairs(expected, problems, Item::formula)?;
+        let fields = item.pairs(expected, problems, read_field)?;
         return Some(Located::new(InitialSpec::Fields(fields), item.place()));
     }
     let numbers = item.list_of(expected, problems, Item::number)?;
-    if let Some(dimension) = system.map(SystemSection::dimension)
+    if let Some(dimension) = system.map(SystemSection::coordinates)
         && dimension != numbers.len()
     {
         problems.push(

@@ -1,18 +1,20 @@
 //! A whole scene.
 
 use std::ops::Range;
+use std::path::Path;
 
 use leafwise_core::Registry;
 use toml::de::DeTable;
 
 use super::ensemble::{EnsembleSection, read_ensemble};
 use super::error::{SceneErrors, SceneProblem, SceneProblemCause, source_text};
+use super::field::FieldSpec;
 use super::located::{Located, Place, Source};
 use super::method::{MethodSection, read_method};
 use super::overrides::apply_overrides;
 use super::plugin::{PluginSpec, read_plugins};
 use super::reader::{Problems, Table, end_of};
-use super::run::{RunSection, read_run};
+use super::run::{InitialSpec, RunSection, read_run};
 use super::schema::SCENE;
 use super::system::read_system;
 use super::system_section::SystemSection;
@@ -104,6 +106,25 @@ impl SceneDocument {
                 })
             }
         }
+    }
+
+    /// Where the files are that it names: beside it.
+    pub fn directory(&self) -> &Path {
+        Path::new(&self.name).parent().unwrap_or(Path::new(""))
+    }
+
+    /// The files that it reads values of sites from.
+    pub fn files(&self) -> Vec<String> {
+        let fields = match &self.run.initial.value {
+            InitialSpec::Fields(fields) => fields.as_slice(),
+            InitialSpec::Vector(_) => &[],
+        };
+        let all = self.system.sites.iter().chain(fields);
+        let files = all.filter_map(|(_, field)| match field {
+            FieldSpec::File { file, .. } => Some(file.value.clone()),
+            _ => None,
+        });
+        files.collect()
     }
 
     /// A diagnostic at a place of this scene.

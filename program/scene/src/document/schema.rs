@@ -96,6 +96,26 @@ const fn table(keys: &'static [Key], needs: &'static [&'static [&'static str]]) 
 const NUMBERS: Shape = Shape::List(&Shape::Number);
 const FORMULAS: Shape = Shape::Names(&Shape::Formula);
 
+/// What variables, sites of families and parameters of sites begin with.
+const FIELDS: Shape = Shape::Names(&Shape::Either(&[
+    Shape::Formula,
+    NUMBERS,
+    table(&COLUMN, &[&["file"]]),
+]));
+
+pub(super) static COLUMN: [Key; 2] = [
+    key(
+        "file",
+        Shape::Text,
+        "A file beside the scene, CSV or JSON, with a row for each site",
+    ),
+    key(
+        "column",
+        Shape::Text,
+        "The name of its column, where it has several",
+    ),
+];
+
 /// The scene.
 pub(super) static ROOT: Shape = table(&SCENE, &[&["system", "method", "run"]]);
 
@@ -155,8 +175,8 @@ pub(super) static SYSTEM: [Key; 11] = [
     ),
     key(
         "parameters",
-        Shape::Names(&Shape::Either(&[Shape::Number, Shape::Text])),
-        "Named numbers that formulas may use",
+        FIELDS,
+        "Named numbers that formulas may use; \"J[i]\" = a formula of i, a list or { file = \"j.csv\" } for one at every site",
     ),
     key(
         "define",
@@ -335,8 +355,8 @@ const OBSERVABLES: Shape = Shape::List(&Shape::Either(&[Shape::Text, FORMULAS]))
 pub(super) static RUN: [Key; 7] = [
     key(
         "initial",
-        Shape::Either(&[NUMBERS, FORMULAS]),
-        "A number for each variable, or a formula for each variable or family",
+        Shape::Either(&[NUMBERS, FIELDS]),
+        "A number for each variable, or a formula for each variable or family; of a family also a list or { file = \"q.csv\" }",
     ),
     key("steps", Shape::Whole(0), "How many steps"),
     key(

@@ -9,6 +9,7 @@ use toml::de::DeTable;
 
 use super::bracket::{BracketSpec, read_bracket};
 use super::error::SceneProblemCause;
+use super::field::{FieldSpec, family_of, read_parameters, without_sites};
 use super::located::{Located, Place, Source};
 use super::numbers::{asks_for_numbers, read_numbers};
 use super::reader::{Item, Problems, Table};
@@ -107,17 +108,13 @@ fn override_values(
     has_numbers: bool,
     problems: &mut Problems,
 ) {
+    let has_sites = !system.families.is_empty();
+    let skip = |name: &str| has_numbers && name == PATH;
     let parameters = table
         .get("parameters")
-        .and_then(|item| item.table(&item.title, "a table of numbers", problems))
-        .and_then(|table| {
-            let given = table.items.iter();
-            let given = given.filter(|item| !(has_numbers && item.key.value == PATH));
-            let values: Vec<_> = given
-                .map(|item| Some((item.key.clone(), item.number(problems)?)))
-                .collect();
-            values.into_iter().collect()
-        });
+        .and_then(|item| read_parameters(item, has_sites, skip, problems));
+    let (parameters, sites) = parameters.unzip();
+    replace_sites(&mut system.sites, sites.unwrap_or_default(), problems);
     replace(
         &mut system.parameters,
         parameters,
@@ -145,12 +142,54 @@ fn override_values(
             .map(move |name| (name, length.clone()))
     });
     let given = given.collect();
-    replace(
-        &mut system.families,
-        Some(given),
-        "family of this system",
-        problems,
-    );
+    let mut moving = system.moving().to_vec();
+    replace(&mut moving, Some(given), "family of this system", problems);
+    system.families = moving;
+    add_sites(system, problems);
+}
+
+/// Values of parameters of sites beside those that a system has; the later hold.
+fn replace_sites(
+    declared: &mut Vec<(Located<String>, FieldSpec)>,
+    given: Vec<(Located<String>, FieldSpec)>,
+    problems: &mut Problems,
+) {
+    let families = declared.iter().map(|(key, _)| family_of(&key.value));
+    let known: Vec<String> = families.flatten().map(str::to_owned).collect();
+    for (key, value) in given {
+        let name = family_of(&key.value).unwrap_or_default();
+        if known.iter().any(|family| family == name) {
+            declared.retain(|(before, _)| before.value != key.value);
+            declared.push((key, value));
+        } else {
+            problems.push(
+                SceneProblemCause::UnknownName {
+                    kind: "parameter of every site of this system",
+                    nearest: nearest(name, known.iter().map(String::as_str)),
+                    name: name.to_owned(),
+                    valid: known.clone(),
+                },
+                key.place(),
+            );
+        }
+    }
+}
+
+/// Puts a family at rest behind the others for each parameter of sites, as long as the longest of them.
+fn add_sites(system: &mut SystemSection, problems: &mut Problems) {
+    let longest = system.families.iter().map(|(_, length)| length);
+    let longest = longest.max_by_key(|length| length.value).cloned();
+    for (key, _) in &system.sites {
+        let Some(length) = &longest else {
+            without_sites(key, problems);
+            continue;
+        };
+        let name = family_of(&key.value).unwrap_or_default();
+        if !system.families.iter().any(|(known, _)| known.value == name) {
+            let name = key.clone().map(|_| name.to_owned());
+            system.families.push((name, length.clone()));
+        }
+    }
 }
 
 fn replace<T>(
@@ -193,9 +232,10 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
         Some(item) => read_families(item, problems),
         None => Some(Families::default()),
     };
+    let has_sites = table.get("families").is_some();
     let parameters = match table.get("parameters") {
-        Some(item) => item.pairs("a table of numbers", problems, Item::number),
-        None => Some(Vec::new()),
+        Some(item) => read_parameters(item, has_sites, |_| false, problems),
+        None => Some((Vec::new(), Vec::new())),
     };
     let define = match table.get("define") {
         Some(item) => item.pairs("a table of formulas", problems, Item::formula),
@@ -246,12 +286,14 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
         None => Some(Vec::new()),
     };
     let Families { scalars, vectors } = families?;
-    let system = SystemSection {
+    let (parameters, sites) = parameters?;
+    let mut system = SystemSection {
         library: None,
         variables: variables?,
         families: scalars,
         vectors,
-        parameters: parameters?,
+        parameters,
+        sites,
         define: define?,
         bracket: bracket?,
         constraints: constraints?,
@@ -261,6 +303,8 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
         casimirs: casimirs?,
         numbers: None,
     };
+    check_sites(&system, problems);
+    add_sites(&mut system, problems);
     check_names(&system, problems);
     check_dimension(table, &system, problems);
     check_summands(&system, problems);
@@ -382,7 +426,14 @@ fn check_names(system: &SystemSection, problems: &mut Problems) {
                 .iter()
                 .map(|(name, _)| ("parameter", name)),
         )
-        .chain(system.define.iter().map(|(name, _)| ("definition", name)));
+        .chain(system.define.iter().map(|(name, _)| ("definition", name)))
+        .chain(
+            system
+                .families
+                .iter()
+                .skip(system.moving().len())
+                .map(|(name, _)| ("parameter", name)),
+        );
     let components = system.vectors.iter().flat_map(|vector| {
         let is_new = |at: usize| {
             let mut earlier = vector.components[..at].iter();
@@ -413,6 +464,19 @@ fn check_names(system: &SystemSection, problems: &mut Problems) {
                 },
                 name.place(),
             );
+        }
+    }
+}
+
+/// Parameters of sites have names of their own.
+fn check_sites(system: &SystemSection, problems: &mut Problems) {
+    let vectors = system.vectors.iter().map(|vector| &vector.name);
+    let families = system.families.iter().map(|(name, _)| name).chain(vectors);
+    let taken: HashSet<&str> = families.map(|name| name.value.as_str()).collect();
+    for (key, _) in &system.sites {
+        if let Some(name) = family_of(&key.value).filter(|name| taken.contains(name)) {
+            let name = name.to_owned();
+            problems.push(SceneProblemCause::Duplicate { name }, key.place());
         }
     }
 }
@@ -457,7 +521,7 @@ fn check_summands(system: &SystemSection, problems: &mut Problems) {
 }
 
 fn check_dimension(table: &Table<'_>, system: &SystemSection, problems: &mut Problems) {
-    let dimension = system.dimension();
+    let dimension = system.coordinates();
     if let BracketSpec::LogCanonical(rows) = &system.bracket.value
         && rows.len() != dimension
     {

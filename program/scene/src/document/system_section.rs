@@ -5,6 +5,7 @@ use std::sync::Arc;
 use leafwise_core::{PartParameters, PoissonSystem};
 
 use super::bracket::BracketSpec;
+use super::field::{FieldSpec, family_of};
 use super::located::{Located, Number};
 
 /// Sites beyond the ends of an indexed family.
@@ -34,12 +35,14 @@ pub struct SystemSection {
     /// Single variables, in the order of the state.
     pub variables: Vec<Located<String>>,
     /// Indexed families with their lengths, of a family of vectors one for each component; their sites follow the single
-    /// variables.
+    /// variables. The last are those of [`sites`](Self::sites).
     pub families: Vec<(Located<String>, Located<usize>)>,
     /// Families of vectors, whose components are families `s.x`, `s.y`, ….
     pub vectors: Vec<VectorFamily>,
     /// Parameters with their values.
     pub parameters: Vec<(Located<String>, Located<Number>)>,
+    /// Parameters of every site by their keys, `J[i]` or `J[3]`: families at rest, which nothing outside shows.
+    pub sites: Vec<(Located<String>, FieldSpec)>,
     /// Names for formulas, in the order of the text.
     pub define: Vec<(Located<String>, Located<String>)>,
     /// The Poisson tensor.
@@ -95,7 +98,7 @@ impl SystemSection {
             })
     }
 
-    /// The names that scenes give to variables and families.
+    /// The names that scenes give to variables and families that move.
     pub fn declared(&self) -> Vec<&Located<String>> {
         let families = self.families.iter().map(|(name, _)| name);
         let scalars = families.filter(|name| !self.vectors.iter().any(|v| v.has(&name.value)));
@@ -104,10 +107,30 @@ impl SystemSection {
             .iter()
             .chain(scalars)
             .chain(vectors)
+            .filter(|name| !self.is_at_rest(&name.value))
             .collect()
     }
 
-    /// The dimension of the state: single variables and all sites of the families.
+    /// The families that move: all but the parameters of sites.
+    pub fn moving(&self) -> &[(Located<String>, Located<usize>)] {
+        let is_at_rest = |(name, _): &(Located<String>, _)| self.is_at_rest(&name.value);
+        let count = self.families.iter().position(is_at_rest);
+        &self.families[..count.unwrap_or(self.families.len())]
+    }
+
+    /// Whether a family is a parameter of every site.
+    pub fn is_at_rest(&self, family: &str) -> bool {
+        let mut keys = self.sites.iter().map(|(key, _)| &key.value);
+        keys.any(|key| family_of(key) == Some(family))
+    }
+
+    /// The number of coordinates that a user sees: single variables and the families that move.
+    pub fn coordinates(&self) -> usize {
+        let lengths = self.moving().iter().map(|(_, length)| length.value);
+        lengths.fold(self.variables.len(), usize::saturating_add)
+    }
+
+    /// The dimension of the state: its coordinates and the parameters of sites.
     pub fn dimension(&self) -> usize {
         self.families
             .iter()

@@ -1,0 +1,211 @@
+//! Parameters of every site, and values from lists and files.
+
+use std::fs;
+
+use leafwise_core::Registry;
+
+use super::{compose, compose_system, document, refusal};
+use crate::compose::SceneChecks;
+use crate::document::SceneDocument;
+
+const CHAIN: &str = "families = { q = 4, p = 4 }\nbracket = { \"q[i],p[i]\" = \"-1\" }\n\
+                     hamiltonian = \"sum(i, p[i]^2/2 + J[i]*(q[i+1] - q[i])^2/2)\"\n";
+const START: &str = "initial = { \"q[i]\" = [1, 2, 3, 4], \"p[i]\" = \"i/2\" }";
+
+fn chain(parameters: &str) -> String {
+    format!("{CHAIN}parameters = {{ {parameters} }}")
+}
+
+/// Formulas, lists and single sites give the numbers they say, behind the coordinates; nothing shows them outside.
+#[test]
+fn parameters_of_sites_stand_behind_the_coordinates() {
+    for (parameters, expected) in [
+        (
+            "a = 0.5, \"J[i]\" = \"1 + a*i/N\"",
+            [1.0, 1.125, 1.25, 1.375],
+        ),
+        (
+            "\"J[2]\" = 7, \"J[i]\" = [1, 2, 3, 4]",
+            [1.0, 2.0, 7.0, 4.0],
+        ),
+        ("\"J[i]\" = 2, \"J[N-1]\" = \"pi/pi\"", [2.0, 2.0, 2.0, 1.0]),
+    ] {
+        let document = document(&chain(parameters), START);
+        let run = compose(&document, &Registry::with_builtin()).expect("a run");
+        assert_eq!(
+            run.plan.initial[..8],
+            [1.0, 2.0, 3.0, 4.0, 0.0, 0.5, 1.0, 1.5]
+        );
+        assert_eq!(run.plan.initial[8..], expected, "{parameters}");
+        assert_eq!(run.own(&run.plan.initial).len(), 8);
+        assert_eq!(run.names().len(), 8);
+        assert_eq!(run.plan.states.width(), 8);
+        assert_eq!(run.plan.families.len(), 2);
+        let checks = SceneChecks::of(&run.system, &run.near).expect("derivatives");
+        assert!(checks.pass());
+    }
+}
+
+/// Every kind of bracket over families takes them, in its entries and summands too.
+#[test]
+fn brackets_may_name_parameters_of_sites() {
+    let spins = "families = { s = { components = [\"x\", \"y\", \"z\"], length = 2 } }\nhamiltonian = \"sum(i, b[i]*s.z[i])\"\n\
+                 parameters = { \"b[i]\" = [3, 5] }\nbracket = ";
+    let initial = "initial = [1, 2, 3, 4, 5, 6]";
+    let algebra = "{ lie-algebra = \"so3\" }";
+    let sum = "{ sum = [{ variables = [\"s\"], bracket = { lie-algebra = \"so3\" } }] }";
+    for bracket in [algebra, sum] {
+        let composed = compose_system(&document(&format!("{spins}{bracket}"), initial));
+        let composed = composed.expect("a system");
+        assert_eq!(composed.initial[6..], [3.0, 5.0]);
+        let formulas = composed.system.expressions().expect("formulas");
+        assert!(formulas.tensor().keys().all(|(i, j)| *i < 6 && *j < 6));
+    }
+    let scaled = "families = { x = 3 }\nparameters = { \"J[i]\" = [2, 3, 4] }\nhamiltonian = \"sum(i, x[i])\"\nbracket = ";
+    let entries = "{ \"x[i],x[i+1]\" = \"J[i]*x[i]*x[i+1]\" }";
+    let summand = format!("{{ sum = [{{ variables = [\"x\"], bracket = {entries} }}] }}");
+    for bracket in [entries, summand.as_str()] {
+        let document = document(&format!("{scaled}{bracket}"), "initial = [1, 1, 1]");
+        let run = compose(&document, &Registry::with_builtin()).expect("a run");
+        let formulas = run.system.expressions().expect("formulas");
+        let value = |at: (usize, usize)| formulas.tensor()[&at].evaluate(&run.plan.initial, &[]);
+        assert_eq!(
+            [value((0, 1)), value((1, 2)), value((0, 2))],
+            [2.0, 3.0, -4.0]
+        );
+    }
+}
+
+#[test]
+fn what_does_not_fit_the_sites_is_refused_where_it_stands() {
+    for (parameters, run, piece, said) in [
+        (
+            "\"J[i]\" = [1, 2]",
+            START,
+            "[1, 2]",
+            "2 numbers, and `J` has 4 sites",
+        ),
+        (
+            "\"J[3]\" = [1, 2]",
+            START,
+            "\"J[3]\"",
+            "one site, and these are numbers of many",
+        ),
+        (
+            "\"J[3]\" = 1",
+            START,
+            "\"J[3]\"",
+            "parameters gives no value for J[0]",
+        ),
+        (
+            "\"J[4]\" = 1, \"J[i]\" = 2",
+            START,
+            "4",
+            "`J` has the members J[0] to J[3]",
+        ),
+        (
+            "\"J[i]\" = \"ln(i)\"",
+            START,
+            "ln(i)",
+            "the value of J[0] is infinite",
+        ),
+        ("\"J[i]\" = \"q[i]\"", START, "q[i", "`q` "),
+        (
+            "\"J[i]\" = { file = \"none.csv\" }",
+            START,
+            "\"none.csv\"",
+            "cannot read none.csv",
+        ),
+        (
+            "\"J[i]\" = 1",
+            "initial = { \"q[i]\" = 1, \"p[i]\" = 0, \"J[i]\" = 2 }",
+            "\"J[i]\"",
+            "`J` is a parameter of every site",
+        ),
+        (
+            "\"J[i]\" = 1",
+            "initial = { \"q[i]\" = [1, 2, 3], \"p[i]\" = 0 }",
+            "[1, 2, 3]",
+            "3 numbers, and `q` has 4 sites",
+        ),
+        (
+            "a = 1, \"J[i]\" = \"a\"",
+            &format!(
+                "{START}\n[ensemble]\nmembers = 2\nparameters = {{ a = {{ uniform = [0, 1] }} }}"
+            ),
+            "a",
+            "`a` differs from member to member",
+        ),
+    ] {
+        let diagnostic = refusal(&chain(parameters), run);
+        assert!(
+            diagnostic.message.contains(said),
+            "{parameters}: {}",
+            diagnostic.message
+        );
+        let found = &diagnostic.source_text[diagnostic.span.clone()];
+        assert_eq!(found, piece, "{parameters}");
+    }
+    let one_form = "families = { q = 1, p = 1 }\nhamiltonian = \"J[0]*p[0]^2\"\nbracket = { one-form = [\"p[0]\", 0] }\n\
+                    parameters = { \"J[i]\" = 2 }";
+    let message = refusal(one_form, "initial = [1, 2]").message;
+    assert!(
+        message.contains("do not stand beside a bracket by a form"),
+        "{message}"
+    );
+}
+
+#[test]
+fn wrong_keys_of_sites_are_told_when_a_scene_is_read() {
+    for (system, said) in [
+        (
+            chain("J = [1, 2, 3, 4]"),
+            "`J` must be a number, where those of all sites are \"J[i]\", found a list",
+        ),
+        (
+            chain("\"J[i]\" = { fill = \"j.csv\" }"),
+            "unknown key `fill` in J[i]",
+        ),
+        (chain("\"q[i]\" = 1"), "`q` is declared twice"),
+        (chain("\"2J[i]\" = 1"), "`2J`"),
+        (
+            "variables = [\"x\"]\nbracket = {}\nhamiltonian = \"x\"\nparameters = { \"J[i]\" = 1 }"
+                .to_owned(),
+            "`J[i]` is a parameter of every site, and the system has no families",
+        ),
+    ] {
+        let text =
+            format!("[system]\n{system}\n[method]\ntime-step = 0.1\n[run]\nsteps = 1\n{START}\n");
+        let errors = SceneDocument::parse("scene.toml", &text, &Registry::empty());
+        let errors = errors.expect_err(said).diagnostics();
+        assert!(
+            errors.iter().any(|error| error.message.contains(said)),
+            "{said}: {errors:?}"
+        );
+    }
+}
+
+/// Files lie beside the scene.
+#[test]
+fn files_give_a_number_a_site() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("j.csv"), "b,J\n1,5\n2,6\n3,7\n4,8\n").expect("written");
+    fs::write(folder.path().join("q.json"), "[1, 0, -1, 0.5]").expect("written");
+    let of = |column: &str| {
+        let system = chain(&format!("\"J[i]\" = {{ file = \"j.csv\"{column} }}"));
+        let start = "initial = { \"q[i]\" = { file = \"q.json\" }, \"p[i]\" = 0 }";
+        let mut document = document(&system, start);
+        document.name = folder.path().join("scene.toml").display().to_string();
+        compose_system(&document)
+    };
+    let composed = of(", column = \"J\"").expect("a system");
+    assert_eq!(
+        composed.initial,
+        [1.0, 0.0, -1.0, 0.5, 0.0, 0.0, 0.0, 0.0, 5.0, 6.0, 7.0, 8.0]
+    );
+    let message = of("").expect_err("two columns").message;
+    assert!(
+        message.contains("choose one by column = \"b\""),
+        "{message}"
+    );
+}

@@ -1,0 +1,128 @@
+//! What a variable, the sites of a family or a parameter of every site begin with.
+
+use super::error::SceneProblemCause;
+use super::located::{Located, Number, Place};
+use super::reader::{Item, Problems};
+use super::schema::COLUMN;
+
+/// Numbers of one variable, or of all sites of a family.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FieldSpec {
+    /// A formula of the site's index, of `N` and of parameters.
+    Formula(Located<String>),
+    /// A number for each site.
+    Numbers(Vec<Located<Number>>, Place),
+    /// A number for each site, each in a row of a file beside the scene.
+    File {
+        /// The file.
+        file: Located<String>,
+        /// Its column, where it has several.
+        column: Option<Located<String>>,
+    },
+}
+
+impl FieldSpec {
+    /// The formula, where it is one.
+    pub fn formula(&self) -> Option<&Located<String>> {
+        match self {
+            Self::Formula(formula) => Some(formula),
+            Self::Numbers(..) | Self::File { .. } => None,
+        }
+    }
+}
+
+/// The family of a key such as `J[i]` or `J[3]`; `None` for a name alone.
+pub(super) fn family_of(key: &str) -> Option<&str> {
+    key.split_once('[').map(|(name, _)| name.trim())
+}
+
+/// A formula, a number, a list of numbers, or `{ file = "j.csv", column = "J" }`.
+pub(super) fn read_field(item: &Item<'_>, problems: &mut Problems) -> Option<FieldSpec> {
+    let is_whole = item.is_list() || item.is_table();
+    if is_whole && !item.key.value.contains('[') {
+        let name = &item.key.value;
+        let expected = format!("a formula or number, where those of all sites are \"{name}[i]\"");
+        item.wrong_type(&expected, problems);
+        return None;
+    }
+    if item.is_list() {
+        let numbers = item.list_of("a list of numbers", problems, Item::number)?;
+        return Some(FieldSpec::Numbers(numbers, item.place()));
+    }
+    if !item.is_table() {
+        return item.formula(problems).map(FieldSpec::Formula);
+    }
+    let table = item.table(&item.title, "a table", problems)?;
+    table.only(&COLUMN, problems);
+    let file = table
+        .require("file", "file = \"values.csv\"", problems)
+        .and_then(|item| item.string(problems));
+    let column = match table.get("column") {
+        Some(item) => item.string(problems).map(Some),
+        None => Some(None),
+    };
+    Some(FieldSpec::File {
+        file: file?,
+        column: column?,
+    })
+}
+
+/// Numbers, and the keys with an index: parameters of every site.
+type Parameters = (
+    Vec<(Located<String>, Located<Number>)>,
+    Vec<(Located<String>, FieldSpec)>,
+);
+
+/// `{ a = 1.0, "J[i]" = "1 + 0.1*sin(2*pi*i/N)", "J[3]" = 2 }`; keys that `skip` names are left out.
+pub(super) fn read_parameters(
+    item: &Item<'_>,
+    has_sites: bool,
+    skip: impl Fn(&str) -> bool,
+    problems: &mut Problems,
+) -> Option<Parameters> {
+    let table = item.table(&item.title, "a table of numbers", problems)?;
+    let (mut numbers, mut fields) = (Some(Vec::new()), Some(Vec::new()));
+    for entry in &table.items {
+        let key = &entry.key;
+        if skip(&key.value) {
+            continue;
+        }
+        if family_of(&key.value).is_some() {
+            collect(&mut fields, key, read_field(entry, problems));
+        } else if !has_sites || entry.is_number() {
+            collect(&mut numbers, key, entry.number(problems));
+        } else {
+            let expected = format!(
+                "a number, where those of all sites are \"{}[i]\"",
+                key.value
+            );
+            entry.wrong_type(&expected, problems);
+            numbers = None;
+        }
+    }
+    Some((numbers?, fields?))
+}
+
+fn collect<T>(
+    into: &mut Option<Vec<(Located<String>, T)>>,
+    key: &Located<String>,
+    value: Option<T>,
+) {
+    *into = match (into.take(), value) {
+        (Some(mut entries), Some(value)) => {
+            entries.push((key.clone(), value));
+            Some(entries)
+        }
+        _ => None,
+    };
+}
+
+/// Records that parameters of every site stand where there are no sites.
+pub(super) fn without_sites(key: &Located<String>, problems: &mut Problems) {
+    problems.push(
+        SceneProblemCause::WithoutSites {
+            key: key.value.clone(),
+        },
+        key.place(),
+    );
+}

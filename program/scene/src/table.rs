@@ -1,0 +1,190 @@
+//! Files of numbers: CSV, or a JSON list of lists or of numbers.
+
+use std::path::Path;
+
+use crate::input::read_text;
+
+/// Rows of numbers, at least one, and the names of their columns where the file tells them.
+pub struct Table {
+    /// The names.
+    pub columns: Option<Vec<String>>,
+    /// The rows.
+    pub rows: Vec<Vec<f64>>,
+}
+
+/// The numbers of one column of a file, a row each; of its only one where `column` names none.
+///
+/// # Errors
+/// The first thing wrong, and in which row or column.
+pub fn read_column(path: &Path, column: Option<&str>) -> Result<Vec<f64>, String> {
+    let text =
+        read_text(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
+    column_of(&text, column).map_err(|reason| format!("{}: {reason}", path.display()))
+}
+
+fn column_of(text: &str, column: Option<&str>) -> Result<Vec<f64>, String> {
+    let table = Table::read(text)?;
+    let Table { columns, rows } = &table;
+    let d = columns.as_ref().map_or(rows[0].len(), Vec::len);
+    let at = match (column, columns) {
+        (None, _) if d == 1 => 0,
+        (None, None) => return Err(format!("it has {d} columns, and no names to choose one by")),
+        (None, Some(columns)) => {
+            return Err(format!(
+                "it has {d} columns: choose one by column = \"{}\"",
+                columns[0]
+            ));
+        }
+        (Some(name), None) => {
+            return Err(format!(
+                "it has no line of names, and so no column `{name}`"
+            ));
+        }
+        (Some(name), Some(columns)) => place(columns, name)?,
+    };
+    table.check(d, || format!("others have {d}"))?;
+    Ok(rows.iter().map(|row| row[at]).collect())
+}
+
+impl Table {
+    /// A JSON list of rows or of single numbers, or CSV.
+    ///
+    /// # Errors
+    /// What it is not, and in which line.
+    pub fn read(text: &str) -> Result<Self, String> {
+        // A byte order mark, as spreadsheets write it.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let table = if text.trim_start().starts_with('[') {
+            let columns = None;
+            let rows = match serde_json::from_str::<Vec<f64>>(text) {
+                Ok(numbers) => numbers.into_iter().map(|number| vec![number]).collect(),
+                Err(_) => serde_json::from_str(text)
+                    .map_err(|error| format!("not a JSON list of lists of numbers: {error}"))?,
+            };
+            Self { columns, rows }
+        } else {
+            read_csv(text)?
+        };
+        match table.rows.is_empty() {
+            true => Err("it has no row of numbers".to_owned()),
+            false => Ok(table),
+        }
+    }
+
+    /// Refuses a row of another length, and numbers that are not finite; `expected` says why the length.
+    ///
+    /// # Errors
+    /// The first such row.
+    pub fn check(&self, length: usize, expected: impl Fn() -> String) -> Result<(), String> {
+        for (row, number) in self.rows.iter().zip(1..) {
+            if row.len() != length {
+                let found = row.len();
+                return Err(format!(
+                    "row {number} has {found} numbers, and {}",
+                    expected()
+                ));
+            }
+            if let Some(value) = row.iter().find(|value| !value.is_finite()) {
+                return Err(format!("row {number} holds {value:?}, not a finite number"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Where the column of this name stands.
+///
+/// # Errors
+/// There is none, or two.
+pub fn place(columns: &[String], name: &str) -> Result<usize, String> {
+    let mut found = columns
+        .iter()
+        .enumerate()
+        .filter(|(_, column)| *column == name);
+    match (found.next(), found.next()) {
+        (Some((place, _)), None) => Ok(place),
+        (None, _) => Err(format!("it has no column `{name}`")),
+        (Some(_), Some(_)) => Err(format!("it has two columns `{name}`")),
+    }
+}
+
+/// Rows of numbers between commas, semicolons or blanks behind an optional line of names; empty
+/// lines and lines that begin with # are left out.
+fn read_csv(text: &str) -> Result<Table, String> {
+    let lines = text.lines().zip(1..);
+    let lines = lines.filter(|(line, _)| !line.trim().is_empty() && !line.starts_with('#'));
+    let (mut columns, mut rows) = (None, Vec::new());
+    for (at, (line, number)) in lines.enumerate() {
+        let cells = cells(line);
+        if let Some(empty) = cells.iter().position(|cell| cell.is_empty()) {
+            let column = empty + 1;
+            return Err(format!(
+                "line {number} has an empty cell in column {column}, where a number is missing: {line}"
+            ));
+        }
+        let row: Result<Vec<f64>, _> = cells.iter().map(|cell| cell.parse::<f64>()).collect();
+        // A line without any number is one of names; one with some is a row with a slip in it.
+        let is_named = at == 0 && cells.iter().all(|cell| cell.parse::<f64>().is_err());
+        match row {
+            Ok(row) => rows.push(row),
+            Err(_) if is_named => {
+                let names = cells.iter().map(|cell| cell.trim_matches('"').to_owned());
+                columns = Some(names.collect());
+            }
+            Err(_) => return Err(format!("line {number} is not a row of numbers: {line}")),
+        }
+    }
+    Ok(Table { columns, rows })
+}
+
+/// The cells of a line: between commas where it has one, else between semicolons, else between tabs,
+/// else between spaces. Only of spaces are several one.
+fn cells(line: &str) -> Vec<&str> {
+    let line = line.trim_matches(' ');
+    match [',', ';', '\t']
+        .into_iter()
+        .find(|mark| line.contains(*mark))
+    {
+        Some(mark) => line
+            .split(mark)
+            .map(|cell| cell.trim_matches(' '))
+            .collect(),
+        None => line.split_whitespace().collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::column_of;
+
+    #[test]
+    fn a_column_has_a_number_a_row() {
+        for (text, column) in [
+            ("1\n2.5\n", None),
+            ("[1, 2.5]", None),
+            ("[[1], [2.5]]", None),
+            ("J\n1\n2.5", None),
+            ("J\n1\n2.5", Some("J")),
+            ("b,J\n7,1\n8,2.5", Some("J")),
+        ] {
+            assert_eq!(column_of(text, column), Ok(vec![1.0, 2.5]), "{text}");
+        }
+        for (text, column, said) in [
+            ("1,2", None, "it has 2 columns, and no names"),
+            ("a,b\n1,2", None, "choose one by column = \"a\""),
+            ("a,b\n1,2", Some("c"), "it has no column `c`"),
+            ("1\n2", Some("a"), "no line of names"),
+            (
+                "a,b\n1,2\n3",
+                Some("a"),
+                "row 2 has 1 numbers, and others have 2",
+            ),
+            ("1\nnan", None, "row 2 holds NaN"),
+            ("1\ntwo", None, "line 2 is not a row of numbers"),
+            ("", None, "it has no row"),
+        ] {
+            let error = column_of(text, column).expect_err(text);
+            assert!(error.contains(said), "{text}: {error}");
+        }
+    }
+}
