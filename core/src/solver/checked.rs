@@ -2,15 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{SolverStatistics, Stepper};
+use super::{SolverStatistics, StepCheck, Stepper};
 use crate::error::StepError;
-
-/// What a step from x to x + Δ must fulfil beyond its own equations.
-pub trait StepCheck: Send {
-    /// Replaces the outcome of each lane whose finished step does not fulfil it. Arrays are those of
-    /// [`Stepper::increment`].
-    fn check(&mut self, x: &[f64], increment: &[f64], outcome: &mut [Result<(), StepError>]);
-}
 
 /// What makes checks of so many lanes with these parameters, a structure of arrays.
 pub(crate) trait MakeCheck: Send + Sync {

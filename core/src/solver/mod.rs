@@ -17,10 +17,10 @@ pub mod poles;
 mod properties;
 mod signs;
 mod statistics;
+mod stepper;
 
 pub use anderson::Anderson;
 pub use branch::Branch;
-pub use checked::StepCheck;
 pub(crate) use checked::{Checked, MakeCheck};
 pub(crate) use crossing::{Crossing, looks};
 pub use explicit::{CodeStepMap, ExplicitMap};
@@ -38,14 +38,14 @@ pub use poles::{Poles, WithoutPoles};
 pub use properties::{MapProperties, Pieces, Structure};
 pub(crate) use signs::{KeptSigns, kept_signs};
 pub use statistics::SolverStatistics;
+pub(crate) use stepper::add;
+pub use stepper::{StepCheck, Stepper};
 
 use std::sync::Arc;
 
 use leafwise_expression::Kernel;
-use leafwise_expression::kernel::apart;
 
-use crate::compensation::two_sum;
-use crate::error::{BuildError, StepError};
+use crate::error::BuildError;
 use crate::gradient::{ByTangents, Differential};
 
 /// DΦ = 1 + D((α̂ − β̂)∘L)·D(β̂∘L)⁻¹ from the two tangents at the solution, all row-major d × d.
@@ -104,112 +104,6 @@ pub trait StepMap: Send + Sync {
         let _ = parts;
         None
     }
-}
-
-/// One thread's stepper of a [`StepMap`].
-pub trait Stepper: Send {
-    /// Φ(x + low) − (x + low) for each lane, where `low` carries what the compensated state holds
-    /// beyond a double. Arrays are structures of arrays, coordinate j of lane w at `[j*lanes + w]`.
-    /// A lane that fails keeps a zero increment; `outcome[w]` says why.
-    fn increment(
-        &mut self,
-        x: &[f64],
-        low: &[f64],
-        increment: &mut [f64],
-        outcome: &mut [Result<(), StepError>],
-    );
-    /// Up to `steps` steps x_{k+1} = x_k + Δ_k of a stepper of one lane; x_k is `state` + `low`, and what rounding
-    /// takes from a sum stays in `low`. Returns the steps made, and what ended them: the state is then that before
-    /// the step that failed. `increment` is room for Δ_k. Where there is a `check`, it looks at every step before
-    /// that is taken.
-    fn advance(
-        &mut self,
-        steps: u64,
-        state: &mut [f64],
-        low: &mut [f64],
-        increment: &mut [f64],
-        mut check: Option<&mut dyn StepCheck>,
-    ) -> (u64, Result<(), StepError>) {
-        for made in 0..steps {
-            let mut outcome = [Ok(())];
-            self.increment(state, low, increment, &mut outcome);
-            if let Some(check) = &mut check {
-                check.check(state, increment, &mut outcome);
-            }
-            let [outcome] = outcome;
-            if let Err(error) = outcome.and_then(|()| add(state, low, increment)) {
-                return (made, Err(error));
-            }
-        }
-        (steps, Ok(()))
-    }
-    /// The solution y of β̂(L(y)) = x of a lane's last step, `None` for a map without a bisection.
-    fn solution(&self, lane: usize) -> Option<Vec<f64>> {
-        let _ = lane;
-        None
-    }
-    /// DΦ of a lane's last step, row-major d × d, exact through the solve; `None` where it is not
-    /// offered.
-    fn tangent(&mut self, lane: usize) -> Option<Vec<f64>> {
-        let _ = lane;
-        None
-    }
-    /// Forgets earlier steps: the next solve starts cold.
-    fn restart(&mut self);
-    /// Takes another step size h and forgets earlier steps: later ones have the bits of those of a new stepper. Returns
-    /// whether that is offered; where it is not, nothing has changed.
-    fn resize(&mut self, h: f64) -> bool {
-        let _ = h;
-        false
-    }
-    /// Work done so far.
-    fn statistics(&self) -> SolverStatistics;
-    /// Everything that later steps depend on beyond the state, for a checkpoint.
-    fn memory(&self) -> Vec<f64>;
-    /// Restores [`Stepper::memory`].
-    ///
-    /// # Errors
-    /// Returns the expected length when `memory` has another.
-    fn restore(&mut self, memory: &[f64]) -> Result<(), usize>;
-}
-
-/// The most coordinates that are kept [`apart`]: more take longer to add than to load.
-const FEW: usize = 16;
-
-/// x ← x + Δ, what rounding takes from the sum in `low`; an x + Δ that overflows is refused, and x is as it was.
-#[inline(always)]
-pub(crate) fn add(x: &mut [f64], low: &mut [f64], increment: &[f64]) -> Result<(), StepError> {
-    if x.len() <= FEW {
-        add_between(x, low, increment, apart::<1>)
-    } else {
-        add_between(x, low, increment, || ())
-    }
-}
-
-/// The same with something between two coordinates.
-#[inline(always)]
-fn add_between(
-    x: &mut [f64],
-    low: &mut [f64],
-    increment: &[f64],
-    between: impl Fn(),
-) -> Result<(), StepError> {
-    let mut zero = 0.0;
-    for (x, change) in x.iter().zip(increment) {
-        // 0·v is 0 where v is finite, and no number elsewhere.
-        zero += 0.0 * (x + change);
-        between();
-    }
-    if zero.is_nan() {
-        return Err(StepError::NonFinite {
-            what: "the new state",
-        });
-    }
-    for ((x, low), change) in x.iter_mut().zip(low).zip(increment) {
-        (*x, *low) = two_sum(*x, change + *low);
-        between();
-    }
-    Ok(())
 }
 
 /// Functions of the state that a run watches.

@@ -8,8 +8,9 @@ use std::sync::Arc;
 
 use leafwise_expression::{Graph, Kernel, Term, Workspace};
 
-use super::checked::{Checked, MakeCheck, StepCheck};
+use super::checked::{Checked, MakeCheck};
 use super::crossing::{Crossing, looks};
+use super::stepper::StepCheck;
 use super::{MapProperties, StepMap, Stepper};
 use crate::error::{BuildError, StepError};
 use crate::gradient::Differential;

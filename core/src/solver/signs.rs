@@ -2,7 +2,7 @@
 
 use leafwise_expression::{Arithmetic, Ring};
 
-use super::checked::StepCheck;
+use super::stepper::StepCheck;
 use crate::error::StepError;
 use crate::system::PoissonSystem;
 
