@@ -6,7 +6,7 @@ use super::statistics::SolverStatistics;
 use crate::compensation::two_sum;
 use crate::error::StepError;
 
-/// One thread's stepper of a [`StepMap`].
+/// One thread's stepper of a [`StepMap`](super::StepMap).
 pub trait Stepper: Send {
     /// Φ(x + low) − (x + low) for each lane, where `low` carries what the compensated state holds
     /// beyond a double. Arrays are structures of arrays, coordinate j of lane w at `[j*lanes + w]`.
