@@ -40,6 +40,9 @@ pub struct ReportData {
     /// The recorded states to draw.
     #[serde(skip)]
     pub trajectory: Option<Trajectory>,
+    /// The recorded samples, which a script turns and zooms.
+    #[serde(skip)]
+    pub recorded: Option<Recorded>,
     /// Solver evaluations a step.
     #[serde(skip)]
     pub solver: Option<TimeSeries>,
@@ -89,6 +92,17 @@ pub struct TimeSeries {
     pub times: Vec<f64>,
     /// One value for each time.
     pub values: Vec<f64>,
+}
+
+/// Recorded samples.
+#[derive(Clone, Debug, Default)]
+pub struct Recorded {
+    /// The columns' names: the time, the coordinates, the observables.
+    pub names: Vec<String>,
+    /// How many are coordinates.
+    pub coordinates: usize,
+    /// A row for each sample.
+    pub rows: Vec<Vec<f64>>,
 }
 
 /// How far an invariant strayed from its initial value.
@@ -145,7 +159,7 @@ pub enum Trajectory {
 }
 
 /// Σ ((x_i − c_i)/a_i)² = 1.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ellipsoid {
     /// The center c.
     pub center: [f64; 3],

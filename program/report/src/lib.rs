@@ -3,6 +3,7 @@
 //! - `data`: what a report is made from;
 //! - `template`: pages from `templates/`, with every value escaped;
 //! - `run`, `figure`: the page of a run, and a picture with what stands around it;
+//! - `explored`: the recorded states within the page, which its script turns and zooms;
 //! - `comparison`, `work_precision`: methods compared, as a page of its own;
 //! - `ensemble`: many members, as a page of its own;
 //! - `reproduction`, `panel`: what a paper prints beside what was measured, as a page of its own;
@@ -19,6 +20,7 @@ mod decimate;
 mod drift;
 mod ensemble;
 mod error;
+mod explored;
 mod figure;
 mod history;
 mod html;
@@ -39,7 +41,8 @@ mod work_precision;
 
 pub use comparison::{ComparisonData, render_comparison};
 pub use data::{
-    Ellipsoid, InvariantSeries, Outcome, ReportData, SectionPoints, TimeSeries, Trajectory,
+    Ellipsoid, InvariantSeries, Outcome, Recorded, ReportData, SectionPoints, TimeSeries,
+    Trajectory,
 };
 pub use ensemble::{Band, EnsembleData, Losses, render_ensemble};
 pub use error::ReportError;

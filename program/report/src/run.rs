@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::data::{InvariantSeries, ReportData, Trajectory};
 use super::drift::drift_figure;
 use super::error::ReportError;
+use super::explored::Explored;
 use super::figure::Figure;
 use super::history::{energy_figure, observable_figure, solver_figure};
 use super::lattice::lattice_figures;
@@ -15,7 +16,8 @@ use super::template::render;
 /// Recorded formulas that are drawn.
 const MOST_OBSERVABLES: usize = 8;
 
-/// The report as one HTML page: no scripts, nothing fetched, light and dark.
+/// The report as one HTML page: nothing fetched, light and dark. Its script turns the orbit and shows values; without it the same
+/// pictures stand still.
 ///
 /// # Errors
 /// Only if the drawing library refuses a figure; values that are not finite, empty series and
@@ -25,6 +27,7 @@ pub fn render_report(data: &ReportData) -> Result<String, ReportError> {
         data,
         invariants: data.invariants.iter().map(InvariantRow::of).collect(),
         figures: Figures::of(data)?,
+        explored: Explored::of(data),
     };
     render("run.html", &page)
 }
@@ -35,6 +38,7 @@ struct Page<'a> {
     data: &'a ReportData,
     invariants: Vec<InvariantRow<'a>>,
     figures: Figures,
+    explored: Option<Explored>,
 }
 
 /// A row of the table of invariants.
@@ -108,7 +112,12 @@ impl Figures {
                 points,
                 leaf,
             }) => {
-                figures.orbit = Some(orbit_figure(names, times, points, leaf.as_ref())?);
+                let mut orbit = orbit_figure(names, times, points, leaf.as_ref())?;
+                if names.len() > 1 {
+                    // By this the script knows which picture it draws anew.
+                    orbit.svg = orbit.svg.replacen("<svg ", "<svg class=\"orbit\" ", 1);
+                }
+                figures.orbit = Some(orbit);
             }
             Some(Trajectory::Lattice {
                 name,

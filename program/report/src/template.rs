@@ -18,11 +18,12 @@ macro_rules! templates {
     };
 }
 
-const TEMPLATES: [(&str, &str); 9] = templates![
+const TEMPLATES: [(&str, &str); 10] = templates![
     "page.html",
     "style.css",
     "parts.html",
     "run.html",
+    "explore.js",
     "ensemble.html",
     "comparison.html",
     "reproduction.html",

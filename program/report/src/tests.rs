@@ -32,6 +32,7 @@ fn rigid_body(count: usize) -> ReportData {
         .map(|t| 10.1 + 2e-5 * libm::sin(0.4 * t) * libm::sin(0.4 * t))
         .collect();
     let energy_drift = energy.iter().map(|value| value - 10.1).collect();
+    let energy_values = energy.clone();
     let spin = (0..count)
         .map(|k| {
             if k < 12 {
@@ -104,11 +105,20 @@ fn rigid_body(count: usize) -> ReportData {
         trajectory: Some(Trajectory::Orbit {
             names: ["x1", "x2", "x3"].map(str::to_owned).to_vec(),
             times: times.clone(),
-            points,
+            points: points.clone(),
             leaf: Some(Ellipsoid {
                 center: [0.0; 3],
                 semi_axes: [libm::sqrt(19.0); 3],
             }),
+        }),
+        recorded: Some(Recorded {
+            names: ["t", "x1", "x2", "x3", "energy"]
+                .map(str::to_owned)
+                .to_vec(),
+            coordinates: 3,
+            rows: (times.iter().zip(&points).zip(&energy_values))
+                .map(|((t, x), energy)| [&[*t][..], x, &[*energy]].concat())
+                .collect(),
         }),
         solver: Some(TimeSeries {
             values: (0..count)
@@ -169,6 +179,7 @@ fn page(data: &ReportData) -> String {
 
 /// Checks that every tag is closed in order.
 fn assert_well_formed(html: &str) {
+    let html = without_script(html);
     let mut open: Vec<&str> = Vec::new();
     for piece in html.split('<').skip(1) {
         let (tag, _) = piece.split_once('>').expect("every tag ends");
@@ -180,6 +191,15 @@ fn assert_well_formed(html: &str) {
         }
     }
     assert!(open.is_empty(), "left open: {open:?}");
+}
+
+/// The page without its program, whose `<` are no tags.
+fn without_script(html: &str) -> String {
+    let Some((before, rest)) = html.split_once("<script>") else {
+        return html.to_owned();
+    };
+    let (_, after) = rest.split_once("</script>").expect("a script ends");
+    format!("{before}{after}")
 }
 
 fn all() -> Vec<ReportData> {
@@ -194,13 +214,96 @@ fn pages_are_well_formed() {
 }
 
 #[test]
-fn pages_fetch_nothing_and_run_nothing() {
+fn pages_fetch_nothing() {
     for data in all() {
         let html = page(&data).replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
-        for outside in ["http", "src=", "href=", "@import", "url(", "<script"] {
+        for outside in [
+            "http:",
+            "https:",
+            "src=",
+            "href=",
+            "@import",
+            "url(",
+            "fetch(",
+            "XMLHttp",
+            "import(",
+            "WebSocket",
+        ] {
             assert!(!html.contains(outside), "{outside} occurs");
         }
+        // And a browser is told to fetch nothing, whatever a page may ask for.
+        assert!(html.contains("content=\"default-src 'none';"));
+        assert!(!html.contains("connect-src"));
     }
+}
+
+/// Every picture of a page that carries states is there without them, and its own script is the only one.
+#[test]
+fn pages_are_readable_without_their_script() {
+    let data = rigid_body(400);
+    let still = ReportData {
+        recorded: None,
+        ..rigid_body(400)
+    };
+    let (html, still) = (page(&data), page(&still));
+    assert_eq!(
+        html.matches("<svg ").count(),
+        still.matches("<svg ").count() + 1
+    );
+    assert_eq!(html.matches("<script").count(), 2);
+    assert!(!still.contains("<script"));
+    let (_, history) = html
+        .split_once("<figure class=\"history\"")
+        .expect("a figure");
+    assert!(history.starts_with(" hidden>"));
+}
+
+/// The numbers within a page are the recorded ones to the bit; of too many, every so many and the last.
+#[test]
+fn a_page_carries_its_states() {
+    for (count, stride) in [(1001, 1), (50_000, 6)] {
+        let data = rigid_body(count);
+        let html = page(&data);
+        let (_, rest) = html.split_once("data-axes=\"1 2 3\"").expect("axes");
+        let (_, rest) = rest.split_once('>').expect("a tag");
+        let (text, _) = rest.split_once('<').expect("an end");
+        assert!(text.len() < 600_000);
+        let recorded = data.recorded.expect("states");
+        let last = recorded.rows.len() - 1;
+        let mut kept: Vec<_> = recorded.rows.iter().step_by(stride).collect();
+        kept.extend((!last.is_multiple_of(stride)).then(|| &recorded.rows[last]));
+        let numbers = decoded(text);
+        assert_eq!(numbers.len(), 5 * kept.len());
+        for (at, value) in numbers.iter().enumerate() {
+            let expected = kept[at % kept.len()][at / kept.len()];
+            assert_eq!(value.to_bits(), expected.to_bits());
+        }
+        assert_eq!(html.contains("One state of 6 is in the page"), stride == 6);
+    }
+}
+
+fn decoded(text: &str) -> Vec<f64> {
+    let six_bits = |letter: u8| match letter {
+        b'A'..=b'Z' => letter - b'A',
+        b'a'..=b'z' => letter - b'a' + 26,
+        b'0'..=b'9' => letter - b'0' + 52,
+        b'+' => 62,
+        _ => 63,
+    };
+    let mut bytes = Vec::new();
+    for group in text.trim_end_matches('=').as_bytes().chunks(4) {
+        let bits = group.iter().fold(0u32, |bits, letter| {
+            bits << 6 | u32::from(six_bits(*letter))
+        });
+        let bits = bits << (6 * (4 - group.len()));
+        bytes.extend_from_slice(&bits.to_be_bytes()[1..group.len()]);
+    }
+    let (numbers, rest) = bytes.as_chunks::<8>();
+    assert!(rest.is_empty());
+    numbers
+        .iter()
+        .map(|bytes| f64::from_le_bytes(*bytes))
+        .collect()
 }
 
 #[test]

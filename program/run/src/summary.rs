@@ -10,7 +10,8 @@ use super::outcome::{RunOutcome, RunReport};
 use super::snapshots::spacing;
 use crate::advice::{Advice, EnergyError, MOST_STATES, lines, states_ahead};
 use leafwise_report::{
-    Ellipsoid, InvariantSeries, Outcome, ReportData, SectionPoints, TimeSeries, Trajectory,
+    Ellipsoid, InvariantSeries, Outcome, Recorded, ReportData, SectionPoints, TimeSeries,
+    Trajectory,
 };
 use leafwise_scene::compose::{ComposedRun, Observable, SampleTimes, Section, WIDEST_STATE};
 use leafwise_scene::document::SceneDocument;
@@ -98,8 +99,23 @@ pub(super) fn report_data(
             .collect(),
         section: section(run, session, &rows)?,
         trajectory: trajectory(run, session, times.clone(), &rows, width),
+        recorded: Some(recorded(run, width, rows)),
         solver: (!solver.times.is_empty()).then_some(solver),
     })
+}
+
+/// The samples under their names.
+fn recorded(run: &ComposedRun, width: usize, rows: Vec<Vec<f64>>) -> Recorded {
+    let states = run.plan.states.names().into_iter().take(width);
+    let observables = run.plan.observables.iter().map(|o| o.name().to_owned());
+    Recorded {
+        names: (std::iter::once("t".to_owned())
+            .chain(states)
+            .chain(observables))
+        .collect(),
+        coordinates: width,
+        rows,
+    }
 }
 
 /// The states on a section to draw: over the axes that the scene names, or else over the first two columns that vary there;
