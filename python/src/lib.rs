@@ -38,5 +38,5 @@ mod _leafwise {
     #[pymodule_export]
     use super::scene::Scene;
     #[pymodule_export]
-    use super::text::text_of;
+    use super::text::{text_of, text_of_value};
 }

@@ -12,6 +12,12 @@ pub(crate) fn text_of(table: &Bound<'_, PyDict>) -> PyResult<String> {
     toml::to_string(&table).map_err(|error| PyValueError::new_err(error.to_string()))
 }
 
+/// A Python value as TOML on one line, as an override takes it.
+#[pyfunction]
+pub(crate) fn text_of_value(value: &Bound<'_, PyAny>) -> PyResult<String> {
+    value_of(value, "the value").map(|value| value.to_string())
+}
+
 fn table_of(table: &Bound<'_, PyDict>, path: &str) -> PyResult<Table> {
     let mut found = Table::new();
     for (key, value) in table {

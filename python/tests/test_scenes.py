@@ -1,5 +1,6 @@
 """Scenes and runs, against the program's own files and closed forms."""
 
+import html
 import json
 import pickle
 import threading
@@ -128,13 +129,49 @@ def test_tables_of_other_libraries() -> None:
     np.testing.assert_array_equal(data.energy, run.energy)
 
 
+def test_figures() -> None:
+    run = lw.Scene(RIGID_BODY).run(steps=10)
+    ax = run.plot("x1", "energy")
+    assert [line.get_label() for line in ax.lines] == ["x1", "energy"]
+    np.testing.assert_array_equal(ax.lines[1].get_ydata(), run.energy)
+    assert len(run.plot(ax=ax).lines) == 5
+    with pytest.raises(KeyError, match="'x9' was not recorded; there are x1, x2, x3, energy, spin"):
+        run.plot("x9", ax=ax)
+
+
+def test_a_comparison_is_a_table() -> None:
+    found = lw.Scene(RIGID_BODY).compare("--steps", "20", "--repeat", "0", "--budget", "1e5")
+    table = found.to_pandas()
+    ran = [point for point in found["points"] if "error" in point]
+    assert len(table) == len(ran) > 10 and table["operations"].is_monotonic_increasing
+    assert table["seconds"].isna().all() and set(table["method"]) <= {method["name"] for method in found["methods"]}
+    front = table[table["poisson_front"]]
+    assert front["poisson"].all() and (np.diff(front["error"]) < 0).all()
+    np.testing.assert_array_equal(found.plot().lines[1].get_ydata(), front["error"])
+
+
 def test_the_report_is_a_page_of_its_own(tmp_path: Path) -> None:
     run = lw.Scene(RIGID_BODY).run(steps=10)
     run.save_report(tmp_path / "report.html")
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "<svg" in page and "http://" not in page.replace("http://www.w3.org", "")
-    assert run._repr_html_().startswith("<iframe")
+    shown = run._repr_html_()
+    assert shown.startswith("<iframe") and html.escape(page) in shown and "<script" in page
     assert "10 steps" in repr(run)
+
+
+def test_a_table_takes_the_place_of_a_table() -> None:
+    scene = lw.Scene(RIGID_BODY).set(
+        method={"stepper": {"name": "splitting"}, "time-step": 0.05},
+        run__record={"every": 2, "observables": ["spin"]},
+        run__initial=np.array([1.0, 2.0, 3.0]),
+    )
+    assert scene.method == lw.Scene(RIGID_BODY | {"method": {"stepper": "splitting", "time-step": 0.05}}).method
+    run = scene.run(steps=4)
+    np.testing.assert_array_equal(run.t, [0.0, 0.1, 0.2])
+    np.testing.assert_array_equal(run.x[0], [1, 2, 3])
+    with pytest.raises(lw.SceneError, match="`run` is a table; name one of its keys, or give a table"):
+        lw.Scene(RIGID_BODY).set(run=5)
 
 
 def test_scenes_can_be_pickled() -> None:

@@ -12,6 +12,7 @@ Units are those of the scene. States have the shape (d,), recorded ones (samples
 """
 
 from ._commands import command, describe, list_parts as list, load_plugin
+from ._comparison import Comparison
 from ._ensemble import Ensemble
 from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning, SceneError
 from ._fit import Fit
@@ -23,6 +24,7 @@ from ._scene import Scene
 from ._solve import Solution, solve
 
 __all__ = [
+    "Comparison",
     "Fit",
     "Gradient",
     "Growth",

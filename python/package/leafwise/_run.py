@@ -11,8 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._leafwise import Recorded
+from ._plots import axes
 
 if TYPE_CHECKING:
+    import matplotlib.axes
     import pandas
     import xarray
 
@@ -125,6 +127,21 @@ class Run:
     def save_report(self, file: str | PathLike[str]) -> None:
         """Write the report to a file to open in a browser."""
         Path(file).write_text(self.report(), encoding="utf-8")
+
+    def plot(self, *names: str, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
+        """Coordinates and observables against time, all coordinates where none are named. Needs matplotlib.
+
+        Raises:
+            KeyError: nothing of this name was recorded.
+        """
+        ax, table = axes(ax), self._recorded.samples
+        for name in names or self.names:
+            if name not in self._recorded.columns:
+                raise KeyError(f"{name!r} was not recorded; there are {', '.join(self._recorded.columns[1:])}")
+            ax.plot(self.t, table[:, self._recorded.columns.index(name)], label=name)
+        ax.set_xlabel("t")
+        ax.legend()
+        return ax
 
     def to_pandas(self) -> pandas.DataFrame:
         """A column for each coordinate and observable over the index t. Needs pandas."""

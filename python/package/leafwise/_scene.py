@@ -14,12 +14,13 @@ from numpy.typing import ArrayLike
 from . import _leafwise
 from ._arrays import reals
 from ._commands import command
+from ._comparison import Comparison
 from ._ensemble import Ensemble
 from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning
 from ._fit import Fit, fit
 from ._gradient import Trajectory
 from ._functions import System
-from ._leafwise import Integrator, text_of
+from ._leafwise import Integrator, text_of, text_of_value
 from ._progress import shown
 from ._run import Run
 
@@ -73,7 +74,10 @@ class Scene:
         return Scene._of, self._scene.origin
 
     def set(self, **values: Any) -> Scene:
-        """The same scene with other values: ``scene.set(run__steps=100)``, two underscores for a dot."""
+        """The same scene with other values: ``scene.set(run__steps=100, method={"stepper": "rk4", "time-step": 0.1})``.
+
+        Two underscores stand for a dot; a table takes the place of the whole table.
+        """
         pairs = {key.replace("__", "."): value for key, value in values.items()}
         return self._of(self.text, self.name, _overrides(pairs), self._scene.origin[3])
 
@@ -276,10 +280,9 @@ class Scene:
         found: dict[str, Any] = self.command("check", accept=(0, 5))
         return found
 
-    def compare(self, *arguments: str) -> dict[str, Any]:
-        """Cost against accuracy of methods on this scene, as ``leafwise compare``."""
-        found: dict[str, Any] = self.command("compare", *arguments)
-        return found
+    def compare(self, *arguments: str) -> Comparison:
+        """Cost against accuracy of methods on this scene, as ``leafwise compare``: ``scene.compare("--at-end").to_pandas()``."""
+        return Comparison(self.command("compare", *arguments))
 
     def tune(self, error: float, *arguments: str) -> dict[str, Any]:
         """The cheapest method and step for an error, as ``leafwise tune --error``."""
@@ -292,4 +295,4 @@ class Scene:
 
 def _overrides(values: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Keys and values as TOML."""
-    return [(key, text_of({"value": value}).partition("=")[2].strip()) for key, value in values.items()]
+    return [(key, text_of_value(value)) for key, value in values.items()]

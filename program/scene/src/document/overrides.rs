@@ -89,7 +89,7 @@ fn apply(document: &mut DocumentMut, path: &str, value: &str) -> Result<(), Refu
     };
     let keys = Key::parse(path)
         .map_err(|_| refuse("the path is not dotted keys such as method.epsilon"))?;
-    check_path(&keys, path)?;
+    check_path(&keys, path, value)?;
     check_declared(document, &keys, path)?;
     let (_, parents) = keys
         .split_last()
@@ -156,6 +156,12 @@ fn write(document: &mut DocumentMut, keys: &[Key], value: &str) -> Option<()> {
             *new.decor_mut() = old.decor().clone();
             *old = new;
         }
+        Some(Item::Table(old)) if new.is_inline_table() => {
+            let mut table = Item::Value(new).into_table().ok()?;
+            *table.decor_mut() = old.decor().clone();
+            table.set_position(old.position());
+            *old = table;
+        }
         Some(item) => *item = Item::Value(new),
         None => {
             table.entry_format(last).or_insert(Item::Value(new));
@@ -175,7 +181,7 @@ fn remove_alternatives(table: &mut dyn TableLike, key: &str) {
 }
 
 /// Refuses a path the scene format does not have.
-fn check_path(keys: &[Key], path: &str) -> Result<(), Refusal> {
+fn check_path(keys: &[Key], path: &str, value: &str) -> Result<(), Refusal> {
     let names: Vec<_> = keys.iter().map(Key::get).collect();
     let mut shape = &ROOT;
     for (depth, name) in names.iter().enumerate() {
@@ -201,10 +207,17 @@ fn check_path(keys: &[Key], path: &str) -> Result<(), Refusal> {
         };
         return Err((cause, segment(path, name)));
     }
-    if names.len() == 1 && names[0] != "plugins" {
+    let is_table = value
+        .trim()
+        .parse()
+        .is_ok_and(|value: Value| value.is_inline_table());
+    if names.len() == 1 && names[0] != "plugins" && !is_table {
         let cause = SceneProblemCause::Override {
             path: path.to_owned(),
-            reason: format!("`{}` is a table; name one of its keys", names[0]),
+            reason: format!(
+                "`{}` is a table; name one of its keys, or give a table, {{ key = value }}",
+                names[0]
+            ),
         };
         return Err((cause, 0..path.len()));
     }

@@ -102,6 +102,23 @@ fn overriding_one_alternative_removes_the_others() {
 }
 
 #[test]
+fn a_table_takes_the_place_of_a_table() {
+    let method = "{ stepper = { name = \"rk4\" }, time-step = 0.25 }";
+    let scene = with(&[("method", method), ("run.steps", "7")]).expect("valid overrides");
+    assert_eq!(scene.text.matches("[method]").count(), 1);
+    assert!(scene.text.contains("time-step = 0.25"), "{}", scene.text);
+    assert!(!scene.text.contains("hamilton-jacobi"), "{}", scene.text);
+    let errors = with(&[("run", "5")]).expect_err("no table");
+    let told = errors.diagnostics().remove(0);
+    assert!(
+        told.message
+            .contains("name one of its keys, or give a table"),
+        "{}",
+        told.message
+    );
+}
+
+#[test]
 fn an_override_outside_the_format_is_underlined_in_the_argument() {
     let errors = with(&[("method.epsillon", "0.05")]).expect_err("no such key");
     let diagnostic = errors.diagnostics().remove(0);

@@ -1,0 +1,71 @@
+"""Cost against accuracy of methods."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ._plots import axes
+
+if TYPE_CHECKING:
+    import matplotlib.axes
+    import pandas
+
+
+class Comparison(dict[str, Any]):
+    """The object that ``leafwise compare`` prints: ``methods``, ``points``, ``refused``, and the ``reference`` that errors are against."""
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row for each method and step that ran, the cheapest first. Needs pandas.
+
+        Columns: ``method``, ``steps``, ``time_step``, ``tolerance`` of steppers that choose their steps, ``operations``
+        (floating-point operations), ``evaluations`` of the step equations, ``seconds`` (the median), ``error`` (the largest
+        distance from the reference), ``relative_error``, ``end_error``, ``energy_drift``, ``casimir_drift``, ``tensor_defect``,
+        ``poisson`` (the map keeps the structure), ``front`` (nothing is both cheaper and more accurate),
+        ``poisson_front`` (no Poisson map is).
+        """
+        import pandas
+
+        rows = []
+        for point in self._ran:
+            row = {name: value for name, value in point.items() if name not in _NESTED}
+            timed = point["wall_seconds"]
+            row["seconds"] = None if timed is None else timed["median"]
+            row["front"], row["poisson_front"] = point["front"]["all"], point["front"]["poisson"]
+            rows.append(row)
+        frame = pandas.DataFrame(rows, columns=_COLUMNS)
+        return frame.sort_values("operations", ignore_index=True, kind="stable")
+
+    def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
+        """Error against operations: the front of all methods, and that of Poisson maps. Needs matplotlib."""
+        ax = axes(ax)
+        for front, label in (("all", "any method"), ("poisson", "Poisson maps")):
+            points = sorted((p["operations"], p["error"]) for p in self._ran if p["front"][front])
+            ax.loglog([at for at, _ in points], [error for _, error in points], "o-", label=label)
+        ax.set(xlabel="operations", ylabel="largest error", title=f"t = {self['time']:g}")
+        ax.legend()
+        return ax
+
+    @property
+    def _ran(self) -> list[dict[str, Any]]:
+        return [point for point in self["points"] if point.get("error") is not None]
+
+
+_NESTED = {"wall_seconds", "front", "failure", "over_budget", "at_floor"}
+_COLUMNS = [
+    "method",
+    "steps",
+    "time_step",
+    "tolerance",
+    "operations",
+    "evaluations",
+    "seconds",
+    "error",
+    "relative_error",
+    "end_error",
+    "energy_drift",
+    "casimir_drift",
+    "tensor_defect",
+    "poisson",
+    "front",
+    "poisson_front",
+]
