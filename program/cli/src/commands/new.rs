@@ -74,8 +74,8 @@ fn library_scene(id: &str) -> Result<String, Failure> {
     Ok(format!(
         "# {title}\n# {reference}\n# `leafwise describe {id}` shows its tensor, Hamiltonian and \
          Casimirs.\n\n[system]\nlibrary = \"{id}\"\n# parameters = {{ … }}   replaces the \
-         library's values, by name\n\n[method]\n# The geometry, as a series in epsilon cut at \
-         this order.\nrealization = {{ name = \"karasev-truncated\", order = 4 }}\n# The \
+         library's values, by name\n\n[method]\n# The geometry: an exact closed form where the \
+         tensor has one, collocation elsewhere.\nrealization = \"auto\"\n# The \
          dynamics, of even order.\ndynamics    = {{ name = \"hamilton-jacobi\", order = 4 }}\n# \
          One step advances time by this much.\ntime-step   = {time_step}\n\n[run]\ninitial = \
          {initial}\nsteps   = 1000\n# What is written down, every how many steps; the largest \

@@ -339,3 +339,28 @@ fn an_ensemble_tells_its_losses_and_draws_its_section() {
         assert!(page.contains(heading), "{heading}");
     }
 }
+
+#[test]
+fn a_condition_may_hold_a_double_sum() {
+    // q = (t, 2 t, 3 t): the sum over pairs is 11 t², which comes to 2 at t = sqrt(2/11).
+    let here = Place::with(
+        r#"[system]
+families    = { q = 3, p = 3 }
+bracket     = { "q[i],p[i]" = "1" }
+convention  = "{x,H}"
+hamiltonian = "p[0] + 2*p[1] + 3*p[2]"
+[method]
+dynamics    = "hamilton-jacobi"
+time-step   = 0.1
+[run]
+initial = [0, 0, 0, 0, 0, 0]
+steps   = 20
+stop    = "sum(i<j, q[i]*q[j]) >= 2"
+record  = { every = 1 }
+"#,
+    );
+    let stopped = run(&here, "stopped", &[]).json();
+    let expected = libm::sqrt(2.0 / 11.0);
+    let told = time(&stopped);
+    assert!((told - expected).abs() < 1e-13, "{told} {expected}");
+}

@@ -199,14 +199,24 @@ fn difference<'a>(
             "write when the run is to end, as \"q1^2 + q2^2 > 1\"",
         ),
     };
-    let Some(start) = whole.find(is_sign) else {
+    // A sign inside parentheses belongs to a double sum, `sum(i < j, …)`.
+    let mut depth = 0_usize;
+    let mut outside = whole.char_indices().filter_map(|(at, c)| {
+        match c {
+            '(' | '[' => depth += 1,
+            ')' | ']' => depth = depth.saturating_sub(1),
+            _ => return (depth == 0 && is_sign(c)).then_some(at),
+        }
+        None
+    });
+    let Some(start) = outside.next() else {
         let message = format!("`{}` compares nothing: it has no {listed}", whole.trim());
         return Err(refuse(document, text, message, "no comparison", example));
     };
     let length = whole[start..].find(|c| !is_sign(c));
     let end = length.map_or(whole.len(), |length| start + length);
     let sign = &whole[start..end];
-    if !signs.contains(&sign) || whole[end..].contains(is_sign) {
+    if !signs.contains(&sign) || outside.any(|at| at >= end) {
         let message = format!("two formulas with {one} between them are expected");
         return Err(Box::new(document.diagnostic(
             &document.place_in_formula(text, start..end),
