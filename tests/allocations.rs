@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use allocation_counter::measure;
+use leafwise::core::Observe;
 use leafwise::core::gradient::{Plan, Trajectory, Way};
 use leafwise::core::part::PartKind;
-use leafwise::core::solver::Observe;
 use leafwise::core::{Integrator, Method, PartParameters, Registry, StepMap};
 use leafwise::expression::Execution;
 use leafwise::prelude::SceneDocument;

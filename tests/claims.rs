@@ -31,6 +31,7 @@ mod poles;
 mod reference;
 mod runs;
 mod schema;
+mod shadow;
 mod sources;
 mod spins;
 mod starts;

@@ -15,6 +15,7 @@
 //! - [`method`](mod@method): [`Method`], the two combined into a step map.
 //! - [`quadrature`]: Gauss–Legendre rules.
 //! - [`runge_kutta`]: tableaux and stage equations.
+//! - [`shadow`]: the Hamiltonians whose flows step maps are.
 //! - [`solver`]: the step solver, one Newton iteration a lane.
 //! - [`integrator`]: the compensated step loop.
 //! - [`lattice`]: long lattices in O(N) time and memory a step.
@@ -34,10 +35,12 @@ pub mod error;
 pub mod evaluator;
 pub mod generating;
 mod generating_function;
+mod generating_shadow;
 pub mod gradient;
 pub mod integrator;
 pub mod lattice;
 pub mod method;
+mod observe;
 pub mod one_form;
 pub mod origin;
 pub mod part;
@@ -48,6 +51,7 @@ pub mod quadrature;
 pub mod realization;
 pub mod registry;
 pub mod runge_kutta;
+pub mod shadow;
 mod side_by_side;
 mod solution_series;
 pub mod solver;
@@ -66,6 +70,7 @@ pub use gradient::{ByTangents, Differential};
 pub use integrator::Integrator;
 pub use lattice::LatticeMethod;
 pub use method::{Method, MethodEvaluators};
+pub use observe::Observe;
 pub use one_form::{CodeOneForm, GraphOfOneForm};
 pub use origin::Origin;
 pub use part::{PartInfo, PartKind, PartParameters};
@@ -74,8 +79,9 @@ pub use realization::{
     SourceSeries, SourceTarget,
 };
 pub use registry::{Part, Registry, RegistryError};
+pub use shadow::Shadow;
 pub use side_by_side::SideBySide;
 pub use solver::{
-    MapProperties, Observe, Pieces, SolverStatistics, StepMap, Stepper, Structure, WithoutPoles,
+    MapProperties, Pieces, SolverStatistics, StepMap, Stepper, Structure, WithoutPoles,
 };
 pub use system::{Convention, PoissonSystem, SystemBuilder, SystemFormulas, SystemNumbers};

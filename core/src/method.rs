@@ -9,14 +9,16 @@ use crate::code_evaluators::{CodeBisection, CodeRealization, realization_evaluat
 use crate::dynamics::{Correction, DynamicApproximation};
 use crate::error::BuildError;
 use crate::evaluator::Evaluator;
+use crate::generating_shadow::shadow_of;
 use crate::gradient::{ByTangents, Differential, Solved, by_parameters};
 use crate::realization::{Accuracy, MapCode, RealizationData, RealizationEvaluator, SourceTarget};
+use crate::shadow::Shadow;
 use crate::solution_series::start_of_solves;
 use crate::solver::{
     Checked, KeptSigns, Lanes, MakeCheck, MapProperties, NewtonKernel, NewtonStepper,
     NumericSolver, Poles, StepMap, Stepper, Structure, check_variables, kept_signs,
 };
-use crate::system::PoissonSystem;
+use crate::system::{PoissonSystem, SystemFormulas};
 
 /// φ̂_{ε,h} = α̂_ε ∘ (β̂_ε|_L)⁻¹ (paper, Definition 2.4 and Algorithm 1): given x_k, find y with
 /// β̂(L(y)) = x_k and return x_{k+1} = x_k + (α̂ − β̂)(L(y)).
@@ -355,6 +357,21 @@ impl StepMap for Method {
                 maps.chain(points.iter().map(CodeBisection::kernel))
                     .collect()
             }
+        }
+    }
+
+    fn shadow(
+        &self,
+        _: &SystemFormulas,
+        last: usize,
+        products: u64,
+    ) -> Result<Option<Shadow>, BuildError> {
+        let generating = self.bisection.generating_function();
+        match (generating, self.realization.series()) {
+            (Some(generating), Some(series)) => {
+                shadow_of(generating, series, self.dimension(), last, products)
+            }
+            _ => Ok(None),
         }
     }
 

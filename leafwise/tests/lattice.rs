@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use crate::chain::Chain;
 use leafwise::core::lattice::{LatticeMap, LatticeMethod, LatticeObservables};
-use leafwise::core::solver::{Observe, StepMap};
 use leafwise::core::{BuildError, Integrator, Method, PartParameters, Registry};
+use leafwise::core::{Observe, StepMap};
 
 /// {x[i], x[i+1]} = x[i] x[i+1] on the first family, {x[i], y[i+1]} = 1 + x[i] y[i+1] where there
 /// is a second: a tensor for comparing codes, Poisson or not.

@@ -2,7 +2,7 @@
 
 use crate::error::StepError;
 use crate::integrator::Integrator;
-use crate::solver::Observe;
+use crate::observe::Observe;
 use crate::solver::judge::larger;
 
 /// How far an invariant moved.

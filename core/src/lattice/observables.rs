@@ -9,7 +9,7 @@ use super::sites::SiteNumbers;
 use super::source::LatticeSource;
 pub use super::source::SiteDensity;
 use crate::error::BuildError;
-use crate::solver::Observe;
+use crate::observe::Observe;
 
 /// Evaluates sums over sites in O(N), with a compensated sum in the order of the sites.
 #[derive(Clone, Debug)]

@@ -47,6 +47,8 @@ use leafwise_expression::Kernel;
 
 use crate::error::BuildError;
 use crate::gradient::{ByTangents, Differential};
+use crate::shadow::Shadow;
+use crate::system::SystemFormulas;
 
 /// DΦ = 1 + D((α̂ − β̂)∘L)·D(β̂∘L)⁻¹ from the two tangents at the solution, all row-major d × d.
 pub(crate) fn tangent_of_map(target: &[f64], change: &[f64], d: usize) -> Option<Vec<f64>> {
@@ -77,6 +79,20 @@ pub trait StepMap: Send + Sync {
         let stepper = self.stepper(1, parameters, epsilon, h);
         Box::new(ByTangents::new(stepper, self.dimension()))
     }
+    /// The [`Shadow`] Hamiltonian of this map of a system, its terms F_1 to F_`last`; `None` where there is no formula of
+    /// it, and where that takes more than `products` products of terms.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where the tensor or the Hamiltonian is outside the exact algebra.
+    fn shadow(
+        &self,
+        system: &SystemFormulas,
+        last: usize,
+        products: u64,
+    ) -> Result<Option<Shadow>, BuildError> {
+        let _ = (system, last, products);
+        Ok(None)
+    }
     /// χ and χ* where Φ_h = χ*_{h/2} ∘ χ_{h/2}: a map of order 1 and its adjoint, χ*_h = χ_{−h}⁻¹.
     fn factors(&self) -> Option<[Arc<dyn StepMap>; 2]> {
         None
@@ -104,12 +120,4 @@ pub trait StepMap: Send + Sync {
         let _ = parts;
         None
     }
-}
-
-/// Functions of the state that a run watches.
-pub trait Observe: Send {
-    /// How many.
-    fn observables(&self) -> usize;
-    /// Writes their values at a state.
-    fn evaluate(&mut self, state: &[f64], values: &mut [f64]);
 }

@@ -14,7 +14,8 @@ use super::stepper::StepCheck;
 use super::{MapProperties, StepMap, Stepper};
 use crate::error::{BuildError, StepError};
 use crate::gradient::Differential;
-use crate::system::PoissonSystem;
+use crate::shadow::Shadow;
+use crate::system::{PoissonSystem, SystemFormulas};
 
 /// Longest text of a denominator in a message.
 const MOST_PARTS: usize = 60;
@@ -201,6 +202,15 @@ impl StepMap for WithoutPoles {
 
     fn pieces(&self) -> usize {
         self.map.pieces()
+    }
+
+    fn shadow(
+        &self,
+        system: &SystemFormulas,
+        last: usize,
+        products: u64,
+    ) -> Result<Option<Shadow>, BuildError> {
+        self.map.shadow(system, last, products)
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {

@@ -5,7 +5,7 @@ use leafwise_expression::{Expression, Graph, Kernel, Term, Workspace};
 use super::numbers::SystemEvaluator;
 use super::{Definition, PoissonSystem};
 use crate::error::BuildError;
-use crate::solver::Observe;
+use crate::observe::Observe;
 
 /// The kernel x ↦ (f₁(x), …) of formulas in `dimension` variables.
 pub(super) fn kernel(

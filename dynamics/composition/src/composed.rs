@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::solver::{MapProperties, SolverStatistics, StepMap, Stepper};
-use leafwise_core::{BuildError, Differential, Pieces, StepError, two_sum};
+use leafwise_core::{BuildError, Differential, Pieces, Shadow, StepError, SystemFormulas, two_sum};
 use leafwise_expression::Kernel;
 
 use crate::scheme::Scheme;
@@ -87,6 +87,28 @@ impl StepMap for Composed {
 
     fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
         self.base.kernels()
+    }
+
+    fn shadow(
+        &self,
+        system: &SystemFormulas,
+        last: usize,
+        products: u64,
+    ) -> Result<Option<Shadow>, BuildError> {
+        let factors = self.base.factors().filter(|_| self.scheme.takes_factors());
+        let maps = factors.map_or_else(|| vec![Arc::clone(&self.base)], Vec::from);
+        let mut shadows = Vec::with_capacity(maps.len());
+        for map in &maps {
+            let Some(shadow) = map.shadow(system, last, products)? else {
+                return Ok(None);
+            };
+            shadows.push(shadow);
+        }
+        let coefficients = self.scheme.coefficients().into_iter().enumerate();
+        let steps: Vec<_> = coefficients
+            .map(|(at, part)| (at % shadows.len(), part))
+            .collect();
+        Shadow::of_product(system, &shadows, &steps, last, products)
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {

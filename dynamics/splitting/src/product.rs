@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::solver::{MapProperties, StepMap, Stepper, Structure};
-use leafwise_core::{ByTangents, Differential};
+use leafwise_core::{BuildError, ByTangents, Differential, Shadow, SystemFormulas};
 
 /// … ∘ χ*_{α_2 h} ∘ χ_{α_1 h}, χ = φʳ ∘ … ∘ φ¹ and χ* = φ¹ ∘ … ∘ φʳ of a splitting: exactly Poisson. χ and χ* alone
 /// are of order 1, each the other's adjoint.
@@ -30,6 +30,20 @@ impl<S: Splits + Clone + 'static> Product<S> {
 
 /// A splitting that makes steppers of any product of χ and χ*.
 pub(crate) trait Splits: StepMap {
+    /// The shadow Hamiltonian of … ∘ χ*_{α_2 h} ∘ χ_{α_1 h}, as [`StepMap::shadow`].
+    ///
+    /// # Errors
+    /// Those of [`StepMap::shadow`].
+    fn passes_shadow(
+        &self,
+        parts: &[f64],
+        system: &SystemFormulas,
+        last: usize,
+        products: u64,
+    ) -> Result<Option<Shadow>, BuildError> {
+        let _ = (parts, system, last, products);
+        Ok(None)
+    }
     /// A stepper of … ∘ χ*_{α_2 h} ∘ χ_{α_1 h}, of any size.
     fn passes_stepper(
         &self,
@@ -72,6 +86,16 @@ impl<S: Splits> StepMap for Product<S> {
             _ => "forwards and backwards",
         };
         format!("{}, {which}", self.splitting.describe())
+    }
+
+    fn shadow(
+        &self,
+        system: &SystemFormulas,
+        last: usize,
+        products: u64,
+    ) -> Result<Option<Shadow>, BuildError> {
+        self.splitting
+            .passes_shadow(&self.parts, system, last, products)
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {

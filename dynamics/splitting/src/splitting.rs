@@ -8,7 +8,7 @@ use leafwise_core::part::{
 };
 use leafwise_core::registry::StepperPart;
 use leafwise_core::solver::{ExplicitMap, MapProperties, Pieces, StepMap, Stepper, Structure};
-use leafwise_core::{BuildError, Differential, PoissonSystem, SystemFormulas};
+use leafwise_core::{BuildError, Differential, PoissonSystem, Shadow, SystemFormulas};
 use leafwise_expression::{Arithmetic, Graph, Kernel, OperationCount, Ring, StepSize, Term};
 
 use crate::arrangement::{AUTO, ORDER, asked_order, named_order};
@@ -258,6 +258,15 @@ impl StepMap for Splitting {
         self.shared.step.stepper(lanes, parameters, epsilon, h)
     }
 
+    fn shadow(
+        &self,
+        system: &SystemFormulas,
+        last: usize,
+        products: u64,
+    ) -> Result<Option<Shadow>, BuildError> {
+        self.passes_shadow(&STRANG, system, last, products)
+    }
+
     fn factors(&self) -> Option<[Arc<dyn StepMap>; 2]> {
         Some(Product::factors(self))
     }
@@ -292,6 +301,27 @@ impl StepMap for Splitting {
 }
 
 impl Splits for Splitting {
+    fn passes_shadow(
+        &self,
+        parts: &[f64],
+        system: &SystemFormulas,
+        last: usize,
+        products: u64,
+    ) -> Result<Option<Shadow>, BuildError> {
+        let Shared { ring, pieces, .. } = self.shared.as_ref();
+        let mut ring = ring.clone();
+        let hamiltonians: Vec<_> = (pieces.iter())
+            .map(|piece| piece.hamiltonian(&mut ring))
+            .collect();
+        let flows: Vec<_> = (hamiltonians.into_iter())
+            .map(|piece| Shadow::expanded(ring.clone(), vec![piece]))
+            .collect();
+        let order: Vec<usize> = (0..flows.len()).collect();
+        let steps = passes(&order, parts).into_iter();
+        let steps: Vec<_> = steps.map(|flow| (flow.piece, flow.part)).collect();
+        Shadow::of_product(system, &flows, &steps, last, products)
+    }
+
     fn passes_stepper(
         &self,
         parts: &[f64],

@@ -83,6 +83,8 @@ pub enum Command {
     Describe(DescribeArguments),
     /// Evaluate a scene's realization and generating function at a point
     Evaluate(EvaluateArguments),
+    /// Print the shadow Hamiltonian of a scene's method, and how well it is kept
+    Shadow(ShadowArguments),
     /// Measure what every part declares: orders, tensor defects, drift, cost
     Verify(VerifyArguments),
     /// Measure cost against accuracy over methods, orders and steps
@@ -146,6 +148,7 @@ impl Command {
             Self::List(arguments) => arguments.json,
             Self::Describe(arguments) => arguments.json,
             Self::Evaluate(arguments) => arguments.json,
+            Self::Shadow(arguments) => arguments.json,
             Self::Verify(arguments) => arguments.json,
             Self::Compare(arguments) => arguments.json,
             Self::Tune(arguments) => arguments.json,
@@ -464,6 +467,23 @@ pub struct EvaluateArguments {
     /// The momentum, as comma-separated decimals [default: zero]
     #[arg(long, allow_hyphen_values = true, value_name = "P1,P2,…")]
     pub p: Option<String>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `shadow`.
+#[derive(Args, Clone, Debug)]
+pub struct ShadowArguments {
+    /// Whose method.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// The order that H~ is cut at, 2, 4, … or 8 above the method's [default: m + 2, or m + 4 where that is short]
+    #[arg(long, value_name = "P")]
+    pub order: Option<usize>,
+    /// Steps to follow both energies over [default: the scene's, 10 000 at most]
+    #[arg(long, value_name = "COUNT")]
+    pub steps: Option<u64>,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub json: bool,

@@ -84,6 +84,7 @@ pub fn run_in_memory(
     let mut report = describe(composed, &session, outcome, None);
     if report.outcome != RunOutcome::Interrupted {
         report.advice = advice(document, composed, registry, &session, &report)?;
+        report.shadow = summary::shadow(composed, &session, &report)?;
     }
     let page = report_data(document, composed, &session, &report, "")?;
     let (windows_columns, windows) = windows_of(composed, &session);
@@ -170,6 +171,7 @@ pub fn run(
         let mut report = describe(composed, session, outcome, None);
         report.is_repeated = true;
         report.advice = advice(document, composed, registry, session, &report)?;
+        report.shadow = summary::shadow(composed, session, &report)?;
         return Ok(report);
     }
     let command = &options.command;
@@ -193,6 +195,7 @@ pub fn run(
         // Who interrupts a run wants it to end.
         if report.outcome != RunOutcome::Interrupted {
             report.advice = advice(document, composed, registry, &session, &report)?;
+            report.shadow = summary::shadow(composed, &session, &report)?;
         }
         let path = &directory.path;
         write_end(
@@ -305,6 +308,7 @@ fn describe(
         crossings: session.crossings().map(Samples::count),
         resumed_at,
         is_repeated: false,
+        shadow: None,
         advice: Vec::new(),
     }
 }

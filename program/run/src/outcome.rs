@@ -5,6 +5,7 @@ use leafwise_core::{PartKind, SolverStatistics, StepError};
 use serde::Serialize;
 
 use crate::advice::Advice;
+use crate::shadow::ShadowVerdict;
 use leafwise_scene::compose::PartChoice;
 use leafwise_scene::json::{Double, double, doubles, optional};
 
@@ -187,6 +188,8 @@ pub struct RunReport {
     pub resumed_at: Option<u64>,
     /// Whether it had come to its end before: nothing was computed or written.
     pub is_repeated: bool,
+    /// How the energy of the map's shadow was kept, where it is recorded.
+    pub shadow: Option<ShadowVerdict>,
     /// What to change in the scene.
     pub advice: Vec<Advice>,
 }

@@ -7,6 +7,7 @@ use super::error::RunError;
 use super::invariants::Functions;
 use super::manifest::{PROGRAM_VERSION, plugins};
 use super::outcome::{RunOutcome, RunReport};
+use super::shadow::ShadowVerdict;
 use super::snapshots::spacing;
 use crate::advice::{Advice, EnergyError, MOST_STATES, lines, states_ahead};
 use leafwise_report::{
@@ -198,6 +199,30 @@ pub(super) fn states(
     states.dedup();
     states.truncate(MOST_STATES);
     Ok(states)
+}
+
+/// How the energy of the map's shadow was kept at the recorded states, where it is recorded.
+pub(super) fn shadow(
+    run: &ComposedRun,
+    session: &Session<'_>,
+    report: &RunReport,
+) -> Result<Option<ShadowVerdict>, RunError> {
+    let (Some(recorded), Some(energy)) = (run.plan.shadow, report.invariants.first()) else {
+        return Ok(None);
+    };
+    let stride = usize::try_from(report.samples.div_ceil(MOST_ROWS)).unwrap_or(usize::MAX);
+    let rows = session.samples().read(stride)?;
+    let at = 1 + columns_of_states(session, run) + recorded.at;
+    let values: Vec<f64> = rows.iter().filter_map(|row| row.get(at).copied()).collect();
+    let Some(first) = values.first() else {
+        return Ok(None);
+    };
+    let changes = values.iter().map(|value| (value - first).abs());
+    let change = changes.fold(0.0, f64::max);
+    let t = run.plan.epsilon * run.plan.h;
+    let size = energy.initial.abs();
+    let verdict = ShadowVerdict::new(recorded, energy.maximum, change, size, t);
+    Ok(Some(verdict))
 }
 
 /// An energy kept badly, judged along the recorded orbit.
@@ -401,6 +426,11 @@ fn facts(run: &ComposedRun, session: &Session<'_>, report: &RunReport) -> Vec<(S
     if let Some(directory) = session.directory() {
         facts.push(("Data".to_owned(), directory.display().to_string()));
     }
+    facts.extend(
+        report
+            .shadow
+            .map(|shadow| ("Shadow energy".to_owned(), shadow.text())),
+    );
     if let Some([least, most]) = report.step_times {
         let text = format!("{} to {}", rounded(least, 4), rounded(most, 4));
         facts.insert(1, ("Steps of t".to_owned(), text));

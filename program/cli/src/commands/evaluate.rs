@@ -5,7 +5,7 @@ use leafwise::core::realization::{Accuracy, Ends, RealizationData};
 use leafwise::core::{BuildError, Method, StepError, realization_evaluator};
 use leafwise::expression::{Arithmetic, Graph, Kernel, Rational, StepSize, Term};
 use leafwise::karasev::TruncatedKarasev;
-use leafwise::scene::compose::{ComposedRun, compose};
+use leafwise::scene::compose::{ComposedRun, ShadowEnergy, compose};
 use leafwise::scene::json::object;
 use serde::Serialize;
 
@@ -54,6 +54,9 @@ struct Values {
     /// l with S_l(x) and dS_l(x) at the scene's ε.
     #[serde(rename = "hamilton_jacobi", serialize_with = "object")]
     generating: Vec<(usize, Generating)>,
+    /// k with F_k(x) of the shadow Hamiltonian, where that has formulas.
+    #[serde(serialize_with = "object", skip_serializing_if = "Vec::is_empty")]
+    shadow: Vec<(usize, f64)>,
     /// α_(0), …, α_(n) at ε = 1; empty unless the realization is a truncated series.
     #[serde(rename = "alpha_coefficients", skip_serializing_if = "Vec::is_empty")]
     coefficients: Vec<Vec<f64>>,
@@ -82,6 +85,9 @@ impl Values {
         for (l, term) in &self.generating {
             all.push((format!("S_{l}"), vec![term.value]));
             all.push((format!("dS_{l}"), term.gradient.clone()));
+        }
+        for (k, value) in &self.shadow {
+            all.push((format!("the shadow Hamiltonian's F_{k}"), vec![*value]));
         }
         let wrong = all.iter().find_map(|(name, values)| {
             let value = values.iter().find(|value| !value.is_finite())?;
@@ -345,8 +351,28 @@ fn evaluate(
         alpha,
         beta,
         generating,
+        shadow: shadow(run, x),
         coefficients,
     })
+}
+
+/// The terms of the shadow Hamiltonian at x, none where it has no formulas.
+fn shadow(run: &ComposedRun, x: &[Rational]) -> Vec<(usize, f64)> {
+    let t = run.plan.epsilon * run.plan.h;
+    let Ok(found) = ShadowEnergy::of(&run.system, run.method.map(), t, None) else {
+        return Vec::new();
+    };
+    let x: Vec<f64> = x.iter().map(Rational::to_f64).collect();
+    let parameters = run.system.parameter_values();
+    let terms = found.shadow.terms().into_iter();
+    let value = |k: usize| {
+        let formula = found.shadow.formula(k, usize::MAX)?;
+        Some((k, formula.evaluate(&x, &parameters)))
+    };
+    terms
+        .filter(|k| (2..=found.order).contains(k))
+        .filter_map(value)
+        .collect()
 }
 
 fn rows(values: &Values) -> Vec<Vec<String>> {
@@ -364,6 +390,9 @@ fn rows(values: &Values) -> Vec<Vec<String>> {
     for (l, term) in &values.generating {
         rows.push(vec![format!("S_{l}"), format!("{:?}", term.value)]);
         rows.push(vec![format!("dS_{l}"), list(&term.gradient)]);
+    }
+    for (k, value) in &values.shadow {
+        rows.push(vec![format!("F_{k}"), format!("{value:?}")]);
     }
     rows
 }

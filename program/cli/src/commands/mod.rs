@@ -13,6 +13,7 @@ pub mod plugin;
 pub mod reproduce;
 pub mod run;
 pub mod schema;
+pub mod shadow;
 pub mod stress;
 pub mod tune;
 pub mod verify;

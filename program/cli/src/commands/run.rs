@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use leafwise::core::{Registry, SolverStatistics};
 use leafwise::run::{
     Advice, Failure as StepFailure, InvariantDrift, RunOptions, RunOutcome, RunReport,
-    SolverFields, default_directory, run,
+    ShadowVerdict, SolverFields, default_directory, run,
 };
 use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::{ComposedRun, WIDEST_STATE, compose};
@@ -245,6 +245,11 @@ fn summary(
             section.direction_in_words()
         ));
     }
+    lines.extend(
+        report
+            .shadow
+            .map(|shadow| format!("  shadow   {}", shadow.text())),
+    );
     lines.extend(states_line(composed).map(|line| format!("  states   {line}")));
     lines.push(format!("  report   {}", options.report().display()));
     if report.outcome == RunOutcome::Interrupted {
@@ -341,6 +346,8 @@ struct Told<'a> {
     invariants: Vec<(&'a str, &'a InvariantDrift)>,
     #[serde(with = "SolverFields")]
     solver: SolverStatistics,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shadow: Option<ShadowVerdict>,
     warnings: &'a [Advice],
     run_directory: String,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -361,6 +368,7 @@ impl<'a> Told<'a> {
             drift: report.drift(),
             invariants: report.named_invariants(),
             solver: report.statistics,
+            shadow: report.shadow,
             warnings: &report.advice,
             run_directory: options.directory.display().to_string(),
             error: report.outcome.failure(),

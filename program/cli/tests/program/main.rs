@@ -14,6 +14,7 @@ mod parts;
 mod plugins;
 mod runs;
 mod sections;
+mod shadow;
 mod sites;
 mod states;
 mod support;

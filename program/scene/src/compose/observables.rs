@@ -9,6 +9,9 @@ use super::names::{function, refusal};
 use super::time::TIME;
 use crate::document::{Located, SceneDocument, nearest};
 
+/// The energy of the map's shadow, alone or with ` of order P` behind it.
+pub(super) const SHADOW_ENERGY: &str = "shadow-energy";
+
 /// One recorded quantity.
 #[derive(Clone, Debug)]
 pub enum Observable {
@@ -76,6 +79,11 @@ pub(super) fn observables(
         }
         let formula = &asked.formula;
         let name = heading.to_owned();
+        if shadow_order(&formula.value).is_some() {
+            // H, until there is a map with a shadow.
+            chosen.push(Observable::Invariant { name, index: 0 });
+            continue;
+        }
         let coordinate = lattice.and_then(|lattice| coordinate(lattice, &formula.value));
         chosen.push(match known.iter().position(|name| *name == formula.value) {
             Some(index) => Observable::Invariant { name, index },
@@ -102,6 +110,16 @@ pub(super) fn coordinate(lattice: &LatticeGeometry, text: &str) -> Option<usize>
     (site < lattice.families[at].1).then(|| lattice.offsets()[at] + site)
 }
 
+/// The order that a shadow energy is asked for; `None` where the text is no shadow energy.
+pub(super) fn shadow_order(text: &str) -> Option<Option<usize>> {
+    let rest = text.trim().strip_prefix(SHADOW_ENERGY)?;
+    if rest.is_empty() {
+        return Some(None);
+    }
+    let order = rest.trim_start().strip_prefix("of order")?;
+    order.trim().parse().ok().map(Some)
+}
+
 fn expression(
     document: &SceneDocument,
     scope: &Scope,
@@ -118,9 +136,13 @@ fn expression(
         if !is_name || asked.value == TIME {
             return Err(refusal(document, asked, &error));
         }
-        let help = match nearest(&asked.value, known.iter().copied()) {
+        let names = known.iter().copied().chain([SHADOW_ENERGY]);
+        let help = match nearest(&asked.value, names) {
             Some(name) => format!("did you mean `{name}`?"),
-            None => format!("record {}, or a formula of the variables", known.join(", ")),
+            None => format!(
+                "record {}, {SHADOW_ENERGY}, or a formula of the variables",
+                known.join(", ")
+            ),
         };
         return Err(Box::new(document.diagnostic(
             &document.place_in_formula(asked, 0..asked.value.len()),
@@ -130,4 +152,17 @@ fn expression(
         )));
     }
     function(document, scope, asked)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::shadow_order;
+
+    #[test]
+    fn an_order_may_stand_behind_the_name() {
+        assert_eq!(shadow_order("shadow-energy"), Some(None));
+        assert_eq!(shadow_order(" shadow-energy of order 8 "), Some(Some(8)));
+        assert_eq!(shadow_order("shadow-energy of order two"), None);
+        assert_eq!(shadow_order("energy"), None);
+    }
 }

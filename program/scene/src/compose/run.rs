@@ -18,6 +18,7 @@ use super::lattice::{SceneLattice, has_room, shortened};
 use super::observables::Observable;
 use super::parts::{Base, PartChoice, Parts, parts, system_choice, what_fits};
 use super::sample_times::{SampleTimes, check_given_times};
+use super::shadow::{RecordedShadow, with_shadows};
 use super::states::{RecordedStates, recorded_states};
 use super::stepping::{LatticeBase, LatticeStepping, MapStepping, Stepping};
 use super::system::{ComposedSystem, compose_system};
@@ -41,6 +42,8 @@ pub struct RunPlan {
     pub initial: Vec<f64>,
     /// What a sample holds beside time and state.
     pub observables: Vec<Observable>,
+    /// Which of them is the energy of the map's shadow.
+    pub shadow: Option<RecordedShadow>,
     /// What is watched between the steps.
     pub events: Events,
     /// The number of the scene's own coordinates, the first of a state: behind them stand parameters of sites, the time
@@ -167,6 +170,8 @@ fn compose_at_its_values(
     let step = &document.method.step;
     let fits = check_libraries(&composed, &method, &choices, step.epsilon(), registry);
     fits.map_err(|error| refused(&composed, &error))?;
+    let system = &composed.system;
+    let shadow = with_shadows(document, system, &method, &mut composed.observables)?;
     let states = recorded_states(document)?;
     check_axes(document, &states, &composed.observables)?;
     let plan = RunPlan {
@@ -179,6 +184,7 @@ fn compose_at_its_values(
         coordinates: document.system.coordinates(),
         files: document.files(),
         observables: composed.observables,
+        shadow,
         events: composed.events,
         states,
         parts: choices,

@@ -1,0 +1,123 @@
+//! `leafwise shadow`: the energy that a scene's method keeps.
+
+use leafwise::run::ShadowVerdict;
+use leafwise::scene::compose::{NoShadow, ShadowEnergy, compose};
+use leafwise::scene::json::object;
+use serde::Serialize;
+
+use super::run::{drift, method_line};
+use crate::arguments::{PluginArguments, ShadowArguments};
+use crate::bar::while_building;
+use crate::console::Console;
+use crate::failure::{Failure, exit};
+use crate::plugins::Parts;
+use crate::table::words;
+
+/// Steps that are followed where none are asked for.
+const STEPS: u64 = 10_000;
+
+/// The longest formula that is printed of what is known as code alone, in its parts.
+const LONGEST: usize = 500;
+
+/// What stands in the place of a longer one.
+const TOO_LONG: &str = "(code, too long for a formula)";
+
+/// The object of `shadow --json`.
+#[derive(Serialize)]
+struct Told {
+    time_step: f64,
+    #[serde(flatten)]
+    verdict: ShadowVerdict,
+    steps: u64,
+    /// k with the formula of F_k.
+    #[serde(serialize_with = "object")]
+    terms: Vec<(usize, String)>,
+}
+
+/// Prints the terms of H̃ and how well they are kept; returns the exit code.
+///
+/// # Errors
+/// [`Failure`] when the scene is not valid or its method has no shadow Hamiltonian as a formula.
+pub fn execute(
+    arguments: &ShadowArguments,
+    plugins: &PluginArguments,
+    console: &mut Console<'_>,
+) -> Result<u8, Failure> {
+    let mut parts = Parts::new(plugins)?;
+    let document = parts.scene(&arguments.scene)?;
+    let is_shown = console.is_terminal;
+    let run = while_building(is_shown, || compose(&document, &parts.registry))?;
+    let refused = |no: NoShadow| Failure::usage(no.message, no.help);
+    if run.method.lattice().is_some() || document.method.pace.is_some() {
+        return Err(refused(NoShadow {
+            message:
+                "a long lattice, or a scene with a pace, has no formula of its shadow Hamiltonian"
+                    .to_owned(),
+            help: "shorten the lattice with --set system.families.NAME=8, or leave the pace out"
+                .to_owned(),
+        }));
+    }
+    let t = run.plan.epsilon * run.plan.h;
+    let shadow = while_building(is_shown, || {
+        ShadowEnergy::of(&run.system, run.method.map(), t, arguments.order)
+    });
+    let shadow = shadow.map_err(refused)?;
+    let most = arguments.steps.unwrap_or(run.plan.steps.min(STEPS));
+    let (verdict, steps) = ShadowVerdict::measured(&run, &shadow, most)?;
+    let variables = run.system.variables();
+    let parameters = run.system.parameters().iter();
+    let parameters: Vec<String> = parameters.map(|parameter| parameter.name.clone()).collect();
+    let terms = shadow.shadow.terms().into_iter();
+    let terms: Vec<(usize, String)> = terms
+        .filter(|k| *k <= shadow.order)
+        .map(|k| {
+            let formula = shadow.shadow.formula(k, LONGEST);
+            let text = formula.map(|formula| formula.written(variables, &parameters));
+            (k, text.unwrap_or_else(|| TOO_LONG.to_owned()))
+        })
+        .collect();
+    if arguments.json {
+        console.json(&Told {
+            time_step: t,
+            verdict,
+            steps,
+            terms,
+        });
+        return Ok(exit::DONE);
+    }
+    let powers = terms.iter().map(|(k, _)| match k {
+        1 => "F_1".to_owned(),
+        2 => "t F_2".to_owned(),
+        k => format!("t^{} F_{k}", k - 1),
+    });
+    let sum: Vec<String> = powers.collect();
+    console.result(&format!(
+        "H~ = {}, t = {t}, of {}",
+        sum.join(" + "),
+        method_line(&run, &parts.registry)
+    ));
+    console.result("");
+    let rows: Vec<_> = terms
+        .iter()
+        .map(|(k, formula)| vec![format!("  F_{k}"), formula.clone()])
+        .collect();
+    for line in words(&rows) {
+        console.result(&line);
+    }
+    console.result("");
+    let changes = [
+        ("energy", verdict.energy),
+        ("shadow energy", verdict.shadow),
+    ];
+    let rows: Vec<_> = changes
+        .iter()
+        .map(|(name, change)| vec![format!("  {name}"), drift(*change)])
+        .collect();
+    console.result(&format!("Largest changes over {steps} steps:"));
+    for line in words(&rows) {
+        console.result(&line);
+    }
+    console.result("");
+    console.result(&verdict.text());
+    Ok(exit::DONE)
+}

@@ -1,0 +1,231 @@
+//! The observable `shadow-energy`: H̃, the energy that a run's map keeps to a higher order than H.
+
+use leafwise_core::{BuildError, PoissonSystem, Shadow, StepMap, Structure};
+use leafwise_expression::Expression;
+
+use super::Refusal;
+use super::dense::DENSE_LIMIT;
+use super::observables::{Observable, SHADOW_ENERGY, shadow_order};
+use super::stepping::Stepping;
+use crate::document::{Located, SceneDocument};
+
+/// Products of terms that its formulas may take where no order is asked for: a tenth of a second.
+const PRODUCTS: u64 = 1 << 18;
+
+/// The same where one is: a minute.
+const MOST_PRODUCTS: u64 = 1 << 26;
+
+/// How far behind H the search for the first term goes.
+const LAST: usize = 24;
+
+/// What the default order may cost at most, in evaluations of H.
+const ENERGIES: u64 = 2;
+
+/// H̃ = F_1 + t F_2 + … of a map, cut where its own order is p: its error is of order tᵖ.
+#[derive(Clone, Debug)]
+pub struct ShadowEnergy {
+    /// F_1, F_2, ….
+    pub shadow: Shadow,
+    /// The order m of the map: that of H itself.
+    pub order_of_map: usize,
+    /// p.
+    pub order: usize,
+    /// The order that the map keeps H̃ to at most, 2⌊n/2⌋ + 2 over a realization of order n, where that is below p.
+    pub limit: Option<usize>,
+    /// Σ t^{k−1} F_k.
+    pub value: Expression,
+}
+
+/// Why there is none.
+#[derive(Debug)]
+pub struct NoShadow {
+    /// What is wrong.
+    pub message: String,
+    /// What to try.
+    pub help: String,
+}
+
+impl From<BuildError> for NoShadow {
+    fn from(error: BuildError) -> Self {
+        Self {
+            message: format!("the shadow Hamiltonian cannot be formed: {error}"),
+            help: "record another observable".to_owned(),
+        }
+    }
+}
+
+impl ShadowEnergy {
+    /// Of a map with steps t = εh, of an order p; where none is asked for, the highest one, m + 2 or m + 4, that takes twice
+    /// the operations of H at most, and m + 2 at least.
+    ///
+    /// # Errors
+    /// [`NoShadow`] where the map is known to have none as a formula, or p is no order of it.
+    pub fn of(
+        system: &PoissonSystem,
+        map: &dyn StepMap,
+        t: f64,
+        asked: Option<usize>,
+    ) -> Result<Self, NoShadow> {
+        let Some(formulas) = system.expressions() else {
+            return Err(NoShadow {
+                message: "a system of numbers has no formula of its shadow Hamiltonian".to_owned(),
+                help: "write its tensor and Hamiltonian as formulas".to_owned(),
+            });
+        };
+        let products = match asked {
+            None => PRODUCTS,
+            Some(_) => MOST_PRODUCTS,
+        };
+        let form = |last: usize| map.shadow(formulas, last, products);
+        let (m, first) = Self::first(map, form)?;
+        let limit = match map.properties().structure {
+            Structure::Order(n) => Some(2 * (n / 2) + 2),
+            Structure::Exact | Structure::None => None,
+        };
+        let cut = |shadow: Shadow, order: usize| -> Result<Option<Self>, NoShadow> {
+            let value = shadow.value(t, order).map_err(BuildError::from)?;
+            Ok(value.map(|value| Self {
+                shadow,
+                order_of_map: m,
+                order,
+                limit: limit.filter(|limit| *limit < order),
+                value,
+            }))
+        };
+        let too_long = |order: usize| NoShadow {
+            message: format!("the formulas of a shadow Hamiltonian of order {order} grow too long"),
+            help: format!("ask for a lower order, {} at least", m + 2),
+        };
+        if let Some(order) = asked {
+            if order < m + 2 || order > m + 8 || !(order - m).is_multiple_of(2) {
+                return Err(NoShadow {
+                    message: format!(
+                        "`{}` has no shadow Hamiltonian of order {order}",
+                        map.describe()
+                    ),
+                    help: format!(
+                        "H itself is of order {m}; ask for {}, {}, … or {}",
+                        m + 2,
+                        m + 4,
+                        m + 8
+                    ),
+                });
+            }
+            let shadow = form(order - 1)?.ok_or_else(|| too_long(order))?;
+            return cut(shadow, order)?.ok_or_else(|| too_long(order));
+        }
+        let least = cut(first, m + 2)?.ok_or_else(|| too_long(m + 2))?;
+        let operations = |formula: &Expression| -> Result<u64, NoShadow> {
+            Ok(formulas
+                .observable_kernel(&[formula])?
+                .step_operations()
+                .work())
+        };
+        let most = ENERGIES * operations(formulas.hamiltonian())?;
+        if operations(&least.value)? <= most
+            && let Some(longer) = form(m + 3)?
+            && let Some(longer) = cut(longer, m + 4)?
+            && operations(&longer.value)? <= most
+        {
+            return Ok(longer);
+        }
+        Ok(least)
+    }
+
+    /// m, with the shadow up to F_{m+1}, the first that is not 0.
+    fn first(
+        map: &dyn StepMap,
+        form: impl Fn(usize) -> Result<Option<Shadow>, BuildError>,
+    ) -> Result<(usize, Shadow), NoShadow> {
+        // Declared orders are lower bounds.
+        let mut last = map.properties().order + 1;
+        while last <= LAST {
+            let Some(shadow) = form(last)? else {
+                if last > map.properties().order + 1 {
+                    break;
+                }
+                return Err(NoShadow {
+                    message: format!(
+                        "`{}` has no formula of its shadow Hamiltonian, or too long a one",
+                        map.describe()
+                    ),
+                    help: "it is known for hamilton-jacobi over a realization with a chart, for splitting, and for \
+                           compositions of either"
+                        .to_owned(),
+                });
+            };
+            if let Some(k) = shadow.terms().into_iter().find(|k| *k > 1) {
+                return Ok((k - 1, shadow));
+            }
+            last += 1;
+        }
+        Err(NoShadow {
+            message: format!(
+                "the shadow Hamiltonian of `{}` is H itself, as far as order {}: over an exact realization nothing errs, and \
+                 what errs here is the realization",
+                map.describe(),
+                last - 1
+            ),
+            help: "record `energy`".to_owned(),
+        })
+    }
+}
+
+/// Which observable is the run's shadow energy, first of them where there are several.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RecordedShadow {
+    /// Its place among the observables.
+    pub at: usize,
+    /// m.
+    pub order_of_map: usize,
+    /// p.
+    pub order: usize,
+    /// The order that H̃ is kept to at most, where that is below p.
+    pub limit: Option<usize>,
+}
+
+/// Puts the formulas of shadow energies in the place of H, which stands for them before there is a map.
+pub(super) fn with_shadows(
+    document: &SceneDocument,
+    system: &PoissonSystem,
+    method: &Stepping,
+    observables: &mut [Observable],
+) -> Result<Option<RecordedShadow>, Refusal> {
+    let mut recorded = None;
+    let asked = &document.run.record.observables;
+    for (at, (asked, observable)) in asked.iter().zip(observables).enumerate() {
+        let Some(order) = shadow_order(&asked.formula.value) else {
+            continue;
+        };
+        let refuse = |no: NoShadow| refusal(document, &asked.formula, no);
+        let of_a = |what: &str| NoShadow {
+            message: format!("`{SHADOW_ENERGY}` is not offered {what}"),
+            help: "record `energy`".to_owned(),
+        };
+        if method.lattice().is_some() {
+            let what = format!("on a lattice of more than {DENSE_LIMIT} coordinates");
+            return Err(refuse(of_a(&what)));
+        }
+        if document.method.pace.is_some() {
+            return Err(refuse(of_a("with a pace: its steps are not of the time")));
+        }
+        let t = document.method.step.time_step();
+        let shadow = ShadowEnergy::of(system, method.map(), t, order).map_err(refuse)?;
+        recorded.get_or_insert(RecordedShadow {
+            at,
+            order_of_map: shadow.order_of_map,
+            order: shadow.order,
+            limit: shadow.limit,
+        });
+        *observable = Observable::Formula {
+            name: asked.heading().to_owned(),
+            expression: shadow.value,
+        };
+    }
+    Ok(recorded)
+}
+
+fn refusal(document: &SceneDocument, text: &Located<String>, no: NoShadow) -> Refusal {
+    let place = document.place_in_formula(text, 0..text.value.len());
+    Box::new(document.diagnostic(&place, no.message, "here", Some(no.help)))
+}
