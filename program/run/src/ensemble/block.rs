@@ -10,6 +10,7 @@ use super::plan::{Column, ComposedEnsemble};
 use super::population::NO_LEAF;
 use super::section::MemberCrossings;
 use super::statistics::{MemberFailure, Reductions};
+use super::tree::Tree;
 use super::watch::{Found, MemberStop, Watch};
 use crate::{Failure, RunError};
 
@@ -439,43 +440,52 @@ impl Record {
     }
 
     /// Takes the members in, one after the other.
-    pub fn fold(&mut self, ensemble: &ComposedEnsemble, into: &mut Reductions) {
+    pub fn fold(&self, ensemble: &ComposedEnsemble, into: &mut Tree) {
         into.add_work(self.statistics);
-        let lanes = self.lanes;
-        let (sampled, window) = (ensemble.sampled_steps(), ensemble.window());
+        let sampled = ensemble.sampled_steps();
+        for lane in 0..self.lanes {
+            into.take(|into| self.fold_lane(ensemble, &sampled, lane, into));
+        }
+    }
+
+    fn fold_lane(
+        &self,
+        ensemble: &ComposedEnsemble,
+        sampled: &[u64],
+        lane: usize,
+        into: &mut Reductions,
+    ) {
+        let (lanes, window) = (self.lanes, ensemble.window());
         let (columns, invariants) = (ensemble.columns.len(), ensemble.invariants.count());
-        for lane in 0..lanes {
-            into.members += 1;
-            if let Some(failure) = self.failures[lane].clone() {
-                into.push_failure(failure);
-                continue;
+        if let Some(failure) = self.failures[lane].clone() {
+            into.push_failure(failure);
+            return;
+        }
+        let member = self.first + lane as u64;
+        let own = |values: &'_ [f64], at: usize| values[at * lanes + lane];
+        let stop = self.stops[lane].as_ref();
+        if let Some(stop) = stop {
+            into.stopped += 1;
+            into.losses[ensemble.loss_place(stop.step)] += 1;
+        }
+        // What lies before the step in which it has ended.
+        let is_before = |step: u64| stop.is_none_or(|stop| step < stop.step);
+        for (at, summary) in into.summaries.iter_mut().enumerate() {
+            if is_before(sampled[at / columns]) {
+                summary.push(own(&self.samples, at), member);
             }
-            let member = self.first + lane as u64;
-            let own = |values: &'_ [f64], at: usize| values[at * lanes + lane];
-            let stop = self.stops[lane].as_ref();
-            if let Some(stop) = stop {
-                into.stopped += 1;
-                into.losses[ensemble.loss_place(stop.step)] += 1;
+        }
+        for (at, deviation) in into.windows.iter_mut().enumerate() {
+            if is_before((at / invariants) as u64 * window) {
+                deviation.push(own(&self.windows, at), member);
             }
-            // What lies before the step in which it has ended.
-            let is_before = |step: u64| stop.is_none_or(|stop| step < stop.step);
-            for (at, summary) in into.summaries.iter_mut().enumerate() {
-                if is_before(sampled[at / columns]) {
-                    summary.push(own(&self.samples, at), member);
-                }
-            }
-            for (at, deviation) in into.windows.iter_mut().enumerate() {
-                if is_before((at / invariants) as u64 * window) {
-                    deviation.push(own(&self.windows, at), member);
-                }
-            }
-            for (at, deviation) in self.largest_deviations(lane).enumerate() {
-                let initial = own(&self.initial, at);
-                into.whole[at].push(deviation, member);
-                into.initial[at].push(initial, member);
-                if initial != 0.0 {
-                    into.relative[at].push(deviation / initial.abs(), member);
-                }
+        }
+        for (at, deviation) in self.largest_deviations(lane).enumerate() {
+            let initial = own(&self.initial, at);
+            into.whole[at].push(deviation, member);
+            into.initial[at].push(initial, member);
+            if initial != 0.0 {
+                into.relative[at].push(deviation / initial.abs(), member);
             }
         }
     }

@@ -4,13 +4,13 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::statistics::Reductions;
+use super::tree::Tree;
 use crate::{CHECKPOINT, Format, RunError, Vouched};
 
 /// What the file holds, and how.
 const FORMAT: Format = Format {
     name: b"leafens",
-    number: b'5',
+    number: b'6',
 };
 
 /// An ensemble between two members. Another field, order or type is another format.
@@ -28,7 +28,7 @@ pub(super) struct Checkpoint {
     pub section: Vouched,
     pub crossings: u64,
     /// The members taken in so far.
-    pub reductions: Reductions,
+    pub tree: Tree,
 }
 
 impl Checkpoint {
@@ -50,27 +50,32 @@ mod tests {
 
     #[test]
     fn a_checkpoint_reads_back_to_the_same_bits() {
-        let mut reductions = Reductions::new(Shape {
+        let shape = Shape {
             times: 2,
             observables: 1,
             windows: 3,
             invariants: 1,
             has_quantiles: true,
             losses: 4,
-        });
-        reductions.losses[3] = 7;
-        for member in 0..5000_u64 {
-            reductions.summaries[1].push(1.0 / (1 + member) as f64, member);
+        };
+        let mut tree = Tree::new(shape, 128);
+        for member in 128..5000_u64 {
+            tree.take(|into| {
+                into.losses[3] += 1;
+                into.summaries[1].push(1.0 / (1 + member) as f64, member);
+                into.windows[2].push(1e-9, 17);
+                into.statistics.operations = None;
+            });
         }
-        reductions.windows[2].push(1e-9, 17);
-        reductions.push_failure(MemberFailure {
-            member: 3,
-            step: 12,
-            time: 0.6,
-            message: "the state went nowhere · ∞".to_owned(),
-            state: vec![0.1, -0.0],
+        tree.take(|into| {
+            into.push_failure(MemberFailure {
+                member: 5000,
+                step: 12,
+                time: 0.6,
+                message: "the state went nowhere · ∞".to_owned(),
+                state: vec![0.1, -0.0],
+            });
         });
-        reductions.statistics.operations = None;
         let checkpoint = Checkpoint {
             fingerprint: Some([5; 32]),
             members: 10_000,
@@ -81,7 +86,7 @@ mod tests {
             },
             section: Vouched::NOTHING,
             crossings: 12,
-            reductions,
+            tree,
         };
         let root = tempfile::tempdir().expect("a directory");
         checkpoint.write(root.path()).expect("written");

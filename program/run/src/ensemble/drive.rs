@@ -12,12 +12,15 @@ use super::block::{self, Record, Signals};
 use super::checkpoint::Checkpoint;
 use super::plan::ComposedEnsemble;
 use super::section::SectionStore;
-use super::statistics::Reductions;
 use super::store::FinalStore;
+use super::tree::Tree;
 use crate::{Progress, RunError, RunOutcome, Status};
 
 /// How often a checkpoint is written.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(2);
+
+/// What writing it may take of the time, where that is more: one part in so many.
+const SHARE: u32 = 20;
 
 /// How often progress is shown.
 const SHOW_EVERY: Duration = Duration::from_millis(50);
@@ -48,7 +51,7 @@ const WAITING: usize = 4;
 /// An ensemble between two members.
 pub(super) struct Session<'a> {
     pub ensemble: &'a ComposedEnsemble,
-    pub reductions: Reductions,
+    pub tree: Tree,
     pub store: FinalStore,
     pub section: SectionStore,
     /// Where it is written.
@@ -69,7 +72,7 @@ impl Session<'_> {
     ) -> Result<RunOutcome, RunError> {
         let members = self.ensemble.population.members();
         let steps = self.ensemble.run.plan.steps;
-        let from = self.reductions.members;
+        let from = self.tree.next();
         let blocks = blocks(from, members, workforce);
         let signals = Signals::default();
         let (next, taken) = (AtomicU64::new(0), AtomicU64::new(0));
@@ -109,7 +112,7 @@ impl Session<'_> {
             let mut waiting = BTreeMap::new();
             let (mut at, started) = (0, Instant::now());
             let before = self.wall;
-            let mut saved = Instant::now();
+            let (mut saved, mut took) = (Instant::now(), Duration::ZERO);
             let mut is_stuck = false;
             let outcome = loop {
                 if at == blocks.count() {
@@ -150,11 +153,12 @@ impl Session<'_> {
                     total: members.saturating_mul(steps),
                     time: ensemble.time(steps),
                     until: None,
-                    energy_drift: self.reductions.whole.first().map_or(0.0, |d| d.maximum),
+                    energy_drift: self.tree.largest_deviation(),
                 });
-                if result.is_ok() && saved.elapsed() >= CHECKPOINT_EVERY {
+                if result.is_ok() && saved.elapsed() >= CHECKPOINT_EVERY.max(SHARE * took) {
+                    let begun = Instant::now();
                     result = self.checkpoint().and_then(|checkpoint| save(&checkpoint));
-                    saved = Instant::now();
+                    (saved, took) = (Instant::now(), begun.elapsed());
                 }
                 if let Err(error) = result {
                     break Err(error);
@@ -167,7 +171,7 @@ impl Session<'_> {
 
     /// Takes a block in.
     fn take(&mut self, record: &mut Record) -> Result<(), RunError> {
-        record.fold(self.ensemble, &mut self.reductions);
+        record.fold(self.ensemble, &mut self.tree);
         self.section.push(&mut record.crossings)?;
         self.store.push(self.ensemble, record)
     }
@@ -181,7 +185,7 @@ impl Session<'_> {
             vouched: self.store.sync()?,
             section: self.section.sync()?,
             crossings: self.section.count,
-            reductions: self.reductions.clone(),
+            tree: self.tree.clone(),
         })
     }
 }

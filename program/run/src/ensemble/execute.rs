@@ -10,8 +10,8 @@ use super::ending::EnsembleEnding;
 use super::plan::ComposedEnsemble;
 use super::report::EnsembleReport;
 use super::section::SectionStore;
-use super::statistics::Reductions;
 use super::store::{FinalStore, has_begun_at_most};
+use super::tree::Tree;
 use super::{page, tables};
 use crate::{
     Beginning, Kind, Progress, REPORT, RunDirectory, RunError, RunOptions, RunOutcome, RunRequest,
@@ -62,7 +62,7 @@ pub fn run_ensemble(
         Some(_) => resume(ensemble, &directory)?,
         None => None,
     };
-    let resumed_at = resumed.as_ref().map(|session| session.reductions.members);
+    let resumed_at = resumed.as_ref().map(|session| session.tree.members().end);
     let is_done = held.is_some_and(|held| held.is_done);
     if is_done && let Some(session) = resumed {
         let crossings = ensemble.run.plan.events.section.as_ref();
@@ -70,7 +70,7 @@ pub fn run_ensemble(
         let mut report = EnsembleReport {
             outcome: RunOutcome::Done,
             wall_seconds: session.wall.as_secs_f64(),
-            reductions: session.reductions,
+            reductions: session.tree.total(),
             crossings,
             resumed_at: None,
             is_repeated: true,
@@ -94,7 +94,7 @@ pub fn run_ensemble(
         }
         None => Session {
             ensemble,
-            reductions: Reductions::new(ensemble.shape()),
+            tree: Tree::new(ensemble.shape(), 0),
             store: FinalStore::create(ensemble, &directory.path)?,
             section: SectionStore::create(ensemble, &directory.path)?,
             directory: &directory.path,
@@ -111,7 +111,7 @@ pub fn run_ensemble(
     let mut report = EnsembleReport {
         outcome,
         wall_seconds: session.wall.as_secs_f64(),
-        reductions: session.reductions,
+        reductions: session.tree.total(),
         crossings,
         resumed_at,
         is_repeated: false,
@@ -153,18 +153,7 @@ fn resume<'a>(
             "the file of states has changed since it was written",
         ));
     }
-    let fresh = Reductions::new(ensemble.shape());
-    let sizes = |all: &Reductions| {
-        let deviations = [&all.windows, &all.whole, &all.relative].map(Vec::len);
-        (
-            all.summaries.len(),
-            all.losses.len(),
-            all.initial.len(),
-            deviations,
-        )
-    };
-    if checkpoint.members != population.members() || sizes(&fresh) != sizes(&checkpoint.reductions)
-    {
+    if checkpoint.members != population.members() || checkpoint.tree.shape() != ensemble.shape() {
         return Err(damaged("it is of another ensemble"));
     }
     Ok(Some(Session {
@@ -178,7 +167,7 @@ fn resume<'a>(
         )?,
         directory: &directory.path,
         wall: Duration::try_from_secs_f64(checkpoint.wall_seconds).unwrap_or_default(),
-        reductions: checkpoint.reductions,
+        tree: checkpoint.tree,
         threads: 0,
     }))
 }

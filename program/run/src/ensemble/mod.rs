@@ -6,7 +6,7 @@
 //! - `block`: members side by side; `observers`: functions of all their states;
 //! - `drive`: blocks on threads, taken in by number, so that no result depends on either;
 //! - `watch`: where members end or cross a section between two steps; `section`: the crossings in one file;
-//! - `statistics`, `quantiles`, `losses`: what members are reduced to;
+//! - `statistics`, `quantiles`, `losses`: what members are reduced to; `tree`: in which order;
 //! - `report`: [`EnsembleReport`], what is left behind;
 //! - `checkpoint`, `store`, `tables`, `ending`, `page`: what the run directory holds;
 //! - `execute`: [`run_ensemble`], all of it.
@@ -33,6 +33,7 @@ pub(crate) mod store;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod tree;
 mod watch;
 
 pub use advice::advise_ensemble;

@@ -63,6 +63,29 @@ impl Summary {
         }
     }
 
+    /// Takes in the members behind those here, by the formula of T. F. Chan, G. H. Golub and R. J. LeVeque (1983).
+    pub(super) fn join(&mut self, later: Self) {
+        self.undefined += later.undefined;
+        if later.count > 0 {
+            let (before, more) = (self.count as f64, later.count as f64);
+            let all = before + more;
+            let change = later.mean - self.mean;
+            self.count += later.count;
+            self.mean += change * (more / all);
+            self.squares += later.squares + change * change * (before * more / all);
+        }
+        // Of equal values the first member's stays.
+        if later.minimum.0 < self.minimum.0 {
+            self.minimum = later.minimum;
+        }
+        if later.maximum.0 > self.maximum.0 {
+            self.maximum = later.maximum;
+        }
+        if let (Some(own), Some(more)) = (&mut self.sketch, later.sketch) {
+            own.join(more);
+        }
+    }
+
     /// The unbiased variance; 0 for fewer than two members.
     pub fn variance(&self) -> f64 {
         if self.count < 2 {
@@ -119,6 +142,15 @@ impl Deviation {
         self.count += 1;
     }
 
+    /// Takes in the members behind those here.
+    fn join(&mut self, later: Self) {
+        if later.maximum > self.maximum {
+            (self.maximum, self.member) = (later.maximum, later.member);
+        }
+        self.sum += later.sum;
+        self.count += later.count;
+    }
+
     /// The mean of the members' largest.
     pub fn mean(&self) -> f64 {
         self.sum / self.count.max(1) as f64
@@ -172,7 +204,7 @@ pub struct Reductions {
 }
 
 /// The sizes of [`Reductions`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Shape {
     pub times: usize,
     pub observables: usize,
@@ -208,6 +240,38 @@ impl Reductions {
 
     pub(super) fn add_work(&mut self, work: SolverStatistics) {
         self.statistics = self.statistics.and(work);
+    }
+
+    /// Takes in the members behind those here.
+    pub(super) fn join(&mut self, later: Self) {
+        self.members += later.members;
+        self.failed += later.failed;
+        let room = MOST_NAMED - self.failures.len();
+        self.failures.extend(later.failures.into_iter().take(room));
+        self.stopped += later.stopped;
+        for (own, more) in self.losses.iter_mut().zip(later.losses) {
+            *own += more;
+        }
+        let summaries = [
+            (&mut self.summaries, later.summaries),
+            (&mut self.initial, later.initial),
+        ];
+        for (own, more) in summaries {
+            own.iter_mut()
+                .zip(more)
+                .for_each(|(own, more)| own.join(more));
+        }
+        let deviations = [
+            (&mut self.windows, later.windows),
+            (&mut self.whole, later.whole),
+            (&mut self.relative, later.relative),
+        ];
+        for (own, more) in deviations {
+            own.iter_mut()
+                .zip(more)
+                .for_each(|(own, more)| own.join(more));
+        }
+        self.add_work(later.statistics);
     }
 
     pub(super) fn push_failure(&mut self, failure: MemberFailure) {
