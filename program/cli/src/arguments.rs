@@ -75,6 +75,8 @@ pub enum Command {
     Run(RunArguments),
     /// Integrate many initial states or parameter sets, reduced to statistics
     Ensemble(EnsembleArguments),
+    /// Join the shards of an ensemble, to the bytes of one process
+    Merge(MergeArguments),
     /// Check that the tensor is Poisson and the Casimirs are Casimirs
     Check(CheckArguments),
     /// List systems, realizations, dynamics and the Lie algebras a bracket may name
@@ -144,6 +146,7 @@ impl Command {
         match self {
             Self::Run(arguments) => arguments.json,
             Self::Ensemble(arguments) => arguments.json,
+            Self::Merge(arguments) => arguments.json,
             Self::Check(arguments) => arguments.json,
             Self::List(arguments) => arguments.json,
             Self::Describe(arguments) => arguments.json,
@@ -210,6 +213,12 @@ pub struct EnsembleArguments {
     /// Run this member alone, as an ordinary run into a directory of its own
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true, conflicts_with_all = ["threads", "lanes"])]
     pub member: Option<u64>,
+    /// Run a part of the members for `merge`: I/N, the I-th of N shards, or slurm or slurm/N, that of the array's task
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["member", "members"])]
+    pub shard: Option<String>,
+    /// The same of these members, FROM and TO multiples of 64, or TO the number of members
+    #[arg(long, value_name = "FROM..TO", conflicts_with = "member")]
+    pub members: Option<String>,
     /// Threads [default: all of the machine's]; the results do not depend on it
     #[arg(long, value_name = "COUNT")]
     pub threads: Option<NonZeroUsize>,
@@ -222,10 +231,37 @@ pub struct EnsembleArguments {
     /// Replace the run that the directory holds
     #[arg(long)]
     pub force: bool,
-    /// The run directory [default: runs/ and the scene's name with -ensemble, or -member-NUMBER]
+    /// The run directory [default: runs/ and the scene's name with -ensemble, or -member-NUMBER]; a shard writes into a folder
+    /// of its own in it [default: -shards]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Integrate a tensor that violates the Jacobi identity
+    #[arg(long)]
+    pub allow_non_poisson: bool,
+    /// Print nothing but errors
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// Arguments of `merge`.
+#[derive(Args, Clone, Debug)]
+pub struct MergeArguments {
+    /// Shards, or folders of shards
+    #[arg(required = true, value_name = "DIR")]
+    pub shards: Vec<PathBuf>,
+    /// The run directory of the whole
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// The scene file, where files or plugins that it names stand beside it [default: the one that the shards hold]
+    #[arg(long, value_name = "SCENE")]
+    pub scene: Option<PathBuf>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// Replace the run that the directory holds
+    #[arg(long)]
+    pub force: bool,
+    /// Merge an ensemble of a tensor that violates the Jacobi identity
     #[arg(long)]
     pub allow_non_poisson: bool,
     /// Print nothing but errors

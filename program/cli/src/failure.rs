@@ -8,6 +8,7 @@ use leafwise::plugins::PluginError;
 use leafwise::report::ReportError;
 use leafwise::reproduce::ReproduceError;
 use leafwise::run::RunError;
+use leafwise::run::ensemble::MergeError;
 use leafwise::scene::SceneDiagnostic;
 use leafwise::scene::compose::Refusal;
 use leafwise::trade::TradeError;
@@ -70,6 +71,9 @@ pub enum Failure {
     /// A run that could not be started or kept on disk.
     #[error(transparent)]
     Run(RunError),
+    /// Shards that were not joined.
+    #[error(transparent)]
+    Merge(Box<MergeError>),
     /// Methods that could not be compared.
     #[error(transparent)]
     Trade(TradeError),
@@ -145,6 +149,10 @@ impl Failure {
             Self::Reproduce(error) => match error.as_ref() {
                 ReproduceError::UnknownFigure { .. } => exit::USAGE,
                 _ => exit::RUN_FAILED,
+            },
+            Self::Merge(error) => match error.as_ref() {
+                MergeError::Missing(_) => exit::CHECK_FAILED,
+                _ => exit::USAGE,
             },
             Self::Run(_) => exit::RUN_FAILED,
         }

@@ -22,6 +22,9 @@ fn main() -> ExitCode {
         // A terminal that has gone away is no reason to die before the checkpoint.
         let _ = writeln!(io::stderr(), "\nstopping; once more to end at once");
     });
+    // Schedulers announce the end of a job by it.
+    #[cfg(unix)]
+    let announced = signal_hook::flag::register(signal_hook::consts::SIGUSR1, Arc::clone(&raised));
     let is_terminal = io::stderr().is_terminal();
     let color = is_terminal && std::env::var_os("NO_COLOR").is_none();
     // What a library prints goes to standard error: results stand alone on standard output.
@@ -34,6 +37,12 @@ fn main() -> ExitCode {
     if let Err(error) = handler {
         console.prose(&format!(
             "warning: Ctrl-C will not write a checkpoint: {error}"
+        ));
+    }
+    #[cfg(unix)]
+    if let Err(error) = announced {
+        console.prose(&format!(
+            "warning: SIGUSR1 will not write a checkpoint: {error}"
         ));
     }
     ExitCode::from(leafwise_cli::run(

@@ -131,6 +131,30 @@ impl Appended {
         Ok(())
     }
 
+    /// Appends what a checkpoint counts of another file, but for its first `skipped` bytes.
+    ///
+    /// # Errors
+    /// [`RunError::Damaged`] where that file is not what was written.
+    pub fn append_file(
+        &mut self,
+        path: &Path,
+        vouched: &Vouched,
+        skipped: u64,
+    ) -> Result<(), RunError> {
+        let mut file = File::open(path).map_err(RunError::resuming(path))?;
+        vouched.read_again(&mut file, path)?;
+        file.seek(SeekFrom::Start(skipped))
+            .map_err(RunError::io(path))?;
+        let mut rest = file.take(vouched.bytes.saturating_sub(skipped));
+        let mut buffer = vec![0; BATCH];
+        loop {
+            match rest.read(&mut buffer).map_err(RunError::io(path))? {
+                0 => return Ok(()),
+                some => self.push(&buffer[..some])?,
+            }
+        }
+    }
+
     /// Hands everything to the operating system: it survives this program.
     pub fn flush(&mut self) -> Result<(), RunError> {
         self.file

@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 use super::checkpoint;
 use super::difference::{Change, changed_keys, listed};
 use super::error::RunError;
-use super::manifest::{self, FilesRecord, Kind, Manifest, PROGRAM_VERSION, PluginRecord};
+use super::manifest::{
+    self, FilesRecord, Kind, Manifest, PROGRAM_VERSION, PluginRecord, ShardRecord,
+};
 use super::{samples, states};
 use crate::ensemble::store;
 use leafwise_scene::document::SceneDocument;
@@ -54,6 +56,8 @@ pub(crate) struct RunRequest<'a> {
     pub plugins: &'a [PluginRecord],
     /// What it read of files.
     pub files: Option<&'a FilesRecord>,
+    /// Which members of an ensemble.
+    pub shard: Option<ShardRecord>,
 }
 
 /// A run of the same scene and inputs that a directory holds.
@@ -184,6 +188,10 @@ fn held(path: &Path, stored: &Manifest, run: &RunRequest<'_>) -> Result<Held, Ru
             }
         });
     }
+    if stored.shard != run.shard {
+        let held = stored.shard.map_or([0, 0], |shard| shard.members);
+        return Err(RunError::OtherShard { directory, held });
+    }
     let is_used =
         |before: &&PluginRecord| run.plugins.iter().any(|now| now.sha256 == before.sha256);
     if let Some(changed) = stored.plugins.iter().find(|before| !is_used(before)) {
@@ -240,7 +248,7 @@ fn files(kind: Kind) -> impl Iterator<Item = &'static str> {
             states::FILE,
             states::FINAL_STATE,
         ],
-        Kind::Ensemble => &[
+        Kind::Ensemble | Kind::Shard => &[
             STATISTICS,
             FAILURES,
             LOSSES,

@@ -128,6 +128,18 @@ pub enum RunError {
         /// What it holds.
         other: &'static str,
     },
+    /// The directory holds other members of the ensemble.
+    #[error(
+        "{} holds the members {} to {} of this ensemble, not those that are asked for; write elsewhere with --out DIR, or replace it \
+         with --force",
+        directory.display(), held[0], held[1].saturating_sub(1)
+    )]
+    OtherShard {
+        /// The run directory.
+        directory: PathBuf,
+        /// The first member and the one behind the last.
+        held: [u64; 2],
+    },
     /// The directory holds something else.
     #[error(
         "{} exists and is not a run directory: it holds files, and no manifest.json of a run that can \

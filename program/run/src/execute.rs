@@ -138,6 +138,7 @@ pub fn run(
         scene: &document.text,
         plugins: &plugins(composed),
         files: files.as_ref(),
+        shard: None,
     };
     let directory = RunDirectory::open(&options.directory, &asked, options.force)?;
     let held = directory.held.as_ref();

@@ -64,7 +64,7 @@ pub(crate) use directory::{
 pub use error::RunError;
 pub use execute::{Recorded, RunOptions, run, run_in_memory};
 pub(crate) use manifest::{Beginning, files, plugins};
-pub use manifest::{FilesRecord, Kind, Manifest, PROGRAM_VERSION, PluginRecord};
+pub use manifest::{FilesRecord, Kind, Manifest, PROGRAM_VERSION, PluginRecord, ShardRecord};
 pub use outcome::{Failure, InvariantDrift, RunOutcome, RunReport, SolverFields};
 pub use progress::{Progress, Quiet, Status};
 pub(crate) use replaced::replace;

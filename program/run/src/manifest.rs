@@ -40,6 +40,8 @@ pub enum Kind {
     Run,
     /// Many.
     Ensemble,
+    /// Some of those many.
+    Shard,
 }
 
 impl Kind {
@@ -48,6 +50,7 @@ impl Kind {
         match self {
             Self::Run => "a run of one trajectory",
             Self::Ensemble => "an ensemble",
+            Self::Shard => "a shard of an ensemble",
         }
     }
 }
@@ -72,6 +75,27 @@ pub struct Manifest {
     /// What it read of files.
     #[serde(default)]
     pub files: Option<FilesRecord>,
+    /// The scene file's name.
+    #[serde(default)]
+    pub scene: String,
+    /// How its steps are computed.
+    #[serde(default)]
+    pub path: String,
+    /// Which members of an ensemble.
+    #[serde(default)]
+    pub shard: Option<ShardRecord>,
+}
+
+/// Members of an ensemble, for a shard's directory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ShardRecord {
+    /// The first of them and the one behind the last.
+    pub members: [u64; 2],
+    /// The members of the whole ensemble.
+    pub ensemble: u64,
+    /// Which of how many shards it is, counted from 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub place: Option<[u64; 2]>,
 }
 
 /// Values of sites that a run read from files.
@@ -134,6 +158,8 @@ pub(crate) struct Beginning<'a> {
     plugins: Vec<PluginRecord>,
     #[serde(skip_serializing_if = "Option::is_none")]
     files: Option<FilesRecord>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shard: Option<ShardRecord>,
     path: String,
     declared_order: usize,
     epsilon: f64,
@@ -312,6 +338,7 @@ impl<'a> Beginning<'a> {
                 .collect(),
             plugins: plugins(run),
             files: files(run),
+            shard: None,
             path: run.path(),
             declared_order: run.method.declared_order(),
             epsilon: run.plan.epsilon,
@@ -319,6 +346,11 @@ impl<'a> Beginning<'a> {
             kernels: Kernels::of(run),
             started: started.unwrap_or_else(now),
         }
+    }
+
+    /// The same of some members of an ensemble.
+    pub fn of_shard(self, shard: Option<ShardRecord>) -> Self {
+        Self { shard, ..self }
     }
 
     /// Writes the manifest of a run that goes on.

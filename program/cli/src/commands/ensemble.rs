@@ -9,15 +9,17 @@ use leafwise::expression::words::counted;
 use leafwise::run::{Advice, RunOptions, RunOutcome};
 use leafwise::run::{
     ensemble::ComposedEnsemble, ensemble::EnsembleEnding, ensemble::EnsembleReport,
-    ensemble::MemberError, ensemble::Workforce, ensemble::advise_ensemble,
-    ensemble::compose_ensemble, ensemble::default_ensemble_directory, ensemble::member_scene,
-    ensemble::run_ensemble,
+    ensemble::MemberError, ensemble::Shard, ensemble::Workforce, ensemble::advise_ensemble,
+    ensemble::compose_ensemble, ensemble::default_ensemble_directory,
+    ensemble::default_shards_directory, ensemble::member_scene, ensemble::run_ensemble,
+    ensemble::run_shard,
 };
 use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::compose;
 use serde::Serialize;
 
 use super::run::{RunOutput, drift, integrate, method_line, print_advice, repeating};
+use super::shard;
 use crate::arguments::{EnsembleArguments, PluginArguments};
 use crate::bar::{Bar, while_building};
 use crate::console::Console;
@@ -60,12 +62,16 @@ pub fn execute(
         let scene = member_document(member, &document, &ensemble, &parts)?;
         return execute_member(arguments, &scene, &parts, plugins, console, interrupt);
     }
+    let shard = shard::asked(arguments, ensemble.population.members())?;
+    let out = arguments.out.clone();
     let options = RunOptions {
         checkpoint_every: RunOptions::CHECKPOINT_EVERY,
-        directory: arguments
-            .out
-            .clone()
-            .unwrap_or_else(|| default_ensemble_directory(&document)),
+        directory: match &shard {
+            None => out.unwrap_or_else(|| default_ensemble_directory(&document)),
+            Some(shard) => out
+                .unwrap_or_else(|| default_shards_directory(&document))
+                .join(shard.name()),
+        },
         force: arguments.force,
         allow_non_poisson: arguments.allow_non_poisson,
         command: repeating(
@@ -82,36 +88,123 @@ pub fn execute(
         lanes: arguments.lanes,
     };
     let is_shown = console.is_terminal && !arguments.quiet;
-    let total = ensemble
-        .population
-        .members()
-        .saturating_mul(ensemble.run.plan.steps);
+    let members = match &shard {
+        None => ensemble.population.members(),
+        Some(shard) => shard.members().end - shard.members().start,
+    };
+    let total = members.saturating_mul(ensemble.run.plan.steps);
     let mut bar = Bar::new(total, is_shown, interrupt);
-    let report = run_ensemble(&document, &ensemble, &options, workforce, &mut bar);
+    let report = match &shard {
+        None => run_ensemble(&document, &ensemble, &options, workforce, &mut bar),
+        Some(shard) => run_shard(&document, &ensemble, shard, &options, workforce, &mut bar),
+    };
     bar.finish();
     let report = report?;
+    if let Some(shard) = &shard {
+        return Ok(tell_shard(shard, &report, arguments, console));
+    }
     let mut advice = report.advice.clone();
     if report.outcome == RunOutcome::Done {
         advice.extend(advise_ensemble(&ensemble, &parts.registry));
     }
-    if !arguments.quiet {
-        for line in summary(&ensemble, &parts.registry, &report, console) {
+    tell(
+        (&ensemble, &parts.registry),
+        &report,
+        &advice,
+        (arguments.json, arguments.quiet),
+        console,
+    )
+}
+
+/// Prints what an ensemble was reduced to; returns the exit code.
+pub(super) fn tell(
+    (ensemble, registry): (&ComposedEnsemble, &Registry),
+    report: &EnsembleReport,
+    advice: &[Advice],
+    (json, quiet): (bool, bool),
+    console: &mut Console<'_>,
+) -> Result<u8, Failure> {
+    if !quiet {
+        for line in summary(ensemble, registry, report, console) {
             console.prose(&line);
         }
-        print_advice(&advice, console);
+        print_advice(advice, console);
     }
-    if arguments.json {
+    if json {
         console.json(&Told {
-            ending: EnsembleEnding::new(&ensemble, &report),
-            warnings: &advice,
+            ending: EnsembleEnding::new(ensemble, report),
+            warnings: advice,
             run_directory: report.directory.display().to_string(),
         });
     }
-    Ok(match report.outcome {
+    Ok(code(report))
+}
+
+fn code(report: &EnsembleReport) -> u8 {
+    let all = &report.reductions;
+    match report.outcome {
         RunOutcome::Interrupted => exit::INTERRUPTED,
-        _ if report.reductions.failed == report.reductions.members => exit::RUN_FAILED,
+        _ if all.members > 0 && all.failed == all.members => exit::RUN_FAILED,
         _ => exit::DONE,
-    })
+    }
+}
+
+/// The object of `ensemble --shard --json`.
+#[derive(Serialize)]
+struct ToldShard {
+    outcome: &'static str,
+    members: [u64; 2],
+    done: u64,
+    failed: u64,
+    wall_seconds: f64,
+    members_per_second: f64,
+    run_directory: String,
+}
+
+/// Prints a line of a shard; returns the exit code.
+fn tell_shard(
+    shard: &Shard,
+    report: &EnsembleReport,
+    arguments: &EnsembleArguments,
+    console: &mut Console<'_>,
+) -> u8 {
+    let all = &report.reductions;
+    let members = shard.members();
+    if !arguments.quiet {
+        let outcome = match report.outcome {
+            RunOutcome::Interrupted => format!(
+                "stopped after {} of them, with a checkpoint: the same command goes on from there",
+                grouped(all.members)
+            ),
+            _ if report.is_repeated => {
+                "it had come to its end before: nothing was computed or written".to_owned()
+            }
+            _ => format!(
+                "{} failed, {}, {} members a second",
+                grouped(all.failed),
+                duration(report.wall_seconds),
+                grouped(report.rate() as u64)
+            ),
+        };
+        console.prose(&format!(
+            "{}: {}: {outcome}: {}",
+            report.outcome.word(),
+            shard.describe(),
+            report.directory.display()
+        ));
+    }
+    if arguments.json {
+        console.json(&ToldShard {
+            outcome: report.outcome.word(),
+            members: [members.start, members.end],
+            done: all.members,
+            failed: all.failed,
+            wall_seconds: report.wall_seconds,
+            members_per_second: report.rate(),
+            run_directory: report.directory.display().to_string(),
+        });
+    }
+    code(report)
 }
 
 /// One member as a scene of its own.

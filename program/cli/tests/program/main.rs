@@ -15,6 +15,7 @@ mod plugins;
 mod runs;
 mod sections;
 mod shadow;
+mod shards;
 mod sites;
 mod states;
 mod support;

@@ -194,6 +194,7 @@ impl<'a> Block<'a> {
         if !self.watch.is_blind() {
             let found = self.watch.begin(&self.integrator)?;
             self.take_stops(found);
+            self.keep_deviations();
         }
         self.take_sample();
         Ok(())

@@ -1,9 +1,11 @@
 //! What a resumed ensemble needs, in one file that is replaced atomically.
 
+use std::ops::Range;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::plan::ComposedEnsemble;
 use super::tree::Tree;
 use crate::{CHECKPOINT, Format, RunError, Vouched};
 
@@ -35,6 +37,33 @@ impl Checkpoint {
     /// Writes the checkpoint of a directory.
     pub fn write(&self, directory: &Path) -> Result<(), RunError> {
         FORMAT.write(&directory.join(CHECKPOINT), self)
+    }
+
+    /// Refuses one that is not of these members of this ensemble; `file` is where it was read.
+    pub fn check(
+        &self,
+        ensemble: &ComposedEnsemble,
+        members: &Range<u64>,
+        file: &Path,
+    ) -> Result<(), RunError> {
+        let damaged = |reason: &str| RunError::Damaged {
+            file: file.to_owned(),
+            reason: reason.to_owned(),
+        };
+        let population = &ensemble.population;
+        if self.fingerprint != population.fingerprint() {
+            return Err(damaged(
+                "the file of states has changed since it was written",
+            ));
+        }
+        let held = self.tree.members();
+        let is_of_these = held.start == members.start && held.end <= members.end;
+        let is_of_this =
+            self.members == population.members() && self.tree.shape() == ensemble.shape();
+        if !is_of_these || !is_of_this {
+            return Err(damaged("it is of another ensemble"));
+        }
+        Ok(())
     }
 
     /// Reads the checkpoint of a directory.

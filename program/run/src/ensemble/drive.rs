@@ -59,6 +59,8 @@ pub(super) struct Session<'a> {
     pub wall: Duration,
     /// Threads that the members were stepped on.
     pub threads: usize,
+    /// The member behind the last.
+    pub end: u64,
 }
 
 impl Session<'_> {
@@ -70,7 +72,7 @@ impl Session<'_> {
         progress: &mut dyn Progress,
         save: &mut dyn FnMut(&Checkpoint) -> Result<(), RunError>,
     ) -> Result<RunOutcome, RunError> {
-        let members = self.ensemble.population.members();
+        let (begun, members) = (self.tree.members().start, self.end);
         let steps = self.ensemble.run.plan.steps;
         let from = self.tree.next();
         let blocks = blocks(from, members, workforce);
@@ -147,10 +149,10 @@ impl Session<'_> {
                 }
                 self.wall = before + started.elapsed();
                 progress.show(&Status {
-                    steps: from
+                    steps: (from - begun)
                         .saturating_mul(steps)
                         .saturating_add(signals.steps.load(Ordering::Relaxed)),
-                    total: members.saturating_mul(steps),
+                    total: (members - begun).saturating_mul(steps),
                     time: ensemble.time(steps),
                     until: None,
                     energy_drift: self.tree.largest_deviation(),

@@ -1,7 +1,10 @@
 //! From a composed ensemble to a complete run directory.
 
-use std::path::PathBuf;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
+
+use serde::Serialize;
 
 use super::advice::measured;
 use super::checkpoint::Checkpoint;
@@ -10,6 +13,7 @@ use super::ending::EnsembleEnding;
 use super::plan::ComposedEnsemble;
 use super::report::EnsembleReport;
 use super::section::SectionStore;
+use super::shard::Shard;
 use super::store::{FinalStore, has_begun_at_most};
 use super::tree::Tree;
 use super::{page, tables};
@@ -30,6 +34,11 @@ pub fn default_ensemble_directory(document: &SceneDocument) -> PathBuf {
     }
 }
 
+/// `runs/` and the scene file's name with `-shards`: a folder of shards.
+pub fn default_shards_directory(document: &SceneDocument) -> PathBuf {
+    PathBuf::from("runs").join(format!("{}-shards", crate::stem(document)))
+}
+
 /// Checks the scene, then steps all members and reduces them into a directory; an unfinished ensemble
 /// of the same scene is resumed, to the same bits as without interruption, and a finished one reported
 /// again.
@@ -43,119 +52,273 @@ pub fn run_ensemble(
     workforce: Workforce,
     progress: &mut dyn Progress,
 ) -> Result<EnsembleReport, RunError> {
-    let composed = &ensemble.run;
-    let checks = SceneChecks::of(&composed.system, &composed.near)?;
-    if let Some(refusal) = checks.refusal(document, &composed.system, options.allow_non_poisson) {
-        return Err(RunError::Refused(refusal));
-    }
-    let kind = Kind::Ensemble;
-    let files = files(composed);
-    let asked = RunRequest {
-        kind,
-        scene: &document.text,
-        plugins: &plugins(composed),
-        files: files.as_ref(),
-    };
-    let directory = RunDirectory::open(&options.directory, &asked, options.force)?;
-    let held = directory.held.as_ref();
-    let resumed = match held {
-        Some(_) => resume(ensemble, &directory)?,
-        None => None,
-    };
-    let resumed_at = resumed.as_ref().map(|session| session.tree.members().end);
-    let is_done = held.is_some_and(|held| held.is_done);
-    if is_done && let Some(session) = resumed {
-        let crossings = ensemble.run.plan.events.section.as_ref();
-        let crossings = crossings.map(|_| session.section.count);
-        let mut report = EnsembleReport {
-            outcome: RunOutcome::Done,
-            wall_seconds: session.wall.as_secs_f64(),
-            reductions: session.tree.total(),
-            crossings,
-            resumed_at: None,
-            is_repeated: true,
-            threads: session.threads,
-            advice: Vec::new(),
-            directory: directory.path.clone(),
-        };
+    let checks = checked(document, ensemble, options)?;
+    let directory = open(document, ensemble, options, None)?;
+    let begun = begin(document, ensemble, options, (&checks, None), &directory)?;
+    let Begun {
+        mut session,
+        beginning,
+        resumed_at,
+        is_done,
+    } = begun;
+    if is_done {
+        let mut report = session.report(RunOutcome::Done, None);
+        report.is_repeated = true;
         report.advice = measured(document, ensemble, &report);
         return Ok(report);
     }
-    let command = &options.command;
-    let started = held.map(|held| held.started.clone());
-    let beginning = Beginning::new(kind, document, composed, &checks, command, started);
-    beginning.write_running(&directory.path)?;
-    replace(&directory.path.join(SCENE), document.text.as_bytes())?;
-    let mut session = match resumed {
-        Some(mut session) => {
-            session.store.go_on()?;
-            session.section.go_on(&directory.path)?;
-            session
-        }
-        None => Session {
-            ensemble,
-            tree: Tree::new(ensemble.shape(), 0),
-            store: FinalStore::create(ensemble, &directory.path)?,
-            section: SectionStore::create(ensemble, &directory.path)?,
-            directory: &directory.path,
-            wall: Duration::ZERO,
-            threads: 0,
-        },
-    };
-    session.checkpoint()?.write(&directory.path)?;
-    let save = &mut |checkpoint: &Checkpoint| checkpoint.write(&directory.path);
-    let outcome = session.drive(workforce, progress, save)?;
-    session.checkpoint()?.write(&directory.path)?;
-    let crossings = ensemble.run.plan.events.section.as_ref();
-    let crossings = crossings.map(|_| session.section.count);
-    let mut report = EnsembleReport {
-        outcome,
-        wall_seconds: session.wall.as_secs_f64(),
-        reductions: session.tree.total(),
-        crossings,
+    let outcome = session.steps(workforce, progress)?;
+    let report = session.report(outcome, resumed_at);
+    write_end(document, ensemble, options, &beginning, report)
+}
+
+/// Steps the members of a shard into a directory of its own, for [`merge_shards`](super::merge_shards); an unfinished shard
+/// goes on, and a finished one is reported again.
+///
+/// # Errors
+/// As [`run_ensemble`].
+pub fn run_shard(
+    document: &SceneDocument,
+    ensemble: &ComposedEnsemble,
+    shard: &Shard,
+    options: &RunOptions,
+    workforce: Workforce,
+    progress: &mut dyn Progress,
+) -> Result<EnsembleReport, RunError> {
+    let checks = checked(document, ensemble, options)?;
+    let directory = open(document, ensemble, options, Some(shard))?;
+    let begun = begin(
+        document,
+        ensemble,
+        options,
+        (&checks, Some(shard)),
+        &directory,
+    )?;
+    let Begun {
+        mut session,
+        beginning,
         resumed_at,
-        is_repeated: false,
-        threads: session.threads,
-        advice: Vec::new(),
-        directory: directory.path.clone(),
+        is_done,
+    } = begun;
+    if is_done {
+        let mut report = session.report(RunOutcome::Done, None);
+        report.is_repeated = true;
+        return Ok(report);
+    }
+    let outcome = session.steps(workforce, progress)?;
+    let report = session.report(outcome, resumed_at);
+    let ending = ShardEnding {
+        failed: report.reductions.failed,
+        wall_seconds: report.wall_seconds,
+        outcome: report.outcome.word(),
     };
+    beginning.write_end(&directory.path, ending)?;
+    Ok(report)
+}
+
+/// The end of a shard's manifest.
+#[derive(Serialize)]
+struct ShardEnding {
+    failed: u64,
+    wall_seconds: f64,
+    outcome: &'static str,
+}
+
+/// The checks of a scene before it is stepped.
+pub(super) fn checked(
+    document: &SceneDocument,
+    ensemble: &ComposedEnsemble,
+    options: &RunOptions,
+) -> Result<SceneChecks, RunError> {
+    let composed = &ensemble.run;
+    let checks = SceneChecks::of(&composed.system, &composed.near)?;
+    match checks.refusal(document, &composed.system, options.allow_non_poisson) {
+        Some(refusal) => Err(RunError::Refused(refusal)),
+        None => Ok(checks),
+    }
+}
+
+/// The directory of an ensemble or of a shard of it.
+pub(super) fn open(
+    document: &SceneDocument,
+    ensemble: &ComposedEnsemble,
+    options: &RunOptions,
+    shard: Option<&Shard>,
+) -> Result<RunDirectory, RunError> {
+    let composed = &ensemble.run;
+    let files = files(composed);
+    let asked = RunRequest {
+        kind: match shard {
+            None => Kind::Ensemble,
+            Some(_) => Kind::Shard,
+        },
+        scene: &document.text,
+        plugins: &plugins(composed),
+        files: files.as_ref(),
+        shard: shard.map(Shard::record),
+    };
+    RunDirectory::open(&options.directory, &asked, options.force)
+}
+
+/// A session that may step, or has come to its end.
+pub(super) struct Begun<'a> {
+    pub session: Session<'a>,
+    pub beginning: Beginning<'a>,
+    pub resumed_at: Option<u64>,
+    pub is_done: bool,
+}
+
+/// Resumes what a directory holds, or begins anew.
+pub(super) fn begin<'a>(
+    document: &'a SceneDocument,
+    ensemble: &'a ComposedEnsemble,
+    options: &'a RunOptions,
+    (checks, shard): (&'a SceneChecks, Option<&Shard>),
+    directory: &'a RunDirectory,
+) -> Result<Begun<'a>, RunError> {
+    let members = shard.map_or(0..ensemble.population.members(), Shard::members);
+    let held = directory.held.as_ref();
+    let resumed = match held {
+        Some(_) => resume(ensemble, directory, &members)?,
+        None => None,
+    };
+    let beginning = beginning(document, ensemble, options, (checks, shard), directory);
+    let resumed_at = resumed.as_ref().map(|session| session.tree.next());
+    let is_done = held.is_some_and(|held| held.is_done);
+    let session = match resumed {
+        Some(session) if is_done => session,
+        resumed => {
+            write_begun(document, &beginning, directory)?;
+            match resumed {
+                Some(mut session) => {
+                    session.store.go_on()?;
+                    session.section.go_on(&directory.path)?;
+                    session
+                }
+                None => Session::new(ensemble, &directory.path, members)?,
+            }
+        }
+    };
+    Ok(Begun {
+        is_done: is_done && resumed_at.is_some(),
+        session,
+        beginning,
+        resumed_at,
+    })
+}
+
+/// What is told before the first member.
+pub(super) fn beginning<'a>(
+    document: &'a SceneDocument,
+    ensemble: &'a ComposedEnsemble,
+    options: &'a RunOptions,
+    (checks, shard): (&'a SceneChecks, Option<&Shard>),
+    directory: &RunDirectory,
+) -> Beginning<'a> {
+    let kind = match shard {
+        None => Kind::Ensemble,
+        Some(_) => Kind::Shard,
+    };
+    let started = directory.held.as_ref().map(|held| held.started.clone());
+    let (composed, command) = (&ensemble.run, &options.command);
+    let beginning = Beginning::new(kind, document, composed, checks, command, started);
+    beginning.of_shard(shard.map(Shard::record))
+}
+
+/// Makes a directory that of an ensemble.
+pub(super) fn write_begun(
+    document: &SceneDocument,
+    beginning: &Beginning<'_>,
+    directory: &RunDirectory,
+) -> Result<(), RunError> {
+    beginning.write_running(&directory.path)?;
+    replace(&directory.path.join(SCENE), document.text.as_bytes())
+}
+
+/// Writes all that is told of an ensemble that has ended.
+pub(super) fn write_end(
+    document: &SceneDocument,
+    ensemble: &ComposedEnsemble,
+    options: &RunOptions,
+    beginning: &Beginning<'_>,
+    mut report: EnsembleReport,
+) -> Result<EnsembleReport, RunError> {
     // Who interrupts an ensemble wants it to end.
     if report.outcome != RunOutcome::Interrupted {
         report.advice = measured(document, ensemble, &report);
     }
     tables::write(ensemble, &report)?;
     let data = page::data(document, ensemble, &report, &options.command)
-        .map_err(RunError::io(&directory.path))?;
+        .map_err(RunError::io(&report.directory))?;
     let page = render_ensemble(&data)?;
-    replace(&directory.path.join(REPORT), page.as_bytes())?;
-    beginning.write_end(&directory.path, EnsembleEnding::new(ensemble, &report))?;
+    replace(&report.directory.join(REPORT), page.as_bytes())?;
+    beginning.write_end(&report.directory, EnsembleEnding::new(ensemble, &report))?;
     Ok(report)
 }
 
-/// An ensemble as its checkpoint has it, which must be of these members; `None` where it was killed
+impl<'a> Session<'a> {
+    /// No member yet, of these.
+    pub fn new(
+        ensemble: &'a ComposedEnsemble,
+        directory: &'a Path,
+        members: Range<u64>,
+    ) -> Result<Self, RunError> {
+        Ok(Session {
+            ensemble,
+            tree: Tree::new(ensemble.shape(), members.start),
+            store: FinalStore::create(ensemble, directory)?,
+            section: SectionStore::create(ensemble, directory)?,
+            directory,
+            wall: Duration::ZERO,
+            threads: 0,
+            end: members.end,
+        })
+    }
+
+    /// Steps what is left, with checkpoints.
+    fn steps(
+        &mut self,
+        workforce: Workforce,
+        progress: &mut dyn Progress,
+    ) -> Result<RunOutcome, RunError> {
+        let directory = self.directory;
+        self.checkpoint()?.write(directory)?;
+        let save = &mut |checkpoint: &Checkpoint| checkpoint.write(directory);
+        let outcome = self.drive(workforce, progress, save)?;
+        self.checkpoint()?.write(directory)?;
+        Ok(outcome)
+    }
+
+    /// What is left behind.
+    pub fn report(&self, outcome: RunOutcome, resumed_at: Option<u64>) -> EnsembleReport {
+        let crossings = self.ensemble.run.plan.events.section.as_ref();
+        EnsembleReport {
+            outcome,
+            wall_seconds: self.wall.as_secs_f64(),
+            reductions: self.tree.total(),
+            crossings: crossings.map(|_| self.section.count),
+            resumed_at,
+            is_repeated: false,
+            threads: self.threads,
+            advice: Vec::new(),
+            directory: self.directory.to_owned(),
+        }
+    }
+}
+
+/// An ensemble, or these members of it, as its checkpoint has it; `None` where it was killed
 /// before the first, and begins anew.
 fn resume<'a>(
     ensemble: &'a ComposedEnsemble,
     directory: &'a RunDirectory,
+    members: &Range<u64>,
 ) -> Result<Option<Session<'a>>, RunError> {
     let file = directory.path.join(crate::CHECKPOINT);
     if !file.exists() && has_begun_at_most(ensemble, &directory.path) {
         return Ok(None);
     }
     let checkpoint = Checkpoint::read(&directory.path)?;
-    let damaged = |reason: &str| RunError::Damaged {
-        file,
-        reason: reason.to_owned(),
-    };
-    let population = &ensemble.population;
-    if checkpoint.fingerprint != population.fingerprint() {
-        return Err(damaged(
-            "the file of states has changed since it was written",
-        ));
-    }
-    if checkpoint.members != population.members() || checkpoint.tree.shape() != ensemble.shape() {
-        return Err(damaged("it is of another ensemble"));
-    }
+    checkpoint.check(ensemble, members, &file)?;
     Ok(Some(Session {
         ensemble,
         store: FinalStore::resume(ensemble, &directory.path, &checkpoint.vouched)?,
@@ -169,5 +332,6 @@ fn resume<'a>(
         wall: Duration::try_from_secs_f64(checkpoint.wall_seconds).unwrap_or_default(),
         tree: checkpoint.tree,
         threads: 0,
+        end: members.end,
     }))
 }

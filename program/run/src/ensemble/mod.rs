@@ -9,7 +9,8 @@
 //! - `statistics`, `quantiles`, `losses`: what members are reduced to; `tree`: in which order;
 //! - `report`: [`EnsembleReport`], what is left behind;
 //! - `checkpoint`, `store`, `tables`, `ending`, `page`: what the run directory holds;
-//! - `execute`: [`run_ensemble`], all of it.
+//! - `execute`: [`run_ensemble`], all of it; `shard`: [`Shard`], some members of it for one of many processes; `merge`:
+//!   [`merge_shards`], these joined to the bytes of one process.
 
 mod advice;
 mod block;
@@ -19,6 +20,7 @@ mod ending;
 mod execute;
 mod losses;
 mod member;
+mod merge;
 mod observers;
 mod page;
 mod plan;
@@ -27,6 +29,7 @@ mod quantiles;
 mod random;
 mod report;
 mod section;
+mod shard;
 mod states;
 mod statistics;
 pub(crate) mod store;
@@ -39,11 +42,13 @@ mod watch;
 pub use advice::advise_ensemble;
 pub use drive::Workforce;
 pub use ending::EnsembleEnding;
-pub use execute::{default_ensemble_directory, run_ensemble};
+pub use execute::{default_ensemble_directory, default_shards_directory, run_ensemble, run_shard};
 pub use losses::Loss;
 pub use member::{MemberError, member_scene};
+pub use merge::{MergeError, Missing, Shards, merge_shards};
 pub use plan::{ComposedEnsemble, compose_ensemble, compose_members};
 pub use population::Population;
 pub use report::EnsembleReport;
+pub use shard::{Shard, ShardError};
 pub use states::Members;
 pub use statistics::{Deviation, MemberFailure, Reductions, Summary};

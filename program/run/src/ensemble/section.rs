@@ -156,6 +156,22 @@ impl SectionStore {
         file.flush()
     }
 
+    /// Appends what a shard's directory holds.
+    pub fn append(
+        &mut self,
+        ensemble: &ComposedEnsemble,
+        directory: &Path,
+        vouched: &Vouched,
+        count: u64,
+    ) -> Result<(), RunError> {
+        let Some(file) = &mut self.file else {
+            return Ok(());
+        };
+        self.count += count;
+        let skipped = heading(ensemble).len() as u64;
+        file.append_file(&directory.join(SECTION), vouched, skipped)
+    }
+
     /// Hands everything to the disk; returns what a checkpoint may count.
     pub fn sync(&mut self) -> Result<Vouched, RunError> {
         match &mut self.file {

@@ -110,6 +110,23 @@ impl FinalStore {
         file.flush()
     }
 
+    /// Appends what a shard's directory holds.
+    pub fn append(
+        &mut self,
+        ensemble: &ComposedEnsemble,
+        directory: &Path,
+        vouched: &Vouched,
+    ) -> Result<(), RunError> {
+        match (&mut self.file, name(ensemble)) {
+            (Some(file), Some(name)) => file.append_file(
+                &directory.join(name),
+                vouched,
+                heading(ensemble).len() as u64,
+            ),
+            _ => Ok(()),
+        }
+    }
+
     /// Hands everything to the disk; returns what a checkpoint may count.
     pub fn sync(&mut self) -> Result<Vouched, RunError> {
         match &mut self.file {

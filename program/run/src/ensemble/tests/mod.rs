@@ -4,6 +4,7 @@ mod events;
 mod members;
 mod refusals;
 mod running;
+mod shards;
 
 use std::num::NonZeroUsize;
 use std::path::Path;

@@ -1,0 +1,65 @@
+//! `leafwise merge`: the shards of an ensemble as one.
+
+use std::path::Path;
+
+use leafwise::run::RunOptions;
+use leafwise::run::ensemble::{
+    MergeError, Shards, advise_ensemble, compose_ensemble, merge_shards,
+};
+
+use super::ensemble::tell;
+use crate::arguments::{MergeArguments, PluginArguments, SceneArguments};
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::plugins::Parts;
+
+impl From<MergeError> for Failure {
+    fn from(error: MergeError) -> Self {
+        match error {
+            MergeError::Run(error) => error.into(),
+            other => Self::Merge(Box::new(other)),
+        }
+    }
+}
+
+/// Joins the shards; returns the exit code.
+///
+/// # Errors
+/// [`Failure`] where they do not fit together, or members are missing.
+pub fn execute(
+    arguments: &MergeArguments,
+    plugins: &PluginArguments,
+    console: &mut Console<'_>,
+) -> Result<u8, Failure> {
+    let shards = Shards::find(&arguments.shards)?;
+    let mut parts = Parts::new(plugins)?;
+    let scene = arguments.scene.clone().unwrap_or_else(|| shards.scene());
+    let mut document = parts.scene(&SceneArguments {
+        scene: scene.clone(),
+        overrides: Vec::new(),
+    })?;
+    if arguments.scene.is_some() {
+        shards.check_scene(&document.text)?;
+    } else {
+        shards.scene_name().clone_into(&mut document.name);
+    }
+    let folder = scene.parent().unwrap_or(Path::new(""));
+    let ensemble = compose_ensemble(&document, &parts.registry, folder)?;
+    let options = RunOptions {
+        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
+        directory: arguments.out.clone(),
+        force: arguments.force,
+        allow_non_poisson: arguments.allow_non_poisson,
+        command: format!("leafwise merge, of {} shards", shards.count()),
+    };
+    let report = merge_shards(&document, &ensemble, &shards, &options)?;
+    let mut advice = report.advice.clone();
+    advice.extend(advise_ensemble(&ensemble, &parts.registry));
+    tell(
+        (&ensemble, &parts.registry),
+        &report,
+        &advice,
+        (arguments.json, arguments.quiet),
+        console,
+    )
+}
