@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 
 use leafwise::core::Registry;
 use leafwise::run::ensemble::{
-    Members, Workforce, compose_ensemble, compose_members, run_ensemble,
+    ComposedEnsemble, Members, MergeError, Shard, Shards, Workforce, compose_ensemble,
+    compose_members, merge_shards, run_ensemble, run_shard,
 };
 use leafwise::run::{Progress, RunOptions, RunOutcome, Status, run_in_memory};
 use leafwise::scene::document::{Located, ObservableSpec, Place, Source};
@@ -20,7 +21,7 @@ use pyo3::prelude::*;
 
 use crate::command::with_plugins;
 use crate::ensemble::{Ensemble, Left};
-use crate::error::{exception, of_scene};
+use crate::error::{LeafwiseError, exception, of_scene};
 use crate::functions::Functions;
 use crate::gradient::Map;
 use crate::integrator::Integrator;
@@ -74,6 +75,15 @@ impl Read {
         record_invariants(&mut self.document);
         let composed = compose(&self.document, &self.registry);
         self.unless_raised(composed.map_err(|refusal| exception(&Failure::from(refusal))))
+    }
+
+    /// The ensemble with these members, or those of its own table.
+    fn ensemble(&self, members: &Members, files: &Path) -> PyResult<ComposedEnsemble> {
+        let ensemble = match *members == Members::default() {
+            true => compose_ensemble(&self.document, &self.registry, files),
+            false => compose_members(&self.document, &self.registry, members),
+        };
+        self.unless_raised(ensemble.map_err(|refusal| exception(&Failure::from(refusal))))
     }
 
     /// What a function of the system has raised goes before what came of it.
@@ -242,33 +252,95 @@ impl Scene {
         allow_non_poisson: bool,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Ensemble> {
-        let states = states.map(|states| states.as_array().iter().copied().collect());
-        let members = Members { states, parameters };
+        let members = members(states, parameters);
         let (composed, report, left) = py.detach(|| {
             let read = self.with(&overrides)?;
-            let ensemble = match members == Members::default() {
-                true => compose_ensemble(&read.document, &read.registry, &files),
-                false => compose_members(&read.document, &read.registry, &members),
-            };
-            let ensemble = ensemble.map_err(|refusal| exception(&Failure::from(refusal)));
-            let ensemble = read.unless_raised(ensemble)?;
-            let options = RunOptions {
-                directory: out,
-                force: false,
-                allow_non_poisson,
-                command: String::new(),
-                checkpoint_every: Duration::MAX,
-            };
-            let mut workforce = Workforce::default();
-            workforce.threads = threads.unwrap_or(workforce.threads);
+            let ensemble = read.ensemble(&members, &files)?;
+            let options = options(out, allow_non_poisson);
             let mut told = Told::new(progress, read.functions.as_ref());
-            let report = run_ensemble(&read.document, &ensemble, &options, workforce, &mut told);
+            let report = run_ensemble(
+                &read.document,
+                &ensemble,
+                &options,
+                workforce(threads),
+                &mut told,
+            );
             if let Some(error) = told.into_raised() {
                 return Err(error);
             }
             let report = report.map_err(|error| exception(&Failure::from(error)))?;
             let left = Left::read(&ensemble, &report)?;
             Ok((ensemble, report, left))
+        })?;
+        Ensemble::new(py, &composed, &report, left)
+    }
+
+    /// Steps one of `of` shards of it, counted from 1, into the directory `out`.
+    #[allow(clippy::too_many_arguments)]
+    fn shard(
+        &self,
+        py: Python<'_>,
+        overrides: Overrides,
+        states: Option<PyReadonlyArray2<'_, f64>>,
+        parameters: Vec<(String, Vec<f64>)>,
+        files: PathBuf,
+        out: PathBuf,
+        place: (u64, u64),
+        threads: Option<NonZeroUsize>,
+        allow_non_poisson: bool,
+    ) -> PyResult<()> {
+        let members = members(states, parameters);
+        py.detach(|| {
+            let read = self.with(&overrides)?;
+            let ensemble = read.ensemble(&members, &files)?;
+            let (number, of) = place;
+            let shard = Shard::of(number, of, ensemble.population.members());
+            let shard = shard.map_err(|error| LeafwiseError::new_err(error.to_string()))?;
+            let options = options(out, allow_non_poisson);
+            let mut told = Told::new(None, read.functions.as_ref());
+            let report = run_shard(
+                &read.document,
+                &ensemble,
+                &shard,
+                &options,
+                workforce(threads),
+                &mut told,
+            );
+            if let Some(error) = told.into_raised() {
+                return Err(error);
+            }
+            let report = report.map_err(|error| exception(&Failure::from(error)))?;
+            match report.outcome {
+                RunOutcome::Interrupted => Err(PyKeyboardInterrupt::new_err(())),
+                _ => Ok(()),
+            }
+        })
+    }
+
+    /// Joins the shards in the folder `shards` into the directory `out`.
+    #[allow(clippy::too_many_arguments)]
+    fn merge(
+        &self,
+        py: Python<'_>,
+        overrides: Overrides,
+        states: Option<PyReadonlyArray2<'_, f64>>,
+        parameters: Vec<(String, Vec<f64>)>,
+        files: PathBuf,
+        out: PathBuf,
+        shards: PathBuf,
+        allow_non_poisson: bool,
+    ) -> PyResult<Ensemble> {
+        let members = members(states, parameters);
+        let (composed, report, left) = py.detach(|| {
+            let read = self.with(&overrides)?;
+            let ensemble = read.ensemble(&members, &files)?;
+            let failed = |error: MergeError| exception(&Failure::from(error));
+            let shards = Shards::find(&[shards]).map_err(failed)?;
+            let options = options(out, allow_non_poisson);
+            let report =
+                merge_shards(&read.document, &ensemble, &shards, &options).map_err(failed)?;
+            let left = Left::read(&ensemble, &report)?;
+            PyResult::Ok((ensemble, report, left))
         })?;
         Ensemble::new(py, &composed, &report, left)
     }
@@ -288,6 +360,35 @@ impl Scene {
             let mut read = self.with(&Vec::new())?;
             Map::new(read.composed()?, read.functions)
         })
+    }
+}
+
+/// Members as arrays.
+fn members(
+    states: Option<PyReadonlyArray2<'_, f64>>,
+    parameters: Vec<(String, Vec<f64>)>,
+) -> Members {
+    Members {
+        states: states.map(|states| states.as_array().iter().copied().collect()),
+        parameters,
+    }
+}
+
+fn options(directory: PathBuf, allow_non_poisson: bool) -> RunOptions {
+    RunOptions {
+        directory,
+        force: false,
+        allow_non_poisson,
+        command: String::new(),
+        checkpoint_every: Duration::MAX,
+    }
+}
+
+fn workforce(threads: Option<NonZeroUsize>) -> Workforce {
+    let all = Workforce::default();
+    Workforce {
+        threads: threads.unwrap_or(all.threads),
+        ..all
     }
 }
 

@@ -255,6 +255,7 @@ fn files(kind: Kind) -> impl Iterator<Item = &'static str> {
             samples::SECTION,
             store::CSV,
             store::BINARY,
+            store::MATRIX,
         ],
     };
     common.into_iter().chain(own.iter().copied())

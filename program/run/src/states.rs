@@ -19,7 +19,7 @@ pub(super) const FINAL_STATE: &str = "final_state.bin";
 const BATCH: usize = 1 << 20;
 
 /// The length of the header, whatever the number of rows.
-const HEADER: usize = 128;
+pub(crate) const HEADER: usize = 128;
 
 /// The writer of `states.npy`: a matrix of doubles, a row for each row of `samples.csv`, in the format 1.0
 /// of NumPy (numpy.lib.format). The header counts the rows behind it at every moment.
@@ -197,7 +197,7 @@ impl StateTable {
 }
 
 /// Magic, version 1.0, the length of what follows, and a Python dictionary filled up with spaces.
-fn header(rows: u64, width: usize) -> [u8; HEADER] {
+pub(crate) fn header(rows: u64, width: usize) -> [u8; HEADER] {
     let dictionary =
         format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({rows}, {width}), }}");
     let mut header = [b' '; HEADER];

@@ -131,6 +131,27 @@ class Scene:
         allow_non_poisson: bool,
         progress: Callable[[int, int], object] | None,
     ) -> Ensemble: ...
+    def shard(
+        self,
+        overrides: list[tuple[str, str]],
+        states: Array | None,
+        parameters: list[tuple[str, Array]],
+        files: Path,
+        out: Path,
+        place: tuple[int, int],
+        threads: int | None,
+        allow_non_poisson: bool,
+    ) -> None: ...
+    def merge(
+        self,
+        overrides: list[tuple[str, str]],
+        states: Array | None,
+        parameters: list[tuple[str, Array]],
+        files: Path,
+        out: Path,
+        shards: Path,
+        allow_non_poisson: bool,
+    ) -> Ensemble: ...
     def integrator(self) -> Integrator: ...
     def map(self) -> Map: ...
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import tempfile
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -23,6 +24,8 @@ from ._functions import System
 from ._leafwise import Integrator, text_of, text_of_value
 from ._progress import shown
 from ._run import Run
+from ._shards import Asked
+from ._shards import ensemble as ensemble_of_shards
 
 
 class Scene:
@@ -167,6 +170,8 @@ class Scene:
         record: int | None = None,
         quantiles: ArrayLike | None = None,
         threads: int | None = None,
+        executor: Any = None,
+        shards: int | None = None,
         allow_non_poisson: bool = False,
         progress: bool | Callable[[int, int], object] | None = None,
     ) -> Ensemble:
@@ -179,7 +184,11 @@ class Scene:
             steps: the number of steps.
             record: every how many steps statistics are taken, beside the first and the last.
             quantiles: what parts of the members lie below the quantiles in the statistics, shape (k,).
-            threads: how many threads; no result depends on it.
+            threads: how many threads; no result depends on it. A worker of an executor has one where not given.
+            executor: where shards of the ensemble are stepped: anything with ``submit`` of ``concurrent.futures``, such as
+                ``ProcessPoolExecutor``, ``mpi4py.futures.MPIPoolExecutor``, or a client of Dask. The result is the same; workers
+                that fail are the executor's to replace. ``progress`` is then told of shards.
+            shards: into how many shards, 4 for each processor of this machine where not given; with an executor alone.
             allow_non_poisson: step a tensor that violates the Jacobi identity.
             progress: as in :meth:`run`, of the members' steps.
 
@@ -206,16 +215,29 @@ class Scene:
         }
         overrides = _overrides({key: value for key, value in options.items() if value is not None})
         files = Path(self.name).parent
+        if executor is None and shards is not None:
+            raise ValueError("shards are made by an executor: give executor= too")
+        if executor is not None:
+            asked = Asked(self._scene.origin, overrides, states, list(given.items()), files.absolute(), allow_non_poisson)
+            count = 4 * (os.cpu_count() or 1) if shards is None else shards
+            if count < 1:
+                raise ValueError(f"there are no {count} shards")
+            with shown(progress) as told:
+                return self._told(ensemble_of_shards(asked, executor, count, threads or 1, told))
         with tempfile.TemporaryDirectory() as folder, shown(progress) as told:
             out = Path(folder) / "ensemble"
             left = self._scene.ensemble(
                 overrides, states, list(given.items()), files, out, threads, allow_non_poisson, told
             )
+        return self._told(left)
+
+    @staticmethod
+    def _told(left: _leafwise.Ensemble) -> Ensemble:
         ensemble = Ensemble(left)
         for advice in ensemble.warnings:
-            warnings.warn(advice, LeafwiseWarning, stacklevel=2)
+            warnings.warn(advice, LeafwiseWarning, stacklevel=3)
         if ensemble.outcome == "interrupted":
-            warnings.warn(f"interrupted after {len(ensemble)} members", LeafwiseWarning, stacklevel=2)
+            warnings.warn(f"interrupted after {len(ensemble)} members", LeafwiseWarning, stacklevel=3)
         return ensemble
 
     def integrator(self) -> Integrator:

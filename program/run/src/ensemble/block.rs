@@ -56,6 +56,15 @@ pub(super) enum Ended {
 }
 
 impl Ended {
+    /// As a number.
+    pub fn number(self) -> f64 {
+        match self {
+            Self::Done => 0.0,
+            Self::Stopped => 1.0,
+            Self::Failed => 2.0,
+        }
+    }
+
     /// In a word.
     pub fn word(self) -> &'static str {
         match self {

@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::plan::ComposedEnsemble;
 use super::report::EnsembleReport;
 use super::statistics::{Deviation, MemberFailure, Summary};
+use super::store::columns;
 use super::tables::summaries;
 use crate::SolverFields;
 
@@ -34,7 +35,17 @@ pub struct EnsembleEnding<'a> {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     losses: Vec<LossFields>,
     failures: &'a [MemberFailure],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    final_states: Option<FinalStatesFields>,
     outcome: &'static str,
+}
+
+/// Where the members' last states are, and what the columns hold.
+#[derive(Clone, Debug, Serialize)]
+struct FinalStatesFields {
+    file: &'static str,
+    shape: (u64, usize),
+    columns: Vec<String>,
 }
 
 /// The members that have ended by a time.
@@ -119,6 +130,11 @@ impl<'a> EnsembleEnding<'a> {
                 })
                 .collect(),
             failures: &all.failures,
+            final_states: columns(ensemble).map(|(file, columns)| FinalStatesFields {
+                file,
+                shape: (all.members, columns.len()),
+                columns,
+            }),
             outcome: report.outcome.word(),
         }
     }

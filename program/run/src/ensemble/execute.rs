@@ -266,7 +266,7 @@ impl<'a> Session<'a> {
         Ok(Session {
             ensemble,
             tree: Tree::new(ensemble.shape(), members.start),
-            store: FinalStore::create(ensemble, directory)?,
+            store: FinalStore::create(ensemble, directory, members.end - members.start)?,
             section: SectionStore::create(ensemble, directory)?,
             directory,
             wall: Duration::ZERO,

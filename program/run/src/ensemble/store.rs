@@ -5,19 +5,22 @@ use std::path::Path;
 use super::block::{Ended, Record};
 use super::plan::ComposedEnsemble;
 use crate::csv::{Headings, Table};
+use crate::states::header;
 use crate::{Appended, RunError, Vouched};
 use leafwise_scene::document::FinalStates;
 
 /// The files' names in the run directory.
 pub(crate) const CSV: &str = "final_states.csv";
 pub(crate) const BINARY: &str = "final_states.bin";
+pub(crate) const MATRIX: &str = "final_states.npy";
 
 /// The writer of last states; of nothing where the scene asks for none.
 ///
 /// CSV has a row for each member: its number, how it has ended, when, where that differs, its own parameters, the last
-/// coordinates, the observables, the initial coordinates and the invariants' largest deviations. The
-/// binary file holds the last coordinates alone, doubles with the least significant byte first, d a
-/// member. A member that failed has its last good state.
+/// coordinates, the observables, the initial coordinates and the invariants' largest deviations. The matrix of NumPy's
+/// holds the same but for the number, which is the row's, and 0, 1 or 2 for done, stopped and failed; its header counts the
+/// members from the beginning on. The binary file holds the last coordinates alone, doubles with the least significant byte
+/// first, d a member. A member that failed has its last good state.
 pub(super) struct FinalStore {
     file: Option<Appended>,
 }
@@ -28,6 +31,7 @@ fn name(ensemble: &ComposedEnsemble) -> Option<&'static str> {
         FinalStates::None => None,
         FinalStates::Csv => Some(CSV),
         FinalStates::Binary => Some(BINARY),
+        FinalStates::Npy => Some(MATRIX),
     }
 }
 
@@ -35,17 +39,21 @@ fn name(ensemble: &ComposedEnsemble) -> Option<&'static str> {
 /// checkpoint.
 pub(super) fn has_begun_at_most(ensemble: &ComposedEnsemble, directory: &Path) -> bool {
     let begun = name(ensemble).and_then(|name| directory.join(name).metadata().ok());
-    begun.is_none_or(|file| file.len() <= heading(ensemble).len() as u64)
+    begun.is_none_or(|file| file.len() <= heading(ensemble, 0).len() as u64)
 }
 
 impl FinalStore {
-    /// A new file.
-    pub fn create(ensemble: &ComposedEnsemble, directory: &Path) -> Result<Self, RunError> {
+    /// A new file, of so many members.
+    pub fn create(
+        ensemble: &ComposedEnsemble,
+        directory: &Path,
+        members: u64,
+    ) -> Result<Self, RunError> {
         let Some(name) = name(ensemble) else {
             return Ok(Self { file: None });
         };
         let mut file = Appended::create(&directory.join(name))?;
-        file.push(heading(ensemble).as_bytes())?;
+        file.push(&heading(ensemble, members))?;
         Ok(Self { file: Some(file) })
     }
 
@@ -89,22 +97,24 @@ impl FinalStore {
             let measured = record.last_sample(lane, ensemble.columns.len());
             let measured = measured.into_iter().map(known);
             let drifts = record.largest_deviations(lane).map(known);
-            rows.whole(member).text(ended.word());
-            if has_times {
-                rows.number(record.time(lane, end));
+            let time = has_times.then(|| record.time(lane, end));
+            let initial = ensemble.run.own(&record.initial_states[lane]);
+            let numbers = (time.into_iter())
+                .chain(parameters)
+                .chain(state.iter().copied())
+                .chain(measured)
+                .chain(initial.iter().copied())
+                .chain(drifts);
+            if ensemble.final_states == FinalStates::Npy {
+                let bytes = std::iter::once(ended.number()).chain(numbers);
+                let bytes: Vec<u8> = bytes.flat_map(f64::to_le_bytes).collect();
+                file.push(&bytes)?;
+            } else {
+                rows.whole(member)
+                    .text(ended.word())
+                    .numbers(numbers)
+                    .end_row();
             }
-            rows.numbers(parameters)
-                .numbers(state.iter().copied())
-                .numbers(measured)
-                .numbers(
-                    ensemble
-                        .run
-                        .own(&record.initial_states[lane])
-                        .iter()
-                        .copied(),
-                )
-                .numbers(drifts)
-                .end_row();
         }
         file.push(rows.as_str().as_bytes())?;
         file.flush()
@@ -121,7 +131,7 @@ impl FinalStore {
             (Some(file), Some(name)) => file.append_file(
                 &directory.join(name),
                 vouched,
-                heading(ensemble).len() as u64,
+                heading(ensemble, 0).len() as u64,
             ),
             _ => Ok(()),
         }
@@ -136,13 +146,35 @@ impl FinalStore {
     }
 }
 
-/// The first line of the file; none of doubles.
-fn heading(ensemble: &ComposedEnsemble) -> String {
-    if ensemble.final_states != FinalStates::Csv {
-        return String::new();
+/// The columns of the matrix; of decimals with the member's number before them, and none of doubles alone.
+pub(super) fn columns(ensemble: &ComposedEnsemble) -> Option<(&'static str, Vec<String>)> {
+    let is_numbered = ensemble.final_states == FinalStates::Csv;
+    let headings = headings(ensemble, is_numbered);
+    match ensemble.final_states {
+        FinalStates::None | FinalStates::Binary => None,
+        FinalStates::Csv => Some((CSV, headings.into_names())),
+        FinalStates::Npy => Some((MATRIX, headings.into_names())),
     }
+}
+
+/// What a file of so many members begins with.
+fn heading(ensemble: &ComposedEnsemble, members: u64) -> Vec<u8> {
+    match ensemble.final_states {
+        FinalStates::None | FinalStates::Binary => Vec::new(),
+        FinalStates::Csv => headings(ensemble, true).table().as_str().into(),
+        FinalStates::Npy => {
+            let width = headings(ensemble, false).into_names().len();
+            header(members, width).to_vec()
+        }
+    }
+}
+
+fn headings(ensemble: &ComposedEnsemble, is_numbered: bool) -> Headings {
     let mut headings = Headings::default();
-    headings.extend(["member", "outcome"], "of the ensemble");
+    if is_numbered {
+        headings.push("member", "of the ensemble");
+    }
+    headings.push("outcome", "of the ensemble");
     if ensemble.run.plan.events.stop.is_some() {
         headings.push("t", "of the ensemble");
     }
@@ -161,5 +193,5 @@ fn heading(ensemble: &ComposedEnsemble) -> String {
         invariants.iter().map(|name| format!("{name}_drift")),
         "invariant",
     );
-    headings.table().as_str().to_owned()
+    headings
 }

@@ -98,13 +98,16 @@ pub enum FinalStates {
     Csv,
     /// Doubles, the states alone.
     Binary,
+    /// A matrix of NumPy's: what the decimals hold.
+    Npy,
 }
 
 impl FinalStates {
-    const WORDS: [(&'static str, Self); 3] = [
+    const WORDS: [(&'static str, Self); 4] = [
         ("none", Self::None),
         ("csv", Self::Csv),
         ("binary", Self::Binary),
+        ("npy", Self::Npy),
     ];
 }
 

@@ -457,7 +457,7 @@ pub(super) static ENSEMBLE: [Key; 7] = [
     key("record", table(&ENSEMBLE_RECORD, &[]), "What is reduced"),
     key(
         "final-states",
-        Shape::Words(&["none", "csv", "binary"]),
+        Shape::Words(&["none", "csv", "npy", "binary"]),
         "Whether each member's last state is kept",
     ),
     key("out", Shape::Text, "The run directory"),

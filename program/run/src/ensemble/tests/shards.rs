@@ -94,6 +94,46 @@ fn shards_are_merged_to_the_bytes_of_one_process() {
     }
 }
 
+/// The matrix holds what the decimals do.
+#[test]
+fn a_matrix_of_last_states_is_merged_and_is_that_of_the_decimals() {
+    let root = tempfile::tempdir().expect("a directory");
+    let document = scene(METHODS[0], &MANY.replace("\"csv\"", "\"npy\""));
+    let whole = root.path().join("whole");
+    attempt(&document, &whole, workforce(2, 16), &mut Quiet).expect("an ensemble");
+    let folder = root.path().join("shards");
+    for number in [2, 1] {
+        let one = Shard::of(number, 2, 333).expect("a shard");
+        let directory = folder.join(one.name());
+        shard(&document, &one, &directory, workforce(1, 64), &mut Quiet).expect("a shard");
+    }
+    let into = root.path().join("merged");
+    merged(&document, &[folder], &into).expect("merged");
+    is_same(&whole, &into, &["statistics.csv", "final_states.npy"]);
+    let decimals = root.path().join("decimals");
+    let document = scene(METHODS[0], MANY);
+    attempt(&document, &decimals, workforce(2, 16), &mut Quiet).expect("an ensemble");
+    let text = fs::read_to_string(decimals.join("final_states.csv")).expect("states");
+    let columns = text.lines().next().expect("headings").split(',').count() - 1;
+    let expected: Vec<f64> = (text.lines().skip(1))
+        .flat_map(|line| line.split(',').skip(1))
+        .map(|cell| cell.parse().unwrap_or(0.0))
+        .collect();
+    let bytes = fs::read(into.join("final_states.npy")).expect("a matrix");
+    let (head, rest) = bytes.split_at(128);
+    let shape = format!("'shape': (333, {columns})");
+    assert!(String::from_utf8_lossy(head).contains(&shape), "{shape}");
+    let found: Vec<f64> = (rest.chunks_exact(8))
+        .map(|bytes| f64::from_le_bytes(bytes.try_into().expect("8 bytes")))
+        .collect();
+    assert!(found == expected);
+    let manifest = fs::read_to_string(into.join("manifest.json")).expect("a manifest");
+    assert!(
+        manifest.contains("\"file\": \"final_states.npy\""),
+        "{manifest}"
+    );
+}
+
 #[test]
 fn crossings_and_losses_are_merged_too() {
     let text = BODY
