@@ -379,6 +379,11 @@ pub struct TuneArguments {
     /// The largest deviation of every Casimir over every step
     #[arg(long, value_name = "DRIFT", value_parser = positive, allow_hyphen_values = true)]
     pub casimir: Option<f64>,
+    /// The largest deviation of the shadow energy: the step of the scene's own method alone, without a reference solution
+    #[arg(long, value_name = "DRIFT", value_parser = positive, allow_hyphen_values = true,
+          conflicts_with_all = ["error", "at_end", "energy", "casimir", "relative", "any", "with", "only", "time", "budget",
+                                "within", "write"])]
+    pub shadow: Option<f64>,
     /// Take all three relative to the state's and the invariants' sizes
     #[arg(long)]
     pub relative: bool,

@@ -57,6 +57,17 @@ pub(super) fn report_data(
     let formulas = formulas.filter(|(_, o)| !matches!(o, Observable::Invariant { .. }));
     let windows = session.windows();
     let ends = windows.ends();
+    let shadow = run.plan.shadow.map(|shadow| {
+        let values = column(1 + width + shadow.at);
+        let reference = values.first().copied().unwrap_or(f64::NAN);
+        let later = values.iter().skip(1);
+        InvariantSeries {
+            name: format!("{}, at the samples", run.plan.observables[shadow.at].name()),
+            reference,
+            times: times.iter().skip(1).copied().collect(),
+            deviations: later.map(|value| (value - reference).abs()).collect(),
+        }
+    });
     let invariants = report
         .invariants
         .iter()
@@ -67,6 +78,7 @@ pub(super) fn report_data(
             times: ends.clone(),
             deviations: windows.series(index),
         })
+        .chain(shadow)
         .collect();
     let evaluations = windows.evaluations_per_step();
     let solver = TimeSeries {

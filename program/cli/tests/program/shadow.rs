@@ -129,3 +129,26 @@ fn what_has_none_is_refused_where_it_stands() {
     );
     assert_eq!(said.code, Some(2), "{}", said.err);
 }
+
+#[test]
+fn a_step_is_found_from_the_shadow_alone() {
+    let here = Place::with(PENDULUM);
+    let said = here.leafwise(&["tune", "scene.toml", "--shadow", "1e-8", "--json"]);
+    let told = said.json();
+    let number = |key: &str| told[key].as_f64().expect("a number");
+    let (step, change) = (number("time_step"), number("shadow"));
+    assert!((2.5e-9..=1e-8).contains(&change), "{told}");
+    // The change is of order 4: twice the step would change it 16 times as much.
+    let twice = format!("method.time-step={}", 2.0 * step);
+    let coarse = set(&here, "shadow", &[&twice]).json();
+    let ratio = coarse["shadow"].as_f64().expect("a number") / change;
+    assert!((ratio / 16.0 - 1.0).abs() < 0.1, "{ratio}");
+    let lines = here.leafwise(&["tune", "scene.toml", "--shadow", "1e-8"]);
+    assert!(lines.out.starts_with("time-step = 0.0"), "{}", lines.out);
+    // Shorter than round-off lets it be.
+    let never = here.leafwise(&["tune", "scene.toml", "--shadow", "1e-30"]);
+    assert_eq!(never.code, Some(5), "{}", never.err);
+    never.says(&["no step keeps it so"]);
+    let both = here.leafwise(&["tune", "scene.toml", "--shadow", "1e-8", "--error", "1e-8"]);
+    assert_eq!(both.code, Some(2), "{}", both.err);
+}

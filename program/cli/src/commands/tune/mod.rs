@@ -2,6 +2,7 @@
 
 mod clock;
 mod json;
+mod shadow;
 mod text;
 
 use std::fs;
@@ -58,6 +59,9 @@ pub fn execute(
     plugins: &PluginArguments,
     console: &mut Console<'_>,
 ) -> Result<u8, Failure> {
+    if let Some(tolerance) = arguments.shadow {
+        return shadow::execute(arguments, tolerance, &mut Parts::new(plugins)?, console);
+    }
     let asked = Tolerances {
         error: arguments.error,
         energy: arguments.energy,
@@ -67,7 +71,7 @@ pub fn execute(
     if asked.is_empty() {
         return Err(Failure::usage(
             "nothing is asked of the method",
-            "give --error 1e-8, --energy 1e-6, --casimir 1e-12, or several of them",
+            "give --error 1e-8, --energy 1e-6, --casimir 1e-12, or several of them; or --shadow 1e-10 alone",
         ));
     }
     let mut parts = Parts::new(plugins)?;
