@@ -54,6 +54,23 @@ impl Shadow {
         self.len() == 0
     }
 
+    /// The same without the F_k that are known to be 0 where the coefficients of a composition are rounded.
+    #[must_use]
+    pub fn keeping(mut self, keeps: impl Fn(usize) -> bool) -> Self {
+        match &mut self.code {
+            Code::Ring(_, coefficients) => {
+                let dropped = (1..).zip(coefficients).filter(|(k, _)| !keeps(*k));
+                dropped.for_each(|(_, f)| *f = Polynomial::zero());
+            }
+            Code::Graph(graph, coefficients) => {
+                let zero = graph.zero();
+                let dropped = (1..).zip(coefficients).filter(|(k, _)| !keeps(*k));
+                dropped.for_each(|(_, f)| *f = zero.clone());
+            }
+        }
+        self
+    }
+
     /// The k whose F_k are not 0.
     pub fn terms(&self) -> Vec<usize> {
         let is_zero: Vec<bool> = match &self.code {

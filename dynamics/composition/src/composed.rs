@@ -108,7 +108,10 @@ impl StepMap for Composed {
         let steps: Vec<_> = coefficients
             .map(|(at, part)| (at % shadows.len(), part))
             .collect();
-        Shadow::of_product(system, &shadows, &steps, last, products)
+        let shadow = Shadow::of_product(system, &shadows, &steps, last, products)?;
+        // A symmetric composition is self-adjoint.
+        let order = self.properties().order;
+        Ok(shadow.map(|shadow| shadow.keeping(|k| k == 1 || (k > order && k % 2 == 1))))
     }
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use leafwise::core::BuildError;
+use leafwise::core::{BuildError, StepError};
 use leafwise::plugins::PluginError;
 use leafwise::report::ReportError;
 use leafwise::reproduce::ReproduceError;
@@ -71,6 +71,14 @@ pub enum Failure {
     /// A run that could not be started or kept on disk.
     #[error(transparent)]
     Run(RunError),
+    /// A step that could not be made where energies are compared.
+    #[error("step {step} failed: {error}")]
+    Step {
+        /// Which, counted from 1.
+        step: u64,
+        /// Why.
+        error: StepError,
+    },
     /// Shards that were not joined.
     #[error(transparent)]
     Merge(Box<MergeError>),
@@ -154,7 +162,7 @@ impl Failure {
                 MergeError::Missing(_) => exit::CHECK_FAILED,
                 _ => exit::USAGE,
             },
-            Self::Run(_) => exit::RUN_FAILED,
+            Self::Run(_) | Self::Step { .. } => exit::RUN_FAILED,
         }
     }
 

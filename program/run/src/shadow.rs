@@ -5,8 +5,8 @@
 //! left out: with (p − m)/2 terms in between, each smaller by t²/t_*² on the average. A step is in the range of the theory
 //! where that factor is a quarter or less; the terms behind fall as well then, several of them.
 
-use leafwise_core::Observe;
 use leafwise_core::system::SystemObservables;
+use leafwise_core::{Observe, StepError};
 use leafwise_scene::compose::{ComposedRun, RecordedShadow, ShadowEnergy};
 use serde::Serialize;
 
@@ -101,7 +101,7 @@ impl ShadowVerdict {
         )
     }
 
-    /// Over the first steps of a run, so many at most.
+    /// Over the first steps of a run, so many at most: with their number, and why they are fewer.
     ///
     /// # Errors
     /// [`RunError::Build`] where a formula has no code.
@@ -109,7 +109,7 @@ impl ShadowVerdict {
         run: &ComposedRun,
         shadow: &ShadowEnergy,
         steps: u64,
-    ) -> Result<(Self, u64), RunError> {
+    ) -> Result<(Self, u64, Option<StepError>), RunError> {
         let parameters = run.system.parameter_values();
         let mut energy = run.invariants()?;
         let mut shadow_energy = SystemObservables::new(&run.system, &[&shadow.value], &parameters)?;
@@ -123,7 +123,12 @@ impl ShadowVerdict {
         let mut integrator = run.integrator();
         let first = at(integrator.state());
         let mut most = [0.0_f64; 2];
-        while integrator.steps() < steps && integrator.step().is_ok() {
+        let mut failure = None;
+        while integrator.steps() < steps {
+            if let Err(error) = integrator.step() {
+                failure = Some(error);
+                break;
+            }
             let now = at(integrator.state());
             for ((most, now), first) in most.iter_mut().zip(now).zip(first) {
                 *most = most.max((now - first).abs());
@@ -137,7 +142,7 @@ impl ShadowVerdict {
             limit: shadow.limit,
         };
         let verdict = Self::new(of, most[0], most[1], first[0].abs(), t);
-        Ok((verdict, integrator.steps()))
+        Ok((verdict, integrator.steps(), failure))
     }
 }
 

@@ -127,7 +127,8 @@ impl ShadowStep {
         run.plan.h = t / run.plan.epsilon;
         let shadow = ShadowEnergy::of(&run.system, run.method.map(), t, None);
         let shadow = shadow.map_err(NoShadowStep::Shadow)?;
-        let (verdict, steps) = ShadowVerdict::measured(run, &shadow, libm::ceil(time / t) as u64)?;
+        let asked = libm::ceil(time / t) as u64;
+        let (verdict, steps, _) = ShadowVerdict::measured(run, &shadow, asked)?;
         Ok(Self {
             time_step: t,
             steps,

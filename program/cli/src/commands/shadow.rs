@@ -29,6 +29,8 @@ struct Told {
     #[serde(flatten)]
     verdict: ShadowVerdict,
     steps: u64,
+    /// Of one evaluation of H, and of H~.
+    operations: [u64; 2],
     /// k with the formula of F_k.
     #[serde(serialize_with = "object")]
     terms: Vec<(usize, String)>,
@@ -63,7 +65,13 @@ pub fn execute(
     });
     let shadow = shadow.map_err(refused)?;
     let most = arguments.steps.unwrap_or(run.plan.steps.min(STEPS));
-    let (verdict, steps) = ShadowVerdict::measured(&run, &shadow, most)?;
+    let (verdict, steps, failure) = ShadowVerdict::measured(&run, &shadow, most)?;
+    if let Some(failure) = failure {
+        return Err(Failure::Step {
+            step: steps + 1,
+            error: failure,
+        });
+    }
     let variables = run.system.variables();
     let parameters = run.system.parameters().iter();
     let parameters: Vec<String> = parameters.map(|parameter| parameter.name.clone()).collect();
@@ -81,6 +89,7 @@ pub fn execute(
             time_step: t,
             verdict,
             steps,
+            operations: shadow.operations,
             terms,
         });
         return Ok(exit::DONE);
@@ -111,7 +120,11 @@ pub fn execute(
     ];
     let rows: Vec<_> = changes
         .iter()
-        .map(|(name, change)| vec![format!("  {name}"), drift(*change)])
+        .zip(shadow.operations)
+        .map(|((name, change), operations)| {
+            let operations = format!("{operations} operations");
+            vec![format!("  {name}"), drift(*change), operations]
+        })
         .collect();
     console.result(&format!("Largest changes over {steps} steps:"));
     for line in words(&rows) {

@@ -9,7 +9,10 @@ use super::observables::{Observable, SHADOW_ENERGY, shadow_order};
 use super::stepping::Stepping;
 use crate::document::{Located, SceneDocument};
 
-/// Products of terms that its formulas may take where no order is asked for: a tenth of a second.
+/// Products of terms that its first term may take: seconds.
+const FIRST_PRODUCTS: u64 = 1 << 20;
+
+/// The same of a second one that is not asked for: a tenth of a second.
 const PRODUCTS: u64 = 1 << 18;
 
 /// The same where one is: a minute.
@@ -34,6 +37,8 @@ pub struct ShadowEnergy {
     pub limit: Option<usize>,
     /// Σ t^{k−1} F_k.
     pub value: Expression,
+    /// What an evaluation of H takes, and one of H̃: arithmetic operations, an elementary function as ten.
+    pub operations: [u64; 2],
 }
 
 /// Why there is none.
@@ -77,18 +82,27 @@ impl ShadowEnergy {
             Some(_) => MOST_PRODUCTS,
         };
         let form = |last: usize| map.shadow(formulas, last, products);
-        let (m, first) = Self::first(map, form)?;
+        let (m, first) = Self::first(map, |last| map.shadow(formulas, last, FIRST_PRODUCTS))?;
         let limit = match map.properties().structure {
             Structure::Order(n) => Some(2 * (n / 2) + 2),
             Structure::Exact | Structure::None => None,
         };
+        let operations = |formula: &Expression| -> Result<u64, NoShadow> {
+            Ok(formulas
+                .observable_kernel(&[formula])?
+                .step_operations()
+                .work())
+        };
         let cut = |shadow: Shadow, order: usize| -> Result<Option<Self>, NoShadow> {
-            let value = shadow.value(t, order).map_err(BuildError::from)?;
-            Ok(value.map(|value| Self {
+            let Some(value) = shadow.value(t, order).map_err(BuildError::from)? else {
+                return Ok(None);
+            };
+            Ok(Some(Self {
                 shadow,
                 order_of_map: m,
                 order,
                 limit: limit.filter(|limit| *limit < order),
+                operations: [operations(formulas.hamiltonian())?, operations(&value)?],
                 value,
             }))
         };
@@ -115,17 +129,14 @@ impl ShadowEnergy {
             return cut(shadow, order)?.ok_or_else(|| too_long(order));
         }
         let least = cut(first, m + 2)?.ok_or_else(|| too_long(m + 2))?;
-        let operations = |formula: &Expression| -> Result<u64, NoShadow> {
-            Ok(formulas
-                .observable_kernel(&[formula])?
-                .step_operations()
-                .work())
+        let is_short = |shadow: &Self| {
+            let [energy, own] = shadow.operations;
+            own <= ENERGIES * energy
         };
-        let most = ENERGIES * operations(formulas.hamiltonian())?;
-        if operations(&least.value)? <= most
+        if is_short(&least)
             && let Some(longer) = form(m + 3)?
             && let Some(longer) = cut(longer, m + 4)?
-            && operations(&longer.value)? <= most
+            && is_short(&longer)
         {
             return Ok(longer);
         }
@@ -154,7 +165,8 @@ impl ShadowEnergy {
                         .to_owned(),
                 });
             };
-            if let Some(k) = shadow.terms().into_iter().find(|k| *k > 1) {
+            let first = map.properties().order.max(1);
+            if let Some(k) = shadow.terms().into_iter().find(|k| *k > first) {
                 return Ok((k - 1, shadow));
             }
             last += 1;
