@@ -10,6 +10,9 @@ const STARTS: usize = 16;
 /// What the search may cost, in operations: about a second.
 const MOST_OPERATIONS: u64 = 1_000_000_000;
 
+/// Solutions further away, in sizes of the state, are out of reach of any start: a solver begins within a step's motion.
+const FAR: f64 = 100.0;
+
 pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
     let (mut several, mut nearest) = (0, f64::INFINITY);
     for place in &probe.places {
@@ -17,11 +20,11 @@ pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
         let Ok(others) = others else {
             continue;
         };
-        several += usize::from(!others.is_empty());
-        for other in others {
-            let apart = distance(&other.y, &place.solution.y) / size(&place.x);
-            nearest = nearest.min(apart);
-        }
+        let others = others.iter();
+        let apart = others.map(|other| distance(&other.y, &place.solution.y) / size(&place.x));
+        let closest = apart.fold(f64::INFINITY, f64::min);
+        several += usize::from(closest <= FAR);
+        nearest = nearest.min(closest);
     }
     (several > 0).then(|| Advice {
         kind: AdviceKind::SeveralSolutions,
