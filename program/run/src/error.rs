@@ -257,6 +257,7 @@ impl RunError {
                 | Self::VersionChanged { .. }
                 | Self::PluginChanged { .. }
                 | Self::FileChanged { .. }
+                | Self::OtherShard { .. }
                 | Self::Foreign { .. }
                 | Self::OtherKind { .. }
                 | Self::Busy { .. }

@@ -284,9 +284,12 @@ impl<'a> Session<'a> {
         let directory = self.directory;
         self.checkpoint()?.write(directory)?;
         let save = &mut |checkpoint: &Checkpoint| checkpoint.write(directory);
-        let outcome = self.drive(workforce, progress, save)?;
-        self.checkpoint()?.write(directory)?;
-        Ok(outcome)
+        let mut steps = || {
+            let outcome = self.drive(workforce, progress, save)?;
+            self.checkpoint()?.write(directory)?;
+            Ok(outcome)
+        };
+        steps().map_err(|error: RunError| error.with_a_checkpoint(directory))
     }
 
     /// What is left behind.
