@@ -14,9 +14,10 @@ use super::manifest::{Beginning, Kind, files, plugins};
 use super::outcome::{InvariantDrift, RunOutcome, RunReport};
 use super::progress::Progress;
 use super::replaced::replace;
+use super::sampled;
 use super::samples::Samples;
 use super::states::FINAL_STATE;
-use super::summary::{self, report_data, short};
+use super::summary::{report_data, short};
 use crate::advice::{Advice, AdviceKind, advise, unused_parameters};
 use crate::csv::Headings;
 use leafwise_report::{ReportData, render_report};
@@ -84,7 +85,7 @@ pub fn run_in_memory(
     let mut report = describe(composed, &session, outcome, None);
     if report.outcome != RunOutcome::Interrupted {
         report.advice = advice(document, composed, registry, &session, &report)?;
-        report.shadow = summary::shadow(composed, &session, &report)?;
+        report.shadow = sampled::shadow(composed, &session, &report)?;
     }
     let page = report_data(document, composed, &session, &report, "")?;
     let (windows_columns, windows) = windows_of(composed, &session);
@@ -172,7 +173,7 @@ pub fn run(
         let mut report = describe(composed, session, outcome, None);
         report.is_repeated = true;
         report.advice = advice(document, composed, registry, session, &report)?;
-        report.shadow = summary::shadow(composed, session, &report)?;
+        report.shadow = sampled::shadow(composed, session, &report)?;
         return Ok(report);
     }
     let command = &options.command;
@@ -196,7 +197,7 @@ pub fn run(
         // Who interrupts a run wants it to end.
         if report.outcome != RunOutcome::Interrupted {
             report.advice = advice(document, composed, registry, &session, &report)?;
-            report.shadow = summary::shadow(composed, &session, &report)?;
+            report.shadow = sampled::shadow(composed, &session, &report)?;
         }
         let path = &directory.path;
         write_end(
@@ -221,10 +222,10 @@ fn advice(
     session: &Session<'_>,
     report: &RunReport,
 ) -> Result<Vec<Advice>, RunError> {
-    let states = summary::states(composed, session, report)?;
+    let states = sampled::states(composed, session, report)?;
     let mut advice = unused_parameters(document);
     advice.extend(advise(composed, registry, &states));
-    advice.extend(summary::energy_error(document, composed, session, report)?);
+    advice.extend(sampled::energy_error(document, composed, session, report)?);
     let undefined: Vec<_> = session
         .undefined()
         .filter(|(_, samples)| *samples > 0)
@@ -232,7 +233,7 @@ fn advice(
     if undefined.is_empty() {
         return Ok(advice);
     }
-    let first = summary::first_undefined(composed, session)?;
+    let first = sampled::first_undefined(composed, session)?;
     let time = |name: &str| {
         let found = first.iter().find(|(known, _)| known == name);
         found.map_or_else(String::new, |(_, time)| {

@@ -21,6 +21,7 @@
 //! - `manifest`: what was run, with what, and how it ended;
 //! - `directory`: start afresh, resume, or refuse;
 //! - `difference`: what changed between two scenes;
+//! - `sampled`: what the samples tell of a method, for warnings;
 //! - `summary`: `report.html` from what the directory holds;
 //! - `progress`: what a program shows meanwhile;
 //! - `outcome`, `error`: how a run ends.
@@ -44,6 +45,7 @@ mod outcome;
 mod paced;
 mod progress;
 mod replaced;
+mod sampled;
 mod samples;
 mod sealed;
 mod shadow;

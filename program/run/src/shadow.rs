@@ -5,6 +5,7 @@
 //! left out: with (p − m)/2 terms in between, each smaller by t²/t_*² on the average. A step is in the range of the theory
 //! where that factor is a quarter or less; the terms behind fall as well then, several of them.
 
+use leafwise_core::solver::judge::larger;
 use leafwise_core::system::SystemObservables;
 use leafwise_core::{Observe, StepError};
 use leafwise_scene::compose::{ComposedRun, RecordedShadow, ShadowEnergy};
@@ -15,8 +16,21 @@ use crate::error::RunError;
 /// What one term may be of the term before it.
 const FALLING: f64 = 0.25;
 
-/// Changes below so many roundings of H say nothing.
+/// Changes below so many roundings of H, and one more for the root of every step, say nothing: round-off of steps walks at random.
 const ROUNDINGS: f64 = 256.0;
+
+/// What a run has shown.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Changes {
+    /// max |H(x_k) − H(x_0)|.
+    pub energy: f64,
+    /// max |H̃(x_k) − H̃(x_0)|; not a number where one of them has no value.
+    pub shadow: f64,
+    /// |H(x_0)|.
+    pub size: f64,
+    /// k at the end.
+    pub steps: u64,
+}
 
 /// How a run keeps H and H̃.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -40,19 +54,26 @@ pub struct ShadowVerdict {
 }
 
 impl ShadowVerdict {
-    /// From a shadow of orders m and p, the largest changes of H and H̃, the size of H, and the step t.
-    pub fn new(of: RecordedShadow, energy: f64, shadow: f64, size: f64, t: f64) -> Self {
+    /// From a shadow of orders m and p, what a run has shown, and the step t.
+    pub(crate) fn new(of: RecordedShadow, changes: Changes, t: f64) -> Self {
         let RecordedShadow {
             order_of_map,
             order,
             limit,
             ..
         } = of;
+        let Changes {
+            energy,
+            shadow,
+            size,
+            steps,
+        } = changes;
         let reached = limit.unwrap_or(order);
         let terms = reached.saturating_sub(order_of_map) as f64 / 2.0;
         // Of one term to the next.
         let factor = libm::pow(shadow / energy, 1.0 / terms);
-        let is_rounding = shadow <= ROUNDINGS * f64::EPSILON * size;
+        let roundings = ROUNDINGS + libm::sqrt(steps as f64);
+        let is_rounding = shadow <= roundings * f64::EPSILON * size;
         let is_in_range = is_rounding || (terms > 0.0 && factor <= FALLING);
         let shorter = t * libm::sqrt(FALLING / (2.0 * factor));
         Self {
@@ -86,6 +107,11 @@ impl ShadowVerdict {
             return format!(
                 "the energy changes by {energy:.1e}, the shadow energy of order {order} by {shadow:.1e}: over this realization it is \
                  kept to order {limit} alone, no better than the energy; take a higher order of the realization, or an exact one"
+            );
+        }
+        if shadow.is_nan() {
+            return format!(
+                "the shadow energy of order {order} has no value at some states: nothing is said of the step"
             );
         }
         let instead = match self.step {
@@ -131,7 +157,7 @@ impl ShadowVerdict {
             }
             let now = at(integrator.state());
             for ((most, now), first) in most.iter_mut().zip(now).zip(first) {
-                *most = most.max((now - first).abs());
+                *most = larger(*most, (now - first).abs());
             }
         }
         let t = run.plan.epsilon * run.plan.h;
@@ -141,7 +167,13 @@ impl ShadowVerdict {
             order: shadow.order,
             limit: shadow.limit,
         };
-        let verdict = Self::new(of, most[0], most[1], first[0].abs(), t);
+        let changes = Changes {
+            energy: most[0],
+            shadow: most[1],
+            size: first[0].abs(),
+            steps: integrator.steps(),
+        };
+        let verdict = Self::new(of, changes, t);
         Ok((verdict, integrator.steps(), failure))
     }
 }
@@ -150,16 +182,26 @@ impl ShadowVerdict {
 mod tests {
     use leafwise_scene::compose::RecordedShadow;
 
-    use super::ShadowVerdict;
+    use super::{Changes, ShadowVerdict};
 
     fn judged(orders: [usize; 2], energy: f64, shadow: f64, t: f64) -> ShadowVerdict {
+        after(1000, orders, [energy, shadow], t)
+    }
+
+    fn after(steps: u64, orders: [usize; 2], kept: [f64; 2], t: f64) -> ShadowVerdict {
         let of = RecordedShadow {
             at: 0,
             order_of_map: orders[0],
             order: orders[1],
             limit: None,
         };
-        ShadowVerdict::new(of, energy, shadow, 1.0, t)
+        let changes = Changes {
+            energy: kept[0],
+            shadow: kept[1],
+            size: 1.0,
+            steps,
+        };
+        ShadowVerdict::new(of, changes, t)
     }
 
     #[test]
@@ -173,5 +215,11 @@ mod tests {
         // Both at round-off: nothing falls, and nothing is wrong.
         assert!(judged([2, 4], 1e-15, 1e-15, 0.1).is_in_range);
         assert!(judged([2, 4], 0.0, 0.0, 0.1).is_in_range);
+        // The random walk of 10⁸ steps, and not of a thousand.
+        assert!(after(100_000_000, [8, 10], [1e-12, 1e-12], 0.1).is_in_range);
+        assert!(!judged([8, 10], 1e-12, 1e-12, 0.1).is_in_range);
+        // What has no value is kept by nothing.
+        let undefined = judged([2, 4], 1e-3, f64::NAN, 0.1);
+        assert!(!undefined.is_in_range && undefined.step.is_none());
     }
 }

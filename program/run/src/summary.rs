@@ -7,9 +7,9 @@ use super::error::RunError;
 use super::invariants::Functions;
 use super::manifest::{PROGRAM_VERSION, plugins};
 use super::outcome::{RunOutcome, RunReport};
-use super::shadow::ShadowVerdict;
+use super::sampled::columns_of_states;
 use super::snapshots::spacing;
-use crate::advice::{Advice, EnergyError, MOST_STATES, lines, states_ahead};
+use crate::advice::lines;
 use leafwise_report::{
     Ellipsoid, InvariantSeries, Outcome, Recorded, ReportData, SectionPoints, TimeSeries,
     Trajectory,
@@ -19,9 +19,6 @@ use leafwise_scene::document::SceneDocument;
 
 /// The most samples that a report is drawn from.
 pub(crate) const MOST_ROWS: u64 = 50_000;
-
-/// The most states that tell how far an orbit reaches.
-const MOST_ORBIT_STATES: u64 = 1000;
 
 /// The part of a column's changes along the run that it has to change by on a section to be drawn over.
 const STILL: f64 = 1e-9;
@@ -188,107 +185,6 @@ pub(crate) fn spread(rows: &[Vec<f64>], column: usize) -> f64 {
     let values = || rows.iter().map(|row| value(row, column));
     let (least, most) = (values().reduce(f64::min), values().reduce(f64::max));
     most.zip(least).map_or(0.0, |(most, least)| most - least)
-}
-
-/// States of the run to judge its method at: the first, the last, and recorded ones between.
-pub(super) fn states(
-    run: &ComposedRun,
-    session: &Session<'_>,
-    report: &RunReport,
-) -> Result<Vec<Vec<f64>>, RunError> {
-    // Samples and reports hold the scene's own coordinates.
-    if run.is_extended() {
-        return Ok(states_ahead(run));
-    }
-    let d = run.dimension();
-    let mut states = vec![run.plan.initial.clone(), report.final_state.clone()];
-    if run.plan.states.is_whole_in_samples() {
-        let stride = report.samples.div_ceil(MOST_STATES as u64 - 2).max(1);
-        let stride = usize::try_from(stride).unwrap_or(usize::MAX);
-        let rows = session.samples().read(stride)?;
-        states.extend(rows.iter().skip(1).map(|row| row[1..=d].to_vec()));
-    }
-    states.dedup();
-    states.truncate(MOST_STATES);
-    Ok(states)
-}
-
-/// How the energy of the map's shadow was kept at the recorded states, where it is recorded.
-pub(super) fn shadow(
-    run: &ComposedRun,
-    session: &Session<'_>,
-    report: &RunReport,
-) -> Result<Option<ShadowVerdict>, RunError> {
-    let (Some(recorded), Some(energy)) = (run.plan.shadow, report.invariants.first()) else {
-        return Ok(None);
-    };
-    let stride = usize::try_from(report.samples.div_ceil(MOST_ROWS)).unwrap_or(usize::MAX);
-    let rows = session.samples().read(stride)?;
-    let at = 1 + columns_of_states(session, run) + recorded.at;
-    let values: Vec<f64> = rows.iter().filter_map(|row| row.get(at).copied()).collect();
-    let Some(first) = values.first() else {
-        return Ok(None);
-    };
-    let changes = values.iter().map(|value| (value - first).abs());
-    let change = changes.fold(0.0, f64::max);
-    let t = run.plan.epsilon * run.plan.h;
-    let size = energy.initial.abs();
-    let verdict = ShadowVerdict::new(recorded, energy.maximum, change, size, t);
-    Ok(Some(verdict))
-}
-
-/// An energy kept badly, judged along the recorded orbit.
-pub(super) fn energy_error(
-    document: &SceneDocument,
-    run: &ComposedRun,
-    session: &Session<'_>,
-    report: &RunReport,
-) -> Result<Option<Advice>, RunError> {
-    let Some(energy) = report.invariants.first() else {
-        return Ok(None);
-    };
-    let error = EnergyError {
-        parameters: &run.system.parameter_values(),
-        initial: energy.initial,
-        largest: energy.maximum,
-        whose: "",
-    };
-    if !error.is_notable() {
-        return Ok(None);
-    }
-    let d = run.dimension();
-    let mut states = Vec::new();
-    if run.plan.states.is_whole_in_samples() && !run.is_extended() {
-        let stride = report.samples.div_ceil(MOST_ORBIT_STATES).max(1);
-        let stride = usize::try_from(stride).unwrap_or(usize::MAX);
-        let rows = session.samples().read(stride)?;
-        states.extend(rows.iter().map(|row| row[1..=d].to_vec()));
-    }
-    Ok(error.advice(document, run, &states))
-}
-
-/// The observables that have no finite value somewhere, each with the first time.
-pub(super) fn first_undefined(
-    run: &ComposedRun,
-    session: &Session<'_>,
-) -> Result<Vec<(String, f64)>, RunError> {
-    let start = 1 + columns_of_states(session, run);
-    let observables = &run.plan.observables;
-    let times = session
-        .samples()
-        .first_undefined(start, observables.len())?;
-    let named = observables.iter().zip(times);
-    Ok(named
-        .filter_map(|(observable, time)| Some((observable.name().to_owned(), time?)))
-        .collect())
-}
-
-/// Columns of samples between the time and the observables.
-fn columns_of_states(session: &Session<'_>, run: &ComposedRun) -> usize {
-    match session.has_states_in_samples() {
-        true => run.plan.states.width(),
-        false => 0,
-    }
 }
 
 /// A path's last part.

@@ -1,0 +1,121 @@
+//! What the samples of a run that has ended tell of its method: states to judge it at, and how energies were kept.
+
+use leafwise_core::solver::judge::larger;
+
+use super::drive::Session;
+use super::error::RunError;
+use super::outcome::RunReport;
+use super::shadow::{Changes, ShadowVerdict};
+use crate::advice::{Advice, EnergyError, MOST_STATES, states_ahead};
+use leafwise_scene::compose::ComposedRun;
+use leafwise_scene::document::SceneDocument;
+
+/// The most states that tell how far an orbit reaches.
+const MOST_ORBIT_STATES: u64 = 1000;
+
+/// The most samples of a shadow energy that are looked at.
+const MOST_SAMPLES: u64 = 50_000;
+
+/// States of the run to judge its method at: the first, the last, and recorded ones between.
+pub(super) fn states(
+    run: &ComposedRun,
+    session: &Session<'_>,
+    report: &RunReport,
+) -> Result<Vec<Vec<f64>>, RunError> {
+    // Samples and reports hold the scene's own coordinates.
+    if run.is_extended() {
+        return Ok(states_ahead(run));
+    }
+    let d = run.dimension();
+    let mut states = vec![run.plan.initial.clone(), report.final_state.clone()];
+    if run.plan.states.is_whole_in_samples() {
+        let stride = report.samples.div_ceil(MOST_STATES as u64 - 2).max(1);
+        let stride = usize::try_from(stride).unwrap_or(usize::MAX);
+        let rows = session.samples().read(stride)?;
+        states.extend(rows.iter().skip(1).map(|row| row[1..=d].to_vec()));
+    }
+    states.dedup();
+    states.truncate(MOST_STATES);
+    Ok(states)
+}
+
+/// How the energy of the map's shadow was kept at the recorded states, where it is recorded.
+pub(super) fn shadow(
+    run: &ComposedRun,
+    session: &Session<'_>,
+    report: &RunReport,
+) -> Result<Option<ShadowVerdict>, RunError> {
+    let (Some(recorded), Some(energy)) = (run.plan.shadow, report.invariants.first()) else {
+        return Ok(None);
+    };
+    let stride = usize::try_from(report.samples.div_ceil(MOST_SAMPLES)).unwrap_or(usize::MAX);
+    let rows = session.samples().read(stride)?;
+    let at = 1 + columns_of_states(session, run) + recorded.at;
+    let values: Vec<f64> = rows.iter().filter_map(|row| row.get(at).copied()).collect();
+    let Some(first) = values.first() else {
+        return Ok(None);
+    };
+    let changes = values.iter().map(|value| (value - first).abs());
+    let changes = Changes {
+        energy: energy.maximum,
+        shadow: changes.fold(0.0, larger),
+        size: energy.initial.abs(),
+        steps: report.steps,
+    };
+    let t = run.plan.epsilon * run.plan.h;
+    Ok(Some(ShadowVerdict::new(recorded, changes, t)))
+}
+
+/// An energy kept badly, judged along the recorded orbit.
+pub(super) fn energy_error(
+    document: &SceneDocument,
+    run: &ComposedRun,
+    session: &Session<'_>,
+    report: &RunReport,
+) -> Result<Option<Advice>, RunError> {
+    let Some(energy) = report.invariants.first() else {
+        return Ok(None);
+    };
+    let error = EnergyError {
+        parameters: &run.system.parameter_values(),
+        initial: energy.initial,
+        largest: energy.maximum,
+        whose: "",
+    };
+    if !error.is_notable() {
+        return Ok(None);
+    }
+    let d = run.dimension();
+    let mut states = Vec::new();
+    if run.plan.states.is_whole_in_samples() && !run.is_extended() {
+        let stride = report.samples.div_ceil(MOST_ORBIT_STATES).max(1);
+        let stride = usize::try_from(stride).unwrap_or(usize::MAX);
+        let rows = session.samples().read(stride)?;
+        states.extend(rows.iter().map(|row| row[1..=d].to_vec()));
+    }
+    Ok(error.advice(document, run, &states))
+}
+
+/// The observables that have no finite value somewhere, each with the first time.
+pub(super) fn first_undefined(
+    run: &ComposedRun,
+    session: &Session<'_>,
+) -> Result<Vec<(String, f64)>, RunError> {
+    let start = 1 + columns_of_states(session, run);
+    let observables = &run.plan.observables;
+    let times = session
+        .samples()
+        .first_undefined(start, observables.len())?;
+    let named = observables.iter().zip(times);
+    Ok(named
+        .filter_map(|(observable, time)| Some((observable.name().to_owned(), time?)))
+        .collect())
+}
+
+/// Columns of samples between the time and the observables.
+pub(super) fn columns_of_states(session: &Session<'_>, run: &ComposedRun) -> usize {
+    match session.has_states_in_samples() {
+        true => run.plan.states.width(),
+        false => 0,
+    }
+}
