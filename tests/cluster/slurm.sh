@@ -70,6 +70,10 @@ echo "array $job of $shards tasks"
 # A task that steps is told to go.
 task=""
 until [ -n "$task" ]; do
+    if [ -z "$(squeue --noheader --jobs="$job")" ]; then
+        echo "every task had ended before one was told to go: take more steps" >&2
+        exit 1
+    fi
     for number in $(seq 1 $shards); do
         if [ -e "shards/shard-$number-of-$shards/checkpoint.bin" ] &&
             grep -q '"outcome": "running"' "shards/shard-$number-of-$shards/manifest.json"; then

@@ -28,11 +28,12 @@ begun=$(date +%s.%N)
 seq 1 "$shards" | shuf |
     xargs -P "$processes" -I{} bash -c 'task "$@" 2>>tasks.log' _ {} "$shards" "$leafwise" ensemble "${scene[@]}" --threads 1 --out shards
 stepped=$(date +%s.%N)
-"$leafwise" merge shards --out merged --quiet
+# Within 200 MB, whatever the number of shards.
+(ulimit -v 200000 && exec "$leafwise" merge shards --out merged --quiet)
 merged=$(date +%s.%N)
 for file in statistics.csv windows.csv final_states.csv; do cmp "whole/$file" "merged/$file"; done
 killed=0
 [ -e killed ] && killed=$(wc -l <killed)
 awk -v m="$members" -v s="$shards" -v p="$processes" -v k="$killed" -v a="$begun" -v b="$stepped" -v c="$merged" 'BEGIN {
-    printf "%d members in %d shards on %d processes, %d killed and started again: %.1f s, merged in %.2f s, to the bytes of one process\n",
+    printf "%d members in %d shards on %d processes, %d killed and started again: %.1f s, merged in %.2f s and 200 MB, to the bytes of one process\n",
         m, s, p, k, b - a, c - b }'

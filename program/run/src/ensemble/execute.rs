@@ -52,24 +52,15 @@ pub fn run_ensemble(
     workforce: Workforce,
     progress: &mut dyn Progress,
 ) -> Result<EnsembleReport, RunError> {
-    let checks = checked(document, ensemble, options)?;
-    let directory = open(document, ensemble, options, None)?;
-    let begun = begin(document, ensemble, options, (&checks, None), &directory)?;
-    let Begun {
-        mut session,
-        beginning,
-        resumed_at,
-        is_done,
-    } = begun;
-    if is_done {
-        let mut report = session.report(RunOutcome::Done, None);
-        report.is_repeated = true;
+    let end = |beginning: &Beginning<'_>, report| {
+        write_end(document, ensemble, options, beginning, report)
+    };
+    let asked = (ensemble, None);
+    let mut report = integrate(document, asked, options, workforce, progress, end)?;
+    if report.is_repeated {
         report.advice = measured(document, ensemble, &report);
-        return Ok(report);
     }
-    let outcome = session.steps(workforce, progress)?;
-    let report = session.report(outcome, resumed_at);
-    write_end(document, ensemble, options, &beginning, report)
+    Ok(report)
 }
 
 /// Steps the members of a shard into a directory of its own, for [`merge_shards`](super::merge_shards); an unfinished shard
@@ -85,15 +76,31 @@ pub fn run_shard(
     workforce: Workforce,
     progress: &mut dyn Progress,
 ) -> Result<EnsembleReport, RunError> {
+    let end = |beginning: &Beginning<'_>, report: EnsembleReport| {
+        let ending = ShardEnding {
+            failed: report.reductions.failed,
+            wall_seconds: report.wall_seconds,
+            outcome: report.outcome.word(),
+        };
+        beginning.write_end(&report.directory, ending)?;
+        Ok(report)
+    };
+    let asked = (ensemble, Some(shard));
+    integrate(document, asked, options, workforce, progress, end)
+}
+
+/// Steps what is left of an ensemble, or of a shard of it; `end` writes what is told of the end.
+fn integrate(
+    document: &SceneDocument,
+    (ensemble, shard): (&ComposedEnsemble, Option<&Shard>),
+    options: &RunOptions,
+    workforce: Workforce,
+    progress: &mut dyn Progress,
+    end: impl FnOnce(&Beginning<'_>, EnsembleReport) -> Result<EnsembleReport, RunError>,
+) -> Result<EnsembleReport, RunError> {
     let checks = checked(document, ensemble, options)?;
-    let directory = open(document, ensemble, options, Some(shard))?;
-    let begun = begin(
-        document,
-        ensemble,
-        options,
-        (&checks, Some(shard)),
-        &directory,
-    )?;
+    let directory = open(document, ensemble, options, shard)?;
+    let begun = begin(document, ensemble, options, (&checks, shard), &directory)?;
     let Begun {
         mut session,
         beginning,
@@ -106,14 +113,7 @@ pub fn run_shard(
         return Ok(report);
     }
     let outcome = session.steps(workforce, progress)?;
-    let report = session.report(outcome, resumed_at);
-    let ending = ShardEnding {
-        failed: report.reductions.failed,
-        wall_seconds: report.wall_seconds,
-        outcome: report.outcome.word(),
-    };
-    beginning.write_end(&directory.path, ending)?;
-    Ok(report)
+    end(&beginning, session.report(outcome, resumed_at))
 }
 
 /// The end of a shard's manifest.
