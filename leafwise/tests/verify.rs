@@ -6,8 +6,8 @@ use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 use leafwise::core::{
-    MapProperties, Method, Origin, Part, PartParameters, Registry, SolverStatistics, StepError,
-    StepMap, Stepper, Structure,
+    BuildError, MapProperties, Method, Origin, Part, PartParameters, Registry, Shadow,
+    SolverStatistics, StepError, StepMap, Stepper, Structure, SystemFormulas,
 };
 use leafwise::scene::SceneDocument;
 use leafwise::verify::{
@@ -52,6 +52,20 @@ fn measured(problem: &Problem, map: &dyn StepMap) -> Measured {
     let horizon = 20.0 * problem.time_step;
     let flow = problem.flow(&Registry::with_builtin(), horizon);
     measure(problem, map, &flow.expect("the flow exists"), horizon).expect("small steps succeed")
+}
+
+/// A row of what was measured.
+fn row(problem: &Problem, measured: Measured) -> Row {
+    Row {
+        problem: problem.name.clone(),
+        map: "a map".to_owned(),
+        is_own: false,
+        declared_order: 4,
+        declared_structure: "order 4".to_owned(),
+        measured: Some(measured),
+        failure: None,
+        seconds: 0.0,
+    }
 }
 
 /// The paper's Lotka–Volterra system with its own step: few defects of n = 8 lie between round-off
@@ -115,6 +129,72 @@ fn one_order_more_than_the_truth_is_caught() {
             "m = {m}: {:?}",
             found.order
         );
+    }
+}
+
+/// A map with the shadow Hamiltonian of another.
+struct Shadowed(Arc<dyn StepMap>, Arc<dyn StepMap>);
+
+impl StepMap for Shadowed {
+    fn dimension(&self) -> usize {
+        self.0.dimension()
+    }
+    fn properties(&self) -> MapProperties {
+        self.0.properties()
+    }
+    fn describe(&self) -> String {
+        self.0.describe()
+    }
+    fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
+        self.0.stepper(lanes, parameters, epsilon, h)
+    }
+    fn shadow(
+        &self,
+        system: &SystemFormulas,
+        last: usize,
+        products: u64,
+    ) -> Result<Option<Shadow>, BuildError> {
+        self.1.shadow(system, last, products)
+    }
+}
+
+/// H + t^m F_{m+1} is kept to order m + 2, to 2⌊n/2⌋ + 2 over a realization of order n, and to m with the F_{m+1} of another map.
+#[test]
+fn a_shadow_energy_is_kept_to_the_order_of_its_map() {
+    for name in ["rigid-body", "lotka-volterra-periodic"] {
+        let problem = Problem::of_library(name).expect("in the library");
+        let registry = Registry::with_builtin();
+        let splitting = registry.stepper("splitting").expect("built in");
+        let splitting = splitting.build(&problem.system, &PartParameters::new());
+        let splitting = splitting.expect("it has pieces");
+        let jacobi = truncated(&problem, 8, 2);
+        for (map, declared) in [
+            (Arc::clone(&splitting), 4),
+            (Arc::clone(&jacobi), 4),
+            (truncated(&problem, 8, 4), 6),
+            (truncated(&problem, 2, 4), 4),
+        ] {
+            let found = measured(&problem, map.as_ref());
+            let kept = found.shadow_energy.expect("a short formula");
+            assert_eq!(
+                (kept.declared, kept.judgement),
+                (declared, Judgement::Met),
+                "{name}: {}: {:?}",
+                map.describe(),
+                kept.order
+            );
+        }
+        let wrong = Shadowed(splitting, jacobi);
+        let found = measured(&problem, &wrong);
+        let kept = found.shadow_energy.as_ref().expect("a short formula");
+        assert_eq!(
+            kept.judgement,
+            Judgement::NotMet,
+            "{name}: {:?}",
+            kept.order
+        );
+        assert_eq!(found.judgements, [Judgement::Met; 3]);
+        assert!(!row(&problem, found).is_met());
     }
 }
 
@@ -261,20 +341,10 @@ fn a_solve_that_fails_between_steps_that_succeed_is_no_step_that_is_too_large() 
     assert_eq!(broken.judgements, [Judgement::Met; 3]);
     let why = broken.broken_solve.clone().expect("a hole");
     assert!(why.contains("succeeds: no convergence"), "{why}");
-    let row = |measured: Measured| Row {
-        problem: problem.name.clone(),
-        map: "a map".to_owned(),
-        is_own: false,
-        declared_order: 4,
-        declared_structure: "order 4".to_owned(),
-        measured: Some(measured),
-        failure: None,
-        seconds: 0.0,
-    };
-    assert!(!row(broken).is_met());
+    assert!(!row(&problem, broken).is_met());
     let too_large = found(0.3, f64::INFINITY);
     assert!(too_large.too_large.is_some() && too_large.broken_solve.is_none());
-    assert!(row(too_large).is_met());
+    assert!(row(&problem, too_large).is_met());
 }
 
 /// {q, p} = f(z) and {q, p} = z: z rests, and a Gauss method is symplectic on each of its planes. Over so(3)*, and

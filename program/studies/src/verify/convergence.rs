@@ -18,16 +18,16 @@ pub(super) struct Convergence {
 
 /// Numbers of steps over the horizon, about a quarter more each time: orders from 1 to 10 find
 /// errors between their pre-asymptotic range and round-off somewhere among them.
-const STEPS: [u32; 22] = [
+pub(super) const STEPS: [u32; 22] = [
     2, 3, 4, 5, 6, 8, 10, 12, 15, 19, 24, 30, 38, 48, 60, 75, 94, 118, 148, 185, 231, 289,
 ];
 
 /// Round-off of a global error relative to the state, at least and at most: compensated steps keep
 /// it at a few units; a flow may stretch it.
-const ROUND_OFF: [f64; 2] = [8.0 * f64::EPSILON, 4096.0 * f64::EPSILON];
+pub(super) const ROUND_OFF: [f64; 2] = [8.0 * f64::EPSILON, 4096.0 * f64::EPSILON];
 
 /// Errors above a tenth are not asymptotic.
-const LARGEST_ERROR: f64 = 0.1;
+pub(super) const LARGEST_ERROR: f64 = 0.1;
 
 impl Convergence {
     /// Runs `map` over `horizon` at every step size, against the state `flow` there; steps so large

@@ -9,6 +9,7 @@ use super::convergence::Convergence;
 use super::defects::{Defects, relative_defect};
 use super::drift::Drift;
 use super::judgement::Judgement;
+use super::kept_energy::KeptEnergy;
 use super::order::MeasuredOrder;
 use super::problem::Problem;
 
@@ -49,6 +50,8 @@ pub struct Measured {
     /// The energy's largest deviation over the last tenth of the steps over that of the first.
     #[serde(serialize_with = "optional")]
     pub energy_growth: Option<f64>,
+    /// The order to which the shadow energy is kept; `None` where it has no short formula.
+    pub shadow_energy: Option<KeptEnergy>,
     /// Solver evaluations a step.
     #[serde(serialize_with = "double")]
     pub evaluations_per_step: f64,
@@ -58,6 +61,14 @@ pub struct Measured {
     /// Order as declared, structure as declared, symmetry as declared.
     #[serde(serialize_with = "judgements")]
     pub judgements: [Judgement; 3],
+}
+
+impl Measured {
+    /// What comes of every declaration.
+    pub fn all_judgements(&self) -> impl Iterator<Item = Judgement> {
+        let shadow = self.shadow_energy.as_ref().map(|kept| kept.judgement);
+        self.judgements.into_iter().chain(shadow)
+    }
 }
 
 /// The judgements by their names.
@@ -101,6 +112,7 @@ pub fn measure(
         casimir_drift: run.drift.casimirs,
         energy_drift: run.drift.energy,
         energy_growth: run.drift.growth,
+        shadow_energy: KeptEnergy::measure(problem, map, horizon),
         evaluations_per_step: run.drift.evaluations,
         nanoseconds_per_step: run.drift.nanoseconds,
         judgements,

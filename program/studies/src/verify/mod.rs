@@ -6,6 +6,7 @@
 //! - `defects`: tensor defects of one step and their order.
 //! - `drift`: invariants and cost along an orbit.
 //! - `floor`: where errors become round-off.
+//! - `kept_energy`: the order to which its shadow energy is kept.
 //! - `judgement`: what comes of a declaration.
 //! - `measure`: all of it for one step map.
 //! - `order`: what is known of an order.
@@ -17,6 +18,7 @@ mod defects;
 mod drift;
 mod floor;
 mod judgement;
+mod kept_energy;
 mod measure;
 mod order;
 mod problem;
@@ -25,6 +27,7 @@ mod survey;
 pub use candidates::Candidate;
 pub(crate) use floor::Floor;
 pub use judgement::Judgement;
+pub use kept_energy::KeptEnergy;
 pub use measure::{Measured, measure};
 pub use order::MeasuredOrder;
 pub use problem::{FlowError, Own, Problem, ProblemError};

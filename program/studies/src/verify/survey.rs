@@ -48,16 +48,16 @@ pub struct Row {
 impl Row {
     /// Whether every declaration that could be judged is met, and no solve fails that has a solution.
     pub fn is_met(&self) -> bool {
-        self.measured
-            .as_ref()
-            .is_some_and(|m| m.broken_solve.is_none() && !m.judgements.contains(&Judgement::NotMet))
+        self.measured.as_ref().is_some_and(|m| {
+            m.broken_solve.is_none() && m.all_judgements().all(|j| j != Judgement::NotMet)
+        })
     }
 
     /// Whether a declaration could not be told from the order below.
     pub fn is_undecided(&self) -> bool {
         self.measured
             .as_ref()
-            .is_some_and(|m| m.judgements.contains(&Judgement::Undecided))
+            .is_some_and(|m| m.all_judgements().any(|j| j == Judgement::Undecided))
     }
 }
 

@@ -1,9 +1,9 @@
 //! A row as text.
 
-use leafwise::verify::{Judgement, Measured, MeasuredOrder, Row};
+use leafwise::verify::{Judgement, KeptEnergy, Measured, MeasuredOrder, Row};
 
 /// The headings of the table and the page.
-pub(super) const HEADINGS: [&str; 9] = [
+pub(super) const HEADINGS: [&str; 10] = [
     "",
     "order (declared)",
     "structure (declared)",
@@ -11,12 +11,13 @@ pub(super) const HEADINGS: [&str; 9] = [
     "symmetry",
     "Casimirs",
     "energy, growth",
+    "shadow energy",
     "evaluations, ns",
     "map",
 ];
 
 /// The widths of all columns but the last, so that rows can be printed as they come.
-const WIDTHS: [usize; 8] = [5, 17, 24, 7, 9, 8, 14, 16];
+const WIDTHS: [usize; 9] = [5, 17, 24, 7, 9, 8, 14, 17, 16];
 
 /// Cells in one line, the last of any length.
 pub(super) fn line<C: AsRef<str>>(cells: &[C]) -> String {
@@ -42,7 +43,7 @@ pub(super) fn cells(row: &Row) -> Vec<String> {
     let mut cells = vec![mark.to_owned()];
     match &row.measured {
         Some(measured) => cells.extend(numbers(row, measured)),
-        None => cells.extend(std::iter::repeat_n("-".to_owned(), 7)),
+        None => cells.extend(std::iter::repeat_n("-".to_owned(), 8)),
     }
     let note = match (&row.failure, &row.measured) {
         (Some(failure), _) => format!(": every step fails: {failure}"),
@@ -58,7 +59,7 @@ pub(super) fn cells(row: &Row) -> Vec<String> {
     cells
 }
 
-fn numbers(row: &Row, measured: &Measured) -> [String; 7] {
+fn numbers(row: &Row, measured: &Measured) -> [String; 8] {
     let order = match shown(measured.order) {
         Some(order) if !measured.is_flow => order,
         _ if measured.is_flow => "round-off".to_owned(),
@@ -70,21 +71,33 @@ fn numbers(row: &Row, measured: &Measured) -> [String; 7] {
         None => "-".to_owned(),
     };
     [
-        format!("{order} ({}){}", row.declared_order, flag(measured, 0)),
+        format!(
+            "{order} ({}){}",
+            row.declared_order,
+            flag(measured.judgements[0])
+        ),
         format!(
             "{structure} ({}){}",
             row.declared_structure,
-            flag(measured, 1)
+            flag(measured.judgements[1])
         ),
         measured
             .tensor_defect
             .map_or_else(|| "-".to_owned(), |defect| format!("{defect:.1e}")),
-        format!("{:.1e}{}", measured.self_adjointness, flag(measured, 2)),
+        format!(
+            "{:.1e}{}",
+            measured.self_adjointness,
+            flag(measured.judgements[2])
+        ),
         format!("{:.1e}", measured.casimir_drift),
         match measured.energy_growth {
             Some(growth) => format!("{:.1e} x{growth:.1}", measured.energy_drift),
             None => format!("{:.1e}", measured.energy_drift),
         },
+        measured
+            .shadow_energy
+            .as_ref()
+            .map_or_else(|| "-".to_owned(), kept),
         format!(
             "{:.2}, {:.0}",
             measured.evaluations_per_step, measured.nanoseconds_per_step
@@ -103,8 +116,14 @@ fn shown(order: MeasuredOrder) -> Option<String> {
     }
 }
 
-fn flag(measured: &Measured, which: usize) -> &'static str {
-    match measured.judgements[which] {
+/// The order to which the shadow energy is kept.
+fn kept(energy: &KeptEnergy) -> String {
+    let order = shown(energy.order).unwrap_or_else(|| "round-off".to_owned());
+    format!("{order} ({}){}", energy.declared, flag(energy.judgement))
+}
+
+fn flag(judgement: Judgement) -> &'static str {
+    match judgement {
         Judgement::NotMet => " !",
         Judgement::Undecided => " ?",
         Judgement::Met | Judgement::Open => "",
