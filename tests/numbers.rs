@@ -212,7 +212,7 @@ fn a_method_promises_no_more_than_its_parts() {
         };
         let method = Method::compose(&system, Arc::new(numbers), Arc::new(careless));
         let promised = method.expect("a method").properties();
-        assert_eq!(promised.structure, Structure::None);
+        assert_eq!(promised.structure, Structure::Leaves);
         assert_eq!(promised.self_adjoint, is_reversible.then_some(true));
     }
 }

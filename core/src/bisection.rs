@@ -1,4 +1,4 @@
-//! Lagrangian bisections.
+//! Bisections, Lagrangian where maps are Poisson.
 
 use leafwise_expression::{Graph, Term};
 
@@ -7,7 +7,8 @@ use crate::evaluator::Evaluator;
 use crate::generating_function::Generating;
 
 /// A parametrization y ↦ L(y) ∈ S of a Lagrangian bisection: y ↦ (y, dŜ(y)) for Hamilton–Jacobi,
-/// y ↦ Σ_h(σ(y)) for a collective integrator.
+/// y ↦ Σ_h(σ(y)) for a collective integrator. Of a one-form θ that is not closed, y ↦ (y, θ(y)) is none, and
+/// [`is_lagrangian`](crate::DynamicApproximation::is_lagrangian) says so.
 pub trait LagrangianBisection: Send + Sync + std::fmt::Debug {
     /// y ↦ L(y) as straight-line code.
     fn code(&self) -> Option<PointCode<'_>> {
@@ -18,8 +19,11 @@ pub trait LagrangianBisection: Send + Sync + std::fmt::Debug {
         let _ = (parameters, epsilon, h);
         None
     }
-    /// The closed one-form y ↦ θ(y) as numbers, where L is its graph in the realization's chart and offers no
-    /// code.
+    /// The one-form y ↦ θ(y) as code, of a graph, ε, h and y, where L is its graph in the realization's chart.
+    fn one_form_code(&self) -> Option<PointCode<'_>> {
+        None
+    }
+    /// The same as numbers, where it offers no code.
     fn one_form(&self, parameters: &[f64], epsilon: f64, h: f64) -> Option<Box<dyn Evaluator>> {
         let _ = (parameters, epsilon, h);
         None
@@ -34,7 +38,7 @@ pub trait LagrangianBisection: Send + Sync + std::fmt::Debug {
     }
 }
 
-/// A bisection as straight-line code: of a graph, ε, h and y, the d_S coordinates of L_{ε,h}(y).
+/// A bisection or a one-form as straight-line code: of a graph, ε, h and y, the d_S coordinates of L_{ε,h}(y).
 ///
 /// It fails with [`BuildError::Algebra`] where the Hamiltonian has no code.
 pub type PointCode<'a> =

@@ -15,9 +15,14 @@ pub trait DynamicApproximation: Send + Sync + std::fmt::Debug {
     fn order(&self) -> usize;
     /// Whether the induced map is self-adjoint over a realization with β̂(x, p) = α̂(x, −p).
     fn self_adjoint(&self) -> Option<bool>;
-    /// Whether L is Lagrangian to round-off: only then is the induced map declared Poisson.
+    /// Whether L is Lagrangian to round-off: only then is the induced map declared Poisson. Of another L it maps along leaves.
     fn is_lagrangian(&self) -> bool {
         true
+    }
+    /// Whether it approximates the motion ẋ = −Π(dH + η) of a system with forces η: where it is not said, methods refuse
+    /// such a system.
+    fn takes_forces(&self) -> bool {
+        false
     }
     /// Whether y ↦ L(y) is solved for β̂(L(y)) = x, or taken at y = x.
     fn correction(&self) -> Correction {

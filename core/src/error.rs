@@ -161,6 +161,16 @@ pub enum BuildError {
         /// The parts that need no more than the system has.
         instead: String,
     },
+    /// A part that integrates ẋ = {H, x} alone, and a system with forces beside dH.
+    #[error(
+        "{part} integrates x' = {{H, x}} alone, and this system has forces; what serves it: {instead}"
+    )]
+    Forces {
+        /// The part.
+        part: String,
+        /// The parts that take forces.
+        instead: String,
+    },
     /// Two parts that cannot be combined.
     #[error("{dynamics} cannot be combined with {realization}: {reason}")]
     Incompatible {

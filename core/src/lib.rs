@@ -11,7 +11,7 @@
 //! - [`dynamics`]: [`DynamicApproximation`], the dynamic one.
 //! - [`bisection`]: [`LagrangianBisection`], which it provides.
 //! - [`one_form`]: bisections that are graphs of one-forms, as numbers.
-//! - [`generating`]: graphs of dS.
+//! - [`graph_bisection`]: graphs of dS and of other one-forms, by code.
 //! - [`method`](mod@method): [`Method`], the two combined into a step map.
 //! - [`quadrature`]: Gauss–Legendre rules.
 //! - [`runge_kutta`]: tableaux and stage equations.
@@ -33,10 +33,10 @@ pub mod diagnostics;
 pub mod dynamics;
 pub mod error;
 pub mod evaluator;
-pub mod generating;
 mod generating_function;
 mod generating_shadow;
 pub mod gradient;
+pub mod graph_bisection;
 pub mod integrator;
 pub mod lattice;
 pub mod method;
@@ -65,8 +65,8 @@ pub use compensation::two_sum;
 pub use dynamics::{Correction, DynamicApproximation};
 pub use error::{BuildError, StepError};
 pub use evaluator::Evaluator;
-pub use generating::GraphOfDifferential;
 pub use gradient::{ByTangents, Differential};
+pub use graph_bisection::{GraphBisection, OneForm};
 pub use integrator::Integrator;
 pub use lattice::LatticeMethod;
 pub use method::{Method, MethodEvaluators};

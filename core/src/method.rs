@@ -77,12 +77,13 @@ impl Method {
     /// # Errors
     /// [`BuildError::Incompatible`] when the realization lacks what the bisection needs,
     /// [`BuildError::Algebra`] where a formula has no code, [`BuildError::TooManyVariables`] for formulas in
-    /// too many variables.
+    /// too many variables, [`BuildError::Forces`] for a system with forces that the dynamics does not take.
     pub fn compose(
         system: &PoissonSystem,
         realization: Arc<dyn RealizationData>,
         dynamics: Arc<dyn DynamicApproximation>,
     ) -> Result<Self, BuildError> {
+        check_forces(system, dynamics.as_ref())?;
         let solves = dynamics.correction() == Correction::Bisection;
         if solves && system.expressions().is_some() {
             check_variables(system.dimension())?;
@@ -116,6 +117,7 @@ impl Method {
         realization: Arc<dyn RealizationData>,
         dynamics: Arc<dyn DynamicApproximation>,
     ) -> Result<Self, BuildError> {
+        check_forces(system, dynamics.as_ref())?;
         let bisection = dynamics.bisection(system, &realization)?;
         Self::compose_generic(system, realization, dynamics, bisection)
     }
@@ -295,15 +297,28 @@ fn code_along(
     Ok((graph, ends))
 }
 
-/// The coordinates whose sign a map with these properties keeps.
+/// Refuses a system with forces to a dynamic approximation that does not take them.
+pub(crate) fn check_forces(
+    system: &PoissonSystem,
+    dynamics: &dyn DynamicApproximation,
+) -> Result<(), BuildError> {
+    match dynamics.takes_forces() {
+        true => Ok(()),
+        false => system.without_forces(&dynamics.describe()),
+    }
+}
+
+/// The coordinates whose sign a map with these properties keeps: no leaf crosses where they are 0.
 fn kept_by(system: &PoissonSystem, properties: MapProperties) -> Vec<usize> {
     match properties.structure {
-        Structure::Exact => kept_signs(system),
+        Structure::Exact | Structure::Leaves => kept_signs(system),
         _ => Vec::new(),
     }
 }
 
-/// What Theorems 1 and 2 promise of a realization and a dynamic approximation.
+/// What Theorems 1 and 2 promise of a realization and a dynamic approximation. Over an exact realization α̂(z) and β̂(z) lie on
+/// one symplectic leaf for any z, so that a solved bisection maps along leaves even where it is not Lagrangian (paper,
+/// section 2).
 pub(crate) fn properties_of(
     realization: &dyn RealizationData,
     dynamics: &dyn DynamicApproximation,
@@ -317,10 +332,10 @@ pub(crate) fn properties_of(
     };
     MapProperties {
         order,
-        structure: if dynamics.is_lagrangian() {
-            structure
-        } else {
-            Structure::None
+        structure: match (dynamics.is_lagrangian(), structure) {
+            (true, structure) => structure,
+            (false, Structure::Exact) => Structure::Leaves,
+            (false, _) => Structure::None,
         },
         self_adjoint: dynamics
             .self_adjoint()

@@ -1,4 +1,4 @@
-//! Bisections that are graphs of closed one-forms, as numbers.
+//! Bisections that are graphs of one-forms, as numbers.
 
 use leafwise_expression::{Graph, Kernel, StepSize, Term};
 

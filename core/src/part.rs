@@ -132,8 +132,10 @@ pub enum Auto {
         /// Why it is taken where it fits.
         reason: &'static str,
     },
-    /// What remains: it serves every system, to the order that its parameter `order` names.
+    /// What remains: it serves every system without forces, to the order that its parameter `order` names.
     OfOrder,
+    /// It serves every system with forces.
+    Forces,
 }
 
 /// Steppers that are compared and advised alike.
@@ -212,6 +214,9 @@ pub struct PartInfo {
     /// Whether it needs no formulas of the system.
     #[serde(skip)]
     pub serves_numbers: Option<ServesNumbers>,
+    /// Whether it integrates ẋ = −Π(dH + η) for a system with forces η: where it is not said, the part is refused there.
+    #[serde(skip)]
+    pub takes_forces: bool,
     /// Whether comparisons try it by themselves.
     #[serde(skip)]
     pub compared: Option<Compared>,
@@ -239,6 +244,7 @@ impl PartInfo {
             points_are_pairs: true,
             family: None,
             serves_numbers: None,
+            takes_forces: false,
             compared: None,
             reference: None,
             surveyed: &[],

@@ -171,12 +171,16 @@ impl StepperPart {
     /// The step map of a system.
     ///
     /// # Errors
-    /// [`BuildError`] when a parameter is out of range or the system does not fit.
+    /// [`BuildError`] when a parameter is out of range or the system does not fit, [`BuildError::Forces`] where it has forces
+    /// and the part takes none.
     pub fn build(
         &self,
         system: &PoissonSystem,
         parameters: &PartParameters,
     ) -> Result<Arc<dyn StepMap>, BuildError> {
+        if !self.info.takes_forces {
+            system.without_forces(self.info.name)?;
+        }
         (self.make)(system, parameters)
     }
 

@@ -204,16 +204,29 @@ impl Registry {
     }
 
     /// The method of a scene whose realization is `auto`, of order m: the dynamic approximation that
-    /// serves every system, over [`exact_realization`](Self::exact_realization) or, where none fits,
+    /// serves every system, with forces that of order 2 which takes them, over [`exact_realization`](Self::exact_realization) or, where none fits,
     /// over the realization that serves every system, of order m too.
     ///
     /// # Errors
     /// [`BuildError::UnknownPart`] where the registry has no such part, [`BuildError::Parameter`] for
-    /// an odd order, and those of [`Method::compose`].
+    /// an odd order, [`BuildError::NotMade`] for an order above 2 of a system with forces, and those of [`Method::compose`].
     pub fn automatic(&self, system: &PoissonSystem, m: u32) -> Result<Method, BuildError> {
         let order = PartParameters::new().with("order", i64::from(m));
-        let dynamics = self.dynamics(self.of_order(PartKind::Dynamics)?.name)?;
-        let dynamics = dynamics.build(&order)?;
+        let dynamics = if system.has_forces() {
+            let part = self.of_forces()?;
+            if m != 2 {
+                return Err(BuildError::NotMade {
+                    part: part.name,
+                    reason: format!(
+                        "it is of order 2, not {m}: take 2, and a composition for more"
+                    ),
+                });
+            }
+            self.dynamics(part.name)?.build(&PartParameters::new())?
+        } else {
+            let part = self.of_order(PartKind::Dynamics)?;
+            self.dynamics(part.name)?.build(&order)?
+        };
         let realization = match self.exact_realization(system, false) {
             Some(exact) => exact.realization,
             None => {
@@ -233,6 +246,17 @@ impl Registry {
         parts
             .find(|info| info.kind == kind && info.is_of_order())
             .ok_or_else(|| self.unknown(kind, "auto"))
+    }
+
+    /// The dynamic approximation that serves every system with forces.
+    ///
+    /// # Errors
+    /// [`BuildError::UnknownPart`] where there is none.
+    pub fn of_forces(&self) -> Result<&'static PartInfo, BuildError> {
+        let mut parts = self.parts().into_iter();
+        parts
+            .find(|info| info.kind == PartKind::Dynamics && info.auto == Some(Auto::Forces))
+            .ok_or_else(|| self.unknown(PartKind::Dynamics, "auto"))
     }
 
     /// The parts of a kind that comparisons try, the first ones first.

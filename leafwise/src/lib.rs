@@ -2,7 +2,7 @@
 //!
 //! - [`core`]: the vocabulary: systems, realizations, dynamic approximations, methods.
 //! - [`expression`]: formulas, exact algebra, straight-line kernels.
-//! - [`karasev`], [`lie_poisson`], [`so3`] and others: realizations; [`hamilton_jacobi`], [`collective`], [`splitting`] and others:
+//! - [`karasev`], [`lie_poisson`], [`so3`] and others: realizations; [`hamilton_jacobi`], [`collective`], [`one_form`], [`splitting`] and others:
 //!   dynamics and steppers.
 //! - [`systems`]: the problem library.
 //! - [`plugins`]: parts of third parties from shared libraries.
@@ -28,6 +28,7 @@ pub use leafwise_hamilton_jacobi as hamilton_jacobi;
 pub use leafwise_karasev as karasev;
 pub use leafwise_lie_poisson as lie_poisson;
 pub use leafwise_log_canonical as log_canonical;
+pub use leafwise_one_form as one_form;
 pub use leafwise_plugin_loader as plugins;
 pub use leafwise_reference as reference;
 pub use leafwise_report as report;

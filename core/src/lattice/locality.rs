@@ -25,6 +25,7 @@ pub fn local_reach(source: &dyn LatticeSource) -> Result<Option<usize>, BuildErr
         }
         let proxy = geometry.resized(trial);
         let system = source.write_out(&proxy)?;
+        system.without_forces("a long lattice")?;
         let formulas = system.formulas("a long lattice")?;
         check_homogeneous(formulas, &proxy)?;
         let reach = reach(formulas, &proxy)?;

@@ -48,6 +48,7 @@ impl LatticeMethod {
         let geometry = source.geometry();
         let (proxy, width) = proxy_geometry(source, dynamics.order())?;
         let system = source.write_out(&proxy)?;
+        system.without_forces("a long lattice")?;
         let realization = realize(&system)?;
         let bisection = dynamics.bisection(&system, &realization)?;
         let missing = |reason: &str| BuildError::Incompatible {

@@ -46,7 +46,7 @@ impl Poles {
         let x: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
         let functions = std::iter::once(formulas.hamiltonian()).chain(formulas.tensor().values());
         let mut terms = Vec::with_capacity(1 + formulas.tensor().len());
-        for function in functions {
+        for function in functions.chain(formulas.forces().formulas()) {
             terms.push(function.evaluate_in(&mut graph, &mut |_, at| Ok(x[at].clone()))?);
         }
         let denominators = graph.denominators(&terms)?;

@@ -4,13 +4,15 @@ use std::fmt;
 
 use serde::{Serialize, Serializer};
 
-/// How well a map preserves the Poisson tensor.
+/// What a map preserves of the Poisson structure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Structure {
     /// Φ is a Poisson map, to round-off.
     Exact,
     /// Φ_* π − π = O(tⁿ⁺¹): the order n.
     Order(usize),
+    /// Φ maps every symplectic leaf into itself, to round-off, and keeps all Casimirs; it is not a Poisson map.
+    Leaves,
     /// Not a Poisson map.
     None,
 }
@@ -20,6 +22,7 @@ impl fmt::Display for Structure {
         match self {
             Self::Exact => f.write_str("exact"),
             Self::Order(n) => write!(f, "order {n}"),
+            Self::Leaves => f.write_str("leaves"),
             Self::None => f.write_str("none"),
         }
     }
@@ -36,7 +39,7 @@ impl Serialize for Structure {
 pub struct MapProperties {
     /// A lower bound of the order in t = εh; 0 where the error does not depend on the step.
     pub order: usize,
-    /// How well it preserves the Poisson tensor.
+    /// What it preserves of the Poisson structure.
     pub structure: Structure,
     /// Whether Φ_{−h} ∘ Φ_h = id; `None` where that is not known.
     pub self_adjoint: Option<bool>,

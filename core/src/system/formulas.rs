@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use leafwise_expression::{AlgebraError, Arithmetic, Expression, Graph, Kernel, Rational, Term};
 
+use super::forces::Forces;
 use super::observables;
 use super::{Casimir, Convention, Parameter};
 use crate::error::BuildError;
@@ -48,6 +49,7 @@ pub struct SystemFormulas {
     near: Vec<f64>,
     source: TensorSource,
     names: Vec<(String, Expression)>,
+    forces: Forces,
 }
 
 impl SystemFormulas {
@@ -93,6 +95,7 @@ impl SystemFormulas {
             near,
             source: TensorSource::Entries,
             names: Vec::new(),
+            forces: Forces::default(),
         };
         system.check_indices()?;
         Ok(system)
@@ -109,6 +112,25 @@ impl SystemFormulas {
         };
         system.check_indices()?;
         Ok(system)
+    }
+
+    /// The same system with these forces: ẋ = −Π(dH + η) in place of ẋ = {H, x}.
+    ///
+    /// # Errors
+    /// [`BuildError::Dimension`] unless there are d of them and the metric is d×d, and where one uses an index out of range.
+    pub fn with_forces(&self, forces: Forces) -> Result<Self, BuildError> {
+        forces.check(self.dimension())?;
+        let system = Self {
+            forces,
+            ..self.clone()
+        };
+        system.check_indices()?;
+        Ok(system)
+    }
+
+    /// η; empty for ẋ = {H, x}.
+    pub fn forces(&self) -> &Forces {
+        &self.forces
     }
 
     /// The same system with the state about which it is going to move: where what is made of its
@@ -213,7 +235,8 @@ impl SystemFormulas {
             .tensor
             .values()
             .chain(std::iter::once(&self.hamiltonian))
-            .chain(self.casimirs.iter().map(|c| &c.expression));
+            .chain(self.casimirs.iter().map(|c| &c.expression))
+            .chain(self.forces.formulas());
         for formula in formulas {
             let used = [
                 (
@@ -329,17 +352,26 @@ impl SystemFormulas {
         Ok(gradient)
     }
 
-    /// X_H(x) = −Π(x) ∇H(x) as code; `x` are the graph's first inputs.
+    /// (dH + η)(x) as code, the one-form that moves the system; `x` are the graph's first inputs.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a formula or its derivative has no code.
+    pub fn one_form(&self, graph: &mut Graph, x: &[Term]) -> Result<Vec<Term>, BuildError> {
+        let gradient = self.gradient(graph, x)?;
+        Ok(self.with_forces_added(graph, x, gradient)?)
+    }
+
+    /// The field ẋ = −Π(x)(dH + η)(x) as code, X_H where there are no forces; `x` are the graph's first inputs.
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where a formula or its derivative has no code.
     pub fn vector_field(&self, graph: &mut Graph, x: &[Term]) -> Result<Vec<Term>, BuildError> {
-        let gradient = self.gradient(graph, x)?;
-        let field = self.apply_tensor(graph, x, &gradient)?;
+        let one_form = self.one_form(graph, x)?;
+        let field = self.apply_tensor(graph, x, &one_form)?;
         Ok(field.iter().map(|f| graph.negate(f)).collect())
     }
 
-    /// The kernel x ↦ X_H(x) = −Π(x) ∇H(x).
+    /// The kernel of the [field](Self::vector_field).
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where a formula or its derivative has no code.

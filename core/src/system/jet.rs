@@ -37,7 +37,7 @@ impl SystemFormulas {
         Ok(SmoothMap::compile_values(&graph, &jet, parameters, x.len()))
     }
 
-    /// X_H by way of the exact ring, where it is short enough.
+    /// The field by way of the exact ring, where it is short enough.
     fn expanded_field(&self, graph: &mut Graph) -> Option<Vec<Term>> {
         let d = self.dimension();
         let mut ring = Ring::limited(d, MOST_PRODUCTS);
@@ -45,7 +45,8 @@ impl SystemFormulas {
         let hamiltonian = self.hamiltonian();
         let energy = hamiltonian.evaluate_in(&mut ring, &mut |_, at| Ok(x[at].clone()));
         let gradient = ring.gradient(&energy.ok()?).ok()?;
-        let field = self.apply_tensor(&mut ring, &x, &gradient).ok()?;
+        let one_form = self.with_forces_added(&mut ring, &x, gradient).ok()?;
+        let field = self.apply_tensor(&mut ring, &x, &one_form).ok()?;
         let minus = graph.constant(&-Rational::one());
         let outputs: Vec<_> = field
             .into_iter()

@@ -4,6 +4,7 @@
 //! - [`builder`]: systems written in Rust.
 //! - [`formulas`]: systems given by expressions, from which everything can be derived.
 //! - [`numbers`]: systems that only compute values, such as those of a loaded library.
+//! - [`forces`]: one-forms beside dH, and damping.
 //! - [`forms`]: tensors by one-forms, two-forms and constraints.
 //! - [`energy_casimir`]: H less multiples of Casimirs, which has the motion of H.
 //! - [`compiled`]: the values of a system of formulas, by kernels.
@@ -14,6 +15,7 @@ pub mod builder;
 pub mod compiled;
 pub mod energy_casimir;
 mod field;
+pub mod forces;
 pub mod forms;
 pub mod formulas;
 mod jet;
@@ -29,6 +31,7 @@ use leafwise_expression::Expression;
 pub use agreement::Agreement;
 pub use builder::SystemBuilder;
 pub use compiled::CompiledNumbers;
+pub use forces::{Damping, Forces, Metric};
 pub use forms::FormError;
 pub use formulas::{SystemFormulas, TensorSource};
 pub use numbers::{Derivatives, OpaqueSystem, SystemEvaluator, SystemNumbers};
@@ -196,7 +199,27 @@ impl PoissonSystem {
         }
     }
 
-    /// Values of Π, H, ∇H and the Casimirs: the system's own, or kernels compiled from its formulas.
+    /// Whether the motion is ẋ = −Π(dH + η) with forces η, and not ẋ = {H, x}.
+    pub fn has_forces(&self) -> bool {
+        let formulas = self.expressions();
+        formulas.is_some_and(|formulas| !formulas.forces().is_empty())
+    }
+
+    /// Refuses a system with forces, for a part that integrates ẋ = {H, x} alone.
+    ///
+    /// # Errors
+    /// [`BuildError::Forces`], which names the parts that serve it.
+    pub fn without_forces(&self, part: &str) -> Result<(), BuildError> {
+        if self.has_forces() {
+            return Err(BuildError::Forces {
+                part: part.to_owned(),
+                instead: forces::takes_forces(),
+            });
+        }
+        Ok(())
+    }
+
+    /// Values of Π, H, ∇H and the Casimirs, forces left out: the system's own, or kernels compiled from its formulas.
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where a formula or its derivative has no code.
@@ -211,8 +234,9 @@ impl PoissonSystem {
     /// would offer.
     ///
     /// # Errors
-    /// Those of [`numbers`](Self::numbers).
+    /// Those of [`numbers`](Self::numbers), and [`BuildError::Forces`] where there are forces, which have no numbers.
     pub fn without_formulas(&self, name: impl Into<String>) -> Result<Self, BuildError> {
+        self.without_forces("a system of numbers")?;
         let casimirs = self
             .casimir_names()
             .into_iter()

@@ -7,7 +7,7 @@ use leafwise_core::part::{
 };
 use leafwise_core::registry::DynamicsPart;
 use leafwise_core::{
-    BuildError, DynamicApproximation, GraphOfDifferential, LagrangianBisection, PoissonSystem,
+    BuildError, DynamicApproximation, GraphBisection, LagrangianBisection, OneForm, PoissonSystem,
     RealizationData,
 };
 
@@ -179,8 +179,12 @@ impl DynamicApproximation for HamiltonJacobi {
             }
         };
         let parameters = system.parameters().len();
-        let graph =
-            GraphOfDifferential::new(generating, realization, parameters, &self.describe())?;
+        let graph = GraphBisection::new(
+            OneForm::Differential(generating),
+            realization,
+            parameters,
+            &self.describe(),
+        )?;
         Ok(Arc::new(graph))
     }
 }

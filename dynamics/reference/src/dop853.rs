@@ -18,6 +18,7 @@ static INFO: PartInfo = PartInfo {
                  coefficients of dop853.f (Hairer, Wanner 1994)",
     parameters: &[TOLERANCE],
     family: Some(Family::Explicit),
+    takes_forces: true,
     serves_numbers: Some(ServesNumbers { rank: 2, limit: "" }),
     compared: Some(Compared::at(3)),
     reference: Some(&[]),

@@ -19,6 +19,7 @@ static INFO: PartInfo = PartInfo {
                  I, table II.5.2",
     parameters: &[TOLERANCE],
     family: Some(Family::Explicit),
+    takes_forces: true,
     serves_numbers: Some(ServesNumbers { rank: 3, limit: "" }),
     compared: Some(Compared::at(4)),
     ..PartInfo::of(PartKind::Stepper)

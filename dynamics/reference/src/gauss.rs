@@ -23,6 +23,7 @@ static INFO: PartInfo = PartInfo {
                  Numerical Integration, sections II.1.3 and VI.4",
     parameters: &[STAGES],
     family: Some(Family::Implicit),
+    takes_forces: true,
     serves_numbers: Some(ServesNumbers { rank: 5, limit: "" }),
     compared: Some(Compared {
         rank: 7,

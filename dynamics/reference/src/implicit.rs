@@ -79,10 +79,11 @@ pub(crate) fn gauss_map(
         dimension: system.dimension(),
         properties: MapProperties {
             order: 2 * tableau.stages(),
-            structure: if is_kept {
-                Structure::Exact
-            } else {
-                Structure::None
+            structure: match (is_kept, system.has_forces()) {
+                (true, false) => Structure::Exact,
+                // Slopes are in the image of a constant tensor.
+                (true, true) => Structure::Leaves,
+                (false, _) => Structure::None,
             },
             self_adjoint: Some(true),
         },

@@ -18,6 +18,7 @@ static INFO: PartInfo = PartInfo {
     domain: "any system, of formulas or of numbers; steps for which the iteration converges",
     literature: "Hairer, Lubich, Wanner, Geometric Numerical Integration, sections II.1 and VI.4",
     family: Some(Family::Implicit),
+    takes_forces: true,
     serves_numbers: Some(ServesNumbers { rank: 4, limit: "" }),
     compared: Some(Compared::at(6)),
     ..PartInfo::of(PartKind::Stepper)

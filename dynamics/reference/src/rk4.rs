@@ -23,6 +23,7 @@ static INFO: PartInfo = PartInfo {
     literature: "W. Kutta, Z. Math. Phys. 46 (1901); Hairer, Norsett, Wanner, Solving Ordinary \
                  Differential Equations I, table II.1.2",
     family: Some(Family::Explicit),
+    takes_forces: true,
     serves_numbers: Some(ServesNumbers { rank: 1, limit: "" }),
     compared: Some(Compared::at(5)),
     ..PartInfo::of(PartKind::Stepper)

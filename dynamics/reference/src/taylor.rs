@@ -34,6 +34,7 @@ static INFO: PartInfo = PartInfo {
                  astrodynamics and celestial mechanics, MNRAS 504 (2021)",
     parameters: &[TOLERANCE],
     family: Some(Family::Series),
+    takes_forces: true,
     compared: Some(Compared::at(1)),
     reference: Some(&[]),
     ..PartInfo::of(PartKind::Stepper)

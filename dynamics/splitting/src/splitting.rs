@@ -103,6 +103,7 @@ impl Splitting {
         system: &PoissonSystem,
         parameters: &PartParameters,
     ) -> Result<Self, BuildError> {
+        system.without_forces(INFO.name)?;
         let system = system.formulas(INFO.name)?;
         let mut ring = Ring::new(system.dimension());
         let pieces = find_pieces(system, &mut ring, bodies(parameters)?)?;

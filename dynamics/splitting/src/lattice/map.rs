@@ -92,6 +92,7 @@ impl LatticeSplitting {
         let short = width.and_then(|width| Some((cells.resized(2 * width + 3)?, width)));
         let (proxy_cells, width) = short.unwrap_or_else(|| (cells.clone(), 0));
         let proxy = source.write_out(proxy_cells.sites())?;
+        proxy.without_forces(NAME)?;
         let system = proxy.formulas(NAME)?;
         let mut ring = Ring::new(system.dimension());
         let Some(pieces) = find_repeating_pieces(source, &proxy_cells, system, &mut ring)? else {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use leafwise_core::dynamics::{Generating, GeneratingFunction};
 use leafwise_core::part::PartInfo;
 use leafwise_core::{
-    BuildError, Correction, DynamicApproximation, GraphOfDifferential, LagrangianBisection,
+    BuildError, Correction, DynamicApproximation, GraphBisection, LagrangianBisection, OneForm,
     PartParameters, PoissonSystem, RealizationData,
 };
 use leafwise_expression::{Expression, Polynomial, Ring};
@@ -150,7 +150,12 @@ impl DynamicApproximation for FormulaDynamics {
         });
         let parameters = system.parameters().len();
         let describe = self.describe();
-        let graph = GraphOfDifferential::new(generating, realization, parameters, &describe)?;
+        let graph = GraphBisection::new(
+            OneForm::Differential(generating),
+            realization,
+            parameters,
+            &describe,
+        )?;
         Ok(Arc::new(graph))
     }
 }

@@ -55,6 +55,7 @@ fn formulas(document: &SceneDocument) -> Vec<&str> {
     formulas.extend(system.sites.iter().filter_map(|(_, field)| of_field(field)));
     formulas.extend(system.define.iter().map(|(_, f)| f.value.as_str()));
     formulas.extend(of_bracket(&system.bracket.value));
+    formulas.extend(system.forces.formulas().iter().map(|f| f.value.as_str()));
     formulas.extend(system.constraints.iter().map(|f| f.value.as_str()));
     formulas.extend(system.casimirs.iter().map(|(_, f)| f.value.as_str()));
     let ensemble = document.ensemble.iter();

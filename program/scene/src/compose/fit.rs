@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use leafwise_core::diagnostics::RealizationInstrument;
-use leafwise_core::{BuildError, PoissonSystem, RealizationData, StepMap};
+use leafwise_core::{BuildError, Evaluator, PoissonSystem, RealizationData, StepMap};
 
 /// How far brackets on the section may be from a tensor, relative to it, and belong to it all the same:
 /// what is smaller is an error, not another tensor.
@@ -168,13 +168,11 @@ impl Seen {
     }
 }
 
-/// −Π ∇H at a state, where it is to be had.
+/// ẋ at a state, where it is to be had.
 fn field(system: &PoissonSystem, values: &[f64], x: &[f64]) -> Option<Vec<f64>> {
-    let mut evaluator = system.numbers().ok()?.evaluator(values);
-    let (mut gradient, mut field) = (vec![0.0; x.len()], vec![0.0; x.len()]);
-    evaluator.gradient(x, &mut gradient).ok()?;
-    evaluator.tensor(x, &gradient, &mut field).ok()?;
-    field.iter_mut().for_each(|v| *v = -*v);
+    let map = system.field_values().ok()?;
+    let mut field = vec![0.0; x.len()];
+    map.evaluator(values, 1.0, 1.0).values(x, &mut field).ok()?;
     field.iter().all(|v| v.is_finite()).then_some(field)
 }
 

@@ -2,14 +2,15 @@
 
 use leafwise_core::Convention;
 use leafwise_core::lattice::LatticeGeometry;
-use leafwise_core::system::{Casimir, Parameter};
-use leafwise_core::{BuildError, PoissonSystem};
+use leafwise_core::system::{Casimir, Forces, Parameter};
+use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::Expression;
 
 use super::Refusal;
 use super::definitions::scope;
 use super::events::{Events, events};
 use super::extended::Extension;
+use super::forces::forces;
 use super::forms::{Forms, forms};
 use super::names::{coordinate_names, function};
 use super::observables::{Observable, observables};
@@ -27,6 +28,8 @@ pub struct Instantiated {
     pub forms: Forms,
     /// H.
     pub hamiltonian: Expression,
+    /// What moves the system beside H.
+    pub forces: Forces,
     /// The Casimirs by name.
     pub casimirs: Vec<Casimir>,
     /// What the run records.
@@ -75,11 +78,15 @@ pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instan
         extension.extend(convention, &mut names, &mut bracket, &mut hamiltonian);
         forms.extend(extension);
     }
+    let moving = system.moving().len();
+    let moving = system.variables.len() + lengths[..moving].iter().sum::<usize>();
+    let forces = forces(document, &scope, &names[..moving], names.len())?;
     Ok(Instantiated {
         names,
         bracket,
         forms,
         hamiltonian,
+        forces,
         casimirs,
         observables,
         events,
@@ -147,13 +154,14 @@ impl Instantiated {
             document::Convention::HamiltonFirst => Convention::HamiltonianFirst,
             document::Convention::HamiltonSecond => Convention::HamiltonianSecond,
         };
-        PoissonSystem::new(
+        let system = SystemFormulas::new(
             self.names,
             parameters,
             self.bracket,
             self.hamiltonian,
             self.casimirs,
             convention,
-        )
+        )?;
+        Ok(system.with_forces(self.forces)?.into())
     }
 }

@@ -78,6 +78,14 @@ impl<'a> SceneLattice<'a> {
                 Some("write its entries, or shorten the lattice".to_owned()),
             )));
         }
+        if let Some(place) = system.forces.place() {
+            return Err(Box::new(document.diagnostic(
+                &place,
+                format!("forces are not offered on a lattice of more than {DENSE_LIMIT} coordinates, and this one has {}", system.coordinates()),
+                "here",
+                Some("shorten the lattice".to_owned()),
+            )));
+        }
         let geometry = geometry(document);
         has_room(document, geometry.dimension(), 1)?;
         Ok(Some(Self { document, geometry }))

@@ -3,6 +3,7 @@
 //! - `names`: what formulas may refer to, and their errors placed in the file;
 //! - `definitions`: names for formulas, in an order that lets each use the others;
 //! - `tensor`, `lie_algebra`: the ways to write a bracket;
+//! - `forces`: one-forms beside dH, and damping;
 //! - `forms`: tensors by one-forms, two-forms and constraints;
 //! - `instantiate`: templates over families written out at chosen lengths;
 //! - `system`: [`compose_system`], the Poisson system with its initial state;
@@ -28,6 +29,7 @@ mod dense;
 mod events;
 mod extended;
 mod fit;
+mod forces;
 mod forms;
 mod fragment;
 mod initial;

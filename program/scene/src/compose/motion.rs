@@ -71,7 +71,7 @@ fn names_about(geometry: &LatticeGeometry, here: usize) -> Vec<String> {
     (0..geometry.dimension()).map(name).collect()
 }
 
-/// X_H at a state near the initial one, by the code that steppers use.
+/// ẋ at a state near the initial one, by the code that steppers use.
 fn field_at(run: &ComposedRun, system: &PoissonSystem) -> Option<Vec<f64>> {
     let field = system.field_values().ok()?;
     let mut value = vec![0.0; run.system.dimension()];
@@ -113,7 +113,7 @@ fn name_of(parameter: &Parameter) -> String {
     parameter.name.clone()
 }
 
-/// −Π ∇H in the exact ring.
+/// −Π (dH + η) in the exact ring.
 fn expanded(system: &SystemFormulas, coordinates: &[usize]) -> Option<Vec<Option<Expression>>> {
     let d = system.dimension();
     let mut ring = Ring::limited(d, MOST_PRODUCTS);
@@ -121,7 +121,8 @@ fn expanded(system: &SystemFormulas, coordinates: &[usize]) -> Option<Vec<Option
     let energy = system.hamiltonian();
     let energy = energy.evaluate_in(&mut ring, &mut |_, at| Ok(x[at].clone()));
     let gradient = ring.gradient(&energy.ok()?).ok()?;
-    let field = system.apply_tensor(&mut ring, &x, &gradient).ok()?;
+    let one_form = system.with_forces_added(&mut ring, &x, gradient).ok()?;
+    let field = system.apply_tensor(&mut ring, &x, &one_form).ok()?;
     if ring.refusal().is_some() {
         return None;
     }

@@ -142,7 +142,7 @@ impl Parts {
 /// Builds the parts that `[method]` names, for a system or for the long lattice that it stands for.
 ///
 /// A part that is absent or called `auto` is chosen: Hamilton–Jacobi of order 4 (2 for a system of
-/// numbers), and the first exact realization, by rank, that fits the tensor; where none does, or
+/// numbers), the map along leaves where there are forces, and the first exact realization, by rank, that fits the tensor; where none does, or
 /// parameters are given with `auto`, Karasev's truncated after the dynamics' order, the smallest n for which Theorem 2 promises it.
 pub(super) fn parts(
     document: &SceneDocument,
@@ -266,17 +266,17 @@ fn pair(
     registry: &Registry,
     choices: &mut Vec<PartChoice>,
 ) -> Result<Base, Refusal> {
-    let order = if system.expressions().is_some() {
-        DEFAULT_DYNAMICS_ORDER
+    let (default, order) = if system.has_forces() {
+        (registry.of_forces().map_or("auto", |info| info.name), 0)
+    } else if system.expressions().is_some() {
+        (
+            of_order(registry, PartKind::Dynamics),
+            DEFAULT_DYNAMICS_ORDER,
+        )
     } else {
-        ORDER_OF_NUMBERS
+        (of_order(registry, PartKind::Dynamics), ORDER_OF_NUMBERS)
     };
-    let request = Request::new(
-        document,
-        document.method.dynamics.as_ref(),
-        of_order(registry, PartKind::Dynamics),
-        order,
-    );
+    let request = Request::new(document, document.method.dynamics.as_ref(), default, order);
     let part = registry
         .dynamics(request.name())
         .map_err(|_| request.unknown(PartKind::Dynamics, registry))?;

@@ -77,6 +77,13 @@ impl ShadowEnergy {
                 help: "write its tensor and Hamiltonian as formulas".to_owned(),
             });
         };
+        if system.has_forces() {
+            return Err(NoShadow {
+                message: "a motion with forces is the flow of no Hamiltonian, and its steps have no shadow Hamiltonian"
+                    .to_owned(),
+                help: "record `energy`, or take the forces out".to_owned(),
+            });
+        }
         let products = match asked {
             None => PRODUCTS,
             Some(_) => MOST_PRODUCTS,
@@ -85,7 +92,7 @@ impl ShadowEnergy {
         let (m, first) = Self::first(map, |last| map.shadow(formulas, last, FIRST_PRODUCTS))?;
         let limit = match map.properties().structure {
             Structure::Order(n) => Some(2 * (n / 2) + 2),
-            Structure::Exact | Structure::None => None,
+            Structure::Exact | Structure::Leaves | Structure::None => None,
         };
         let operations = |formula: &Expression| -> Result<u64, NoShadow> {
             Ok(formulas

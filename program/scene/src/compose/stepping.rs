@@ -129,6 +129,9 @@ impl Stepping {
             match properties.structure {
                 Structure::Exact => "a Poisson map, to round-off".to_owned(),
                 Structure::Order(n) => format!("a Poisson map up to order {n}"),
+                Structure::Leaves => {
+                    "along symplectic leaves, Casimirs to round-off; not a Poisson map".to_owned()
+                }
                 Structure::None => "not a Poisson map".to_owned(),
             },
         ));

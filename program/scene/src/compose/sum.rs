@@ -7,7 +7,7 @@ use leafwise_expression::syntax::{Formula, Scope, VariablePattern};
 use super::Refusal;
 use super::definitions::scope;
 use super::names::coordinate_names;
-use crate::document::{BracketSpec, Located, Place, SceneDocument, SummandSpec};
+use crate::document::{BracketSpec, ForcesSpec, Located, Place, SceneDocument, SummandSpec};
 
 /// A summand: the scene with its variables, families and bracket alone.
 #[derive(Clone, Debug)]
@@ -81,6 +81,7 @@ fn summand(
         .retain(|(name, _)| !foreign.contains(name.value.as_str()));
     system.bracket = spec.bracket.clone();
     system.constraints = spec.constraints.clone();
+    system.forces = ForcesSpec::default();
     let variable = |name: &Located<String>| {
         let mut variables = whole.variables.iter();
         variables.position(|variable| variable.value == name.value)

@@ -7,6 +7,7 @@ use super::Refusal;
 use super::definitions::scope;
 use super::events::{Events, events, refuse_on_a_long_lattice};
 use super::extended::Extension;
+use super::forces::check_damping;
 use super::initial::initial_state;
 use super::instantiate::instantiate;
 use super::lattice::{SceneLattice, has_forms, shortened};
@@ -147,6 +148,7 @@ pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Re
         None => initial,
     };
     events.check(document, &initial, &system.parameter_values())?;
+    check_damping(document, &system, &initial)?;
     let system = system.with_near(&initial).unwrap_or(system);
     let system = forms.apply(document, system)?;
     Ok(ComposedSystem {

@@ -9,8 +9,8 @@ use crate::document::{BracketSpec, InitialSpec, Located, Place, SceneDocument};
 /// What formulas call the time.
 pub(super) const TIME: &str = "t";
 
-/// What makes the time a coordinate of a scene: a Hamiltonian or a one-form that names it, or a pace; the formula and what
-/// it is.
+/// What makes the time a coordinate of a scene: a Hamiltonian, a one-form or forces that name it, or a pace; the formula and
+/// what it is.
 pub(super) fn wants_time(document: &SceneDocument) -> Option<(&Located<String>, &'static str)> {
     let hamiltonian = &document.system.hamiltonian;
     if names_time(document, hamiltonian) {
@@ -20,6 +20,10 @@ pub(super) fn wants_time(document: &SceneDocument) -> Option<(&Located<String>, 
         && let Some(component) = form.iter().find(|formula| names_time(document, formula))
     {
         return Some((component, "a one-form that names the time t"));
+    }
+    let mut forces = document.system.forces.formulas().into_iter();
+    if let Some(force) = forces.find(|formula| names_time(document, formula)) {
+        return Some((force, "a force that names the time t"));
     }
     document.method.pace.as_ref().map(|pace| (pace, "a pace"))
 }
@@ -113,7 +117,7 @@ pub(super) fn about_time(
         );
     }
     told(
-        "t is the time where the Hamiltonian, a one-form or a pace names it, and here none does",
+        "t is the time where the Hamiltonian, a one-form, a force or a pace names it, and here none does",
         "the first column of samples.csv is t; `+ 0*t` in the Hamiltonian makes the time a name for every recorded formula",
     )
 }

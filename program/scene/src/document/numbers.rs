@@ -9,6 +9,7 @@ use leafwise_core::{BuildError, PartParameters, PoissonSystem};
 
 use super::bracket::BracketSpec;
 use super::error::SceneProblemCause;
+use super::forces::ForcesSpec;
 use super::located::{Located, Number, Place};
 use super::method::{ParameterValue, read_parameter};
 use super::reader::{Problems, Table};
@@ -63,6 +64,22 @@ pub(super) fn read_numbers(
             item.key.place(),
         );
         return None;
+    }
+    for key in ["forces", "damping"] {
+        if let Some(item) = table.get(key) {
+            problems.push(
+                SceneProblemCause::Conflict {
+                    first: "library".to_owned(),
+                    second: key.to_owned(),
+                    advice: format!(
+                        "`{}` computes numbers, and forces stand beside formulas of a system alone",
+                        id.value
+                    ),
+                },
+                item.key.place(),
+            );
+            return None;
+        }
     }
     let info = part.info;
     let mut parameters = PartParameters::new();
@@ -167,6 +184,7 @@ fn section(id: &Located<String>, system: PoissonSystem, given: PartParameters) -
         boundary: None,
         convention: Convention::default(),
         hamiltonian: here(""),
+        forces: ForcesSpec::default(),
         casimirs: casimirs.collect(),
         numbers: Some(NumbersSystem {
             system: Arc::new(system),

@@ -154,7 +154,7 @@ pub(super) static SCENE: [Key; 5] = [
     ),
 ];
 
-pub(super) static SYSTEM: [Key; 11] = [
+pub(super) static SYSTEM: [Key; 13] = [
     key(
         "library",
         Shape::System,
@@ -212,6 +212,28 @@ pub(super) static SYSTEM: [Key; 11] = [
         "casimirs",
         FORMULAS,
         "Functions that commute with all others, by names",
+    ),
+    key(
+        "forces",
+        Shape::List(&Shape::Formula),
+        "A one-form beside dH, a formula for each variable: dH + forces moves the system, on its leaves; a force F on a momentum is -F for its coordinate",
+    ),
+    key(
+        "damping",
+        table(&DAMPING, &[&["rate"]]),
+        "A double bracket, under which energy falls and Casimirs stay: { rate = \"0.1\" }",
+    ),
+];
+
+pub(super) static DAMPING: [Key; 2] = [
+    key("rate", Shape::Formula, "The rate, which is not negative"),
+    key(
+        "metric",
+        Shape::List(&Shape::Either(&[
+            Shape::Formula,
+            Shape::List(&Shape::Formula),
+        ])),
+        "Which velocities are damped: a diagonal, or the rows of a symmetric matrix without negative eigenvalues; all alike where not said",
     ),
 ];
 

@@ -10,12 +10,16 @@ use toml::de::DeTable;
 use super::bracket::{BracketSpec, read_bracket};
 use super::error::SceneProblemCause;
 use super::field::{FieldSpec, family_of, read_parameters, without_sites};
+use super::forces::{ForcesSpec, read_forces};
 use super::located::{Located, Place, Source};
 use super::numbers::{asks_for_numbers, read_numbers};
 use super::reader::{Item, Problems, Table};
 use super::schema::{SYSTEM, VECTORS, has};
 use super::suggest::nearest;
 use super::system_section::{Boundary, Convention, SystemSection, VectorFamily};
+
+/// What may stand beside `library`, and it.
+const BESIDE_LIBRARY: [&str; 5] = ["library", "parameters", "families", "forces", "damping"];
 
 /// Reads `[system]`, going to the library when it names one; the fragment used is left in
 /// `fragment` as id and text.
@@ -32,12 +36,12 @@ pub(super) fn read_system(
     table.only(&SYSTEM, problems);
     for other in &table.items {
         let key = other.key.value.as_str();
-        if has(&SYSTEM, key) && !["library", "parameters", "families"].contains(&key) {
+        if has(&SYSTEM, key) && !BESIDE_LIBRARY.contains(&key) {
             problems.push(
                 SceneProblemCause::Conflict {
                     first: "library".to_owned(),
                     second: key.to_owned(),
-                    advice: "beside `library` only `parameters` and `families` may stand; \
+                    advice: "beside `library` only `parameters`, `families`, `forces` and `damping` may stand; \
                              remove it, or write the system out without `library`"
                         .to_owned(),
                 },
@@ -66,6 +70,7 @@ pub(super) fn read_system(
     *fragment = Some((id.value.clone(), text.to_string()));
     let mut system = read_fragment(&id.value, text, problems)?;
     override_values(table, &mut system, part.has_numbers(), problems);
+    system.forces = read_forces(table, std::mem::take(&mut system.forces), problems)?;
     system.library = Some(id);
     Some(system)
 }
@@ -285,6 +290,7 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
         Some(item) => item.pairs("a table of formulas", problems, Item::formula),
         None => Some(Vec::new()),
     };
+    let forces = read_forces(table, ForcesSpec::default(), problems);
     let Families { scalars, vectors } = families?;
     let (parameters, sites) = parameters?;
     let mut system = SystemSection {
@@ -301,6 +307,7 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
         convention: convention?,
         hamiltonian: hamiltonian?,
         casimirs: casimirs?,
+        forces: forces?,
         numbers: None,
     };
     check_sites(&system, problems);

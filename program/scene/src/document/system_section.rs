@@ -6,6 +6,7 @@ use leafwise_core::{PartParameters, PoissonSystem};
 
 use super::bracket::BracketSpec;
 use super::field::{FieldSpec, family_of};
+use super::forces::ForcesSpec;
 use super::located::{Located, Number};
 
 /// Sites beyond the ends of an indexed family.
@@ -57,6 +58,8 @@ pub struct SystemSection {
     pub hamiltonian: Located<String>,
     /// Claimed Casimirs by name.
     pub casimirs: Vec<(Located<String>, Located<String>)>,
+    /// What moves the system beside its Hamiltonian.
+    pub forces: ForcesSpec,
     /// A library system without formulas, in place of bracket, Hamiltonian and Casimirs.
     pub numbers: Option<NumbersSystem>,
 }

@@ -136,6 +136,9 @@ fn examine(
         && measured.structure.at_least.is_none();
     match (declared.structure, measured.tensor_defect) {
         (Structure::None, _) => {}
+        (Structure::Leaves, _) => {
+            findings.push(place.judged(named("Casimirs"), measured.casimir_drift, structure))
+        }
         (_, None) => findings.push(place.open(
             named("tensor defect"),
             "the map offers nothing to measure it by",

@@ -194,7 +194,8 @@ impl Catalogue<'_> {
     fn hamiltonians(&self) -> &'static [Made] {
         let own = self.bench.own();
         let is_lattice = matches!(own.method, Stepping::Lattice(_));
-        let formulas = own.system.expressions().filter(|_| !is_lattice);
+        let is_given = is_lattice || own.system.has_forces();
+        let formulas = own.system.expressions().filter(|_| !is_given);
         let shorter = formulas.and_then(|system| system.energy_casimir().ok().flatten());
         match shorter {
             None => &[Made::OfH],
@@ -224,7 +225,8 @@ impl Catalogue<'_> {
             };
             let is_long = is_wasted || self.is_long(&built, &mut of_order_two);
             self.add_built(method, built);
-            if is_long {
+            // With forces all orders are one.
+            if is_long || self.bench.own().system.has_forces() {
                 break;
             }
         }
@@ -348,8 +350,12 @@ impl Made {
     }
 }
 
+/// Hamilton–Jacobi of an order; with forces the dynamics that takes them, whatever the order.
 fn hamilton_jacobi(bench: &Bench<'_>, order: usize) -> PartUse {
-    bench.of_order(PartKind::Dynamics, order)
+    match bench.registry().of_forces() {
+        Ok(part) if bench.own().system.has_forces() => PartUse::named(part.name),
+        _ => bench.of_order(PartKind::Dynamics, order),
+    }
 }
 
 /// The same part with the same parameters where both give them.

@@ -117,7 +117,7 @@ impl Search<'_> {
         };
         if tried.is_met() {
             let structure = track.candidate.properties.structure;
-            if structure != Structure::None {
+            if !matches!(structure, Structure::Leaves | Structure::None) {
                 let time_step = self.bench.time() / setting.steps as f64;
                 let run = &track.candidate.run;
                 let states: [&[f64]; 2] = [&run.plan.initial, &tried.trial.stepped];

@@ -51,7 +51,7 @@ pub enum Candidate {
     Pair(Chosen, Chosen),
     /// A step map of its own.
     Stepper(Chosen),
-    /// A composition of Hamilton–Jacobi of order 2 over an exact realization that fits, or of splitting
+    /// A composition of the dynamics of order 2, with forces or without, over an exact realization that fits, or of splitting
     /// where it takes factors.
     Composition(Chosen),
 }
@@ -178,11 +178,14 @@ fn pair(
     Ok(Arc::new(Method::compose(system, realization, dynamics)?))
 }
 
-/// What compositions are measured over: Hamilton–Jacobi of order 2 over an exact realization.
+/// What compositions are measured over: dynamics of order 2 over an exact realization.
 fn base(registry: &Registry, system: &PoissonSystem) -> Result<Arc<dyn StepMap>, BuildError> {
-    let dynamics = Chosen {
-        name: registry.of_order(PartKind::Dynamics)?.name,
-        parameters: PartParameters::new().with("order", 2),
+    let dynamics = match system.has_forces() {
+        true => Chosen::defaults(registry.of_forces()?.name),
+        false => Chosen {
+            name: registry.of_order(PartKind::Dynamics)?.name,
+            parameters: PartParameters::new().with("order", 2),
+        },
     };
     let over = |name| pair(registry, system, &Chosen::defaults(name), &dynamics);
     let mut exact = registry.exact_realizations().into_iter();

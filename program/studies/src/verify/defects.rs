@@ -82,11 +82,11 @@ impl Defects {
         (!self.points.is_empty()).then(|| self.points.iter().all(|(_, m)| is_none(m)))
     }
 
-    /// The declared structure against them. Round-off at every step is an exact structure, and better
+    /// The declared structure of a Poisson map against them. Round-off at every step is an exact structure, and better
     /// than any order.
     pub fn judge(&self, declared: MapProperties) -> Judgement {
         match (declared.structure, self.is_round_off()) {
-            (_, None) | (Structure::None, _) => Judgement::Open,
+            (_, None) | (Structure::Leaves | Structure::None, _) => Judgement::Open,
             (_, Some(true)) => Judgement::Met,
             (Structure::Exact, Some(false)) => Judgement::NotMet,
             (Structure::Order(n), Some(false)) => self.order.judge(n),

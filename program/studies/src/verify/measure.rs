@@ -1,7 +1,7 @@
 //! One step map on one problem.
 
 use leafwise_core::diagnostics::{Defect, self_adjointness_defect};
-use leafwise_core::{MapProperties, StepError, StepMap};
+use leafwise_core::{MapProperties, StepError, StepMap, Structure};
 use leafwise_scene::json::{double, optional, points};
 use serde::{Serialize, Serializer};
 
@@ -96,7 +96,10 @@ pub fn measure(
     let run = Run::at_largest_step(problem, map)?;
     let judgements = [
         convergence.judge(declared),
-        defects.judge(declared),
+        match declared.structure {
+            Structure::Leaves => judge_leaves(problem, run.drift.casimirs),
+            _ => defects.judge(declared),
+        },
         judge_symmetry(declared, run.self_adjointness),
     ];
     Ok(Measured {
@@ -117,6 +120,15 @@ pub fn measure(
         nanoseconds_per_step: run.drift.nanoseconds,
         judgements,
     })
+}
+
+/// Declared maps along leaves against the Casimirs; nothing is known where there are none.
+fn judge_leaves(problem: &Problem, drift: f64) -> Judgement {
+    match problem.system.casimir_names().is_empty() {
+        true => Judgement::Open,
+        false if drift <= Defect::ROUND_OFF => Judgement::Met,
+        false => Judgement::NotMet,
+    }
 }
 
 /// A declared symmetry against its defect.

@@ -92,6 +92,10 @@ impl Refused {
                     "{missing} are needed, and {system} offers only numbers; what serves it: {instead}"
                 ),
             ),
+            BuildError::Forces { part, .. } => (
+                part.clone(),
+                "it integrates x' = {H, x} alone, and this system has forces".to_owned(),
+            ),
             BuildError::DoesNotFit { part, reason } => ((*part).to_owned(), reason.clone()),
             BuildError::Incompatible { reason, .. } => (combination.clone(), reason.clone()),
             other => (combination.clone(), other.to_string()),

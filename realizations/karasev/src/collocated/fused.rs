@@ -42,11 +42,8 @@ impl OneForm {
         bisection: &Arc<dyn LagrangianBisection>,
     ) -> Option<Result<Self, BuildError>> {
         let (d, parameters) = (system.dimension(), system.parameters().len());
-        if let (Some(_), Some(code)) = (bisection.generating_function(), bisection.code()) {
-            let form = CodeOneForm::compile(d, parameters, |graph, epsilon, h, y| {
-                Ok(code(graph, epsilon, h, y)?.split_off(d))
-            });
-            return Some(form.map(Self::Code));
+        if let Some(code) = bisection.one_form_code() {
+            return Some(CodeOneForm::compile(d, parameters, code).map(Self::Code));
         }
         bisection.one_form(&system.parameter_values(), 1.0, 1.0)?;
         Some(Ok(Self::Numbers(Arc::clone(bisection))))

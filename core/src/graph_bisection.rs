@@ -1,6 +1,8 @@
-//! graph(dŜ) as a Lagrangian bisection.
+//! Graphs of one-forms given by code, as bisections.
 
 use std::sync::Arc;
+
+use leafwise_expression::{Graph, Term};
 
 use crate::bisection::{LagrangianBisection, PointCode};
 use crate::chart::ChartMaps;
@@ -10,25 +12,58 @@ use crate::generating_function::Generating;
 use crate::one_form::{CodeOneForm, GraphOfOneForm};
 use crate::realization::RealizationData;
 
-/// y ↦ χ(y, dŜ_{ε,h}(y)), χ the realization's chart about σ; (y, dŜ(y)) itself on T*M.
+/// θ_{ε,h} on M, given by code.
 #[derive(Clone, Debug)]
-pub struct GraphOfDifferential {
-    generating: Generating,
+pub enum OneForm {
+    /// dŜ_{ε,h}: closed, and its graph Lagrangian.
+    Differential(Generating),
+    /// Any other, whose graph maps along leaves.
+    Code {
+        /// The code; its inputs are the coordinates of M, and it may use ε and h.
+        graph: Graph,
+        /// d components.
+        components: Vec<Term>,
+    },
+}
+
+impl OneForm {
+    /// θ_{ε,h}(y) as code.
+    fn code(
+        &self,
+        graph: &mut Graph,
+        epsilon: &Term,
+        h: &Term,
+        y: &[Term],
+    ) -> Result<Vec<Term>, BuildError> {
+        match self {
+            Self::Differential(generating) => generating.differential(graph, epsilon, h, y),
+            Self::Code {
+                graph: own,
+                components,
+            } => Ok(graph.import(own, components, y)?),
+        }
+    }
+}
+
+/// y ↦ χ(y, θ_{ε,h}(y)), χ the realization's chart about σ; (y, θ(y)) itself on T*M.
+#[derive(Clone, Debug)]
+pub struct GraphBisection {
+    form: OneForm,
     realization: Arc<dyn RealizationData>,
-    /// dŜ and χ as numbers, where χ has no code.
+    /// θ and χ as numbers, where χ has no code.
     numbers: Option<(CodeOneForm, ChartMaps)>,
 }
 
-impl GraphOfDifferential {
-    /// The bisection of a generating function over a realization, for a system with this number of
-    /// parameters; `dynamics` is what messages call the approximation.
+impl GraphBisection {
+    /// The bisection of a one-form over a realization, for a system with this number of parameters; `dynamics` is what
+    /// messages call the approximation.
     ///
     /// # Errors
     /// [`BuildError::Incompatible`] when the realization has no chart about its section, or one in
-    /// which β̂(x, p) is not α̂(x, −p): even coefficients of S vanish only there (paper,
+    /// which β̂(x, p) is not α̂(x, −p): only there are maps of forms odd in h self-adjoint (paper,
     /// Proposition 1). [`BuildError::Algebra`] where a derivative has no code.
     pub fn new(
-        generating: Generating,
+        form: OneForm,
         realization: &Arc<dyn RealizationData>,
         parameters: usize,
         dynamics: &str,
@@ -50,26 +85,26 @@ impl GraphOfDifferential {
             let chart = ChartMaps::of(realization, parameters)?
                 .ok_or_else(|| missing("it has no symplectic chart about its section"))?;
             let d = realization.dimension();
-            let form = CodeOneForm::compile(d, parameters, |graph, epsilon, h, y| {
-                generating.differential(graph, epsilon, h, y)
+            let numbers = CodeOneForm::compile(d, parameters, |graph, epsilon, h, y| {
+                form.code(graph, epsilon, h, y)
             })?;
-            Some((form, chart))
+            Some((numbers, chart))
         };
         Ok(Self {
-            generating,
+            form,
             realization: Arc::clone(realization),
             numbers,
         })
     }
 }
 
-impl LagrangianBisection for GraphOfDifferential {
+impl LagrangianBisection for GraphBisection {
     fn code(&self) -> Option<PointCode<'_>> {
         if self.numbers.is_some() {
             return None;
         }
         Some(Box::new(|graph, epsilon, h, y| {
-            let p = self.generating.differential(graph, epsilon, h, y)?;
+            let p = self.form.code(graph, epsilon, h, y)?;
             match self.realization.chart() {
                 None => Ok(y.iter().cloned().chain(p).collect()),
                 Some(chart) => chart(graph, epsilon, y, &p),
@@ -87,7 +122,16 @@ impl LagrangianBisection for GraphOfDifferential {
         )))
     }
 
+    fn one_form_code(&self) -> Option<PointCode<'_>> {
+        Some(Box::new(|graph, epsilon, h, y| {
+            self.form.code(graph, epsilon, h, y)
+        }))
+    }
+
     fn generating_function(&self) -> Option<&Generating> {
-        Some(&self.generating)
+        match &self.form {
+            OneForm::Differential(generating) => Some(generating),
+            OneForm::Code { .. } => None,
+        }
     }
 }

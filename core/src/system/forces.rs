@@ -1,0 +1,167 @@
+//! Forces: one-forms η beside dH, for ẋ = −Π(dH + η).
+//!
+//! Motions stay on the symplectic leaves whatever η is: Casimirs are constant, since Π dC = 0. The energy is not:
+//! dH/dt = −⟨η, ẋ_H⟩ with ẋ_H = −Π dH. Damping is the one-form η = λ g ẋ_H of a rate λ ≥ 0 and a positive semidefinite metric g,
+//! under which dH/dt = −λ ⟨g ẋ_H, ẋ_H⟩ ≤ 0: the double bracket (R. Brockett, *Dynamical systems that sort lists, diagonalize
+//! matrices, and solve linear programming problems*, Linear Algebra and its Applications 146 (1991); A. Bloch,
+//! P. Krishnaprasad, J. Marsden, T. Ratiu, *The Euler–Poincaré equations and double bracket dissipation*, Communications in
+//! Mathematical Physics 175 (1996)).
+
+use leafwise_expression::{AlgebraError, Arithmetic, Expression, Rational};
+
+use super::SystemFormulas;
+use crate::error::BuildError;
+use crate::part::{PartKind, linked};
+
+/// η = Σ_i η_i dx_i + λ g ẋ_H.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Forces {
+    /// η_1 … η_d; empty where damping is all there is.
+    pub one_form: Vec<Expression>,
+    /// λ g ẋ_H.
+    pub damping: Option<Damping>,
+}
+
+/// The one-form λ g ẋ_H.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Damping {
+    /// λ ≥ 0.
+    pub rate: Expression,
+    /// g.
+    pub metric: Metric,
+}
+
+/// A positive semidefinite g_ij(x), which makes velocities covectors.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Metric {
+    /// d entries g_ii, the others being 0.
+    Diagonal(Vec<Expression>),
+    /// d rows of d entries, g_ij = g_ji.
+    Full(Vec<Vec<Expression>>),
+}
+
+impl Metric {
+    /// The identity on the first `moving` of d coordinates, 0 on the others.
+    pub fn identity(moving: usize, d: usize) -> Self {
+        Self::Diagonal((0..d).map(|i| i32::from(i < moving).into()).collect())
+    }
+
+    /// The nonzero rows' entries (i, j, g_ij).
+    fn entries(&self) -> Vec<(usize, usize, &Expression)> {
+        match self {
+            Self::Diagonal(entries) => entries.iter().enumerate().map(|(i, g)| (i, i, g)).collect(),
+            Self::Full(rows) => {
+                let rows = rows.iter().enumerate();
+                rows.flat_map(|(i, row)| row.iter().enumerate().map(move |(j, g)| (i, j, g)))
+                    .collect()
+            }
+        }
+    }
+
+    /// The lengths that have to be d.
+    fn lengths(&self) -> Vec<usize> {
+        match self {
+            Self::Diagonal(entries) => vec![entries.len()],
+            Self::Full(rows) => std::iter::once(rows.len())
+                .chain(rows.iter().map(Vec::len))
+                .collect(),
+        }
+    }
+}
+
+impl Forces {
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.one_form.is_empty() && self.damping.is_none()
+    }
+
+    /// Every formula in them.
+    pub fn formulas(&self) -> impl Iterator<Item = &Expression> {
+        let damping = self.damping.iter().flat_map(|damping| {
+            let metric = damping.metric.entries().into_iter().map(|(.., g)| g);
+            std::iter::once(&damping.rate).chain(metric)
+        });
+        self.one_form.iter().chain(damping)
+    }
+
+    /// Refuses lists of other lengths than d.
+    pub(super) fn check(&self, d: usize) -> Result<(), BuildError> {
+        let of = |what: &str, found: usize| match found == d {
+            true => Ok(()),
+            false => Err(BuildError::Dimension {
+                what: what.to_owned(),
+                expected: d,
+                found,
+            }),
+        };
+        if !self.one_form.is_empty() {
+            of("the number of forces", self.one_form.len())?;
+        }
+        let damping = self.damping.iter();
+        damping
+            .flat_map(|damping| damping.metric.lengths())
+            .try_for_each(|found| of("a row of the metric of the damping", found))
+    }
+}
+
+/// The linked parts that take forces, in words.
+pub(super) fn takes_forces() -> String {
+    let all = |kind: PartKind| -> Vec<&str> {
+        let parts = linked().filter(|info| info.kind == kind && info.takes_forces);
+        let mut names: Vec<&str> = parts.map(|info| info.name).collect();
+        names.sort_unstable();
+        names
+    };
+    let [dynamics, steppers] = [PartKind::Dynamics, PartKind::Stepper].map(all);
+    match (dynamics.as_slice(), steppers.as_slice()) {
+        ([], []) => "nothing that is linked into this program".to_owned(),
+        (dynamics, []) => format!("the dynamics {}", dynamics.join(", ")),
+        ([], steppers) => format!("the steppers {}", steppers.join(", ")),
+        (dynamics, steppers) => format!(
+            "the dynamics {}, which keeps every Casimir, and the steppers {}",
+            dynamics.join(", "),
+            steppers.join(", ")
+        ),
+    }
+}
+
+impl SystemFormulas {
+    /// dH + η at x, given dH there; in any algebra.
+    ///
+    /// # Errors
+    /// [`AlgebraError`] where a formula has no value.
+    pub fn with_forces_added<A: Arithmetic>(
+        &self,
+        arithmetic: &mut A,
+        x: &[A::Element],
+        gradient: Vec<A::Element>,
+    ) -> Result<Vec<A::Element>, AlgebraError> {
+        let forces = self.forces();
+        if forces.is_empty() {
+            return Ok(gradient);
+        }
+        let one = Rational::one();
+        let mut sums: Vec<Vec<(Rational, A::Element)>> = (gradient.iter())
+            .map(|slope| vec![(one.clone(), slope.clone())])
+            .collect();
+        for (sum, force) in sums.iter_mut().zip(&forces.one_form) {
+            let force = force.evaluate_in(arithmetic, &mut |_, at| Ok(x[at].clone()))?;
+            sum.push((one.clone(), force));
+        }
+        if let Some(damping) = &forces.damping {
+            let rate = &damping.rate;
+            let rate = rate.evaluate_in(arithmetic, &mut |_, at| Ok(x[at].clone()))?;
+            // −ẋ_H.
+            let rows = self.apply_tensor(arithmetic, x, &gradient)?;
+            for (i, j, entry) in damping.metric.entries() {
+                let entry = entry.evaluate_in(arithmetic, &mut |_, at| Ok(x[at].clone()))?;
+                if arithmetic.is_zero(&entry) {
+                    continue;
+                }
+                let factor = arithmetic.multiply(&rate, &entry);
+                sums[i].push((-&one, arithmetic.multiply(&factor, &rows[j])));
+            }
+        }
+        Ok(sums.iter().map(|sum| arithmetic.combine(sum)).collect())
+    }
+}

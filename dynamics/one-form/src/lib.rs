@@ -1,0 +1,87 @@
+//! Graphs of one-forms that need not be closed: maps along symplectic leaves.
+//!
+//! For realization data (S, ω, α, β, σ) with a chart about σ, the points α(y, ξ) and β(y, ξ) lie on one symplectic leaf whatever
+//! the covector ξ is. Hence every one-form ξ(y) that is small gives a map β(y, ξ(y)) ↦ α(y, ξ(y)) along leaves, which keeps all
+//! Casimirs; it is Poisson where ξ is closed (paper, section 2). With ξ = h (dH + η) and β(x, p) = α(x, −p) the map is its own adjoint
+//! and of order 2 for ẋ = −Π(dH + η), the motion under forces η.
+
+use std::sync::Arc;
+
+use leafwise_core::part::{Auto, PartInfo, PartKind, PartParameters};
+use leafwise_core::registry::DynamicsPart;
+use leafwise_core::{
+    BuildError, DynamicApproximation, GraphBisection, LagrangianBisection, OneForm, PoissonSystem,
+    RealizationData,
+};
+use leafwise_expression::{Arithmetic, Graph, StepSize, Term};
+
+static INFO: PartInfo = PartInfo {
+    name: "one-form",
+    summary: "graph of h (dH + eta), eta the forces of the system: along symplectic leaves",
+    declares: "order 2; self-adjoint; leaf-preserving over an exact realization, not Poisson: every Casimir to round-off",
+    domain: "systems with forces; realizations with a cotangent chart",
+    literature: "Cabrera, Martin de Diego, Vaquero, Approximating Symplectic Realizations, section 2; \
+                 Bloch, Krishnaprasad, Marsden, Ratiu, The Euler-Poincare equations and double bracket \
+                 dissipation, Comm. Math. Phys. 175 (1996)",
+    auto: Some(Auto::Forces),
+    takes_forces: true,
+    ..PartInfo::of(PartKind::Dynamics)
+};
+
+/// y ↦ (y, h (dH + η)(y)).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ForcedGraph;
+
+impl DynamicApproximation for ForcedGraph {
+    fn order(&self) -> usize {
+        2
+    }
+
+    /// The form is odd in h.
+    fn self_adjoint(&self) -> Option<bool> {
+        Some(true)
+    }
+
+    fn is_lagrangian(&self) -> bool {
+        false
+    }
+
+    fn takes_forces(&self) -> bool {
+        true
+    }
+
+    fn describe(&self) -> String {
+        INFO.name.to_owned()
+    }
+
+    fn bisection(
+        &self,
+        system: &PoissonSystem,
+        realization: &Arc<dyn RealizationData>,
+    ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
+        if !system.has_forces() {
+            return Err(BuildError::DoesNotFit {
+                part: INFO.name,
+                reason: "it has no forces; hamilton-jacobi of order 2 is the same map there, and Poisson".to_owned(),
+            });
+        }
+        let formulas = system.formulas(INFO.name)?;
+        let mut graph = Graph::compilable();
+        let y: Vec<Term> = (0..system.dimension()).map(|i| graph.input(i)).collect();
+        let h = graph.step_size(StepSize::H);
+        let form = formulas.one_form(&mut graph, &y)?;
+        let components = form.iter().map(|p| graph.multiply(&h, p)).collect();
+        graph.unless_refused(())?;
+        let form = OneForm::Code { graph, components };
+        let parameters = system.parameters().len();
+        let graph = GraphBisection::new(form, realization, parameters, INFO.name)?;
+        Ok(Arc::new(graph))
+    }
+}
+
+fn build(parameters: &PartParameters) -> Result<Arc<dyn DynamicApproximation>, BuildError> {
+    parameters.refuse_unknown(&INFO)?;
+    Ok(Arc::new(ForcedGraph))
+}
+
+leafwise_core::built_in!(DynamicsPart::new(&INFO, build));

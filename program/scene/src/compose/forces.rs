@@ -1,0 +1,212 @@
+//! Forces beside dH: a one-form by its formulas, and damping.
+
+use leafwise_core::PoissonSystem;
+use leafwise_core::system::{Damping, Forces, Metric};
+use leafwise_expression::Expression;
+use leafwise_expression::syntax::Scope;
+use nalgebra::{DMatrix, SymmetricEigen};
+
+use super::Refusal;
+use super::names::function;
+use crate::document::{Located, MetricSpec, SceneDocument};
+
+/// What is negative, or asymmetric, by less than this of the largest entry is so by round-off.
+const ROUND_OFF: f64 = 1e-12;
+
+/// The forces of a scene whose own coordinates are the first `moving` of `names`; the others, parameters of sites, the time and
+/// its energy, feel none.
+///
+/// # Errors
+/// The first formula that cannot be read, lists of another length than there are coordinates, and what takes no forces: a pace.
+pub(super) fn forces(
+    document: &SceneDocument,
+    scope: &Scope,
+    moving: &[String],
+    dimension: usize,
+) -> Result<Forces, Refusal> {
+    let spec = &document.system.forces;
+    if let (Some(_), Some(pace)) = (spec.place(), &document.method.pace) {
+        return Err(Box::new(document.diagnostic(
+            &pace.place(),
+            "a pace serves motions of a Hamiltonian alone, and this system has forces",
+            "here",
+            Some("take steps that are short enough everywhere".to_owned()),
+        )));
+    }
+    let read = |list: &[Located<String>]| -> Result<Vec<Expression>, Refusal> {
+        let mut formulas = Vec::with_capacity(dimension);
+        for formula in list {
+            formulas.push(function(document, scope, formula)?);
+        }
+        formulas.resize(dimension, 0.into());
+        Ok(formulas)
+    };
+    let one_form = match &spec.one_form {
+        Some(list) => {
+            let of = "a formula for each, and 0 where there is none; a force F on a momentum is -F for its coordinate";
+            check_count(document, list, list.value.len(), moving, "forces", of)?;
+            read(&list.value)?
+        }
+        None => Vec::new(),
+    };
+    let damping = match &spec.damping {
+        None => None,
+        Some(damping) => {
+            let metric = match &damping.metric {
+                None => Metric::identity(moving.len(), dimension),
+                Some(metric) => {
+                    let of = "an entry of the diagonal for each, or a row of entries for each";
+                    let check =
+                        |count: usize| check_count(document, metric, count, moving, "metric", of);
+                    match &metric.value {
+                        MetricSpec::Diagonal(entries) => {
+                            check(entries.len())?;
+                            Metric::Diagonal(read(entries)?)
+                        }
+                        MetricSpec::Rows(rows) => {
+                            check(rows.len())?;
+                            rows.iter().try_for_each(|row| check(row.len()))?;
+                            let mut read: Vec<_> =
+                                rows.iter().map(|row| read(row)).collect::<Result<_, _>>()?;
+                            read.resize(dimension, vec![0.into(); dimension]);
+                            Metric::Full(read)
+                        }
+                    }
+                }
+            };
+            Some(Damping {
+                rate: function(document, scope, &damping.rate)?,
+                metric,
+            })
+        }
+    };
+    Ok(Forces { one_form, damping })
+}
+
+fn check_count<T>(
+    document: &SceneDocument,
+    list: &Located<T>,
+    count: usize,
+    moving: &[String],
+    key: &str,
+    of: &str,
+) -> Result<(), Refusal> {
+    if count == moving.len() {
+        return Ok(());
+    }
+    let named = match moving {
+        [.., last] if moving.len() > 6 => format!("{}, …, {last}", moving[..3].join(", ")),
+        all => all.join(", "),
+    };
+    Err(Box::new(document.diagnostic(
+        &list.place(),
+        format!(
+            "`{key}` has {count} entries where there are {} coordinates: {named}",
+            moving.len()
+        ),
+        "another length",
+        Some(of.to_owned()),
+    )))
+}
+
+/// Refuses damping whose rate is negative or whose metric is asymmetric or indefinite at the initial state: it would not damp.
+///
+/// # Errors
+/// What is wrong, underlined in the scene.
+pub(super) fn check_damping(
+    document: &SceneDocument,
+    system: &PoissonSystem,
+    initial: &[f64],
+) -> Result<(), Refusal> {
+    let damping = system
+        .expressions()
+        .and_then(|f| f.forces().damping.as_ref());
+    let (Some(damping), Some(spec)) = (damping, &document.system.forces.damping) else {
+        return Ok(());
+    };
+    let refuse = |formula: &Located<String>, message: String, help: &str| {
+        Err(Box::new(document.diagnostic(
+            &document.place_in_formula(formula, 0..formula.value.len()),
+            message,
+            "at the initial state",
+            Some(help.to_owned()),
+        )))
+    };
+    let parameters = system.parameter_values();
+    let rate = damping.rate.evaluate(initial, &parameters);
+    if !(rate >= 0.0 && rate.is_finite()) {
+        return refuse(
+            &spec.rate,
+            format!("the rate of the damping is {rate:?}, and must not be negative"),
+            "a negative rate feeds energy: write it as `forces`, or begin where the rate is positive",
+        );
+    }
+    let (Some(metric), Some(place)) = (&spec.metric, spec.metric.as_ref().map(Located::place))
+    else {
+        return Ok(());
+    };
+    let formulas = metric.value.formulas();
+    let at = |x: &[f64]| -> DMatrix<f64> {
+        let value = |g: &Expression| g.evaluate(x, &parameters);
+        match &damping.metric {
+            Metric::Diagonal(entries) => {
+                let values: Vec<f64> = entries.iter().map(value).collect();
+                DMatrix::from_diagonal(&values.into())
+            }
+            Metric::Full(rows) => {
+                DMatrix::from_fn(rows.len(), rows.len(), |i, j| value(&rows[i][j]))
+            }
+        }
+    };
+    // A second state, so that entries do not agree by chance.
+    let elsewhere: Vec<f64> = (initial.iter().enumerate())
+        .map(|(i, x)| x + 0.1 * (1.0 + x.abs()) * libm::sin(1.0 + i as f64))
+        .collect();
+    for (x, is_initial) in [(initial, true), (&elsewhere[..], false)] {
+        let metric = at(x);
+        let moving = document.system.coordinates();
+        let size = metric.amax();
+        if !size.is_finite() {
+            if is_initial {
+                return Err(Box::new(document.diagnostic(
+                    &place,
+                    "the metric of the damping is not finite at the initial state",
+                    "here",
+                    None,
+                )));
+            }
+            continue;
+        }
+        for i in 0..moving {
+            for j in 0..i {
+                let (one, other) = (metric[(i, j)], metric[(j, i)]);
+                if (one - other).abs() > ROUND_OFF * size {
+                    let formula = formulas[i * moving + j];
+                    return refuse(
+                        formula,
+                        format!(
+                            "the metric of the damping is not symmetric: entry {} of row {} is {one:?}, and entry {} of row {} {other:?}",
+                            j + 1,
+                            i + 1,
+                            i + 1,
+                            j + 1
+                        ),
+                        "write the same formula in both places; a part that is not symmetric may stand in `forces`",
+                    );
+                }
+            }
+        }
+        let least = SymmetricEigen::new(metric).eigenvalues.min();
+        if is_initial && least < -ROUND_OFF * size {
+            return Err(Box::new(document.diagnostic(
+                &place,
+                format!(
+                    "the metric of the damping has the eigenvalue {least:.3e} at the initial state, and must have no negative one"
+                ),
+                "feeds energy in that direction",
+                Some("write a positive semidefinite metric, or the one-form itself as `forces`".to_owned()),
+            )));
+        }
+    }
+    Ok(())
+}

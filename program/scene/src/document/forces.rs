@@ -1,0 +1,111 @@
+//! `forces = […]` and `damping = { … }`: what moves the system beside its Hamiltonian.
+
+use super::located::{Located, Place};
+use super::reader::{Item, Problems, Table};
+use super::schema::DAMPING;
+
+/// The one-form η beside dH.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ForcesSpec {
+    /// A formula η_i for each coordinate.
+    pub one_form: Option<Located<Vec<Located<String>>>>,
+    /// λ g ẋ_H.
+    pub damping: Option<DampingSpec>,
+}
+
+/// A double bracket.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DampingSpec {
+    /// λ.
+    pub rate: Located<String>,
+    /// g, the identity where not said.
+    pub metric: Option<Located<MetricSpec>>,
+}
+
+/// A metric by its formulas.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MetricSpec {
+    /// Of a diagonal.
+    Diagonal(Vec<Located<String>>),
+    /// By rows.
+    Rows(Vec<Vec<Located<String>>>),
+}
+
+impl MetricSpec {
+    /// Its formulas, row after row.
+    pub fn formulas(&self) -> Vec<&Located<String>> {
+        match self {
+            Self::Diagonal(entries) => entries.iter().collect(),
+            Self::Rows(rows) => rows.iter().flatten().collect(),
+        }
+    }
+}
+
+impl ForcesSpec {
+    /// Where the first of its keys stands; `None` where there are no forces.
+    pub fn place(&self) -> Option<Place> {
+        let one_form = self.one_form.as_ref().map(Located::place);
+        one_form.or_else(|| self.damping.as_ref().map(|damping| damping.rate.place()))
+    }
+
+    /// Every formula in it.
+    pub fn formulas(&self) -> Vec<&Located<String>> {
+        let one_form = self.one_form.iter().flat_map(|list| &list.value);
+        let damping = self.damping.iter().flat_map(|damping| {
+            let metric = damping.metric.iter();
+            let metric = metric.flat_map(|metric| metric.value.formulas());
+            std::iter::once(&damping.rate).chain(metric)
+        });
+        one_form.chain(damping).collect()
+    }
+}
+
+/// The forces of a `[system]` table; those of a library system that are not given anew stay.
+pub(super) fn read_forces(
+    table: &Table<'_>,
+    known: ForcesSpec,
+    problems: &mut Problems,
+) -> Option<ForcesSpec> {
+    let one_form = match table.get("forces") {
+        Some(item) => {
+            let list = item.list_of("a list of formulas", problems, Item::formula)?;
+            Some(Located::new(list, item.place()))
+        }
+        None => known.one_form,
+    };
+    let damping = match table.get("damping") {
+        Some(item) => Some(read_damping(item, problems)?),
+        None => known.damping,
+    };
+    Some(ForcesSpec { one_form, damping })
+}
+
+/// `{ rate = "0.1", metric = ["1", "1", "2"] }`.
+fn read_damping(item: &Item<'_>, problems: &mut Problems) -> Option<DampingSpec> {
+    let table = item.table("damping", "a table", problems)?;
+    table.only(&DAMPING, problems);
+    let rate = table
+        .require("rate", "rate = \"0.1\"", problems)
+        .and_then(|item| item.formula(problems));
+    let metric = match table.get("metric") {
+        Some(item) => Some(Located::new(read_metric(item, problems)?, item.place())),
+        None => None,
+    };
+    Some(DampingSpec {
+        rate: rate?,
+        metric,
+    })
+}
+
+fn read_metric(item: &Item<'_>, problems: &mut Problems) -> Option<MetricSpec> {
+    const EXPECTED: &str = "a list of formulas, or of such lists";
+    let entries = item.list(EXPECTED, problems)?;
+    if entries.iter().any(Item::is_list) {
+        let row = |item: &Item<'_>, problems: &mut Problems| {
+            item.list_of("a list of formulas", problems, Item::formula)
+        };
+        return item.list_of(EXPECTED, problems, row).map(MetricSpec::Rows);
+    }
+    let entries = item.list_of(EXPECTED, problems, Item::formula);
+    entries.map(MetricSpec::Diagonal)
+}
