@@ -10,6 +10,7 @@ mod energy_casimir;
 mod exact_methods;
 mod expansion;
 mod flows;
+mod forces;
 mod gradients;
 mod guiding_centre;
 mod jacobi;

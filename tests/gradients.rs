@@ -24,8 +24,8 @@ hamiltonian = \"(p1^2 + p2^2)/2 + (q1^2 + a*q2^2)/2 + b*(q1^2*q2 - q2^3/3)\"";
 /// Long enough to be stepped by templates.
 const LATTICE: &str = "library = \"volterra-lattice\"\nfamilies = { x = 100 }";
 
-/// A Hamilton–Jacobi method, in closed form or truncated; splittings, composed or not; stages that solve.
-const METHODS: [(&str, &str); 6] = [
+/// A Hamilton–Jacobi method, in closed form or truncated; splittings, composed or not; a map along leaves.
+const METHODS: [(&str, &str); 7] = [
     (
         RIGID_BODY,
         "dynamics = { name = \"hamilton-jacobi\", order = 4 }",
@@ -42,6 +42,10 @@ const METHODS: [(&str, &str); 6] = [
     (
         RIGID_BODY,
         "dynamics = { name = \"hamilton-jacobi\", order = 2 }\ncomposition = \"suzuki-4\"",
+    ),
+    (
+        "library = \"rigid-body\"\nparameters = { k = 1e-3 }\ndamping = { rate = \"k\" }",
+        "dynamics = \"one-form\"",
     ),
     (
         "library = \"lotka-volterra-periodic\"",

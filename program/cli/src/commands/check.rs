@@ -84,6 +84,9 @@ pub fn execute(
             describe(&casimir.check, "coordinate", names),
         ]);
     }
+    if let Some(text) = composed.work_of_forces() {
+        rows.push(vec!["  Energy".to_owned(), text]);
+    }
     let mut advice = unused_parameters(&document);
     if checks.pass() {
         let states = states_ahead(&composed);

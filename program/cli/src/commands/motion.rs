@@ -24,6 +24,10 @@ pub(super) fn lines(run: &ComposedRun) -> Vec<String> {
         Some(Convention::HamiltonianFirst) => ", x' = {H, x}",
         None => "",
     };
+    let forced = match run.system.has_forces() {
+        true => " with forces",
+        false => "",
+    };
     let (place, rows) = match motion {
         Motion::Formulas(rows) => ("", shown(rows)),
         Motion::Site(rows) => (" at a site i", shown(rows)),
@@ -39,7 +43,7 @@ pub(super) fn lines(run: &ComposedRun) -> Vec<String> {
     let rows: Vec<Vec<String>> = rows
         .map(|(name, text)| vec![format!("    {name}'"), format!("= {text}")])
         .collect();
-    let mut lines = vec![format!("  Motion{place}{definition}:")];
+    let mut lines = vec![format!("  Motion{place}{definition}{forced}:")];
     lines.extend(words(&rows));
     if more > 0 {
         lines.push(format!(

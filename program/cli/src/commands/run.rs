@@ -250,6 +250,11 @@ fn summary(
             .shadow
             .map(|shadow| format!("  shadow   {}", shadow.text())),
     );
+    lines.extend(
+        composed
+            .work_of_forces()
+            .map(|text| format!("  energy   {text}")),
+    );
     lines.extend(states_line(composed).map(|line| format!("  states   {line}")));
     lines.push(format!("  report   {}", options.report().display()));
     if report.outcome == RunOutcome::Interrupted {

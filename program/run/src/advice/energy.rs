@@ -4,7 +4,7 @@
 //! when the coordinates change as they do on it. It depends neither on units nor on a constant in H. The
 //! energy's scale is |H(x_0)|, but not above E, which a constant would reach, and not below E/10, should
 //! H(x_0) be near 0; where states are not at hand, it is |H(x_0)|. An error of the energy above
-//! [`LARGEST`] of its scale is worth a warning.
+//! [`LARGEST`] of its scale is worth a warning. Forces change the energy by themselves, and nothing is said of it.
 
 use leafwise_core::Evaluator;
 
@@ -50,6 +50,9 @@ impl EnergyError<'_> {
         run: &ComposedRun,
         states: &[Vec<f64>],
     ) -> Option<Advice> {
+        if run.system.has_forces() {
+            return None;
+        }
         let along = scale(run, self.parameters, states);
         let size = self.initial.abs();
         let scale = along.map_or(size, |along| size.clamp(LEAST_PART * along, along));

@@ -7,6 +7,7 @@
 //! - `chart`: a step that nearly leaves the chart;
 //! - `solutions`: a step whose equation has several solutions inside it;
 //! - `defect`: a truncated realization that hardly keeps the tensor;
+//! - `leaves`: forces over a realization that is not exact;
 //! - `direction`: Hamilton's equations that run backwards in time;
 //! - `energy`: an energy that is kept badly;
 //! - `exact`: an exact realization that costs no more;
@@ -24,6 +25,7 @@ mod direction;
 mod dynamics;
 mod energy;
 mod exact;
+mod leaves;
 mod probe;
 mod rounding;
 mod solutions;
@@ -73,6 +75,8 @@ pub enum AdviceKind {
     SeveralSolutions,
     /// A truncated realization that hardly keeps the tensor.
     RealizationDefect,
+    /// Forces over a realization that is not exact.
+    LeftLeaf,
     /// An exact realization that costs no more and was not taken.
     ExactRealization,
     /// A stepper that is no Poisson map, where splitting is one and costs no more.
@@ -173,6 +177,7 @@ fn about_the_method(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>])
     let mut advice: Vec<Advice> = [
         solutions::advice,
         chart::advice,
+        leaves::advice,
         exact::advice,
         truncation::advice,
         dynamics::advice,

@@ -109,7 +109,8 @@ fn check_count<T>(
     )))
 }
 
-/// Refuses damping whose rate is negative or whose metric is asymmetric or indefinite at the initial state: it would not damp.
+/// Refuses damping whose rate is negative, or whose metric is asymmetric or indefinite at the initial state: it would not damp. A
+/// rate that depends on the state may have either sign: it is feedback.
 ///
 /// # Errors
 /// What is wrong, underlined in the scene.
@@ -134,11 +135,12 @@ pub(super) fn check_damping(
     };
     let parameters = system.parameter_values();
     let rate = damping.rate.evaluate(initial, &parameters);
-    if !(rate >= 0.0 && rate.is_finite()) {
+    let is_feedback = !damping.rate.variables().is_empty();
+    if !rate.is_finite() || rate < 0.0 && !is_feedback {
         return refuse(
             &spec.rate,
-            format!("the rate of the damping is {rate:?}, and must not be negative"),
-            "a negative rate feeds energy: write it as `forces`, or begin where the rate is positive",
+            format!("the rate of the damping is {rate:?}, and must be finite and not negative"),
+            "a negative rate feeds energy; one that depends on the state may have either sign, as in \"k*(H - 2)\"",
         );
     }
     let (Some(metric), Some(place)) = (&spec.metric, spec.metric.as_ref().map(Located::place))

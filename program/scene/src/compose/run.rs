@@ -7,7 +7,7 @@ use leafwise_core::lattice::{LatticeMethod, LatticeObservables};
 use leafwise_core::system::{SystemInvariants, SystemObservables};
 use leafwise_core::{
     BuildError, Integrator, Method, Observe, Origin, PartKind, PoissonSystem, Registry, StepMap,
-    WithoutPoles,
+    Structure, WithoutPoles,
 };
 
 use super::Refusal;
@@ -405,6 +405,26 @@ impl ComposedRun {
             }
             _ => Cow::Borrowed(&self.system),
         })
+    }
+
+    /// What forces do to the energy and to the Casimirs, in words; `None` where there are none.
+    pub fn work_of_forces(&self) -> Option<String> {
+        let forces = self.system.expressions()?.forces();
+        let energy = match (forces.one_form.is_empty(), &forces.damping) {
+            (true, None) => return None,
+            (true, Some(damping)) if damping.rate.variables().is_empty() => {
+                "falls by the damping: dH/dt = -rate <g v, v> with v = {H, x}"
+            }
+            (true, Some(_)) => "changes by the damping: dH/dt = -rate <g v, v> with v = {H, x}",
+            (false, _) => "changes by the forces: dH/dt = -<forces, {H, x}>",
+        };
+        let has_casimirs = !self.system.casimir_names().is_empty();
+        let casimirs = match self.method.map().properties().structure {
+            _ if !has_casimirs => "",
+            Structure::Leaves => "; Casimirs are kept to round-off",
+            _ => "; these steps keep Casimirs no better than the motion",
+        };
+        Some(format!("{energy}{casimirs}"))
     }
 
     /// The names of the scene's own coordinates.

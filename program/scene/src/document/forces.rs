@@ -1,5 +1,7 @@
 //! `forces = […]` and `damping = { … }`: what moves the system beside its Hamiltonian.
 
+use leafwise_expression::syntax::Formula;
+
 use super::located::{Located, Place};
 use super::reader::{Item, Problems, Table};
 use super::schema::DAMPING;
@@ -46,6 +48,13 @@ impl ForcesSpec {
     pub fn place(&self) -> Option<Place> {
         let one_form = self.one_form.as_ref().map(Located::place);
         one_form.or_else(|| self.damping.as_ref().map(|damping| damping.rate.place()))
+    }
+
+    /// Whether a formula in it names this.
+    pub(super) fn names(&self, name: &str) -> bool {
+        let formulas = self.formulas().into_iter();
+        let mut parsed = formulas.filter_map(|formula| Formula::parse(&formula.value).ok());
+        parsed.any(|formula| formula.references().contains(name))
     }
 
     /// Every formula in it.

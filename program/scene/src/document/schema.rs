@@ -226,7 +226,11 @@ pub(super) static SYSTEM: [Key; 13] = [
 ];
 
 pub(super) static DAMPING: [Key; 2] = [
-    key("rate", Shape::Formula, "The rate, which is not negative"),
+    key(
+        "rate",
+        Shape::Formula,
+        "The rate: a number that is not negative, or a formula of the state for feedback",
+    ),
     key(
         "metric",
         Shape::List(&Shape::Either(&[

@@ -69,8 +69,8 @@ pub(super) fn read_system(
     };
     *fragment = Some((id.value.clone(), text.to_string()));
     let mut system = read_fragment(&id.value, text, problems)?;
-    override_values(table, &mut system, part.has_numbers(), problems);
     system.forces = read_forces(table, std::mem::take(&mut system.forces), problems)?;
+    override_values(table, &mut system, part.has_numbers(), problems);
     system.library = Some(id);
     Some(system)
 }
@@ -105,7 +105,7 @@ fn read_fragment(id: &str, text: &str, problems: &mut Problems) -> Option<System
     read_inline(&table, problems)
 }
 
-/// Replaces parameter values and family lengths given beside `library`; where the system has numbers
+/// Replaces parameter values and family lengths given beside `library`, and adds parameters of forces; where the system has numbers
 /// too, one parameter tells which to take.
 fn override_values(
     table: &Table<'_>,
@@ -120,9 +120,13 @@ fn override_values(
         .and_then(|item| read_parameters(item, has_sites, skip, problems));
     let (parameters, sites) = parameters.unzip();
     replace_sites(&mut system.sites, sites.unwrap_or_default(), problems);
+    let is_known = |name: &str| system.parameters.iter().any(|(p, _)| p.value == name);
+    let (new, parameters): (Vec<_>, Vec<_>) = (parameters.into_iter().flatten())
+        .partition(|(name, _)| !is_known(&name.value) && system.forces.names(&name.value));
+    system.parameters.extend(new);
     replace(
         &mut system.parameters,
-        parameters,
+        Some(parameters),
         "parameter of this system",
         problems,
     );

@@ -83,7 +83,10 @@ impl<'a> Track<'a> {
 
     /// Whether the candidate may be a Poisson map.
     pub fn is_geometric(&self) -> bool {
-        self.candidate.properties.structure != Structure::None
+        !matches!(
+            self.candidate.properties.structure,
+            Structure::Leaves | Structure::None
+        )
     }
 
     /// The next setting, `None` behind the last.

@@ -31,7 +31,7 @@ struct Found<'a> {
     tuner: &'a Tuner<'a>,
     tuning: &'a Tuning,
     clock: &'a Clock,
-    /// Whether the cheapest of all methods was asked for.
+    /// Whether the cheapest of all methods was asked for; with forces, where no method is a Poisson map, it always is.
     any: bool,
     /// The scene in which it stands now.
     written: Option<SceneDocument>,
@@ -85,6 +85,13 @@ pub fn execute(
     let options = options(arguments, &parts.registry)?;
     let bench = Bench::new(&document, &parts.registry, arguments.time)?;
     check(&document, &bench)?;
+    let is_forced = bench.own().system.has_forces();
+    if is_forced && asked.energy.is_some() {
+        return Err(Failure::usage(
+            "the energy of a system with forces is not conserved",
+            "ask for --error 1e-8, or --casimir 1e-12",
+        ));
+    }
     asked.check(&bench)?;
     if arguments.write {
         check_writable(file)?;
@@ -106,7 +113,7 @@ pub fn execute(
         tuner: &tuner,
         tuning: &tuning,
         clock: &clock,
-        any: arguments.any,
+        any: arguments.any || is_forced,
         written: None,
     };
     let mut is_changed = false;
