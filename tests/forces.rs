@@ -7,7 +7,7 @@
 
 use leafwise::core::part::PartParameters;
 use leafwise::core::system::{Damping, Forces, Metric};
-use leafwise::core::{BuildError, Method, PoissonSystem, Registry, StepMap, Structure};
+use leafwise::core::{BuildError, Method, PoissonSystem, Registry, Structure};
 use leafwise::run::advice::{AdviceKind, advise, states_ahead};
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
 use leafwise_tests::methods::{increment, observe};
@@ -205,12 +205,12 @@ fn feedback_steers_the_energy_on_its_leaf() {
     for initial in ["[1.0, 0.1, 0.2]", "[0.1, 0.1, 1.0]"] {
         let system = "variables = [\"x\", \"y\", \"z\"]\nbracket = { lie-algebra = \"so3\" }\n\
                       define = { H = \"x^2/2 + y^2/3 + z^2/4\" }\nhamiltonian = \"H\"\n\
-                      casimirs = { spin = \"x^2 + y^2 + z^2\" }\ndamping = { rate = \"5*(H - 0.35)\" }";
+                      casimirs = { spin = \"x^2 + y^2 + z^2\" }\ndamping = { rate = \"5*(H - 0.4)\" }";
         let run = until(system, "", initial, (400.0, 8000));
         let formulas = run.system.expressions().expect("formulas").clone();
         let x = end(&run);
         let energy = observe(&run.system, &[formulas.hamiltonian()], &x)[0];
-        assert!((energy - 0.35).abs() <= 1e-10, "{energy}");
+        assert!((energy - 0.4).abs() <= 1e-10, "{energy}");
         assert!(spin_drift(&run, 8000) <= 1e-14);
     }
 }
@@ -495,7 +495,7 @@ fn a_realization_that_is_not_exact_gives_a_warning() {
     };
     let found = warnings("{ name = \"karasev-truncated\", order = 2 }").expect("a warning");
     assert!(found.message.contains("of their size"), "{}", found.message);
-    assert!(found.change.contains("log-canonical"), "{}", found.change);
+    assert!(found.change.contains("auto"), "{}", found.change);
     assert_eq!(warnings("\"auto\""), None);
     assert_eq!(warnings("\"karasev-collocated\""), None);
 }

@@ -7,9 +7,8 @@
 //! P. Krishnaprasad, J. Marsden, T. Ratiu, *The Euler–Poincaré equations and double bracket dissipation*, Communications in
 //! Mathematical Physics 175 (1996)).
 
-use leafwise_expression::{AlgebraError, Arithmetic, Expression, Rational};
+use leafwise_expression::Expression;
 
-use super::SystemFormulas;
 use crate::error::BuildError;
 use crate::part::{PartKind, linked};
 
@@ -46,8 +45,8 @@ impl Metric {
         Self::Diagonal((0..d).map(|i| i32::from(i < moving).into()).collect())
     }
 
-    /// The nonzero rows' entries (i, j, g_ij).
-    fn entries(&self) -> Vec<(usize, usize, &Expression)> {
+    /// The entries (i, j, g_ij) that are not 0 by their place.
+    pub(super) fn entries(&self) -> Vec<(usize, usize, &Expression)> {
         match self {
             Self::Diagonal(entries) => entries.iter().enumerate().map(|(i, g)| (i, i, g)).collect(),
             Self::Full(rows) => {
@@ -122,46 +121,5 @@ pub(super) fn takes_forces() -> String {
             dynamics.join(", "),
             steppers.join(", ")
         ),
-    }
-}
-
-impl SystemFormulas {
-    /// dH + η at x, given dH there; in any algebra.
-    ///
-    /// # Errors
-    /// [`AlgebraError`] where a formula has no value.
-    pub fn with_forces_added<A: Arithmetic>(
-        &self,
-        arithmetic: &mut A,
-        x: &[A::Element],
-        gradient: Vec<A::Element>,
-    ) -> Result<Vec<A::Element>, AlgebraError> {
-        let forces = self.forces();
-        if forces.is_empty() {
-            return Ok(gradient);
-        }
-        let one = Rational::one();
-        let mut sums: Vec<Vec<(Rational, A::Element)>> = (gradient.iter())
-            .map(|slope| vec![(one.clone(), slope.clone())])
-            .collect();
-        for (sum, force) in sums.iter_mut().zip(&forces.one_form) {
-            let force = force.evaluate_in(arithmetic, &mut |_, at| Ok(x[at].clone()))?;
-            sum.push((one.clone(), force));
-        }
-        if let Some(damping) = &forces.damping {
-            let rate = &damping.rate;
-            let rate = rate.evaluate_in(arithmetic, &mut |_, at| Ok(x[at].clone()))?;
-            // −ẋ_H.
-            let rows = self.apply_tensor(arithmetic, x, &gradient)?;
-            for (i, j, entry) in damping.metric.entries() {
-                let entry = entry.evaluate_in(arithmetic, &mut |_, at| Ok(x[at].clone()))?;
-                if arithmetic.is_zero(&entry) {
-                    continue;
-                }
-                let factor = arithmetic.multiply(&rate, &entry);
-                sums[i].push((-&one, arithmetic.multiply(&factor, &rows[j])));
-            }
-        }
-        Ok(sums.iter().map(|sum| arithmetic.combine(sum)).collect())
     }
 }

@@ -329,6 +329,45 @@ impl SystemFormulas {
             .collect())
     }
 
+    /// dH + η at x, given dH there; in any algebra.
+    ///
+    /// # Errors
+    /// [`AlgebraError`] where a formula has no value.
+    pub fn with_forces_added<A: Arithmetic>(
+        &self,
+        arithmetic: &mut A,
+        x: &[A::Element],
+        gradient: Vec<A::Element>,
+    ) -> Result<Vec<A::Element>, AlgebraError> {
+        let forces = self.forces();
+        if forces.is_empty() {
+            return Ok(gradient);
+        }
+        let one = Rational::one();
+        let mut sums: Vec<Vec<(Rational, A::Element)>> = (gradient.iter())
+            .map(|slope| vec![(one.clone(), slope.clone())])
+            .collect();
+        for (sum, force) in sums.iter_mut().zip(&forces.one_form) {
+            let force = force.evaluate_in(arithmetic, &mut |_, at| Ok(x[at].clone()))?;
+            sum.push((one.clone(), force));
+        }
+        if let Some(damping) = &forces.damping {
+            let rate = &damping.rate;
+            let rate = rate.evaluate_in(arithmetic, &mut |_, at| Ok(x[at].clone()))?;
+            // −ẋ_H.
+            let rows = self.apply_tensor(arithmetic, x, &gradient)?;
+            for (i, j, entry) in damping.metric.entries() {
+                let entry = entry.evaluate_in(arithmetic, &mut |_, at| Ok(x[at].clone()))?;
+                if arithmetic.is_zero(&entry) {
+                    continue;
+                }
+                let factor = arithmetic.multiply(&rate, &entry);
+                sums[i].push((-&one, arithmetic.multiply(&factor, &rows[j])));
+            }
+        }
+        Ok(sums.iter().map(|sum| arithmetic.combine(sum)).collect())
+    }
+
     /// The kernel x ↦ (f₁(x), …) of any formulas of this system.
     ///
     /// # Errors

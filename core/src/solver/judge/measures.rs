@@ -8,6 +8,10 @@ pub fn larger(a: f64, b: f64) -> f64 {
     if a > b || a.is_nan() { a } else { b }
 }
 
+/// Beside this a few of the smallest numbers, which have no digits, are a negligible remainder: components that die out pass
+/// through them to 0.
+const SMALLEST_SCALE: f64 = 1e-303;
+
 /// |size|/(scale + |size|), 0 for 0: a component that has no scale yet counts as 1.
 #[inline(always)]
 pub fn relative(size: f64, scale: f64) -> f64 {
@@ -15,7 +19,7 @@ pub fn relative(size: f64, scale: f64) -> f64 {
     if size == 0.0 {
         0.0
     } else {
-        size / (scale + size)
+        size / (scale + size + SMALLEST_SCALE)
     }
 }
 

@@ -1,7 +1,6 @@
 //! Forces over a realization that is not exact: steps leave the symplectic leaves.
 
 use leafwise_core::Accuracy;
-use leafwise_scene::compose::exact_realization;
 
 use super::probe::Probe;
 use super::{Advice, AdviceKind, number};
@@ -14,10 +13,6 @@ pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
     let part = probe.registry.realization(probe.realization.name).ok()?;
     let built = part.build(probe.system(), &super::probe::given(probe.realization));
     let defect = probe.defect(&built.ok()?)?;
-    let instead = match exact_realization(probe.system(), probe.registry, false) {
-        Some((_, choice)) => choice.name,
-        None => "karasev-collocated",
-    };
     Some(Advice {
         kind: AdviceKind::LeftLeaf,
         message: format!(
@@ -26,6 +21,6 @@ pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
             probe.realization.name,
             number(defect)
         ),
-        change: format!("realization = \"{instead}\""),
+        change: "realization = \"auto\"".to_owned(),
     })
 }

@@ -69,6 +69,8 @@ pub const SCENES_WITH_EVERY_KEY: [&str; 14] = [
     [system]
     library    = "rigid-body"
     parameters = { I1 = 2.0 }
+    forces     = [0.1, "0.2*x1", "x2"]
+    damping    = { rate = 0.1, metric = [1, 2, 0.5] }
     [method]
     stepper   = { name = "dormand-prince45", tolerance = 1e-6 }
     time-step = 0.1
