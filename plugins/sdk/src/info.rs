@@ -154,10 +154,10 @@ impl Info {
         self.flag(LW_FLAG_UNCORRECTED)
     }
 
-    /// Step map: how well it keeps the structure. The interface has no word for maps along leaves, which declare nothing.
+    /// Step map: how well it keeps the structure.
     pub const fn structure(mut self, structure: Structure) -> Self {
         self.part.structure = match structure {
-            Structure::Leaves | Structure::None => LW_STRUCTURE_NONE,
+            Structure::None => LW_STRUCTURE_NONE,
             Structure::Order(n) => n as i32,
             Structure::Exact => LW_STRUCTURE_EXACT,
         };

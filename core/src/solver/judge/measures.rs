@@ -174,7 +174,8 @@ impl CorrectionSize {
 
 #[cfg(test)]
 mod tests {
-    use super::{Allowed, CorrectionSize, is_between, largest};
+    use super::super::LARGEST_REMAINDER;
+    use super::{Allowed, CorrectionSize, is_between, largest, relative};
 
     /// Rows side by side have the size of rows one after the other, and the largest of them, wherever one is no
     /// number.
@@ -204,6 +205,14 @@ mod tests {
                 assert!(found.is_nan() || found == expected, "{length} rows");
             }
         }
+    }
+
+    /// A few of the smallest numbers are no remainder, and a size in its digits is measured as without them.
+    #[test]
+    fn numbers_without_digits_are_negligible() {
+        let tiny = f64::from_bits(40);
+        assert!(relative(tiny, 2.0 * tiny) <= LARGEST_REMAINDER);
+        assert_eq!(relative(1e-280, 1e-270), 1e-280 / (1e-270 + 1e-280));
     }
 
     /// Beside an iterate's change of 1e30 a correction of 1e10 is not small.

@@ -422,7 +422,7 @@ impl ComposedRun {
         let casimirs = match self.method.map().properties().structure {
             _ if !has_casimirs => "",
             Structure::Leaves => "; Casimirs are kept to round-off",
-            _ => "; these steps keep Casimirs no better than the motion",
+            _ => "; these steps keep Casimirs to an order alone",
         };
         Some(format!("{energy}{casimirs}"))
     }
