@@ -300,6 +300,24 @@ fn every_system_has_a_ready_scene_that_observes_its_casimirs() {
         let run = table(&scene, "run");
         let defaults = system.defaults().expect("a library text is well formed");
         assert_eq!(run["initial"], defaults.initial, "{}", system.id);
+        let method = table(&scene, "method");
+        assert_eq!(
+            method.contains_key("pace"),
+            defaults.paced.is_some(),
+            "{}",
+            system.id
+        );
+        if let Some(paced) = &defaults.paced {
+            assert_eq!(method["pace"].as_str(), Some(paced.pace.as_str()));
+            assert_eq!(method["time-step"].as_float(), Some(paced.time_step));
+            let number = |value: &toml::Value| {
+                value
+                    .as_float()
+                    .or(value.as_integer().map(|whole| whole as f64))
+            };
+            assert_eq!(number(&run["until"]), Some(paced.until));
+            assert_eq!(number(&run["record"]["interval"]), Some(paced.interval));
+        }
         let observed: BTreeSet<&str> = table(run, "record")["observables"]
             .as_array()
             .expect("observables are a list")

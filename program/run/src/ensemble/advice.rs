@@ -27,7 +27,8 @@ pub(super) fn measured(
     let all = &report.reductions;
     let mut advice = unused_parameters(document);
     let worst = all.whole.first().filter(|energy| energy.maximum > 0.0);
-    let worst = worst.and_then(|energy| Some((energy, ensemble.population.draw(energy.member).ok()?)));
+    let worst =
+        worst.and_then(|energy| Some((energy, ensemble.population.draw(energy.member).ok()?)));
     if let Some((energy, (state, parameters))) = worst {
         let evaluator = ensemble.invariants.evaluator(1, &parameters);
         let values = evaluator.map(|mut evaluator| {

@@ -109,7 +109,9 @@ pub(super) fn run(
             Some(_) => steps,
             None => u64::from(is_over),
         };
-        signals.steps.fetch_add((made - shown) * lanes as u64, Ordering::Relaxed);
+        signals
+            .steps
+            .fetch_add((made - shown) * lanes as u64, Ordering::Relaxed);
         shown = made;
     }
     Ok(Some(block.finish()))
@@ -161,7 +163,10 @@ impl<'a> Block<'a> {
         let map = ensemble.run.method.map();
         let integrator = SideBySide::new(map, lanes, &values, plan.epsilon, plan.h, &initial);
         // H + e is measured from e at the beginning.
-        let origins: Vec<f64> = states.iter().filter_map(|state| ensemble.origin(state)).collect();
+        let origins: Vec<f64> = states
+            .iter()
+            .filter_map(|state| ensemble.origin(state))
+            .collect();
         let mut invariants = ensemble.invariants.evaluator(lanes, &values)?;
         invariants.measure_from(&origins);
         Ok(Self {
@@ -318,7 +323,12 @@ impl<'a> Block<'a> {
         let lanes = match self.ensemble.clock.is_of_time {
             true => self.record.lanes,
             // All go together.
-            false if self.window_ends.binary_search_by(|end| end.total_cmp(&(steps as f64 - 1.0))).is_ok() => {
+            false
+                if self
+                    .window_ends
+                    .binary_search_by(|end| end.total_cmp(&(steps as f64 - 1.0)))
+                    .is_ok() =>
+            {
                 self.record.lanes
             }
             false => 0,
@@ -351,7 +361,11 @@ impl<'a> Block<'a> {
             return;
         };
         let (lanes, size) = (self.record.lanes, self.deviations.len());
-        let Some(place) = self.record.windows.get_mut(window * size..(window + 1) * size) else {
+        let Some(place) = self
+            .record
+            .windows
+            .get_mut(window * size..(window + 1) * size)
+        else {
             return;
         };
         for at in (lane..size).step_by(lanes) {
@@ -572,7 +586,9 @@ impl Record {
             }
         }
         for (at, deviation) in into.windows.iter_mut().enumerate() {
-            let begin = (at / invariants).checked_sub(1).map_or(0.0, |before| windows[before]);
+            let begin = (at / invariants)
+                .checked_sub(1)
+                .map_or(0.0, |before| windows[before]);
             if is_before(begin) {
                 deviation.push(own(&self.windows, at), member);
             }

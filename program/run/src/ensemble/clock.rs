@@ -19,7 +19,9 @@ impl Clock {
         let plan = &run.plan;
         let step = plan.epsilon * plan.h;
         if run.pace().is_none() && plan.samples.are_steps() {
-            let mut samples: Vec<f64> = (0..=plan.steps / every).map(|k| (k * every) as f64).collect();
+            let mut samples: Vec<f64> = (0..=plan.steps / every)
+                .map(|k| (k * every) as f64)
+                .collect();
             if !plan.steps.is_multiple_of(every) {
                 samples.push(plan.steps as f64);
             }
@@ -77,7 +79,13 @@ impl Clock {
         let end = self.end();
         if self.is_of_time {
             return (1..=most)
-                .map(|k| if k == most { end } else { end * (k as f64 / most as f64) })
+                .map(|k| {
+                    if k == most {
+                        end
+                    } else {
+                        end * (k as f64 / most as f64)
+                    }
+                })
                 .collect();
         }
         let width = libm::ceil(end / most as f64).max(1.0);

@@ -62,7 +62,13 @@ pub(super) fn data(
         ),
         match ensemble.steps() {
             Some(steps) => line("Steps of each", format!("{steps} to t = {end}")),
-            None => line("Steps of each", format!("its own, at the pace {}, to t = {end}", ensemble.run.pace().map_or("", |pace| &pace.text))),
+            None => line(
+                "Steps of each",
+                format!(
+                    "its own, at the pace {}, to t = {end}",
+                    ensemble.run.pace().map_or("", |pace| &pace.text)
+                ),
+            ),
         },
         line(
             "Integration",

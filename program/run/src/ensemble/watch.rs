@@ -394,12 +394,7 @@ pub(super) fn column(all: &[f64], lane: usize, lanes: usize) -> Vec<f64> {
 }
 
 /// The time of a state within a member's last step.
-fn time_of(
-    ensemble: &ComposedEnsemble,
-    last: &LastStep<'_>,
-    steps: u64,
-    between: &Between,
-) -> f64 {
+fn time_of(ensemble: &ComposedEnsemble, last: &LastStep<'_>, steps: u64, between: &Between) -> f64 {
     match ensemble.run.pace() {
         Some(_) => ensemble.time(steps, &between.state),
         None => last.time(steps, between.part),

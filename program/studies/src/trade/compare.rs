@@ -238,7 +238,13 @@ pub(super) fn some_fit(entries: Vec<Entry>) -> Result<Vec<Entry>, TradeError> {
 /// Four runs of the scene's own method, or the least budget.
 fn own_budget(bench: &Bench<'_>) -> u64 {
     let time_step = bench.extent() / bench.steps() as f64;
-    let own = run_trial(bench, bench.own(), [1.0, time_step], bench.steps(), u64::MAX);
+    let own = run_trial(
+        bench,
+        bench.own(),
+        [1.0, time_step],
+        bench.steps(),
+        u64::MAX,
+    );
     own.map_or(0, |trial| 4 * trial.cost()).max(LEAST_BUDGET)
 }
 
@@ -284,7 +290,15 @@ impl Sweep<'_> {
         let time_step = self.bench.extent() / setting.steps as f64;
         let sizes = [1.0, time_step];
         let curve = self.reference.curve();
-        let trial = run_counted(self.bench, &run, sizes, setting.steps, self.budget, curve, &mut 0)?;
+        let trial = run_counted(
+            self.bench,
+            &run,
+            sizes,
+            setting.steps,
+            self.budget,
+            curve,
+            &mut 0,
+        )?;
         let structure = self.candidate.properties.structure;
         let mut measured = Measured::of(&trial, &run, time_step, structure, self.reference);
         if self.repetitions > 0 {

@@ -87,12 +87,7 @@ impl Curve {
     }
 
     /// ‖x − x*‖ at this part of the steps, with a pace at this time; `buffer` holds a state and the time.
-    pub fn distance(
-        &self,
-        part: f64,
-        (x, time): (&[f64], Option<f64>),
-        buffer: &mut [f64],
-    ) -> f64 {
+    pub fn distance(&self, part: f64, (x, time): (&[f64], Option<f64>), buffer: &mut [f64]) -> f64 {
         let last = (self.states.len() / self.dimension - 1) as f64;
         let buffer = &mut buffer[..self.dimension];
         let place = match time.filter(|_| self.is_paced) {

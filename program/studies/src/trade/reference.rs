@@ -188,7 +188,15 @@ impl Refined {
         }
         let run = candidate.run_at(bench, setting).ok()?;
         let sizes = [1.0, bench.extent() / setting.steps as f64];
-        let trial = run_counted(bench, &run, sizes, setting.steps, BUDGET, Some(curve), &mut 0);
+        let trial = run_counted(
+            bench,
+            &run,
+            sizes,
+            setting.steps,
+            BUDGET,
+            Some(curve),
+            &mut 0,
+        );
         trial.ok()?.largest_error
     }
 }

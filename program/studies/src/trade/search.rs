@@ -92,7 +92,15 @@ impl Search<'_> {
             .and_then(|run| {
                 let curve = self.reference.curve();
                 let sizes = [1.0, time_step];
-                run_counted(self.bench, &run, sizes, setting.steps, cap, curve, &mut self.spent)
+                run_counted(
+                    self.bench,
+                    &run,
+                    sizes,
+                    setting.steps,
+                    cap,
+                    curve,
+                    &mut self.spent,
+                )
             });
         match outcome {
             Ok(trial) => self.take(at, setting, trial),

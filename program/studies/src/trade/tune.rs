@@ -384,7 +384,16 @@ impl<'a> Tuner<'a> {
         let run = compose(&written, self.bench.registry()).ok()?;
         let (epsilon, h, steps) = (run.plan.epsilon, run.plan.h, setting.steps);
         let curve = self.reference.curve();
-        let trial = run_counted(self.bench, &run, [epsilon, h], steps, u64::MAX, curve, &mut 0).ok()?;
+        let trial = run_counted(
+            self.bench,
+            &run,
+            [epsilon, h],
+            steps,
+            u64::MAX,
+            curve,
+            &mut 0,
+        )
+        .ok()?;
         if limits.excess(&trial, &self.reference).ratio > 1.0 {
             return None;
         }

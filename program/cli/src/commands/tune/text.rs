@@ -1,7 +1,7 @@
 //! What was found, at the terminal.
 
-use leafwise::trade::{Cost, Judged, Limit, Reached, Recommendation, RunnerUp, Tolerances};
 use leafwise::scene::document::RunSection;
+use leafwise::trade::{Cost, Judged, Limit, Reached, Recommendation, RunnerUp, Tolerances};
 
 use super::Found;
 use crate::console::Console;

@@ -211,13 +211,20 @@ fn a_member_alone_ends_and_crosses_as_in_the_ensemble() {
         let document = parsed(&scene);
         let ensemble = composed(&document);
         let (observables, names) = (ensemble.observables(), ensemble.run.names());
-        let quoted = observables.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>();
+        let quoted = observables
+            .iter()
+            .map(|name| format!("{name:?}"))
+            .collect::<Vec<_>>();
         let quoted = quoted.join(", ");
         let root = tempfile::tempdir().expect("a directory");
         let whole = root.path().join("all");
         attempt(&document, &whole, workforce(2, 16), &mut Quiet).expect("done");
         let crossings = fs::read_to_string(whole.join("section.csv")).expect("crossings");
-        let heading = [&names.iter().map(String::as_str).collect::<Vec<_>>()[..], &observables].concat();
+        let heading = [
+            &names.iter().map(String::as_str).collect::<Vec<_>>()[..],
+            &observables,
+        ]
+        .concat();
         assert!(crossings.starts_with(&format!("member,t,{}\n", heading.join(","))));
         for (member, row) in (0..).zip(table(&whole, "final_states.csv")).step_by(6) {
             let text = member_scene(&document, &ensemble, member).expect("a scene");
@@ -361,7 +368,11 @@ fn members_with_a_pace_are_at_one_time() {
         }
         let mean = all.summaries[2 * at].mean;
         // The method's own error over some periods at this step.
-        assert!((mean - sum / 90.0).abs() < 2e-8, "t = {time}: {mean}, {}", sum / 90.0);
+        assert!(
+            (mean - sum / 90.0).abs() < 2e-8,
+            "t = {time}: {mean}, {}",
+            sum / 90.0
+        );
     }
     assert!(all.whole[0].maximum < 1e-9, "{:?}", all.whole[0]);
 }
