@@ -198,7 +198,7 @@ fn read_pace(
     if text.value.trim() == "auto" {
         return Err(Box::new(document.diagnostic(
             &document.place_in_formula(text, 0..text.value.len()),
-            "no pace is chosen by itself: a good one falls where the motion is fast, and what is fast the scene knows",
+            "no pace is chosen by itself: one from the derivatives of the motion makes a step several times as expensive as a formula by hand",
             "not a formula",
             Some(
                 "write a positive formula, as \"(q1^2 + q2^2)^0.75\" for a body about a centre at q = 0".to_owned(),
