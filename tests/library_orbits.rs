@@ -39,11 +39,15 @@ fn automatic(
         .expect("a library text has defaults")
         .initial;
     let families = text.get("families").and_then(toml::Value::as_table);
-    let families: Vec<&String> = families.into_iter().flat_map(toml::Table::keys).collect();
-    let sites = coordinates / families.len().max(1);
+    let families: Vec<_> = families.into_iter().flatten().collect();
+    let components = |family: &toml::Value| {
+        let names = family.get("components").and_then(toml::Value::as_array);
+        names.map_or(1, Vec::len)
+    };
+    let share: usize = families.iter().map(|(_, family)| components(family)).sum();
     let families: Vec<String> = families
         .iter()
-        .map(|name| format!("{name} = {sites}"))
+        .map(|(name, _)| format!("{name} = {}", coordinates / share))
         .collect();
     let families = match families.as_slice() {
         [] => String::new(),

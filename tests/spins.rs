@@ -15,7 +15,6 @@ use leafwise_tests::scenes::{document, end, until};
 
 const SPLITTING: &str = "stepper = \"splitting\"\ncomposition = \"suzuki-4\"";
 
-/// Written out: it has no sweeps.
 const MIDPOINT: &str = "stepper = \"spherical-midpoint\"";
 
 fn hamilton_jacobi(order: usize) -> String {
@@ -43,6 +42,50 @@ fn wave_at(sites: usize, time: f64) -> Vec<f64> {
     let x = (0..sites).map(|i| 0.6 * libm::cos(angle(i)));
     let y = (0..sites).map(|i| 0.6 * libm::sin(angle(i)));
     x.chain(y).chain((0..sites).map(|_| 0.8)).collect()
+}
+
+/// A ring that repeats itself every eight sites is a ring of eight: the sweeps over the long one make the steps of the dense solve
+/// over the short one, whose code is another. A site without a spin rests.
+#[test]
+fn sweeps_of_the_spherical_midpoint_are_its_dense_steps() {
+    let state = |sites: usize| {
+        let rests = (3..sites).step_by(8);
+        let rests: String = rests
+            .map(|i| format!(", \"s.x[{i}]\" = 0, \"s.y[{i}]\" = 0, \"s.z[{i}]\" = 0"))
+            .collect();
+        format!(
+            "{{ \"s.x[i]\" = \"0.3 + 0.2*cos(pi*i/4)\", \"s.y[i]\" = \"0.4*sin(pi*i/4) + 0.1*sin(pi*i/2)\", \
+             \"s.z[i]\" = \"0.5 - 0.3*cos(3*pi*i/4)\"{rests} }}"
+        )
+    };
+    let steps = 200;
+    let ran = |sites| {
+        let run = until(&heisenberg(sites), MIDPOINT, &state(sites), (40.0, steps));
+        assert_eq!(run.method.lattice().is_some(), sites > 8);
+        (end(&run), run.plan.initial.clone())
+    };
+    let ((short, _), (long, initial)) = (ran(8), ran(32));
+    let lengths = |state: &[f64], i: usize| {
+        (0..3)
+            .map(|c| state[32 * c + i] * state[32 * c + i])
+            .sum::<f64>()
+    };
+    for i in 0..32 {
+        for c in 0..3 {
+            // Both solve to round-off, which the motion magnifies little.
+            let apart = (long[32 * c + i] - short[8 * c + i % 8]).abs();
+            assert!(
+                apart <= 16.0 * steps as f64 * UNIT_ROUNDOFF,
+                "{c}, {i}: {apart:e}"
+            );
+        }
+        let drift = (lengths(&long, i) - lengths(&initial, i)).abs();
+        assert!(
+            drift <= 4.0 * steps as f64 * UNIT_ROUNDOFF,
+            "{i}: {drift:e}"
+        );
+    }
+    assert_eq!(lengths(&long, 11), 0.0);
 }
 
 #[test]

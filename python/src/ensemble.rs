@@ -140,7 +140,7 @@ impl Ensemble {
             observables,
             invariants,
             has_times,
-            time: ensemble.time(plan.steps),
+            time: ensemble.end(),
             members: table(py, left.members, width)?,
             outcomes: PyArray1::from_vec(py, left.outcomes).unbind(),
             crossings: crossings.transpose()?,

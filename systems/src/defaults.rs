@@ -11,4 +11,20 @@ pub struct Defaults {
     pub initial: toml::Value,
     /// A time step ε·h at which one step resolves the motion.
     pub time_step: f64,
+    /// Variable steps, where equal ones are a waste.
+    pub paced: Option<PacedDefaults>,
+}
+
+/// The `[default.paced]` table: variable steps that resolve the motion.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct PacedDefaults {
+    /// dt/dτ, a formula.
+    pub pace: String,
+    /// The step of τ.
+    pub time_step: f64,
+    /// The time at the end.
+    pub until: f64,
+    /// The time between two samples.
+    pub interval: f64,
 }

@@ -32,6 +32,6 @@ mod library;
 mod part;
 
 pub use about::{About, Reference};
-pub use defaults::Defaults;
+pub use defaults::{Defaults, PacedDefaults};
 pub use error::SystemError;
 pub use library::{LibrarySystem, all, find, nearest};

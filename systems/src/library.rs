@@ -53,8 +53,13 @@ impl LibrarySystem {
             .and_then(toml::Value::as_table)
             .into_iter()
             .flat_map(toml::Table::values)
-            .filter_map(toml::Value::as_integer)
-            .filter_map(|length| usize::try_from(length).ok())
+            .filter_map(|family| match family {
+                toml::Value::Table(vectors) => {
+                    let length = usize::try_from(vectors.get("length")?.as_integer()?).ok()?;
+                    Some(length * vectors.get("components")?.as_array()?.len())
+                }
+                length => usize::try_from(length.as_integer()?).ok(),
+            })
             .sum();
         match variables + members {
             0 => Err(SystemError::NoVariables {

@@ -32,6 +32,8 @@ fn table<'a>(of: &'a toml::Table, key: &str) -> &'a toml::Table {
 /// The bracket's entries by pairs, with none where it is given by a kind's name.
 fn entries(system: &toml::Table) -> impl Iterator<Item = (&str, &str)> {
     let entries = table(system, "bracket").iter();
+    // An algebra stands for all of them.
+    let entries = entries.filter(|(key, _)| *key != "lie-algebra");
     entries.filter_map(|(pair, entry)| Some((pair.as_str(), entry.as_str()?)))
 }
 
@@ -49,14 +51,26 @@ fn names(system: &toml::Table) -> BTreeSet<String> {
             .iter()
             .map(|name| name.as_str().expect("a variable is a string").to_owned())
             .collect(),
-        None => table(system, "families").keys().cloned().collect(),
+        None => table(system, "families")
+            .iter()
+            .flat_map(|(name, family)| match family.get("components") {
+                None => vec![name.clone()],
+                Some(components) => {
+                    let components = components.as_array().expect("components are a list");
+                    let of = |component: &toml::Value| {
+                        format!("{name}.{}", component.as_str().expect("a name"))
+                    };
+                    components.iter().map(of).collect()
+                }
+            })
+            .collect(),
     }
 }
 
 /// The identifiers of a formula.
 fn identifiers(formula: &str) -> impl Iterator<Item = &str> {
     formula
-        .split(|c: char| !c.is_alphanumeric() && c != '_')
+        .split(|c: char| !c.is_alphanumeric() && c != '_' && c != '.')
         .filter(|word| word.starts_with(char::is_alphabetic))
 }
 
@@ -300,6 +314,24 @@ fn every_system_has_a_ready_scene_that_observes_its_casimirs() {
         let run = table(&scene, "run");
         let defaults = system.defaults().expect("a library text is well formed");
         assert_eq!(run["initial"], defaults.initial, "{}", system.id);
+        let method = table(&scene, "method");
+        assert_eq!(
+            method.contains_key("pace"),
+            defaults.paced.is_some(),
+            "{}",
+            system.id
+        );
+        if let Some(paced) = &defaults.paced {
+            assert_eq!(method["pace"].as_str(), Some(paced.pace.as_str()));
+            assert_eq!(method["time-step"].as_float(), Some(paced.time_step));
+            let number = |value: &toml::Value| {
+                value
+                    .as_float()
+                    .or(value.as_integer().map(|whole| whole as f64))
+            };
+            assert_eq!(number(&run["until"]), Some(paced.until));
+            assert_eq!(number(&run["record"]["interval"]), Some(paced.interval));
+        }
         let observed: BTreeSet<&str> = table(run, "record")["observables"]
             .as_array()
             .expect("observables are a list")

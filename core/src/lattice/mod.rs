@@ -14,6 +14,7 @@
 //! - `stencil`: the code of one class of sites in one stage, and its sweep over them.
 //! - [`program`]: stages compiled to stencils.
 //! - [`map`](mod@map): step maps of long lattices.
+//! - [`implicit`]: step maps that solve for one point.
 //! - [`method`](mod@method): realization and dynamics combined over a lattice.
 //! - `stepper`: the linear iteration for β̂(L(y)) = x.
 //! - `sites`: numbers of every site.
@@ -22,6 +23,7 @@
 
 pub mod cells;
 pub mod geometry;
+pub mod implicit;
 pub mod locality;
 pub mod map;
 pub mod method;
@@ -36,6 +38,7 @@ mod stepper;
 
 pub use cells::Cells;
 pub use geometry::{LatticeGeometry, Proxy};
+pub use implicit::{ImplicitSweeps, ProxyCode};
 pub use locality::local_reach;
 pub use map::LatticeMap;
 pub use method::LatticeMethod;

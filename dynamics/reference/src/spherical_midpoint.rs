@@ -2,6 +2,9 @@
 
 use std::sync::Arc;
 
+use leafwise_core::lattice::{
+    ImplicitSweeps, LatticeMap, LatticeSource, ProxyCode, StageBuilder, StageEnds,
+};
 use leafwise_core::part::{Compared, Family, PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
@@ -11,7 +14,7 @@ use leafwise_core::{
     BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure,
     SystemFormulas,
 };
-use leafwise_expression::{Arithmetic, Polynomial, Ring};
+use leafwise_expression::{Arithmetic, Function, Polynomial, Rational, Ring, Term};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use crate::reference_map::{ReferenceMap, row_major};
@@ -28,6 +31,12 @@ static INFO: PartInfo = PartInfo {
     family: Some(Family::Poisson),
     compared: Some(Compared::at(2)),
     ..PartInfo::of(PartKind::Stepper)
+};
+
+const PROPERTIES: MapProperties = MapProperties {
+    order: 2,
+    structure: Structure::Exact,
+    self_adjoint: Some(true),
 };
 
 /// Operations of a triple's middle and its derivatives, the two roots weighted.
@@ -288,11 +297,7 @@ fn build(
     let field = system.field_map()?;
     Ok(Arc::new(ReferenceMap {
         dimension: system.dimension(),
-        properties: MapProperties {
-            order: 2,
-            structure: Structure::Exact,
-            self_adjoint: Some(true),
-        },
+        properties: PROPERTIES,
         description: INFO.name.to_owned(),
         together: 1,
         make: Box::new(move |parameters, time_step, _| {
@@ -304,4 +309,70 @@ fn build(
     }))
 }
 
-leafwise_core::built_in!(StepperPart::new(&INFO, build));
+/// The rule on a long lattice. With the middle y = Γ of a step, |y| = |x|, and X(y) normal to y in each triple,
+/// x = c y − t X(y)/2 and x+ = c y + t X(y)/2 with c = √(1 − s), s = |t X(y)|²/(4 |y|²): both ends by y alone.
+///
+/// # Errors
+/// As [`build`], of a lattice of any length.
+fn build_on_lattice(
+    source: &dyn LatticeSource,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn LatticeMap>, BuildError> {
+    parameters.refuse_unknown(&INFO)?;
+    let map = ImplicitSweeps::compose(source, PROPERTIES.order, |builder, code| {
+        let formulas = code.system.formulas(INFO.name)?;
+        let ends = ends(builder, code, formulas, &triples(formulas)?)?;
+        Ok((ends, PROPERTIES, INFO.name.to_owned()))
+    })?;
+    Ok(Arc::new(map))
+}
+
+/// x − y = (c − 1) y − t X(y)/2, where c − 1 = −s/(1 + c), and x+ − x = t X(y).
+fn ends(
+    builder: &mut StageBuilder,
+    code: &ProxyCode<'_>,
+    formulas: &SystemFormulas,
+    triples: &[[usize; 3]],
+) -> Result<StageEnds, BuildError> {
+    let y = &code.y;
+    let graph = &mut builder.graph;
+    let [epsilon, h] = &code.sizes;
+    let step = graph.multiply(epsilon, h);
+    let field = formulas.vector_field(graph, y)?;
+    let increment: Vec<Term> = field.iter().map(|x| graph.multiply(&step, x)).collect();
+    let (one, half) = (Rational::one(), Rational::new(1, 2));
+    let unit = graph.one();
+    // Where a triple is 0 its field is 0 too.
+    let ten = graph.constant(&Rational::from_integer(10));
+    let tiny = graph.integer_power(&ten, SMALLEST_SQUARE)?;
+    let mut offset = increment.clone();
+    let mut reaches = vec![None; y.len()];
+    for triple in triples {
+        let squares = |of: &[Term]| triple.map(|at| (one.clone(), of[at].clone(), of[at].clone()));
+        let (lengths, moves) = (squares(y), squares(&increment));
+        let terms = lengths.each_ref().map(|(c, a, b)| (c.clone(), a, b));
+        let length = graph.combine_products(&[(one.clone(), tiny.clone())], &terms);
+        let terms = moves.each_ref().map(|(c, a, b)| (c.clone(), a, b));
+        let moved = graph.sum_of_products(&terms);
+        let quarter = graph.scale(&Rational::new(1, 4), &moved);
+        let s = graph.divide(&quarter, &length)?;
+        let left = graph.subtract(&unit, &s);
+        let c = graph.apply(Function::Sqrt, &left)?;
+        let below = graph.add(&unit, &c);
+        let shrink = graph.divide(&s, &below)?;
+        for at in triple {
+            offset[*at] = graph.combine_products(
+                &[(-half.clone(), increment[*at].clone())],
+                &[(-one.clone(), &shrink, &y[*at])],
+            );
+        }
+        reaches[triple[0]] = Some(s);
+    }
+    builder.guard(reaches);
+    Ok(StageEnds { offset, increment })
+}
+
+/// The power of ten beside |y|², far below any square that is not 0.
+const SMALLEST_SQUARE: i64 = -300;
+
+leafwise_core::built_in!(StepperPart::new(&INFO, build).with_sweeps(build_on_lattice));

@@ -3,6 +3,7 @@
 use leafwise_core::runge_kutta::SmoothMapEvaluator;
 use leafwise_core::system::SystemObservables;
 use leafwise_core::{BuildError, Evaluator, Integrator, Observe, StepError};
+use leafwise_expression::Expression;
 use leafwise_scene::compose::{ComposedRun, Pace};
 use serde::{Deserialize, Serialize};
 
@@ -29,9 +30,10 @@ pub(super) struct PacedSteps {
 pub(super) struct Paced<'a> {
     run: &'a ComposedRun,
     pace: &'a Pace,
+    parameters: Vec<f64>,
     /// g and H + e.
-    observer: SystemObservables,
-    /// ∇K.
+    observer: Box<dyn Observe + 'a>,
+    /// ∇K, once it is asked for.
     gradient: Option<SmoothMapEvaluator>,
     pub steps: PacedSteps,
 }
@@ -70,22 +72,34 @@ const SHOWN: usize = 6;
 impl<'a> Paced<'a> {
     /// `None` where a run's steps are of the time itself.
     pub fn of(run: &'a ComposedRun) -> Result<Option<Self>, BuildError> {
-        let extension = run.extension.as_ref();
-        let Some((extension, pace)) = extension.and_then(|of| Some((of, of.pace.as_ref()?))) else {
+        let Some(watched) = Self::watched(run) else {
             return Ok(None);
         };
         let parameters = run.system.parameter_values();
-        let watched = [&pace.formula, extension.energy()];
         let observer = SystemObservables::new(&run.system, &watched, &parameters)?;
-        let gradient = run.system.gradient_values().ok();
-        let gradient = gradient.map(|map| map.evaluator(&parameters, 1.0, 1.0));
-        Ok(Some(Self {
+        Ok(Self::with(run, parameters, Box::new(observer)))
+    }
+
+    /// The same with other parameters; the observer has the values of [`watched`](Self::watched).
+    pub fn with(
+        run: &'a ComposedRun,
+        parameters: Vec<f64>,
+        observer: Box<dyn Observe + 'a>,
+    ) -> Option<Self> {
+        Some(Self {
             run,
-            pace,
+            pace: run.pace()?,
+            parameters,
             observer,
-            gradient,
+            gradient: None,
             steps: PacedSteps::default(),
-        }))
+        })
+    }
+
+    /// What has to be known after every step: g and H + e.
+    pub fn watched(run: &ComposedRun) -> Option<[&Expression; 2]> {
+        let energy = run.extension.as_ref()?.energy();
+        Some([&run.pace()?.formula, energy])
     }
 
     /// Where t stands in a state.
@@ -110,18 +124,18 @@ impl<'a> Paced<'a> {
         (other - time) * forward > 0.0
     }
 
-    /// Takes in the step that was made; why the run cannot go on from there, if it cannot.
-    pub fn take(&mut self, last: &LastStep<'_>, integrator: &Integrator) -> Option<Failure> {
+    /// Takes in the last of so many steps; why the run cannot go on from there, if it cannot.
+    pub fn take(&mut self, last: &LastStep<'_>, end: StepEnd<'_>, steps: u64) -> Option<Failure> {
         let t = self.place();
         let before = last.start.state[t];
         let mut values = [0.0; 2];
-        self.observer.evaluate(integrator.state(), &mut values);
+        self.observer.evaluate(end.state, &mut values);
         let [value, balance] = values;
-        let advance = last.advance(integrator.into(), t);
+        let advance = last.advance(end, t);
         let forward = self.run.plan.epsilon * self.run.plan.h;
         let pace = self.pace.text.as_str();
         let message = if !(value > 0.0 && value.is_finite()) {
-            let own = self.run.names().into_iter().zip(integrator.state());
+            let own = self.run.names().into_iter().zip(end.state);
             let place: Vec<String> = own
                 .take(SHOWN)
                 .map(|(name, x)| format!("{name} = {x:?}"))
@@ -134,18 +148,18 @@ impl<'a> Paced<'a> {
             format!(
                 "the time goes from t = {before:?} the other way, by {advance:e}: the step is too long for the pace {pace}"
             )
-        } else if advance == 0.0 || self.stalls(integrator) {
+        } else if advance == 0.0 || self.stalls(end.state, steps) {
             format!(
                 "the pace {pace} stalls: it is {value:e}, and this step advances t by {advance:e}"
             )
-        } else if self.is_in_vain(integrator) {
+        } else if self.is_in_vain(end.state, steps) {
             format!(
                 "the pace {pace} becomes too small to come to the end: it is {value:e} at t = {:?}, and twice as many steps \
                  advance t by {:e}",
-                self.time(integrator),
+                self.time_at(end.state),
                 self.steps.advance,
             )
-        } else if self.is_lost(integrator.state(), balance) {
+        } else if self.is_lost(end.state, balance) {
             format!(
                 "the pace {pace} is so near to 0, {value:e}, that the error {balance:e} of the energy, K/pace, moves the state: \
                  it turns back where it should go on"
@@ -164,7 +178,7 @@ impl<'a> Paced<'a> {
         let state = self.run.own(&last.start.state);
         Some(Failure {
             message,
-            step: integrator.steps(),
+            step: steps,
             time: before,
             state: state.to_vec(),
             hint: "write a pace that is positive along the motion, or reduce epsilon*h".to_owned(),
@@ -178,6 +192,10 @@ impl<'a> Paced<'a> {
         let energy = state[self.place() + 1].abs();
         if balance.abs() <= NEGLIGIBLE * energy {
             return false;
+        }
+        if self.gradient.is_none() {
+            let gradient = self.run.system.gradient_values().ok();
+            self.gradient = gradient.map(|map| map.evaluator(&self.parameters, 1.0, 1.0));
         }
         let Some(gradient) = &mut self.gradient else {
             return false;
@@ -209,8 +227,8 @@ impl<'a> Paced<'a> {
     }
 
     /// Whether ever more steps would lead to no end: the time advances with the logarithm of their number, or less.
-    fn is_in_vain(&mut self, integrator: &Integrator) -> bool {
-        let (made, time) = (integrator.steps(), self.time(integrator));
+    fn is_in_vain(&mut self, state: &[f64], made: u64) -> bool {
+        let time = self.time_at(state);
         let Some(until) = self.run.plan.until else {
             return false;
         };
@@ -227,11 +245,11 @@ impl<'a> Paced<'a> {
     }
 
     /// Whether the time has hardly advanced since the last look.
-    fn stalls(&mut self, integrator: &Integrator) -> bool {
-        if !integrator.steps().is_multiple_of(LOOKED_OVER) {
+    fn stalls(&mut self, state: &[f64], made: u64) -> bool {
+        if !made.is_multiple_of(LOOKED_OVER) {
             return false;
         }
-        let time = self.time(integrator);
+        let time = self.time_at(state);
         let seen = std::mem::replace(&mut self.steps.seen, time);
         let left = self
             .run

@@ -246,7 +246,7 @@ fn outcome(run: &ComposedRun, report: &RunReport) -> Outcome {
 
 pub(crate) fn method_lines(run: &ComposedRun) -> Vec<(String, String)> {
     let method = &run.method;
-    let pace = run.extension.as_ref().and_then(|of| of.pace.as_ref());
+    let pace = run.pace();
     let line = |label: &str, text: String| (label.to_owned(), text);
     let mut lines: Vec<_> = method
         .parts()

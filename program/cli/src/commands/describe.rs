@@ -197,9 +197,13 @@ fn system_text(system: &LibrarySystem) -> Result<(Vec<String>, Described), Syste
             .map(|line| format!("  {line}").trim_end().to_owned()),
     );
     lines.push(String::new());
+    let steps = match &defaults.paced {
+        Some(paced) => format!("at the pace {}", paced.pace),
+        None => format!("of {}", defaults.time_step),
+    };
     lines.push(format!(
-        "  `leafwise new --library {}` writes a scene of it, with steps of {}.",
-        system.id, defaults.time_step
+        "  `leafwise new --library {}` writes a scene of it, with steps {steps}.",
+        system.id
     ));
     let described = Described::System {
         name: system.id,

@@ -92,7 +92,7 @@ pub fn execute(
         None => ensemble.population.members(),
         Some(shard) => shard.members().end - shard.members().start,
     };
-    let total = members.saturating_mul(ensemble.run.plan.steps);
+    let total = members.saturating_mul(ensemble.steps().unwrap_or(1));
     let mut bar = Bar::new(total, is_shown, interrupt);
     let report = match &shard {
         None => run_ensemble(&document, &ensemble, &options, workforce, &mut bar),
@@ -273,7 +273,7 @@ fn summary(
     console: &Console<'_>,
 ) -> Vec<String> {
     let all = &report.reductions;
-    let end = ensemble.time(ensemble.run.plan.steps);
+    let end = ensemble.end();
     let mut lines = vec![format!(
         "{}: {} members to t = {} with {}",
         console.bold(report.outcome.word()),

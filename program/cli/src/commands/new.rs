@@ -4,6 +4,8 @@ use std::fs::OpenOptions;
 use std::io::Write;
 use std::path::PathBuf;
 
+use leafwise::systems::{Defaults, PacedDefaults};
+
 use crate::arguments::NewArguments;
 use crate::console::Console;
 use crate::failure::{Failure, exit};
@@ -76,13 +78,44 @@ fn library_scene(id: &str) -> Result<String, Failure> {
          Casimirs.\n\n[system]\nlibrary = \"{id}\"\n# parameters = {{ … }}   replaces the \
          library's values, by name\n\n[method]\n# The geometry: an exact closed form where the \
          tensor has one, collocation elsewhere.\nrealization = \"auto\"\n# The \
-         dynamics, of even order.\ndynamics    = {{ name = \"hamilton-jacobi\", order = 4 }}\n# \
-         One step advances time by this much.\ntime-step   = {time_step}\n\n[run]\ninitial = \
-         {initial}\nsteps   = 1000\n# What is written down, every how many steps; the largest \
-         drifts are taken over every step.\nrecord  = {{ every = 1 }}\n",
+         dynamics, of even order.\ndynamics    = {{ name = \"hamilton-jacobi\", order = {order} }}\n\
+         {steps}\n[run]\ninitial = {initial}\n{run}",
         title = about.title,
         reference = about.reference,
-        time_step = defaults.time_step,
+        order = if defaults.paced.is_some() { 8 } else { 4 },
+        steps = steps(&defaults),
         initial = defaults.initial,
+        run = run(&defaults),
     ))
+}
+
+/// The keys of `[method]` that say how long steps are.
+fn steps(defaults: &Defaults) -> String {
+    match &defaults.paced {
+        None => format!(
+            "# One step advances time by this much.\ntime-step   = {}\n",
+            defaults.time_step
+        ),
+        Some(PacedDefaults {
+            pace, time_step, ..
+        }) => format!(
+            "# dt/dtau: steps of t shorten where it is small, and stay exactly Poisson.\npace        = \
+             \"{pace}\"\n# One step advances tau by this much.\ntime-step   = {time_step}\n"
+        ),
+    }
+}
+
+/// The keys of `[run]` behind the initial state.
+fn run(defaults: &Defaults) -> String {
+    match &defaults.paced {
+        None => "steps   = 1000\n# What is written down, every how many steps; the largest drifts are taken over every step.\n\
+                 record  = { every = 1 }\n"
+            .to_owned(),
+        Some(PacedDefaults {
+            until, interval, ..
+        }) => format!(
+            "until   = {until}\n# What is written down, at which times; the largest drifts are taken over every step.\n\
+             record  = {{ interval = {interval} }}\n"
+        ),
+    }
 }

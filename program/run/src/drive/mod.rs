@@ -377,7 +377,8 @@ impl<'a> Session<'a> {
             return Ok(Some(self.failure_of_step(&error)));
         }
         if let (Some(paced), Some(last)) = (&mut self.paced, &self.last)
-            && let Some(failure) = paced.take(last, &self.integrator)
+            && let Some(failure) =
+                paced.take(last, (&self.integrator).into(), self.integrator.steps())
         {
             // The state that was reached is none of the motion's.
             self.end = Some((failure.time, last.start.state.clone()));

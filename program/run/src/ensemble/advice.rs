@@ -27,10 +27,14 @@ pub(super) fn measured(
     let all = &report.reductions;
     let mut advice = unused_parameters(document);
     let worst = all.whole.first().filter(|energy| energy.maximum > 0.0);
-    let worst = worst.and_then(|energy| Some((energy, ensemble.population.draw(energy.member)?)));
+    let worst =
+        worst.and_then(|energy| Some((energy, ensemble.population.draw(energy.member).ok()?)));
     if let Some((energy, (state, parameters))) = worst {
         let evaluator = ensemble.invariants.evaluator(1, &parameters);
-        let values = evaluator.map(|mut evaluator| evaluator.at(&state).to_vec());
+        let values = evaluator.map(|mut evaluator| {
+            evaluator.measure_from(ensemble.origin(&state).as_slice());
+            evaluator.at(&state).to_vec()
+        });
         let initial = values.ok().and_then(|values| values.first().copied());
         let error = EnergyError {
             parameters: &parameters,
@@ -46,7 +50,7 @@ pub(super) fn measured(
     }
     let names = ensemble.observables();
     let mut told = vec![false; names.len()];
-    for (at, (steps, _, summary)) in summaries(ensemble, report).enumerate() {
+    for (at, (time, _, summary)) in summaries(ensemble, report).enumerate() {
         let column = at % names.len();
         if summary.undefined > 0 && !std::mem::replace(&mut told[column], true) {
             advice.push(Advice {
@@ -57,7 +61,7 @@ pub(super) fn measured(
                     names[column],
                     summary.undefined,
                     all.done(),
-                    short(ensemble.time(steps))
+                    short(time)
                 ),
                 change: "observables = [a formula that has values there: no ln or root of a negative \
                          number, no division by zero]"
@@ -79,6 +83,7 @@ pub fn advise_ensemble(ensemble: &ComposedEnsemble, registry: &Registry) -> Vec<
             ensemble
                 .population
                 .draw((u128::from(k) * u128::from(members) / u128::from(judged)) as u64)
+                .ok()
         })
         .flat_map(|(state, _)| states_from(&ensemble.run, &state, each))
         .collect();

@@ -4,14 +4,15 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use leafwise_core::{SideBySide, SolverStatistics};
+use leafwise_scene::compose::is_same_time;
 
+use super::clock::window;
 use super::observers::ObservableEvaluator;
 use super::plan::{Column, ComposedEnsemble};
-use super::population::NO_LEAF;
 use super::section::MemberCrossings;
 use super::statistics::{MemberFailure, Reductions};
 use super::tree::Tree;
-use super::watch::{Found, MemberStop, Watch};
+use super::watch::{Found, MemberStop, Watch, column};
 use crate::{Failure, RunError};
 
 /// Coordinates stepped between two looks at the flag: about a millisecond's work.
@@ -41,6 +42,8 @@ pub(super) struct Record {
     pub states: Vec<Vec<f64>>,
     pub parameters: Vec<Vec<f64>>,
     failures: Vec<Option<MemberFailure>>,
+    /// States at the end, where that lies between two steps.
+    ends: Vec<Option<Vec<f64>>>,
     /// Where the scene's condition has ended members.
     pub stops: Vec<Option<MemberStop>>,
     pub crossings: Vec<MemberCrossings>,
@@ -89,26 +92,27 @@ pub(super) fn run(
     let total = ensemble.run.plan.steps;
     let stride = (COORDINATES_A_LOOK / (lanes * ensemble.population.dimension())).max(1) as u64;
     block.start()?;
-    let mut steps = 0;
-    while steps < total {
+    let (mut steps, mut shown) = (0, 0);
+    while steps < total && block.integrator.living() > 0 {
         if signals.stop.load(Ordering::Relaxed) {
             return Ok(None);
         }
-        let until = total.min(steps + stride);
-        let before = steps;
+        let until = total.min(steps.saturating_add(stride));
         while steps < until && block.integrator.living() > 0 {
             steps += 1;
             block.step(steps)?;
         }
-        if block.integrator.living() == 0 {
-            signals
-                .steps
-                .fetch_add((total - before) * lanes as u64, Ordering::Relaxed);
-            break;
-        }
+        // Members that have ended count as those that go on; where steps are not counted, each is one.
+        let is_over = block.integrator.living() == 0;
+        let made = match ensemble.steps() {
+            Some(all) if is_over => all,
+            Some(_) => steps,
+            None => u64::from(is_over),
+        };
         signals
             .steps
-            .fetch_add((steps - before) * lanes as u64, Ordering::Relaxed);
+            .fetch_add((made - shown) * lanes as u64, Ordering::Relaxed);
+        shown = made;
     }
     Ok(Some(block.finish()))
 }
@@ -119,15 +123,14 @@ struct Block<'a> {
     invariants: ObservableEvaluator<'a>,
     formulas: ObservableEvaluator<'a>,
     watch: Watch<'a>,
-    /// The deviations in all windows of members that have ended: their lanes go on as copies of others.
-    deviations: Vec<Option<Vec<f64>>>,
     record: Record,
-    /// The time and the window to be filled next.
-    sample: usize,
-    window: usize,
-    window_end: u64,
-    sampled: Vec<u64>,
-    window_ends: Vec<u64>,
+    /// Which sample comes next, for each lane.
+    next: Vec<usize>,
+    /// The deviations in the window that each lane is in.
+    deviations: Vec<f64>,
+    /// That window; `None` once it has ended: the lane goes on as a copy of others.
+    window: Vec<Option<usize>>,
+    window_ends: Vec<f64>,
 }
 
 impl<'a> Block<'a> {
@@ -143,12 +146,12 @@ impl<'a> Block<'a> {
         let (mut states, mut parameters) = (Vec::new(), Vec::new());
         for lane in 0..lanes {
             let member = first + lane as u64;
-            let (state, own) = ensemble.population.draw(member).unwrap_or_else(|| {
+            let (state, own) = ensemble.population.draw(member).unwrap_or_else(|reason| {
                 failures[lane] = Some(MemberFailure {
                     member,
                     step: 0,
                     time: 0.0,
-                    message: NO_LEAF.to_owned(),
+                    message: reason.to_string(),
                     state: Vec::new(),
                 });
                 (plan.initial.clone(), ensemble.run.system.parameter_values())
@@ -159,12 +162,20 @@ impl<'a> Block<'a> {
         let (initial, values) = (interleaved(&states), interleaved(&parameters));
         let map = ensemble.run.method.map();
         let integrator = SideBySide::new(map, lanes, &values, plan.epsilon, plan.h, &initial);
-        let window_ends = ensemble.window_ends();
+        // H + e is measured from e at the beginning.
+        let origins: Vec<f64> = states
+            .iter()
+            .filter_map(|state| ensemble.origin(state))
+            .collect();
+        let mut invariants = ensemble.invariants.evaluator(lanes, &values)?;
+        invariants.measure_from(&origins);
         Ok(Self {
-            invariants: ensemble.invariants.evaluator(lanes, &values)?,
             formulas: ensemble.formulas.evaluator(lanes, &values)?,
-            watch: Watch::new(ensemble, &parameters, &values)?,
-            deviations: vec![None; lanes],
+            watch: Watch::new(ensemble, &parameters, &values, &origins)?,
+            next: vec![0; lanes],
+            deviations: vec![0.0; shape.invariants * lanes],
+            window: vec![Some(0); lanes],
+            invariants,
             integrator,
             record: Record {
                 first,
@@ -176,17 +187,14 @@ impl<'a> Block<'a> {
                 states,
                 parameters,
                 failures,
+                ends: vec![None; lanes],
                 stops: vec![None; lanes],
                 crossings: (first..first + lanes as u64)
                     .map(|member| MemberCrossings::new(directory, member))
                     .collect(),
                 statistics: SolverStatistics::default(),
             },
-            sample: 0,
-            window: 0,
-            window_end: window_ends.first().copied().unwrap_or(0),
-            sampled: ensemble.sampled_steps(),
-            window_ends,
+            window_ends: ensemble.window_ends(),
             ensemble,
         })
     }
@@ -203,7 +211,7 @@ impl<'a> Block<'a> {
         if !self.watch.is_blind() {
             let found = self.watch.begin(&self.integrator)?;
             self.take_stops(found);
-            self.keep_deviations();
+            self.close_windows();
         }
         self.take_sample();
         Ok(())
@@ -224,36 +232,41 @@ impl<'a> Block<'a> {
         if any {
             for (lane, error) in errors {
                 let (made, state) = self.integrator.last(lane);
+                let time = ensemble.time(made, &state);
                 let state = ensemble.run.own(&state);
-                let mut failure = Failure::of_step(&error, made, ensemble.time(made), state);
+                let mut failure = Failure::of_step(&error, made, time, state);
                 failure.of_parts(&ensemble.run.plan.parts);
                 record.failures[lane] = Some(told(record.first + lane as u64, failure));
             }
         }
-        let takes_part: Vec<bool> = match is_blind {
-            true => Vec::new(),
-            false => (0..self.record.lanes)
-                .map(|lane| self.integrator.lives(lane))
-                .collect(),
-        };
+        let mut takes_part: Vec<bool> = Vec::new();
         if !is_blind {
+            for (lane, failure) in self.watch.paces(&self.integrator, steps)? {
+                // The state that was reached is none of the motion's.
+                self.record.ends[lane] = Some(failure.state.clone());
+                self.integrator.rest(lane);
+                self.fail(lane, failure);
+            }
+            let lives = |lane| self.integrator.lives(lane);
+            takes_part = (0..self.record.lanes).map(lives).collect();
             let found = self.watch.stops(&self.integrator, steps)?;
             self.take_stops(found);
         }
+        self.open_windows(steps);
         let is_last = steps == ensemble.run.plan.steps;
         if steps.is_multiple_of(ensemble.drift_every) || is_last {
             self.take_drift(steps);
         }
         if !is_blind {
             self.take_crossings(steps, &takes_part)?;
-            self.keep_deviations();
         }
-        if self.sampled.get(self.sample) == Some(&steps) {
+        if ensemble.clock.is_of_time {
+            self.take_times(steps, &takes_part)?;
+        } else if ensemble.clock.samples.get(self.next[0]) == Some(&(steps as f64)) {
             self.take_sample();
         }
-        if steps == self.window_end {
-            self.window += 1;
-            self.window_end = self.window_ends.get(self.window).copied().unwrap_or(0);
+        if !is_blind {
+            self.close_windows();
         }
         Ok(())
     }
@@ -284,11 +297,7 @@ impl<'a> Block<'a> {
                 Ok((time, row)) => {
                     self.record.crossings[lane].push(member, time, row.into_iter())?;
                 }
-                Err(failure) => {
-                    self.integrator.rest(lane);
-                    self.record.stops[lane] = None;
-                    self.fail(lane, failure);
-                }
+                Err(failure) => self.end_as_failed(lane, failure),
             }
         }
         Ok(())
@@ -299,23 +308,76 @@ impl<'a> Block<'a> {
         self.record.failures[lane] = Some(told(member, failure));
     }
 
-    /// Keeps the deviations of members that have just ended.
-    fn keep_deviations(&mut self) {
-        let lanes = self.record.lanes;
-        for (lane, kept) in self.deviations.iter_mut().enumerate() {
-            if self.record.stops[lane].is_some() && kept.is_none() {
-                let own = self.record.windows.iter().skip(lane).step_by(lanes);
-                *kept = Some(own.copied().collect());
+    /// The mark of a lane after so many steps.
+    fn mark(&self, lane: usize, steps: u64) -> f64 {
+        let clock = &self.ensemble.clock;
+        if !clock.is_of_time {
+            return steps as f64;
+        }
+        let state = column(self.integrator.state(), lane, self.record.lanes);
+        clock.mark(steps, self.ensemble.time(steps, &state))
+    }
+
+    /// Puts the deviations of lanes away that have come to another window with the last step.
+    fn open_windows(&mut self, steps: u64) {
+        let lanes = match self.ensemble.clock.is_of_time {
+            true => self.record.lanes,
+            // All go together.
+            false
+                if self
+                    .window_ends
+                    .binary_search_by(|end| end.total_cmp(&(steps as f64 - 1.0)))
+                    .is_ok() =>
+            {
+                self.record.lanes
             }
+            false => 0,
+        };
+        for lane in 0..lanes {
+            let Some(present) = self.window[lane] else {
+                continue;
+            };
+            let now = window(&self.window_ends, self.mark(lane, steps));
+            if now != present {
+                self.put_away(lane);
+                self.window[lane] = Some(now);
+            }
+        }
+    }
+
+    /// Ends the windows of members that have just ended.
+    fn close_windows(&mut self) {
+        for lane in 0..self.record.lanes {
+            if !self.integrator.lives(lane) {
+                self.put_away(lane);
+                self.window[lane] = None;
+            }
+        }
+    }
+
+    /// Writes a lane's deviations into the window it is in.
+    fn put_away(&mut self, lane: usize) {
+        let Some(window) = self.window[lane] else {
+            return;
+        };
+        let (lanes, size) = (self.record.lanes, self.deviations.len());
+        let Some(place) = self
+            .record
+            .windows
+            .get_mut(window * size..(window + 1) * size)
+        else {
+            return;
+        };
+        for at in (lane..size).step_by(lanes) {
+            place[at] = std::mem::take(&mut self.deviations[at]);
         }
     }
 
     fn take_drift(&mut self, steps: u64) {
         let values = self.invariants.at(self.integrator.state());
-        let size = values.len();
-        let window = &mut self.record.windows[self.window * size..][..size];
         let mut sum = 0.0;
-        for ((largest, value), initial) in window.iter_mut().zip(values).zip(&self.record.initial) {
+        let largest = self.deviations.iter_mut();
+        for ((largest, value), initial) in largest.zip(values).zip(&self.record.initial) {
             let deviation = (value - initial).abs();
             *largest = if deviation > *largest {
                 deviation
@@ -344,7 +406,7 @@ impl<'a> Block<'a> {
             }
             self.integrator.rest(lane);
             let (_, state) = self.integrator.last(lane);
-            let time = self.ensemble.time(steps);
+            let time = self.ensemble.time(steps, &state);
             let state = self.ensemble.run.own(&state);
             let failure = Failure::of_observable(names[at], steps, time, state);
             let member = self.record.first + lane as u64;
@@ -358,7 +420,7 @@ impl<'a> Block<'a> {
         let invariants = self.invariants.at(state);
         let formulas = self.formulas.at(state);
         let size = self.ensemble.columns.len() * lanes;
-        let row = &mut self.record.samples[self.sample * size..][..size];
+        let row = &mut self.record.samples[self.next[0] * size..][..size];
         for (values, column) in row.chunks_exact_mut(lanes).zip(&self.ensemble.columns) {
             let (all, at) = match column {
                 Column::Invariant(at) => (invariants, at),
@@ -366,26 +428,64 @@ impl<'a> Block<'a> {
             };
             values.copy_from_slice(&all[at * lanes..][..lanes]);
         }
-        self.sample += 1;
+        self.next.iter_mut().for_each(|next| *next += 1);
+    }
+
+    /// Takes in the states at the times that members have passed in the last step; those that have come to the end rest.
+    fn take_times(&mut self, steps: u64, takes_part: &[bool]) -> Result<(), RunError> {
+        let (ensemble, lanes) = (self.ensemble, self.record.lanes);
+        let (clock, columns) = (&ensemble.clock, ensemble.columns.len());
+        for lane in 0..lanes {
+            let stop = self.record.stops[lane].as_ref().map(|stop| stop.mark);
+            let present = self.mark(lane, steps);
+            let is_passed = |mark: f64| {
+                let is_met = ensemble.run.pace().is_none() && is_same_time(present, mark);
+                (is_met || present >= mark) && stop.is_none_or(|stop| mark < stop)
+            };
+            while takes_part[lane] && self.record.failures[lane].is_none() {
+                let next = self.next[lane];
+                let Some(mark) = clock.samples.get(next).filter(|mark| is_passed(**mark)) else {
+                    break;
+                };
+                let at = (steps, clock.time(*mark));
+                match self.watch.sample(&self.integrator, lane, at)? {
+                    Ok((state, row)) => {
+                        for (value, place) in row.into_iter().zip((next * columns)..) {
+                            self.record.samples[place * lanes + lane] = value;
+                        }
+                        self.next[lane] += 1;
+                        if self.next[lane] == clock.samples.len() {
+                            self.integrator.rest(lane);
+                            self.record.ends[lane] = Some(state);
+                        }
+                    }
+                    Err(failure) => self.end_as_failed(lane, failure),
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Ends a member whose step cannot be divided.
+    fn end_as_failed(&mut self, lane: usize, failure: Failure) {
+        self.integrator.rest(lane);
+        self.record.stops[lane] = None;
+        self.fail(lane, failure);
     }
 
     fn finish(mut self) -> Record {
         self.record.statistics = self.integrator.statistics();
+        for lane in 0..self.record.lanes {
+            self.put_away(lane);
+        }
         for (lane, state) in self.record.states.iter_mut().enumerate() {
-            *state = match &self.record.stops[lane] {
-                Some(stop) => stop.state.clone(),
-                None => self.integrator.last(lane).1,
+            *state = match (&self.record.stops[lane], self.record.ends[lane].take()) {
+                (Some(stop), _) => stop.state.clone(),
+                (None, Some(end)) => end,
+                (None, None) => self.integrator.last(lane).1,
             };
             if self.record.failures[lane].is_some() {
                 self.record.crossings[lane].clear();
-            }
-            // A member that never made a step deviates by nothing.
-            let stopped = self.record.stops[lane].is_some();
-            if stopped || self.deviations[lane].is_some() {
-                let own = self.record.windows.iter_mut().skip(lane);
-                let own = own.step_by(self.record.lanes).enumerate();
-                let kept = self.deviations[lane].as_deref().unwrap_or(&[]);
-                own.for_each(|(at, value)| *value = kept.get(at).copied().unwrap_or(0.0));
             }
         }
         self.record
@@ -452,20 +552,20 @@ impl Record {
     /// Takes the members in, one after the other.
     pub fn fold(&self, ensemble: &ComposedEnsemble, into: &mut Tree) {
         into.add_work(self.statistics);
-        let sampled = ensemble.sampled_steps();
+        let (windows, losses) = (ensemble.window_ends(), ensemble.loss_ends());
         for lane in 0..self.lanes {
-            into.take(|into| self.fold_lane(ensemble, &sampled, lane, into));
+            into.take(|into| self.fold_lane(ensemble, (&windows, &losses), lane, into));
         }
     }
 
     fn fold_lane(
         &self,
         ensemble: &ComposedEnsemble,
-        sampled: &[u64],
+        (windows, losses): (&[f64], &[f64]),
         lane: usize,
         into: &mut Reductions,
     ) {
-        let (lanes, window) = (self.lanes, ensemble.window());
+        let (lanes, sampled) = (self.lanes, &ensemble.clock.samples);
         let (columns, invariants) = (ensemble.columns.len(), ensemble.invariants.count());
         if let Some(failure) = self.failures[lane].clone() {
             into.push_failure(failure);
@@ -476,17 +576,20 @@ impl Record {
         let stop = self.stops[lane].as_ref();
         if let Some(stop) = stop {
             into.stopped += 1;
-            into.losses[ensemble.loss_place(stop.step)] += 1;
+            into.losses[window(losses, stop.mark)] += 1;
         }
-        // What lies before the step in which it has ended.
-        let is_before = |step: u64| stop.is_none_or(|stop| step < stop.step);
+        // What lies before the place where it has ended.
+        let is_before = |mark: f64| stop.is_none_or(|stop| mark < stop.mark);
         for (at, summary) in into.summaries.iter_mut().enumerate() {
             if is_before(sampled[at / columns]) {
                 summary.push(own(&self.samples, at), member);
             }
         }
         for (at, deviation) in into.windows.iter_mut().enumerate() {
-            if is_before((at / invariants) as u64 * window) {
+            let begin = (at / invariants)
+                .checked_sub(1)
+                .map_or(0.0, |before| windows[before]);
+            if is_before(begin) {
                 deviation.push(own(&self.windows, at), member);
             }
         }

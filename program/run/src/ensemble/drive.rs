@@ -73,7 +73,8 @@ impl Session<'_> {
         save: &mut dyn FnMut(&Checkpoint) -> Result<(), RunError>,
     ) -> Result<RunOutcome, RunError> {
         let (begun, members) = (self.tree.members().start, self.end);
-        let steps = self.ensemble.run.plan.steps;
+        // Where steps are not counted, members are.
+        let steps = self.ensemble.steps().unwrap_or(1);
         let from = self.tree.next();
         let blocks = blocks(from, members, workforce);
         let signals = Signals::default();
@@ -153,7 +154,7 @@ impl Session<'_> {
                         .saturating_mul(steps)
                         .saturating_add(signals.steps.load(Ordering::Relaxed)),
                     total: (members - begun).saturating_mul(steps),
-                    time: ensemble.time(steps),
+                    time: ensemble.end(),
                     until: None,
                     energy_drift: self.tree.largest_deviation(),
                 });

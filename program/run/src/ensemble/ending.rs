@@ -23,7 +23,8 @@ pub struct EnsembleEnding<'a> {
     stopped_by: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     crossings: Option<u64>,
-    steps: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    steps: Option<u64>,
     time: Double,
     wall_seconds: f64,
     members_per_second: f64,
@@ -98,7 +99,7 @@ impl<'a> EnsembleEnding<'a> {
         let all = &report.reductions;
         let invariants = ensemble.invariant_names().into_iter().enumerate();
         let stop = ensemble.run.plan.events.stop.as_ref();
-        let rows: Vec<(u64, &str, &Summary)> = summaries(ensemble, report).collect();
+        let rows: Vec<(f64, &str, &Summary)> = summaries(ensemble, report).collect();
         Self {
             members: ensemble.population.members(),
             done: all.done(),
@@ -106,8 +107,8 @@ impl<'a> EnsembleEnding<'a> {
             stopped: stop.map(|_| all.stopped),
             stopped_by: stop.map(|stop| stop.text.as_str()),
             crossings: report.crossings,
-            steps: ensemble.run.plan.steps,
-            time: Double(ensemble.time(ensemble.run.plan.steps)),
+            steps: ensemble.steps(),
+            time: Double(ensemble.end()),
             wall_seconds: report.wall_seconds,
             members_per_second: report.rate(),
             solver: all.statistics,
@@ -154,10 +155,10 @@ impl Drift {
 }
 
 impl<'a> AtTime<'a> {
-    fn of(ensemble: &ComposedEnsemble, rows: &[(u64, &'a str, &Summary)]) -> Self {
+    fn of(ensemble: &ComposedEnsemble, rows: &[(f64, &'a str, &Summary)]) -> Self {
         let fields = |summary| SummaryFields::of(ensemble, summary);
         Self {
-            time: Double(ensemble.time(rows[0].0)),
+            time: Double(rows[0].0),
             observables: rows
                 .iter()
                 .map(|(_, name, summary)| (*name, fields(summary)))

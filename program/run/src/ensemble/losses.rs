@@ -59,22 +59,11 @@ fn interval(count: u64, members: u64) -> [f64; 2] {
 }
 
 impl ComposedEnsemble {
-    /// The steps after which the members that have ended are counted: the first is the beginning, the last the end.
-    pub(super) fn loss_ends(&self) -> Vec<u64> {
-        let steps = self.run.plan.steps;
-        let count = steps.div_ceil(self.loss_window());
-        (0..=count)
-            .map(|k| (k * self.loss_window()).min(steps))
-            .collect()
-    }
-
-    fn loss_window(&self) -> u64 {
-        self.run.plan.steps.div_ceil(MOST_TIMES).max(1)
-    }
-
-    /// The place among [`loss_ends`](Self::loss_ends) of a member that has ended in a step.
-    pub(super) fn loss_place(&self, step: u64) -> usize {
-        step.div_ceil(self.loss_window()) as usize
+    /// The marks at which the members that have ended are counted: the first is the beginning, the last the end.
+    pub(super) fn loss_ends(&self) -> Vec<f64> {
+        let mut ends = self.clock.windows(MOST_TIMES);
+        ends.insert(0, 0.0);
+        ends
     }
 
     /// The members that have ended by each time; none without a condition.
@@ -82,9 +71,9 @@ impl ComposedEnsemble {
         let members = reductions.members - reductions.failed;
         let mut stopped = 0;
         let ends = self.loss_ends().into_iter();
-        let counted = ends.zip(&reductions.losses).map(|(step, count)| {
+        let counted = ends.zip(&reductions.losses).map(|(mark, count)| {
             stopped += count;
-            Loss::new(self.time(step), stopped, members)
+            Loss::new(self.clock.time(mark), stopped, members)
         });
         counted.collect()
     }

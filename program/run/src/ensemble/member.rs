@@ -4,7 +4,7 @@ use thiserror::Error;
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Value};
 
 use super::plan::ComposedEnsemble;
-use super::population::NO_LEAF;
+use super::population::NoMember;
 use leafwise_scene::document::{CHOSEN_AT, SceneDocument};
 
 /// Why a member has no scene.
@@ -20,10 +20,12 @@ pub enum MemberError {
         members: u64,
     },
     /// A member without an initial state.
-    #[error("member {member} has no initial state: {NO_LEAF}")]
+    #[error("member {member} has no initial state: {reason}")]
     NoState {
         /// The number asked for.
         member: u64,
+        /// Why.
+        reason: NoMember,
     },
     /// A scene whose text cannot be rewritten.
     #[error("the scene cannot be written for one member: {reason}")]
@@ -49,7 +51,7 @@ pub fn member_scene(
         return Err(MemberError::Absent { member, members });
     }
     let drawn = ensemble.population.draw(member);
-    let (state, parameters) = drawn.ok_or(MemberError::NoState { member })?;
+    let (state, parameters) = drawn.map_err(|reason| MemberError::NoState { member, reason })?;
     let rewrite = |reason: String| MemberError::Rewrite { reason };
     let mut scene: DocumentMut = document
         .text

@@ -3,7 +3,7 @@
 //! - `plan`: [`compose_ensemble`], a scene's system and method with its members;
 //! - `population`: [`Population`], the members' initial states and parameters by number;
 //! - `random`: numbers that depend on seed, member and purpose alone; `states`: [`Members`] that are given, by a file too;
-//! - `block`: members side by side; `observers`: functions of all their states;
+//! - `clock`: when they are looked at; `block`: members side by side; `observers`: functions of all their states;
 //! - `drive`: blocks on threads, taken in by number, so that no result depends on either;
 //! - `watch`: where members end or cross a section between two steps; `section`: the crossings in one file;
 //! - `statistics`, `quantiles`, `losses`: what members are reduced to; `tree`: in which order;
@@ -15,6 +15,7 @@
 mod advice;
 mod block;
 mod checkpoint;
+mod clock;
 mod drive;
 mod ending;
 mod execute;
@@ -47,7 +48,7 @@ pub use losses::Loss;
 pub use member::{MemberError, member_scene};
 pub use merge::{MergeError, Missing, Shards, merge_shards};
 pub use plan::{ComposedEnsemble, compose_ensemble, compose_members};
-pub use population::Population;
+pub use population::{NoMember, Population};
 pub use report::EnsembleReport;
 pub use shard::{Shard, ShardError};
 pub use states::Members;

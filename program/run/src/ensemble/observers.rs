@@ -5,6 +5,8 @@ use leafwise_core::{BuildError, Observe, PoissonSystem};
 use leafwise_expression::{Expression, Graph, Kernel, Term, Workspace};
 use leafwise_scene::compose::{ComposedRun, Section, Stop};
 
+use crate::paced::Paced;
+
 /// Functions of the state, compiled once for all blocks of members.
 pub(super) enum Functions {
     Code(Kernel),
@@ -13,11 +15,12 @@ pub(super) enum Functions {
 }
 
 impl Functions {
-    /// Energy, then each Casimir.
+    /// Energy, then each Casimir; H + e for the energy where there is a pace.
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where one has no code.
-    pub fn invariants(system: &PoissonSystem) -> Result<Self, BuildError> {
+    pub fn invariants(run: &ComposedRun) -> Result<Self, BuildError> {
+        let system = &run.system;
         let Some(formulas) = system.expressions() else {
             let count = system.casimir_names().len() + 1;
             return Ok(Self::Numbers(system.clone(), count));
@@ -26,9 +29,11 @@ impl Functions {
             .casimirs()
             .iter()
             .map(|casimir| &casimir.expression);
-        let all: Vec<_> = std::iter::once(formulas.hamiltonian())
-            .chain(casimirs)
-            .collect();
+        let energy = match Paced::watched(run) {
+            Some([_, energy]) => energy,
+            None => formulas.hamiltonian(),
+        };
+        let all: Vec<_> = std::iter::once(energy).chain(casimirs).collect();
         Self::formulas(system, &all)
     }
 
@@ -92,12 +97,14 @@ impl Functions {
         Ok(ObservableEvaluator {
             evaluator,
             values: vec![0.0; self.count() * lanes],
+            origin: Vec::new(),
         })
     }
 }
 
-/// The differences of both sides, of the condition and of the section, as code.
+/// The differences of both sides, of the condition and of the section, and what a pace watches, as code.
 pub(super) struct Watched {
+    pub pace: Option<Functions>,
     pub stop: Option<(Stop, Functions)>,
     pub section: Option<(Section, Functions)>,
 }
@@ -118,7 +125,9 @@ impl Watched {
             let code = code(&section.difference)?;
             Ok::<_, BuildError>((section, code))
         });
+        let pace = Paced::watched(run).map(|watched| Functions::formulas(&run.system, &watched));
         Ok(Self {
+            pace: pace.transpose()?,
             stop: stop.transpose()?,
             section: section.transpose()?,
         })
@@ -129,6 +138,8 @@ impl Watched {
 pub(super) struct ObservableEvaluator<'a> {
     evaluator: Evaluator<'a>,
     values: Vec<f64>,
+    /// Of the first function, for each lane; zeros where none are given.
+    origin: Vec<f64>,
 }
 
 enum Evaluator<'a> {
@@ -141,6 +152,12 @@ enum Evaluator<'a> {
 }
 
 impl ObservableEvaluator<'_> {
+    /// Takes a number for each lane from the first function: e_0 from H + e, as a run's balance does.
+    pub fn measure_from(&mut self, origin: &[f64]) {
+        self.origin.clear();
+        self.origin.extend_from_slice(origin);
+    }
+
     /// The values at states, both structures of arrays.
     pub fn at(&mut self, states: &[f64]) -> &[f64] {
         match &mut self.evaluator {
@@ -166,6 +183,18 @@ impl ObservableEvaluator<'_> {
                 }
             }
         }
+        let first = self.values.iter_mut().zip(&self.origin);
+        first.for_each(|(value, origin)| *value -= origin);
         &self.values
+    }
+}
+
+impl Observe for ObservableEvaluator<'_> {
+    fn observables(&self) -> usize {
+        self.values.len()
+    }
+
+    fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
+        values.copy_from_slice(self.at(state));
     }
 }

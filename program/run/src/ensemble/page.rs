@@ -28,7 +28,7 @@ pub(super) fn data(
     let all = &report.reductions;
     let plan = &ensemble.run.plan;
     let members = ensemble.population.members();
-    let end = short(ensemble.time(plan.steps));
+    let end = short(ensemble.end());
     let stop = plan.events.stop.as_ref();
     let stopped = || match stop {
         Some(stop) => format!("{} stopped by {}, ", all.stopped, stop.text),
@@ -60,7 +60,16 @@ pub(super) fn data(
                 all.failed
             ),
         ),
-        line("Steps of each", format!("{} to t = {end}", plan.steps)),
+        match ensemble.steps() {
+            Some(steps) => line("Steps of each", format!("{steps} to t = {end}")),
+            None => line(
+                "Steps of each",
+                format!(
+                    "its own, at the pace {}, to t = {end}",
+                    ensemble.run.pace().map_or("", |pace| &pace.text)
+                ),
+            ),
+        },
         line(
             "Integration",
             format!(
@@ -91,12 +100,12 @@ pub(super) fn data(
     }
     let names = ensemble.observables();
     let mut bands: Vec<Band> = names.iter().map(|name| Band::new(name)).collect();
-    for (at, (steps, _, summary)) in summaries(ensemble, report).enumerate() {
+    for (at, (time, _, summary)) in summaries(ensemble, report).enumerate() {
         if summary.count == 0 {
             continue;
         }
         let band = &mut bands[at % names.len()];
-        band.times.push(ensemble.time(steps));
+        band.times.push(time);
         band.means.push(summary.mean);
         band.deviations.push(summary.deviation());
         band.ranges.push((summary.minimum.0, summary.maximum.0));
@@ -105,7 +114,7 @@ pub(super) fn data(
     let ends: Vec<f64> = ensemble
         .window_ends()
         .into_iter()
-        .map(|k| ensemble.time(k))
+        .map(|mark| ensemble.clock.time(mark))
         .collect();
     let invariants = ensemble.invariant_names();
     let drifts = invariants

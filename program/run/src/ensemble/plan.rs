@@ -5,6 +5,7 @@ use std::path::Path;
 use leafwise_core::Registry;
 use leafwise_expression::Expression;
 
+use super::clock::Clock;
 use super::observers::{Functions, Watched};
 use super::population::Population;
 use super::states::Members;
@@ -28,8 +29,6 @@ pub struct ComposedEnsemble {
     pub run: ComposedRun,
     /// The members.
     pub population: Population,
-    /// Every how many steps observables are reduced.
-    pub every: u64,
     /// Every how many steps the invariants' deviations are taken in.
     pub drift_every: u64,
     /// The quantiles of every observable.
@@ -40,6 +39,7 @@ pub struct ComposedEnsemble {
     pub(super) formulas: Functions,
     pub(super) watched: Watched,
     pub(super) columns: Vec<Column>,
+    pub(super) clock: Clock,
 }
 
 /// Where a reduced value comes from.
@@ -98,20 +98,11 @@ fn compose_from(
             "shorten the lattice, or run its members one by one: leafwise run SCENE --set …",
         ));
     }
-    if let Some(pace) = &document.method.pace {
-        return Err(Box::new(document.diagnostic(
-            &pace.place(),
-            "an ensemble is not offered with a pace: its statistics are of one time, and with a pace every member has its own",
-            "here",
-            Some(
-                "take the pace out, or run its members one by one: leafwise run SCENE --set run.initial=…".to_owned(),
-            ),
-        )));
-    }
+    check_paced(document, ensemble)?;
     let population = Population::of(document, ensemble, &run, directory, members)?;
-    let steps = run.plan.steps;
-    let every = ensemble.record.every.min(steps.max(1));
-    let numbers = (steps / every + 2).saturating_mul(run.plan.observables.len() as u64);
+    let every = ensemble.record.every.min(run.plan.steps.max(1));
+    let count = Clock::count(&run, every);
+    let numbers = count.saturating_mul(run.plan.observables.len() as u64);
     let most = if ensemble.quantiles.is_empty() {
         MOST_SUMMARIES
     } else {
@@ -120,7 +111,7 @@ fn compose_from(
     if numbers > most {
         return Err(refuse(
             format!("{numbers} statistics over the members, at most {most} are held in memory"),
-            "write a larger `every` into record",
+            "record more rarely: a larger `every` or `interval`",
         ));
     }
     let without_code =
@@ -142,7 +133,7 @@ fn compose_from(
     }
     let expressions: Vec<&Expression> = expressions.iter().collect();
     let formulas = Functions::formulas(&run.system, &expressions).map_err(without_code)?;
-    let invariants = Functions::invariants(&run.system).map_err(without_code)?;
+    let invariants = Functions::invariants(&run).map_err(without_code)?;
     let watched = Watched::of(&run).map_err(without_code)?;
     Ok(ComposedEnsemble {
         watched,
@@ -150,12 +141,38 @@ fn compose_from(
         formulas,
         columns,
         population,
-        every,
+        clock: Clock::of(&run, every),
         drift_every: ensemble.drift_every,
         quantiles: ensemble.quantiles.clone(),
         final_states: ensemble.final_states,
         run,
     })
+}
+
+/// With a pace every member makes steps of its own: all of them are at one time, not after one number of steps.
+fn check_paced(document: &SceneDocument, ensemble: &EnsembleSection) -> Result<(), Refusal> {
+    let Some(pace) = &document.method.pace else {
+        return Ok(());
+    };
+    let (message, help) = if document.run.until.is_none() {
+        (
+            "with a pace the members of an ensemble come to different times in one number of steps",
+            "write `until`, the time at the end, in place of `steps`",
+        )
+    } else if ensemble.has_every {
+        (
+            "with a pace the members of an ensemble are at different times after one number of steps: `every` has no meaning",
+            "write an `interval` or `times` into record, in place of `every`",
+        )
+    } else {
+        return Ok(());
+    };
+    Err(Box::new(document.diagnostic(
+        &pace.place(),
+        message,
+        "here",
+        Some(help.to_owned()),
+    )))
 }
 
 /// The scene's `[ensemble]` table.
@@ -177,28 +194,9 @@ pub(super) fn section(document: &SceneDocument) -> Result<&EnsembleSection, Refu
 }
 
 impl ComposedEnsemble {
-    /// The steps after which observables are reduced: the first and the last among them.
-    pub fn sampled_steps(&self) -> Vec<u64> {
-        let steps = self.run.plan.steps;
-        let mut sampled: Vec<u64> = (0..=steps / self.every).map(|k| k * self.every).collect();
-        if sampled.last() != Some(&steps) {
-            sampled.push(steps);
-        }
-        sampled
-    }
-
-    /// Steps in a window of the invariants' deviations.
-    pub fn window(&self) -> u64 {
-        self.run.plan.steps.div_ceil(MOST_WINDOWS).max(1)
-    }
-
-    /// The steps after which windows end.
-    pub fn window_ends(&self) -> Vec<u64> {
-        let steps = self.run.plan.steps;
-        let count = steps.div_ceil(self.window());
-        (1..=count)
-            .map(|k| (k * self.window()).min(steps))
-            .collect()
+    /// The marks at which windows of the invariants' deviations end.
+    pub(super) fn window_ends(&self) -> Vec<f64> {
+        self.clock.windows(MOST_WINDOWS)
     }
 
     /// The names of the observables.
@@ -217,14 +215,40 @@ impl ComposedEnsemble {
         std::iter::once("energy").chain(casimirs).collect()
     }
 
-    /// t after so many steps.
-    pub fn time(&self, steps: u64) -> f64 {
-        steps as f64 * (self.run.plan.epsilon * self.run.plan.h)
+    /// The time of a member at a state after so many steps.
+    pub(super) fn time(&self, steps: u64, state: &[f64]) -> f64 {
+        match (self.run.pace(), &self.run.extension) {
+            (Some(_), Some(extension)) => state[extension.coordinates],
+            _ => steps as f64 * (self.run.plan.epsilon * self.run.plan.h),
+        }
+    }
+
+    /// What H + e is measured from: e at an initial state, beside a pace.
+    pub(super) fn origin(&self, initial: &[f64]) -> Option<f64> {
+        self.run.pace()?;
+        let extension = self.run.extension.as_ref()?;
+        Some(initial[extension.coordinates + 1])
+    }
+
+    /// The time at the end.
+    pub fn end(&self) -> f64 {
+        self.clock.time(self.clock.end())
+    }
+
+    /// The times at which observables are reduced: the first and the last among them.
+    pub fn sampled(&self) -> Vec<f64> {
+        let marks = self.clock.samples.iter();
+        marks.map(|mark| self.clock.time(*mark)).collect()
+    }
+
+    /// The steps of each member, where all make the same.
+    pub fn steps(&self) -> Option<u64> {
+        self.run.plan.until.is_none().then_some(self.run.plan.steps)
     }
 
     pub(super) fn shape(&self) -> Shape {
         Shape {
-            times: self.sampled_steps().len(),
+            times: self.clock.samples.len(),
             observables: self.columns.len(),
             windows: self.window_ends().len(),
             invariants: self.invariants.count(),

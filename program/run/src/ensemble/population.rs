@@ -8,10 +8,11 @@ use leafwise_core::solver::judge::Verdict;
 use leafwise_core::solver::{CorrectionSize, DenseFactors, LinearIteration};
 
 use sha2::{Digest, Sha256};
+use thiserror::Error;
 
 use super::random::Random;
 use super::states::Members;
-use leafwise_scene::compose::{ComposedRun, Refusal};
+use leafwise_scene::compose::{ComposedRun, Extension, NoStart, Refusal};
 use leafwise_scene::document::{
     Distribution, EnsembleSection, InitialDraw, Located, ParameterDraw, SceneDocument,
 };
@@ -38,6 +39,8 @@ pub struct Population {
     points: u64,
     /// Energy and Casimirs, for leaves.
     invariants: Option<SmoothMap>,
+    /// The time and its energy, where they are coordinates.
+    extension: Option<Extension>,
     /// Of members that are given, so that a changed one is not resumed from.
     fingerprint: Option<[u8; 32]>,
 }
@@ -48,9 +51,17 @@ enum Start {
     Rows(Vec<f64>),
 }
 
-/// A member that has no initial state.
-pub(super) const NO_LEAF: &str =
-    "no way along the Casimirs' gradients leads from the drawn state to the center's leaf";
+/// Why a member has no initial state.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum NoMember {
+    /// A drawn state away from the leaf.
+    #[error("no way along the Casimirs' gradients leads from the drawn state to the center's leaf")]
+    NoLeaf,
+    /// A state where no paced motion begins.
+    #[error(transparent)]
+    NoStart(#[from] NoStart),
+}
 
 impl Population {
     /// The members of a scene; `directory` is where its files are, `given` are members in memory.
@@ -135,6 +146,7 @@ impl Population {
             given: own_parameters,
             points,
             invariants,
+            extension: run.extension.clone(),
             fingerprint,
         })
     }
@@ -160,8 +172,11 @@ impl Population {
         drawn.chain(self.given.iter().map(|(at, _)| *at)).collect()
     }
 
-    /// A member's initial state and parameters; `None` where its distribution has no state for it.
-    pub fn draw(&self, member: u64) -> Option<(Vec<f64>, Vec<f64>)> {
+    /// A member's initial state and parameters.
+    ///
+    /// # Errors
+    /// [`NoMember`] where its distribution has no state for it, or no motion begins there.
+    pub fn draw(&self, member: u64) -> Result<(Vec<f64>, Vec<f64>), NoMember> {
         let mut parameters = self.parameters.clone();
         // The last direction of the grid varies first.
         let mut place = member % self.points;
@@ -199,9 +214,13 @@ impl Population {
             }
         }
         if let Some(invariants) = &self.invariants {
-            onto_leaf(invariants, &parameters, &self.center, &mut state)?;
+            let found = onto_leaf(invariants, &parameters, &self.center, &mut state);
+            found.ok_or(NoMember::NoLeaf)?;
         }
-        Some((state, parameters))
+        if let Some(extension) = &self.extension {
+            extension.begin(&mut state, &parameters)?;
+        }
+        Ok((state, parameters))
     }
 }
 

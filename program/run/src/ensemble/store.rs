@@ -83,7 +83,7 @@ impl FinalStore {
         let varied = ensemble.population.varied();
         let mut rows = Table::default();
         let has_times = ensemble.run.plan.events.stop.is_some();
-        let end = ensemble.time(ensemble.run.plan.steps);
+        let end = ensemble.end();
         for (member, lane, ended) in record.members() {
             let state = ensemble.run.own(&record.states[lane]);
             if ensemble.final_states == FinalStates::Binary {

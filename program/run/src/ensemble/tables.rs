@@ -40,10 +40,10 @@ fn statistics(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Table {
     let quantiles = ensemble.quantiles.iter().map(|p| format!("q{p:?}"));
     let columns = MOMENTS.map(str::to_owned).into_iter().chain(quantiles);
     let mut table = Table::new(columns);
-    for (steps, name, summary) in summaries(ensemble, report) {
+    for (time, name, summary) in summaries(ensemble, report) {
         let (minimum, maximum) = (summary.minimum, summary.maximum);
         table
-            .number(ensemble.time(steps))
+            .number(time)
             .text(name)
             .whole(summary.count)
             .whole(summary.undefined)
@@ -59,16 +59,16 @@ fn statistics(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Table {
     table
 }
 
-/// Every summary with its step and observable.
+/// Every summary with its time and observable.
 pub(super) fn summaries<'a>(
     ensemble: &'a ComposedEnsemble,
     report: &'a EnsembleReport,
-) -> impl Iterator<Item = (u64, &'a str, &'a Summary)> {
+) -> impl Iterator<Item = (f64, &'a str, &'a Summary)> {
     let names = ensemble.observables();
     let count = names.len();
-    let steps = ensemble.sampled_steps();
+    let times = ensemble.sampled();
     let all = report.reductions.summaries.iter().enumerate();
-    all.map(move |(at, summary)| (steps[at / count], names[at % count], summary))
+    all.map(move |(at, summary)| (times[at / count], names[at % count], summary))
 }
 
 /// The end of each window, and each invariant's largest deviation in it: over all members, whose it
@@ -84,8 +84,8 @@ fn windows(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Table {
     }
     let mut table = headings.table();
     let rows = report.reductions.windows.chunks_exact(names.len());
-    for (steps, row) in ensemble.window_ends().into_iter().zip(rows) {
-        table.number(ensemble.time(steps));
+    for (end, row) in ensemble.window_ends().into_iter().zip(rows) {
+        table.number(ensemble.clock.time(end));
         for deviation in row {
             table
                 .number(deviation.maximum)

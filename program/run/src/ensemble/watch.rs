@@ -1,19 +1,20 @@
 //! What happens to members between two steps: where they end, and where they cross a section.
 
 use leafwise_core::{BuildError, SideBySide};
-use leafwise_scene::compose::{Section, Stop};
+use leafwise_scene::compose::{Section, Stop, is_same_time};
 
 use super::observers::{Functions, ObservableEvaluator};
 use super::plan::{Column, ComposedEnsemble};
 use crate::Failure;
 use crate::events::{Lost, crossing, end, sign};
-use crate::last_step::{Between, LastStep};
+use crate::last_step::{Between, LastStep, StepEnd};
+use crate::paced::{Paced, PacedSteps};
 
 /// Where a condition has ended a member.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MemberStop {
-    /// In which step, counted from 1; 0 where it holds at the initial state.
-    pub step: u64,
+    /// Its mark on the way: that of the step, or of the time; 0 where it holds at the initial state.
+    pub mark: f64,
     /// The time.
     pub time: f64,
     /// The state.
@@ -33,6 +34,10 @@ pub(super) struct Watch<'a> {
     /// The states before the last step, and what they hold beyond a double.
     states: Vec<f64>,
     low: Vec<f64>,
+    /// How the pace of each lane has gone; empty where steps are of the time itself.
+    paced: Vec<PacedSteps>,
+    /// −H at the initial state of each lane, beside a pace.
+    origins: Vec<f64>,
     /// What looks at a member alone: one for all where they have the same parameters.
     alone: Vec<Option<Alone<'a>>>,
 }
@@ -40,6 +45,7 @@ pub(super) struct Watch<'a> {
 /// One member's last step and functions of its state.
 struct Alone<'a> {
     last: LastStep<'a>,
+    paced: Option<Paced<'a>>,
     stop: Option<ObservableEvaluator<'a>>,
     section: Option<ObservableEvaluator<'a>>,
     invariants: ObservableEvaluator<'a>,
@@ -50,11 +56,13 @@ struct Alone<'a> {
 pub(super) type Found<T> = Vec<(usize, Result<T, Failure>)>;
 
 impl<'a> Watch<'a> {
-    /// The members with these parameters; `values` are the same as a structure of arrays.
+    /// The members with these parameters; `values` are the same as a structure of arrays. `origins` are −H at their initial
+    /// states, beside a pace.
     pub fn new(
         ensemble: &'a ComposedEnsemble,
         parameters: &[Vec<f64>],
         values: &[f64],
+        origins: &[f64],
     ) -> Result<Self, BuildError> {
         let lanes = parameters.len();
         let watched = &ensemble.watched;
@@ -75,13 +83,76 @@ impl<'a> Watch<'a> {
             sides: vec![0.0; lanes],
             states: Vec::new(),
             low: Vec::new(),
+            paced: vec![PacedSteps::default(); origins.len()],
+            origins: origins.to_vec(),
             alone: (0..if differ { lanes } else { 1 }).map(|_| None).collect(),
         })
     }
 
     /// Whether there is nothing to look at.
     pub fn is_blind(&self) -> bool {
-        self.stop.is_none() && self.section.is_none()
+        let clock = &self.ensemble.clock;
+        self.stop.is_none() && self.section.is_none() && !clock.is_of_time
+    }
+
+    /// Looks at the pace after the last step: why members cannot go on from there.
+    pub fn paces(
+        &mut self,
+        integrator: &SideBySide,
+        steps: u64,
+    ) -> Result<Vec<(usize, Failure)>, BuildError> {
+        let mut failed = Vec::new();
+        for lane in 0..self.paced.len() {
+            if !integrator.lives(lane) {
+                continue;
+            }
+            let [state, compensation] = [integrator.state(), integrator.compensation()]
+                .map(|all| column(all, lane, self.sides.len()));
+            let end = StepEnd {
+                state: &state,
+                compensation: &compensation,
+            };
+            let mut own = std::mem::take(&mut self.paced[lane]);
+            let Alone { last, paced, .. } = self.alone(lane)?;
+            if let Some(paced) = paced {
+                std::mem::swap(&mut paced.steps, &mut own);
+                let failure = paced.take(last, end, steps);
+                std::mem::swap(&mut paced.steps, &mut own);
+                failed.extend(failure.map(|failure| (lane, failure)));
+            }
+            self.paced[lane] = own;
+        }
+        Ok(failed)
+    }
+
+    /// A member's state at a time within its last step, and the observables there.
+    pub fn sample(
+        &mut self,
+        integrator: &SideBySide,
+        lane: usize,
+        (steps, time): (u64, f64),
+    ) -> Result<Result<(Vec<f64>, Vec<f64>), Failure>, BuildError> {
+        let [state, compensation] = [integrator.state(), integrator.compensation()]
+            .map(|all| column(all, lane, self.sides.len()));
+        let ensemble = self.ensemble;
+        let Alone { last, paced, .. } = self.alone(lane)?;
+        let present = ensemble.time(steps, &state);
+        let end = StepEnd {
+            state: &state,
+            compensation: &compensation,
+        };
+        let found = match paced {
+            Some(paced) => paced.state_at(last, end, time),
+            None if is_same_time(present, time) => Ok(state.clone()),
+            None => last.state_at(steps, time),
+        };
+        Ok(match found {
+            Ok(found) => {
+                let row = self.row(lane, &found)?;
+                Ok((found, row))
+            }
+            Err(error) => Err(failure(ensemble, Lost::Step(error), steps, &state)),
+        })
     }
 
     /// Keeps the states that the next step begins at.
@@ -128,7 +199,7 @@ impl<'a> Watch<'a> {
                 false => {
                     let row = self.row(lane, &state)?;
                     Ok(MemberStop {
-                        step: 0,
+                        mark: 0.0,
                         time: 0.0,
                         state,
                         row,
@@ -176,10 +247,14 @@ impl<'a> Watch<'a> {
                 Err(lost) => Err(failure(ensemble, lost, steps, &after)),
                 Ok(None) => continue,
                 Ok(Some(between)) => {
-                    let time = last.time(steps, between.part);
+                    let time = time_of(ensemble, last, steps, &between);
+                    let mark = ensemble.clock.mark(steps, time);
+                    if mark > ensemble.clock.end() {
+                        continue;
+                    }
                     let row = self.row(lane, &between.state)?;
                     Ok(MemberStop {
-                        step: steps,
+                        mark,
                         time,
                         state: between.state,
                         row,
@@ -220,8 +295,7 @@ impl<'a> Watch<'a> {
             if value * side > 0.0 || !takes_part(lane) {
                 continue;
             }
-            let column = integrator.state().iter().skip(lane).step_by(lanes);
-            let after: Vec<f64> = column.copied().collect();
+            let after = column(integrator.state(), lane, lanes);
             let ensemble = self.ensemble;
             let alone = self.alone(lane)?;
             let Alone {
@@ -238,10 +312,14 @@ impl<'a> Watch<'a> {
                     }
                 };
             self.sides[lane] = other;
-            let Some(Between { part, state, .. }) = between else {
+            let Some(between) = between else {
                 continue;
             };
-            let time = self.alone(lane)?.last.time(steps, part);
+            let time = time_of(ensemble, &self.alone(lane)?.last, steps, &between);
+            let state = between.state;
+            if ensemble.clock.mark(steps, time) > ensemble.clock.end() {
+                continue;
+            }
             let forward = ensemble.run.plan.epsilon * ensemble.run.plan.h;
             if ended(lane).is_some_and(|end| (end - time) * forward < 0.0) {
                 continue;
@@ -278,6 +356,13 @@ impl<'a> Watch<'a> {
             let code = |of: &'a Functions| of.evaluator(1, parameters);
             *slot = Some(Alone {
                 last: LastStep::with(&ensemble.run, parameters.clone()),
+                paced: match &watched.pace {
+                    Some(of) => {
+                        let observer = Box::new(code(of)?);
+                        Paced::with(&ensemble.run, parameters.clone(), observer)
+                    }
+                    None => None,
+                },
                 stop: watched.stop.as_ref().map(|(_, of)| code(of)).transpose()?,
                 section: watched
                     .section
@@ -289,21 +374,36 @@ impl<'a> Watch<'a> {
             });
         }
         let alone = slot.as_mut().expect("it was made above");
+        let origin = self.origins.get(lane..=lane).unwrap_or_default();
+        alone.invariants.measure_from(origin);
         let start = &mut alone.last.start;
         for (own, all) in [
             (&mut start.state, &self.states),
             (&mut start.compensation, &self.low),
         ] {
-            let column = all.iter().skip(lane).step_by(lanes);
-            own.iter_mut().zip(column).for_each(|(own, x)| *own = *x);
+            let before = all.iter().skip(lane).step_by(lanes);
+            own.iter_mut().zip(before).for_each(|(own, x)| *own = *x);
         }
         Ok(alone)
     }
 }
 
+/// One lane of a structure of arrays.
+pub(super) fn column(all: &[f64], lane: usize, lanes: usize) -> Vec<f64> {
+    all.iter().skip(lane).step_by(lanes).copied().collect()
+}
+
+/// The time of a state within a member's last step.
+fn time_of(ensemble: &ComposedEnsemble, last: &LastStep<'_>, steps: u64, between: &Between) -> f64 {
+    match ensemble.run.pace() {
+        Some(_) => ensemble.time(steps, &between.state),
+        None => last.time(steps, between.part),
+    }
+}
+
 /// Why a member cannot go on after so many steps.
 fn failure(ensemble: &ComposedEnsemble, lost: Lost<'_>, steps: u64, state: &[f64]) -> Failure {
-    let (time, state) = (ensemble.time(steps), ensemble.run.own(state));
+    let (time, state) = (ensemble.time(steps, state), ensemble.run.own(state));
     match lost {
         Lost::Undefined(text) => Failure::of_observable(&format!("`{text}`"), steps, time, state),
         Lost::Step(error) => Failure::of_step(&error, steps, time, state),

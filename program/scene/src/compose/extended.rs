@@ -15,6 +15,7 @@
 
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
+use thiserror::Error;
 
 use super::Refusal;
 use super::definitions;
@@ -44,6 +45,24 @@ pub struct Pace {
     pub text: String,
     /// The function of the extended phase space.
     pub formula: Expression,
+}
+
+/// Why no paced motion begins at a state.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum NoStart {
+    /// H has no finite value.
+    #[error("the energy is {value:?} at the initial state")]
+    Energy {
+        /// H.
+        value: f64,
+    },
+    /// The pace is not positive.
+    #[error("the pace is {value:?} at the initial state, and must be positive")]
+    Pace {
+        /// g.
+        value: f64,
+    },
 }
 
 impl Extension {
@@ -112,37 +131,50 @@ impl Extension {
     ) -> Result<Vec<f64>, Refusal> {
         let mut state = own.to_vec();
         state.extend([0.0, 0.0]);
-        let (Some(pace), Some(text)) = (&self.pace, &document.method.pace) else {
+        let Some(pace) = &document.method.pace else {
             return Ok(state);
         };
-        let refuse = |formula: &Located<String>, message: String, help: &str| {
-            let place = document.place_in_formula(formula, 0..formula.value.len());
-            let help = Some(help.to_owned());
-            Err(Box::new(document.diagnostic(
-                &place,
-                message,
-                "at the initial state",
-                help,
-            )))
+        let Err(error) = self.begin(&mut state, parameters) else {
+            return Ok(state);
         };
-        let energy = self.energy.evaluate(&state, parameters);
-        if !energy.is_finite() {
-            return refuse(
+        let (formula, help) = match error {
+            NoStart::Energy { .. } => (
                 &document.system.hamiltonian,
-                format!("the energy is {energy:?} at the initial state"),
                 "check `initial`: no ln or root of a negative number, no division by zero",
-            );
-        }
-        state[self.coordinates + 1] = -energy;
-        let value = pace.formula.evaluate(&state, parameters);
-        if !(value > 0.0 && value.is_finite()) {
-            return refuse(
-                text,
-                format!("the pace is {value:?} at the initial state, and must be positive"),
+            ),
+            NoStart::Pace { .. } => (
+                pace,
                 "write a formula that is positive along the motion, as \"(q1^2 + q2^2)^0.75\"",
-            );
+            ),
+        };
+        Err(Box::new(document.diagnostic(
+            &document.place_in_formula(formula, 0..formula.value.len()),
+            error.to_string(),
+            "at the initial state",
+            Some(help.to_owned()),
+        )))
+    }
+
+    /// Beside a pace gives e its value at the beginning, −H(x, 0), so that K = 0 there; nothing else.
+    ///
+    /// # Errors
+    /// [`NoStart`].
+    pub fn begin(&self, state: &mut [f64], parameters: &[f64]) -> Result<(), NoStart> {
+        let Some(pace) = &self.pace else {
+            return Ok(());
+        };
+        let e = self.coordinates + 1;
+        state[e] = 0.0;
+        let energy = self.energy.evaluate(state, parameters);
+        if !energy.is_finite() {
+            return Err(NoStart::Energy { value: energy });
         }
-        Ok(state)
+        state[e] = -energy;
+        let value = pace.formula.evaluate(state, parameters);
+        match value > 0.0 && value.is_finite() {
+            true => Ok(()),
+            false => Err(NoStart::Pace { value }),
+        }
     }
 
     /// H − ∫ ∂H/∂t dt along the motion from `initial`, a state of the extended phase space: H + e − e_0.
@@ -166,7 +198,7 @@ fn read_pace(
     if text.value.trim() == "auto" {
         return Err(Box::new(document.diagnostic(
             &document.place_in_formula(text, 0..text.value.len()),
-            "no pace is chosen by itself: a good one falls where the motion is fast, and what is fast the scene knows",
+            "no pace is chosen by itself: one from the derivatives of the motion makes a step several times as expensive as a formula by hand",
             "not a formula",
             Some(
                 "write a positive formula, as \"(q1^2 + q2^2)^0.75\" for a body about a centre at q = 0".to_owned(),

@@ -57,7 +57,7 @@ mod time;
 pub use checks::{CasimirCheck, SceneChecks};
 pub use dense::DENSE_LIMIT;
 pub use events::{Events, Section, Stop};
-pub use extended::{Extension, Pace};
+pub use extended::{Extension, NoStart, Pace};
 pub use fit::{check_first_order, check_tensor};
 pub use forms::Forms;
 pub use fragment::system_of_fragment;

@@ -12,7 +12,7 @@ use leafwise_core::{
 
 use super::Refusal;
 use super::events::{Events, check_axes};
-use super::extended::Extension;
+use super::extended::{Extension, Pace};
 use super::fit::{check_first_order, check_tensor};
 use super::lattice::{SceneLattice, has_room, shortened};
 use super::observables::Observable;
@@ -355,6 +355,11 @@ impl ComposedRun {
         self.dimension() > self.plan.coordinates
     }
 
+    /// dt/dτ, where steps are of a fictitious time τ.
+    pub fn pace(&self) -> Option<&Pace> {
+        self.extension.as_ref()?.pace.as_ref()
+    }
+
     /// An integrator at the scene's initial state, with its parameters and step sizes.
     pub fn integrator(&self) -> Integrator {
         let parameters = self.system.parameter_values();
@@ -377,7 +382,7 @@ impl ComposedRun {
             return Ok(Box::new(lattice.invariants.clone()));
         }
         let values = self.system.parameter_values();
-        let paced = self.extension.as_ref().filter(|of| of.pace.is_some());
+        let paced = self.extension.as_ref().filter(|_| self.pace().is_some());
         if let (Some(extension), Some(formulas)) = (paced, self.system.expressions()) {
             let balance = extension.balance(&self.plan.initial);
             let casimirs = formulas
@@ -397,7 +402,7 @@ impl ComposedRun {
 
     /// The system whose steps are of the time itself, where those of this run are of another.
     pub fn in_time(&self) -> Result<Cow<'_, PoissonSystem>, BuildError> {
-        let paced = self.extension.as_ref().filter(|of| of.pace.is_some());
+        let paced = self.extension.as_ref().filter(|_| self.pace().is_some());
         Ok(match (paced, self.system.expressions()) {
             (Some(extension), Some(formulas)) => {
                 let in_time = formulas.with_hamiltonian(extension.energy().clone())?;

@@ -13,6 +13,7 @@ use super::instantiate::instantiate;
 use super::lattice::{SceneLattice, has_forms, shortened};
 use super::names::{check_names, parse};
 use super::observables::{Observable, observables};
+use super::time::check_begin;
 use crate::document::SceneDocument;
 
 /// A scene's system and where it starts.
@@ -147,6 +148,9 @@ pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Re
         Some(extension) => extension.state(document, &initial, &system.parameter_values())?,
         None => initial,
     };
+    if let Some(extension) = &extension {
+        check_begin(document, &system, &initial, extension.coordinates)?;
+    }
     events.check(document, &initial, &system.parameter_values())?;
     check_damping(document, &system, &initial)?;
     let system = system.with_near(&initial).unwrap_or(system);

@@ -2,8 +2,10 @@
 
 use std::collections::BTreeSet;
 
+use leafwise_core::{Evaluator, PoissonSystem};
 use leafwise_expression::syntax::Formula;
 
+use super::Refusal;
 use crate::document::{BracketSpec, InitialSpec, Located, Place, SceneDocument};
 
 /// What formulas call the time.
@@ -120,4 +122,41 @@ pub(super) fn about_time(
         "t is the time where the Hamiltonian, a one-form, a force or a pace names it, and here none does",
         "the first column of samples.csv is t; `+ 0*t` in the Hamiltonian makes the time a name for every recorded formula",
     )
+}
+
+/// Refuses a Hamiltonian that names the time and does not change smoothly where every run begins, as sqrt(t) or ln(t).
+///
+/// # Errors
+/// The Hamiltonian, where its gradient is not finite at the initial state and t = 0, and is a step later.
+pub(super) fn check_begin(
+    document: &SceneDocument,
+    system: &PoissonSystem,
+    initial: &[f64],
+    time: usize,
+) -> Result<(), Refusal> {
+    let hamiltonian = &document.system.hamiltonian;
+    if !names_time(document, hamiltonian) {
+        return Ok(());
+    }
+    let Ok(gradient) = system.gradient_values() else {
+        return Ok(());
+    };
+    let mut gradient = gradient.evaluator(&system.parameter_values(), 1.0, 1.0);
+    let mut is_smooth = |state: &[f64]| {
+        let mut values = vec![0.0; initial.len()];
+        let values = gradient.values(state, &mut values).map(|()| values);
+        values.is_ok_and(|values| values.iter().all(|value| value.is_finite()))
+    };
+    // Where a step later nothing is well either, the time is not to blame.
+    let mut later = initial.to_vec();
+    later[time] = document.method.step.time_step();
+    if is_smooth(initial) || !is_smooth(&later) {
+        return Ok(());
+    }
+    Err(Box::new(document.diagnostic(
+        &document.place_in_formula(hamiltonian, 0..hamiltonian.value.len()),
+        "the Hamiltonian has no value or no derivative at t = 0, where every run begins, and has them later",
+        "at the initial state",
+        Some("begin a little later: sqrt(t + t0) or ln(t + t0) with a parameter t0, in place of sqrt(t) or ln(t)".to_owned()),
+    )))
 }

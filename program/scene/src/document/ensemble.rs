@@ -3,7 +3,7 @@
 use super::error::SceneProblemCause;
 use super::located::{Located, Place};
 use super::reader::{Item, Problems, Table};
-use super::run::{RecordSpec, read_observables};
+use super::run::{RecordSpec, read_observables, read_sample_times};
 use super::schema::{CENTER, DRAWS, ENSEMBLE, ENSEMBLE_RECORD, Key, WAYS, has, names};
 use super::suggest::nearest;
 use super::system_section::SystemSection;
@@ -407,6 +407,7 @@ fn read_record(
     record.only(&ENSEMBLE_RECORD, problems);
     let whole = |item: &Item<'_>, problems: &mut Problems| item.whole(1, problems);
     let every = optional(&record, "every", problems, whole);
+    let times = read_sample_times(&record, problems);
     let drift_every = optional(&record, "drift-every", problems, whole);
     let observables = read_observables(Some(&record), &table.place, system, problems);
     let quantiles = match record.get("quantiles") {
@@ -414,10 +415,11 @@ fn read_record(
         None => Some(Vec::new()),
     };
     let every = every?;
+    let (interval, times) = times?;
     let record = RecordSpec {
         every: every.as_ref().map_or(u64::MAX, |every| every.value),
-        interval: None,
-        times: None,
+        interval,
+        times,
         observables: observables?,
         states: None,
     };

@@ -241,7 +241,10 @@ impl MethodTable {
         }
         let run = table(&mut document, "run")?;
         let before = run.get("steps").and_then(Item::as_integer);
-        set(run, "steps", Value::from(steps as i64));
+        // With a pace the time at the end may stand in their place.
+        if !run.contains_key("until") {
+            set(run, "steps", Value::from(steps as i64));
+        }
         let record = run.get_mut("record").and_then(Item::as_table_like_mut);
         if let (Some(record), Some(before)) = (record, before.filter(|steps| *steps > 0))
             && let Some(every) = record.get("every").and_then(Item::as_integer)

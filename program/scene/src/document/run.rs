@@ -237,14 +237,7 @@ fn read_record(
         Some(every) => every.whole(1, problems).map(|every| every.value),
         None => Some(1),
     };
-    let interval = match record.get("interval") {
-        Some(item) => read_interval(item, &record, problems).map(Some),
-        None => Some(None),
-    };
-    let times = match record.get("times") {
-        Some(item) => read_times(item, &record, problems).map(Some),
-        None => Some(None),
-    };
+    let times = read_sample_times(&record, problems);
     let observables = read_observables(Some(&record), &table.place, system, problems);
     let states = match record.get("states") {
         Some(one) if one.is_string() => one.string(problems).map(|one| Some(vec![one])),
@@ -254,13 +247,32 @@ fn read_record(
         }
         None => Some(None),
     };
+    let (interval, times) = times?;
     Some(RecordSpec {
         every: every?,
-        interval: interval?,
-        times: times?,
+        interval,
+        times,
         observables: observables?,
         states: states?,
     })
+}
+
+type Times = (
+    Option<Located<Number>>,
+    Option<Located<Vec<Located<Number>>>>,
+);
+
+/// `interval` or `times`, of a `record` table.
+pub(super) fn read_sample_times(record: &Table<'_>, problems: &mut Problems) -> Option<Times> {
+    let interval = match record.get("interval") {
+        Some(item) => read_interval(item, record, problems).map(Some),
+        None => Some(None),
+    };
+    let times = match record.get("times") {
+        Some(item) => read_times(item, record, problems).map(Some),
+        None => Some(None),
+    };
+    Some((interval?, times?))
 }
 
 /// `interval`, in the place of `every`.

@@ -541,11 +541,21 @@ pub(super) static WAYS: [Key; 4] = [
     ),
 ];
 
-pub(super) static ENSEMBLE_RECORD: [Key; 4] = [
+pub(super) static ENSEMBLE_RECORD: [Key; 6] = [
     key(
         "every",
         Shape::Whole(1),
         "Every how many steps statistics are taken",
+    ),
+    key(
+        "interval",
+        Shape::Number,
+        "What time lies between two statistics, in place of every, beside a pace",
+    ),
+    key(
+        "times",
+        NUMBERS,
+        "The times of all statistics, in place of every, as [0.5, 1, 10]",
     ),
     key(
         "observables",

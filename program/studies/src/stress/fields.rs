@@ -27,7 +27,7 @@ pub(super) const CASES: [Case; 2] = [
 ];
 
 /// Scenes that between them hold every key of [`scene_keys`].
-pub const SCENES_WITH_EVERY_KEY: [&str; 14] = [
+pub const SCENES_WITH_EVERY_KEY: [&str; 15] = [
     r#"
     plugins = []
     [system]
@@ -64,6 +64,24 @@ pub const SCENES_WITH_EVERY_KEY: [&str; 14] = [
     stop    = "q1^2 + q2^2 > 4"
     section = { at = "q1 = 0", direction = "up", axes = ["q2", "p2"] }
     record  = { interval = 0.5 }
+    [ensemble]
+    members = 3
+    initial = { ball = 0.01 }
+    record  = { interval = 0.5 }
+    "#,
+    r#"
+    [system]
+    library = "rigid-body"
+    [method]
+    stepper   = "splitting"
+    time-step = 0.1
+    [run]
+    initial = [1, 3, 3]
+    steps   = 10
+    [ensemble]
+    members = 3
+    initial = { ball = 0.01 }
+    record  = { times = [0.25, 0.5] }
     "#,
     r#"
     [system]

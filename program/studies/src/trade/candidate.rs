@@ -11,6 +11,7 @@ use leafwise_scene::json::optional;
 use leafwise_scene::{ComposedRun, SceneDocument, compose};
 use serde::Serialize;
 
+use super::arrival::way;
 use super::error::TradeError;
 
 /// Parameters that are always named.
@@ -25,6 +26,7 @@ pub struct Bench<'a> {
     registry: &'a Registry,
     own: ComposedRun,
     time: f64,
+    extent: f64,
     steps: u64,
 }
 
@@ -39,14 +41,6 @@ impl<'a> Bench<'a> {
         registry: &'a Registry,
         time: Option<f64>,
     ) -> Result<Self, TradeError> {
-        if let Some(pace) = &document.method.pace {
-            return Err(TradeError::Refused(Box::new(document.diagnostic(
-                &pace.place(),
-                "methods are not compared with a pace: their steps of the fictitious time end at different times",
-                "here",
-                Some("compare methods on a copy of the scene without it".to_owned()),
-            ))));
-        }
         if let Some(stop) = &document.run.stop {
             return Err(TradeError::Refused(Box::new(document.diagnostic(
                 &stop.place(),
@@ -57,11 +51,17 @@ impl<'a> Bench<'a> {
         }
         let own = compose(document, registry)?;
         let step = own.plan.epsilon * own.plan.h;
-        let time = time.unwrap_or(own.plan.steps as f64 * step);
+        let (time, extent) = match own.pace() {
+            None => {
+                let time = time.unwrap_or(own.plan.steps as f64 * step);
+                (time, time)
+            }
+            Some(_) => way(&own, time.or(own.plan.until))?,
+        };
         if !time.is_finite() || time == 0.0 {
             return Err(TradeError::NoTime { time });
         }
-        let steps = libm::round((time / step).abs()).max(1.0);
+        let steps = libm::round((extent / step).abs()).max(1.0);
         if steps > MOST_STEPS {
             return Err(TradeError::TooLong { time, steps });
         }
@@ -71,6 +71,7 @@ impl<'a> Bench<'a> {
             registry,
             own,
             time,
+            extent,
             steps,
         })
     }
@@ -141,6 +142,11 @@ impl<'a> Bench<'a> {
     /// The time over which methods are compared.
     pub fn time(&self) -> f64 {
         self.time
+    }
+
+    /// What steps divide: the time, or with a pace the fictitious time τ that its method takes to come there.
+    pub fn extent(&self) -> f64 {
+        self.extent
     }
 
     /// The number of steps that the scene's own step makes of it.
@@ -227,7 +233,7 @@ impl Candidate {
     /// # Errors
     /// Why it does not fit, in words.
     pub fn build(bench: &Bench<'_>, method: &MethodTable) -> Result<Self, String> {
-        let time_step = bench.time / bench.steps as f64;
+        let time_step = bench.extent / bench.steps as f64;
         let run = bench.compose(method, time_step, bench.steps)?;
         let knob = knob(bench.registry, method);
         let resolved = bench.resolved(&run);
@@ -267,7 +273,7 @@ impl Candidate {
         if setting.tolerance.is_none() {
             return Ok(Cow::Borrowed(&self.run));
         }
-        let time_step = bench.time / setting.steps as f64;
+        let time_step = bench.extent / setting.steps as f64;
         let run = bench.compose(&self.method_at(setting), time_step, setting.steps)?;
         Ok(Cow::Owned(run))
     }

@@ -150,7 +150,7 @@ pub fn compare(
         points.extend(of_method.into_iter().map(|(setting, outcome)| Point {
             method: place,
             setting,
-            time_step: bench.time() / setting.steps as f64,
+            time_step: bench.extent() / setting.steps as f64,
             outcome,
         }));
         methods.push(ComparedMethod {
@@ -237,8 +237,14 @@ pub(super) fn some_fit(entries: Vec<Entry>) -> Result<Vec<Entry>, TradeError> {
 
 /// Four runs of the scene's own method, or the least budget.
 fn own_budget(bench: &Bench<'_>) -> u64 {
-    let time_step = bench.time() / bench.steps() as f64;
-    let own = run_trial(bench.own(), 1.0, time_step, bench.steps(), u64::MAX);
+    let time_step = bench.extent() / bench.steps() as f64;
+    let own = run_trial(
+        bench,
+        bench.own(),
+        [1.0, time_step],
+        bench.steps(),
+        u64::MAX,
+    );
     own.map_or(0, |trial| 4 * trial.cost()).max(LEAST_BUDGET)
 }
 
@@ -281,10 +287,18 @@ impl Sweep<'_> {
     fn point(&self, setting: Setting) -> Outcome {
         let unfit = |reason| TrialFailure::DoesNotFit { reason };
         let run = self.candidate.run_at(self.bench, setting).map_err(unfit)?;
-        let time_step = self.bench.time() / setting.steps as f64;
+        let time_step = self.bench.extent() / setting.steps as f64;
         let sizes = [1.0, time_step];
         let curve = self.reference.curve();
-        let trial = run_counted(&run, sizes, setting.steps, self.budget, curve, &mut 0)?;
+        let trial = run_counted(
+            self.bench,
+            &run,
+            sizes,
+            setting.steps,
+            self.budget,
+            curve,
+            &mut 0,
+        )?;
         let structure = self.candidate.properties.structure;
         let mut measured = Measured::of(&trial, &run, time_step, structure, self.reference);
         if self.repetitions > 0 {

@@ -4,6 +4,7 @@ use leafwise_core::Integrator;
 use leafwise_core::solver::judge::larger;
 use leafwise_scene::ComposedRun;
 
+use super::arrival::time_place;
 use super::norm::{distance, norm};
 
 /// x*(t) from 0 to the end time: states at equal steps, and the polynomial of degree 11 through the twelve nearest
@@ -11,6 +12,8 @@ use super::norm::{distance, norm};
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Curve {
     dimension: usize,
+    /// Whether the last coordinate is the time, of steps of a fictitious one.
+    is_paced: bool,
     /// State after state.
     states: Vec<f64>,
     /// What interpolation may add to the error.
@@ -30,6 +33,9 @@ const WEIGHTS: [f64; NODES] = [
 /// Of twice the spacing the error is 2¹² times as large; four of that are left for higher terms.
 const REDUCED: f64 = 1.0 / 1024.0;
 
+/// Places that are tried where the time is looked for: a secant method at round-off in six or so.
+const MOST_SECANTS: usize = 20;
+
 /// Numbers that are kept, 128 megabytes.
 const MOST_NUMBERS: usize = 1 << 24;
 
@@ -46,7 +52,8 @@ impl Curve {
         wanted: f64,
         budget: u64,
     ) -> Result<Self, String> {
-        let d = run.own(&run.plan.initial).len().max(1);
+        let is_paced = time_place(run).is_some();
+        let d = (run.own(&run.plan.initial).len() + usize::from(is_paced)).max(1);
         let most = (MOST_NUMBERS / d).max(4 * NODES);
         let mut count = usize::try_from(steps)
             .unwrap_or(most)
@@ -58,7 +65,11 @@ impl Curve {
             let (states, spent) = states(run, time, count, stride)?;
             let mut curve = Self {
                 dimension: d,
-                norm: states.chunks_exact(d).map(norm).fold(0.0, f64::max),
+                is_paced,
+                norm: states
+                    .chunks_exact(d)
+                    .map(|state| norm(&state[..d - usize::from(is_paced)]))
+                    .fold(0.0, f64::max),
                 states,
                 error: 0.0,
             };
@@ -75,11 +86,41 @@ impl Curve {
         }
     }
 
-    /// ‖x − x*‖ at this part of the time; `buffer` holds a state.
-    pub fn distance(&self, part: f64, x: &[f64], buffer: &mut [f64]) -> f64 {
-        let last = self.states.len() / self.dimension - 1;
-        self.interpolate(part * last as f64, 1, buffer);
-        distance(x, buffer)
+    /// ‖x − x*‖ at this part of the steps, with a pace at this time; `buffer` holds a state and the time.
+    pub fn distance(&self, part: f64, (x, time): (&[f64], Option<f64>), buffer: &mut [f64]) -> f64 {
+        let last = (self.states.len() / self.dimension - 1) as f64;
+        let buffer = &mut buffer[..self.dimension];
+        let place = match time.filter(|_| self.is_paced) {
+            Some(time) => self.place_of(time, part * last, buffer),
+            None => part * last,
+        };
+        self.interpolate(place, 1, buffer);
+        distance(x, &buffer[..x.len()])
+    }
+
+    /// Where the curve is at a time, near a place: by the secant method, since t rises along it.
+    fn place_of(&self, time: f64, near: f64, buffer: &mut [f64]) -> f64 {
+        let last = (self.states.len() / self.dimension - 1) as f64;
+        // A polynomial is taken a little beyond its ends, where the run is a little before or behind.
+        let within = |place: f64| place.clamp(-0.5, last + 0.5);
+        let mut missed = |place: f64| {
+            self.interpolate(place, 1, buffer);
+            buffer[self.dimension - 1] - time
+        };
+        let (mut before, mut place) = (near, within(near + 1e-3));
+        let mut value = missed(before);
+        for _ in 0..MOST_SECANTS {
+            let now = missed(place);
+            if now == 0.0 || now == value {
+                break;
+            }
+            let next = within(place - now * (place - before) / (now - value));
+            (before, value, place) = (place, now, next);
+            if (place - before).abs() <= f64::EPSILON * last {
+                break;
+            }
+        }
+        place
     }
 
     /// How far the states of odd number are from polynomials through those of even number.
@@ -98,7 +139,7 @@ impl Curve {
     fn interpolate(&self, place: f64, stride: usize, out: &mut [f64]) {
         let last = (self.states.len() / self.dimension - 1) / stride;
         let before = NODES / 2 - 1;
-        let first = (libm::floor(place) as usize)
+        let first = (libm::floor(place.max(0.0)) as usize)
             .saturating_sub(before)
             .min(last + 1 - NODES);
         let d = self.dimension;
@@ -134,12 +175,17 @@ fn states(
     let initial = &run.plan.initial;
     let mut integrator = Integrator::new(run.method.map(), &values, 1.0, step, initial);
     let mut states = Vec::with_capacity((count + 1) * initial.len());
-    states.extend_from_slice(run.own(initial));
+    let place = time_place(run);
+    let mut keep = |state: &[f64]| {
+        states.extend_from_slice(run.own(state));
+        states.extend(place.map(|place| state[place]));
+    };
+    keep(initial);
     for _ in 0..count {
         for _ in 0..stride {
             integrator.step().map_err(|error| error.to_string())?;
         }
-        states.extend_from_slice(run.own(integrator.state()));
+        keep(integrator.state());
     }
     Ok((states, integrator.statistics().cost()))
 }
@@ -152,6 +198,7 @@ mod tests {
         let angle = |k: usize| 7.0 * k as f64 / steps as f64;
         let mut curve = Curve {
             dimension: 2,
+            is_paced: false,
             states: (0..=steps)
                 .flat_map(|k| [libm::cos(angle(k)), libm::sin(angle(k))])
                 .collect(),
@@ -170,7 +217,7 @@ mod tests {
             let error = |k: usize| {
                 let part = k as f64 / 1e4;
                 let state = [libm::cos(7.0 * part), libm::sin(7.0 * part)];
-                curve.distance(part, &state, &mut [0.0; 2])
+                curve.distance(part, (&state, None), &mut [0.0; 2])
             };
             let largest = (0..=10_000).map(error).fold(0.0, f64::max);
             // And the rounding of twelve terms, of alternating sign at the ends.

@@ -107,7 +107,7 @@ fn growth(bench: &Bench<'_>, reference: &Reference) -> Option<f64> {
     let candidate = Candidate::build(bench, method).ok()?;
     let run = candidate.run_at(bench, *setting).ok()?;
     let values = run.system.parameter_values();
-    let time_step = bench.time() / setting.steps as f64;
+    let time_step = bench.extent() / setting.steps as f64;
     let start = |x: &[f64]| Integrator::new(run.method.map(), &values, 1.0, time_step, x);
     let mut near: Vec<f64> = run.plan.initial.clone();
     for (at, x) in near.iter_mut().enumerate() {

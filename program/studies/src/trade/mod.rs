@@ -16,6 +16,7 @@
 //!
 //! [`SolverStatistics::operations`]: leafwise_core::SolverStatistics::operations
 
+mod arrival;
 mod candidate;
 mod catalogue;
 mod compare;

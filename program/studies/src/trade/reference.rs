@@ -176,7 +176,7 @@ impl Refined {
         let candidate = Candidate::build(bench, &self.method)?;
         let run = candidate.run_at(bench, self.setting)?;
         let wanted = error.max(ROUND_OFF * f64::EPSILON * norm(&self.state));
-        Curve::of(&run, bench.time(), self.setting.steps, wanted, BUDGET)
+        Curve::of(&run, bench.extent(), self.setting.steps, wanted, BUDGET)
     }
 
     /// The largest distance of its states from the other's motion.
@@ -187,8 +187,16 @@ impl Refined {
             setting.steps = setting.steps.max(bench.steps().min(MOST_INSTANTS));
         }
         let run = candidate.run_at(bench, setting).ok()?;
-        let sizes = [1.0, bench.time() / setting.steps as f64];
-        let trial = run_counted(&run, sizes, setting.steps, BUDGET, Some(curve), &mut 0);
+        let sizes = [1.0, bench.extent() / setting.steps as f64];
+        let trial = run_counted(
+            bench,
+            &run,
+            sizes,
+            setting.steps,
+            BUDGET,
+            Some(curve),
+            &mut 0,
+        );
         trial.ok()?.largest_error
     }
 }
@@ -290,8 +298,8 @@ fn run_setting(
     let run = candidate
         .run_at(bench, setting)
         .map_err(|reason| TrialFailure::DoesNotFit { reason })?;
-    let time_step = bench.time() / setting.steps as f64;
-    run_trial(&run, 1.0, time_step, setting.steps, BUDGET)
+    let time_step = bench.extent() / setting.steps as f64;
+    run_trial(bench, &run, [1.0, time_step], setting.steps, BUDGET)
 }
 
 fn described(candidate: &Candidate, setting: Setting) -> String {

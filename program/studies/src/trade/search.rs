@@ -85,14 +85,22 @@ impl Search<'_> {
     fn try_setting(&mut self, at: usize, setting: Setting, cap: u64) {
         self.runs += 1;
         let candidate = self.tracks[at].candidate;
-        let time_step = self.bench.time() / setting.steps as f64;
+        let time_step = self.bench.extent() / setting.steps as f64;
         let outcome = candidate
             .run_at(self.bench, setting)
             .map_err(|reason| TrialFailure::DoesNotFit { reason })
             .and_then(|run| {
                 let curve = self.reference.curve();
                 let sizes = [1.0, time_step];
-                run_counted(&run, sizes, setting.steps, cap, curve, &mut self.spent)
+                run_counted(
+                    self.bench,
+                    &run,
+                    sizes,
+                    setting.steps,
+                    cap,
+                    curve,
+                    &mut self.spent,
+                )
             });
         match outcome {
             Ok(trial) => self.take(at, setting, trial),
@@ -118,7 +126,7 @@ impl Search<'_> {
         if tried.is_met() {
             let structure = track.candidate.properties.structure;
             if !matches!(structure, Structure::Leaves | Structure::None) {
-                let time_step = self.bench.time() / setting.steps as f64;
+                let time_step = self.bench.extent() / setting.steps as f64;
                 let run = &track.candidate.run;
                 let states: [&[f64]; 2] = [&run.plan.initial, &tried.trial.stepped];
                 tried.is_poisson = is_poisson(structure, tensor_defect(run, time_step, &states));

@@ -234,7 +234,7 @@ fn value(setting: Setting) -> f64 {
 fn probe(bench: &Bench<'_>, candidate: &Candidate) -> Result<f64, String> {
     let run = &candidate.run;
     let values = run.system.parameter_values();
-    let step = PROBE_RATIO * bench.time() / bench.steps() as f64;
+    let step = PROBE_RATIO * bench.extent() / bench.steps() as f64;
     let mut integrator = Integrator::new(run.method.map(), &values, 1.0, step, &run.plan.initial);
     let mut least = u64::MAX;
     let mut before = 0;

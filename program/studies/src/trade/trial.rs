@@ -10,6 +10,8 @@ use leafwise_scene::ComposedRun;
 use leafwise_scene::compose::Stepping;
 use serde::Serialize;
 
+use super::arrival::{arrive, time_place};
+use super::candidate::Bench;
 use super::curve::Curve;
 
 /// Why a run did not reach its end.
@@ -87,7 +89,7 @@ impl Trial {
     }
 }
 
-fn integrator(run: &ComposedRun, epsilon: f64, h: f64) -> Integrator {
+pub(super) fn integrator(run: &ComposedRun, epsilon: f64, h: f64) -> Integrator {
     let values = run.system.parameter_values();
     Integrator::new(run.method.map(), &values, epsilon, h, &run.plan.initial)
 }
@@ -101,18 +103,19 @@ const FORESEEN: u64 = 8;
 /// # Errors
 /// [`TrialFailure`], with the step.
 pub fn run_trial(
+    bench: &Bench<'_>,
     run: &ComposedRun,
-    epsilon: f64,
-    h: f64,
+    sizes: [f64; 2],
     steps: u64,
     budget: u64,
 ) -> Result<Trial, TrialFailure> {
-    run_counted(run, [epsilon, h], steps, budget, None, &mut 0)
+    run_counted(bench, run, sizes, steps, budget, None, &mut 0)
 }
 
 /// [`run_trial`], compared with a curve at every step, and with its cost added to `spent` whether it comes to its
 /// end or not.
 pub(super) fn run_counted(
+    bench: &Bench<'_>,
     run: &ComposedRun,
     [epsilon, h]: [f64; 2],
     steps: u64,
@@ -125,13 +128,14 @@ pub(super) fn run_counted(
     };
     let mut observer = run.invariants().map_err(unfit)?;
     let mut integrator = integrator(run, epsilon, h);
+    let place = time_place(run);
     let count = observer.observables();
     let (mut initial, mut now) = (vec![0.0; count], vec![0.0; count]);
     observer.evaluate(integrator.state(), &mut initial);
     let mut drift = vec![0.0_f64; count];
     let before = *spent;
     let own = run.own(&run.plan.initial).len();
-    let (mut largest_error, mut buffer) = (0.0, vec![0.0; own]);
+    let (mut largest_error, mut buffer) = (0.0, vec![0.0; own + 1]);
     for step in 0..steps {
         let stepped = integrator.step();
         let own = integrator.statistics().cost();
@@ -157,15 +161,23 @@ pub(super) fn run_counted(
         }
         if let Some(curve) = curve {
             let part = taken as f64 / steps as f64;
-            let error = curve.distance(part, run.own(integrator.state()), &mut buffer);
+            let state = integrator.state();
+            let time = place.map(|place| state[place]);
+            let error = curve.distance(part, (run.own(state), time), &mut buffer);
             // A NaN is no small error.
             largest_error = larger(largest_error, error);
         }
     }
+    // With a pace every method is at another time then.
+    let failed = |error| TrialFailure::Step { step: steps, error };
+    let (_, stepped) = match place {
+        Some(_) => arrive(run, epsilon, integrator.state(), bench.time()).map_err(failed)?,
+        None => (0.0, integrator.state().to_vec()),
+    };
     Ok(Trial {
         largest_error: curve.map(|_| largest_error),
-        state: run.own(integrator.state()).to_vec(),
-        stepped: integrator.state().to_vec(),
+        state: run.own(&stepped).to_vec(),
+        stepped,
         statistics: integrator.statistics(),
         drift,
     })

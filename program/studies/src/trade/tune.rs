@@ -197,9 +197,9 @@ impl<'a> Tuner<'a> {
             }
         }
         let own = run_trial(
+            bench,
             bench.own(),
-            1.0,
-            bench.time() / bench.steps() as f64,
+            [1.0, bench.extent() / bench.steps() as f64],
             bench.steps(),
             u64::MAX,
         );
@@ -375,16 +375,25 @@ impl<'a> Tuner<'a> {
     ) -> Option<Recommendation> {
         let setting = tried.setting;
         let method = track.candidate.method_at(setting);
-        let time_step = self.bench.time() / setting.steps as f64;
+        let time_step = self.bench.extent() / setting.steps as f64;
         let document = self.bench.document();
         let scene = method
             .write_into(&document.text, time_step, setting.steps)
             .ok()?;
         let written = SceneDocument::parse(&document.name, &scene, self.bench.registry()).ok()?;
         let run = compose(&written, self.bench.registry()).ok()?;
-        let (epsilon, h, steps) = (run.plan.epsilon, run.plan.h, run.plan.steps);
+        let (epsilon, h, steps) = (run.plan.epsilon, run.plan.h, setting.steps);
         let curve = self.reference.curve();
-        let trial = run_counted(&run, [epsilon, h], steps, u64::MAX, curve, &mut 0).ok()?;
+        let trial = run_counted(
+            self.bench,
+            &run,
+            [epsilon, h],
+            steps,
+            u64::MAX,
+            curve,
+            &mut 0,
+        )
+        .ok()?;
         if limits.excess(&trial, &self.reference).ratio > 1.0 {
             return None;
         }

@@ -94,7 +94,8 @@ struct Nearest<'a> {
 /// The run of the scene that was written.
 #[derive(Serialize)]
 struct WrittenRun {
-    steps: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    steps: Option<u64>,
     every: u64,
 }
 
@@ -139,7 +140,7 @@ impl<'a> Told<'a> {
             spent: tuning.spent,
             written: found.written.is_some(),
             written_run: found.written.as_ref().map(|scene| WrittenRun {
-                steps: scene.run.steps.value,
+                steps: scene.run.until.is_none().then_some(scene.run.steps.value),
                 every: scene.run.record.every,
             }),
         }

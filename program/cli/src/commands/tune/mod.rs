@@ -172,7 +172,7 @@ fn options(arguments: &TuneArguments, registry: &Registry) -> Result<TuneOptions
 fn rewritten(found: &Found<'_>, recommended: &Recommendation) -> Result<String, Failure> {
     let plan = &found.bench.own().plan;
     let end = plan.steps as f64 * plan.epsilon * plan.h;
-    if end == found.bench.time() {
+    if plan.until.is_some() || end == found.bench.extent() {
         return Ok(recommended.scene.clone());
     }
     let steps = (end / recommended.time_step).abs().round() as u64;

@@ -1,5 +1,6 @@
 //! What was found, at the terminal.
 
+use leafwise::scene::document::RunSection;
 use leafwise::trade::{Cost, Judged, Limit, Reached, Recommendation, RunnerUp, Tolerances};
 
 use super::Found;
@@ -92,22 +93,27 @@ fn print_found(found: &Found<'_>, recommended: &Recommendation, console: &mut Co
     console.result(recommended.method.text(recommended.time_step).trim_end());
     match &found.written {
         None => {
-            console.result(&format!(
-                "[run]\nsteps       = {}",
-                recommended.setting.steps
-            ));
+            console.result(&end(&found.document.run, recommended.setting.steps));
             console.result("");
             console.result("--write puts it into the scene");
         }
         Some(written) => {
             let (now, before) = (&written.run, &found.document.run);
-            console.result(&format!("[run]\nsteps       = {}", now.steps.value));
+            console.result(&end(now, now.steps.value));
             if now.record.every != before.record.every {
                 console.result(&format!("record      = {{ every = {} }}", now.record.every));
             }
             console.result("");
             console.result(&format!("written into {}", found.document.name));
         }
+    }
+}
+
+/// Where a run ends, as its table says it.
+fn end(run: &RunSection, steps: u64) -> String {
+    match &run.until {
+        Some(until) => format!("[run]\nuntil       = {}", until.value.literal),
+        None => format!("[run]\nsteps       = {steps}"),
     }
 }
 

@@ -16,6 +16,9 @@ pub(super) const HEADINGS: [&str; 10] = [
     "map",
 ];
 
+/// From here on the growth of an energy's error is written by its power of ten.
+const MOST_WRITTEN_OUT: f64 = 1e5;
+
 /// The widths of all columns but the last, so that rows can be printed as they come.
 const WIDTHS: [usize; 9] = [5, 17, 24, 7, 9, 8, 14, 17, 16];
 
@@ -91,7 +94,10 @@ fn numbers(row: &Row, measured: &Measured) -> [String; 8] {
         ),
         format!("{:.1e}", measured.casimir_drift),
         match measured.energy_growth {
-            Some(growth) => format!("{:.1e} x{growth:.1}", measured.energy_drift),
+            Some(growth) if growth < MOST_WRITTEN_OUT => {
+                format!("{:.1e} x{growth:.1}", measured.energy_drift)
+            }
+            Some(growth) => format!("{:.1e} x{growth:.1e}", measured.energy_drift),
             None => format!("{:.1e}", measured.energy_drift),
         },
         measured

@@ -126,10 +126,51 @@ fn free_members_are_lost_when_they_come_to_the_wall() {
     assert_eq!(all.summaries[4].count, all.done());
 }
 
+/// Ellipses of several eccentricities, each at its own pace; a part of them goes out further than allowed.
+const PACED: &str = r#"
+[system]
+variables   = ["q1", "q2", "p1", "p2"]
+parameters  = { m = 1 }
+bracket     = { "q1,p1" = "1", "q2,p2" = "1" }
+convention  = "{x,H}"
+hamiltonian = "(p1^2 + p2^2)/2 - m/sqrt(q1^2 + q2^2)"
+[method]
+METHOD
+pace        = "(q1^2 + q2^2)^0.75"
+time-step   = 0.1
+[run]
+initial = [0.5, 0, 0, 1.7]
+until   = 12
+stop    = "q1^2 + q2^2 > 2.25"
+section = { at = "q2 = 0.1", direction = "both" }
+[ensemble]
+members = 90
+seed    = 3
+initial = { box = [0.05, 0, 0, 0.15] }
+parameters = { m = { normal = [1, 0.02] } }
+record  = { interval = 1.7, observables = ["energy", "q1*p2 - q2*p1"], quantiles = [0.5] }
+final-states = "csv"
+"#;
+
+/// Of systems that a pace makes of them too.
+const PACED_METHODS: [&str; 2] = [
+    "realization = { name = \"karasev-truncated\", order = 2 }\n\
+     dynamics = { name = \"hamilton-jacobi\", order = 4 }",
+    "stepper = \"implicit-midpoint\"",
+];
+
+/// Scenes with events: of equal steps, also with samples at times between them, and with a pace.
+fn scenes() -> impl Iterator<Item = String> {
+    let swings = METHODS.map(|method| SWING.replace("METHOD", method));
+    let timed = swings[0].replace("every = 7", "times = [0.33, 4.0, 11.05]");
+    let paced = PACED_METHODS.map(|method| PACED.replace("METHOD", method));
+    swings.into_iter().chain([timed]).chain(paced)
+}
+
 #[test]
 fn events_depend_neither_on_lanes_nor_on_threads_nor_on_interruptions() {
-    for method in METHODS {
-        let document = parsed(&SWING.replace("METHOD", method));
+    for text in scenes() {
+        let document = parsed(&text);
         let root = tempfile::tempdir().expect("a directory");
         let mut all = Vec::new();
         let mut take = |directory: &Path, report: EnsembleReport| {
@@ -159,26 +200,37 @@ fn events_depend_neither_on_lanes_nor_on_threads_nor_on_interruptions() {
         );
         assert!(crossings.is_some_and(|count| count > 50));
         for other in &all[1..] {
-            assert!(other == &all[0], "{method}");
+            assert!(other == &all[0], "{text}");
         }
     }
 }
 
 #[test]
 fn a_member_alone_ends_and_crosses_as_in_the_ensemble() {
-    for method in METHODS {
-        let document = parsed(&SWING.replace("METHOD", method));
+    for scene in scenes() {
+        let document = parsed(&scene);
         let ensemble = composed(&document);
+        let (observables, names) = (ensemble.observables(), ensemble.run.names());
+        let quoted = observables
+            .iter()
+            .map(|name| format!("{name:?}"))
+            .collect::<Vec<_>>();
+        let quoted = quoted.join(", ");
         let root = tempfile::tempdir().expect("a directory");
         let whole = root.path().join("all");
         attempt(&document, &whole, workforce(2, 16), &mut Quiet).expect("done");
         let crossings = fs::read_to_string(whole.join("section.csv")).expect("crossings");
-        assert!(crossings.starts_with("member,t,q,p,energy,q*p\n"));
+        let heading = [
+            &names.iter().map(String::as_str).collect::<Vec<_>>()[..],
+            &observables,
+        ]
+        .concat();
+        assert!(crossings.starts_with(&format!("member,t,{}\n", heading.join(","))));
         for (member, row) in (0..).zip(table(&whole, "final_states.csv")).step_by(6) {
             let text = member_scene(&document, &ensemble, member).expect("a scene");
             let text = text.replace(
                 "[run]",
-                "[run]\nrecord = { observables = [\"energy\", \"q*p\"] }",
+                &format!("[run]\nrecord = {{ observables = [{quoted}] }}"),
             );
             let alone = parsed(&text);
             let composed = match compose(&alone, &Registry::with_builtin()) {
@@ -205,9 +257,9 @@ fn a_member_alone_ends_and_crosses_as_in_the_ensemble() {
                 .iter()
                 .map(|x| format!("{x:?}"))
                 .collect();
-            assert_eq!(row[4..6], state, "{method}, {member}");
+            assert_eq!(row[4..][..state.len()], state, "{scene}, {member}");
             let drift = format!("{:?}", report.invariants[0].maximum);
-            assert_eq!(row.last(), Some(&drift), "{method}, {member}");
+            assert_eq!(row.last(), Some(&drift), "{scene}, {member}");
             let own = fs::read_to_string(directory.join("section.csv")).expect("crossings");
             let own: Vec<String> = own
                 .lines()
@@ -219,7 +271,7 @@ fn a_member_alone_ends_and_crosses_as_in_the_ensemble() {
                 .lines()
                 .filter(|line| line.starts_with(&begin))
                 .collect();
-            assert_eq!(listed, own, "{method}, {member}");
+            assert_eq!(listed, own, "{scene}, {member}");
         }
     }
 }
@@ -289,4 +341,52 @@ fn a_condition_without_a_value_is_a_failure_of_its_member() {
             assert!(rows.iter().all(|row| number(&row[3]) <= 0.125), "{rows:?}");
         }
     }
+}
+
+/// Statistics are of one time: Kepler's ellipses are where their mean anomaly has them, whatever steps a member has made.
+#[test]
+fn members_with_a_pace_are_at_one_time() {
+    let text = PACED
+        .replace("METHOD", PACED_METHODS[0])
+        .replace("order = 4", "order = 8")
+        .replace("time-step   = 0.1", "time-step   = 0.05")
+        .replace("stop    = \"q1^2 + q2^2 > 2.25\"\n", "")
+        .replace("interval = 1.7", "times = [1, 5]")
+        .replace("[\"energy\", \"q1*p2 - q2*p1\"]", "[\"q1\", \"energy\"]");
+    let document = parsed(&text);
+    let ensemble = composed(&document);
+    assert_eq!(ensemble.sampled(), [0.0, 1.0, 5.0, 12.0]);
+    let root = tempfile::tempdir().expect("a directory");
+    let report = attempt(&document, root.path(), workforce(2, 8), &mut Quiet).expect("done");
+    let all = &report.reductions;
+    assert_eq!((all.done(), all.failed), (90, 0));
+    for (at, time) in ensemble.sampled().into_iter().enumerate() {
+        let mut sum = 0.0;
+        for member in 0..90 {
+            let (state, parameters) = ensemble.population.draw(member).expect("a state");
+            sum += kepler(state[0], state[3], parameters[0], time);
+        }
+        let mean = all.summaries[2 * at].mean;
+        // The method's own error over some periods at this step.
+        assert!(
+            (mean - sum / 90.0).abs() < 2e-8,
+            "t = {time}: {mean}, {}",
+            sum / 90.0
+        );
+    }
+    assert!(all.whole[0].maximum < 1e-9, "{:?}", all.whole[0]);
+}
+
+/// q1(t) from (r, 0) with the velocity (0, v): r − a (e + cos E) is the focus, E − e sin E = n t about the pericentre.
+fn kepler(r: f64, v: f64, m: f64, t: f64) -> f64 {
+    let a = 1.0 / (2.0 / r - v * v / m);
+    let e = 1.0 - r / a;
+    let n = libm::sqrt(m / (a * a * a));
+    // At the apocentre, where e < 0 by the sign above, the anomaly is counted from there.
+    let mut anomaly = n * t;
+    for _ in 0..60 {
+        let missed = anomaly - e * libm::sin(anomaly) - n * t;
+        anomaly -= missed / (1.0 - e * libm::cos(anomaly));
+    }
+    a * (libm::cos(anomaly) - e)
 }

@@ -168,7 +168,7 @@ fn a_leaf_is_met_by_its_values_on_either_sheet() {
         let document =
             SceneDocument::parse("scene.toml", &text, &Registry::empty()).expect("a scene");
         let population = composed(&document).population;
-        let states: Vec<_> = (0..400).filter_map(|k| population.draw(k)).collect();
+        let states: Vec<_> = (0..400).filter_map(|k| population.draw(k).ok()).collect();
         for (state, _) in &states {
             let [x, y, z] = [state[0], state[1], state[2]];
             let surface = x * x + y * y - z * z;

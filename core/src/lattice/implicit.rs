@@ -1,0 +1,175 @@
+//! Step maps whose two ends are given by one unknown point, as sweeps over a lattice.
+
+use std::sync::Arc;
+
+use leafwise_expression::{Kernel, StepSize, Term};
+
+use super::geometry::{LatticeGeometry, Proxy};
+use super::locality::local_reach;
+use super::map::LatticeMap;
+use super::program::LatticeProgram;
+use super::source::LatticeSource;
+use super::stages::{MethodFields, StageBuilder, StageEnds};
+use super::stepper::LatticeTrajectory;
+use crate::error::BuildError;
+use crate::solver::{Lanes, MapProperties, StepMap, Stepper};
+use crate::system::PoissonSystem;
+
+/// x ↦ x₊ with x = y + offset(y), x₊ = x + increment(y), on a lattice: y by the linear iteration y ← y − (y + offset(y) − x),
+/// in O(N) time and memory a step.
+#[derive(Clone, Debug)]
+pub struct ImplicitSweeps {
+    geometry: LatticeGeometry,
+    proxy: PoissonSystem,
+    proxy_geometry: LatticeGeometry,
+    program: Arc<LatticeProgram>,
+    fields: MethodFields,
+    properties: MapProperties,
+    description: String,
+}
+
+/// What the code of a map is written with: the system on the proxy lattice, ε and h, and y.
+#[derive(Debug)]
+pub struct ProxyCode<'a> {
+    /// The system written out.
+    pub system: &'a PoissonSystem,
+    /// ε and h.
+    pub sizes: [Term; 2],
+    /// One term a proxy coordinate.
+    pub y: Vec<Term>,
+}
+
+impl ImplicitSweeps {
+    /// Builds the map on a proxy lattice just long enough for its templates. `write` writes its code, which looks no further
+    /// than a Hamilton–Jacobi series of this `order`, and says what the map declares and is called.
+    ///
+    /// # Errors
+    /// [`BuildError::NotLocal`] when the Hamiltonian couples distant sites; those of `write`.
+    pub fn compose(
+        source: &dyn LatticeSource,
+        order: usize,
+        write: impl FnOnce(
+            &mut StageBuilder,
+            &ProxyCode<'_>,
+        ) -> Result<(StageEnds, MapProperties, String), BuildError>,
+    ) -> Result<Self, BuildError> {
+        let geometry = source.geometry();
+        let (proxy, width) = proxy_geometry(source, order)?;
+        let system = source.write_out(&proxy)?;
+        system.without_forces("a long lattice")?;
+        let mut builder = StageBuilder::new(system.dimension());
+        let sizes = [StepSize::Epsilon, StepSize::H].map(|size| builder.graph.step_size(size));
+        let (y_field, y) = builder.unwritten();
+        let code = ProxyCode {
+            system: &system,
+            sizes,
+            y,
+        };
+        let (ends, properties, description) = write(&mut builder, &code)?;
+        let fields = MethodFields {
+            y: y_field,
+            offset: builder.output(ends.offset),
+            increment: builder.output(ends.increment),
+            reach: builder.reach,
+        };
+        builder.finish_stage();
+        let program = LatticeProgram::compile(
+            geometry,
+            Proxy {
+                geometry: &proxy,
+                width,
+            },
+            &builder,
+            system.parameters().len(),
+        )?;
+        Ok(Self {
+            geometry: geometry.clone(),
+            proxy: system,
+            proxy_geometry: proxy,
+            program: Arc::new(program),
+            fields,
+            properties,
+            description,
+        })
+    }
+}
+
+impl LatticeMap for ImplicitSweeps {
+    fn geometry(&self) -> &LatticeGeometry {
+        &self.geometry
+    }
+
+    fn proxy(&self) -> &PoissonSystem {
+        &self.proxy
+    }
+
+    fn proxy_geometry(&self) -> &LatticeGeometry {
+        &self.proxy_geometry
+    }
+
+    fn operations(&self) -> usize {
+        self.program.operations()
+    }
+
+    fn work(&self) -> u64 {
+        self.program.work()
+    }
+
+    fn fields(&self) -> usize {
+        self.program.fields()
+    }
+}
+
+impl StepMap for ImplicitSweeps {
+    fn dimension(&self) -> usize {
+        self.geometry.dimension()
+    }
+
+    fn properties(&self) -> MapProperties {
+        self.properties
+    }
+
+    fn describe(&self) -> String {
+        self.description.clone()
+    }
+
+    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+        self.program
+            .kernels()
+            .map(|kernel| ("a site", kernel))
+            .collect()
+    }
+
+    fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
+        let d = self.geometry.dimension();
+        Box::new(Lanes::apart(lanes, d, parameters, |parameters| {
+            LatticeTrajectory::new(&self.program, self.fields, parameters, epsilon, h)
+        }))
+    }
+}
+
+/// A proxy lattice on which every site class of a method of order `order` can be told apart, and
+/// the number of boundary sites with code of their own; the true lattice itself when that is
+/// short.
+fn proxy_geometry(
+    source: &dyn LatticeSource,
+    order: usize,
+) -> Result<(LatticeGeometry, usize), BuildError> {
+    let geometry = source.geometry();
+    let Some(reach) = local_reach(source)? else {
+        return Ok((geometry.clone(), 0));
+    };
+    // S_l takes l − 1 times the reach of the tensor and of dH to either side, and dS_l once more.
+    let shorter = geometry
+        .families
+        .iter()
+        .map(|f| geometry.length() - f.1)
+        .max()
+        .unwrap_or(0);
+    let width = (reach * order.saturating_sub(1).max(1)).max(shorter) + shorter;
+    let length = 2 * width + 3;
+    if geometry.length() <= length {
+        return Ok((geometry.clone(), 0));
+    }
+    Ok((geometry.resized(length), width))
+}

@@ -1,0 +1,82 @@
+//! States at a given time of runs whose steps are of a fictitious time τ.
+
+use leafwise_core::{Integrator, StepError};
+use leafwise_scene::ComposedRun;
+
+use super::error::TradeError;
+use super::trial::integrator;
+
+/// Steps of a scene by its own method, at most, to find out how far they go in τ.
+const MOST_STEPS: u64 = 1 << 24;
+
+/// Steps that are tried for one that ends at a time.
+const MOST_TRIED: usize = 30;
+
+/// Roundings of a time that it may be missed by.
+const MISSED: f64 = 4.0;
+
+/// Where t stands in a state, of a run with a pace.
+pub(super) fn time_place(run: &ComposedRun) -> Option<usize> {
+    run.pace()?;
+    run.extension.as_ref().map(|of| of.coordinates)
+}
+
+/// The state at `time` near a state of a paced run: the end of one more step of its method, forwards or backwards, and the
+/// length of that step. Its length follows from dt/dτ = g by Newton's method.
+pub(super) fn arrive(
+    run: &ComposedRun,
+    epsilon: f64,
+    state: &[f64],
+    time: f64,
+) -> Result<(f64, Vec<f64>), StepError> {
+    let (Some(pace), Some(place)) = (run.pace(), time_place(run)) else {
+        return Ok((0.0, state.to_vec()));
+    };
+    let parameters = run.system.parameter_values();
+    let (mut h, mut end) = (0.0, state.to_vec());
+    for _ in 0..MOST_TRIED {
+        let missed = time - end[place];
+        if missed.abs() <= MISSED * f64::EPSILON * time.abs() {
+            return Ok((h, end));
+        }
+        h += missed / (epsilon * pace.formula.evaluate(&end, &parameters));
+        let mut step = Integrator::new(run.method.map(), &parameters, epsilon, h, state);
+        step.step()?;
+        end.copy_from_slice(step.state());
+    }
+    let correction = (time - end[place]).abs();
+    Err(StepError::NoConvergence {
+        evaluations: MOST_TRIED,
+        correction,
+    })
+}
+
+/// How far a paced scene goes by its own method: t at the end, and τ. It ends at `time`, where that is given.
+///
+/// # Errors
+/// [`TradeError::NoReference`] where a step fails, [`TradeError::TooLong`] where the time does not come in 2²⁴ steps.
+pub(super) fn way(run: &ComposedRun, time: Option<f64>) -> Result<(f64, f64), TradeError> {
+    let place = time_place(run).unwrap_or(run.plan.coordinates);
+    let (epsilon, h) = (run.plan.epsilon, run.plan.h);
+    let failed = |error: StepError| TradeError::NoReference {
+        reasons: vec![format!("the scene's own method: {error}")],
+    };
+    let mut integrator = integrator(run, epsilon, h);
+    let is_there = |integrator: &Integrator| match time {
+        Some(time) => (integrator.state()[place] - time) * (epsilon * h) >= 0.0,
+        None => integrator.steps() >= run.plan.steps,
+    };
+    while !is_there(&integrator) {
+        integrator.step().map_err(failed)?;
+        if integrator.steps() >= MOST_STEPS {
+            return Err(TradeError::TooLong {
+                time: time.unwrap_or(integrator.state()[place]),
+                steps: integrator.steps() as f64,
+            });
+        }
+    }
+    let made = integrator.steps() as f64 * h;
+    let end = time.unwrap_or(integrator.state()[place]);
+    let (more, _) = arrive(run, epsilon, integrator.state(), end).map_err(failed)?;
+    Ok((end, epsilon * (made + more)))
+}
