@@ -13,7 +13,6 @@ use super::ending::EnsembleEnding;
 use super::plan::ComposedEnsemble;
 use super::report::EnsembleReport;
 use super::section::SectionStore;
-use super::shard::Shard;
 use super::store::{FinalStore, has_begun_at_most};
 use super::tree::Tree;
 use super::{page, tables};
@@ -21,6 +20,7 @@ use crate::{
     Beginning, Kind, Progress, REPORT, RunDirectory, RunError, RunOptions, RunOutcome, RunRequest,
     SCENE, files, plugins, replace,
 };
+use crate::shards::Shard;
 use leafwise_report::render_ensemble;
 use leafwise_scene::compose::SceneChecks;
 use leafwise_scene::document::SceneDocument;
@@ -176,7 +176,7 @@ pub(super) fn begin<'a>(
     (checks, shard): (&'a SceneChecks, Option<&Shard>),
     directory: &'a RunDirectory,
 ) -> Result<Begun<'a>, RunError> {
-    let members = shard.map_or(0..ensemble.population.members(), Shard::members);
+    let members = shard.map_or(0..ensemble.population.members(), Shard::items);
     let held = directory.held.as_ref();
     let resumed = match held {
         Some(_) => resume(ensemble, directory, &members)?,
