@@ -85,8 +85,11 @@ impl SweptDirection {
             labels = order.iter().map(|at| labels[*at]).collect();
             *numbers = order.iter().map(|at| numbers[*at]).collect();
         }
-        let at: std::collections::BTreeMap<&str, usize> =
-            labels.iter().enumerate().map(|(at, label)| (*label, at)).collect();
+        let at: std::collections::BTreeMap<&str, usize> = labels
+            .iter()
+            .enumerate()
+            .map(|(at, label)| (*label, at))
+            .collect();
         Self {
             name: name.to_owned(),
             places: cells.iter().map(|cell| at[cell]).collect(),
@@ -190,7 +193,10 @@ fn curves(direction: &SweptDirection, columns: &[&SweptColumn]) -> Result<Figure
         .collect();
     let mut caption = match (columns, is_log) {
         ([one], false) => format!("{} at the end, against {}.", one.name, direction.name),
-        _ => format!("The largest deviation of each invariant over all steps, against {}.", direction.name),
+        _ => format!(
+            "The largest deviation of each invariant over all steps, against {}.",
+            direction.name
+        ),
     };
     if direction.numbers.is_none() {
         caption = format!("{caption} The values are {}.", words.join(", "));
@@ -199,7 +205,11 @@ fn curves(direction: &SweptDirection, columns: &[&SweptColumn]) -> Result<Figure
         title: title.to_owned(),
         is_logarithmic,
     };
-    let zeros = series.clone().flat_map(|one| one.points).filter(|(_, y)| *y == 0.0).count();
+    let zeros = series
+        .clone()
+        .flat_map(|one| one.points)
+        .filter(|(_, y)| *y == 0.0)
+        .count();
     let mut figure = panel_figure(&Panel {
         x: axis(&direction.name, direction.is_logarithmic()),
         y: axis(&title, is_log),
@@ -208,13 +218,19 @@ fn curves(direction: &SweptDirection, columns: &[&SweptColumn]) -> Result<Figure
         series: series.collect(),
     })?;
     if is_log && zeros > 0 {
-        figure.notes.push(format!("{zeros} deviations are 0 and have no place on a logarithmic axis."));
+        figure.notes.push(format!(
+            "{zeros} deviations are 0 and have no place on a logarithmic axis."
+        ));
     }
     Ok(figure)
 }
 
 /// A column over two directions, in colours.
-fn map(x: &SweptDirection, y: &SweptDirection, column: &SweptColumn) -> Result<Figure, ReportError> {
+fn map(
+    x: &SweptDirection,
+    y: &SweptDirection,
+    column: &SweptColumn,
+) -> Result<Figure, ReportError> {
     let (width, height) = (480.0, 340.0);
     let is_log = is_logarithmic(&[column]);
     let shown = |value: f64| value.is_finite() && (!is_log || value > 0.0);
@@ -248,7 +264,13 @@ fn map(x: &SweptDirection, y: &SweptDirection, column: &SweptColumn) -> Result<F
         canvas.cell((across(i), up(j + 1)), (across(i + 1), up(j)), ink);
     }
     canvas.path(
-        &[(left, top), (left, bottom), (right, bottom), (right, top), (left, top)],
+        &[
+            (left, top),
+            (left, bottom),
+            (right, bottom),
+            (right, top),
+            (left, top),
+        ],
         AXIS,
         1.0,
     );
@@ -262,7 +284,11 @@ fn map(x: &SweptDirection, y: &SweptDirection, column: &SweptColumn) -> Result<F
         canvas.path(&[(left - 4.0, at), (left, at)], AXIS, 1.0);
         canvas.label(&label, (left - 8.0, at), Anchor::End);
     }
-    canvas.label(&x.name, ((left + right) / 2.0, bottom + 36.0), Anchor::Middle);
+    canvas.label(
+        &x.name,
+        ((left + right) / 2.0, bottom + 36.0),
+        Anchor::Middle,
+    );
     canvas.label_in(&y.name, (12.0, top - 17.0), Anchor::Start, TEXT, 13.0);
     draw_scale(&mut canvas, edges, axis, "");
     let mut notes = Vec::new();
@@ -293,5 +319,8 @@ fn ticks(direction: &SweptDirection, most: usize) -> Vec<(usize, String)> {
         Some(numbers) => super::number::number(numbers[at], 3),
         None => direction.labels[at].clone(),
     };
-    (0..count).step_by(stride).map(|at| (at, label(at))).collect()
+    (0..count)
+        .step_by(stride)
+        .map(|at| (at, label(at)))
+        .collect()
 }

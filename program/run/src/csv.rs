@@ -200,8 +200,14 @@ mod tests {
         let mut table = Table::new(["a, b", "say \"x\"", ""]);
         table.text("1\n2").text("").number(0.5).end_row();
         let back = rows(table.as_str()).expect("rows");
-        assert_eq!(back, [vec!["a, b", "say \"x\"", ""], vec!["1\n2", "", "0.5"]]);
-        assert_eq!(rows("a\r\n\r\n1"), Ok(vec![vec!["a".to_owned()], vec!["1".to_owned()]]));
+        assert_eq!(
+            back,
+            [vec!["a, b", "say \"x\"", ""], vec!["1\n2", "", "0.5"]]
+        );
+        assert_eq!(
+            rows("a\r\n\r\n1"),
+            Ok(vec![vec!["a".to_owned()], vec!["1".to_owned()]])
+        );
         assert!(rows("a\n\"b").expect_err("open").contains("line 2"));
     }
 

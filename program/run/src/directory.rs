@@ -243,7 +243,9 @@ fn changes(path: &Path, scene: &str) -> Result<Vec<Change>, RunError> {
 }
 
 fn has_only_a_manifest(path: &Path) -> bool {
-    let files = files(Kind::Run).chain(files(Kind::Ensemble)).chain(files(Kind::Sweep));
+    let files = files(Kind::Run)
+        .chain(files(Kind::Ensemble))
+        .chain(files(Kind::Sweep));
     let mut others = files.filter(|name| *name != manifest::FILE);
     !others.any(|name| path.join(name).exists())
 }

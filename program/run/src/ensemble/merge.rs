@@ -4,10 +4,10 @@ use std::time::Duration;
 
 use super::checkpoint::Checkpoint;
 use super::drive::Session;
-use super::execute::{begin, beginning, checked, open, write_begun, write_end};
+use super::execute::{begin, beginning, checked, open, write_begun, write_end, write_shard_end};
 use super::plan::ComposedEnsemble;
 use super::report::EnsembleReport;
-use crate::shards::{Found, MergeError, Shards};
+use crate::shards::{Found, MergeError, Shard, Shards};
 use crate::{CHECKPOINT, RunError, RunOptions, RunOutcome};
 use leafwise_scene::document::SceneDocument;
 
@@ -23,24 +23,51 @@ pub fn merge_shards(
     options: &RunOptions,
 ) -> Result<EnsembleReport, MergeError> {
     shards.check_whole()?;
+    join(document, (ensemble, None), shards, options)
+}
+
+/// Joins shards that follow one another into a larger one: shards of shards are merged to the same bytes.
+///
+/// # Errors
+/// As [`merge_shards`], of the members between the first and the last.
+pub fn join_shards(
+    document: &SceneDocument,
+    ensemble: &ComposedEnsemble,
+    shards: &Shards,
+    options: &RunOptions,
+) -> Result<EnsembleReport, MergeError> {
+    let larger = shards.together()?;
+    join(document, (ensemble, Some(&larger)), shards, options)
+}
+
+/// Joins shards into the whole ensemble, or into a larger shard.
+fn join(
+    document: &SceneDocument,
+    (ensemble, larger): (&ComposedEnsemble, Option<&Shard>),
+    shards: &Shards,
+    options: &RunOptions,
+) -> Result<EnsembleReport, MergeError> {
     let checks = checked(document, ensemble, options)?;
-    let directory = open(document, ensemble, options, None)?;
+    let directory = open(document, ensemble, options, larger)?;
     if directory.held.as_ref().is_some_and(|held| held.is_done) {
-        let held = begin(document, ensemble, options, (&checks, None), &directory)?;
+        let held = begin(document, ensemble, options, (&checks, larger), &directory)?;
         let mut report = held.session.report(RunOutcome::Done, None);
         report.is_repeated = true;
         return Ok(report);
     }
-    let beginning = beginning(document, ensemble, options, (&checks, None), &directory);
+    let beginning = beginning(document, ensemble, options, (&checks, larger), &directory);
     write_begun(document, &beginning, &directory)?;
-    let members = 0..ensemble.population.members();
+    let members = larger.map_or(0..ensemble.population.members(), Shard::items);
     let mut session = Session::new(ensemble, &directory.path, members)?;
     for shard in shards.done() {
         session.append(shard)?;
     }
     session.checkpoint()?.write(&directory.path)?;
     let report = session.report(RunOutcome::Done, None);
-    Ok(write_end(document, ensemble, options, &beginning, report)?)
+    Ok(match larger {
+        None => write_end(document, ensemble, options, &beginning, report)?,
+        Some(_) => write_shard_end(&beginning, report)?,
+    })
 }
 
 impl Session<'_> {

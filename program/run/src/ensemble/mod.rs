@@ -44,7 +44,7 @@ pub use ending::EnsembleEnding;
 pub use execute::{default_ensemble_directory, default_shards_directory, run_ensemble, run_shard};
 pub use losses::Loss;
 pub use member::{MemberError, member_scene};
-pub use merge::merge_shards;
+pub use merge::{join_shards, merge_shards};
 pub use plan::{ComposedEnsemble, compose_ensemble, compose_members};
 pub use population::Population;
 pub use report::EnsembleReport;

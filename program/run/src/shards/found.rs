@@ -167,11 +167,7 @@ const MOST_LISTED: usize = 12;
 
 impl fmt::Display for Missing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let count: u64 = self
-            .items
-            .iter()
-            .map(|range| range.end - range.start)
-            .sum();
+        let count: u64 = self.items.iter().map(|range| range.end - range.start).sum();
         let ranges = self.items.iter().take(MOST_LISTED);
         let ranges: Vec<String> = ranges
             .map(|range| format!("{} to {}", range.start, range.end - 1))
@@ -208,7 +204,10 @@ impl fmt::Display for Missing {
             None if self.whole == Whole::Members => {
                 write!(f, "\n  = help: run them with --members FROM..TO")
             }
-            None => write!(f, "\n  = help: cut the sweep into shards that are all --shard I/N of one N"),
+            None => write!(
+                f,
+                "\n  = help: cut the sweep into shards that are all --shard I/N of one N"
+            ),
         }
     }
 }
@@ -326,12 +325,31 @@ impl Shards {
 
     /// Refuses shards that hold something twice, or not all of them.
     pub(crate) fn check_whole(&self) -> Result<(), MergeError> {
-        let ensemble = self.all[0].record.ensemble;
+        self.check_all_of(0..self.all[0].record.ensemble)
+    }
+
+    /// The shard that they make together, without gaps.
+    ///
+    /// # Errors
+    /// As [`check_whole`](Self::check_whole), of what lies between the first and the last.
+    pub(crate) fn together(&self) -> Result<Shard, MergeError> {
+        let bounds = self.all.iter().map(|shard| shard.record.members);
+        let end = bounds.map(|[_, end]| end).max().unwrap_or(0);
+        let items = self.all[0].record.members[0]..end;
+        self.check_all_of(items.clone())?;
+        Ok(Shard::joined(
+            self.whole,
+            items,
+            self.all[0].record.ensemble,
+        ))
+    }
+
+    fn check_all_of(&self, items: Range<u64>) -> Result<(), MergeError> {
         let (done, unfinished): (Vec<&Found>, Vec<&Found>) =
             self.all.iter().partition(|shard| shard.is_done());
         let mut absent = Vec::new();
         let mut last: Option<&Found> = None;
-        let mut next = 0;
+        let mut next = items.start;
         for &shard in done.iter().filter(|shard| !shard.items().is_empty()) {
             let members = shard.items();
             if let Some(last) = last.filter(|_| members.start < next) {
@@ -348,8 +366,8 @@ impl Shards {
             next = members.end;
             last = Some(shard);
         }
-        if next < ensemble {
-            absent.push(next..ensemble);
+        if next < items.end {
+            absent.push(next..items.end);
         }
         if absent.is_empty() {
             return Ok(());
@@ -410,4 +428,3 @@ fn is_same(a: &Path, b: &Path) -> bool {
         _ => a == b,
     }
 }
-

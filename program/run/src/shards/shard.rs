@@ -133,6 +133,16 @@ impl Shard {
         })
     }
 
+    /// What other shards hold together.
+    pub(super) fn joined(whole: Whole, items: Range<u64>, count: u64) -> Self {
+        Self {
+            whole,
+            items,
+            count,
+            place: None,
+        }
+    }
+
     /// Its members or settings.
     pub fn items(&self) -> Range<u64> {
         self.items.clone()
@@ -194,7 +204,10 @@ mod tests {
             (u64::MAX, 3),
         ];
         let both = [Whole::Members, Whole::Settings];
-        for (whole, (ensemble, of)) in both.iter().flat_map(|whole| sizes.map(|size| (*whole, size))) {
+        for (whole, (ensemble, of)) in both
+            .iter()
+            .flat_map(|whole| sizes.map(|size| (*whole, size)))
+        {
             let mut next = 0;
             for number in 1..=of {
                 let shard = Shard::of(whole, number, of, ensemble).expect("a shard");

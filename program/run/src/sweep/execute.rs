@@ -68,10 +68,10 @@ pub fn run_sweep_shard(
 ) -> Result<SweepReport, RunError> {
     let asked = Asked::new(document, sweep, options, Some(shard));
     let (report, beginning) = asked.integrate(threads, progress)?;
-    if !report.is_repeated {
-        beginning.write_end(&report.directory, SweepEnding::new(&report))?;
+    match report.is_repeated {
+        true => Ok(report),
+        false => write_shard_end(&beginning, report),
     }
-    Ok(report)
 }
 
 /// Joins shards into a directory, to the bytes of the table that one process writes.
@@ -85,7 +85,31 @@ pub fn merge_sweep(
     options: &RunOptions,
 ) -> Result<SweepReport, MergeError> {
     shards.check_whole()?;
-    let asked = Asked::new(document, sweep, options, None);
+    join(document, (sweep, None), shards, options)
+}
+
+/// Joins shards that follow one another into a larger one: shards of shards are merged to the same bytes.
+///
+/// # Errors
+/// As [`merge_sweep`], of the settings between the first and the last.
+pub fn join_sweep_shards(
+    document: &SceneDocument,
+    sweep: &ComposedSweep<'_>,
+    shards: &Shards,
+    options: &RunOptions,
+) -> Result<SweepReport, MergeError> {
+    let larger = shards.together()?;
+    join(document, (sweep, Some(&larger)), shards, options)
+}
+
+/// Joins shards into the whole sweep, or into a larger shard.
+fn join(
+    document: &SceneDocument,
+    (sweep, larger): (&ComposedSweep<'_>, Option<&Shard>),
+    shards: &Shards,
+    options: &RunOptions,
+) -> Result<SweepReport, MergeError> {
+    let asked = Asked::new(document, sweep, options, larger);
     let directory = asked.open()?;
     let items = asked.items();
     if directory.held.as_ref().is_some_and(|held| held.is_done)
@@ -102,7 +126,19 @@ pub fn merge_sweep(
     }
     session.checkpoint()?;
     let report = asked.report(&session, RunOutcome::Done, None);
-    Ok(asked.write_end(&beginning, report)?)
+    Ok(match larger {
+        None => asked.write_end(&beginning, report)?,
+        Some(_) => write_shard_end(&beginning, report)?,
+    })
+}
+
+/// Writes what is told of a shard that has ended.
+fn write_shard_end(
+    beginning: &Beginning<'_>,
+    report: SweepReport,
+) -> Result<SweepReport, RunError> {
+    beginning.write_end(&report.directory, SweepEnding::new(&report))?;
+    Ok(report)
 }
 
 /// A sweep, or a shard of it, that wants a directory.
@@ -162,9 +198,16 @@ impl<'a> Asked<'a> {
     fn beginning(&self, directory: &RunDirectory) -> Beginning<'a> {
         let started = directory.held.as_ref().map(|held| held.started.clone());
         let (sweep, command) = (self.sweep, &self.options.command);
-        Beginning::new(self.kind, self.document, &sweep.base, &sweep.checks, command, started)
-            .of_shard(self.shard.map(Shard::record))
-            .of_files(self.files.clone())
+        Beginning::new(
+            self.kind,
+            self.document,
+            &sweep.base,
+            &sweep.checks,
+            command,
+            started,
+        )
+        .of_shard(self.shard.map(Shard::record))
+        .of_files(self.files.clone())
     }
 
     /// Runs what is left.
@@ -228,7 +271,13 @@ impl<'a> Asked<'a> {
     ) -> Result<SweepReport, RunError> {
         let table = report.table();
         let text = fs::read_to_string(&table).map_err(RunError::io(&table))?;
-        let data = page::data(self.document, self.sweep, &report, &text, &self.options.command);
+        let data = page::data(
+            self.document,
+            self.sweep,
+            &report,
+            &text,
+            &self.options.command,
+        );
         let page = render_sweep(&data)?;
         replace(&report.report(), page.as_bytes())?;
         beginning.write_end(&report.directory, SweepEnding::new(&report))?;
@@ -248,6 +297,10 @@ fn read_files(sweep: &ComposedSweep<'_>) -> Option<FilesRecord> {
         all.update(record.sha256.as_bytes());
         paths.extend(record.paths);
     }
-    let sha256 = all.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    let sha256 = all
+        .finalize()
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect();
     Some(FilesRecord { paths, sha256 })
 }

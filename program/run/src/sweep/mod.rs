@@ -21,8 +21,8 @@ mod settings;
 
 pub use columns::SweepColumns;
 pub use execute::{
-    default_sweep_directory, default_sweep_shards_directory, merge_sweep, run_sweep,
-    run_sweep_shard,
+    default_sweep_directory, default_sweep_shards_directory, join_sweep_shards, merge_sweep,
+    run_sweep, run_sweep_shard,
 };
 pub use plan::{ComposedSweep, compose_sweep};
 pub use report::{SweepEnding, SweepReport};

@@ -45,7 +45,10 @@ pub(super) fn data(
     let behind = first + columns.drifts.len();
     let observables = columns.observables.iter().enumerate();
     let observables = observables.map(|(k, name)| column((behind + k, name), false));
-    let evaluations = column((first + columns.measured().len() + 1, &columns.cost[1]), false);
+    let evaluations = column(
+        (first + columns.measured().len() + 1, &columns.cost[1]),
+        false,
+    );
     let directions: Vec<SweptDirection> = (0..keys)
         .map(|k| SweptDirection::of(&columns.settings[k], cells(1 + k)))
         .filter(|direction| direction.labels.len() > 1)
@@ -53,8 +56,13 @@ pub(super) fn data(
     let failures = rows.iter().filter(|row| row[1 + keys] == "failed");
     let failures = failures.take(MOST_SHOWN).map(|row| {
         let values = columns.settings.iter().zip(&row[1..]);
-        let values: Vec<String> = values.map(|(key, value)| format!("{} = {value}", short_key(key))).collect();
-        (format!("{}: {}", row[0], values.join(", ")), row[2 + keys].clone())
+        let values: Vec<String> = values
+            .map(|(key, value)| format!("{} = {value}", short_key(key)))
+            .collect();
+        (
+            format!("{}: {}", row[0], values.join(", ")),
+            row[2 + keys].clone(),
+        )
     });
     let line = |label: &str, text: String| (label.to_owned(), text);
     let settings = counted(report.settings as usize, "setting");
@@ -66,17 +74,30 @@ pub(super) fn data(
         scene_text: document.text.clone(),
         outcome: match report.outcome {
             RunOutcome::Interrupted => Outcome::Interrupted {
-                message: format!("after {} of {settings}; the same command resumes", report.done),
+                message: format!(
+                    "after {} of {settings}; the same command resumes",
+                    report.done
+                ),
             },
             _ => Outcome::Done {
                 message: format!("{settings}, {} failed", report.failed),
             },
         },
         facts: vec![
-            line("Settings", format!("{} of {}, {} failed", report.done, report.settings, report.failed)),
+            line(
+                "Settings",
+                format!(
+                    "{} of {}, {} failed",
+                    report.done, report.settings, report.failed
+                ),
+            ),
             line(
                 "Integration",
-                format!("{:.3} s, {:.0} settings a second", report.wall_seconds, report.rate()),
+                format!(
+                    "{:.3} s, {:.0} settings a second",
+                    report.wall_seconds,
+                    report.rate()
+                ),
             ),
             line("Data", report.table().display().to_string()),
         ],

@@ -149,13 +149,10 @@ impl ComposedSweep<'_> {
             if let Some(place) = known.get(&made_of) {
                 return Ok(*place);
             }
-            let errors = |errors: SceneErrors| self.of_setting(setting, errors.diagnostics().remove(0));
-            let read = SceneDocument::parse_with(
-                &document.name,
-                &document.text,
-                &made_of,
-                self.registry,
-            );
+            let errors =
+                |errors: SceneErrors| self.of_setting(setting, errors.diagnostics().remove(0));
+            let read =
+                SceneDocument::parse_with(&document.name, &document.text, &made_of, self.registry);
             let read = read.map_err(|e| RunError::Refused(errors(e)))?;
             let own = recording(read).map_err(RunError::Refused)?;
             // A key of another system may be none of values there.
@@ -209,7 +206,10 @@ impl ComposedSweep<'_> {
             return Ok(Some(run));
         }
         let before = &composed.document.system.parameters;
-        for (name, value) in before.iter().filter(|(name, _)| varied.contains(&name.value.as_str())) {
+        for (name, value) in before
+            .iter()
+            .filter(|(name, _)| varied.contains(&name.value.as_str()))
+        {
             let chosen = &mut document.method.chosen_at;
             if !chosen.iter().any(|(known, _)| known.value == name.value) {
                 chosen.push((name.clone(), value.clone()));
@@ -219,14 +219,12 @@ impl ComposedSweep<'_> {
     }
 
     /// A diagnostic that names its setting.
-    fn of_setting(
-        &self,
-        setting: u64,
-        mut diagnostic: leafwise_scene::SceneDiagnostic,
-    ) -> Refusal {
+    fn of_setting(&self, setting: u64, mut diagnostic: leafwise_scene::SceneDiagnostic) -> Refusal {
         let which = self.settings.describe(setting);
         diagnostic.message = format!("{which}: {}", diagnostic.message);
-        diagnostic.source_name = diagnostic.source_name.replace("--set", &format!("setting {setting}"));
+        diagnostic.source_name = diagnostic
+            .source_name
+            .replace("--set", &format!("setting {setting}"));
         Box::new(diagnostic)
     }
 

@@ -50,7 +50,11 @@ impl Progress for Watched<'_> {
 
 impl Row {
     /// Runs a setting; `None` where it was told to stop.
-    pub fn of(setting: u64, run: &ComposedRun, signals: &Signals) -> Result<Option<Self>, RunError> {
+    pub fn of(
+        setting: u64,
+        run: &ComposedRun,
+        signals: &Signals,
+    ) -> Result<Option<Self>, RunError> {
         let mut session = Session::in_memory(run)?;
         let mut watched = Watched { signals, steps: 0 };
         let outcome = session.drive(&mut watched)?;
@@ -58,9 +62,15 @@ impl Row {
             return Ok(None);
         }
         let report = describe(run, &session, outcome, None);
-        let error = report.outcome.failure().map_or_else(String::new, |failure| {
-            format!("step {}: {}; {}", failure.step, failure.message, failure.hint)
-        });
+        let error = report
+            .outcome
+            .failure()
+            .map_or_else(String::new, |failure| {
+                format!(
+                    "step {}: {}; {}",
+                    failure.step, failure.message, failure.hint
+                )
+            });
         let (samples, _) = session.into_values();
         let first = samples.len() - run.plan.observables.len();
         Ok(Some(Self {

@@ -67,20 +67,19 @@ impl Settings {
                     file: None,
                 }
             }
-            SettingsSpec::File(file) => {
-                Self::read(document, &file.value).map_err(|reason| {
-                    let help = "the keys in the first row, a setting in each other, as\n\
+            SettingsSpec::File(file) => Self::read(document, &file.value).map_err(|reason| {
+                let help = "the keys in the first row, a setting in each other, as\n\
                                 system.parameters.a,method.time-step\n0.5,0.1";
-                    let message = format!("{}: {reason}", file.value);
-                    let help = Some(help.to_owned());
-                    Box::new(document.diagnostic(&file.place(), message, "this file", help))
-                })?
-            }
+                let message = format!("{}: {reason}", file.value);
+                let help = Some(help.to_owned());
+                Box::new(document.diagnostic(&file.place(), message, "this file", help))
+            })?,
         })
     }
 
     fn read(document: &SceneDocument, file: &str) -> Result<Self, String> {
-        let text = read_text(&document.directory().join(file)).map_err(|error| error.to_string())?;
+        let text =
+            read_text(&document.directory().join(file)).map_err(|error| error.to_string())?;
         let digest = Sha256::digest(text.as_bytes()).into();
         let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
         let mut rows = csv::rows(text)?.into_iter();
@@ -103,11 +102,15 @@ impl Settings {
                         "row {number} has {found} values, and there are {expected} keys"
                     ));
                 }
-                let row = row.into_iter().map(|cell| (!cell.is_empty()).then_some(cell));
+                let row = row
+                    .into_iter()
+                    .map(|cell| (!cell.is_empty()).then_some(cell));
                 let row: Vec<Option<String>> = row.collect();
                 let is_infinite = |cell: &&String| {
                     let value = cell.trim().parse::<Value>().ok();
-                    value.and_then(|v| v.as_float()).is_some_and(|v| !v.is_finite())
+                    value
+                        .and_then(|v| v.as_float())
+                        .is_some_and(|v| !v.is_finite())
                 };
                 match row.iter().flatten().find(is_infinite) {
                     Some(cell) => Err(format!("row {number} holds {cell}, not a finite number")),
@@ -117,9 +120,9 @@ impl Settings {
             .collect::<Result<_, _>>()?;
         match rows.len() as u64 {
             0 => Err("it has no row of values".to_owned()),
-            count if count > MOST_SETTINGS => {
-                Err(format!("it has {count} rows, at most {MOST_SETTINGS} are offered"))
-            }
+            count if count > MOST_SETTINGS => Err(format!(
+                "it has {count} rows, at most {MOST_SETTINGS} are offered"
+            )),
             _ => Ok(Self {
                 keys,
                 values: Values::Rows(rows),
@@ -147,7 +150,10 @@ impl Settings {
     /// For a number beyond the last.
     pub fn values(&self, setting: u64) -> Vec<Option<&str>> {
         match &self.values {
-            Values::Rows(rows) => rows[setting as usize].iter().map(Option::as_deref).collect(),
+            Values::Rows(rows) => rows[setting as usize]
+                .iter()
+                .map(Option::as_deref)
+                .collect(),
             Values::Grid(directions) => {
                 let mut rest = setting as usize;
                 let mut values = vec![None; directions.len()];

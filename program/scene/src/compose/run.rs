@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use leafwise_core::lattice::{LatticeMethod, LatticeObservables};
 use leafwise_core::system::{SystemInvariants, SystemObservables};
-use leafwise_expression::Expression;
 use leafwise_core::{
     BuildError, Integrator, Method, Observe, Origin, PartKind, PoissonSystem, Registry, StepMap,
     WithoutPoles,
 };
+use leafwise_expression::Expression;
 
 use super::Refusal;
 use super::events::{Events, check_axes};

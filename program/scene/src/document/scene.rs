@@ -79,17 +79,19 @@ impl SceneDocument {
         let text = effective.unwrap_or_else(|| text.to_owned());
         let name = name.to_owned();
         match sections {
-            Some((system, method, run, ensemble, sweep, plugins)) if problems.0.is_empty() => Ok(Self {
-                name,
-                text,
-                fragment,
-                system,
-                method,
-                run,
-                ensemble,
-                sweep,
-                plugins,
-            }),
+            Some((system, method, run, ensemble, sweep, plugins)) if problems.0.is_empty() => {
+                Ok(Self {
+                    name,
+                    text,
+                    fragment,
+                    system,
+                    method,
+                    run,
+                    ensemble,
+                    sweep,
+                    plugins,
+                })
+            }
             _ => {
                 let mut problems = without_consequences(problems.0);
                 problems.sort_by_key(|problem| match problem.place.source {

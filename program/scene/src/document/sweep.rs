@@ -182,7 +182,8 @@ fn read_direction(item: &Item<'_>, problems: &mut Problems) -> Option<Vec<Locate
     if item.is_table() {
         return read_range(item, problems);
     }
-    let expected = "a list of values, { range = [from, to, count] } or { logarithmic = [from, to, count] }";
+    let expected =
+        "a list of values, { range = [from, to, count] } or { logarithmic = [from, to, count] }";
     let values = item.list_of(expected, problems, read_value)?;
     if values.is_empty() {
         problems.push(
@@ -208,7 +209,11 @@ fn read_value(item: &Item<'_>, problems: &mut Problems) -> Option<Located<String
 
 /// Equidistant values, or such of equal ratios; both ends are among them.
 fn read_range(item: &Item<'_>, problems: &mut Problems) -> Option<Vec<Located<String>>> {
-    let table = item.table(&item.title, "a table such as { range = [0.5, 1, 50] }", problems)?;
+    let table = item.table(
+        &item.title,
+        "a table such as { range = [0.5, 1, 50] }",
+        problems,
+    )?;
     table.only(&GRID_RANGES, problems);
     let [chosen] = table.items.as_slice() else {
         problems.push(
@@ -284,9 +289,7 @@ pub fn refuse_key(key: &str) -> Option<SceneProblemCause> {
         reason: reason.to_owned(),
     };
     let Ok(keys) = Key::parse(key) else {
-        return Some(refuse(
-            "the path is not dotted keys such as method.epsilon",
-        ));
+        return Some(refuse("the path is not dotted keys such as method.epsilon"));
     };
     let is_within = |shared: &str| {
         let rest = key.strip_prefix(shared);
