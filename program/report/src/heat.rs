@@ -6,6 +6,12 @@ use super::canvas::{Anchor, Canvas, Ink};
 /// How many colours the scale has.
 const LEVELS: usize = 32;
 
+/// The room that the bar and its labels take to the right of a frame.
+pub(super) const BAR: f64 = 92.0;
+
+/// Letters that go into it.
+const WIDEST: usize = 12;
+
 /// The colour's number of a value on an axis.
 pub(super) fn level(axis: Axis, value: f64) -> usize {
     (axis.fraction(value) * (LEVELS - 1) as f64).round() as usize
@@ -35,7 +41,13 @@ pub(super) fn draw_scale(canvas: &mut Canvas, edges: [f64; 4], axis: Axis, name:
         );
     }
     let title = format!("{name} {}", ticks.factor);
-    canvas.label(title.trim_end(), (right + 18.0, top - 17.0), Anchor::Start);
+    let title = title.trim();
+    // What is wider than the bar and its labels ends with them.
+    let (at, anchor) = match title.chars().count() > WIDEST {
+        true => (right + BAR, Anchor::End),
+        false => (right + 18.0, Anchor::Start),
+    };
+    canvas.label(title, (at, top - 17.0), anchor);
 }
 
 /// From dark blue over green to yellow, lighter throughout, so that it reads in grey too.

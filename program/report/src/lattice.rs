@@ -5,7 +5,7 @@ use super::canvas::{ALARM, Canvas, SERIES};
 use super::decimate::envelope;
 use super::error::ReportError;
 use super::figure::Figure;
-use super::heat::{color, draw_scale, level};
+use super::heat::{BAR, color, draw_scale, level};
 use super::number::number;
 
 /// The most cells across and up.
@@ -53,7 +53,7 @@ fn heat_figure(
     };
     let y = Axis::linear(times.iter().copied(), 0.0);
     let mut frame = Frame::new(width, height, x, y);
-    frame.edges[2] = width - 92.0;
+    frame.edges[2] = width - BAR;
     let mut canvas = Canvas::new(width, height);
     frame.draw(&mut canvas, &format!("site i of {name}[i]"), "time t");
     let (columns, rows) = (sites.min(CELLS.0), fields.len().min(CELLS.1));

@@ -56,5 +56,5 @@ pub use run::render_report;
 pub use survey::{
     ErrorLine, RefusedParts, SurveyData, SurveyedMap, SurveyedProblem, render_survey,
 };
-pub use sweep::{SweepData, SweptColumn, SweptDirection, render_sweep};
+pub use sweep::{SweepData, SweptColumn, SweptDirection, SweptKind, render_sweep};
 pub use work_precision::{Curve, CurvePoint, Plot};

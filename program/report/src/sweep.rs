@@ -7,7 +7,7 @@ use super::canvas::{ALARM, AXIS, Anchor, Canvas, GRID, TEXT};
 use super::data::Outcome;
 use super::error::ReportError;
 use super::figure::Figure;
-use super::heat::{color, draw_scale, level};
+use super::heat::{BAR, color, draw_scale, level};
 use super::panel::{Panel, PanelAxis, PanelSeries, Stroke, panel_figure};
 use super::template::render;
 
@@ -62,8 +62,30 @@ pub struct SweptColumn {
     pub name: String,
     /// A value for each setting.
     pub values: Vec<f64>,
-    /// Whether it is a deviation, of which the order of magnitude tells.
-    pub is_drift: bool,
+    /// What it is.
+    pub kind: SweptKind,
+}
+
+/// What a column holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SweptKind {
+    /// The largest deviation of an invariant, of which the order of magnitude tells.
+    Drift,
+    /// A function of the last state.
+    #[default]
+    Observable,
+    /// A count of the whole run.
+    Cost,
+}
+
+impl SweptKind {
+    fn words(self) -> &'static str {
+        match self {
+            Self::Drift => "The largest deviation over all steps",
+            Self::Observable => "The value at the end",
+            Self::Cost => "The count of the whole run",
+        }
+    }
 }
 
 impl SweptDirection {
@@ -125,9 +147,13 @@ pub fn render_sweep(data: &SweepData) -> Result<String, ReportError> {
     let mut figures = Vec::new();
     match data.directions.as_slice() {
         [one] => {
-            let drifts: Vec<&SweptColumn> = data.columns.iter().filter(|c| c.is_drift).collect();
+            let drifts: Vec<&SweptColumn> = data
+                .columns
+                .iter()
+                .filter(|c| c.kind == SweptKind::Drift)
+                .collect();
             figures.push(curves(one, &drifts)?);
-            for column in data.columns.iter().filter(|c| !c.is_drift) {
+            for column in data.columns.iter().filter(|c| c.kind != SweptKind::Drift) {
                 figures.push(curves(one, &[column])?);
             }
         }
@@ -156,7 +182,7 @@ struct Page<'a> {
 /// Whether the order of magnitude is what a column tells.
 fn is_logarithmic(columns: &[&SweptColumn]) -> bool {
     let values = || columns.iter().flat_map(|column| &column.values);
-    let is_drift = columns.iter().all(|column| column.is_drift);
+    let is_drift = columns.iter().all(|column| column.kind == SweptKind::Drift);
     is_drift && values().any(|value| *value > 0.0)
 }
 
@@ -192,7 +218,7 @@ fn curves(direction: &SweptDirection, columns: &[&SweptColumn]) -> Result<Figure
         .map(|(label, number)| format!("{number}: {label}"))
         .collect();
     let mut caption = match (columns, is_log) {
-        ([one], false) => format!("{} at the end, against {}.", one.name, direction.name),
+        ([one], false) => format!("{}, against {}.", one.kind.words(), direction.name),
         _ => format!(
             "The largest deviation of each invariant over all steps, against {}.",
             direction.name
@@ -240,7 +266,7 @@ fn map(
         false => Axis::linear(values, 0.0),
     };
     let mut canvas = Canvas::new(width, height);
-    let edges @ [left, top, right, bottom] = [74.0, 34.0, width - 92.0, height - 50.0];
+    let edges @ [left, top, right, bottom] = [74.0, 34.0, width - BAR, height - 50.0];
     let across = |k: usize| left + (right - left) * k as f64 / x.labels.len() as f64;
     let up = |k: usize| bottom - (bottom - top) * k as f64 / y.labels.len() as f64;
     let mut cells = vec![None; x.labels.len() * y.labels.len()];
@@ -298,15 +324,11 @@ fn map(
     if zeros > 0 {
         notes.push(format!("{zeros} deviations are 0, drawn as the least."));
     }
-    let what = match column.is_drift {
-        true => "The largest deviation over all steps",
-        false => "The value at the end",
-    };
     Ok(Figure {
         title: column.name.clone(),
         svg: canvas.finish(&format!("{} over both directions", column.name))?,
         legend: Vec::new(),
-        caption: format!("{what}, a cell for each setting."),
+        caption: format!("{}, a cell for each setting.", column.kind.words()),
         notes,
     })
 }

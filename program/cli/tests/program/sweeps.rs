@@ -146,8 +146,13 @@ fn a_terminated_sweep_goes_on_to_the_same_bytes() {
             .stdout(Stdio::piped())
             .spawn()
             .expect("a start");
-        let file = here.path("pieces/checkpoint.bin");
-        wait_for(&mut child, || file.exists(), "a checkpoint");
+        // The manifest says so before the first row, and is replaced when the sweep is interrupted.
+        let file = here.path("pieces/manifest.json");
+        let is_running = || {
+            let text = std::fs::read_to_string(&file).unwrap_or_default();
+            text.contains("\"outcome\": \"running\"")
+        };
+        wait_for(&mut child, is_running, "the first row");
         let kill = std::process::Command::new("kill")
             .args([format!("-{signal}"), child.id().to_string()])
             .status();

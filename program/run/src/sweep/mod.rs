@@ -18,6 +18,8 @@ mod report;
 mod row;
 mod session;
 mod settings;
+#[cfg(test)]
+mod tests;
 
 pub use columns::SweepColumns;
 pub use execute::{

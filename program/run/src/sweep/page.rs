@@ -6,7 +6,7 @@ use super::plan::ComposedSweep;
 use super::report::SweepReport;
 use crate::csv::rows;
 use crate::{PROGRAM_VERSION, RunOutcome, file_name, method_lines, title};
-use leafwise_report::{Outcome, SweepData, SweptColumn, SweptDirection};
+use leafwise_report::{Outcome, SweepData, SweptColumn, SweptDirection, SweptKind};
 use leafwise_scene::document::SceneDocument;
 
 /// Failed settings that the page lists.
@@ -34,20 +34,21 @@ pub(super) fn data(
             .map(|cell| cell.parse().unwrap_or(f64::NAN))
             .collect()
     };
-    let column = |(at, name): (usize, &String), is_drift| SweptColumn {
+    let column = |(at, name): (usize, &String), kind| SweptColumn {
         name: name.clone(),
         values: numbers(at),
-        is_drift,
+        kind,
     };
     let first = 1 + keys + 3;
     let drifts = columns.drifts.iter().enumerate();
-    let drifts = drifts.map(|(k, name)| column((first + k, name), true));
+    let drifts = drifts.map(|(k, name)| column((first + k, name), SweptKind::Drift));
     let behind = first + columns.drifts.len();
     let observables = columns.observables.iter().enumerate();
-    let observables = observables.map(|(k, name)| column((behind + k, name), false));
+    let observables =
+        observables.map(|(k, name)| column((behind + k, name), SweptKind::Observable));
     let evaluations = column(
         (first + columns.measured().len() + 1, &columns.cost[1]),
-        false,
+        SweptKind::Cost,
     );
     let directions: Vec<SweptDirection> = (0..keys)
         .map(|k| SweptDirection::of(&columns.settings[k], cells(1 + k)))

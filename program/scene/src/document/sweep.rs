@@ -204,6 +204,12 @@ fn read_value(item: &Item<'_>, problems: &mut Problems) -> Option<Located<String
     if item.is_number() {
         item.number(problems)?;
     }
+    if item.is_list() {
+        item.list_of("a list", problems, read_value)?;
+    }
+    if item.is_table() {
+        item.pairs("a table", problems, read_value)?;
+    }
     Some(Located::new(item.written().to_owned(), item.place()))
 }
 
