@@ -36,14 +36,14 @@ def test_rows_are_single_runs() -> None:
 
 
 def test_methods_as_settings_and_failures() -> None:
-    settings = [{"method": {"stepper": "rk4", "time-step": 0.1}}, {"method.time-step": 1e6}]
-    with pytest.raises(lw.SceneError, match="is a table"):
-        lw.Scene(RIGID_BODY).sweep(settings=settings, steps=5)
-    settings[0] = {"method.stepper": "rk4"}
+    settings = [{"method.stepper": "rk4"}, {"method": {"stepper": "rk4", "time-step": 0.05}}, {"method.time-step": 1e6}]
     sweep = lw.Scene(RIGID_BODY).sweep(settings=settings, steps=5)
-    assert list(sweep.outcomes) == ["done", "failed"]
-    assert sweep.errors[1].startswith("step 1: ")
-    assert list(sweep["method.stepper"]) == ["rk4", ""]
+    assert list(sweep.outcomes) == ["done", "done", "failed"]
+    assert sweep.errors[2].startswith("step 1: ")
+    assert list(sweep["method.stepper"]) == ["rk4", "", ""]
+    assert list(sweep["setting"]) == [0, 1, 2]
+    with pytest.raises(lw.SceneError, match="cannot stand beside"):
+        lw.Scene(RIGID_BODY).sweep(settings=[{"method": {"stepper": "rk4", "time-step": 1}, "method.time-step": 2}])
 
 
 def test_shards_of_workers_are_the_bytes_of_this_process() -> None:

@@ -107,6 +107,8 @@ class Sweep:
         return frame.set_index("setting")
 
     def __getitem__(self, name: str) -> NDArray[Any]:
+        if all(cell.isdecimal() for cell in self._cells[name]):
+            return np.array([int(cell) for cell in self._cells[name]], dtype=np.int64)
         try:
             return self._numbers(name)
         except ValueError:

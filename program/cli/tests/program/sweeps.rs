@@ -298,6 +298,11 @@ fn what_is_no_sweep_is_refused_where_it_stands() {
             "cannot stand beside",
         ),
         (
+            "list = [{ \"run.initial\" = [1, 2, 3], \"run.initial.x1\" = 1 }]",
+            "cannot stand beside",
+        ),
+        ("grid = { \"method\" = [1] }", "`method` is a table"),
+        (
             "grid = { \"run.initial\" = [[1, 2]] }",
             "setting 0 of the sweep",
         ),

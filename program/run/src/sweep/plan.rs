@@ -71,9 +71,11 @@ pub fn compose_sweep<'a>(
     };
     let mut known = BTreeMap::from([(Vec::new(), 0)]);
     for setting in items {
+        let before = sweep.methods();
         let method = sweep.method_of(setting, document, &mut known, allow_non_poisson)?;
         sweep.methods.push(method as u32);
-        if let Some(run) = sweep.run(setting).map_err(RunError::Refused)? {
+        let run = sweep.run(setting).map_err(RunError::Refused)?;
+        if let Some(run) = run.filter(|_| sweep.methods() > before) {
             sweep.check_columns(setting, &run)?;
         }
     }

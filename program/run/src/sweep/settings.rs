@@ -82,11 +82,12 @@ impl Settings {
             read_text(&document.directory().join(file)).map_err(|error| error.to_string())?;
         let digest = Sha256::digest(text.as_bytes()).into();
         let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
-        let mut rows = csv::rows(text)?.into_iter();
+        let mut rows = csv::rows(text)?.into_iter().peekable();
         let keys = rows.next().ok_or("it is empty")?;
         let mut known = BTreeSet::new();
-        for key in &keys {
-            if let Some(cause) = refuse_key(key) {
+        for (at, key) in keys.iter().enumerate() {
+            let first = rows.peek().and_then(|row| row.get(at));
+            if let Some(cause) = refuse_key(key, first.map_or("", String::as_str)) {
                 return Err(cause.to_string());
             }
             if !known.insert(key) {

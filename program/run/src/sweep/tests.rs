@@ -64,12 +64,15 @@ fn sweep(
     let document = SceneDocument::parse("scene.toml", SCENE, &registry).expect("a scene");
     let settings = Settings::of(&document).map_err(RunError::Refused)?;
     let count = settings.count();
-    let shard = place.map(|(number, of)| {
-        Shard::of(Whole::Settings, number, of, count).expect("a shard")
-    });
+    let shard =
+        place.map(|(number, of)| Shard::of(Whole::Settings, number, of, count).expect("a shard"));
     let items = shard.as_ref().map_or(0..count, Shard::items);
     let sweep = compose_sweep(&document, &registry, settings, items, false)?;
-    assert_eq!(sweep.methods(), 1, "settings of values share the scene's method");
+    assert_eq!(
+        sweep.methods(),
+        1,
+        "settings of values share the scene's method"
+    );
     let threads = NonZeroUsize::new(threads).expect("threads");
     let options = options(directory.to_owned());
     match &shard {
@@ -136,7 +139,10 @@ fn shards_of_shards_are_merged_to_the_bytes_of_one_process() {
     // A gap within what is joined.
     fs::rename(path("low/shard-2"), path("aside")).expect("a move");
     let gap = join(&path("low"), &path("gap"), false).expect_err("a gap");
-    assert!(gap.to_string().contains("settings are missing: 3 to 5"), "{gap}");
+    assert!(
+        gap.to_string().contains("settings are missing: 3 to 5"),
+        "{gap}"
+    );
     fs::rename(path("aside"), path("low/shard-2")).expect("a move");
     for group in ["low", "high"] {
         let report = join(&path(group), &path("parts").join(group), false).expect("a shard");

@@ -180,8 +180,16 @@ fn remove_alternatives(table: &mut dyn TableLike, key: &str) {
     }
 }
 
-/// Whether setting one of two keys takes the other one away.
+/// Whether setting one of two keys takes the other one away, or its table.
 pub(super) fn alternatives(first: &str, second: &str) -> bool {
+    let holds = |table: &str, key: &str| {
+        let rest = key.strip_prefix(table);
+        // Parts have a name and parameters, each a key of its own.
+        !table.starts_with("method.") && rest.is_some_and(|rest| rest.starts_with('.'))
+    };
+    if holds(first, second) || holds(second, first) {
+        return true;
+    }
     let parts = |path: &'_ str| -> Option<(String, String)> {
         let (table, key) = path.rsplit_once('.')?;
         Some((table.to_owned(), key.to_owned()))

@@ -122,8 +122,10 @@ fn read_grid(
     let grid = item.table("grid", "a table of keys with their values", problems)?;
     let mut directions = Some(Vec::with_capacity(grid.items.len()));
     for entry in &grid.items {
-        let is_key = check_key(&entry.key, problems);
-        let values = read_direction(entry, problems).filter(|_| is_key);
+        let values = read_direction(entry, problems);
+        let first = values.as_ref().map_or("", |values| &values[0].value);
+        let is_key = check_key(&entry.key, first, problems);
+        let values = values.filter(|_| is_key);
         directions = match (directions, values) {
             (Some(mut all), Some(values)) => {
                 all.push((entry.key.clone(), values));
@@ -153,7 +155,7 @@ fn read_list(
             let pairs = row.pairs("a table of keys with a value each", problems, read_value)?;
             let are_keys: Vec<bool> = pairs
                 .iter()
-                .map(|(key, _)| check_key(key, problems))
+                .map(|(key, value)| check_key(key, &value.value, problems))
                 .collect();
             let are_apart = check_alternatives(pairs.iter().map(|(key, _)| key), problems);
             (are_apart && !are_keys.contains(&false)).then_some(pairs)
@@ -278,8 +280,8 @@ fn read_range(item: &Item<'_>, problems: &mut Problems) -> Option<Vec<Located<St
 }
 
 /// Whether a key is one that `--set` takes and that settings may differ in.
-pub(super) fn check_key(key: &SweptKey, problems: &mut Problems) -> bool {
-    match refuse_key(&key.value) {
+fn check_key(key: &SweptKey, value: &str, problems: &mut Problems) -> bool {
+    match refuse_key(&key.value, value) {
         None => true,
         Some(cause) => {
             problems.push(cause, key.place());
@@ -288,8 +290,8 @@ pub(super) fn check_key(key: &SweptKey, problems: &mut Problems) -> bool {
     }
 }
 
-/// Why settings may not differ in a key.
-pub fn refuse_key(key: &str) -> Option<SceneProblemCause> {
+/// Why settings may not differ in a key, of which `value` is one value.
+pub fn refuse_key(key: &str, value: &str) -> Option<SceneProblemCause> {
     let refuse = |reason: &str| SceneProblemCause::Swept {
         key: key.to_owned(),
         reason: reason.to_owned(),
@@ -304,7 +306,7 @@ pub fn refuse_key(key: &str) -> Option<SceneProblemCause> {
     if let Some((_, instead)) = SHARED.iter().find(|(shared, _)| is_within(shared)) {
         return Some(refuse(instead));
     }
-    match check_path(&keys, key, "0") {
+    match check_path(&keys, key, value) {
         Ok(()) => None,
         Err((SceneProblemCause::Override { reason, .. }, _)) => Some(refuse(&reason)),
         Err((cause, _)) => Some(cause),

@@ -23,7 +23,9 @@ steps   = 10
 /// The same without places, which an assigned value has of the text before.
 fn values(document: &SceneDocument) -> String {
     let parameters = document.system.parameters.iter();
-    let parameters: Vec<_> = parameters.map(|(name, value)| (&name.value, &value.value)).collect();
+    let parameters: Vec<_> = parameters
+        .map(|(name, value)| (&name.value, &value.value))
+        .collect();
     let step = &document.method.step;
     let composed = crate::compose::compose(document, &Registry::with_builtin()).expect("a run");
     format!(
@@ -57,7 +59,10 @@ fn an_assigned_value_is_the_one_that_is_read() {
         // A composed run at other values is the run composed of them.
         let before = SceneDocument::parse("case", FACTORS, &registry).expect("a scene");
         let run = crate::compose::compose(&before, &registry).expect("a run");
-        let at = run.at(&assigned).expect("a state").expect("a run of values");
+        let at = run
+            .at(&assigned)
+            .expect("a state")
+            .expect("a run of values");
         let composed = crate::compose::compose(&read, &registry).expect("a run");
         assert_eq!(at.plan.initial, composed.plan.initial);
         assert_eq!(
