@@ -7,7 +7,7 @@
 //! - [`systems`]: the problem library.
 //! - [`plugins`]: parts of third parties from shared libraries.
 //! - [`scene`]: scene files, composed.
-//! - [`run`]: runs and ensembles, into directories; [`report`]: their pages.
+//! - [`run`]: runs, ensembles and sweeps, into directories; [`report`]: their pages.
 //! - [`conformance`]: is one part, built-in or of a plugin, what it declares?
 //! - [`verify`]: what every part really does, measured against what it declares.
 //! - [`trade`]: cost against accuracy, measured on a scene.

@@ -3,6 +3,7 @@
 //! - [`scene`]: scenes, composed and stepped without the interpreter's lock;
 //! - [`recorded`]: what a run leaves, as arrays;
 //! - [`ensemble`]: what an ensemble leaves, as arrays;
+//! - [`sweep`]: what a sweep leaves;
 //! - [`functions`]: a system whose values functions of Python compute;
 //! - [`integrator`]: one trajectory, step by step;
 //! - [`gradient`]: trajectories with their derivatives;
@@ -18,6 +19,7 @@ mod gradient;
 mod integrator;
 mod recorded;
 mod scene;
+mod sweep;
 mod text;
 
 /// The compiled part of the package.
@@ -37,6 +39,8 @@ mod _leafwise {
     use super::recorded::Recorded;
     #[pymodule_export]
     use super::scene::Scene;
+    #[pymodule_export]
+    use super::sweep::Sweep;
     #[pymodule_export]
     use super::text::{text_of, text_of_value};
 }

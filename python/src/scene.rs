@@ -7,9 +7,10 @@ use std::time::{Duration, Instant};
 
 use leafwise::core::Registry;
 use leafwise::run::ensemble::{
-    ComposedEnsemble, Members, MergeError, Shard, Shards, Workforce, compose_ensemble,
-    compose_members, merge_shards, run_ensemble, run_shard,
+    ComposedEnsemble, Members, Workforce, compose_ensemble, compose_members, join_shards,
+    merge_shards, run_ensemble, run_shard,
 };
+use leafwise::run::shards::{MergeError, Shard, Shards, Whole};
 use leafwise::run::{Progress, RunOptions, RunOutcome, Status, run_in_memory};
 use leafwise::scene::document::{Located, ObservableSpec, Place, Source};
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
@@ -26,6 +27,7 @@ use crate::functions::Functions;
 use crate::gradient::Map;
 use crate::integrator::Integrator;
 use crate::recorded::Recorded;
+use crate::sweep::{AskedSweep, Sweep, sweep_shard};
 
 /// How often signals are looked for and progress is told.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
@@ -54,6 +56,15 @@ struct Read {
 }
 
 impl Read {
+    /// A sweep of it.
+    fn asked(&self, allow_non_poisson: bool, out: PathBuf) -> AskedSweep<'_> {
+        AskedSweep {
+            document: &self.document,
+            registry: &self.registry,
+            options: options(out, allow_non_poisson),
+        }
+    }
+
     fn new(text: SceneText, system: Option<&Arc<Py<PyAny>>>) -> PyResult<Self> {
         let mut parts = with_plugins()?;
         let functions = system.map(|system| Functions::new(Arc::clone(system)));
@@ -294,7 +305,8 @@ impl Scene {
             let read = self.with(&overrides)?;
             let ensemble = read.ensemble(&members, &files)?;
             let (number, of) = place;
-            let shard = Shard::of(number, of, ensemble.population.members());
+            let count = ensemble.population.members();
+            let shard = Shard::of(Whole::Members, number, of, count);
             let shard = shard.map_err(|error| LeafwiseError::new_err(error.to_string()))?;
             let options = options(out, allow_non_poisson);
             let mut told = Told::new(None, read.functions.as_ref());
@@ -314,6 +326,78 @@ impl Scene {
                 RunOutcome::Interrupted => Err(PyKeyboardInterrupt::new_err(())),
                 _ => Ok(()),
             }
+        })
+    }
+
+    /// Joins shards that follow one another, in the folder `shards`, into a larger one in the directory `out`.
+    #[allow(clippy::too_many_arguments)]
+    fn join(
+        &self,
+        py: Python<'_>,
+        overrides: Overrides,
+        states: Option<PyReadonlyArray2<'_, f64>>,
+        parameters: Vec<(String, Vec<f64>)>,
+        files: PathBuf,
+        out: PathBuf,
+        shards: PathBuf,
+        allow_non_poisson: bool,
+    ) -> PyResult<()> {
+        let members = members(states, parameters);
+        py.detach(|| {
+            let read = self.with(&overrides)?;
+            let ensemble = read.ensemble(&members, &files)?;
+            let failed = |error: MergeError| exception(&Failure::from(error));
+            let shards = Shards::find(&[shards]).map_err(failed)?;
+            let options = options(out, allow_non_poisson);
+            join_shards(&read.document, &ensemble, &shards, &options).map_err(failed)?;
+            Ok(())
+        })
+    }
+
+    /// Runs the settings of the scene's sweep into the directory `out`; with `shards`, joins those in that folder instead.
+    #[allow(clippy::too_many_arguments)]
+    fn sweep(
+        &self,
+        py: Python<'_>,
+        overrides: Overrides,
+        out: PathBuf,
+        shards: Option<PathBuf>,
+        threads: Option<NonZeroUsize>,
+        allow_non_poisson: bool,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Sweep> {
+        py.detach(|| {
+            let read = self.with(&overrides)?;
+            Sweep::run(
+                &read.asked(allow_non_poisson, out),
+                shards,
+                workforce(threads).threads,
+                &mut Told::new(progress, read.functions.as_ref()),
+            )
+        })
+    }
+
+    /// Makes a shard of it in the directory `out`: the one at `place`, I of N, or with `shards` those in that folder joined.
+    #[allow(clippy::too_many_arguments)]
+    fn sweep_shard(
+        &self,
+        py: Python<'_>,
+        overrides: Overrides,
+        out: PathBuf,
+        place: (u64, u64),
+        shards: Option<PathBuf>,
+        threads: Option<NonZeroUsize>,
+        allow_non_poisson: bool,
+    ) -> PyResult<()> {
+        py.detach(|| {
+            let read = self.with(&overrides)?;
+            sweep_shard(
+                &read.asked(allow_non_poisson, out),
+                place,
+                shards,
+                workforce(threads).threads,
+                &mut Told::new(None, read.functions.as_ref()),
+            )
         })
     }
 
@@ -393,7 +477,7 @@ fn workforce(threads: Option<NonZeroUsize>) -> Workforce {
 }
 
 /// Looks for Ctrl-C and exceptions of a system's functions, and tells a function of Python where the run stands.
-struct Told<'a> {
+pub(crate) struct Told<'a> {
     function: Option<Py<PyAny>>,
     functions: Option<&'a Functions>,
     looked: Instant,
@@ -411,6 +495,12 @@ impl<'a> Told<'a> {
             is_interrupted: false,
             raised: None,
         }
+    }
+
+    /// Raises what the function, or one of the system's, has raised.
+    pub(crate) fn check(&mut self) -> PyResult<()> {
+        let of_system = self.functions.and_then(Functions::raised);
+        self.raised.take().or(of_system).map_or(Ok(()), Err)
     }
 
     /// What the function, or one of the system's, raised.

@@ -42,6 +42,14 @@ def test_processes_step_shards_to_the_same_bits() -> None:
     assert told[:7] == [(k, 7) for k in range(1, 8)]
 
 
+def test_workers_join_shards_of_shards_to_the_same_bits() -> None:
+    """20 shards are joined twice over: groups of 8 by workers, what is left here. More shards than leaves have no members."""
+    scene = lw.Scene(RIGID_BODY)
+    many = np.concatenate([MANY] * 5)
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as executor:
+        is_same(scene.ensemble(many, steps=20), scene.ensemble(many, steps=20, executor=executor, shards=70))
+
+
 def test_what_a_worker_raises_comes_out() -> None:
     scene = lw.Scene(RIGID_BODY)
     with pytest.raises(ValueError, match="executor="):

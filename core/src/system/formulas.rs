@@ -278,6 +278,10 @@ impl SystemFormulas {
         &self.parameters
     }
 
+    pub(super) fn parameters_mut(&mut self) -> &mut [Parameter] {
+        &mut self.parameters
+    }
+
     /// The parameters' values, in order.
     pub fn parameter_values(&self) -> Vec<f64> {
         self.parameters.iter().map(|p| p.value).collect()

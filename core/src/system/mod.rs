@@ -150,6 +150,29 @@ impl PoissonSystem {
         self.parameters().iter().map(|p| p.value).collect()
     }
 
+    /// The same system at other values of its parameters, in order.
+    ///
+    /// # Errors
+    /// [`BuildError::Dimension`] unless there is one for each.
+    pub fn with_parameter_values(&self, values: &[f64]) -> Result<Self, BuildError> {
+        let mut system = self.clone();
+        let parameters = match &mut system.definition {
+            Definition::Formulas(system) => system.parameters_mut(),
+            Definition::Numbers(system) => &mut system.parameters,
+        };
+        if parameters.len() != values.len() {
+            return Err(BuildError::Dimension {
+                what: "the parameters' values".to_owned(),
+                expected: parameters.len(),
+                found: values.len(),
+            });
+        }
+        for (parameter, value) in parameters.iter_mut().zip(values) {
+            parameter.value = *value;
+        }
+        Ok(system)
+    }
+
     /// The Casimirs' names.
     pub fn casimir_names(&self) -> Vec<&str> {
         match &self.definition {

@@ -1,5 +1,7 @@
 //! Functions of the state that a run watches.
 
+use std::sync::Arc;
+
 use leafwise_expression::{Expression, Graph, Kernel, Term, Workspace};
 
 use super::numbers::SystemEvaluator;
@@ -25,7 +27,7 @@ pub(super) fn kernel(
 /// Formulas in a system's variables, compiled for one set of parameters.
 #[derive(Debug)]
 pub struct SystemObservables {
-    kernel: Kernel,
+    kernel: Arc<Kernel>,
     workspace: Workspace,
 }
 
@@ -40,9 +42,19 @@ impl SystemObservables {
         parameters: &[f64],
     ) -> Result<Self, BuildError> {
         let kernel = kernel(formulas, system.dimension(), system.parameters().len())?;
+        Ok(Self::of(Arc::new(kernel), parameters))
+    }
+
+    /// The same formulas, compiled once, for another set of parameters.
+    #[must_use]
+    pub fn at(&self, parameters: &[f64]) -> Self {
+        Self::of(Arc::clone(&self.kernel), parameters)
+    }
+
+    fn of(kernel: Arc<Kernel>, parameters: &[f64]) -> Self {
         let mut workspace = kernel.workspace(1);
         kernel.prepare(&mut workspace, parameters, &[1.0], &[1.0]);
-        Ok(Self { kernel, workspace })
+        Self { kernel, workspace }
     }
 }
 

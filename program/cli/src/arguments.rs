@@ -75,7 +75,9 @@ pub enum Command {
     Run(RunArguments),
     /// Integrate many initial states or parameter sets, reduced to statistics
     Ensemble(EnsembleArguments),
-    /// Join the shards of an ensemble, to the bytes of one process
+    /// Run a scene for each of many settings of its keys, into one table
+    Sweep(SweepArguments),
+    /// Join the shards of an ensemble or a sweep, to the bytes of one process
     Merge(MergeArguments),
     /// Check that the tensor is Poisson and the Casimirs are Casimirs
     Check(CheckArguments),
@@ -146,6 +148,7 @@ impl Command {
         match self {
             Self::Run(arguments) => arguments.json,
             Self::Ensemble(arguments) => arguments.json,
+            Self::Sweep(arguments) => arguments.json,
             Self::Merge(arguments) => arguments.json,
             Self::Check(arguments) => arguments.json,
             Self::List(arguments) => arguments.json,
@@ -243,6 +246,36 @@ pub struct EnsembleArguments {
     pub quiet: bool,
 }
 
+/// Arguments of `sweep`.
+#[derive(Args, Clone, Debug)]
+pub struct SweepArguments {
+    /// What to run: a scene with a table `[sweep]`.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Run a part of the settings for `merge`: I/N, the I-th of N shards, or slurm or slurm/N, that of the array's task
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<String>,
+    /// Threads [default: all of the machine's]; the results do not depend on it
+    #[arg(long, value_name = "COUNT")]
+    pub threads: Option<NonZeroUsize>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// Replace the run that the directory holds
+    #[arg(long)]
+    pub force: bool,
+    /// The run directory [default: runs/ and the scene's name with -sweep]; a shard writes into a folder of its own in it
+    /// [default: -sweep-shards]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Integrate a tensor that violates the Jacobi identity
+    #[arg(long)]
+    pub allow_non_poisson: bool,
+    /// Print nothing but errors
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
 /// Arguments of `merge`.
 #[derive(Args, Clone, Debug)]
 pub struct MergeArguments {
@@ -261,7 +294,7 @@ pub struct MergeArguments {
     /// Replace the run that the directory holds
     #[arg(long)]
     pub force: bool,
-    /// Merge an ensemble of a tensor that violates the Jacobi identity
+    /// Merge an ensemble or a sweep of a tensor that violates the Jacobi identity
     #[arg(long)]
     pub allow_non_poisson: bool,
     /// Print nothing but errors

@@ -8,7 +8,7 @@ use leafwise::plugins::PluginError;
 use leafwise::report::ReportError;
 use leafwise::reproduce::ReproduceError;
 use leafwise::run::RunError;
-use leafwise::run::ensemble::MergeError;
+use leafwise::run::shards::MergeError;
 use leafwise::scene::SceneDiagnostic;
 use leafwise::scene::compose::Refusal;
 use leafwise::trade::TradeError;

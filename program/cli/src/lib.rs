@@ -111,6 +111,9 @@ fn execute(
         Command::Ensemble(arguments) => {
             commands::ensemble::execute(&arguments, plugins, console, interrupt)
         }
+        Command::Sweep(arguments) => {
+            commands::sweep::execute(&arguments, plugins, console, interrupt)
+        }
         Command::Merge(arguments) => commands::merge::execute(&arguments, plugins, console),
         Command::Check(arguments) => commands::check::execute(&arguments, plugins, console),
         Command::Compare(arguments) => {

@@ -1,17 +1,15 @@
 //! A field on a lattice: space against time in colour, and profiles.
 
 use super::axis::{Axis, Frame};
-use super::canvas::{ALARM, Anchor, Canvas, Ink, SERIES};
+use super::canvas::{ALARM, Canvas, SERIES};
 use super::decimate::envelope;
 use super::error::ReportError;
 use super::figure::Figure;
+use super::heat::{BAR, color, draw_scale, level};
 use super::number::number;
 
 /// The most cells across and up.
 const CELLS: (usize, usize) = (96, 60);
-
-/// How many colours the scale has.
-const LEVELS: usize = 32;
 
 /// Space–time picture and profiles of the recorded fields.
 pub(super) fn lattice_figures(
@@ -55,7 +53,7 @@ fn heat_figure(
     };
     let y = Axis::linear(times.iter().copied(), 0.0);
     let mut frame = Frame::new(width, height, x, y);
-    frame.edges[2] = width - 92.0;
+    frame.edges[2] = width - BAR;
     let mut canvas = Canvas::new(width, height);
     frame.draw(&mut canvas, &format!("site i of {name}[i]"), "time t");
     let (columns, rows) = (sites.min(CELLS.0), fields.len().min(CELLS.1));
@@ -67,7 +65,7 @@ fn heat_figure(
             .map(|column| {
                 let stretch = column * sites / columns..(column + 1) * sites / columns;
                 let value = farthest(&fields[span.clone()], stretch, mean)?;
-                Some((color_axis.fraction(value) * (LEVELS - 1) as f64).round() as usize)
+                Some(level(color_axis, value))
             })
             .collect();
         let at = |k: usize| left + (right - left) * k as f64 / columns as f64;
@@ -84,7 +82,7 @@ fn heat_figure(
             start += run.len();
         }
     }
-    draw_scale(&mut canvas, &frame, color_axis, name);
+    draw_scale(&mut canvas, frame.edges, color_axis, name);
     let mut notes = Vec::new();
     if broken > 0 {
         notes.push(format!(
@@ -119,51 +117,6 @@ fn farthest(fields: &[Vec<f64>], stretch: std::ops::Range<usize>, mean: f64) -> 
         }
     }
     best
-}
-
-fn draw_scale(canvas: &mut Canvas, frame: &Frame, axis: Axis, name: &str) {
-    let [_, top, right, bottom] = frame.edges;
-    let at = |fraction: f64| bottom - fraction * (bottom - top);
-    for level in 0..LEVELS {
-        let (low, high) = (
-            level as f64 / LEVELS as f64,
-            (level + 1) as f64 / LEVELS as f64,
-        );
-        canvas.cell(
-            (right + 18.0, at(high)),
-            (right + 32.0, at(low)),
-            color(level),
-        );
-    }
-    let ticks = axis.ticks(5);
-    for (value, label) in &ticks.labels {
-        canvas.label(
-            label,
-            (right + 38.0, at(axis.fraction(*value))),
-            Anchor::Start,
-        );
-    }
-    let title = format!("{name} {}", ticks.factor);
-    canvas.label(title.trim_end(), (right + 18.0, top - 17.0), Anchor::Start);
-}
-
-/// From dark blue over green to yellow, lighter throughout, so that it reads in grey too.
-fn color(level: usize) -> Ink {
-    const STOPS: [[f64; 3]; 5] = [
-        [68.0, 1.0, 84.0],
-        [59.0, 82.0, 139.0],
-        [33.0, 145.0, 140.0],
-        [94.0, 201.0, 98.0],
-        [253.0, 231.0, 37.0],
-    ];
-    let place = level as f64 / (LEVELS - 1) as f64 * (STOPS.len() - 1) as f64;
-    let below = (place as usize).min(STOPS.len() - 2);
-    let part = place - below as f64;
-    let [red, green, blue] = [0, 1, 2].map(|channel| {
-        let (from, to) = (STOPS[below][channel], STOPS[below + 1][channel]);
-        (from + part * (to - from)).round() as u8
-    });
-    plotters::style::RGBColor(red, green, blue)
 }
 
 fn profile_figure(

@@ -6,9 +6,11 @@
 //! - `explored`: the recorded states within the page, which its script turns and zooms;
 //! - `comparison`, `work_precision`: methods compared, as a page of its own;
 //! - `ensemble`: many members, as a page of its own;
+//! - `sweep`: one run for each of many settings, as a page of its own;
 //! - `reproduction`, `panel`: what a paper prints beside what was measured, as a page of its own;
 //! - `survey`: what parts declare beside what was measured, as a page of its own;
 //! - `drift`, `history`, `orbit`, `space`, `lattice`: the figures;
+//! - `heat`: values as colours;
 //! - `axis`, `decimate`, `canvas`, `stroke`: axes, long series reduced to pixels, drawing, points of orbits;
 //! - `html`, `number`: text and numbers in HTML.
 
@@ -22,6 +24,7 @@ mod ensemble;
 mod error;
 mod explored;
 mod figure;
+mod heat;
 mod history;
 mod html;
 mod lattice;
@@ -34,6 +37,7 @@ mod section;
 mod space;
 mod stroke;
 mod survey;
+mod sweep;
 mod template;
 #[cfg(test)]
 mod tests;
@@ -52,4 +56,5 @@ pub use run::render_report;
 pub use survey::{
     ErrorLine, RefusedParts, SurveyData, SurveyedMap, SurveyedProblem, render_survey,
 };
+pub use sweep::{SweepData, SweptColumn, SweptDirection, SweptKind, render_sweep};
 pub use work_precision::{Curve, CurvePoint, Plot};

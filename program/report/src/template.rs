@@ -18,7 +18,7 @@ macro_rules! templates {
     };
 }
 
-const TEMPLATES: [(&str, &str); 10] = templates![
+const TEMPLATES: [(&str, &str); 11] = templates![
     "page.html",
     "style.css",
     "parts.html",
@@ -28,6 +28,7 @@ const TEMPLATES: [(&str, &str); 10] = templates![
     "comparison.html",
     "reproduction.html",
     "survey.html",
+    "sweep.html",
     "errors.svg"
 ];
 

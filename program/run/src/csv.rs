@@ -99,6 +99,45 @@ pub(crate) fn numbers(row: &str) -> impl Iterator<Item = f64> {
     row.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN))
 }
 
+/// The cells of each row of a table, as [`Table`] writes it; empty lines are left out.
+///
+/// # Errors
+/// A quote that is not closed, and the line in which it stands.
+pub fn rows(text: &str) -> Result<Vec<Vec<String>>, String> {
+    let (mut rows, mut row, mut cell) = (Vec::new(), Vec::new(), String::new());
+    // The line in which an open quote stands.
+    let (mut line, mut quoted) = (1, None);
+    let mut all = text.chars().peekable();
+    while let Some(c) = all.next() {
+        line += usize::from(c == '\n');
+        match (c, quoted) {
+            ('"', Some(_)) if all.peek() == Some(&'"') => {
+                all.next();
+                cell.push('"');
+            }
+            ('"', Some(_)) => quoted = None,
+            (c, Some(_)) => cell.push(c),
+            ('"', None) if cell.is_empty() => quoted = Some(line),
+            (',', None) => row.push(std::mem::take(&mut cell)),
+            ('\r', None) if all.peek() == Some(&'\n') => {}
+            ('\n', None) => {
+                row.push(std::mem::take(&mut cell));
+                rows.push(std::mem::take(&mut row));
+            }
+            (c, None) => cell.push(c),
+        }
+    }
+    if let Some(line) = quoted {
+        return Err(format!("the quote in line {line} is not closed"));
+    }
+    if !(cell.is_empty() && row.is_empty()) {
+        row.push(cell);
+        rows.push(row);
+    }
+    rows.retain(|row: &Vec<String>| row.len() > 1 || !row[0].is_empty());
+    Ok(rows)
+}
+
 /// The headings of a table, each of them once.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Headings(Vec<String>);
@@ -154,6 +193,22 @@ mod tests {
         ] {
             assert_eq!(Table::default().text(text).as_str(), cell);
         }
+    }
+
+    #[test]
+    fn cells_read_back() {
+        let mut table = Table::new(["a, b", "say \"x\"", ""]);
+        table.text("1\n2").text("").number(0.5).end_row();
+        let back = rows(table.as_str()).expect("rows");
+        assert_eq!(
+            back,
+            [vec!["a, b", "say \"x\"", ""], vec!["1\n2", "", "0.5"]]
+        );
+        assert_eq!(
+            rows("a\r\n\r\n1"),
+            Ok(vec![vec!["a".to_owned()], vec!["1".to_owned()]])
+        );
+        assert!(rows("a\n\"b").expect_err("open").contains("line 2"));
     }
 
     #[test]

@@ -12,6 +12,7 @@ use super::manifest::{
 };
 use super::{samples, states};
 use crate::ensemble::store;
+use crate::shards::Whole;
 use leafwise_scene::document::SceneDocument;
 
 /// The scene as run.
@@ -25,6 +26,8 @@ pub(crate) const STATISTICS: &str = "statistics.csv";
 pub(crate) const FAILURES: &str = "failures.csv";
 /// How many of them the scene's condition has ended, against time.
 pub(crate) const LOSSES: &str = "losses.csv";
+/// A row for each setting of a sweep.
+pub(crate) const SWEEP: &str = "sweep.csv";
 /// Held by the program that writes.
 const LOCK: &str = ".lock";
 
@@ -190,7 +193,15 @@ fn held(path: &Path, stored: &Manifest, run: &RunRequest<'_>) -> Result<Held, Ru
     }
     if stored.shard != run.shard {
         let held = stored.shard.map_or([0, 0], |shard| shard.members);
-        return Err(RunError::OtherShard { directory, held });
+        let items = match run.kind {
+            Kind::SweepShard => Whole::Settings.items(),
+            _ => Whole::Members.items(),
+        };
+        return Err(RunError::OtherShard {
+            directory,
+            items,
+            held,
+        });
     }
     let is_used =
         |before: &&PluginRecord| run.plugins.iter().any(|now| now.sha256 == before.sha256);
@@ -232,7 +243,9 @@ fn changes(path: &Path, scene: &str) -> Result<Vec<Change>, RunError> {
 }
 
 fn has_only_a_manifest(path: &Path) -> bool {
-    let files = files(Kind::Run).chain(files(Kind::Ensemble));
+    let files = files(Kind::Run)
+        .chain(files(Kind::Ensemble))
+        .chain(files(Kind::Sweep));
     let mut others = files.filter(|name| *name != manifest::FILE);
     !others.any(|name| path.join(name).exists())
 }
@@ -248,6 +261,7 @@ fn files(kind: Kind) -> impl Iterator<Item = &'static str> {
             states::FILE,
             states::FINAL_STATE,
         ],
+        Kind::Sweep | Kind::SweepShard => &[SWEEP],
         Kind::Ensemble | Kind::Shard => &[
             STATISTICS,
             FAILURES,

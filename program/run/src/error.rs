@@ -128,15 +128,16 @@ pub enum RunError {
         /// What it holds.
         other: &'static str,
     },
-    /// The directory holds other members of the ensemble.
+    /// The directory holds other members of the ensemble, or other settings of the sweep.
     #[error(
-        "{} holds the members {} to {} of this ensemble, not those that are asked for; write elsewhere with --out DIR, or replace it \
-         with --force",
-        directory.display(), held[0], held[1].saturating_sub(1)
+        "{} holds the {} {} to {}, not those that are asked for; write elsewhere with --out DIR, or replace it with --force",
+        directory.display(), items, held[0], held[1].saturating_sub(1)
     )]
     OtherShard {
         /// The run directory.
         directory: PathBuf,
+        /// `members` or `settings`.
+        items: &'static str,
         /// The first member and the one behind the last.
         held: [u64; 2],
     },

@@ -277,7 +277,7 @@ fn write_end(
     replace(&directory.join(REPORT), page.as_bytes())
 }
 
-fn describe(
+pub(crate) fn describe(
     composed: &ComposedRun,
     session: &Session<'_>,
     outcome: RunOutcome,

@@ -1,6 +1,5 @@
 //! Energy and Casimirs at every step, and their deviations' maxima over windows.
 
-use leafwise_core::system::SystemObservables;
 use leafwise_core::{BuildError, Observe};
 use leafwise_expression::Expression;
 use serde::{Deserialize, Serialize};
@@ -48,9 +47,7 @@ impl Functions {
 
     /// Functions of the state.
     pub fn compile(run: &ComposedRun, formulas: &[&Expression]) -> Result<Self, BuildError> {
-        let values = run.system.parameter_values();
-        let observer = SystemObservables::new(&run.system, formulas, &values)?;
-        Ok(Self::new(Box::new(observer)))
+        Ok(Self::new(Box::new(run.observables(formulas)?)))
     }
 
     /// The values at a state.

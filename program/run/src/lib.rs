@@ -1,8 +1,11 @@
 //! A composed scene, stepped into a run directory.
 //!
 //! - [`ensemble`]: many members at once, reduced into such a directory;
+//! - [`sweep`]: one run for each of many settings, a table of them;
+//! - [`shards`]: parts of ensembles and sweeps for many processes;
 //! - [`advice`]: what a scene asks for and does not use, or needs and does not ask for;
 //! - [`csv`]: tables as CSV;
+//! - `ordered`: numbered tasks on several threads;
 //! - `columns`: the columns of `samples.csv` and `windows.csv`;
 //! - `execute`: [`run`], from a composed scene to a complete directory, or in memory: [`run_in_memory`];
 //! - `drive`: the step loop, and the states it records between two steps;
@@ -41,6 +44,7 @@ mod execute;
 mod invariants;
 mod last_step;
 mod manifest;
+mod ordered;
 mod outcome;
 mod paced;
 mod progress;
@@ -50,9 +54,11 @@ mod samples;
 mod sealed;
 mod shadow;
 mod shadow_step;
+pub mod shards;
 mod snapshots;
 mod states;
 mod summary;
+pub mod sweep;
 #[cfg(test)]
 mod tests;
 mod time;
@@ -62,7 +68,7 @@ pub(crate) use appended::{Appended, Vouched};
 pub(crate) use checkpoint::{FILE as CHECKPOINT, StatisticsFields};
 pub use directory::default_directory;
 pub(crate) use directory::{
-    FAILURES, LOSSES, REPORT, RunDirectory, RunRequest, SCENE, STATISTICS, WINDOWS, stem,
+    FAILURES, LOSSES, REPORT, RunDirectory, RunRequest, SCENE, STATISTICS, SWEEP, WINDOWS, stem,
 };
 pub use error::RunError;
 pub use execute::{Recorded, RunOptions, run, run_in_memory};

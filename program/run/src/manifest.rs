@@ -33,7 +33,7 @@ pub(super) const UNFINISHED_FILE: &str = "manifest.new";
 
 /// What a directory holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub enum Kind {
     /// One trajectory.
     #[default]
@@ -42,6 +42,10 @@ pub enum Kind {
     Ensemble,
     /// Some of those many.
     Shard,
+    /// One trajectory for each of many settings.
+    Sweep,
+    /// Some of those settings.
+    SweepShard,
 }
 
 impl Kind {
@@ -51,6 +55,8 @@ impl Kind {
             Self::Run => "a run of one trajectory",
             Self::Ensemble => "an ensemble",
             Self::Shard => "a shard of an ensemble",
+            Self::Sweep => "a sweep",
+            Self::SweepShard => "a shard of a sweep",
         }
     }
 }
@@ -86,12 +92,12 @@ pub struct Manifest {
     pub shard: Option<ShardRecord>,
 }
 
-/// Members of an ensemble, for a shard's directory.
+/// Members of an ensemble or settings of a sweep, for a shard's directory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ShardRecord {
     /// The first of them and the one behind the last.
     pub members: [u64; 2],
-    /// The members of the whole ensemble.
+    /// How many there are in the whole.
     pub ensemble: u64,
     /// Which of how many shards it is, counted from 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -351,6 +357,11 @@ impl<'a> Beginning<'a> {
     /// The same of some members of an ensemble.
     pub fn of_shard(self, shard: Option<ShardRecord>) -> Self {
         Self { shard, ..self }
+    }
+
+    /// The same of a run that has read these files.
+    pub fn of_files(self, files: Option<FilesRecord>) -> Self {
+        Self { files, ..self }
     }
 
     /// Writes the manifest of a run that goes on.

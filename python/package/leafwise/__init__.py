@@ -6,6 +6,7 @@
     run = scene.run(steps=10_000, record=10)
     run.t, run.x, run.energy, run.casimirs["spin"], run.drift
     cloud = scene.ensemble(x0=states, parameters={"I2": values})
+    table = scene.sweep({"method.time-step": [0.1, 0.2], "system.parameters.I2": values}).to_pandas()
     solution = lw.solve(bracket={"q,p": "1"}, hamiltonian="p^2/2 - cos(q)", x0=[0, 1], t_span=(0, 20))
 
 Units are those of the scene. States have the shape (d,), recorded ones (samples, d).
@@ -22,6 +23,7 @@ from ._leafwise import Growth, Integrator
 from ._run import Run
 from ._scene import Scene
 from ._solve import Solution, solve
+from ._sweep import Sweep
 
 __all__ = [
     "Comparison",
@@ -36,6 +38,7 @@ __all__ = [
     "Run",
     "Scene",
     "SceneError",
+    "Sweep",
     "Tangents",
     "Trajectory",
     "Solution",

@@ -103,6 +103,12 @@ class Recorded:
     def page(self) -> str: ...
 
 @final
+class Sweep:
+    table: str
+    ending: str
+    page: str
+
+@final
 class Scene:
     def __init__(
         self, source: str, name: str, overrides: list[tuple[str, str]], system: System | None
@@ -139,6 +145,34 @@ class Scene:
         files: Path,
         out: Path,
         place: tuple[int, int],
+        threads: int | None,
+        allow_non_poisson: bool,
+    ) -> None: ...
+    def join(
+        self,
+        overrides: list[tuple[str, str]],
+        states: Array | None,
+        parameters: list[tuple[str, Array]],
+        files: Path,
+        out: Path,
+        shards: Path,
+        allow_non_poisson: bool,
+    ) -> None: ...
+    def sweep(
+        self,
+        overrides: list[tuple[str, str]],
+        out: Path,
+        shards: Path | None,
+        threads: int | None,
+        allow_non_poisson: bool,
+        progress: Callable[[int, int], object] | None,
+    ) -> Sweep: ...
+    def sweep_shard(
+        self,
+        overrides: list[tuple[str, str]],
+        out: Path,
+        place: tuple[int, int],
+        shards: Path | None,
         threads: int | None,
         allow_non_poisson: bool,
     ) -> None: ...

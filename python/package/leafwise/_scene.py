@@ -24,8 +24,10 @@ from ._functions import System
 from ._leafwise import Integrator, text_of, text_of_value
 from ._progress import shown
 from ._run import Run
-from ._shards import Asked
+from ._shards import AskedEnsemble, AskedSweep
 from ._shards import ensemble as ensemble_of_shards
+from ._shards import sweep as sweep_of_shards
+from ._sweep import Sweep
 
 
 class Scene:
@@ -186,8 +188,9 @@ class Scene:
             quantiles: what parts of the members lie below the quantiles in the statistics, shape (k,).
             threads: how many threads; no result depends on it. A worker of an executor has one where not given.
             executor: where shards of the ensemble are stepped: anything with ``submit`` of ``concurrent.futures``, such as
-                ``ProcessPoolExecutor``, ``mpi4py.futures.MPIPoolExecutor``, or a client of Dask. The result is the same; workers
-                that fail are the executor's to replace. ``progress`` is then told of shards.
+                ``ProcessPoolExecutor``, ``mpi4py.futures.MPIPoolExecutor``, or a client of Dask. The result is the same; shards are
+                joined in groups by the workers, and workers that fail are the executor's to replace. ``progress`` is then told of
+                shards.
             shards: into how many shards, 4 for each processor of this machine where not given; with an executor alone.
             allow_non_poisson: step a tensor that violates the Jacobi identity.
             progress: as in :meth:`run`, of the members' steps.
@@ -218,12 +221,9 @@ class Scene:
         if executor is None and shards is not None:
             raise ValueError("shards are made by an executor: give executor= too")
         if executor is not None:
-            asked = Asked(self._scene.origin, overrides, states, list(given.items()), files.absolute(), allow_non_poisson)
-            count = 4 * (os.cpu_count() or 1) if shards is None else shards
-            if count < 1:
-                raise ValueError(f"there are no {count} shards")
+            asked = AskedEnsemble(self._scene.origin, overrides, states, list(given.items()), files.absolute(), allow_non_poisson)
             with shown(progress) as told:
-                return self._told(ensemble_of_shards(asked, executor, count, threads or 1, told))
+                return self._told(ensemble_of_shards(asked, executor, _shards(shards), threads or 1, told))
         with tempfile.TemporaryDirectory() as folder, shown(progress) as told:
             out = Path(folder) / "ensemble"
             left = self._scene.ensemble(
@@ -239,6 +239,64 @@ class Scene:
         if ensemble.outcome == "interrupted":
             warnings.warn(f"interrupted after {len(ensemble)} members", LeafwiseWarning, stacklevel=3)
         return ensemble
+
+    def sweep(
+        self,
+        grid: Mapping[str, Any] | None = None,
+        *,
+        settings: Sequence[Mapping[str, Any]] | None = None,
+        observables: Sequence[str | Mapping[str, str]] | None = None,
+        steps: int | None = None,
+        threads: int | None = None,
+        executor: Any = None,
+        shards: int | None = None,
+        allow_non_poisson: bool = False,
+        progress: bool | Callable[[int, int], object] | None = None,
+    ) -> Sweep:
+        """Run the scene for each of many settings of its keys, on all threads: the same numbers as single runs.
+
+        Args:
+            grid: keys with their values, all combinations of which are run: ``{"method.time-step": [0.1, 0.2]}``, or
+                ``{"range": [from, to, count]}`` and ``{"logarithmic": [from, to, count]}`` for the values.
+            settings: in place of a grid, settings one by one, each a mapping of keys to values. Where neither is given,
+                settings are those of the scene's ``[sweep]``.
+            observables: what is measured of each last state, as the scene's ``record``; beside grid or settings alone.
+            steps: the number of steps of settings that do not name it.
+            threads: how many threads; no result depends on it. A worker of an executor has one where not given.
+            executor: where shards of the sweep are run, as in :meth:`ensemble`; ``progress`` is then told of shards.
+            shards: into how many shards, 4 for each processor of this machine where not given; with an executor alone.
+            allow_non_poisson: step a tensor that violates the Jacobi identity.
+            progress: as in :meth:`run`, of the steps of all settings.
+
+        A setting whose run fails is a row, with the reason in ``errors``. Ctrl-C returns the settings that had ended, with a warning.
+
+        Raises:
+            SceneError: a setting whose scene is not valid; nothing has been run then.
+        """
+        if grid is not None and settings is not None:
+            raise ValueError("give grid or settings, not both")
+        if observables is not None and grid is None and settings is None:
+            raise ValueError("observables stand beside grid or settings: those of the scene's own sweep are in its table")
+        overrides = [] if steps is None else _overrides({"run.steps": steps})
+        if grid is not None or settings is not None:
+            table: dict[str, Any] = {"list": list(settings)} if settings is not None else {"grid": dict(grid or {})}
+            if observables is not None:
+                table["record"] = {"observables": list(observables)}
+            overrides += _overrides({"sweep": table})
+        if executor is None and shards is not None:
+            raise ValueError("shards are made by an executor: give executor= too")
+        with shown(progress) as told:
+            if executor is not None:
+                asked = AskedSweep(self._scene.origin, overrides, allow_non_poisson)
+                left = sweep_of_shards(asked, executor, _shards(shards), threads or 1, told)
+            else:
+                with tempfile.TemporaryDirectory() as folder:
+                    out = Path(folder) / "sweep"
+                    left = self._scene.sweep(overrides, out, None, threads, allow_non_poisson, told)
+        sweep = Sweep(left)
+        if sweep.outcome == "interrupted":
+            warnings.warn(f"interrupted after {len(sweep)} settings", LeafwiseWarning, stacklevel=2)
+        return sweep
 
     def integrator(self) -> Integrator:
         """The method's steps from the initial state, for a loop of one's own."""
@@ -313,6 +371,14 @@ class Scene:
 
     def __repr__(self) -> str:
         return f"<leafwise.Scene {self.name}>"
+
+
+def _shards(asked: int | None) -> int:
+    """How many shards; 4 for each processor of this machine where not said."""
+    count = 4 * (os.cpu_count() or 1) if asked is None else asked
+    if count < 1:
+        raise ValueError(f"there are no {count} shards")
+    return count
 
 
 def _overrides(values: Mapping[str, Any]) -> list[tuple[str, str]]:

@@ -9,10 +9,10 @@ use leafwise::expression::words::counted;
 use leafwise::run::{Advice, RunOptions, RunOutcome};
 use leafwise::run::{
     ensemble::ComposedEnsemble, ensemble::EnsembleEnding, ensemble::EnsembleReport,
-    ensemble::MemberError, ensemble::Shard, ensemble::Workforce, ensemble::advise_ensemble,
+    ensemble::MemberError, ensemble::Workforce, ensemble::advise_ensemble,
     ensemble::compose_ensemble, ensemble::default_ensemble_directory,
     ensemble::default_shards_directory, ensemble::member_scene, ensemble::run_ensemble,
-    ensemble::run_shard,
+    ensemble::run_shard, shards::Shard, shards::Whole,
 };
 use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::compose;
@@ -62,7 +62,12 @@ pub fn execute(
         let scene = member_document(member, &document, &ensemble, &parts)?;
         return execute_member(arguments, &scene, &parts, plugins, console, interrupt);
     }
-    let shard = shard::asked(arguments, ensemble.population.members())?;
+    let members = ensemble.population.members();
+    let shard = match (&arguments.members, &arguments.shard) {
+        (Some(text), _) => Some(shard::of_members(text, members)?),
+        (None, Some(text)) => Some(shard::of_number(text, Whole::Members, members)?),
+        (None, None) => None,
+    };
     let out = arguments.out.clone();
     let options = RunOptions {
         checkpoint_every: RunOptions::CHECKPOINT_EVERY,
@@ -90,7 +95,7 @@ pub fn execute(
     let is_shown = console.is_terminal && !arguments.quiet;
     let members = match &shard {
         None => ensemble.population.members(),
-        Some(shard) => shard.members().end - shard.members().start,
+        Some(shard) => shard.items().end - shard.items().start,
     };
     let total = members.saturating_mul(ensemble.steps().unwrap_or(1));
     let mut bar = Bar::new(total, is_shown, interrupt);
@@ -169,7 +174,7 @@ fn tell_shard(
     console: &mut Console<'_>,
 ) -> u8 {
     let all = &report.reductions;
-    let members = shard.members();
+    let members = shard.items();
     if !arguments.quiet {
         let outcome = match report.outcome {
             RunOutcome::Interrupted => format!(

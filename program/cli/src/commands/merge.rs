@@ -1,13 +1,13 @@
-//! `leafwise merge`: the shards of an ensemble as one.
+//! `leafwise merge`: the shards of an ensemble or a sweep as one.
 
 use std::path::Path;
 
 use leafwise::run::RunOptions;
-use leafwise::run::ensemble::{
-    MergeError, Shards, advise_ensemble, compose_ensemble, merge_shards,
-};
+use leafwise::run::ensemble::{advise_ensemble, compose_ensemble, merge_shards};
+use leafwise::run::shards::{MergeError, Shards, Whole};
+use leafwise::run::sweep::{Settings, compose_sweep, merge_sweep};
 
-use super::ensemble::tell;
+use super::{ensemble, sweep};
 use crate::arguments::{MergeArguments, PluginArguments, SceneArguments};
 use crate::console::Console;
 use crate::failure::Failure;
@@ -43,8 +43,6 @@ pub fn execute(
     } else {
         shards.scene_name().clone_into(&mut document.name);
     }
-    let folder = scene.parent().unwrap_or(Path::new(""));
-    let ensemble = compose_ensemble(&document, &parts.registry, folder)?;
     let options = RunOptions {
         checkpoint_every: RunOptions::CHECKPOINT_EVERY,
         directory: arguments.out.clone(),
@@ -52,14 +50,24 @@ pub fn execute(
         allow_non_poisson: arguments.allow_non_poisson,
         command: format!("leafwise merge, of {} shards", shards.count()),
     };
-    let report = merge_shards(&document, &ensemble, &shards, &options)?;
+    let told = (arguments.json, arguments.quiet);
+    if shards.whole() == Whole::Settings {
+        let settings = Settings::of(&document)?;
+        let allow = arguments.allow_non_poisson;
+        let merged = compose_sweep(&document, &parts.registry, settings, 0..0, allow)?;
+        let report = merge_sweep(&document, &merged, &shards, &options)?;
+        return Ok(sweep::tell(&report, None, told, console));
+    }
+    let folder = scene.parent().unwrap_or(Path::new(""));
+    let composed = compose_ensemble(&document, &parts.registry, folder)?;
+    let report = merge_shards(&document, &composed, &shards, &options)?;
     let mut advice = report.advice.clone();
-    advice.extend(advise_ensemble(&ensemble, &parts.registry));
-    tell(
-        (&ensemble, &parts.registry),
+    advice.extend(advise_ensemble(&composed, &parts.registry));
+    ensemble::tell(
+        (&composed, &parts.registry),
         &report,
         &advice,
-        (arguments.json, arguments.quiet),
+        told,
         console,
     )
 }

@@ -17,5 +17,6 @@ pub mod schema;
 pub mod shadow;
 mod shard;
 pub mod stress;
+pub mod sweep;
 pub mod tune;
 pub mod verify;

@@ -1,10 +1,9 @@
-//! A shard of an ensemble, as the command line or a scheduler names it.
+//! A shard of an ensemble or a sweep, as the command line or a scheduler names it.
 
 use std::env;
 
-use leafwise::run::ensemble::{Shard, ShardError};
+use leafwise::run::shards::{Shard, ShardError, Whole};
 
-use crate::arguments::EnsembleArguments;
 use crate::failure::Failure;
 
 /// What an array's task knows of itself.
@@ -13,30 +12,28 @@ const FIRST: &str = "SLURM_ARRAY_TASK_MIN";
 const LAST: &str = "SLURM_ARRAY_TASK_MAX";
 const COUNT: &str = "SLURM_ARRAY_TASK_COUNT";
 
-/// The shard that is asked for of an ensemble of so many members.
+/// The members that are asked for, of an ensemble of so many.
+///
+/// # Errors
+/// [`Failure::Usage`] where they are no shard.
+pub(super) fn of_members(text: &str, count: u64) -> Result<Shard, Failure> {
+    let bounds = text.split_once("..");
+    let bounds = bounds.and_then(|(from, to)| Some((whole(from)?, whole(to)?)));
+    let Some((from, to)) = bounds else {
+        return Err(Failure::usage(
+            format!("--members: `{text}` is no range of members"),
+            "write the first and the one behind the last, as in --members 0..6400",
+        ));
+    };
+    Shard::between(Whole::Members, from..to, count)
+        .map_err(|error| refused(&error, Whole::Members, count))
+}
+
+/// The shard that is asked for, of so many members or settings.
 ///
 /// # Errors
 /// [`Failure::Usage`] where it is none.
-pub(super) fn asked(
-    arguments: &EnsembleArguments,
-    ensemble: u64,
-) -> Result<Option<Shard>, Failure> {
-    if let Some(text) = &arguments.members {
-        let bounds = text.split_once("..");
-        let bounds = bounds.and_then(|(from, to)| Some((whole(from)?, whole(to)?)));
-        let Some((from, to)) = bounds else {
-            return Err(Failure::usage(
-                format!("--members: `{text}` is no range of members"),
-                "write the first and the one behind the last, as in --members 0..6400",
-            ));
-        };
-        return Shard::between(from..to, ensemble)
-            .map(Some)
-            .map_err(|error| refused(&error, ensemble));
-    }
-    let Some(text) = &arguments.shard else {
-        return Ok(None);
-    };
+pub(super) fn of_number(text: &str, of_what: Whole, count: u64) -> Result<Shard, Failure> {
     let (number, of) = match text.split_once('/') {
         None if text == "slurm" => of_array()?,
         Some(("slurm", of)) => (variable(TASK)?, whole(of).ok_or_else(|| no_shard(text))?),
@@ -44,9 +41,7 @@ pub(super) fn asked(
             .and_then(|(number, of)| Some((whole(number)?, whole(of)?)))
             .ok_or_else(|| no_shard(text))?,
     };
-    Shard::of(number, of, ensemble)
-        .map(Some)
-        .map_err(|error| refused(&error, ensemble))
+    Shard::of(of_what, number, of, count).map_err(|error| refused(&error, of_what, count))
 }
 
 /// The task of an array from 1 to the number of shards.
@@ -94,9 +89,10 @@ fn no_shard(text: &str) -> Failure {
     )
 }
 
-fn refused(error: &ShardError, ensemble: u64) -> Failure {
+fn refused(error: &ShardError, of_what: Whole, count: u64) -> Failure {
+    let (word, items) = (of_what.word(), of_what.items());
     Failure::usage(
         error.to_string(),
-        format!("the scene's ensemble has {ensemble} members"),
+        format!("the scene's {word} has {count} {items}"),
     )
 }

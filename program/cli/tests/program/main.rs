@@ -19,5 +19,6 @@ mod shards;
 mod sites;
 mod states;
 mod support;
+mod sweeps;
 mod time;
 mod warnings;

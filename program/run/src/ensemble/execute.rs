@@ -13,10 +13,10 @@ use super::ending::EnsembleEnding;
 use super::plan::ComposedEnsemble;
 use super::report::EnsembleReport;
 use super::section::SectionStore;
-use super::shard::Shard;
 use super::store::{FinalStore, has_begun_at_most};
 use super::tree::Tree;
 use super::{page, tables};
+use crate::shards::Shard;
 use crate::{
     Beginning, Kind, Progress, REPORT, RunDirectory, RunError, RunOptions, RunOutcome, RunRequest,
     SCENE, files, plugins, replace,
@@ -76,17 +76,15 @@ pub fn run_shard(
     workforce: Workforce,
     progress: &mut dyn Progress,
 ) -> Result<EnsembleReport, RunError> {
-    let end = |beginning: &Beginning<'_>, report: EnsembleReport| {
-        let ending = ShardEnding {
-            failed: report.reductions.failed,
-            wall_seconds: report.wall_seconds,
-            outcome: report.outcome.word(),
-        };
-        beginning.write_end(&report.directory, ending)?;
-        Ok(report)
-    };
     let asked = (ensemble, Some(shard));
-    integrate(document, asked, options, workforce, progress, end)
+    integrate(
+        document,
+        asked,
+        options,
+        workforce,
+        progress,
+        write_shard_end,
+    )
 }
 
 /// Steps what is left of an ensemble, or of a shard of it; `end` writes what is told of the end.
@@ -122,6 +120,20 @@ struct ShardEnding {
     failed: u64,
     wall_seconds: f64,
     outcome: &'static str,
+}
+
+/// Writes what is told of a shard that has ended.
+pub(super) fn write_shard_end(
+    beginning: &Beginning<'_>,
+    report: EnsembleReport,
+) -> Result<EnsembleReport, RunError> {
+    let ending = ShardEnding {
+        failed: report.reductions.failed,
+        wall_seconds: report.wall_seconds,
+        outcome: report.outcome.word(),
+    };
+    beginning.write_end(&report.directory, ending)?;
+    Ok(report)
 }
 
 /// The checks of a scene before it is stepped.
@@ -176,7 +188,7 @@ pub(super) fn begin<'a>(
     (checks, shard): (&'a SceneChecks, Option<&Shard>),
     directory: &'a RunDirectory,
 ) -> Result<Begun<'a>, RunError> {
-    let members = shard.map_or(0..ensemble.population.members(), Shard::members);
+    let members = shard.map_or(0..ensemble.population.members(), Shard::items);
     let held = directory.held.as_ref();
     let resumed = match held {
         Some(_) => resume(ensemble, directory, &members)?,

@@ -1,381 +1,15 @@
 //! Shards joined into the directory that one process would have written.
 
-use std::fmt;
-use std::fs;
-use std::io;
-use std::ops::Range;
-use std::path::{Path, PathBuf};
 use std::time::Duration;
-
-use thiserror::Error;
 
 use super::checkpoint::Checkpoint;
 use super::drive::Session;
-use super::execute::{begin, beginning, checked, open, write_begun, write_end};
+use super::execute::{begin, beginning, checked, open, write_begun, write_end, write_shard_end};
 use super::plan::ComposedEnsemble;
 use super::report::EnsembleReport;
-use super::shard::Shard;
-use crate::difference::{changed_keys, listed};
-use crate::{CHECKPOINT, Kind, Manifest, RunError, RunOptions, RunOutcome, SCENE, ShardRecord};
+use crate::shards::{Found, MergeError, Shard, Shards};
+use crate::{CHECKPOINT, RunError, RunOptions, RunOutcome};
 use leafwise_scene::document::SceneDocument;
-
-/// The shards of one ensemble, by their members.
-#[derive(Clone, Debug)]
-pub struct Shards {
-    all: Vec<Found>,
-}
-
-/// A shard's directory.
-#[derive(Clone, Debug)]
-struct Found {
-    directory: PathBuf,
-    manifest: Manifest,
-    record: ShardRecord,
-}
-
-impl Found {
-    fn of(directory: &Path, manifest: Manifest) -> Option<Self> {
-        let record = manifest.shard.filter(|_| manifest.kind == Kind::Shard)?;
-        Some(Self {
-            directory: directory.to_owned(),
-            manifest,
-            record,
-        })
-    }
-
-    fn members(&self) -> Range<u64> {
-        self.record.members[0]..self.record.members[1]
-    }
-
-    fn is_done(&self) -> bool {
-        self.manifest.outcome == "done"
-    }
-
-    /// In what the two are not of one ensemble, their scenes apart.
-    fn differs(&self, other: &Self) -> Option<String> {
-        let (a, b) = (&self.manifest, &other.manifest);
-        let plugins = |manifest: &Manifest| -> Vec<String> {
-            let plugins = manifest.plugins.iter();
-            plugins.map(|plugin| plugin.sha256.clone()).collect()
-        };
-        if a.version != b.version {
-            let versions = format!("{} and {}", a.version, b.version);
-            return Some(format!(
-                "they are by versions {versions} of the program, which may round differently"
-            ));
-        }
-        if plugins(a) != plugins(b) {
-            return Some("they are by different files of a plugin".to_owned());
-        }
-        if a.files.as_ref().map(|files| &files.sha256)
-            != b.files.as_ref().map(|files| &files.sha256)
-        {
-            return Some("the files that their scene reads held different numbers".to_owned());
-        }
-        if a.path != b.path {
-            return Some(format!(
-                "their steps are computed differently: {} and {}",
-                a.path, b.path
-            ));
-        }
-        let members = (self.record.ensemble, other.record.ensemble);
-        (members.0 != members.1).then(|| {
-            format!(
-                "one is of {} members, the other of {}",
-                members.0, members.1
-            )
-        })
-    }
-}
-
-/// Why shards are not joined.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum MergeError {
-    /// No shard stands there.
-    #[error("{} is no shard of an ensemble, and holds none", directory.display())]
-    NoShard {
-        /// The directory.
-        directory: PathBuf,
-    },
-    /// Two shards are of different ensembles.
-    #[error("{} and {} are not of one ensemble: {reason}", first.display(), other.display())]
-    Other {
-        /// The first of the shards.
-        first: PathBuf,
-        /// The one that differs.
-        other: PathBuf,
-        /// In what.
-        reason: String,
-    },
-    /// The shards were made from another scene.
-    #[error("{} was made from a different scene:\n{difference}", directory.display())]
-    Scene {
-        /// The first of the shards.
-        directory: PathBuf,
-        /// The keys that differ.
-        difference: String,
-    },
-    /// Two shards hold the same members.
-    #[error(
-        "{} and {} hold the same members, {} to {}: name each shard once",
-        first.display(), other.display(), members.start, members.end - 1
-    )]
-    Twice {
-        /// One of them.
-        first: PathBuf,
-        /// The other.
-        other: PathBuf,
-        /// Which members.
-        members: Range<u64>,
-    },
-    /// Members are missing.
-    #[error("{0}")]
-    Missing(Missing),
-    /// A directory or a file could not be read or written.
-    #[error(transparent)]
-    Run(#[from] RunError),
-}
-
-/// The members that are missing, and how to make them.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Missing {
-    /// Which.
-    pub members: Vec<Range<u64>>,
-    /// The numbers of the shards that hold them, first and last, and how many shards there are.
-    pub shards: Option<(Vec<[u64; 2]>, u64)>,
-    /// Shards that have not come to their end.
-    pub unfinished: Vec<PathBuf>,
-}
-
-/// Ranges that a message lists at most.
-const MOST_LISTED: usize = 12;
-
-impl fmt::Display for Missing {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let count: u64 = self
-            .members
-            .iter()
-            .map(|range| range.end - range.start)
-            .sum();
-        let ranges = self.members.iter().take(MOST_LISTED);
-        let ranges: Vec<String> = ranges
-            .map(|range| format!("{} to {}", range.start, range.end - 1))
-            .collect();
-        let more = if self.members.len() > MOST_LISTED {
-            ", …"
-        } else {
-            ""
-        };
-        write!(
-            f,
-            "{count} members are missing: {}{more}",
-            ranges.join(", ")
-        )?;
-        for directory in self.unfinished.iter().take(MOST_LISTED) {
-            write!(f, "\n  {} has not come to its end", directory.display())?;
-        }
-        match &self.shards {
-            Some((numbers, of)) => {
-                let numbers: Vec<String> = numbers
-                    .iter()
-                    .map(|[first, last]| match first == last {
-                        true => first.to_string(),
-                        false => format!("{first}-{last}"),
-                    })
-                    .collect();
-                write!(
-                    f,
-                    "\n  = help: run --shard I/{of} again for I in {0}; as a Slurm array, --array={0} with --shard slurm/{of}",
-                    numbers.join(",")
-                )
-            }
-            None => write!(f, "\n  = help: run them with --members FROM..TO"),
-        }
-    }
-}
-
-impl Shards {
-    /// The shards in these directories, each a shard or a folder of shards.
-    ///
-    /// # Errors
-    /// [`MergeError`] where there is none, or they do not fit together; missing members are no error yet.
-    pub fn find(directories: &[PathBuf]) -> Result<Self, MergeError> {
-        let mut found = Vec::new();
-        for directory in directories {
-            let before = found.len();
-            match Manifest::read(directory) {
-                Some(manifest) => found.extend(Found::of(directory, manifest)),
-                None => {
-                    for path in folders(directory).map_err(RunError::io(directory))? {
-                        let manifest = Manifest::read(&path);
-                        found.extend(manifest.and_then(|manifest| Found::of(&path, manifest)));
-                    }
-                }
-            }
-            if found.len() == before {
-                return Err(MergeError::NoShard {
-                    directory: directory.clone(),
-                });
-            }
-        }
-        found.sort_by(|a, b| {
-            (a.record.members, &a.directory).cmp(&(b.record.members, &b.directory))
-        });
-        found.dedup_by(|a, b| is_same(&a.directory, &b.directory));
-        Self::of_one_ensemble(found)
-    }
-
-    fn of_one_ensemble(found: Vec<Found>) -> Result<Self, MergeError> {
-        let Some(first) = found.first() else {
-            return Err(MergeError::NoShard {
-                directory: PathBuf::new(),
-            });
-        };
-        let scene = |shard: &Found| {
-            let file = shard.directory.join(SCENE);
-            fs::read_to_string(&file).map_err(RunError::resuming(file))
-        };
-        let text = scene(first)?;
-        for other in &found[1..] {
-            let reason = match first.differs(other) {
-                Some(reason) => Some(reason),
-                None => {
-                    let own = scene(other)?;
-                    let changes = match own == text {
-                        true => None,
-                        false => changed_keys(&text, &own),
-                    };
-                    let changes = changes.filter(|changes| !changes.is_empty());
-                    changes.map(|changes| format!("their scenes differ:\n{}", listed(&changes)))
-                }
-            };
-            if let Some(reason) = reason {
-                return Err(MergeError::Other {
-                    first: first.directory.clone(),
-                    other: other.directory.clone(),
-                    reason,
-                });
-            }
-        }
-        Ok(Self { all: found })
-    }
-
-    /// The scene that they were made from, in the first of their directories.
-    pub fn scene(&self) -> PathBuf {
-        self.all[0].directory.join(SCENE)
-    }
-
-    /// Refuses a scene that they were not made from.
-    ///
-    /// # Errors
-    /// [`MergeError::Scene`].
-    pub fn check_scene(&self, text: &str) -> Result<(), MergeError> {
-        let file = self.scene();
-        let own = fs::read_to_string(&file).map_err(RunError::resuming(file))?;
-        match changed_keys(&own, text) {
-            Some(changes) if !changes.is_empty() => Err(MergeError::Scene {
-                directory: self.all[0].directory.clone(),
-                difference: listed(&changes),
-            }),
-            _ => Ok(()),
-        }
-    }
-
-    /// What its file was called.
-    pub fn scene_name(&self) -> &str {
-        &self.all[0].manifest.scene
-    }
-
-    /// How many there are.
-    pub fn count(&self) -> usize {
-        self.all.len()
-    }
-
-    /// Refuses shards that hold members twice, or not all of them.
-    fn check_whole(&self) -> Result<(), MergeError> {
-        let ensemble = self.all[0].record.ensemble;
-        let (done, unfinished): (Vec<&Found>, Vec<&Found>) =
-            self.all.iter().partition(|shard| shard.is_done());
-        let mut absent = Vec::new();
-        let mut last: Option<&Found> = None;
-        let mut next = 0;
-        for &shard in done.iter().filter(|shard| !shard.members().is_empty()) {
-            let members = shard.members();
-            if let Some(last) = last.filter(|_| members.start < next) {
-                return Err(MergeError::Twice {
-                    first: last.directory.clone(),
-                    other: shard.directory.clone(),
-                    members: members.start..next.min(members.end),
-                });
-            }
-            if members.start > next {
-                absent.push(next..members.start);
-            }
-            next = members.end;
-            last = Some(shard);
-        }
-        if next < ensemble {
-            absent.push(next..ensemble);
-        }
-        if absent.is_empty() {
-            return Ok(());
-        }
-        Err(MergeError::Missing(Missing {
-            shards: self.numbers_of(&absent),
-            members: absent,
-            unfinished: unfinished
-                .into_iter()
-                .map(|shard| shard.directory.clone())
-                .collect(),
-        }))
-    }
-
-    /// The numbers of the shards that hold these members, where all shards were cut alike.
-    fn numbers_of(&self, absent: &[Range<u64>]) -> Option<(Vec<[u64; 2]>, u64)> {
-        let [_, of] = self.all[0].record.place?;
-        let ensemble = self.all[0].record.ensemble;
-        let is_alike = |shard: &Found| shard.record.place.is_some_and(|[_, other]| other == of);
-        if !self.all.iter().all(is_alike) {
-            return None;
-        }
-        let mut numbers: Vec<[u64; 2]> = Vec::new();
-        for number in 1..=of {
-            let members = Shard::of(number, of, ensemble).ok()?.members();
-            let is_absent =
-                |range: &Range<u64>| members.start < range.end && range.start < members.end;
-            if members.is_empty() || !absent.iter().any(is_absent) {
-                continue;
-            }
-            match numbers.last_mut() {
-                Some([_, last]) if *last + 1 == number => *last = number,
-                _ => numbers.push([number; 2]),
-            }
-        }
-        Some((numbers, of))
-    }
-}
-
-/// The folders in a directory, by name.
-fn folders(directory: &Path) -> io::Result<Vec<PathBuf>> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(directory)? {
-        let path = entry?.path();
-        if path.is_dir() {
-            found.push(path);
-        }
-    }
-    found.sort();
-    Ok(found)
-}
-
-/// Whether two paths lead to one directory.
-fn is_same(a: &Path, b: &Path) -> bool {
-    match (a.canonicalize(), b.canonicalize()) {
-        (Ok(a), Ok(b)) => a == b,
-        _ => a == b,
-    }
-}
 
 /// Joins shards into a directory, to the bytes that one process writes.
 ///
@@ -389,29 +23,56 @@ pub fn merge_shards(
     options: &RunOptions,
 ) -> Result<EnsembleReport, MergeError> {
     shards.check_whole()?;
+    join(document, (ensemble, None), shards, options)
+}
+
+/// Joins shards that follow one another into a larger one: shards of shards are merged to the same bytes.
+///
+/// # Errors
+/// As [`merge_shards`], of the members between the first and the last.
+pub fn join_shards(
+    document: &SceneDocument,
+    ensemble: &ComposedEnsemble,
+    shards: &Shards,
+    options: &RunOptions,
+) -> Result<EnsembleReport, MergeError> {
+    let larger = shards.together()?;
+    join(document, (ensemble, Some(&larger)), shards, options)
+}
+
+/// Joins shards into the whole ensemble, or into a larger shard.
+fn join(
+    document: &SceneDocument,
+    (ensemble, larger): (&ComposedEnsemble, Option<&Shard>),
+    shards: &Shards,
+    options: &RunOptions,
+) -> Result<EnsembleReport, MergeError> {
     let checks = checked(document, ensemble, options)?;
-    let directory = open(document, ensemble, options, None)?;
+    let directory = open(document, ensemble, options, larger)?;
     if directory.held.as_ref().is_some_and(|held| held.is_done) {
-        let held = begin(document, ensemble, options, (&checks, None), &directory)?;
+        let held = begin(document, ensemble, options, (&checks, larger), &directory)?;
         let mut report = held.session.report(RunOutcome::Done, None);
         report.is_repeated = true;
         return Ok(report);
     }
-    let beginning = beginning(document, ensemble, options, (&checks, None), &directory);
+    let beginning = beginning(document, ensemble, options, (&checks, larger), &directory);
     write_begun(document, &beginning, &directory)?;
-    let members = 0..ensemble.population.members();
+    let members = larger.map_or(0..ensemble.population.members(), Shard::items);
     let mut session = Session::new(ensemble, &directory.path, members)?;
-    for shard in shards.all.iter().filter(|shard| shard.is_done()) {
+    for shard in shards.done() {
         session.append(shard)?;
     }
     session.checkpoint()?.write(&directory.path)?;
     let report = session.report(RunOutcome::Done, None);
-    Ok(write_end(document, ensemble, options, &beginning, report)?)
+    Ok(match larger {
+        None => write_end(document, ensemble, options, &beginning, report)?,
+        Some(_) => write_shard_end(&beginning, report)?,
+    })
 }
 
 impl Session<'_> {
     fn append(&mut self, shard: &Found) -> Result<(), RunError> {
-        let members = shard.members();
+        let members = shard.items();
         if members.is_empty() {
             return Ok(());
         }

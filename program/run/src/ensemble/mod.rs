@@ -9,8 +9,8 @@
 //! - `statistics`, `quantiles`, `losses`: what members are reduced to; `tree`: in which order;
 //! - `report`: [`EnsembleReport`], what is left behind;
 //! - `checkpoint`, `store`, `tables`, `ending`, `page`: what the run directory holds;
-//! - `execute`: [`run_ensemble`], all of it; `shard`: [`Shard`], some members of it for one of many processes; `merge`:
-//!   [`merge_shards`], these joined to the bytes of one process.
+//! - `execute`: [`run_ensemble`], all of it, or a [`Shard`](crate::shards::Shard) of it; `merge`: [`merge_shards`], these joined to the
+//!   bytes of one process.
 
 mod advice;
 mod block;
@@ -30,7 +30,6 @@ mod quantiles;
 mod random;
 mod report;
 mod section;
-mod shard;
 mod states;
 mod statistics;
 pub(crate) mod store;
@@ -46,10 +45,9 @@ pub use ending::EnsembleEnding;
 pub use execute::{default_ensemble_directory, default_shards_directory, run_ensemble, run_shard};
 pub use losses::Loss;
 pub use member::{MemberError, member_scene};
-pub use merge::{MergeError, Missing, Shards, merge_shards};
+pub use merge::{join_shards, merge_shards};
 pub use plan::{ComposedEnsemble, compose_ensemble, compose_members};
 pub use population::{NoMember, Population};
 pub use report::EnsembleReport;
-pub use shard::{Shard, ShardError};
 pub use states::Members;
 pub use statistics::{Deviation, MemberFailure, Reductions, Summary};

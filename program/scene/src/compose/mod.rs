@@ -17,6 +17,7 @@
 //! - `fit`: whether a part of a library fits the system;
 //! - `sample_times`: when a run keeps samples;
 //! - `run`: [`compose`], all of it as a [`ComposedRun`];
+//! - `values`: a composed run at other values, with nothing compiled anew;
 //! - `motion`: ẋ as formulas to read;
 //! - `states`: the coordinates that a run records;
 //! - `path`: whether a run's numbers come from formulas or from calls;
@@ -53,6 +54,7 @@ mod tensor;
 #[cfg(test)]
 mod tests;
 mod time;
+mod values;
 
 pub use checks::{CasimirCheck, SceneChecks};
 pub use dense::DENSE_LIMIT;

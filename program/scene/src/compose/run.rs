@@ -9,6 +9,7 @@ use leafwise_core::{
     BuildError, Integrator, Method, Observe, Origin, PartKind, PoissonSystem, Registry, StepMap,
     Structure, WithoutPoles,
 };
+use leafwise_expression::Expression;
 
 use super::Refusal;
 use super::events::{Events, check_axes};
@@ -22,6 +23,7 @@ use super::shadow::{RecordedShadow, with_shadows};
 use super::states::{RecordedStates, recorded_states};
 use super::stepping::{LatticeBase, LatticeStepping, MapStepping, Stepping};
 use super::system::{ComposedSystem, compose_system};
+use super::values::CompiledFunctions;
 use crate::document::{Located, Number, PartSpec, SceneDocument};
 
 /// What a run does.
@@ -74,6 +76,7 @@ pub struct ComposedRun {
     pub method: Stepping,
     /// From where, how far, what to keep.
     pub plan: RunPlan,
+    pub(super) functions: CompiledFunctions,
 }
 
 /// Builds the system and the method of a scene.
@@ -202,6 +205,7 @@ fn compose_at_its_values(
         extension: composed.extension,
         method,
         plan,
+        functions: CompiledFunctions::default(),
     })
 }
 
@@ -396,8 +400,25 @@ impl ComposedRun {
                 &values,
             )?));
         }
-        let observer = SystemInvariants::new(&self.system, &values)?;
-        Ok(Box::new(observer))
+        let Some(formulas) = self.system.expressions() else {
+            return Ok(Box::new(SystemInvariants::new(&self.system, &values)?));
+        };
+        let casimirs = formulas
+            .casimirs()
+            .iter()
+            .map(|casimir| &casimir.expression);
+        let all: Vec<_> = std::iter::once(formulas.hamiltonian())
+            .chain(casimirs)
+            .collect();
+        Ok(Box::new(self.observables(&all)?))
+    }
+
+    /// Functions of the state at the parameters' values, compiled once for this run and its copies at other values.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where one has no code.
+    pub fn observables(&self, formulas: &[&Expression]) -> Result<SystemObservables, BuildError> {
+        self.functions.observables(&self.system, formulas)
     }
 
     /// The system whose steps are of the time itself, where those of this run are of another.

@@ -166,6 +166,14 @@ pub enum SceneProblemCause {
         /// Why not.
         reason: String,
     },
+    /// A key that settings of a sweep may not differ in.
+    #[error("`{key}` is no key of settings: {reason}")]
+    Swept {
+        /// The key.
+        key: String,
+        /// Why not.
+        reason: String,
+    },
 }
 
 impl SceneProblemCause {
@@ -190,6 +198,7 @@ impl SceneProblemCause {
             Self::WithoutSites { .. } => "of no lattice".to_owned(),
             Self::MagneticSign => "write `magnetic-field`".to_owned(),
             Self::Override { .. } => "given on the command line".to_owned(),
+            Self::Swept { .. } => "not a key of settings".to_owned(),
         }
     }
 

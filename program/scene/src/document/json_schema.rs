@@ -51,6 +51,7 @@ fn of_shape(shape: &Shape, registry: &Registry) -> Value {
         Shape::Formula => json!({ "type": ["string", "number"] }),
         Shape::Number => json!({ "type": "number" }),
         Shape::Whole(least) => json!({ "type": "integer", "minimum": least }),
+        Shape::Anything => json!({}),
         Shape::Words(words) => json!({ "enum": words }),
         Shape::List(entry) => json!({ "type": "array", "items": nested(entry) }),
         Shape::Table(table) => of_table(table, registry),

@@ -1,18 +1,20 @@
 //! The scene's text as typed sections, every value with its place in the text.
 //!
 //! - `located`: values that remember where they were written;
-//! - `system`, `bracket`, `method`, `run`, `ensemble`, `plugin`: one table or list of the scene each;
+//! - `system`, `bracket`, `method`, `run`, `ensemble`, `sweep`, `plugin`: one table or list of the scene each;
 //! - `system_section`: what `[system]` says, be it read from the scene, a library or a system without formulas;
 //! - `forces`: what moves the system beside its Hamiltonian;
 //! - `field`: what variables, sites of families and parameters of sites begin with;
 //! - `numbers`: systems that have no formulas;
 //! - `method_table`: a method as a value, written into a scene's text;
 //! - `overrides`: `--set path=value`, applied by rewriting the text;
+//! - `assign`: values that no part is made of, set without reading the text again;
 //! - `schema`: every key that a scene may have, with the shape of its value;
 //! - `json_schema`: the same for editors;
 //! - `error`, `suggest`: what is wrong, and the nearest valid name;
 //! - `reader`: typed access to parsed TOML.
 
+mod assign;
 mod bracket;
 mod ensemble;
 mod error;
@@ -31,6 +33,7 @@ mod run;
 mod scene;
 mod schema;
 mod suggest;
+mod sweep;
 mod system;
 mod system_section;
 #[cfg(test)]
@@ -52,4 +55,5 @@ pub use run::{Direction, InitialSpec, ObservableSpec, RecordSpec, RunSection, Se
 pub use scene::SceneDocument;
 pub use schema::{CHOSEN_AT, scene_keys};
 pub use suggest::nearest;
+pub use sweep::{MOST_SETTINGS, SettingsSpec, SweepSection, SweptKey, refuse_key};
 pub use system_section::{Boundary, Convention, NumbersSystem, SystemSection, VectorFamily};

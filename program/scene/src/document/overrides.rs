@@ -180,8 +180,32 @@ fn remove_alternatives(table: &mut dyn TableLike, key: &str) {
     }
 }
 
+/// Whether setting one of two keys takes the other one away, or its table.
+pub(super) fn alternatives(first: &str, second: &str) -> bool {
+    let holds = |table: &str, key: &str| {
+        let rest = key.strip_prefix(table);
+        // Parts have a name and parameters, each a key of its own.
+        !table.starts_with("method.") && rest.is_some_and(|rest| rest.starts_with('.'))
+    };
+    if holds(first, second) || holds(second, first) {
+        return true;
+    }
+    let parts = |path: &'_ str| -> Option<(String, String)> {
+        let (table, key) = path.rsplit_once('.')?;
+        Some((table.to_owned(), key.to_owned()))
+    };
+    let (Some((table, key)), Some((other_table, other))) = (parts(first), parts(second)) else {
+        return false;
+    };
+    let removes = |chosen: &str, other: &str| {
+        let mut all = ALTERNATIVES.iter();
+        all.any(|(key, others)| *key == chosen && others.contains(&other))
+    };
+    table == other_table && (removes(&key, &other) || removes(&other, &key))
+}
+
 /// Refuses a path the scene format does not have.
-fn check_path(keys: &[Key], path: &str, value: &str) -> Result<(), Refusal> {
+pub(super) fn check_path(keys: &[Key], path: &str, value: &str) -> Result<(), Refusal> {
     let names: Vec<_> = keys.iter().map(Key::get).collect();
     let mut shape = &ROOT;
     for (depth, name) in names.iter().enumerate() {

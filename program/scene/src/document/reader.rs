@@ -388,7 +388,8 @@ impl<'a> Item<'a> {
         values.into_iter().collect()
     }
 
-    fn written(&self) -> &'a str {
+    /// The value as it is written.
+    pub fn written(&self) -> &'a str {
         &self.text[self.place.span.clone()]
     }
 }

@@ -16,6 +16,7 @@ use super::plugin::{PluginSpec, read_plugins};
 use super::reader::{Problems, Table, end_of};
 use super::run::{InitialSpec, RunSection, read_run};
 use super::schema::SCENE;
+use super::sweep::{SweepSection, read_sweep};
 use super::system::read_system;
 use super::system_section::SystemSection;
 use crate::diagnostic::{SceneDiagnostic, formula_span};
@@ -37,6 +38,8 @@ pub struct SceneDocument {
     pub run: RunSection,
     /// Many initial states or parameter sets at once.
     pub ensemble: Option<EnsembleSection>,
+    /// One run for each of many settings.
+    pub sweep: Option<SweepSection>,
     /// Shared libraries to load first.
     pub plugins: Vec<PluginSpec>,
 }
@@ -76,16 +79,19 @@ impl SceneDocument {
         let text = effective.unwrap_or_else(|| text.to_owned());
         let name = name.to_owned();
         match sections {
-            Some((system, method, run, ensemble, plugins)) if problems.0.is_empty() => Ok(Self {
-                name,
-                text,
-                fragment,
-                system,
-                method,
-                run,
-                ensemble,
-                plugins,
-            }),
+            Some((system, method, run, ensemble, sweep, plugins)) if problems.0.is_empty() => {
+                Ok(Self {
+                    name,
+                    text,
+                    fragment,
+                    system,
+                    method,
+                    run,
+                    ensemble,
+                    sweep,
+                    plugins,
+                })
+            }
             _ => {
                 let mut problems = without_consequences(problems.0);
                 problems.sort_by_key(|problem| match problem.place.source {
@@ -199,6 +205,7 @@ type Sections = (
     MethodSection,
     RunSection,
     Option<EnsembleSection>,
+    Option<SweepSection>,
     Vec<PluginSpec>,
 );
 
@@ -243,6 +250,13 @@ fn read(
             .map(Some),
         None => Some(None),
     };
+    let sweep = match root.get("sweep") {
+        Some(item) => item
+            .table("[sweep]", "a table", problems)
+            .and_then(|table| read_sweep(&table, system.as_ref(), problems))
+            .map(Some),
+        None => Some(None),
+    };
     let plugins = read_plugins(&root, problems);
-    Some((system?, method?, run?, ensemble?, plugins?))
+    Some((system?, method?, run?, ensemble?, sweep?, plugins?))
 }

@@ -19,6 +19,8 @@ pub(super) enum Shape {
     Number,
     /// A whole number of at least this.
     Whole(u64),
+    /// Any value.
+    Anything,
     Words(&'static [&'static str]),
     List(&'static Shape),
     Table(Keys),
@@ -119,7 +121,7 @@ pub(super) static COLUMN: [Key; 2] = [
 /// The scene.
 pub(super) static ROOT: Shape = table(&SCENE, &[&["system", "method", "run"]]);
 
-pub(super) static SCENE: [Key; 5] = [
+pub(super) static SCENE: [Key; 6] = [
     key(
         "system",
         table(
@@ -146,6 +148,11 @@ pub(super) static SCENE: [Key; 5] = [
         "ensemble",
         table(&ENSEMBLE, &[]),
         "Many initial states or parameter sets at once",
+    ),
+    key(
+        "sweep",
+        table(&SWEEP, &[&["grid"], &["list"], &["file"]]),
+        "One run for each of many settings of the scene's keys",
     ),
     key(
         "plugins",
@@ -567,6 +574,49 @@ pub(super) static ENSEMBLE_RECORD: [Key; 6] = [
         "drift-every",
         Shape::Whole(1),
         "Every how many steps drifts are taken in",
+    ),
+];
+
+pub(super) static SWEEP: [Key; 5] = [
+    key(
+        "grid",
+        Shape::Names(&Shape::Either(&[
+            Shape::List(&Shape::Anything),
+            table(&GRID_RANGES, &[&["range"], &["logarithmic"]]),
+        ])),
+        "All combinations: { \"system.parameters.a\" = { range = [0, 1, 50] }, \"method.time-step\" = [0.1, 0.2] }",
+    ),
+    key(
+        "list",
+        Shape::List(&Shape::Names(&Shape::Anything)),
+        "Values given together: [{ \"method.stepper\" = \"rk4\", \"method.time-step\" = 0.1 }, …]",
+    ),
+    key(
+        "file",
+        Shape::Text,
+        "A CSV file beside the scene: keys in the first row, a setting in each other",
+    ),
+    key(
+        "record",
+        table(&SWEEP_RECORD, &[]),
+        "What is measured of each last state",
+    ),
+    key("out", Shape::Text, "The run directory"),
+];
+
+pub(super) static SWEEP_RECORD: [Key; 1] = [key(
+    "observables",
+    OBSERVABLES,
+    "`energy`, names of Casimirs, formulas, or { name = \"formula\" }",
+)];
+
+/// Ways to write many values.
+pub(super) static GRID_RANGES: [Key; 2] = [
+    key("range", NUMBERS, "[from, to, count], equidistant"),
+    key(
+        "logarithmic",
+        NUMBERS,
+        "[from, to, count], of equal ratios; positive",
     ),
 ];
 

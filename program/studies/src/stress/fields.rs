@@ -27,7 +27,7 @@ pub(super) const CASES: [Case; 2] = [
 ];
 
 /// Scenes that between them hold every key of [`scene_keys`].
-pub const SCENES_WITH_EVERY_KEY: [&str; 15] = [
+pub const SCENES_WITH_EVERY_KEY: [&str; 18] = [
     r#"
     plugins = []
     [system]
@@ -246,6 +246,44 @@ pub const SCENES_WITH_EVERY_KEY: [&str; 15] = [
     [run]
     initial = [1, 3, 3]
     steps   = 10
+    [sweep]
+    grid   = { "system.parameters.I2" = { range = [0.5, 1.5, 3] }, "method.time-step" = { logarithmic = [0.01, 0.1, 3.0] }, "run.steps" = [5, 10] }
+    record = { observables = ["energy", "x1"] }
+    out    = "runs/case"
+    "#,
+    r#"
+    [system]
+    library = "rigid-body"
+    [method]
+    stepper   = "splitting"
+    time-step = 0.05
+    [run]
+    initial = [1, 3, 3]
+    steps   = 10
+    [sweep]
+    list = [{ "method.time-step" = 0.1 }, { "run.initial" = [1, 2.5, 3], "run.steps" = 5 }]
+    "#,
+    r#"
+    [system]
+    library = "rigid-body"
+    [method]
+    stepper   = "splitting"
+    time-step = 0.05
+    [run]
+    initial = [1, 3, 3]
+    steps   = 10
+    [sweep]
+    file = "settings.csv"
+    "#,
+    r#"
+    [system]
+    library = "rigid-body"
+    [method]
+    stepper   = "splitting"
+    time-step = 0.05
+    [run]
+    initial = [1, 3, 3]
+    steps   = 10
     [ensemble]
     members      = 12
     seed         = 1
@@ -279,11 +317,18 @@ fn scenes() -> impl Iterator<Item = String> {
     written.chain(DRAWS.map(|(from, to)| last.replacen(from, to, 1)))
 }
 
-/// Whether `path` is `key`, where `*` stands for one name.
+/// Whether `path` is `key`, where `*` stands for a name, which may be dotted.
 fn is_key(key: &str, path: &str) -> bool {
-    let pairs = || key.split('.').zip(path.split('.'));
-    key.split('.').count() == path.split('.').count()
-        && pairs().all(|(key, name)| key == "*" || key == name)
+    fn is_same(key: &[&str], path: &[&str]) -> bool {
+        match (key, path) {
+            ([], []) => true,
+            (["*", rest @ ..], [_, path @ ..]) => is_same(rest, path) || is_same(key, path),
+            ([name, rest @ ..], [own, path @ ..]) => name == own && is_same(rest, path),
+            _ => false,
+        }
+    }
+    let [key, path] = [key, path].map(|text| text.split('.').collect::<Vec<_>>());
+    is_same(&key, &path)
 }
 
 const BAD: [&str; 4] = ["nan", "inf", "-inf", "1e999"];

@@ -1,5 +1,6 @@
 //! Claims about reading scenes.
 
+mod assigned;
 mod numbers_and_names;
 mod sources;
 

@@ -1,0 +1,159 @@
+//! `leafwise sweep`: one run for each of many settings, into one table.
+
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use leafwise::run::shards::{Shard, Whole};
+use leafwise::run::sweep::{
+    Settings, SweepEnding, SweepReport, compose_sweep, default_sweep_directory,
+    default_sweep_shards_directory, run_sweep, run_sweep_shard,
+};
+use leafwise::run::{RunOptions, RunOutcome};
+use serde::Serialize;
+
+use super::run::repeating;
+use super::shard;
+use crate::arguments::{PluginArguments, SweepArguments};
+use crate::bar::{Bar, while_building};
+use crate::console::Console;
+use crate::failure::{Failure, exit};
+use crate::plugins::Parts;
+use crate::table::{duration, grouped};
+
+/// The object of `sweep --json`.
+#[derive(Serialize)]
+struct Told<'a> {
+    #[serde(flatten)]
+    ending: SweepEnding<'a>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shard: Option<[u64; 2]>,
+    run_directory: String,
+}
+
+/// Runs the settings, or a shard of them; returns the exit code.
+///
+/// # Errors
+/// [`Failure`] when it cannot be started or written.
+pub fn execute(
+    arguments: &SweepArguments,
+    plugins: &PluginArguments,
+    console: &mut Console<'_>,
+    interrupt: &Arc<AtomicBool>,
+) -> Result<u8, Failure> {
+    let mut parts = Parts::new(plugins)?;
+    let document = parts.scene(&arguments.scene)?;
+    let settings = Settings::of(&document)?;
+    let count = settings.count();
+    let shard = arguments.shard.as_ref();
+    let shard = shard.map(|text| shard::of_number(text, Whole::Settings, count));
+    let shard = shard.transpose()?;
+    let items = shard.as_ref().map_or(0..count, Shard::items);
+    let allow = arguments.allow_non_poisson;
+    let sweep = while_building(console.is_terminal && !arguments.quiet, || {
+        compose_sweep(&document, &parts.registry, settings, items.clone(), allow)
+    })?;
+    let out = arguments.out.clone();
+    let file = arguments.scene.scene.file_name();
+    let options = RunOptions {
+        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
+        directory: match &shard {
+            None => out.unwrap_or_else(|| default_sweep_directory(&document)),
+            Some(shard) => out
+                .unwrap_or_else(|| default_sweep_shards_directory(&document))
+                .join(shard.name()),
+        },
+        force: arguments.force,
+        allow_non_poisson: allow,
+        command: repeating("sweep", file, allow, plugins),
+    };
+    let every = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
+    let threads = arguments.threads.unwrap_or_else(every);
+    let total = (items.end - items.start).saturating_mul(sweep.base.plan.steps);
+    let is_shown = console.is_terminal && !arguments.quiet;
+    let mut bar = Bar::new(total, is_shown, interrupt);
+    let report = match &shard {
+        None => run_sweep(&document, &sweep, &options, threads, &mut bar),
+        Some(shard) => run_sweep_shard(&document, &sweep, shard, &options, threads, &mut bar),
+    };
+    bar.finish();
+    let report = report?;
+    Ok(tell(
+        &report,
+        shard.as_ref(),
+        (arguments.json, arguments.quiet),
+        console,
+    ))
+}
+
+/// Prints what a sweep has come to; returns the exit code.
+pub(super) fn tell(
+    report: &SweepReport,
+    shard: Option<&Shard>,
+    (json, quiet): (bool, bool),
+    console: &mut Console<'_>,
+) -> u8 {
+    if !quiet {
+        for line in summary(report, shard, console) {
+            console.prose(&line);
+        }
+    }
+    if json {
+        console.json(&Told {
+            ending: SweepEnding::new(report),
+            shard: shard.map(|shard| [shard.items().start, shard.items().end]),
+            run_directory: report.directory.display().to_string(),
+        });
+    }
+    match report.outcome {
+        RunOutcome::Interrupted => exit::INTERRUPTED,
+        _ if report.done > 0 && report.failed == report.done => exit::RUN_FAILED,
+        _ => exit::DONE,
+    }
+}
+
+fn summary(report: &SweepReport, shard: Option<&Shard>, console: &Console<'_>) -> Vec<String> {
+    let what = match shard {
+        Some(shard) => shard.describe(),
+        None => format!("{} settings", grouped(report.settings)),
+    };
+    let mut lines = vec![format!(
+        "{}: {what}, {} failed",
+        console.bold(report.outcome.word()),
+        grouped(report.failed)
+    )];
+    if let Some(setting) = report.resumed_at {
+        lines.push(format!("resumed at setting {}", grouped(setting)));
+    }
+    if report.is_repeated {
+        lines.push(
+            "it had come to its end before: nothing was computed or written; --force runs it anew"
+                .to_owned(),
+        );
+    }
+    lines.push(format!(
+        "  time     {}, {} settings a second",
+        duration(report.wall_seconds),
+        grouped(report.rate() as u64)
+    ));
+    lines.push(format!("  table    {}", report.table().display()));
+    if shard.is_none() {
+        lines.push(format!("  report   {}", report.report().display()));
+    }
+    if report.failed > 0 {
+        lines.push(format!(
+            "{} {} of {} settings failed; the column `error` of the table says why",
+            console.error_word(),
+            grouped(report.failed),
+            grouped(report.done)
+        ));
+    }
+    if report.outcome == RunOutcome::Interrupted {
+        lines.push(format!(
+            "stopped after {} of {} settings, with a checkpoint: the same command goes on from there",
+            grouped(report.done),
+            grouped(report.settings)
+        ));
+    }
+    lines
+}

@@ -1,0 +1,70 @@
+//! Values as colours.
+
+use super::axis::Axis;
+use super::canvas::{Anchor, Canvas, Ink};
+
+/// How many colours the scale has.
+const LEVELS: usize = 32;
+
+/// The room that the bar and its labels take to the right of a frame.
+pub(super) const BAR: f64 = 92.0;
+
+/// Letters that go into it.
+const WIDEST: usize = 12;
+
+/// The colour's number of a value on an axis.
+pub(super) fn level(axis: Axis, value: f64) -> usize {
+    (axis.fraction(value) * (LEVELS - 1) as f64).round() as usize
+}
+
+/// The bar of colours to the right of a frame, with labels and a name.
+pub(super) fn draw_scale(canvas: &mut Canvas, edges: [f64; 4], axis: Axis, name: &str) {
+    let [_, top, right, bottom] = edges;
+    let at = |fraction: f64| bottom - fraction * (bottom - top);
+    for level in 0..LEVELS {
+        let (low, high) = (
+            level as f64 / LEVELS as f64,
+            (level + 1) as f64 / LEVELS as f64,
+        );
+        canvas.cell(
+            (right + 18.0, at(high)),
+            (right + 32.0, at(low)),
+            color(level),
+        );
+    }
+    let ticks = axis.ticks(5);
+    for (value, label) in &ticks.labels {
+        canvas.label(
+            label,
+            (right + 38.0, at(axis.fraction(*value))),
+            Anchor::Start,
+        );
+    }
+    let title = format!("{name} {}", ticks.factor);
+    let title = title.trim();
+    // What is wider than the bar and its labels ends with them.
+    let (at, anchor) = match title.chars().count() > WIDEST {
+        true => (right + BAR, Anchor::End),
+        false => (right + 18.0, Anchor::Start),
+    };
+    canvas.label(title, (at, top - 17.0), anchor);
+}
+
+/// From dark blue over green to yellow, lighter throughout, so that it reads in grey too.
+pub(super) fn color(level: usize) -> Ink {
+    const STOPS: [[f64; 3]; 5] = [
+        [68.0, 1.0, 84.0],
+        [59.0, 82.0, 139.0],
+        [33.0, 145.0, 140.0],
+        [94.0, 201.0, 98.0],
+        [253.0, 231.0, 37.0],
+    ];
+    let place = level as f64 / (LEVELS - 1) as f64 * (STOPS.len() - 1) as f64;
+    let below = (place as usize).min(STOPS.len() - 2);
+    let part = place - below as f64;
+    let [red, green, blue] = [0, 1, 2].map(|channel| {
+        let (from, to) = (STOPS[below][channel], STOPS[below + 1][channel]);
+        (from + part * (to - from)).round() as u8
+    });
+    plotters::style::RGBColor(red, green, blue)
+}

@@ -1,0 +1,11 @@
+//! Ensembles and sweeps in parts, each by a process of its own.
+//!
+//! - `shard`: [`Shard`], some members or settings;
+//! - `found`: [`Shards`], those that directories hold, whole or with what is missing.
+
+mod found;
+mod shard;
+
+pub(crate) use found::Found;
+pub use found::{MergeError, Missing, Shards};
+pub use shard::{Shard, ShardError, Whole};

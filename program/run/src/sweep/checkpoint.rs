@@ -1,0 +1,52 @@
+//! What a resumed sweep needs, in one file that is replaced atomically.
+
+use std::ops::Range;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{CHECKPOINT, Format, RunError, Vouched};
+
+/// What the file holds, and how.
+const FORMAT: Format = Format {
+    name: b"leafswp",
+    number: b'1',
+};
+
+/// A sweep between two settings. Another field, order or type is another format.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Checkpoint {
+    /// Settings of the whole sweep.
+    pub settings: u64,
+    /// Those that have rows.
+    pub first: u64,
+    pub next: u64,
+    /// How many of them have failed.
+    pub failed: u64,
+    /// Bits of the seconds of integration so far.
+    pub wall_seconds: u64,
+    /// The beginning of the table that holds them.
+    pub vouched: Vouched,
+}
+
+impl Checkpoint {
+    /// Writes the checkpoint of a directory.
+    pub fn write(&self, directory: &Path) -> Result<(), RunError> {
+        FORMAT.write(&directory.join(CHECKPOINT), self)
+    }
+
+    /// Reads the checkpoint of a directory, of these settings of a sweep.
+    ///
+    /// # Errors
+    /// [`RunError::Damaged`] for one of others.
+    pub fn read(directory: &Path, settings: u64, items: &Range<u64>) -> Result<Self, RunError> {
+        let file = directory.join(CHECKPOINT);
+        let checkpoint: Self = FORMAT.read(&file)?;
+        let is_of_these = checkpoint.first == items.start && checkpoint.next <= items.end;
+        if checkpoint.settings != settings || !is_of_these {
+            let reason = "it is of another sweep".to_owned();
+            return Err(RunError::Damaged { file, reason });
+        }
+        Ok(checkpoint)
+    }
+}

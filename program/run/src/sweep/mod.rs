@@ -1,0 +1,31 @@
+//! One run for each of many settings of a scene's keys, and a table of them.
+//!
+//! - `settings`: [`Settings`], the values of each by number;
+//! - `plan`: [`compose_sweep`], the methods that they need, each composed once;
+//! - `row`: what a run leaves in the table;
+//! - `columns`: [`SweepColumns`], the table's headings;
+//! - `session`: settings on threads, their rows in order;
+//! - `checkpoint`: what a resumed sweep needs;
+//! - `report`: [`SweepReport`], what is left behind; `page`: to look at;
+//! - `execute`: [`run_sweep`], all settings; [`run_sweep_shard`], some of them; [`merge_sweep`], these joined.
+
+mod checkpoint;
+mod columns;
+mod execute;
+mod page;
+mod plan;
+mod report;
+mod row;
+mod session;
+mod settings;
+#[cfg(test)]
+mod tests;
+
+pub use columns::SweepColumns;
+pub use execute::{
+    default_sweep_directory, default_sweep_shards_directory, join_sweep_shards, merge_sweep,
+    run_sweep, run_sweep_shard,
+};
+pub use plan::{ComposedSweep, compose_sweep};
+pub use report::{SweepEnding, SweepReport};
+pub use settings::Settings;

@@ -1,0 +1,126 @@
+"""What a sweep leaves."""
+
+from __future__ import annotations
+
+import csv
+import html
+import io
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _leafwise
+
+if TYPE_CHECKING:
+    import pandas
+
+Array = NDArray[np.float64]
+
+
+class Sweep:
+    """A table with a row for each of n settings, in their order: the program's ``sweep.csv``.
+
+    ``sweep["energy_drift"]`` is a column by its heading: numbers where all cells are, words otherwise.
+    """
+
+    def __init__(self, left: _leafwise.Sweep) -> None:
+        self._left = left
+        self._ending: dict[str, Any] = json.loads(left.ending)
+        head, *rows = csv.reader(io.StringIO(left.table))
+        cells = zip(*rows, strict=True) if rows else ([] for _ in head)
+        self._cells = dict(zip(head, cells, strict=True))
+
+    def _named(self, kind: str) -> list[str]:
+        names: list[str] = self._ending["columns"][kind]
+        return names
+
+    def _numbers(self, name: str) -> Array:
+        return np.array([float(cell) if cell else np.nan for cell in self._cells[name]], dtype=np.float64)
+
+    @property
+    def columns(self) -> list[str]:
+        """The headings of the table."""
+        return list(self._cells)
+
+    @property
+    def settings(self) -> dict[str, NDArray[Any]]:
+        """The values of the swept keys: shape (n,) each, numbers where all are."""
+        return {name: self[name] for name in self._named("settings")}
+
+    @property
+    def outcomes(self) -> NDArray[np.str_]:
+        """``done``, ``stopped`` by the scene's condition, or ``failed``: shape (n,)."""
+        return np.array(self._cells["outcome"], dtype=np.str_)
+
+    @property
+    def errors(self) -> list[str]:
+        """Why runs have failed; empty where they have not: n texts."""
+        return list(self._cells["error"])
+
+    @property
+    def t(self) -> Array:
+        """The times of the last states: shape (n,)."""
+        return self._numbers("t")
+
+    @property
+    def drift(self) -> dict[str, Array]:
+        """The largest deviation of energy and Casimirs from their initial values, over all steps: shape (n,) each."""
+        return {name.removesuffix("_drift"): self._numbers(name) for name in self._named("drifts")}
+
+    @property
+    def observables(self) -> dict[str, Array]:
+        """The observables of the last states: shape (n,) each."""
+        return {name: self._numbers(name) for name in self._named("observables")}
+
+    @property
+    def cost(self) -> dict[str, Array]:
+        """Counts of ``steps``, ``evaluations`` and ``operations``: shape (n,) each, the same on every machine."""
+        return {name: self._numbers(name) for name in self._named("cost")}
+
+    @property
+    def outcome(self) -> str:
+        """``done``, or ``interrupted``: the table then holds the settings that had ended."""
+        found: str = self._ending["outcome"]
+        return found
+
+    @property
+    def wall_seconds(self) -> float:
+        """Seconds of all runs, without building their methods."""
+        return float(self._ending["wall_seconds"])
+
+    @property
+    def table(self) -> str:
+        """The table as CSV."""
+        return self._left.table
+
+    def report(self) -> str:
+        """The report as a page that needs nothing else."""
+        return self._left.page
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row for each setting. Needs pandas."""
+        import pandas
+
+        frame = pandas.DataFrame({name: self[name] for name in self.columns})
+        return frame.set_index("setting")
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        if all(cell.isdecimal() for cell in self._cells[name]):
+            return np.array([int(cell) for cell in self._cells[name]], dtype=np.int64)
+        try:
+            return self._numbers(name)
+        except ValueError:
+            return np.array(self._cells[name])
+
+    def _repr_html_(self) -> str:
+        page = html.escape(self.report())
+        return f'<iframe srcdoc="{page}" style="width: 100%; height: 40em; border: 0"></iframe>'
+
+    def __len__(self) -> int:
+        return len(self._cells["setting"])
+
+    def __repr__(self) -> str:
+        failed = np.count_nonzero(self.outcomes == "failed")
+        return f"<leafwise.Sweep {self.outcome}: {len(self)} settings, {failed} failed>"
