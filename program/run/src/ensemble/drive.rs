@@ -8,9 +8,10 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread::Builder;
 use std::time::{Duration, Instant};
 
-use super::block::{self, Record, Signals};
+use super::block::{self, Signals};
 use super::checkpoint::Checkpoint;
 use super::plan::ComposedEnsemble;
+use super::record::Record;
 use super::section::SectionStore;
 use super::store::FinalStore;
 use super::tree::Tree;
