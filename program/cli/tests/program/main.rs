@@ -10,6 +10,7 @@ mod invalid_scenes;
 mod kills;
 mod motion;
 mod other_commands;
+mod paces;
 mod parts;
 mod plugins;
 mod runs;

@@ -9,10 +9,10 @@ use leafwise_scene::compose::is_same_time;
 use super::clock::window;
 use super::observers::ObservableEvaluator;
 use super::plan::{Column, ComposedEnsemble};
+use super::record::Record;
 use super::section::MemberCrossings;
-use super::statistics::{MemberFailure, Reductions};
-use super::tree::Tree;
-use super::watch::{Found, MemberStop, Watch, column};
+use super::statistics::MemberFailure;
+use super::watch::{Found, MemberSample, MemberStop, Watch, column};
 use crate::{Failure, RunError};
 
 /// Coordinates stepped between two looks at the flag: about a millisecond's work.
@@ -25,57 +25,6 @@ pub(super) struct Signals {
     pub steps: AtomicU64,
     /// Whether blocks are to stop where they are.
     pub stop: AtomicBool,
-}
-
-/// What the members of a block leave behind.
-pub(super) struct Record {
-    first: u64,
-    lanes: usize,
-    /// Observables at each time, for each lane.
-    samples: Vec<f64>,
-    /// The invariants' largest deviations in each window, for each lane.
-    windows: Vec<f64>,
-    /// The invariants at the initial states.
-    initial: Vec<f64>,
-    /// Initial states, last states and parameters, lane after lane.
-    pub initial_states: Vec<Vec<f64>>,
-    pub states: Vec<Vec<f64>>,
-    pub parameters: Vec<Vec<f64>>,
-    failures: Vec<Option<MemberFailure>>,
-    /// States at the end, where that lies between two steps.
-    ends: Vec<Option<Vec<f64>>>,
-    /// Where the scene's condition has ended members.
-    pub stops: Vec<Option<MemberStop>>,
-    pub crossings: Vec<MemberCrossings>,
-    statistics: SolverStatistics,
-}
-
-/// How a member has ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Ended {
-    Done,
-    Stopped,
-    Failed,
-}
-
-impl Ended {
-    /// As a number.
-    pub fn number(self) -> f64 {
-        match self {
-            Self::Done => 0.0,
-            Self::Stopped => 1.0,
-            Self::Failed => 2.0,
-        }
-    }
-
-    /// In a word.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Done => "done",
-            Self::Stopped => "stopped",
-            Self::Failed => "failed",
-        }
-    }
 }
 
 /// Steps the members `first .. first + lanes`; `None` where it was told to stop.
@@ -449,7 +398,7 @@ impl<'a> Block<'a> {
                 };
                 let at = (steps, clock.time(*mark));
                 match self.watch.sample(&self.integrator, lane, at)? {
-                    Ok((state, row)) => {
+                    Ok(MemberSample { state, row }) => {
                         for (value, place) in row.into_iter().zip((next * columns)..) {
                             self.record.samples[place * lanes + lane] = value;
                         }
@@ -507,99 +456,4 @@ fn interleaved(columns: &[Vec<f64>]) -> Vec<f64> {
     let rows = columns.first().map_or(0, Vec::len);
     let row = |i: usize| columns.iter().map(move |column| column[i]);
     (0..rows).flat_map(row).collect()
-}
-
-impl Record {
-    /// The members, their lanes, and how they have ended.
-    pub fn members(&self) -> impl Iterator<Item = (u64, usize, Ended)> + '_ {
-        (0..self.lanes).map(|lane| {
-            let ended = match (&self.failures[lane], &self.stops[lane]) {
-                (Some(_), _) => Ended::Failed,
-                (None, Some(_)) => Ended::Stopped,
-                (None, None) => Ended::Done,
-            };
-            (self.first + lane as u64, lane, ended)
-        })
-    }
-
-    /// The time at which a lane's member has ended; `end` is that of the last step.
-    pub fn time(&self, lane: usize, end: f64) -> f64 {
-        let failed = self.failures[lane].as_ref().map(|failure| failure.time);
-        let stopped = self.stops[lane].as_ref().map(|stop| stop.time);
-        failed.or(stopped).unwrap_or(end)
-    }
-
-    /// The observables of a lane at the end.
-    pub fn last_sample(&self, lane: usize, observables: usize) -> Vec<f64> {
-        if let Some(stop) = &self.stops[lane] {
-            return stop.row.clone();
-        }
-        let from = self.samples.len() - observables * self.lanes;
-        let row = self.samples[from..].iter().skip(lane);
-        row.step_by(self.lanes).copied().collect()
-    }
-
-    /// The largest deviation of each invariant of a lane.
-    pub fn largest_deviations(&self, lane: usize) -> impl Iterator<Item = f64> + '_ {
-        let invariants = self.initial.len() / self.lanes;
-        let own = self.windows.iter().skip(lane).step_by(self.lanes);
-        (0..invariants).map(move |at| {
-            let windows = own.clone().skip(at).step_by(invariants);
-            windows.fold(0.0, |largest: f64, deviation| largest.max(*deviation))
-        })
-    }
-
-    /// Takes the members in, one after the other.
-    pub fn fold(&self, ensemble: &ComposedEnsemble, into: &mut Tree) {
-        into.add_work(self.statistics);
-        let (windows, losses) = (ensemble.window_ends(), ensemble.loss_ends());
-        for lane in 0..self.lanes {
-            into.take(|into| self.fold_lane(ensemble, (&windows, &losses), lane, into));
-        }
-    }
-
-    fn fold_lane(
-        &self,
-        ensemble: &ComposedEnsemble,
-        (windows, losses): (&[f64], &[f64]),
-        lane: usize,
-        into: &mut Reductions,
-    ) {
-        let (lanes, sampled) = (self.lanes, &ensemble.clock.samples);
-        let (columns, invariants) = (ensemble.columns.len(), ensemble.invariants.count());
-        if let Some(failure) = self.failures[lane].clone() {
-            into.push_failure(failure);
-            return;
-        }
-        let member = self.first + lane as u64;
-        let own = |values: &'_ [f64], at: usize| values[at * lanes + lane];
-        let stop = self.stops[lane].as_ref();
-        if let Some(stop) = stop {
-            into.stopped += 1;
-            into.losses[window(losses, stop.mark)] += 1;
-        }
-        // What lies before the place where it has ended.
-        let is_before = |mark: f64| stop.is_none_or(|stop| mark < stop.mark);
-        for (at, summary) in into.summaries.iter_mut().enumerate() {
-            if is_before(sampled[at / columns]) {
-                summary.push(own(&self.samples, at), member);
-            }
-        }
-        for (at, deviation) in into.windows.iter_mut().enumerate() {
-            let begin = (at / invariants)
-                .checked_sub(1)
-                .map_or(0.0, |before| windows[before]);
-            if is_before(begin) {
-                deviation.push(own(&self.windows, at), member);
-            }
-        }
-        for (at, deviation) in self.largest_deviations(lane).enumerate() {
-            let initial = own(&self.initial, at);
-            into.whole[at].push(deviation, member);
-            into.initial[at].push(initial, member);
-            if initial != 0.0 {
-                into.relative[at].push(deviation / initial.abs(), member);
-            }
-        }
-    }
 }

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::block::{Ended, Record};
 use super::plan::ComposedEnsemble;
+use super::record::{Ended, Record};
 use crate::csv::{Headings, Table};
 use crate::states::header;
 use crate::{Appended, RunError, Vouched};

@@ -23,6 +23,14 @@ pub(super) struct MemberStop {
     pub row: Vec<f64>,
 }
 
+/// A member at a time that is asked for.
+pub(super) struct MemberSample {
+    /// The state.
+    pub state: Vec<f64>,
+    /// The observables there.
+    pub row: Vec<f64>,
+}
+
 /// The members of a block between two steps.
 pub(super) struct Watch<'a> {
     ensemble: &'a ComposedEnsemble,
@@ -131,7 +139,7 @@ impl<'a> Watch<'a> {
         integrator: &SideBySide,
         lane: usize,
         (steps, time): (u64, f64),
-    ) -> Result<Result<(Vec<f64>, Vec<f64>), Failure>, BuildError> {
+    ) -> Result<Result<MemberSample, Failure>, BuildError> {
         let [state, compensation] = [integrator.state(), integrator.compensation()]
             .map(|all| column(all, lane, self.sides.len()));
         let ensemble = self.ensemble;
@@ -149,7 +157,7 @@ impl<'a> Watch<'a> {
         Ok(match found {
             Ok(found) => {
                 let row = self.row(lane, &found)?;
-                Ok((found, row))
+                Ok(MemberSample { state: found, row })
             }
             Err(error) => Err(failure(ensemble, Lost::Step(error), steps, &state)),
         })
