@@ -122,8 +122,7 @@ impl Foreseen {
                 self.rate
             };
             self.last = size;
-            // Not `size > FAR`: it may be no number.
-            if !(size <= FAR) {
+            if size.is_nan() || size > FAR {
                 return false;
             }
             if size <= NEGLIGIBLE || SAFETY * rate * size <= NEGLIGIBLE {
