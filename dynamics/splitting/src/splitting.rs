@@ -61,16 +61,19 @@ pub struct Splitting {
     shared: Arc<Shared>,
 }
 
+/// What was made for products so far, each with its parts of the time.
+type ByParts<T> = Mutex<Vec<(Vec<f64>, T)>>;
+
 #[derive(Debug)]
 struct Shared {
     system: SystemFormulas,
     ring: Ring,
     pieces: Vec<Piece>,
     step: ExplicitMap,
-    /// Products that were asked for, with their parts of the time.
-    products: Mutex<Vec<(Vec<f64>, ExplicitMap)>>,
-    /// The same of products with their gradients.
-    returns: Mutex<Vec<(Vec<f64>, Option<Arc<Kernel>>)>>,
+    /// Products that were asked for.
+    products: ByParts<ExplicitMap>,
+    /// Their steps back with gradients.
+    returns: ByParts<Option<Arc<Kernel>>>,
 }
 
 /// The parameter that says how bodies are taken, and its words.
