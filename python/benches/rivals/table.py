@@ -3,7 +3,7 @@
     pip install './python[rivals]'
     python python/benches/rivals/table.py [--json FILE] [--rounds 15] [PROBLEM ...]
 
-Each method takes the coarsest setting (of eight steps an octave; of eight tolerances a decade, heyoka of two) from which
+Each method takes the coarsest setting (of four steps an octave; of four tolerances a decade, heyoka of two) from which
 on three in a row reach the error, in the maximum norm at the end; of the methods of one library the cheapest is shown.
 The solvers of all libraries run in turn within one process, each keeping nothing but its last state; compiled code is compiled
 before. A time is the median of the rounds. Drifts are the largest over all of a solver's own steps. A first result is a process
@@ -130,7 +130,7 @@ def measure(name: str, rounds: int) -> list[dict[str, Any]]:
 
 def shown(name: str, rows: list[dict[str, Any]]) -> str:
     """Markdown."""
-    head = ["", "lines", "first result, s", *(f"{error:g}: ms | energy | Casimir" for error in ERRORS)]
+    head = ["", "lines", "first result, s", *(f"1e{round(np.log10(error))}: ms | energy | Casimir" for error in ERRORS)]
     text = [f"**{PROBLEMS[name].title}**", "", "| " + " | ".join(head) + " |", "|---" + "|---:" * 8 + "|"]
     for row in rows:
         cells = [row["library"], str(row["lines"]), f"{row['first']:.2f}" if "first" in row else ""]

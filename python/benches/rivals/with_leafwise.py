@@ -75,9 +75,9 @@ METHODS = {
 
 
 class Solver:
-    """Runs with one method at one number of steps; a finer setting has 2^(1/8) times as many."""
+    """Runs with one method at one number of steps; a finer setting has 2^(1/4) times as many."""
 
-    SETTINGS = [round(50 * 2 ** (k / 8)) for k in range(100)]
+    SETTINGS = [round(50 * 2 ** (k / 4)) for k in range(50)]
 
     def __init__(self, problem, name, method, setting):
         self.scene = globals()[name](method).set(**{"method.time-step": problem.time / setting})

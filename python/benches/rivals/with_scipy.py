@@ -50,9 +50,9 @@ METHODS = dict.fromkeys(["rigid_body", "lotka_volterra", "volterra_lattice"], {"
 
 
 class Solver:
-    """Runs with one tolerance; a finer one is 10^(1/8) times as small."""
+    """Runs with one tolerance; a finer one is 10^(1/4) times as small."""
 
-    SETTINGS = [10 ** (-k / 8) for k in range(16, 108)]
+    SETTINGS = [10 ** (-k / 4) for k in range(8, 55)]
 
     def __init__(self, problem, name, method, setting):
         self.slope, self.initial = globals()[name]()
