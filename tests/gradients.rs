@@ -199,7 +199,8 @@ fn the_rigid_body_s_gradient_after_1e5_steps_is_that_of_differences_to_1e_8() {
     let function = |point: &[f64]| {
         let reached = trajectory(&run, &point[3..]).run(&point[..3], plan);
         let reached = reached.expect("a run");
-        dot(&w[3..], &reached.state) + dot(&w[3..], &reached.compensation)
+        let (state, beyond) = reached.end(3);
+        dot(&w[3..], state) + dot(&w[3..], beyond)
     };
     let at = trajectory(&run, &parameters);
     let reached = at.run(initial, plan).expect("a run");
@@ -222,7 +223,9 @@ fn the_rigid_body_s_gradient_after_1e5_steps_is_that_of_differences_to_1e_8() {
 }
 
 /// 10⁶ steps and as many back. An increment of the size h rounds by u h: after n steps the energy is off by u h √n and
-/// the phase by u h² n^{3/2}, each way. That is 6e-12 for h = 0.005 and 100 times as much for h = 0.05.
+/// the phase by u h² n^{3/2}, each way; and what is compared are doubles. The way back begins anew at 64 states that the run
+/// keeps, so that n = 10⁶/64: 5e-13 for h = 0.05, in place of 3e-10. The shear and three standard deviations, of which the
+/// largest of 64 is one, are a factor of a dozen.
 #[test]
 fn a_million_steps_and_back_return_the_initial_state_to_what_increments_round() {
     let (system, method) = METHODS[0];
@@ -240,16 +243,20 @@ fn a_million_steps_and_back_return_the_initial_state_to_what_increments_round() 
             ..at
         };
         let miss = pulled(&at, initial, plan, Way::Back).miss;
-        let rounds = UNIT_ROUNDOFF * h * h * 1e9;
-        println!("h = {h}: miss {miss:.1e}, {:.1} u h² n^1.5", miss / rounds);
-        assert!(miss <= 8.0 * rounds);
+        let rounds = UNIT_ROUNDOFF * (1.0 + h * h * libm::pow(1e6 / 64.0, 1.5));
+        println!(
+            "h = {h}: miss {miss:.1e}, {:.1} u (1 + h² n^1.5)",
+            miss / rounds
+        );
+        assert!(miss <= 16.0 * rounds && miss <= 1e-11);
     }
 }
 
 /// Operations of a run and its gradient, by the initial state and all parameters, over those of the run: the run, the run
-/// back, and one gradient in reverse mode. A step that solves has it from one evaluation with Jacobians and the gradient of
-/// the equation by the parameters, beside the two or three evaluations of the solve; an explicit step is one evaluation, and
-/// its gradient in reverse mode takes at most three.
+/// back, and one gradient in reverse mode. A step that solves has it from one evaluation with Jacobians, which the solves
+/// after it share, and the gradient of the equation by the parameters. The flows of a splitting share their functions with their
+/// pull-back: of the rigid body's rotations these are most of the work. Flows of polynomials of degree two have none: a gradient
+/// by two coordinates and two parameters takes nearly twice the operations of the flow.
 #[test]
 fn operations_of_a_gradient() {
     for (system, method) in METHODS {
@@ -269,11 +276,7 @@ fn operations_of_a_gradient() {
         let back = pulled(&at, initial, plan, Way::Back).operations;
         let ratio = 1.0 + back.expect("they are counted") as f64 / forward as f64;
         println!("{system} {method}: {ratio:.2} runs");
-        let most = if method.contains("splitting") {
-            5.0
-        } else {
-            3.3
-        };
+        let most = if system == HENON_HEILES { 4.0 } else { 3.0 };
         assert!(ratio <= most, "{system} {method}: {ratio}");
     }
 }
@@ -304,7 +307,7 @@ fn a_chaotic_motion_shows_in_how_covectors_grow() {
     println!("calm {calm:?}, wild {wild:?}");
     // The largest exponent of this energy is between 0.1 and 0.15 over long times, and finite times scatter about it.
     assert!(!calm.0.is_large() && calm.1 == Way::Back, "{calm:?}");
-    assert!(wild.0.is_large() && wild.1 == Way::Checkpoints, "{wild:?}");
+    assert!(wild.0.is_large() && wild.1 == Way::Back, "{wild:?}");
     assert!((0.06..0.25).contains(&wild.0.rate()), "{wild:?}");
     assert!(wild.0.to_string().contains("no digit"), "{}", wild.0);
     let initial = &[0.0, -0.1, momentum, 0.0];

@@ -65,7 +65,7 @@ pub use compensation::two_sum;
 pub use dynamics::{Correction, DynamicApproximation};
 pub use error::{BuildError, StepError};
 pub use evaluator::Evaluator;
-pub use gradient::{ByTangents, Differential};
+pub use gradient::{ByTangents, Differential, Inverse};
 pub use graph_bisection::{GraphBisection, OneForm};
 pub use integrator::Integrator;
 pub use lattice::LatticeMethod;

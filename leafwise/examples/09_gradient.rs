@@ -32,7 +32,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
         };
         let reached = trajectory.run(initial, plan)?;
         let gradient = trajectory.pull(initial, &reached, &cotangents, plan, (true, None))?;
-        Ok((reached.state[0], gradient))
+        Ok((reached.end(2).0[0], gradient))
     };
     let initial = [1.0, 0.3];
     let (_, gradient) = along(&[1.0], &initial)?;

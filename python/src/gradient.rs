@@ -5,7 +5,10 @@ use std::time::{Duration, Instant};
 
 use leafwise::core::gradient::{self, GradientError, Plan, Pushed, Reached, Way};
 use leafwise::scene::ComposedRun;
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{
+    PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
+    PyReadonlyArray3,
+};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
@@ -15,8 +18,9 @@ use crate::functions::Functions;
 /// How often signals are looked for.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
-/// Samples (n, d), and the end of the run: the last state and what it holds beyond a double, (2, stepped coordinates).
-type Run<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
+/// Samples (n, d), and the states kept for the way back, each with what it holds beyond a double: (pieces, 2, stepped
+/// coordinates).
+type Run<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>);
 
 /// Samples (n, d), their tangents (n, k, d), and how these grew.
 type Tangents<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>, Growth);
@@ -202,6 +206,12 @@ impl Map {
         (self.run.plan.steps, every)
     }
 
+    /// How many states a run keeps for the way back.
+    #[staticmethod]
+    fn pieces(plan: (u64, u64)) -> usize {
+        as_plan(plan).pieces()
+    }
+
     /// The run from `initial`.
     fn run<'py>(
         &self,
@@ -214,10 +224,10 @@ impl Map {
         let plan = as_plan(plan);
         let run = self.at(py, parameters.as_slice()?, |at| at.run(&initial, plan))?;
         let samples = PyArray1::from_vec(py, self.own(&run.samples));
-        let end = PyArray1::from_vec(py, [run.state, run.compensation].concat());
+        let kept = PyArray1::from_vec(py, run.kept);
         Ok((
             samples.reshape([plan.samples(), self.dimension()])?,
-            end.reshape([2, initial.len()])?,
+            kept.reshape([plan.pieces(), 2, initial.len()])?,
         ))
     }
 
@@ -253,24 +263,22 @@ impl Map {
     }
 
     /// The gradient by the initial state, and where asked by the parameters, of a function of the samples with the derivatives
-    /// `cotangents` (n, d), for a run that came to `end`.
+    /// `cotangents` (n, d), for a run that kept these states.
     #[allow(clippy::too_many_arguments)]
     fn pull<'py>(
         &self,
         py: Python<'py>,
         initial: PyReadonlyArray1<'py, f64>,
         parameters: PyReadonlyArray1<'py, f64>,
-        end: PyReadonlyArray2<'py, f64>,
+        kept: PyReadonlyArray3<'py, f64>,
         cotangents: PyReadonlyArray2<'py, f64>,
         by_parameters: bool,
         plan: (u64, u64),
     ) -> PyResult<Gradient<'py>> {
         let initial = self.whole(initial.as_slice()?);
-        let (state, compensation) = end.as_slice()?.split_at(initial.len());
         let reached = Reached {
             samples: Vec::new(),
-            state: state.to_vec(),
-            compensation: compensation.to_vec(),
+            kept: kept.as_slice()?.to_vec(),
         };
         let cotangents = self.padded(cotangents.as_slice()?);
         let plan = as_plan(plan);

@@ -164,7 +164,6 @@ def test_a_chaotic_trajectory_says_how_fast_gradients_grow() -> None:
     with pytest.warns(lw.LeafwiseWarning, match="no digit of them is right"):
         gradient = pull(np.ones((2, 4)))
     assert gradient.growth.is_large and 0.05 < gradient.growth.rate < 0.3
-    assert gradient.from_checkpoints
 
 
 def test_the_heavy_top_s_inertia_is_found_from_noisy_observations() -> None:

@@ -30,6 +30,21 @@ pub trait Differential: Send {
     /// As [`push`](Self::push).
     fn pull_inverse(&mut self, covector: &mut [f64], gradient: &mut [f64])
     -> Result<(), StepError>;
+    /// [`step`](Self::step) from x + low and [`pull_inverse`](Self::pull_inverse) at once, where that is less work than one
+    /// after the other.
+    ///
+    /// # Errors
+    /// As theirs.
+    fn step_and_pull_inverse(
+        &mut self,
+        [x, low]: [&[f64]; 2],
+        increment: &mut [f64],
+        covector: &mut [f64],
+        gradient: &mut [f64],
+    ) -> Result<(), StepError> {
+        self.step(x, low, increment)?;
+        self.pull_inverse(covector, gradient)
+    }
     /// Whether derivatives by parameters are known.
     fn knows_parameters(&self) -> bool;
     /// Work so far: of the steps, and of their differentials.

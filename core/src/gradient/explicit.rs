@@ -35,6 +35,17 @@ pub(crate) fn in_reverse(
     ))
 }
 
+/// How covectors are pulled back through the inverse of an explicit step.
+#[derive(Clone, Debug)]
+pub enum Inverse {
+    /// By a linear solve.
+    Solved,
+    /// The map is self-adjoint: through the opposite step.
+    Opposite,
+    /// The same by a kernel that takes the step too: of x and w the increment, the new w and the gradient by the parameters.
+    Kernel(Arc<Kernel>),
+}
+
 /// The differential of an explicit map of code.
 pub(crate) struct Explicit {
     stepper: Box<dyn Stepper>,
@@ -47,11 +58,15 @@ pub(crate) struct Explicit {
     step_sizes: (f64, f64),
     /// Whether Φ_{−h} is the inverse.
     is_self_adjoint: bool,
+    /// The step and the pull-back at once.
+    at_once: Option<(Arc<Kernel>, Workspace)>,
     /// x of the last step and its end.
     ends: [Vec<f64>; 2],
     /// x and w.
     point: Vec<f64>,
     outputs: Vec<f64>,
+    /// Those of the kernel that does both.
+    both: Vec<f64>,
     /// Df and ∂_λf: (d + parameters) × d, transposed.
     slopes: Vec<f64>,
     has_slopes: bool,
@@ -64,14 +79,23 @@ impl Explicit {
         kernel: Arc<Kernel>,
         parameters: &[f64],
         (epsilon, h): (f64, f64),
-        is_self_adjoint: bool,
+        inverse: Inverse,
     ) -> Self {
         let d = kernel.inputs() / 2;
-        let workspaces = [h, -h].map(|h| {
+        let prepared = |kernel: &Kernel, h: f64| {
             let mut workspace = kernel.workspace(1);
             kernel.prepare(&mut workspace, parameters, &[epsilon], &[h]);
             workspace
-        });
+        };
+        let workspaces = [h, -h].map(|h| prepared(&kernel, h));
+        let is_self_adjoint = !matches!(inverse, Inverse::Solved);
+        let at_once = match inverse {
+            Inverse::Kernel(kernel) => {
+                let workspace = prepared(&kernel, h);
+                Some((kernel, workspace))
+            }
+            _ => None,
+        };
         Self {
             stepper,
             workspaces,
@@ -79,9 +103,11 @@ impl Explicit {
             parameters: parameters.to_vec(),
             step_sizes: (epsilon, h),
             is_self_adjoint,
+            at_once,
             ends: [vec![0.0; d], vec![0.0; d]],
             point: vec![0.0; 2 * d],
             outputs: vec![0.0; kernel.outputs()],
+            both: Vec::new(),
             slopes: Vec::new(),
             has_slopes: false,
             kernel,
@@ -200,6 +226,36 @@ impl Differential for Explicit {
         for (g, slopes) in gradient.iter_mut().zip(by_parameters.chunks_exact(d)) {
             *g -= dot(covector, slopes);
         }
+        Ok(())
+    }
+
+    fn step_and_pull_inverse(
+        &mut self,
+        [x, low]: [&[f64]; 2],
+        increment: &mut [f64],
+        covector: &mut [f64],
+        gradient: &mut [f64],
+    ) -> Result<(), StepError> {
+        let Some((kernel, workspace)) = &mut self.at_once else {
+            self.step(x, low, increment)?;
+            return self.pull_inverse(covector, gradient);
+        };
+        let d = x.len();
+        self.point[..d].copy_from_slice(x);
+        self.point[d..].copy_from_slice(covector);
+        self.both.resize(kernel.outputs(), 0.0);
+        kernel.evaluate(workspace, &self.point, &mut self.both);
+        self.operations += kernel.step_operations().work();
+        let (own, rest) = self.both.split_at(d);
+        let (by_state, by_parameters) = rest.split_at(d);
+        if !own.iter().all(|value| value.is_finite()) {
+            return Err(StepError::NonFinite {
+                what: "the increment",
+            });
+        }
+        increment.copy_from_slice(own);
+        covector.copy_from_slice(by_state);
+        add_multiple(gradient, 1.0, by_parameters);
         Ok(())
     }
 

@@ -13,6 +13,7 @@ use std::sync::Arc;
 use leafwise_expression::{Arithmetic, Graph, Kernel, Rational, Workspace};
 
 use super::differential::{Differential, SINGULAR, add_multiple, dot, one_step};
+use super::foreseen::Foreseen;
 use crate::error::{BuildError, StepError};
 use crate::realization::SourceTarget;
 use crate::solver::{
@@ -66,7 +67,14 @@ pub(crate) struct Solved {
     room: Vec<f64>,
     slopes: Vec<f64>,
     operations: u64,
+    /// What steps with their gradient are solved by, in few dimensions.
+    foreseen: Option<Foreseen>,
+    /// Whether the stepper took the last step.
+    is_stepped: bool,
 }
+
+/// The most dimensions in which Jacobians are foreseen: ten differences of d² entries are kept.
+const MOST_FORESEEN: usize = 64;
 
 /// Which matrix there are factors of.
 #[derive(Clone, Copy, PartialEq)]
@@ -103,6 +111,9 @@ impl Solved {
         let count = parameters.len();
         Self {
             full: prepared(newton.kernel(), 1),
+            foreseen: (d <= MOST_FORESEEN)
+                .then(|| Foreseen::new(newton, prepared(newton.residual_kernel(), 1))),
+            is_stepped: true,
             by_parameters: by_parameters.map(|kernel| {
                 [1, 2 * d].map(|lanes| (Arc::clone(&kernel), prepared(&kernel, lanes)))
             }),
@@ -127,10 +138,16 @@ impl Solved {
         if self.factored != Factored::Nothing {
             return Ok(());
         }
-        let d = self.dimension;
         let solution = self.stepper.solution(0).ok_or(StepError::NoTangent)?;
+        self.evaluate_at(&solution);
+        Ok(())
+    }
+
+    /// B and C at y.
+    fn evaluate_at(&mut self, y: &[f64]) {
+        let d = self.dimension;
         let kernel = self.newton.kernel();
-        kernel.evaluate(&mut self.full, &solution, &mut self.outputs);
+        kernel.evaluate(&mut self.full, y, &mut self.outputs);
         self.operations += kernel.step_operations().work();
         let ends = if self.newton.base_is_point() {
             2 * d
@@ -140,8 +157,36 @@ impl Solved {
         let (target, rest) = self.outputs[ends..].split_at(d * d);
         self.target.copy_from_slice(target);
         self.change.copy_from_slice(&rest[..d * d]);
-        self.point[..d].copy_from_slice(&solution);
+        self.point[..d].copy_from_slice(y);
         self.factored = Factored::Evaluated;
+    }
+
+    /// A step with B and C at its solution: by foreseen ones where that is good to round-off, by the stepper elsewhere.
+    fn step_evaluated(
+        &mut self,
+        x: &[f64],
+        low: &[f64],
+        increment: &mut [f64],
+    ) -> Result<(), StepError> {
+        let Some(mut foreseen) = self.foreseen.take() else {
+            self.step(x, low, increment)?;
+            return self.evaluate();
+        };
+        let mut is_found = foreseen.solve(&self.newton, [x, low]);
+        if is_found {
+            self.evaluate_at(foreseen.solution());
+            is_found = foreseen.finish(&self.newton, &self.outputs, [x, low], increment);
+        }
+        if !is_found {
+            if !self.is_stepped {
+                self.stepper.restart();
+            }
+            self.step(x, low, increment)?;
+            self.evaluate()?;
+        }
+        self.is_stepped = !is_found;
+        foreseen.record(x, &self.point[..self.dimension], &self.target);
+        self.foreseen = Some(foreseen);
         Ok(())
     }
 
@@ -286,11 +331,28 @@ impl Differential for Solved {
         Ok(())
     }
 
+    fn step_and_pull_inverse(
+        &mut self,
+        [x, low]: [&[f64]; 2],
+        increment: &mut [f64],
+        covector: &mut [f64],
+        gradient: &mut [f64],
+    ) -> Result<(), StepError> {
+        self.step_evaluated(x, low, increment)?;
+        self.pull_inverse(covector, gradient)
+    }
+
     fn knows_parameters(&self) -> bool {
         self.by_parameters.is_some() || self.slopes.is_empty()
     }
 
     fn operations(&self) -> Option<u64> {
-        Some(self.stepper.statistics().operations? + self.operations)
+        let foreseen = self.foreseen.as_ref().map_or(0, |foreseen| {
+            let [evaluations, factorizations] = foreseen.work();
+            let d = self.dimension;
+            let each = elimination_operations(d) + substitution_operations(d);
+            evaluations * self.newton.chord_work() + factorizations * each
+        });
+        Some(self.stepper.statistics().operations? + self.operations + foreseen)
     }
 }

@@ -1,7 +1,7 @@
 //! Derivatives of a whole trajectory.
 //!
 //! Tangents run forwards beside the state. Covectors run backwards: a self-adjoint map is stepped back, Φ_{−h} = Φ_h⁻¹, and
-//! nothing is kept of the run but its end; other maps are stepped again from checkpoints, as many as the logarithm of
+//! nothing is kept of the run but 64 of its states; other maps are stepped again from checkpoints, as many as the logarithm of
 //! the steps. Both are the derivatives of the map that is stepped, not approximations of the flow's.
 
 use super::checkpoints::{checkpoints, visit_in_reverse};
@@ -15,8 +15,13 @@ use crate::solver::{StepMap, add};
 /// Steps between two looks at whether to go on, and at whether covectors are finite.
 const LOOK_EVERY: u64 = 1024;
 
-/// How far, in parts of it, a run back may end from the initial state before covectors are taken along the run itself.
+/// How far, in parts of it, a run back may come from a kept state before covectors are taken along the run itself.
 const LARGEST_MISS: f64 = 1e-7;
+
+/// States that a run keeps for the way back. Round-off moves a state by n^{3/2} after n steps along regular motion, and by
+/// e^{λt} along chaotic motion: from one kept state to the one before it, by 64^{3/2} = 512 times less than over the whole run,
+/// or by the 64th root.
+const KEPT: u64 = 64;
 
 /// A map with its parameters and step sizes.
 #[derive(Clone, Copy)]
@@ -48,6 +53,16 @@ impl Plan {
         (self.steps / self.every) as usize + 1
     }
 
+    /// The number of pieces that a run has, each with its end kept.
+    pub fn pieces(&self) -> usize {
+        self.steps.clamp(1, KEPT) as usize
+    }
+
+    /// After how many steps a piece ends; the one before the first ends at 0.
+    fn end_of(&self, piece: usize) -> u64 {
+        (u128::from(self.steps) * piece as u128 / self.pieces() as u128) as u64
+    }
+
     /// Which sample is the state after so many steps.
     fn sample_at(&self, step: u64) -> Option<usize> {
         step.is_multiple_of(self.every)
@@ -55,15 +70,20 @@ impl Plan {
     }
 }
 
-/// Where a run ended.
+/// Where a run came.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reached {
     /// Samples, d numbers each.
     pub samples: Vec<f64>,
-    /// The last state.
-    pub state: Vec<f64>,
-    /// What it holds beyond a double.
-    pub compensation: Vec<f64>,
+    /// The state at the end of each [piece](Plan::pieces), and what it holds beyond a double, d numbers each: at most 64.
+    pub kept: Vec<f64>,
+}
+
+impl Reached {
+    /// The last state, and what it holds beyond a double.
+    pub fn end(&self, d: usize) -> (&[f64], &[f64]) {
+        self.kept[self.kept.len() - 2 * d..].split_at(d)
+    }
 }
 
 /// Samples and their tangents.
@@ -95,7 +115,7 @@ pub struct Gradient {
     pub parameters: Vec<f64>,
     /// How the covectors grew on their way: the largest norm of their sum over the sum of their norms.
     pub growth: Growth,
-    /// How far the run back ended from x_0, relative to it; 0 by checkpoints.
+    /// How far the run back came from x_0 and the other kept states at most, in parts of them; 0 by checkpoints.
     pub miss: f64,
     /// How it was found.
     pub way: Way,
@@ -112,21 +132,23 @@ impl Trajectory<'_> {
         let mut integrator = self.integrator(initial);
         let mut samples = Vec::with_capacity(plan.samples() * initial.len());
         samples.extend_from_slice(initial);
-        while integrator.steps() < plan.steps {
-            self.look()?;
-            let to_sample = plan.every - integrator.steps() % plan.every;
-            let to_end = plan.steps - integrator.steps();
-            let advanced = integrator.advance(to_sample.min(to_end).min(LOOK_EVERY));
-            advanced.map_err(|error| failed(integrator.steps(), error))?;
-            if plan.sample_at(integrator.steps()).is_some() {
-                samples.extend_from_slice(integrator.state());
+        let mut kept = Vec::with_capacity(2 * plan.pieces() * initial.len());
+        for piece in 1..=plan.pieces() {
+            let end = plan.end_of(piece);
+            while integrator.steps() < end {
+                self.look()?;
+                let to_sample = plan.every - integrator.steps() % plan.every;
+                let to_end = end - integrator.steps();
+                let advanced = integrator.advance(to_sample.min(to_end).min(LOOK_EVERY));
+                advanced.map_err(|error| failed(integrator.steps(), error))?;
+                if plan.sample_at(integrator.steps()).is_some() {
+                    samples.extend_from_slice(integrator.state());
+                }
             }
+            kept.extend_from_slice(integrator.state());
+            kept.extend_from_slice(integrator.compensation());
         }
-        Ok(Reached {
-            samples,
-            state: integrator.state().to_vec(),
-            compensation: integrator.compensation().to_vec(),
-        })
+        Ok(Reached { samples, kept })
     }
 
     /// Samples and their tangents: for each v of x_0 in `tangents`, d numbers, with μ of the parameters in `by_parameters`,
@@ -225,25 +247,31 @@ impl Trajectory<'_> {
         plan: Plan,
         by_parameters: bool,
     ) -> Result<Gradient, GradientError> {
+        let d = initial.len();
         let mut differential = self.differential(-self.h, by_parameters)?;
-        let mut covectors = Covectors::new(self, cotangents, plan, by_parameters, initial.len());
-        let (mut state, mut low) = (reached.state.clone(), reached.compensation.clone());
-        let mut increment = vec![0.0; state.len()];
-        for step in (0..plan.steps).rev() {
-            let stepped = differential.step(&state, &low, &mut increment);
-            stepped
-                .and_then(|()| add(&mut state, &mut low, &increment))
-                .and_then(|()| {
-                    covectors.take(step, |covector, gradient| {
-                        differential.pull_inverse(covector, gradient)
-                    })
-                })
-                .map_err(|error| self.refused(step, error))?;
-            covectors.look(step)?;
+        let mut covectors = Covectors::new(self, cotangents, plan, by_parameters, d);
+        let (mut state, mut low) = (vec![0.0; d], vec![0.0; d]);
+        let (mut increment, mut miss) = (vec![0.0; d], 0.0_f64);
+        for piece in (0..plan.pieces()).rev() {
+            let (begin, beyond) = reached.kept[2 * piece * d..][..2 * d].split_at(d);
+            state.copy_from_slice(begin);
+            low.copy_from_slice(beyond);
+            for step in (plan.end_of(piece)..plan.end_of(piece + 1)).rev() {
+                let from = [&state[..], &low[..]];
+                let pulled = covectors.take(step, |covector, gradient| {
+                    differential.step_and_pull_inverse(from, &mut increment, covector, gradient)
+                });
+                pulled
+                    .and_then(|()| add(&mut state, &mut low, &increment))
+                    .map_err(|error| self.refused(step, error))?;
+                covectors.look(step)?;
+            }
+            let from = match piece {
+                0 => initial,
+                _ => &reached.kept[2 * (piece - 1) * d..][..d],
+            };
+            miss = miss.max(missed(&state, from));
         }
-        let size = |x: &[f64]| x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        let away: Vec<f64> = state.iter().zip(initial).map(|(a, b)| a - b).collect();
-        let miss = size(&away) / size(initial).max(f64::MIN_POSITIVE);
         Ok(covectors.gradient(Way::Back, miss, differential.operations()))
     }
 
@@ -331,6 +359,13 @@ impl Trajectory<'_> {
             growth: self.growth(f64::MAX, 1.0, steps),
         }
     }
+}
+
+/// How far a state came from another, in parts of that.
+fn missed(state: &[f64], from: &[f64]) -> f64 {
+    let size = |x: &[f64]| x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let away: Vec<f64> = state.iter().zip(from).map(|(a, b)| a - b).collect();
+    size(&away) / size(from).max(f64::MIN_POSITIVE)
 }
 
 fn failed(step: u64, error: StepError) -> GradientError {

@@ -6,7 +6,7 @@ use leafwise_expression::{Graph, Kernel, OperationCount, Term, Workspace};
 
 use super::{MapProperties, SolverStatistics, StepCheck, StepMap, Stepper, add};
 use crate::error::{BuildError, StepError};
-use crate::gradient::{ByTangents, Differential, Explicit, in_reverse};
+use crate::gradient::{ByTangents, Differential, Explicit, Inverse, in_reverse};
 
 /// x ↦ x + f_{ε,h}(x), f given by code.
 #[derive(Clone, Debug)]
@@ -98,12 +98,12 @@ impl ExplicitMap {
 }
 
 impl ExplicitMap {
-    /// One trajectory's steps with their derivatives; a self-adjoint map's are inverted by the opposite step.
+    /// One trajectory's steps with their derivatives.
     pub fn differential(
         &self,
         parameters: &[f64],
         (epsilon, h): (f64, f64),
-        is_self_adjoint: bool,
+        inverse: Inverse,
     ) -> Box<dyn Differential> {
         let stepper = self.stepper(1, parameters, epsilon, h);
         let Shared {
@@ -121,7 +121,7 @@ impl ExplicitMap {
                 Arc::clone(kernel),
                 parameters,
                 (epsilon, h),
-                is_self_adjoint,
+                inverse,
             )),
         }
     }
@@ -168,9 +168,11 @@ impl StepMap for CodeStepMap {
     }
 
     fn differential(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Differential> {
-        let is_self_adjoint = self.properties.self_adjoint == Some(true);
-        self.map
-            .differential(parameters, (epsilon, h), is_self_adjoint)
+        let inverse = match self.properties.self_adjoint {
+            Some(true) => Inverse::Opposite,
+            _ => Inverse::Solved,
+        };
+        self.map.differential(parameters, (epsilon, h), inverse)
     }
 }
 

@@ -156,12 +156,19 @@ struct ComposedDifferential {
     sum: Compensated,
 }
 
-impl Differential for ComposedDifferential {
-    fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64]) -> Result<(), StepError> {
+impl ComposedDifferential {
+    /// Takes the stages one after the other, each from the state that `take` is given, high and low, and sums their increments.
+    fn along(
+        &mut self,
+        [x, low]: [&[f64]; 2],
+        increment: &mut [f64],
+        mut take: impl FnMut(&mut dyn Differential, [&[f64]; 2], &mut [f64]) -> Result<(), StepError>,
+    ) -> Result<(), StepError> {
         self.state.set(x, low);
         self.sum.clear();
         for stage in &mut self.stages {
-            stage.step(&self.state.high, &self.state.low, increment)?;
+            let from = [&self.state.high[..], &self.state.low[..]];
+            take(stage.as_mut(), from, increment)?;
             self.state.add(increment);
             self.sum.add(increment);
         }
@@ -169,6 +176,26 @@ impl Differential for ComposedDifferential {
             *increment = self.sum.high[at] + self.sum.low[at];
         }
         Ok(())
+    }
+}
+
+impl Differential for ComposedDifferential {
+    fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64]) -> Result<(), StepError> {
+        self.along([x, low], increment, |stage, [x, low], increment| {
+            stage.step(x, low, increment)
+        })
+    }
+
+    fn step_and_pull_inverse(
+        &mut self,
+        from: [&[f64]; 2],
+        increment: &mut [f64],
+        covector: &mut [f64],
+        gradient: &mut [f64],
+    ) -> Result<(), StepError> {
+        self.along(from, increment, |stage, from, increment| {
+            stage.step_and_pull_inverse(from, increment, covector, gradient)
+        })
     }
 
     fn push(&mut self, tangents: &mut [f64], parameters: &[f64]) -> Result<(), StepError> {

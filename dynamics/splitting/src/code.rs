@@ -4,7 +4,9 @@ use leafwise_expression::graph::lift;
 use leafwise_expression::pairs::{
     EXPONENTIAL_MINUS_1, EXPONENTIAL_MINUS_1_MIRRORED, SINE, VERSINE,
 };
-use leafwise_expression::{AlgebraError, Arithmetic, Graph, Polynomial, Rational, Ring, Term};
+use leafwise_expression::{
+    AlgebraError, AnalyticFunction, Arithmetic, Graph, Polynomial, Rational, Ring, StepSize, Term,
+};
 
 use crate::entire::{PHI_1, STUMPFF_1, STUMPFF_2};
 use crate::flow::Motion;
@@ -23,6 +25,44 @@ pub fn flow_increment(
     piece: &Piece,
     time: &Term,
     x: &[Term],
+) -> Result<Vec<Term>, AlgebraError> {
+    increment_by(graph, ring, piece, time, x, Graph::apply_analytic)
+}
+
+/// The same with the functions of a flow over the opposite time: f(z) by a function of −z.
+fn opposite_increment(
+    graph: &mut Graph,
+    ring: &Ring,
+    piece: &Piece,
+    time: &Term,
+    x: &[Term],
+) -> Result<Vec<Term>, AlgebraError> {
+    let minus = Rational::from_integer(-1);
+    increment_by(graph, ring, piece, time, x, |graph, function, order, z| {
+        let mirrored = graph.scale(&minus, z);
+        if function == SINE {
+            let sine = graph.apply_analytic(SINE, order, &mirrored);
+            graph.scale(&minus, &sine)
+        } else if function == VERSINE {
+            graph.apply_analytic(VERSINE, order, &mirrored)
+        } else if function == EXPONENTIAL_MINUS_1 {
+            graph.apply_analytic(EXPONENTIAL_MINUS_1_MIRRORED, order, &mirrored)
+        } else if function == EXPONENTIAL_MINUS_1_MIRRORED {
+            graph.apply_analytic(EXPONENTIAL_MINUS_1, order, &mirrored)
+        } else {
+            graph.apply_analytic(function, order, z)
+        }
+    })
+}
+
+/// The increment by this way of applying functions.
+fn increment_by(
+    graph: &mut Graph,
+    ring: &Ring,
+    piece: &Piece,
+    time: &Term,
+    x: &[Term],
+    apply: impl Fn(&mut Graph, AnalyticFunction, u32, &Term) -> Term,
 ) -> Result<Vec<Term>, AlgebraError> {
     if let Some(body) = piece.body() {
         return body.increment(graph, ring, time, x);
@@ -91,7 +131,7 @@ pub fn flow_increment(
                 } else {
                     EXPONENTIAL_MINUS_1_MIRRORED
                 };
-                let once = graph.apply_analytic(function, 0, &next());
+                let once = apply(graph, function, 0, &next());
                 let factor = if multiple.factor.abs() == 2 {
                     // e^{2z} − 1 = u (2 + u), u = eᶻ − 1.
                     let two = graph.constant(&Rational::from_integer(2));
@@ -103,20 +143,20 @@ pub fn flow_increment(
                 graph.multiply(&first, &factor)
             }
             Motion::Affine { .. } => {
-                let factor = graph.apply_analytic(PHI_1, 0, &next());
+                let factor = apply(graph, PHI_1, 0, &next());
                 graph.multiply(&first, &factor)
             }
             Motion::Rotation { .. } => {
                 let (second, angle) = (next(), next());
-                let odd = graph.apply_analytic(SINE, 0, &angle);
-                let even = graph.apply_analytic(VERSINE, 0, &angle);
+                let odd = apply(graph, SINE, 0, &angle);
+                let even = apply(graph, VERSINE, 0, &angle);
                 let (odd, even) = (graph.multiply(&first, &odd), graph.multiply(&second, &even));
                 graph.add(&odd, &even)
             }
             Motion::Oscillation { .. } => {
                 let (second, argument) = (next(), next());
-                let odd = graph.apply_analytic(STUMPFF_1, 0, &argument);
-                let even = graph.apply_analytic(STUMPFF_2, 0, &argument);
+                let odd = apply(graph, STUMPFF_1, 0, &argument);
+                let even = apply(graph, STUMPFF_2, 0, &argument);
                 let (odd, even) = (graph.multiply(&first, &odd), graph.multiply(&second, &even));
                 graph.add(&odd, &even)
             }
@@ -183,4 +223,76 @@ pub fn product_increment(
         }
     }
     Ok(sums.iter().map(|sum| graph.combine(sum)).collect())
+}
+
+/// The product of flows over −t from `x`, where these are the same from both ends, with the pull-back of the covector `w` through
+/// its inverse, the product over t: x' − x, w' and the gradient by so many parameters.
+///
+/// Each flow over −part, from z to z', is followed by the pull-back through the flow over part at z', w ← w + ∂_z' (w·δ(z')):
+/// what a flow does not move is the same at z and z', and functions of it are computed once.
+///
+/// # Errors
+/// As [`flow_increment`]; those of derivatives.
+///
+/// # Panics
+/// As [`product_increment`].
+pub fn return_increment(
+    graph: &mut Graph,
+    ring: &Ring,
+    pieces: &[Piece],
+    flows: &[Flow],
+    [x, w]: [&[Term]; 2],
+    parameters: usize,
+) -> Result<Vec<Term>, AlgebraError> {
+    let d = x.len();
+    let (mut state, mut covector) = (x.to_vec(), w.to_vec());
+    let mut sums: Vec<Vec<(Rational, Term)>> = vec![Vec::new(); d + parameters];
+    for flow in flows {
+        let part = Rational::from_f64(flow.part).expect("a part of the time is finite");
+        let piece = &pieces[flow.piece];
+        let time = time_of(graph, &part);
+        let increment = flow_increment(graph, ring, piece, &time, &state)?;
+        for (value, change) in state.iter_mut().zip(&increment) {
+            *value = graph.add(value, change);
+        }
+        let mut own = Graph::new();
+        let z: Vec<Term> = (0..d).map(|i| own.input(i)).collect();
+        let opposite = time_of(&mut own, &-part);
+        let back = opposite_increment(&mut own, ring, piece, &opposite, &z)?;
+        let mut pairing = Vec::with_capacity(d);
+        for (i, change) in back.iter().enumerate() {
+            let covector = own.input(d + i);
+            pairing.push((Rational::one(), own.multiply(&covector, change)));
+        }
+        let pairing = own.combine(&pairing);
+        let gradient = own.gradients(&pairing, [d, parameters])?.concat();
+        own.unless_refused(())?;
+        let here = [&state[..], &covector[..]].concat();
+        let gradient = graph.import(&own, &gradient, &here)?;
+        for (value, change) in covector.iter_mut().zip(&gradient) {
+            *value = graph.add(value, change);
+        }
+        let by_parameters = gradient.into_iter().skip(d);
+        for (sum, change) in sums
+            .iter_mut()
+            .zip(increment.into_iter().chain(by_parameters))
+        {
+            sum.push((Rational::one(), change));
+        }
+    }
+    let mut sums = sums.iter().map(|sum| graph.combine(sum));
+    let mut outputs: Vec<Term> = sums.by_ref().take(d).collect();
+    outputs.append(&mut covector);
+    outputs.extend(sums);
+    Ok(outputs)
+}
+
+/// `part` of t = εh.
+fn time_of(graph: &mut Graph, part: &Rational) -> Term {
+    let (epsilon, h) = (
+        graph.step_size(StepSize::Epsilon),
+        graph.step_size(StepSize::H),
+    );
+    let time = graph.multiply(&epsilon, &h);
+    graph.scale(part, &time)
 }

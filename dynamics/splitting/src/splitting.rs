@@ -8,11 +8,11 @@ use leafwise_core::part::{
 };
 use leafwise_core::registry::StepperPart;
 use leafwise_core::solver::{ExplicitMap, MapProperties, Pieces, StepMap, Stepper, Structure};
-use leafwise_core::{BuildError, Differential, PoissonSystem, Shadow, SystemFormulas};
+use leafwise_core::{BuildError, Differential, Inverse, PoissonSystem, Shadow, SystemFormulas};
 use leafwise_expression::{Arithmetic, Graph, Kernel, OperationCount, Ring, StepSize, Term};
 
 use crate::arrangement::{AUTO, ORDER, asked_order, named_order};
-use crate::code::product_increment;
+use crate::code::{product_increment, return_increment};
 use crate::display::Names;
 use crate::lattice::LatticeSplitting;
 use crate::piece::{NAME, Piece};
@@ -61,14 +61,19 @@ pub struct Splitting {
     shared: Arc<Shared>,
 }
 
+/// What was made for products so far, each with its parts of the time.
+type ByParts<T> = Mutex<Vec<(Vec<f64>, T)>>;
+
 #[derive(Debug)]
 struct Shared {
     system: SystemFormulas,
     ring: Ring,
     pieces: Vec<Piece>,
     step: ExplicitMap,
-    /// Products that were asked for, with their parts of the time.
-    products: Mutex<Vec<(Vec<f64>, ExplicitMap)>>,
+    /// Products that were asked for.
+    products: ByParts<ExplicitMap>,
+    /// Their steps back with gradients.
+    returns: ByParts<Option<Arc<Kernel>>>,
 }
 
 /// The parameter that says how bodies are taken, and its words.
@@ -134,6 +139,7 @@ impl Splitting {
                 pieces,
                 step,
                 products: Mutex::default(),
+                returns: Mutex::default(),
             }),
         })
     }
@@ -184,6 +190,51 @@ impl Splitting {
             .counting(evaluations(parts));
         products.push((parts.to_vec(), product.clone()));
         product
+    }
+
+    /// A step over −t of the symmetric product of χ and χ* over `parts`, with the pull-back through its inverse, as one kernel of x
+    /// and w; `None` where a derivative has no code.
+    fn return_of(&self, parts: &[f64]) -> Option<Arc<Kernel>> {
+        let Shared {
+            system,
+            ring,
+            pieces,
+            returns,
+            ..
+        } = self.shared.as_ref();
+        let mut returns = returns.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, kernel)) = returns.iter().find(|(known, _)| known == parts) {
+            return kernel.clone();
+        }
+        let (d, parameters) = (system.dimension(), system.parameters().len());
+        let mut graph = Graph::new();
+        let [x, w] = [0, d]
+            .map(|from| -> Vec<Term> { (from..from + d).map(|at| graph.input(at)).collect() });
+        let order: Vec<usize> = (0..pieces.len()).collect();
+        let flows = passes(&order, parts);
+        let outputs = return_increment(&mut graph, ring, pieces, &flows, [&x, &w], parameters);
+        let outputs = outputs
+            .and_then(|outputs| graph.unless_refused(outputs))
+            .ok();
+        let compile = |outputs: Vec<Term>| Kernel::compile(&graph, &outputs, parameters, 2 * d);
+        let kernel = outputs.map(compile).map(Arc::new);
+        returns.push((parts.to_vec(), kernel.clone()));
+        kernel
+    }
+
+    fn differential_of(
+        &self,
+        step: &ExplicitMap,
+        parts: &[f64],
+        parameters: &[f64],
+        sizes: (f64, f64),
+    ) -> Box<dyn Differential> {
+        let inverse = match is_symmetric(parts).then(|| self.return_of(parts)) {
+            None => Inverse::Solved,
+            Some(None) => Inverse::Opposite,
+            Some(Some(kernel)) => Inverse::Kernel(kernel),
+        };
+        step.differential(parameters, sizes, inverse)
     }
 }
 
@@ -288,8 +339,7 @@ impl StepMap for Splitting {
     }
 
     fn differential(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Differential> {
-        let step = &self.shared.step;
-        step.differential(parameters, (epsilon, h), true)
+        self.differential_of(&self.shared.step, &STRANG, parameters, (epsilon, h))
     }
 
     /// The product as one kernel. The state between flows is plain doubles; the flows' increments add
@@ -341,9 +391,7 @@ impl Splits for Splitting {
         epsilon: f64,
         h: f64,
     ) -> Box<dyn Differential> {
-        let is_self_adjoint = is_symmetric(parts);
-        self.kernel_of(parts)
-            .differential(parameters, (epsilon, h), is_self_adjoint)
+        self.differential_of(&self.kernel_of(parts), parts, parameters, (epsilon, h))
     }
 }
 

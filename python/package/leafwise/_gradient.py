@@ -45,7 +45,7 @@ class Trajectory:
     """The samples x of a scene, shape (n, d), as a function of the initial state x0, shape (d,), and the values of chosen
     parameters, shape (p,).
 
-    Its derivatives are those of the steps that are taken, exact to round-off. ``vjp`` keeps nothing of the run but its end
+    Its derivatives are those of the steps that are taken, exact to round-off. ``vjp`` keeps 64 states of the run
     where the method is its own inverse, and as many checkpoints as the logarithm of the steps elsewhere. Derivatives that have
     lost all but six digits, as along chaotic motion, come with a warning that says how fast they grow.
 
@@ -107,7 +107,7 @@ class Trajectory:
         return self._run(x0, values)[0]
 
     def _run(self, x0: ArrayLike | None, values: ArrayLike | None) -> tuple[Array, Array]:
-        """Samples, and the end of the run."""
+        """Samples, and the states kept for the way back: shape (pieces, 2, stepped coordinates)."""
         return self._map.run(self._initial(x0), self._whole(values), (self.steps, self.record))
 
     def jvp(
@@ -162,16 +162,16 @@ class Trajectory:
             LeafwiseError: from the function, where the method's derivatives are not known.
         """
         initial, whole = self._initial(x0).copy(), self._whole(values)
-        x, end = self._map.run(initial, whole, (self.steps, self.record))
-        return x, lambda w: self._pull(initial, whole[self._at], end, w)
+        x, kept = self._map.run(initial, whole, (self.steps, self.record))
+        return x, lambda w: self._pull(initial, whole[self._at], kept, w)
 
-    def _pull(self, x0: ArrayLike, values: ArrayLike, end: Array, w: ArrayLike) -> Gradient:
-        """The gradient of a function with the derivatives w, of the run that came to this end."""
+    def _pull(self, x0: ArrayLike, values: ArrayLike, kept: Array, w: ArrayLike) -> Gradient:
+        """The gradient of a function with the derivatives w, of the run that kept these states."""
         samples = self.steps // self.record + 1
         of_state, of_values, growth, again = self._map.pull(
             self._initial(x0),
             self._whole(values),
-            end,
+            kept,
             reals("w", w, samples, len(self.x0)),
             bool(self.parameters),
             (self.steps, self.record),

@@ -64,6 +64,8 @@ class Map:
     def time_step(self) -> float: ...
     @property
     def plan(self) -> tuple[int, int]: ...
+    @staticmethod
+    def pieces(plan: tuple[int, int]) -> int: ...
     def run(self, initial: Array, parameters: Array, plan: tuple[int, int]) -> tuple[Array, Array]: ...
     def push(
         self,
@@ -77,7 +79,7 @@ class Map:
         self,
         initial: Array,
         parameters: Array,
-        end: Array,
+        kept: Array,
         cotangents: Array,
         by_parameters: bool,
         plan: tuple[int, int],

@@ -37,16 +37,17 @@ def _function(trajectory: Trajectory) -> Any:
     d, p = len(trajectory.x0), len(trajectory.parameters)
     whole = trajectory._map.width
     samples = jax.ShapeDtypeStruct((trajectory.steps // trajectory.record + 1, d), kind)
-    # The end of a run holds more than doubles do: as bits, which no precision of JAX's rounds.
-    end = jax.ShapeDtypeStruct((2, whole, 2), jnp.uint32)
+    # The states that a run keeps hold more than doubles do: as bits, which no precision of JAX's rounds.
+    shape = (trajectory._map.pieces((trajectory.steps, trajectory.record)), 2, whole)
+    bits = jax.ShapeDtypeStruct((*shape, 2), jnp.uint32)
 
     def forwards(x0: Any, values: Any) -> Any:
-        x, last = trajectory._run(_doubles(x0), _doubles(values))
-        return x.astype(kind), last.view(np.uint32).reshape(2, whole, 2)
+        x, kept = trajectory._run(_doubles(x0), _doubles(values))
+        return x.astype(kind), kept.view(np.uint32).reshape(*shape, 2)
 
-    def backwards(x0: Any, values: Any, last: Any, w: Any) -> Any:
-        bits = np.ascontiguousarray(last).view(np.float64).reshape(2, whole)
-        gradient = trajectory._pull(_doubles(x0), _doubles(values), bits, _doubles(w))
+    def backwards(x0: Any, values: Any, kept: Any, w: Any) -> Any:
+        states = np.ascontiguousarray(kept).view(np.float64).reshape(shape)
+        gradient = trajectory._pull(_doubles(x0), _doubles(values), states, _doubles(w))
         return gradient.x0.astype(kind), gradient.values.astype(kind)
 
     def call(function: Any, shapes: Any, *given: Any) -> Any:
@@ -54,17 +55,17 @@ def _function(trajectory: Trajectory) -> Any:
 
     @jax.custom_vjp
     def samples_of(x0: Any, values: Any) -> Any:
-        return call(forwards, (samples, end), x0, values)[0]
+        return call(forwards, (samples, bits), x0, values)[0]
 
-    def with_end(x0: Any, values: Any) -> Any:
-        x, last = call(forwards, (samples, end), x0, values)
-        return x, (x0, values, last)
+    def with_kept(x0: Any, values: Any) -> Any:
+        x, kept = call(forwards, (samples, bits), x0, values)
+        return x, (x0, values, kept)
 
     def pulled(kept: Any, w: Any) -> Any:
         shapes = (jax.ShapeDtypeStruct((d,), kind), jax.ShapeDtypeStruct((p,), kind))
         return call(backwards, shapes, *kept, w)
 
-    samples_of.defvjp(with_end, pulled)
+    samples_of.defvjp(with_kept, pulled)
     return samples_of
 
 

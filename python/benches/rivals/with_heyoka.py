@@ -1,0 +1,81 @@
+"""The problems in heyoka."""
+
+import heyoka as hy
+import numpy as np
+
+
+def rigid_body():
+    """User's code."""
+    x1, x2, x3 = hy.make_vars("x1", "x2", "x3")
+    slope = [
+        (x1, x2 * x3 * (1 / 0.75 - 1 / 1.25)),
+        (x2, x3 * x1 * (1 / 1.25 - 1)),
+        (x3, x1 * x2 * (1 - 1 / 0.75)),
+    ]
+    return slope, [1.0, 3.0, 3.0]
+
+
+def lotka_volterra():
+    """User's code."""
+    x1, x2, x3 = hy.make_vars("x1", "x2", "x3")
+    slope = [
+        (x1, x1 * ((x2 + 1.0) / 2.0 - x3 + 1.0)),
+        (x2, x2 * (2.0 * x3 - 2.0 - x1)),
+        (x3, x3 * (x1 - x2 - 1.0)),
+    ]
+    return slope, [1.0, 1.9, 0.5]
+
+
+def volterra_lattice():
+    """User's code."""
+    x = hy.make_vars(*[f"x{i}" for i in range(1024)])
+    slope = [(x[i], x[i] * (x[(i + 1) % 1024] - x[i - 1])) for i in range(1024)]
+    return slope, 1 + 0.1 * np.sin(2 * np.pi * np.arange(1024) / 1024)
+
+
+def solve(slope, x0, time, tolerance):
+    """User's code."""
+    taylor = hy.taylor_adaptive(slope, x0, tol=tolerance, compact_mode=len(x0) > 100)
+    taylor.propagate_until(time)
+    return taylor.state
+
+
+METHODS = dict.fromkeys(["rigid_body", "lotka_volterra", "volterra_lattice"], {"Taylor": None})
+
+
+class Solver:
+    """Runs with one tolerance; a finer one is 10^(1/2) times as small, since each is compiled."""
+
+    SETTINGS = [10 ** (-k / 2) for k in range(4, 32)]
+
+    def __init__(self, problem, name, method, setting, kind=float):
+        slope, initial = globals()[name]()
+        self.initial, self.begin, self.time = np.array(initial, dtype=kind), kind(0), kind(problem.time)
+        self.taylor = hy.taylor_adaptive(
+            slope, list(self.initial), tol=kind(setting), compact_mode=len(self.initial) > 100, fp_type=kind
+        )
+
+    def end(self):
+        """The last state."""
+        self.taylor.time = self.begin
+        self.taylor.state[:] = self.initial
+        self.taylor.propagate_until(self.time)
+        return self.taylor.state.copy()
+
+    def states(self):
+        """Those after each step."""
+        found = [self.initial]
+        self.taylor.time = self.begin
+        self.taylor.state[:] = self.initial
+        self.taylor.propagate_until(self.time, callback=lambda taylor: found.append(taylor.state.copy()) or True)
+        return np.array(found)
+
+
+def first(name, problem, method, setting):
+    """A first result."""
+    return solve(*globals()[name](), problem.time, setting)
+
+
+def reference(name, problem):
+    """The last state to the digits of a double, by a Taylor method in numbers of 64 binary digits."""
+    return Solver(problem, name, None, 1e-19, np.longdouble).end()
