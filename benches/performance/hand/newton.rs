@@ -126,7 +126,7 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
         let mut allowed = 0.0_f64;
         for i in 0..D {
             y[i] = x[i] + predicted[i];
-            allowed = allowed.max(x[i].abs() + predicted[i].abs());
+            allowed = at_least(x[i].abs() + predicted[i].abs(), allowed);
             let (anchor, scale) = (self.anchor[i], self.scale[i]);
             let away = (y[i] - anchor).abs();
             distance = larger(distance, relative(away, scale));
@@ -153,12 +153,12 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
             let mut grown = 0.0_f64;
             for i in 0..D {
                 correction[i] = x[i] - base[i] - offset[i] + self.low[i];
-                grown = grown.max(increment[i].abs());
+                grown = at_least(increment[i].abs(), grown);
             }
             self.solve(&mut correction);
-            least_grown = least_grown.min(grown);
+            least_grown = at_most(grown, least_grown);
             if evaluation > 0 {
-                allowed = allowed.max(least_grown);
+                allowed = at_least(least_grown, allowed);
             }
             let mut size = 0.0;
             for i in 0..D {
@@ -166,8 +166,8 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
                 for j in 0..D {
                     reach += self.slope[i][j] * (y[j].abs() + correction[j].abs());
                 }
-                let own = x[i].abs() + increment[i].abs().min(MOST_GROWTH * allowed);
-                self.scale[i] = own + reach.min(allowed);
+                let own = x[i].abs() + at_most(increment[i].abs(), MOST_GROWTH * allowed);
+                self.scale[i] = own + at_most(reach, allowed);
             }
             for i in 0..D {
                 size = larger(size, relative(correction[i].abs(), self.scale[i]));
@@ -362,12 +362,12 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
             for i in 0..D {
                 let before = self.differences[j][i];
                 self.differences[j][i] = carried[i];
-                size = size.max(carried[i].abs());
+                size = at_least(carried[i].abs(), size);
                 carried[i] -= before;
             }
             let neighbour = (j + 1).wrapping_sub(self.order);
             if neighbour < 3 {
-                errors[neighbour] = errors[neighbour].max(size);
+                errors[neighbour] = at_least(size, errors[neighbour]);
             }
         }
         let order = self.order;
@@ -404,6 +404,18 @@ pub fn largest(values: &[f64]) -> f64 {
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if a > b || a.is_nan() { a } else { b }
+}
+
+/// The larger of v and `least`, which is a number.
+#[inline(always)]
+fn at_least(v: f64, least: f64) -> f64 {
+    if v > least { v } else { least }
+}
+
+/// The smaller of v and `most`, which is a number.
+#[inline(always)]
+fn at_most(v: f64, most: f64) -> f64 {
+    if v < most { v } else { most }
 }
 
 /// size/(scale + size), 0 for 0.
