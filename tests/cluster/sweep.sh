@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # A sweep of 50 x 20 settings against one process a setting: the same numbers, and how many times faster.
-#   cargo build --release && tests/cluster/sweep.sh [PROCESSES]
+#   cargo build --release && tests/cluster/sweep.sh [PROCESSES]; LEAFWISE=PATH names another build
 # PROCESSES of the 1000 settings are run alone, spread over the grid, all where not said.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-leafwise=$PWD/target/release/leafwise
+leafwise=$(realpath "${LEAFWISE:-target/release/leafwise}")
 scene=$PWD/scenes/rigid_body_sweep.toml
 processes=${1:-1000}
 out=$(mktemp -d)
