@@ -5,6 +5,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use super::*;
+use crate::shards::{MergeError, Shard, Shards, Whole};
 use crate::{Quiet, RunOutcome, Status};
 
 const FILES: [&str; 4] = [
@@ -76,7 +77,7 @@ fn shards_are_merged_to_the_bytes_of_one_process() {
         let folder = root.path().join("shards");
         // Six leaves in four shards, in another order, with other lanes; one of them in pieces.
         for (number, lanes) in [(3, 1), (1, 64), (4, 7), (2, 128)] {
-            let one = Shard::of(number, 4, 333).expect("a shard");
+            let one = Shard::of(Whole::Members, number, 4, 333).expect("a shard");
             let directory = folder.join(one.name());
             if number == 1 {
                 let begun = shard(&document, &one, &directory, workforce(1, 3), &mut Hasty(1));
@@ -103,7 +104,7 @@ fn a_matrix_of_last_states_is_merged_and_is_that_of_the_decimals() {
     attempt(&document, &whole, workforce(2, 16), &mut Quiet).expect("an ensemble");
     let folder = root.path().join("shards");
     for number in [2, 1] {
-        let one = Shard::of(number, 2, 333).expect("a shard");
+        let one = Shard::of(Whole::Members, number, 2, 333).expect("a shard");
         let directory = folder.join(one.name());
         shard(&document, &one, &directory, workforce(1, 64), &mut Quiet).expect("a shard");
     }
@@ -154,7 +155,7 @@ fn crossings_and_losses_are_merged_too() {
     );
     let mut shards = Vec::new();
     for members in [192..333, 0..64, 64..192] {
-        let one = Shard::between(members, 333).expect("a shard");
+        let one = Shard::between(Whole::Members, members, 333).expect("a shard");
         let directory = root.path().join(one.name());
         shard(&document, &one, &directory, workforce(1, 64), &mut Quiet).expect("a shard");
         shards.push(directory);
@@ -171,7 +172,7 @@ fn what_does_not_fit_together_is_refused_by_name() {
     let document = scene(METHODS[0], MANY);
     let root = tempfile::tempdir().expect("a directory");
     let make = |document: &SceneDocument, number: u64, folder: &str| {
-        let one = Shard::of(number, 3, 333).expect("a shard");
+        let one = Shard::of(Whole::Members, number, 3, 333).expect("a shard");
         let directory = root.path().join(folder).join(one.name());
         shard(document, &one, &directory, workforce(1, 64), &mut Quiet).expect("a shard");
         directory
@@ -183,8 +184,8 @@ fn what_does_not_fit_together_is_refused_by_name() {
     let MergeError::Missing(missing) = &error else {
         panic!("{error}");
     };
-    assert_eq!(missing.members.first(), Some(&(128..256)));
-    assert_eq!(missing.members.len(), 1);
+    assert_eq!(missing.items.first(), Some(&(128..256)));
+    assert_eq!(missing.items.len(), 1);
     assert_eq!(missing.shards, Some((vec![[2, 2]], 3)));
     assert!(
         error.to_string().contains("--array=2 with --shard slurm/3"),

@@ -87,7 +87,7 @@ fn what_the_reader_has_to_judge_is_left_to_it() {
         ("system.parameters.a", "one"),
         ("system.parameters.a", ".5"),
         ("method.time-step", "0"),
-        ("method.epsilon", "1e-320"),
+        ("method.epsilon", "1e308"),
         ("method.realization.order", "4"),
         ("run.steps", "-1"),
         ("run.steps", "2.5"),
