@@ -4,7 +4,6 @@ use leafwise_core::{Integrator, StepError};
 use leafwise_scene::ComposedRun;
 
 use super::error::TradeError;
-use super::trial::integrator;
 
 /// Steps of a scene by its own method, at most, to find out how far they go in τ.
 const MOST_STEPS: u64 = 1 << 24;
@@ -14,6 +13,12 @@ const MOST_TRIED: usize = 30;
 
 /// Roundings of a time that it may be missed by.
 const MISSED: f64 = 4.0;
+
+/// From the scene's initial state, with its parameters.
+pub(super) fn integrator(run: &ComposedRun, epsilon: f64, h: f64) -> Integrator {
+    let values = run.system.parameter_values();
+    Integrator::new(run.method.map(), &values, epsilon, h, &run.plan.initial)
+}
 
 /// Where t stands in a state, of a run with a pace.
 pub(super) fn time_place(run: &ComposedRun) -> Option<usize> {

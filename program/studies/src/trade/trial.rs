@@ -5,12 +5,12 @@ use std::mem::discriminant;
 use std::time::Instant;
 
 use leafwise_core::diagnostics::TensorDefect;
-use leafwise_core::{BuildError, Integrator, SolverStatistics, StepError};
+use leafwise_core::{BuildError, SolverStatistics, StepError};
 use leafwise_scene::ComposedRun;
 use leafwise_scene::compose::Stepping;
 use serde::Serialize;
 
-use super::arrival::{arrive, time_place};
+use super::arrival::{arrive, integrator, time_place};
 use super::candidate::Bench;
 use super::curve::Curve;
 
@@ -87,11 +87,6 @@ impl Trial {
     pub fn cost(&self) -> u64 {
         self.statistics.cost()
     }
-}
-
-pub(super) fn integrator(run: &ComposedRun, epsilon: f64, h: f64) -> Integrator {
-    let values = run.system.parameter_values();
-    Integrator::new(run.method.map(), &values, epsilon, h, &run.plan.initial)
 }
 
 /// A run stops early when this fraction of it foresees twice its budget.
