@@ -5,6 +5,7 @@
 //! - [`ensemble`]: what an ensemble leaves, as arrays;
 //! - [`sweep`]: what a sweep leaves;
 //! - [`functions`]: a system whose values functions of Python compute;
+//! - [`progress`]: what a function of Python sees of a run, and what ends it;
 //! - [`integrator`]: one trajectory, step by step;
 //! - [`gradient`]: trajectories with their derivatives;
 //! - [`command`]: the program, in this process;
@@ -17,6 +18,7 @@ mod error;
 mod functions;
 mod gradient;
 mod integrator;
+mod progress;
 mod recorded;
 mod scene;
 mod sweep;

@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use leafwise::core::Registry;
 use leafwise::run::ensemble::{
@@ -11,7 +11,7 @@ use leafwise::run::ensemble::{
     merge_shards, run_ensemble, run_shard,
 };
 use leafwise::run::shards::{MergeError, Shard, Shards, Whole};
-use leafwise::run::{Progress, RunOptions, RunOutcome, Status, run_in_memory};
+use leafwise::run::{RunOptions, RunOutcome, run_in_memory};
 use leafwise::scene::document::{Located, ObservableSpec, Place, Source};
 use leafwise::scene::{ComposedRun, SceneDocument, compose};
 use leafwise_cli::failure::Failure;
@@ -26,11 +26,9 @@ use crate::error::{LeafwiseError, exception, of_scene};
 use crate::functions::Functions;
 use crate::gradient::Map;
 use crate::integrator::Integrator;
+use crate::progress::{PythonProgress, is_interruption};
 use crate::recorded::Recorded;
 use crate::sweep::{AskedSweep, Sweep, sweep_shard};
-
-/// How often signals are looked for and progress is told.
-const LOOK_EVERY: Duration = Duration::from_millis(50);
 
 type Overrides = Vec<(String, String)>;
 
@@ -228,7 +226,7 @@ impl Scene {
         let (coordinates, recorded) = py.detach(|| {
             let mut read = self.with(&overrides)?;
             let composed = read.composed()?;
-            let mut told = Told::new(progress, read.functions.as_ref());
+            let mut told = PythonProgress::new(progress, read.functions.as_ref());
             let (document, registry) = (&read.document, &read.registry);
             let recorded =
                 run_in_memory(document, &composed, registry, allow_non_poisson, &mut told);
@@ -268,7 +266,7 @@ impl Scene {
             let read = self.with(&overrides)?;
             let ensemble = read.ensemble(&members, &files)?;
             let options = options(out, allow_non_poisson);
-            let mut told = Told::new(progress, read.functions.as_ref());
+            let mut told = PythonProgress::new(progress, read.functions.as_ref());
             let report = run_ensemble(
                 &read.document,
                 &ensemble,
@@ -309,7 +307,7 @@ impl Scene {
             let shard = Shard::of(Whole::Members, number, of, count);
             let shard = shard.map_err(|error| LeafwiseError::new_err(error.to_string()))?;
             let options = options(out, allow_non_poisson);
-            let mut told = Told::new(None, read.functions.as_ref());
+            let mut told = PythonProgress::new(None, read.functions.as_ref());
             let report = run_shard(
                 &read.document,
                 &ensemble,
@@ -372,7 +370,7 @@ impl Scene {
                 &read.asked(allow_non_poisson, out),
                 shards,
                 workforce(threads).threads,
-                &mut Told::new(progress, read.functions.as_ref()),
+                &mut PythonProgress::new(progress, read.functions.as_ref()),
             )
         })
     }
@@ -396,7 +394,7 @@ impl Scene {
                 place,
                 shards,
                 workforce(threads).threads,
-                &mut Told::new(None, read.functions.as_ref()),
+                &mut PythonProgress::new(None, read.functions.as_ref()),
             )
         })
     }
@@ -473,67 +471,5 @@ fn workforce(threads: Option<NonZeroUsize>) -> Workforce {
     Workforce {
         threads: threads.unwrap_or(all.threads),
         ..all
-    }
-}
-
-/// Looks for Ctrl-C and exceptions of a system's functions, and tells a function of Python where the run stands.
-pub(crate) struct Told<'a> {
-    function: Option<Py<PyAny>>,
-    functions: Option<&'a Functions>,
-    looked: Instant,
-    is_interrupted: bool,
-    /// What the function raised.
-    raised: Option<PyErr>,
-}
-
-impl<'a> Told<'a> {
-    fn new(function: Option<Py<PyAny>>, functions: Option<&'a Functions>) -> Self {
-        Self {
-            function,
-            functions,
-            looked: Instant::now(),
-            is_interrupted: false,
-            raised: None,
-        }
-    }
-
-    /// Raises what the function, or one of the system's, has raised.
-    pub(crate) fn check(&mut self) -> PyResult<()> {
-        let of_system = self.functions.and_then(Functions::raised);
-        self.raised.take().or(of_system).map_or(Ok(()), Err)
-    }
-
-    /// What the function, or one of the system's, raised.
-    fn into_raised(self) -> Option<PyErr> {
-        let of_system = self.functions.and_then(Functions::raised);
-        self.raised.or(of_system)
-    }
-}
-
-/// Whether it is Ctrl-C.
-fn is_interruption(error: &PyErr) -> bool {
-    Python::attach(|py| error.is_instance_of::<PyKeyboardInterrupt>(py))
-}
-
-impl Progress for Told<'_> {
-    fn show(&mut self, status: &Status) {
-        if self.looked.elapsed() < LOOK_EVERY || self.is_interrupted {
-            return;
-        }
-        Python::attach(|py| {
-            self.is_interrupted = py.check_signals().is_err();
-            if let Some(function) = &self.function
-                && let Err(error) = function.call1(py, (status.steps, status.total))
-            {
-                self.is_interrupted = true;
-                // Ctrl-C while the function runs.
-                self.raised = (!is_interruption(&error)).then_some(error);
-            }
-        });
-        self.looked = Instant::now();
-    }
-
-    fn is_interrupted(&self) -> bool {
-        self.is_interrupted || self.functions.is_some_and(Functions::has_raised)
     }
 }

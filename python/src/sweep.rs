@@ -17,7 +17,7 @@ use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
 use crate::error::{LeafwiseError, exception};
-use crate::scene::Told;
+use crate::progress::PythonProgress;
 
 /// A sweep that has ended.
 #[pyclass(frozen, module = "leafwise")]
@@ -54,7 +54,7 @@ impl Sweep {
         asked: &AskedSweep<'_>,
         shards: Option<PathBuf>,
         threads: NonZeroUsize,
-        told: &mut Told<'_>,
+        told: &mut PythonProgress<'_>,
     ) -> PyResult<Self> {
         let AskedSweep {
             document,
@@ -96,7 +96,7 @@ pub(crate) fn sweep_shard(
     (number, of): (u64, u64),
     shards: Option<PathBuf>,
     threads: NonZeroUsize,
-    told: &mut Told<'_>,
+    told: &mut PythonProgress<'_>,
 ) -> PyResult<()> {
     let AskedSweep {
         document,

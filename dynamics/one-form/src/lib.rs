@@ -59,13 +59,13 @@ impl DynamicApproximation for ForcedGraph {
         system: &PoissonSystem,
         realization: &Arc<dyn RealizationData>,
     ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
-        if !system.has_forces() {
+        let formulas = system.formulas(INFO.name)?;
+        if formulas.forces().is_empty() {
             return Err(BuildError::DoesNotFit {
                 part: INFO.name,
                 reason: "it has no forces; hamilton-jacobi of order 2 is the same map there, and Poisson".to_owned(),
             });
         }
-        let formulas = system.formulas(INFO.name)?;
         let mut graph = Graph::compilable();
         let y: Vec<Term> = (0..system.dimension()).map(|i| graph.input(i)).collect();
         let h = graph.step_size(StepSize::H);

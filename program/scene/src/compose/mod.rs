@@ -16,6 +16,7 @@
 //! - `lattice`, `stepping`: families too long to be written out;
 //! - `fit`: whether a part of a library fits the system;
 //! - `sample_times`: when a run keeps samples;
+//! - `functions`: functions of the state that a run and its copies share;
 //! - `run`: [`compose`], all of it as a [`ComposedRun`];
 //! - `values`: a composed run at other values, with nothing compiled anew;
 //! - `motion`: ẋ as formulas to read;
@@ -33,6 +34,7 @@ mod fit;
 mod forces;
 mod forms;
 mod fragment;
+mod functions;
 mod initial;
 mod instantiate;
 mod lattice;

@@ -15,6 +15,7 @@ use super::Refusal;
 use super::events::{Events, check_axes};
 use super::extended::{Extension, Pace};
 use super::fit::{check_first_order, check_tensor};
+use super::functions::CompiledFunctions;
 use super::lattice::{SceneLattice, has_room, shortened};
 use super::observables::Observable;
 use super::parts::{Base, PartChoice, Parts, parts, system_choice, what_fits};
@@ -23,7 +24,6 @@ use super::shadow::{RecordedShadow, with_shadows};
 use super::states::{RecordedStates, recorded_states};
 use super::stepping::{LatticeBase, LatticeStepping, MapStepping, Stepping};
 use super::system::{ComposedSystem, compose_system};
-use super::values::CompiledFunctions;
 use crate::document::{Located, Number, PartSpec, SceneDocument};
 
 /// What a run does.

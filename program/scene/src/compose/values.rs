@@ -1,47 +1,9 @@
 //! A composed run at other values: of parameters, initial state, step and number of steps.
 
-use std::sync::{Arc, Mutex, PoisonError};
-
-use leafwise_core::system::SystemObservables;
-use leafwise_core::{BuildError, PoissonSystem};
-use leafwise_expression::Expression;
-
 use super::Refusal;
 use super::initial::initial_state;
 use super::run::ComposedRun;
 use crate::document::SceneDocument;
-
-/// Functions of the state that were compiled for a run; its copies at other values share them.
-#[derive(Clone, Default)]
-pub(super) struct CompiledFunctions(Arc<Mutex<Vec<Compiled>>>);
-
-struct Compiled {
-    formulas: Vec<Expression>,
-    observables: SystemObservables,
-}
-
-impl CompiledFunctions {
-    /// These formulas at the values of a system's parameters, compiled unless they were.
-    pub fn observables(
-        &self,
-        system: &PoissonSystem,
-        formulas: &[&Expression],
-    ) -> Result<SystemObservables, BuildError> {
-        let values = system.parameter_values();
-        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_same = |one: &&Compiled| one.formulas.iter().eq(formulas.iter().copied());
-        if let Some(compiled) = all.iter().find(is_same) {
-            return Ok(compiled.observables.at(&values));
-        }
-        let observables = SystemObservables::new(system, formulas, &values)?;
-        let own = observables.at(&values);
-        all.push(Compiled {
-            formulas: formulas.iter().copied().cloned().collect(),
-            observables,
-        });
-        Ok(own)
-    }
-}
 
 impl ComposedRun {
     /// The same run at the values of a scene that differs from its own in what

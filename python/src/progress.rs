@@ -1,0 +1,74 @@
+//! What a function of Python sees of a run, and what ends it.
+
+use std::time::{Duration, Instant};
+
+use leafwise::run::{Progress, Status};
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+
+use crate::functions::Functions;
+
+/// How often signals are looked for and progress is reported.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
+
+/// Looks for Ctrl-C and exceptions of a system's functions, and tells a function of Python where the run stands.
+pub(crate) struct PythonProgress<'a> {
+    function: Option<Py<PyAny>>,
+    functions: Option<&'a Functions>,
+    looked: Instant,
+    is_interrupted: bool,
+    /// What the function raised.
+    raised: Option<PyErr>,
+}
+
+impl<'a> PythonProgress<'a> {
+    pub(crate) fn new(function: Option<Py<PyAny>>, functions: Option<&'a Functions>) -> Self {
+        Self {
+            function,
+            functions,
+            looked: Instant::now(),
+            is_interrupted: false,
+            raised: None,
+        }
+    }
+
+    /// Raises what the function, or one of the system's, has raised.
+    pub(crate) fn check(&mut self) -> PyResult<()> {
+        let of_system = self.functions.and_then(Functions::raised);
+        self.raised.take().or(of_system).map_or(Ok(()), Err)
+    }
+
+    /// What the function, or one of the system's, raised.
+    pub(crate) fn into_raised(self) -> Option<PyErr> {
+        let of_system = self.functions.and_then(Functions::raised);
+        self.raised.or(of_system)
+    }
+}
+
+/// Whether it is Ctrl-C.
+pub(crate) fn is_interruption(error: &PyErr) -> bool {
+    Python::attach(|py| error.is_instance_of::<PyKeyboardInterrupt>(py))
+}
+
+impl Progress for PythonProgress<'_> {
+    fn show(&mut self, status: &Status) {
+        if self.looked.elapsed() < LOOK_EVERY || self.is_interrupted {
+            return;
+        }
+        Python::attach(|py| {
+            self.is_interrupted = py.check_signals().is_err();
+            if let Some(function) = &self.function
+                && let Err(error) = function.call1(py, (status.steps, status.total))
+            {
+                self.is_interrupted = true;
+                // Ctrl-C while the function runs.
+                self.raised = (!is_interruption(&error)).then_some(error);
+            }
+        });
+        self.looked = Instant::now();
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.is_interrupted || self.functions.is_some_and(Functions::has_raised)
+    }
+}
