@@ -55,5 +55,7 @@ pub use run::{Direction, InitialSpec, ObservableSpec, RecordSpec, RunSection, Se
 pub use scene::SceneDocument;
 pub use schema::{CHOSEN_AT, scene_keys};
 pub use suggest::nearest;
-pub use sweep::{MOST_SETTINGS, SettingsSpec, SweepSection, SweptKey, refuse_key};
+pub use sweep::{
+    MOST_SETTINGS, SettingsSpec, SweepSection, SweptDirection, SweptKey, SweptRow, refuse_key,
+};
 pub use system_section::{Boundary, Convention, NumbersSystem, SystemSection, VectorFamily};

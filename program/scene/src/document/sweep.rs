@@ -26,13 +26,19 @@ pub struct SweepSection {
 /// A key as `--set` has it.
 pub type SweptKey = Located<String>;
 
+/// A key with all its values.
+pub type SweptDirection = (SweptKey, Vec<Located<String>>);
+
+/// Keys with a value each.
+pub type SweptRow = Vec<(SweptKey, Located<String>)>;
+
 /// Where settings come from. Values are TOML.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SettingsSpec {
     /// All combinations of the keys' values; those of the last key follow one another.
-    Grid(Vec<(SweptKey, Vec<Located<String>>)>),
+    Grid(Vec<SweptDirection>),
     /// Values given together, row by row.
-    List(Vec<Vec<(SweptKey, Located<String>)>>),
+    List(Vec<SweptRow>),
     /// The rows of a CSV file beside the scene, whose first row names the keys.
     File(Located<String>),
 }
@@ -115,10 +121,7 @@ fn read_settings(table: &Table<'_>, problems: &mut Problems) -> Option<SettingsS
     }
 }
 
-fn read_grid(
-    item: &Item<'_>,
-    problems: &mut Problems,
-) -> Option<Vec<(SweptKey, Vec<Located<String>>)>> {
+fn read_grid(item: &Item<'_>, problems: &mut Problems) -> Option<Vec<SweptDirection>> {
     let grid = item.table("grid", "a table of keys with their values", problems)?;
     let mut directions = Some(Vec::with_capacity(grid.items.len()));
     for entry in &grid.items {
@@ -144,10 +147,7 @@ fn read_grid(
     (check_count(item, count, problems) && are_apart).then_some(directions)
 }
 
-fn read_list(
-    item: &Item<'_>,
-    problems: &mut Problems,
-) -> Option<Vec<Vec<(SweptKey, Located<String>)>>> {
+fn read_list(item: &Item<'_>, problems: &mut Problems) -> Option<Vec<SweptRow>> {
     let rows = item.list_of(
         "a list of tables such as { \"method.time-step\" = 0.1 }",
         problems,
