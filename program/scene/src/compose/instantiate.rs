@@ -13,6 +13,7 @@ use super::extended::Extension;
 use super::forces::forces;
 use super::forms::{Forms, forms};
 use super::names::{coordinate_names, function};
+use super::noise::{Channel, channels};
 use super::observables::{Observable, observables};
 use super::tensor::{Entries, entries};
 use crate::document::{self, Boundary, SceneDocument};
@@ -30,6 +31,8 @@ pub struct Instantiated {
     pub hamiltonian: Expression,
     /// What moves the system beside H.
     pub forces: Forces,
+    /// What moves it at random.
+    pub noise: Vec<Channel>,
     /// The Casimirs by name.
     pub casimirs: Vec<Casimir>,
     /// What the run records.
@@ -81,12 +84,14 @@ pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instan
     let moving = system.moving().len();
     let moving = system.variables.len() + lengths[..moving].iter().sum::<usize>();
     let forces = forces(document, &scope, &names[..moving], names.len())?;
+    let noise = channels(document, &scope)?;
     Ok(Instantiated {
         names,
         bracket,
         forms,
         hamiltonian,
         forces,
+        noise,
         casimirs,
         observables,
         events,

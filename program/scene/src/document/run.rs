@@ -92,6 +92,8 @@ pub struct RunSection {
     pub stop: Option<Located<String>>,
     /// A surface whose crossings are recorded.
     pub section: Option<SectionSpec>,
+    /// What the random numbers of noise depend on, where the scene says.
+    pub seed: Option<Located<u64>>,
     /// What to keep.
     pub record: RecordSpec,
     /// The run directory, when the scene names one.
@@ -117,6 +119,10 @@ pub(super) fn read_run(
         Some(item) => read_section(item, problems).map(Some),
         None => Some(None),
     };
+    let seed = match table.get("seed") {
+        Some(item) => item.whole(0, problems).map(Some),
+        None => Some(None),
+    };
     let record = read_record(table, system, problems);
     let out = match table.get("out") {
         Some(item) => item.string(problems).map(Some),
@@ -128,6 +134,7 @@ pub(super) fn read_run(
         until: until?,
         stop: stop?,
         section: section?,
+        seed: seed?,
         record: record?,
         out: out?,
     })
