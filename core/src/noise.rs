@@ -30,12 +30,17 @@ pub trait Normals: Send + Sync {
 
 /// By Philox: what a member draws depends on the seed, its number, the channel and the step alone. |ξ| is at most
 /// [`LARGEST_NORMAL`](crate::random::LARGEST_NORMAL).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Seed(pub u64);
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Seed {
+    /// The key of all numbers.
+    pub seed: u64,
+    /// What member 0 draws as: the numbers of member m are those of `first` + m.
+    pub first: u64,
+}
 
 impl Normals for Seed {
     fn normal(&self, member: u64, channel: u32, step: u64) -> f64 {
-        Random::of_step(self.0, member, channel, step).normal()
+        Random::of_step(self.seed, self.first + member, channel, step).normal()
     }
 }
 
@@ -139,9 +144,12 @@ impl NoisyMap {
         }
     }
 
-    /// The map whose parameters are drawn.
-    pub fn map(&self) -> &Arc<dyn StepMap> {
-        &self.map
+    /// The same with other numbers: of paths that are given, or of a quadrature.
+    pub fn with_normals(&self, normals: Arc<dyn Normals>) -> Self {
+        Self {
+            normals,
+            ..self.clone()
+        }
     }
 }
 

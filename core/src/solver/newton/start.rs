@@ -12,8 +12,8 @@ type Row<const W: usize> = [f64; W];
 
 /// The start of the solve for y_{k+1}, as its displacement y − x.
 pub(super) enum Start<const W: usize> {
-    /// y_k and the odd part of the solution's series, 2 Σ_{k odd} tᵏ Y_k; half of that alone where y_k is of other
-    /// parameters; y = x, where its branch begins, without y_k and where the series overflows.
+    /// y_k and the odd part of the solution's series, 2 Σ_{k odd} tᵏ Y_k; half of that alone where y_k is no
+    /// guide; y = x, where its branch begins, without y_k and where the series overflows.
     Series {
         kernel: Arc<Kernel>,
         workspace: Workspace,
@@ -21,8 +21,8 @@ pub(super) enum Start<const W: usize> {
         last: Vec<Row<W>>,
         /// Whether there is one.
         is_known: [bool; W],
-        /// Whether there was one, of other parameters.
-        is_of_others: [bool; W],
+        /// Whether y_k is no guide to the solve that follows.
+        is_no_guide: [bool; W],
     },
     /// Extrapolation of the displacements of earlier steps.
     Extrapolated(Extrapolation<W>),
@@ -47,7 +47,7 @@ impl<const W: usize> Start<W> {
                     workspace,
                     last: vec![[0.0; W]; dimension],
                     is_known: [false; W],
-                    is_of_others: [false; W],
+                    is_no_guide: [false; W],
                 }
             }
         }
@@ -63,7 +63,7 @@ impl<const W: usize> Start<W> {
                 workspace,
                 last,
                 is_known,
-                is_of_others,
+                is_no_guide,
             } => {
                 let d = dimension::<D>(last.len());
                 kernel.evaluate_rows(workspace, x);
@@ -81,7 +81,7 @@ impl<const W: usize> Start<W> {
                 for w in 0..W {
                     if !is_known[w] || zero[w].is_nan() {
                         for (row, odd) in displacement[..d].iter_mut().zip(odd) {
-                            let is_half = is_of_others[w] && odd[w].is_finite();
+                            let is_half = is_no_guide[w] && odd[w].is_finite();
                             row[w] = if is_half { 0.5 * odd[w] } else { 0.0 };
                         }
                     }
@@ -111,7 +111,7 @@ impl<const W: usize> Start<W> {
             Self::Series {
                 last,
                 is_known,
-                is_of_others,
+                is_no_guide,
                 ..
             } => {
                 let d = dimension::<D>(last.len());
@@ -120,7 +120,7 @@ impl<const W: usize> Start<W> {
                     apart::<W>();
                 }
                 *is_known = *took;
-                *is_of_others = [false; W];
+                *is_no_guide = [false; W];
             }
         }
     }
@@ -131,17 +131,17 @@ impl<const W: usize> Start<W> {
             Self::Extrapolated(extrapolation) => extrapolation.clear(lane),
             Self::Series {
                 is_known,
-                is_of_others,
+                is_no_guide,
                 ..
-            } => (is_known[lane], is_of_others[lane]) = (false, false),
+            } => (is_known[lane], is_no_guide[lane]) = (false, false),
         }
     }
 
-    /// A lane's history is of other parameters than the solves that follow.
+    /// A lane's history is no guide to the solve that follows, of other parameters or from a state that was moved.
     pub(super) fn change(&mut self, lane: usize) {
         self.clear(lane);
-        if let Self::Series { is_of_others, .. } = self {
-            is_of_others[lane] = true;
+        if let Self::Series { is_no_guide, .. } = self {
+            is_no_guide[lane] = true;
         }
     }
 

@@ -21,7 +21,7 @@ pub struct RunNoise {
     /// How it enters a step.
     pub way: Noise,
     /// What its random numbers depend on.
-    pub seed: u64,
+    pub seed: Seed,
     /// H_k and σ_k.
     pub channels: Vec<Channel>,
 }
@@ -91,7 +91,10 @@ impl NoisySteps {
                 .noise
                 .as_ref()
                 .map_or(Noise::default(), |way| way.value),
-            seed: document.run.seed.as_ref().map_or(0, |seed| seed.value),
+            seed: Seed {
+                seed: document.run.seed,
+                first: document.run.member,
+            },
             channels,
         };
         let stepped = noise.stepped(formulas).map_err(|error| {
@@ -129,12 +132,12 @@ impl NoisySteps {
             seed,
             channels,
         } = &self.noise;
-        let map = NoisyMap::new(map, *way, channels.len(), Arc::new(Seed(*seed)));
+        let map = NoisyMap::new(map, *way, channels.len(), Arc::new(*seed));
         Ok(Stepping::Map(MapStepping {
-            map: Arc::new(map),
+            map: Arc::new(map.clone()),
             method,
             is_composed,
-            noise: Some(self.noise.clone()),
+            noise: Some((self.noise.clone(), map)),
         }))
     }
 
@@ -243,7 +246,7 @@ impl RunNoise {
             "{}, {way}: weak order {}; Stratonovich, seed {}",
             texts.join("; "),
             self.way.weak_order(),
-            self.seed
+            self.seed.seed
         )
     }
 }

@@ -456,10 +456,14 @@ impl ComposedRun {
         })
     }
 
-    /// What forces do to the energy and to the Casimirs, in words; `None` where there are none.
+    /// What forces and noise do to the energy and to the Casimirs, in words; `None` where there are none.
     pub fn work_of_forces(&self) -> Option<String> {
         let forces = self.system.expressions()?.forces();
         let energy = match (forces.one_form.is_empty(), &forces.damping) {
+            (true, None) if self.method.noise().is_some() => "changes by the noise",
+            (false, _) | (_, Some(_)) if self.method.noise().is_some() => {
+                "changes by the noise and the forces"
+            }
             (true, None) => return None,
             (true, Some(damping)) if damping.rate.variables().is_empty() => {
                 "falls by the damping: dH/dt = -rate <g v, v> with v = {H, x}"
@@ -470,7 +474,7 @@ impl ComposedRun {
         let has_casimirs = !self.system.casimir_names().is_empty();
         let casimirs = match self.method.map().properties().structure {
             _ if !has_casimirs => "",
-            Structure::Leaves => "; Casimirs are kept to round-off",
+            Structure::Leaves | Structure::Exact => "; Casimirs are kept to round-off",
             _ => "; these steps keep Casimirs to an order alone",
         };
         Some(format!("{energy}{casimirs}"))

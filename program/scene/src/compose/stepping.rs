@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::lattice::{LatticeGeometry, LatticeMap, LatticeMethod, LatticeObservables};
+use leafwise_core::noise::NoisyMap;
 use leafwise_core::{Method, StepMap, Structure};
 
 use super::noise::RunNoise;
@@ -28,7 +29,7 @@ pub struct MapStepping {
     /// Whether it is a composition.
     pub is_composed: bool,
     /// What its steps draw; the method then takes the increments as parameters behind the system's.
-    pub noise: Option<RunNoise>,
+    pub noise: Option<(RunNoise, NoisyMap)>,
 }
 
 /// What sweeps over a lattice.
@@ -109,7 +110,15 @@ impl Stepping {
     /// What its steps draw.
     pub fn noise(&self) -> Option<&RunNoise> {
         match self {
-            Self::Map(stepping) => stepping.noise.as_ref(),
+            Self::Map(stepping) => stepping.noise.as_ref().map(|(noise, _)| noise),
+            Self::Written(_) | Self::Lattice(_) => None,
+        }
+    }
+
+    /// The steps that draw, to be given other numbers.
+    pub fn noisy(&self) -> Option<&NoisyMap> {
+        match self {
+            Self::Map(stepping) => stepping.noise.as_ref().map(|(_, map)| map),
             Self::Written(_) | Self::Lattice(_) => None,
         }
     }

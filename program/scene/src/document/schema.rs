@@ -408,7 +408,7 @@ pub(super) static METHOD: [Key; 10] = [
 
 const OBSERVABLES: Shape = Shape::List(&Shape::Either(&[Shape::Text, FORMULAS]));
 
-pub(super) static RUN: [Key; 8] = [
+pub(super) static RUN: [Key; 9] = [
     key(
         "initial",
         Shape::Either(&[NUMBERS, FIELDS]),
@@ -434,6 +434,11 @@ pub(super) static RUN: [Key; 8] = [
         "seed",
         Shape::Whole(0),
         "What the random numbers of noise depend on; 0 where not said. Members of an ensemble draw by its own",
+    ),
+    key(
+        "member",
+        Shape::Whole(0),
+        "Whose random numbers these are: of the member of an ensemble with this seed; 0 where not said",
     ),
     key("record", table(&RECORD, &[]), "What to keep of the run"),
     key("out", Shape::Text, "The run directory"),

@@ -39,8 +39,8 @@ pub(in crate::solver::newton) trait LaneBlock: Send {
     fn restart(&mut self);
     /// Takes another step size, and forgets earlier steps.
     fn resize(&mut self, h: f64);
-    /// Takes other parameters, `from` telling which columns of this structure of arrays are the block's; where they change
-    /// a coefficient, forgets earlier solutions and Jacobians.
+    /// Takes other parameters, `from` telling which columns of this structure of arrays are the block's: forgets earlier
+    /// solutions and, where they change a coefficient, Jacobians.
     fn set_parameters(&mut self, from: Columns, parameters: &[f64]);
     /// What the next step of a lane depends on. The Jacobians are evaluated again where they were
     /// taken.
@@ -159,11 +159,12 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
         for (i, own) in self.parameters.chunks_exact_mut(W).enumerate() {
             own.copy_from_slice(&parameters[from.row::<W>(i)]);
         }
-        if self.prepare() {
-            for (w, lane) in self.lanes.iter_mut().enumerate() {
+        let changes = self.prepare();
+        for (w, lane) in self.lanes.iter_mut().enumerate() {
+            self.start.change(w);
+            if changes {
                 lane.convergence = Convergence::new();
                 lane.anchored = false;
-                self.start.change(w);
             }
         }
     }
