@@ -7,13 +7,13 @@ use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::Expression;
 
 use super::Refusal;
+use super::channels::{Channel, channels};
 use super::definitions::scope;
 use super::events::{Events, events};
 use super::extended::Extension;
 use super::forces::forces;
 use super::forms::{Forms, forms};
 use super::names::{coordinate_names, function};
-use super::noise::{Channel, channels};
 use super::observables::{Observable, observables};
 use super::tensor::{Entries, entries};
 use crate::document::{self, Boundary, SceneDocument};

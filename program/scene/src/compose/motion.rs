@@ -4,7 +4,7 @@ use leafwise_core::lattice::LatticeGeometry;
 use leafwise_core::{Evaluator, PoissonSystem, SystemFormulas, system::Parameter};
 use leafwise_expression::{Arithmetic, Expression, Graph, Ring};
 
-use super::noise::Channel;
+use super::channels::Channel;
 use super::run::ComposedRun;
 use super::stepping::Stepping;
 

@@ -6,7 +6,7 @@ use leafwise_core::lattice::{LatticeGeometry, LatticeMap, LatticeMethod, Lattice
 use leafwise_core::noise::NoisyMap;
 use leafwise_core::{Method, StepMap, Structure};
 
-use super::noise::RunNoise;
+use super::channels::RunNoise;
 
 /// How a scene's steps are taken.
 #[derive(Clone)]

@@ -4,6 +4,7 @@ use leafwise_core::PoissonSystem;
 use leafwise_core::lattice::LatticeSource;
 
 use super::Refusal;
+use super::channels::Channel;
 use super::definitions::scope;
 use super::events::{Events, events, refuse_on_a_long_lattice};
 use super::extended::Extension;
@@ -12,7 +13,6 @@ use super::initial::initial_state;
 use super::instantiate::instantiate;
 use super::lattice::{SceneLattice, has_forms, shortened};
 use super::names::{check_names, parse};
-use super::noise::Channel;
 use super::observables::{Observable, observables};
 use super::time::check_begin;
 use crate::document::SceneDocument;
