@@ -19,6 +19,7 @@ mod library_orbits;
 mod limits;
 mod lockstep;
 mod module_cycles;
+mod noise;
 mod numbers;
 mod opaque_checks;
 mod opaque_methods;

@@ -13,6 +13,8 @@
 //! - [`one_form`]: bisections that are graphs of one-forms, as numbers.
 //! - [`graph_bisection`]: graphs of dS and of other one-forms, by code.
 //! - [`method`](mod@method): [`Method`], the two combined into a step map.
+//! - [`noise`]: steps with parameters that are drawn anew before each.
+//! - [`random`]: random numbers by seed, member and purpose.
 //! - [`quadrature`]: Gauss–Legendre rules.
 //! - [`runge_kutta`]: tableaux and stage equations.
 //! - [`shadow`]: the Hamiltonians whose flows step maps are.
@@ -40,6 +42,7 @@ pub mod graph_bisection;
 pub mod integrator;
 pub mod lattice;
 pub mod method;
+pub mod noise;
 mod observe;
 pub mod one_form;
 pub mod origin;
@@ -48,6 +51,7 @@ pub mod part_description;
 mod parts;
 mod point_kernel;
 pub mod quadrature;
+pub mod random;
 pub mod realization;
 pub mod registry;
 pub mod runge_kutta;

@@ -59,6 +59,11 @@ impl SideBySide {
         }
     }
 
+    /// Tells which member of an ensemble each lane is: [`Stepper::follow`].
+    pub fn follow(&mut self, members: &[u64]) {
+        self.stepper.follow(members);
+    }
+
     /// The states of the living lanes, a structure of arrays.
     pub fn state(&self) -> &[f64] {
         &self.state

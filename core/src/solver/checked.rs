@@ -88,6 +88,11 @@ impl Stepper for Checked {
         self.stepper.resize(h)
     }
 
+    fn set_parameters(&mut self, parameters: &[f64]) -> bool {
+        self.check.set_parameters(parameters);
+        self.stepper.set_parameters(parameters)
+    }
+
     fn statistics(&self) -> SolverStatistics {
         let statistics = self.stepper.statistics();
         SolverStatistics {

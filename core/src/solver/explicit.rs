@@ -87,7 +87,7 @@ impl ExplicitMap {
             shared: Arc::clone(&self.shared),
             workspace,
             parameters: parameters.to_vec(),
-            step_sizes: (epsilon, h),
+            step_sizes: sizes,
             last: vec![f64::NAN; self.dimension() * lanes],
             lanes,
             work: self.operations().work(),
@@ -201,7 +201,8 @@ struct ExplicitStepper {
     shared: Arc<Shared>,
     workspace: Workspace,
     parameters: Vec<f64>,
-    step_sizes: (f64, f64),
+    /// ε and h of each lane.
+    step_sizes: (Vec<f64>, Vec<f64>),
     last: Vec<f64>,
     lanes: usize,
     /// Operations of one step.
@@ -209,6 +210,14 @@ struct ExplicitStepper {
     /// What a step counts as.
     evaluations: u64,
     statistics: SolverStatistics,
+}
+
+impl ExplicitStepper {
+    fn prepare(&mut self) {
+        let (epsilon, h) = &self.step_sizes;
+        let kernel = &self.shared.step;
+        kernel.prepare(&mut self.workspace, &self.parameters, epsilon, h);
+    }
 }
 
 impl Stepper for ExplicitStepper {
@@ -293,8 +302,9 @@ impl Stepper for ExplicitStepper {
                 .collect()
         };
         let mut workspace = kernel.workspace(1);
-        let (epsilon, h) = self.step_sizes;
-        kernel.prepare(&mut workspace, &own(&self.parameters), &[epsilon], &[h]);
+        let (epsilon, h) = &self.step_sizes;
+        let (epsilon, h) = (&epsilon[..1], &h[..1]);
+        kernel.prepare(&mut workspace, &own(&self.parameters), epsilon, h);
         let mut tangent = vec![0.0; d * d];
         kernel.evaluate(&mut workspace, &own(&self.last), &mut tangent);
         (0..d).for_each(|i| tangent[i * d + i] += 1.0);
@@ -304,10 +314,14 @@ impl Stepper for ExplicitStepper {
     fn restart(&mut self) {}
 
     fn resize(&mut self, h: f64) -> bool {
-        self.step_sizes.1 = h;
-        let sizes = (vec![self.step_sizes.0; self.lanes], vec![h; self.lanes]);
-        let kernel = &self.shared.step;
-        kernel.prepare(&mut self.workspace, &self.parameters, &sizes.0, &sizes.1);
+        self.step_sizes.1.fill(h);
+        self.prepare();
+        true
+    }
+
+    fn set_parameters(&mut self, parameters: &[f64]) -> bool {
+        self.parameters.copy_from_slice(parameters);
+        self.prepare();
         true
     }
 

@@ -14,11 +14,13 @@ mod linear;
 mod newton;
 mod numeric;
 pub mod poles;
+mod product;
 mod properties;
 mod signs;
 mod statistics;
 mod stepper;
 
+pub use crate::compensation::Compensated;
 pub use anderson::Anderson;
 pub use branch::Branch;
 pub(crate) use checked::{Checked, MakeCheck};
@@ -35,6 +37,7 @@ pub use linear::{
 pub use newton::{NewtonKernel, NewtonStepper};
 pub(crate) use numeric::NumericSolver;
 pub use poles::{Poles, WithoutPoles};
+pub use product::ProductStepper;
 pub use properties::{MapProperties, Pieces, Structure};
 pub(crate) use signs::{KeptSigns, kept_signs};
 pub use statistics::SolverStatistics;

@@ -95,6 +95,7 @@ impl MakeCheck for Poles {
             before: values.clone(),
             after: values,
             place: vec![0.0; self.field.len() * lanes],
+            ones,
             poles: self,
         })
     }
@@ -108,6 +109,8 @@ struct Crossings {
     before: Vec<f64>,
     after: Vec<f64>,
     place: Vec<f64>,
+    /// A step size that no denominator depends on, for each lane.
+    ones: Vec<f64>,
 }
 
 impl Crossings {
@@ -122,6 +125,13 @@ impl Crossings {
 }
 
 impl StepCheck for Crossings {
+    fn set_parameters(&mut self, parameters: &[f64]) {
+        self.parameters.copy_from_slice(parameters);
+        let ones = &self.ones;
+        let kernel = &self.poles.kernel;
+        kernel.prepare(&mut self.workspace, parameters, ones, ones);
+    }
+
     fn check(&mut self, x: &[f64], increment: &[f64], outcome: &mut [Result<(), StepError>]) {
         let lanes = outcome.len();
         let looks = self.poles.looks;

@@ -62,6 +62,18 @@ pub trait Stepper: Send {
         let _ = h;
         false
     }
+    /// Takes other parameters, a structure of arrays over the lanes, for the steps that follow: they have the bits of those of
+    /// a stepper made with them, up to where a solve starts, and nothing is allocated. Returns whether that is offered;
+    /// where it is not, nothing has changed.
+    fn set_parameters(&mut self, parameters: &[f64]) -> bool {
+        let _ = parameters;
+        false
+    }
+    /// Tells which member of an ensemble each lane is: steps with [noise](crate::noise) draw that member's numbers. Without
+    /// it lane w is member w.
+    fn follow(&mut self, members: &[u64]) {
+        let _ = members;
+    }
     /// Work done so far.
     fn statistics(&self) -> SolverStatistics;
     /// Everything that later steps depend on beyond the state, for a checkpoint.
@@ -117,4 +129,8 @@ pub trait StepCheck: Send {
     /// Replaces the outcome of each lane whose finished step does not fulfil it. Arrays are those of
     /// [`Stepper::increment`].
     fn check(&mut self, x: &[f64], increment: &[f64], outcome: &mut [Result<(), StepError>]);
+    /// Takes other parameters, a structure of arrays over the lanes.
+    fn set_parameters(&mut self, parameters: &[f64]) {
+        let _ = parameters;
+    }
 }

@@ -41,7 +41,7 @@ pub enum TensorSource {
 #[derive(Clone, Debug)]
 pub struct SystemFormulas {
     variables: Vec<String>,
-    parameters: Vec<Parameter>,
+    pub(super) parameters: Vec<Parameter>,
     tensor: BTreeMap<(usize, usize), Expression>,
     hamiltonian: Expression,
     casimirs: Vec<Casimir>,

@@ -21,6 +21,7 @@ pub mod formulas;
 mod jet;
 pub mod numbers;
 pub mod observables;
+mod perturbation;
 mod pfaffian;
 mod tensor_matrix;
 

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use leafwise_core::solver::{MapProperties, SolverStatistics, StepMap, Stepper};
-use leafwise_core::{BuildError, Differential, Pieces, Shadow, StepError, SystemFormulas, two_sum};
+use leafwise_core::solver::{Compensated, MapProperties, ProductStepper, StepMap, Stepper};
+use leafwise_core::{BuildError, Differential, Pieces, Shadow, StepError, SystemFormulas};
 use leafwise_expression::Kernel;
 
 use crate::scheme::Scheme;
@@ -118,20 +118,13 @@ impl StepMap for Composed {
         if let Some(product) = self.base.product(&self.scheme.parts()) {
             return product.stepper(lanes, parameters, epsilon, h);
         }
-        let size = self.dimension() * lanes;
-        let stages = self.stages().into_iter();
-        let stages = stages.map(|(map, part)| map.stepper(lanes, parameters, epsilon, part * h));
-        Box::new(ComposedStepper {
-            parts: self.scheme.coefficients(),
-            stages: stages.collect(),
-            state: Compensated::new(size),
-            sum: Compensated::new(size),
-            increment: vec![0.0; size],
-            outcome: vec![Ok(()); lanes],
-            dimension: self.dimension(),
-            steps: 0,
-            failures: 0,
-        })
+        Box::new(ProductStepper::new(
+            &self.stages(),
+            lanes,
+            parameters,
+            epsilon,
+            h,
+        ))
     }
 
     fn differential(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Differential> {
@@ -224,173 +217,4 @@ impl Differential for ComposedDifferential {
     fn operations(&self) -> Option<u64> {
         self.stages.iter().map(|stage| stage.operations()).sum()
     }
-}
-
-/// A vector held as unevaluated sums high + low.
-struct Compensated {
-    high: Vec<f64>,
-    low: Vec<f64>,
-}
-
-impl Compensated {
-    fn new(size: usize) -> Self {
-        Self {
-            high: vec![0.0; size],
-            low: vec![0.0; size],
-        }
-    }
-
-    fn set(&mut self, high: &[f64], low: &[f64]) {
-        self.high.copy_from_slice(high);
-        self.low.copy_from_slice(low);
-    }
-
-    fn clear(&mut self) {
-        self.high.fill(0.0);
-        self.low.fill(0.0);
-    }
-
-    fn add(&mut self, change: &[f64]) {
-        for ((high, low), change) in self.high.iter_mut().zip(&mut self.low).zip(change) {
-            let (sum, error) = two_sum(*high, *change);
-            (*high, *low) = two_sum(sum, error + *low);
-        }
-    }
-}
-
-/// One stepper a stage, with its own step size and its own history: the i-th stages of successive
-/// steps lie on one smooth curve, so that what a stage learned serves the same stage a step later.
-///
-/// States between stages carry their compensation, and the stages' increments are summed with
-/// theirs, so that a composed step rounds no more than its stages do.
-struct ComposedStepper {
-    /// Each stage's part of the step.
-    parts: Vec<f64>,
-    stages: Vec<Box<dyn Stepper>>,
-    state: Compensated,
-    sum: Compensated,
-    increment: Vec<f64>,
-    outcome: Vec<Result<(), StepError>>,
-    dimension: usize,
-    steps: u64,
-    failures: u64,
-}
-
-impl Stepper for ComposedStepper {
-    fn increment(
-        &mut self,
-        x: &[f64],
-        low: &[f64],
-        increment: &mut [f64],
-        outcome: &mut [Result<(), StepError>],
-    ) {
-        let lanes = outcome.len();
-        outcome.fill(Ok(()));
-        self.state.set(x, low);
-        self.sum.clear();
-        for stage in &mut self.stages {
-            stage.increment(
-                &self.state.high,
-                &self.state.low,
-                &mut self.increment,
-                &mut self.outcome,
-            );
-            self.state.add(&self.increment);
-            self.sum.add(&self.increment);
-            for lane in 0..lanes {
-                if let (Ok(()), Err(error)) = (&outcome[lane], &self.outcome[lane]) {
-                    outcome[lane] = Err(error.clone());
-                }
-                if outcome[lane].is_err() {
-                    // The stages after a failed one fail as well and forget, whatever the other
-                    // lanes do: a lane's history does not depend on its neighbours.
-                    let places = self.state.high.iter_mut().skip(lane).step_by(lanes);
-                    places.for_each(|place| *place = f64::NAN);
-                }
-            }
-        }
-        self.steps += lanes as u64;
-        for lane in 0..lanes {
-            let places = (0..self.dimension).map(|i| i * lanes + lane);
-            if outcome[lane].is_ok() {
-                places.for_each(|at| increment[at] = self.sum.high[at] + self.sum.low[at]);
-            } else {
-                self.failures += 1;
-                places.for_each(|at| increment[at] = 0.0);
-            }
-        }
-    }
-
-    /// DΨ = DΦ_{γ_s h} ⋯ DΦ_{γ_1 h}, each at its own stage.
-    fn tangent(&mut self, lane: usize) -> Option<Vec<f64>> {
-        let d = self.dimension;
-        let mut product: Option<Vec<f64>> = None;
-        for stage in &mut self.stages {
-            let factor = stage.tangent(lane)?;
-            product = Some(match product {
-                None => factor,
-                Some(earlier) => multiply(&factor, &earlier, d),
-            });
-        }
-        product
-    }
-
-    fn restart(&mut self) {
-        self.stages.iter_mut().for_each(|stage| stage.restart());
-    }
-
-    fn resize(&mut self, h: f64) -> bool {
-        let stages = self.stages.iter_mut().zip(&self.parts);
-        // Stages are of one kind: the first says for all whether they can.
-        stages.fold(true, |all, (stage, part)| all && stage.resize(part * h))
-    }
-
-    /// Steps and failures are those of whole steps; evaluations are summed over the stages, and so
-    /// is the largest number, which then bounds that of one step. Rounded steps are those of the stage
-    /// that has most.
-    fn statistics(&self) -> SolverStatistics {
-        let stages = self.stages.iter().map(|stage| stage.statistics());
-        stages.fold(
-            SolverStatistics {
-                steps: self.steps,
-                failures: self.failures,
-                ..SolverStatistics::default()
-            },
-            |sum, stage| SolverStatistics {
-                operations: sum.operations.zip(stage.operations).map(|(a, b)| a + b),
-                evaluations: sum.evaluations + stage.evaluations,
-                most_evaluations: sum.most_evaluations + stage.most_evaluations,
-                rounded: sum.rounded.max(stage.rounded),
-                ..sum
-            },
-        )
-    }
-
-    fn memory(&self) -> Vec<f64> {
-        self.stages
-            .iter()
-            .flat_map(|stage| stage.memory())
-            .collect()
-    }
-
-    fn restore(&mut self, memory: &[f64]) -> Result<(), usize> {
-        let lengths: Vec<usize> = self.stages.iter().map(|s| s.memory().len()).collect();
-        let expected = lengths.iter().sum();
-        if memory.len() != expected {
-            return Err(expected);
-        }
-        let mut rest = memory;
-        for (stage, length) in self.stages.iter_mut().zip(lengths) {
-            let (own, others) = rest.split_at(length);
-            stage.restore(own)?;
-            rest = others;
-        }
-        Ok(())
-    }
-}
-
-/// a·b, row-major d × d.
-fn multiply(a: &[f64], b: &[f64], d: usize) -> Vec<f64> {
-    let entry = |at: usize| (0..d).map(|k| a[at / d * d + k] * b[k * d + at % d]).sum();
-    (0..d * d).map(entry).collect()
 }

@@ -17,6 +17,8 @@ use super::interpreter::run;
 pub struct Workspace {
     lanes: usize,
     slots: Aligned,
+    /// Where the coefficient kernel runs.
+    room: Vec<f64>,
     machine: Option<Machine>,
     /// Evaluations until the kernel is told of them; 0 where it never is.
     until_report: u32,
@@ -67,13 +69,14 @@ impl Kernel {
         Workspace {
             lanes,
             slots,
+            room: Vec::new(),
             machine: machine.map(Machine::new),
             until_report,
         }
     }
 
     /// Runs the coefficient kernel: `parameters` as a structure of arrays over the lanes, one ε and
-    /// h for each lane.
+    /// h for each lane. Allocates when it first runs. Returns whether a coefficient has changed.
     ///
     /// # Panics
     /// When a slice does not have `parameters × lanes` or `lanes` entries.
@@ -83,7 +86,7 @@ impl Kernel {
         parameters: &[f64],
         epsilon: &[f64],
         h: &[f64],
-    ) {
+    ) -> bool {
         let lanes = workspace.lanes;
         assert_eq!(
             parameters.len(),
@@ -96,7 +99,8 @@ impl Kernel {
             "one step size a lane"
         );
         let code = &self.coefficient_code;
-        let mut slots = vec![0.0; code.slots * lanes];
+        let mut slots = std::mem::take(&mut workspace.room);
+        slots.resize(code.slots * lanes, 0.0);
         slots[..parameters.len()].copy_from_slice(parameters);
         slots[parameters.len()..][..lanes].copy_from_slice(epsilon);
         slots[parameters.len() + lanes..][..lanes].copy_from_slice(h);
@@ -104,10 +108,16 @@ impl Kernel {
             slots[slot as usize * lanes..][..lanes].fill(value);
         }
         run(code, &mut slots, lanes);
+        let mut changes = false;
         for (at, &slot) in code.outputs.iter().enumerate() {
-            workspace.slots[(self.inputs + at) * lanes..][..lanes]
-                .copy_from_slice(&slots[slot as usize * lanes..][..lanes]);
+            let kept = &mut workspace.slots[(self.inputs + at) * lanes..][..lanes];
+            let new = &slots[slot as usize * lanes..][..lanes];
+            let mut pairs = kept.iter().zip(new);
+            changes |= pairs.any(|(kept, new)| kept.to_bits() != new.to_bits());
+            kept.copy_from_slice(new);
         }
+        workspace.room = slots;
+        changes
     }
 
     /// Runs the step kernel on `inputs` (inputs × lanes), writes `outputs` (outputs × lanes).

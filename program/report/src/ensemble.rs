@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::axis::{Axis, Frame};
-use super::canvas::{Canvas, FAINT, GRID, SERIES};
+use super::canvas::{AXIS, Canvas, FAINT, GRID, SERIES};
 use super::data::{InvariantSeries, Outcome, SectionPoints};
 use super::drift::drift_figure;
 use super::error::ReportError;
@@ -75,6 +75,8 @@ pub struct Band {
     pub times: Vec<f64>,
     /// The means.
     pub means: Vec<f64>,
+    /// Half the lengths of the 95 % confidence intervals about them.
+    pub confidences: Vec<f64>,
     /// The standard deviations.
     pub deviations: Vec<f64>,
     /// Smallest and largest value.
@@ -130,7 +132,7 @@ struct Page<'a> {
 #[derive(Serialize)]
 struct End<'a> {
     name: &'a str,
-    /// Mean, deviation, smallest, largest, quantiles.
+    /// Mean, half of its confidence interval, deviation, smallest, largest, quantiles.
     values: Vec<f64>,
 }
 
@@ -138,7 +140,13 @@ impl<'a> End<'a> {
     fn of(band: &'a Band) -> Option<Self> {
         let last = band.times.len().checked_sub(1)?;
         let (smallest, largest) = band.ranges[last];
-        let mut values = vec![band.means[last], band.deviations[last], smallest, largest];
+        let mut values = vec![
+            band.means[last],
+            band.confidences[last],
+            band.deviations[last],
+            smallest,
+            largest,
+        ];
         values.extend(&band.quantiles[last]);
         Some(Self {
             name: &band.name,
@@ -213,6 +221,9 @@ fn band_figure(band: &Band, parts: &[f64]) -> Result<Figure, ReportError> {
     let above = |k: usize| (means[k] + deviations[k]).min(band.ranges[k].1);
     let below = |k: usize| (means[k] - deviations[k]).max(band.ranges[k].0);
     canvas.area(&outline(&above, &below), FAINT);
+    let confidences = &band.confidences;
+    let surely = |sign: f64| move |k: usize| means[k] + sign * confidences[k];
+    canvas.area(&outline(&surely(1.0), &surely(-1.0)), AXIS);
     frame.draw(&mut canvas, "time t", &band.name);
     let line: Vec<_> = band
         .times
@@ -242,8 +253,8 @@ fn band_figure(band: &Band, parts: &[f64]) -> Result<Figure, ReportError> {
         svg: canvas.finish(&format!("{} over time, over the members", band.name))?,
         legend: Vec::new(),
         caption: format!(
-            "The members' mean (line), one standard deviation about it (dark band) and their range (light \
-             band).{quantiles}"
+            "The members' mean (line) with its 95 % confidence interval (narrow band), one standard deviation about it (dark \
+             band) and their range (light band).{quantiles}"
         ),
         notes: Vec::new(),
     })

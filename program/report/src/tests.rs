@@ -454,6 +454,7 @@ fn other_pages() -> Vec<String> {
         name: text(),
         times: vec![0.0, 1.0],
         means: vec![0.5, 0.25],
+        confidences: vec![0.01, 0.02],
         deviations: vec![0.1, 0.2],
         ranges: vec![(0.0, 1.0); 2],
         quantiles: vec![vec![0.5]; 2],

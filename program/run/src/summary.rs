@@ -258,6 +258,7 @@ pub(crate) fn method_lines(run: &ComposedRun) -> Vec<(String, String)> {
             "Declared order",
             match method.declared_order() {
                 0 => "none in t = εh: its tolerance sets its error".to_owned(),
+                order if method.noise().is_some() => format!("{order} in t = εh, of means"),
                 order => format!("{order} in t = εh (a lower bound: Theorem 2)"),
             },
         ),

@@ -12,8 +12,8 @@ type Row<const W: usize> = [f64; W];
 
 /// The start of the solve for y_{k+1}, as its displacement y − x.
 pub(super) enum Start<const W: usize> {
-    /// y_k and the odd part of the solution's series; y = x, where its branch begins, without y_k and where the
-    /// series overflows.
+    /// y_k and the odd part of the solution's series, 2 Σ_{k odd} tᵏ Y_k; half of that alone where y_k is no
+    /// guide; y = x, where its branch begins, without y_k and where the series overflows.
     Series {
         kernel: Arc<Kernel>,
         workspace: Workspace,
@@ -21,6 +21,8 @@ pub(super) enum Start<const W: usize> {
         last: Vec<Row<W>>,
         /// Whether there is one.
         is_known: [bool; W],
+        /// Whether y_k is no guide to the solve that follows.
+        is_no_guide: [bool; W],
     },
     /// Extrapolation of the displacements of earlier steps.
     Extrapolated(Extrapolation<W>),
@@ -45,6 +47,7 @@ impl<const W: usize> Start<W> {
                     workspace,
                     last: vec![[0.0; W]; dimension],
                     is_known: [false; W],
+                    is_no_guide: [false; W],
                 }
             }
         }
@@ -60,6 +63,7 @@ impl<const W: usize> Start<W> {
                 workspace,
                 last,
                 is_known,
+                is_no_guide,
             } => {
                 let d = dimension::<D>(last.len());
                 kernel.evaluate_rows(workspace, x);
@@ -76,7 +80,10 @@ impl<const W: usize> Start<W> {
                 }
                 for w in 0..W {
                     if !is_known[w] || zero[w].is_nan() {
-                        displacement[..d].iter_mut().for_each(|row| row[w] = 0.0);
+                        for (row, odd) in displacement[..d].iter_mut().zip(odd) {
+                            let is_half = is_no_guide[w] && odd[w].is_finite();
+                            row[w] = if is_half { 0.5 * odd[w] } else { 0.0 };
+                        }
                     }
                 }
             }
@@ -101,13 +108,19 @@ impl<const W: usize> Start<W> {
                 }
                 extrapolation.record_in::<D>(room, took);
             }
-            Self::Series { last, is_known, .. } => {
+            Self::Series {
+                last,
+                is_known,
+                is_no_guide,
+                ..
+            } => {
                 let d = dimension::<D>(last.len());
                 for (last, y) in last[..d].iter_mut().zip(y) {
                     *last = *y;
                     apart::<W>();
                 }
                 *is_known = *took;
+                *is_no_guide = [false; W];
             }
         }
     }
@@ -116,7 +129,19 @@ impl<const W: usize> Start<W> {
     pub(super) fn clear(&mut self, lane: usize) {
         match self {
             Self::Extrapolated(extrapolation) => extrapolation.clear(lane),
-            Self::Series { is_known, .. } => is_known[lane] = false,
+            Self::Series {
+                is_known,
+                is_no_guide,
+                ..
+            } => (is_known[lane], is_no_guide[lane]) = (false, false),
+        }
+    }
+
+    /// A lane's history is no guide to the solve that follows, of other parameters or from a state that was moved.
+    pub(super) fn change(&mut self, lane: usize) {
+        self.clear(lane);
+        if let Self::Series { is_no_guide, .. } = self {
+            is_no_guide[lane] = true;
         }
     }
 

@@ -151,6 +151,22 @@ impl Stepper for NewtonStepper {
         true
     }
 
+    fn set_parameters(&mut self, parameters: &[f64]) -> bool {
+        let mut from = Columns {
+            lane: 0,
+            lanes: self.lanes,
+        };
+        for block in &mut self.wide {
+            block.set_parameters(from, parameters);
+            from.lane += WIDE;
+        }
+        for block in &mut self.single {
+            block.set_parameters(from, parameters);
+            from.lane += 1;
+        }
+        true
+    }
+
     fn statistics(&self) -> SolverStatistics {
         let chords = self.statistics.evaluations - self.jacobians;
         let operations = self.jacobians * self.kernel.work()

@@ -26,7 +26,17 @@ struct Told<'a> {
     #[serde(serialize_with = "object")]
     casimirs: Vec<(&'a str, Identity<'a>)>,
     motion: Option<motion::Told>,
+    /// The field of each channel of noise.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    noise: Vec<Noise>,
     warnings: &'a [Advice],
+}
+
+/// A channel and its field.
+#[derive(Serialize)]
+struct Noise {
+    hamiltonian: String,
+    field: motion::Told,
 }
 
 /// A check with the names of its worst coordinates.
@@ -101,6 +111,13 @@ pub fn execute(
                 .map(|casimir| (casimir.name.as_str(), Identity::of(&casimir.check, names)))
                 .collect(),
             motion: Motion::of(&composed).map(motion::Told::from),
+            noise: Motion::of_noise(&composed)
+                .into_iter()
+                .map(|(hamiltonian, field)| Noise {
+                    hamiltonian,
+                    field: field.into(),
+                })
+                .collect(),
             warnings: &advice,
         });
     } else {

@@ -346,9 +346,16 @@ fn summary(
 
 /// The observables at the end.
 fn end_table(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Vec<String> {
-    let mut heading = ["  at the end", "mean", "deviation", "smallest", "largest"]
-        .map(str::to_owned)
-        .to_vec();
+    let mut heading = [
+        "  at the end",
+        "mean",
+        "± 95 %",
+        "deviation",
+        "smallest",
+        "largest",
+    ]
+    .map(str::to_owned)
+    .to_vec();
     let parts = ensemble.quantiles.iter();
     heading.extend(parts.map(|p| format!("{}%", short(100.0 * p))));
     let mut rows = vec![heading];
@@ -356,14 +363,10 @@ fn end_table(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Vec<String
     let last = &report.reductions.summaries;
     let last = &last[last.len() - names.len()..];
     for (name, summary) in names.iter().zip(last) {
-        let values = [
-            summary.mean,
-            summary.deviation(),
-            summary.minimum.0,
-            summary.maximum.0,
-        ];
+        let values = [summary.deviation(), summary.minimum.0, summary.maximum.0];
         let quantiles = summary.quantiles(&ensemble.quantiles);
-        let mut row = vec![format!("  {name}")];
+        let confidence = format!("{:.1e}", summary.confidence());
+        let mut row = vec![format!("  {name}"), digits(summary.mean), confidence];
         row.extend(values.into_iter().chain(quantiles).map(digits));
         rows.push(row);
     }

@@ -5,7 +5,7 @@ use leafwise::core::realization::{Accuracy, Ends, RealizationData};
 use leafwise::core::{BuildError, Method, StepError, realization_evaluator};
 use leafwise::expression::{Arithmetic, Graph, Kernel, Rational, StepSize, Term};
 use leafwise::karasev::TruncatedKarasev;
-use leafwise::scene::compose::{ComposedRun, ShadowEnergy, compose};
+use leafwise::scene::compose::{ComposedRun, ShadowEnergy, compose, refuse_noise};
 use leafwise::scene::json::object;
 use serde::Serialize;
 
@@ -108,6 +108,11 @@ pub fn execute(
 ) -> Result<u8, Failure> {
     let mut parts = Parts::new(plugins)?;
     let document = parts.scene(&arguments.scene)?;
+    refuse_noise(
+        &document,
+        "parts are not evaluated at steps",
+        "take the noise out",
+    )?;
     let run = while_building(console.is_terminal, || compose(&document, &parts.registry))?;
     let Some(method) = run.method.written() else {
         if run.method.lattice().is_none() {

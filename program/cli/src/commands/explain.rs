@@ -29,6 +29,7 @@ pub fn explain(run: &ComposedRun, start: Instant) -> Result<Vec<String>, BuildEr
             "Declared order".to_owned(),
             match run.method.declared_order() {
                 0 => "none in t = εh: its tolerance sets its error".to_owned(),
+                order if run.method.noise().is_some() => format!("{order} in t = εh, of means"),
                 order => format!("{order} in t = εh"),
             },
         ),

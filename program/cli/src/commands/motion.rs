@@ -28,6 +28,21 @@ pub(super) fn lines(run: &ComposedRun) -> Vec<String> {
         true => " with forces",
         false => "",
     };
+    let noise = Motion::of_noise(run);
+    let stochastic = match noise.is_empty() {
+        true => "",
+        false => ", and noise",
+    };
+    let heading = format!("{definition}{forced}{stochastic}");
+    let mut lines = block("Motion", &heading, motion);
+    for (text, field) in noise {
+        lines.extend(block(&format!("Noise of {text}"), ", o dW", field));
+    }
+    lines
+}
+
+/// The rows of a field under a heading.
+fn block(what: &str, definition: &str, motion: Motion) -> Vec<String> {
     let (place, rows) = match motion {
         Motion::Formulas(rows) => ("", shown(rows)),
         Motion::Site(rows) => (" at a site i", shown(rows)),
@@ -43,7 +58,7 @@ pub(super) fn lines(run: &ComposedRun) -> Vec<String> {
     let rows: Vec<Vec<String>> = rows
         .map(|(name, text)| vec![format!("    {name}'"), format!("= {text}")])
         .collect();
-    let mut lines = vec![format!("  Motion{place}{definition}{forced}:")];
+    let mut lines = vec![format!("  {what}{place}{definition}:")];
     lines.extend(words(&rows));
     if more > 0 {
         lines.push(format!(

@@ -1,7 +1,7 @@
 //! `leafwise shadow`: the energy that a scene's method keeps.
 
 use leafwise::run::ShadowVerdict;
-use leafwise::scene::compose::{NoShadow, ShadowEnergy, compose};
+use leafwise::scene::compose::{NoShadow, ShadowEnergy, compose, refuse_noise};
 use leafwise::scene::json::object;
 use serde::Serialize;
 
@@ -48,6 +48,11 @@ pub fn execute(
     let mut parts = Parts::new(plugins)?;
     let document = parts.scene(&arguments.scene)?;
     let is_shown = console.is_terminal;
+    refuse_noise(
+        &document,
+        "there is no shadow Hamiltonian",
+        "take the noise out: every step of it follows another Hamiltonian",
+    )?;
     let run = while_building(is_shown, || compose(&document, &parts.registry))?;
     let refused = |no: NoShadow| Failure::usage(no.message, no.help);
     if run.method.lattice().is_some() || document.method.pace.is_some() {

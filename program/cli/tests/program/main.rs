@@ -9,6 +9,7 @@ mod guide;
 mod invalid_scenes;
 mod kills;
 mod motion;
+mod noise;
 mod other_commands;
 mod paces;
 mod parts;

@@ -50,7 +50,7 @@ impl EnergyError<'_> {
         run: &ComposedRun,
         states: &[Vec<f64>],
     ) -> Option<Advice> {
-        if run.system.has_forces() {
+        if run.system.has_forces() || run.method.noise().is_some() {
             return None;
         }
         let along = scale(run, self.parameters, states);

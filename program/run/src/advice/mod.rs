@@ -159,9 +159,9 @@ pub fn advise(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>]) -> Ve
     advice
 }
 
-/// What to change about the method; nothing for a long lattice.
+/// What to change about the method; nothing for a long lattice, and with noise, where two steps differ by what they draw.
 fn about_the_method(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>]) -> Vec<Advice> {
-    if run.dimension() > LARGEST {
+    if run.dimension() > LARGEST || run.method.noise().is_some() {
         return Vec::new();
     }
     let coarse = step::advice(run, registry, states);

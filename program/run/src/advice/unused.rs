@@ -56,6 +56,8 @@ fn formulas(document: &SceneDocument) -> Vec<&str> {
     formulas.extend(system.define.iter().map(|(_, f)| f.value.as_str()));
     formulas.extend(of_bracket(&system.bracket.value));
     formulas.extend(system.forces.formulas().iter().map(|f| f.value.as_str()));
+    let noise = system.noise.iter();
+    formulas.extend(noise.flat_map(|c| [c.hamiltonian.value.as_str(), c.strength.value.as_str()]));
     formulas.extend(system.constraints.iter().map(|f| f.value.as_str()));
     formulas.extend(system.casimirs.iter().map(|(_, f)| f.value.as_str()));
     let ensemble = document.ensemble.iter();

@@ -110,7 +110,9 @@ impl<'a> Block<'a> {
         }
         let (initial, values) = (interleaved(&states), interleaved(&parameters));
         let map = ensemble.run.method.map();
-        let integrator = SideBySide::new(map, lanes, &values, plan.epsilon, plan.h, &initial);
+        let mut integrator = SideBySide::new(map, lanes, &values, plan.epsilon, plan.h, &initial);
+        let members: Vec<u64> = (first..first + lanes as u64).collect();
+        integrator.follow(&members);
         // H + e is measured from e at the beginning.
         let origins: Vec<f64> = states
             .iter()

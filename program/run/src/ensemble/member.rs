@@ -61,8 +61,18 @@ pub fn member_scene(
     let missing = |table: &str| rewrite(format!("it has no [{table}]"));
     let run = scene.get_mut("run").and_then(Item::as_table_like_mut);
     let initial: Array = ensemble.run.own(&state).iter().copied().collect();
-    run.ok_or_else(|| missing("run"))?
-        .insert("initial", Item::Value(Value::Array(initial)));
+    let run = run.ok_or_else(|| missing("run"))?;
+    run.insert("initial", Item::Value(Value::Array(initial)));
+    if let (Some(_), Some(section)) = (ensemble.run.method.noise(), &document.ensemble) {
+        for (key, value) in [("seed", section.seed), ("member", member)] {
+            let value = i64::try_from(value).map_err(|_| {
+                rewrite(format!(
+                    "{value} is no whole number of TOML: take a smaller seed"
+                ))
+            })?;
+            run.insert(key, Item::Value(Value::from(value)));
+        }
+    }
     let declared = ensemble.run.system.parameters();
     let varied = ensemble.population.varied();
     if !varied.is_empty() && ensemble.run.system.expressions().is_some() {

@@ -2,7 +2,7 @@
 //!
 //! - `plan`: [`compose_ensemble`], a scene's system and method with its members;
 //! - `population`: [`Population`], the members' initial states and parameters by number;
-//! - `random`: numbers that depend on seed, member and purpose alone; `states`: [`Members`] that are given, by a file too;
+//! - `states`: [`Members`] that are given, by a file too;
 //! - `clock`: when they are looked at; `block`: members side by side, `record`: what they leave behind; `observers`: functions of all their states;
 //! - `drive`: blocks on threads, taken in by number, so that no result depends on either;
 //! - `watch`: where members end or cross a section between two steps; `section`: the crossings in one file;
@@ -27,7 +27,6 @@ mod page;
 mod plan;
 mod population;
 mod quantiles;
-mod random;
 mod record;
 mod report;
 mod section;

@@ -107,6 +107,7 @@ pub(super) fn data(
         let band = &mut bands[at % names.len()];
         band.times.push(time);
         band.means.push(summary.mean);
+        band.confidences.push(summary.confidence());
         band.deviations.push(summary.deviation());
         band.ranges.push((summary.minimum.0, summary.maximum.0));
         band.quantiles.push(summary.quantiles(&ensemble.quantiles));

@@ -83,6 +83,7 @@ fn compose_from(
     let ensemble = section(document)?;
     let mut own = document.clone();
     own.run.record = ensemble.record.clone();
+    (own.run.seed, own.run.member) = (ensemble.seed, 0);
     let run = compose(&own, registry)?;
     let refuse = |message: String, help: &str| {
         let help = Some(help.to_owned());

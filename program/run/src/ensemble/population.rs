@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use leafwise_core::Evaluator;
+use leafwise_core::random::Random;
 use leafwise_core::runge_kutta::SmoothMap;
 use leafwise_core::solver::judge::Verdict;
 use leafwise_core::solver::{CorrectionSize, DenseFactors, LinearIteration};
@@ -10,7 +11,6 @@ use leafwise_core::solver::{CorrectionSize, DenseFactors, LinearIteration};
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
-use super::random::Random;
 use super::states::Members;
 use leafwise_scene::compose::{ComposedRun, Extension, NoStart, Refusal};
 use leafwise_scene::document::{

@@ -99,6 +99,16 @@ impl Summary {
         libm::sqrt(self.variance())
     }
 
+    /// The standard error of the mean, √(variance/count).
+    pub fn standard_error(&self) -> f64 {
+        libm::sqrt(self.variance() / self.count.max(1) as f64)
+    }
+
+    /// Half the length of the 95 % confidence interval about the mean, 1.96 standard errors.
+    pub fn confidence(&self) -> f64 {
+        1.96 * self.standard_error()
+    }
+
     /// The quantiles of these parts of the members, nothing where none were asked for.
     pub fn quantiles(&self, parts: &[f64]) -> Vec<f64> {
         let sketch = self.sketch.as_ref();

@@ -7,6 +7,7 @@ use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::Expression;
 
 use super::Refusal;
+use super::channels::{Channel, channels};
 use super::definitions::scope;
 use super::events::{Events, events};
 use super::extended::Extension;
@@ -30,6 +31,8 @@ pub struct Instantiated {
     pub hamiltonian: Expression,
     /// What moves the system beside H.
     pub forces: Forces,
+    /// What moves it at random.
+    pub noise: Vec<Channel>,
     /// The Casimirs by name.
     pub casimirs: Vec<Casimir>,
     /// What the run records.
@@ -81,12 +84,14 @@ pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instan
     let moving = system.moving().len();
     let moving = system.variables.len() + lengths[..moving].iter().sum::<usize>();
     let forces = forces(document, &scope, &names[..moving], names.len())?;
+    let noise = channels(document, &scope)?;
     Ok(Instantiated {
         names,
         bracket,
         forms,
         hamiltonian,
         forces,
+        noise,
         casimirs,
         observables,
         events,

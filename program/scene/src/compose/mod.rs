@@ -4,6 +4,7 @@
 //! - `definitions`: names for formulas, in an order that lets each use the others;
 //! - `tensor`, `lie_algebra`: the ways to write a bracket;
 //! - `forces`: one-forms beside dH, and damping;
+//! - `channels`: Hamiltonians that move the system at random; `noise`: how they enter a step;
 //! - `forms`: tensors by one-forms, two-forms and constraints;
 //! - `instantiate`: templates over families written out at chosen lengths;
 //! - `system`: [`compose_system`], the Poisson system with its initial state;
@@ -25,6 +26,7 @@
 //! - `checks`: the Jacobi identity and the Casimirs;
 //! - `shape`: constant, linear, log-canonical, polynomial, general.
 
+mod channels;
 mod checks;
 mod definitions;
 mod dense;
@@ -41,6 +43,7 @@ mod lattice;
 mod lie_algebra;
 mod motion;
 mod names;
+mod noise;
 mod observables;
 mod parts;
 mod path;
@@ -58,6 +61,7 @@ mod tests;
 mod time;
 mod values;
 
+pub use channels::{Channel, RunNoise};
 pub use checks::{CasimirCheck, SceneChecks};
 pub use dense::DENSE_LIMIT;
 pub use events::{Events, Section, Stop};
@@ -68,6 +72,7 @@ pub use fragment::system_of_fragment;
 pub use instantiate::{Instantiated, instantiate};
 pub use lie_algebra::{LIE_ALGEBRAS, LieAlgebra, StructureEntry};
 pub use motion::Motion;
+pub use noise::refuse_noise;
 pub use observables::Observable;
 pub use parts::PartChoice;
 pub use parts::exact_realization;

@@ -4,6 +4,7 @@ use leafwise_core::lattice::LatticeGeometry;
 use leafwise_core::{Evaluator, PoissonSystem, SystemFormulas, system::Parameter};
 use leafwise_expression::{Arithmetic, Expression, Graph, Ring};
 
+use super::channels::Channel;
 use super::run::ComposedRun;
 use super::stepping::Stepping;
 
@@ -29,6 +30,21 @@ pub enum Motion {
 }
 
 impl Motion {
+    /// The field σ {H_k, x} of each channel of noise, beside H_k as the scene writes it.
+    pub fn of_noise(run: &ComposedRun) -> Vec<(String, Self)> {
+        let (Some(noise), Some(system)) = (run.method.noise(), run.system.expressions()) else {
+            return Vec::new();
+        };
+        let coordinates: Vec<usize> = (0..run.plan.coordinates).collect();
+        let field = |channel: &Channel| {
+            let alone = channel.system(system).ok()?;
+            let code = field_at(run, &alone.clone().into())?;
+            let rows = formulas(&alone, &run.near, &code, &coordinates, alone.variables());
+            Some((channel.text.clone(), Self::Formulas(rows)))
+        };
+        noise.channels.iter().filter_map(field).collect()
+    }
+
     /// ẋ of a composed run; `None` where it has no value at the initial state.
     pub fn of(run: &ComposedRun) -> Option<Self> {
         let in_time = run.in_time().ok()?;

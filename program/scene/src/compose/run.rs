@@ -17,6 +17,7 @@ use super::extended::{Extension, Pace};
 use super::fit::{check_first_order, check_tensor};
 use super::functions::CompiledFunctions;
 use super::lattice::{SceneLattice, has_room, shortened};
+use super::noise::NoisySteps;
 use super::observables::Observable;
 use super::parts::{Base, PartChoice, Parts, parts, system_choice, what_fits};
 use super::sample_times::{SampleTimes, check_given_times};
@@ -135,7 +136,10 @@ fn compose_at_its_values(
     check_times(document)?;
     let mut composed = compose_system(document)?;
     let lattice = SceneLattice::of(document)?;
-    let mut parts = parts(document, &composed.system, lattice.as_ref(), registry)?;
+    let channels = std::mem::take(&mut composed.noise);
+    let noise = NoisySteps::of(document, &composed.system, channels)?;
+    let moved = stepped(noise.as_ref(), &composed);
+    let mut parts = parts(document, moved, lattice.as_ref(), registry)?;
     let choices = parts.choices.clone();
     let dynamics = parts.dynamics();
     if let Base::WrittenOut(map, whole) = parts.base {
@@ -160,9 +164,9 @@ fn compose_at_its_values(
             compose_lattice(&lattice, &composed.system, parts, registry)
                 .map(|stepping| Stepping::Lattice(Box::new(stepping)))
         }
-        _ => compose_written(&composed.system, parts),
+        _ => compose_written(stepped(noise.as_ref(), &composed), parts),
     };
-    let method = method.map_err(|error| refused(&composed, &error))?;
+    let mut method = method.map_err(|error| refused(&composed, &error))?;
     if let Stepping::Lattice(lattice) = &method {
         let map = lattice.base.map();
         composed.system = map.proxy().clone();
@@ -171,8 +175,17 @@ fn compose_at_its_values(
         composed.near = shortened(&composed.initial, geometry, short);
     }
     let step = &document.method.step;
-    let fits = check_libraries(&composed, &method, &choices, step.epsilon(), registry);
+    let fits = check_libraries(
+        (stepped(noise.as_ref(), &composed), &composed.near),
+        &method,
+        &choices,
+        step.epsilon(),
+        registry,
+    );
     fits.map_err(|error| refused(&composed, &error))?;
+    if let Some(noise) = &noise {
+        method = noise.enter(document, registry, method)?;
+    }
     let system = &composed.system;
     let shadow = with_shadows(document, system, &method, &mut composed.observables)?;
     let states = recorded_states(document)?;
@@ -207,6 +220,11 @@ fn compose_at_its_values(
         plan,
         functions: CompiledFunctions::default(),
     })
+}
+
+/// The system whose steps the parts make.
+fn stepped<'a>(noise: Option<&'a NoisySteps>, composed: &'a ComposedSystem) -> &'a PoissonSystem {
+    noise.map_or(&composed.system, |noise| &noise.stepped)
 }
 
 /// Times stand in place of numbers of steps beside a pace alone, and ahead.
@@ -252,7 +270,7 @@ fn check_times(document: &SceneDocument) -> Result<(), Refusal> {
 /// Checks the parts of libraries on the system: a realization's tensor, and the first order of the map
 /// that they make, on a long lattice that of its short one.
 fn check_libraries(
-    composed: &ComposedSystem,
+    (system, near): (&PoissonSystem, &[f64]),
     method: &Stepping,
     choices: &[PartChoice],
     epsilon: f64,
@@ -262,7 +280,6 @@ fn check_libraries(
     let Some(last) = choices.iter().rfind(is_loaded) else {
         return Ok(());
     };
-    let (system, near) = (&composed.system, composed.near.as_slice());
     let built = |choice: &PartChoice| {
         registry
             .realization(choice.name)?
@@ -297,12 +314,18 @@ fn compose_written(system: &PoissonSystem, parts: Parts) -> Result<Stepping, Bui
         Base::Stepper(map) | Base::WrittenOut(map, _) => (map, None),
         Base::Sweeps(map) => (map, None),
     };
+    let is_composed = parts.composition.is_some();
     let map = match parts.composition {
         None => base,
         Some((composition, given)) => composition.build(base, &given)?,
     };
     let map = WithoutPoles::of(system, map)?;
-    Ok(Stepping::Map(MapStepping { map, method }))
+    Ok(Stepping::Map(MapStepping {
+        map,
+        method,
+        is_composed,
+        noise: None,
+    }))
 }
 
 /// The map of a long lattice: a stepper's sweeps, or the chosen parts again, on the proxy their order
@@ -433,10 +456,14 @@ impl ComposedRun {
         })
     }
 
-    /// What forces do to the energy and to the Casimirs, in words; `None` where there are none.
+    /// What forces and noise do to the energy and to the Casimirs, in words; `None` where there are none.
     pub fn work_of_forces(&self) -> Option<String> {
         let forces = self.system.expressions()?.forces();
         let energy = match (forces.one_form.is_empty(), &forces.damping) {
+            (true, None) if self.method.noise().is_some() => "changes by the noise",
+            (false, _) | (_, Some(_)) if self.method.noise().is_some() => {
+                "changes by the noise and the forces"
+            }
             (true, None) => return None,
             (true, Some(damping)) if damping.rate.variables().is_empty() => {
                 "falls by the damping: dH/dt = -rate <g v, v> with v = {H, x}"
@@ -447,7 +474,7 @@ impl ComposedRun {
         let has_casimirs = !self.system.casimir_names().is_empty();
         let casimirs = match self.method.map().properties().structure {
             _ if !has_casimirs => "",
-            Structure::Leaves => "; Casimirs are kept to round-off",
+            Structure::Leaves | Structure::Exact => "; Casimirs are kept to round-off",
             _ => "; these steps keep Casimirs to an order alone",
         };
         Some(format!("{energy}{casimirs}"))

@@ -225,6 +225,11 @@ pub(super) fn with_shadows(
             let what = format!("on a lattice of more than {DENSE_LIMIT} coordinates");
             return Err(refuse(of_a(&what)));
         }
+        if method.noise().is_some() {
+            return Err(refuse(of_a(
+                "with noise: every step follows another Hamiltonian",
+            )));
+        }
         if document.method.pace.is_some() {
             return Err(refuse(of_a("with a pace: its steps are not of the time")));
         }

@@ -3,7 +3,10 @@
 use std::sync::Arc;
 
 use leafwise_core::lattice::{LatticeGeometry, LatticeMap, LatticeMethod, LatticeObservables};
+use leafwise_core::noise::NoisyMap;
 use leafwise_core::{Method, StepMap, Structure};
+
+use super::channels::RunNoise;
 
 /// How a scene's steps are taken.
 #[derive(Clone)]
@@ -21,8 +24,12 @@ pub enum Stepping {
 pub struct MapStepping {
     /// The map that is stepped.
     pub map: Arc<dyn StepMap>,
-    /// The method it is composed of, if it is one.
+    /// The method it is made of, if it is one.
     pub method: Option<Box<Method>>,
+    /// Whether it is a composition.
+    pub is_composed: bool,
+    /// What its steps draw; the method then takes the increments as parameters behind the system's.
+    pub noise: Option<(RunNoise, NoisyMap)>,
 }
 
 /// What sweeps over a lattice.
@@ -85,12 +92,34 @@ impl Stepping {
         }
     }
 
-    /// The method of realization and dynamics that is written out, composed or not.
+    /// The method of realization and dynamics that is written out, composed or not; with noise there is none whose parameters
+    /// are the system's.
     pub fn written(&self) -> Option<&Method> {
+        self.method().filter(|_| self.noise().is_none())
+    }
+
+    /// The same, with noise too.
+    fn method(&self) -> Option<&Method> {
         match self {
             Self::Written(method) => Some(method),
             Self::Map(stepping) => stepping.method.as_deref(),
             Self::Lattice(_) => None,
+        }
+    }
+
+    /// What its steps draw.
+    pub fn noise(&self) -> Option<&RunNoise> {
+        match self {
+            Self::Map(stepping) => stepping.noise.as_ref().map(|(noise, _)| noise),
+            Self::Written(_) | Self::Lattice(_) => None,
+        }
+    }
+
+    /// The steps that draw, to be given other numbers.
+    pub fn noisy(&self) -> Option<&NoisyMap> {
+        match self {
+            Self::Map(stepping) => stepping.noise.as_ref().map(|(_, map)| map),
+            Self::Written(_) | Self::Lattice(_) => None,
         }
     }
 
@@ -101,7 +130,7 @@ impl Stepping {
 
     /// What the steps are made of: labels and descriptions.
     pub fn parts(&self) -> Vec<(&'static str, String)> {
-        let mut lines = match (self, self.written()) {
+        let mut lines = match (self, self.method()) {
             (_, Some(method)) => vec![
                 ("Realization", method.realization().describe()),
                 ("Dynamics", method.dynamics().describe()),
@@ -116,12 +145,15 @@ impl Stepping {
             _ => vec![("Stepper", self.map().describe())],
         };
         let is_composed = match self {
-            Self::Map(stepping) => stepping.method.is_some(),
+            Self::Map(stepping) => stepping.is_composed && stepping.method.is_some(),
             Self::Lattice(lattice) => lattice.is_composed,
             Self::Written(_) => false,
         };
         if is_composed {
             lines.push(("Composition", self.map().describe()));
+        }
+        if let Some(noise) = self.noise() {
+            lines.push(("Noise", noise.describe()));
         }
         let properties = self.map().properties();
         lines.push((
@@ -148,7 +180,7 @@ impl Stepping {
 
     /// How the parts meet in a step.
     pub fn path(&self) -> String {
-        match (self, self.written()) {
+        match (self, self.method()) {
             (_, Some(method)) => method.path(),
             (Self::Lattice(_), _) => "sweeps over a lattice".to_owned(),
             _ => "a step map of its own".to_owned(),
@@ -157,7 +189,7 @@ impl Stepping {
 
     /// What one iteration of the solver costs: labels and counts.
     pub fn costs(&self) -> Vec<(&'static str, String)> {
-        if let Some(method) = self.written() {
+        if let Some(method) = self.method() {
             return match method.newton() {
                 None => vec![("Path", method.path())],
                 Some(newton) => vec![

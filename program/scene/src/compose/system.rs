@@ -4,6 +4,7 @@ use leafwise_core::PoissonSystem;
 use leafwise_core::lattice::LatticeSource;
 
 use super::Refusal;
+use super::channels::Channel;
 use super::definitions::scope;
 use super::events::{Events, events, refuse_on_a_long_lattice};
 use super::extended::Extension;
@@ -25,6 +26,8 @@ pub struct ComposedSystem {
     pub initial: Vec<f64>,
     /// The time as a coordinate, where H names it.
     pub extension: Option<Extension>,
+    /// What moves it at random.
+    pub noise: Vec<Channel>,
     /// What the run records.
     pub observables: Vec<Observable>,
     /// What it watches between its steps.
@@ -60,6 +63,7 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
             near: initial.clone(),
             initial,
             extension: None,
+            noise: Vec::new(),
             observables: observables(document, &scope, None)?,
             events,
         });
@@ -73,6 +77,7 @@ pub fn compose_system(document: &SceneDocument) -> Result<ComposedSystem, Refusa
             system,
             initial,
             extension: None,
+            noise: Vec::new(),
             observables,
             events: Events::default(),
             near,
@@ -135,6 +140,7 @@ pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Re
     let events = std::mem::take(&mut instantiated.events);
     let forms = std::mem::take(&mut instantiated.forms);
     let extension = instantiated.extension.take();
+    let noise = std::mem::take(&mut instantiated.noise);
     let system = instantiated.system(document).map_err(|error| {
         document.diagnostic(
             &document.system.bracket.place(),
@@ -160,6 +166,7 @@ pub(super) fn written_out(document: &SceneDocument) -> Result<ComposedSystem, Re
         near: initial.clone(),
         initial,
         extension,
+        noise,
         observables,
         events,
     })

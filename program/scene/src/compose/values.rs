@@ -8,13 +8,15 @@ use crate::document::SceneDocument;
 impl ComposedRun {
     /// The same run at the values of a scene that differs from its own in what
     /// [`assign`](SceneDocument::assign) sets: its method, whose kernels take parameters and steps when they run, is shared.
-    /// `None` where a part of it holds values: a long lattice, a system of numbers, a recorded shadow energy.
+    /// `None` where a part of it holds values: a long lattice, a system of numbers, a recorded shadow energy; and with noise,
+    /// whose strengths are checked when it is composed.
     ///
     /// # Errors
     /// An initial state that is none.
     pub fn at(&self, document: &SceneDocument) -> Result<Option<Self>, Refusal> {
         let has_values = self.method.lattice().is_some()
             || self.plan.shadow.is_some()
+            || self.method.noise().is_some()
             || self.system.expressions().is_none();
         if has_values {
             return Ok(None);

@@ -1,5 +1,6 @@
 //! The `[method]` table: the parts of the integrator and its step.
 
+use leafwise_core::noise::Noise;
 use leafwise_core::{PartKind, Registry};
 
 use super::error::SceneProblemCause;
@@ -79,10 +80,15 @@ pub struct MethodSection {
     pub step: StepSpec,
     /// dt/dτ, where steps are equal in a fictitious time τ.
     pub pace: Option<Located<String>>,
+    /// How noise enters a step, where the scene says.
+    pub noise: Option<Located<Noise>>,
     /// Values of parameters from which the parts choose what they are made of, in place of the system's:
     /// the pieces of a splitting, the multiples of Casimirs.
     pub chosen_at: Vec<(Located<String>, Located<Number>)>,
 }
+
+/// How noise may enter a step.
+const NOISE_WORDS: [(&str, Noise); 2] = [("joint", Noise::Joint), ("split", Noise::Split)];
 
 /// Reads `[method]`.
 pub(super) fn read_method(
@@ -115,6 +121,13 @@ pub(super) fn read_method(
         Some(item) => item.formula(problems).map(Some),
         None => Some(None),
     };
+    let noise = match table.get("noise") {
+        Some(item) => {
+            let word = item.word("noise", &NOISE_WORDS, problems);
+            word.map(|noise| Some(Located::new(noise, item.place())))
+        }
+        None => Some(None),
+    };
     let chosen_at = match table.get(CHOSEN_AT) {
         Some(item) => item.pairs("a table of numbers", problems, Item::number),
         None => Some(Vec::new()),
@@ -126,6 +139,7 @@ pub(super) fn read_method(
         stepper: stepper?,
         step: step?,
         pace: pace?,
+        noise: noise?,
         chosen_at: chosen_at?,
     })
 }

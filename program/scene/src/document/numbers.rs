@@ -65,14 +65,14 @@ pub(super) fn read_numbers(
         );
         return None;
     }
-    for key in ["forces", "damping"] {
+    for key in ["forces", "damping", "noise"] {
         if let Some(item) = table.get(key) {
             problems.push(
                 SceneProblemCause::Conflict {
                     first: "library".to_owned(),
                     second: key.to_owned(),
                     advice: format!(
-                        "`{}` computes numbers, and forces stand beside formulas of a system alone",
+                        "`{}` computes numbers, and `{key}` stands beside formulas of a system alone",
                         id.value
                     ),
                 },
@@ -185,6 +185,7 @@ fn section(id: &Located<String>, system: PoissonSystem, given: PartParameters) -
         convention: Convention::default(),
         hamiltonian: here(""),
         forces: ForcesSpec::default(),
+        noise: Vec::new(),
         casimirs: casimirs.collect(),
         numbers: Some(NumbersSystem {
             system: Arc::new(system),

@@ -92,6 +92,10 @@ pub struct RunSection {
     pub stop: Option<Located<String>>,
     /// A surface whose crossings are recorded.
     pub section: Option<SectionSpec>,
+    /// What the random numbers of noise depend on.
+    pub seed: u64,
+    /// Which member's of the seed they are.
+    pub member: u64,
     /// What to keep.
     pub record: RecordSpec,
     /// The run directory, when the scene names one.
@@ -117,6 +121,11 @@ pub(super) fn read_run(
         Some(item) => read_section(item, problems).map(Some),
         None => Some(None),
     };
+    let mut number = |key: &str| match table.get(key) {
+        Some(item) => item.whole(0, problems).map(|number| number.value),
+        None => Some(0),
+    };
+    let (seed, member) = (number("seed"), number("member"));
     let record = read_record(table, system, problems);
     let out = match table.get("out") {
         Some(item) => item.string(problems).map(Some),
@@ -128,6 +137,8 @@ pub(super) fn read_run(
         until: until?,
         stop: stop?,
         section: section?,
+        seed: seed?,
+        member: member?,
         record: record?,
         out: out?,
     })

@@ -161,7 +161,7 @@ pub(super) static SCENE: [Key; 6] = [
     ),
 ];
 
-pub(super) static SYSTEM: [Key; 13] = [
+pub(super) static SYSTEM: [Key; 14] = [
     key(
         "library",
         Shape::System,
@@ -229,6 +229,24 @@ pub(super) static SYSTEM: [Key; 13] = [
         "damping",
         table(&DAMPING, &[&["rate"]]),
         "A double bracket, under which energy falls and Casimirs stay: { rate = \"0.1\" }",
+    ),
+    key(
+        "noise",
+        Shape::List(&table(&NOISE, &[&["hamiltonian", "strength"]])),
+        "Channels of noise, dx = {H, x} dt + strength {hamiltonian, x} dW (Stratonovich), on leaves: [{ hamiltonian = \"x1\", strength = \"0.1\" }]",
+    ),
+];
+
+pub(super) static NOISE: [Key; 2] = [
+    key(
+        "hamiltonian",
+        Shape::Formula,
+        "Whose field moves at random, a formula of the variables",
+    ),
+    key(
+        "strength",
+        Shape::Formula,
+        "A positive formula of the parameters",
     ),
 ];
 
@@ -343,7 +361,7 @@ pub(super) static LIE_ALGEBRA: [Key; 3] = [
 /// The key of [`MethodSection::chosen_at`](super::MethodSection::chosen_at).
 pub const CHOSEN_AT: &str = "chosen-at";
 
-pub(super) static METHOD: [Key; 9] = [
+pub(super) static METHOD: [Key; 10] = [
     key(
         "realization",
         Shape::Part(PartKind::Realization),
@@ -377,6 +395,11 @@ pub(super) static METHOD: [Key; 9] = [
         "dt/dtau, positive: steps are then of the fictitious time tau, and small in t where the pace is",
     ),
     key(
+        "noise",
+        Shape::Words(&["joint", "split"]),
+        "How noise enters a step: with H, of order 1 in the mean, or as flows between two half steps of H, of order 2",
+    ),
+    key(
         CHOSEN_AT,
         Shape::Names(&Shape::Number),
         "Values of parameters from which the parts choose what they are made of",
@@ -385,7 +408,7 @@ pub(super) static METHOD: [Key; 9] = [
 
 const OBSERVABLES: Shape = Shape::List(&Shape::Either(&[Shape::Text, FORMULAS]));
 
-pub(super) static RUN: [Key; 7] = [
+pub(super) static RUN: [Key; 9] = [
     key(
         "initial",
         Shape::Either(&[NUMBERS, FIELDS]),
@@ -406,6 +429,16 @@ pub(super) static RUN: [Key; 7] = [
         "section",
         table(&SECTION, &[&["at"]]),
         "A surface whose crossings are recorded: { at = \"q1 = 0\", direction = \"up\" }",
+    ),
+    key(
+        "seed",
+        Shape::Whole(0),
+        "What the random numbers of noise depend on; 0 where not said. Members of an ensemble draw by its own",
+    ),
+    key(
+        "member",
+        Shape::Whole(0),
+        "Whose random numbers these are: of the member of an ensemble with this seed; 0 where not said",
     ),
     key("record", table(&RECORD, &[]), "What to keep of the run"),
     key("out", Shape::Text, "The run directory"),

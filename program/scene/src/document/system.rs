@@ -12,6 +12,7 @@ use super::error::SceneProblemCause;
 use super::field::{FieldSpec, family_of, read_parameters, without_sites};
 use super::forces::{ForcesSpec, read_forces};
 use super::located::{Located, Place, Source};
+use super::noise::read_noise;
 use super::numbers::{asks_for_numbers, read_numbers};
 use super::reader::{Item, Problems, Table};
 use super::schema::{SYSTEM, VECTORS, has};
@@ -19,7 +20,14 @@ use super::suggest::nearest;
 use super::system_section::{Boundary, Convention, SystemSection, VectorFamily};
 
 /// What may stand beside `library`, and it.
-const BESIDE_LIBRARY: [&str; 5] = ["library", "parameters", "families", "forces", "damping"];
+const BESIDE_LIBRARY: [&str; 6] = [
+    "library",
+    "parameters",
+    "families",
+    "forces",
+    "damping",
+    "noise",
+];
 
 /// Reads `[system]`, going to the library when it names one; the fragment used is left in
 /// `fragment` as id and text.
@@ -41,7 +49,7 @@ pub(super) fn read_system(
                 SceneProblemCause::Conflict {
                     first: "library".to_owned(),
                     second: key.to_owned(),
-                    advice: "beside `library` only `parameters`, `families`, `forces` and `damping` may stand; \
+                    advice: "beside `library` only `parameters`, `families`, `forces`, `damping` and `noise` may stand; \
                              remove it, or write the system out without `library`"
                         .to_owned(),
                 },
@@ -70,6 +78,7 @@ pub(super) fn read_system(
     *fragment = Some((id.value.clone(), text.to_string()));
     let mut system = read_fragment(&id.value, text, problems)?;
     system.forces = read_forces(table, std::mem::take(&mut system.forces), problems)?;
+    system.noise = read_noise(table, std::mem::take(&mut system.noise), problems)?;
     override_values(table, &mut system, part.has_numbers(), problems);
     system.library = Some(id);
     Some(system)
@@ -295,6 +304,7 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
         None => Some(Vec::new()),
     };
     let forces = read_forces(table, ForcesSpec::default(), problems);
+    let noise = read_noise(table, Vec::new(), problems);
     let Families { scalars, vectors } = families?;
     let (parameters, sites) = parameters?;
     let mut system = SystemSection {
@@ -312,6 +322,7 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
         hamiltonian: hamiltonian?,
         casimirs: casimirs?,
         forces: forces?,
+        noise: noise?,
         numbers: None,
     };
     check_sites(&system, problems);

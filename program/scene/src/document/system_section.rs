@@ -8,6 +8,7 @@ use super::bracket::BracketSpec;
 use super::field::{FieldSpec, family_of};
 use super::forces::ForcesSpec;
 use super::located::{Located, Number};
+use super::noise::NoiseSpec;
 
 /// Sites beyond the ends of an indexed family.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +61,8 @@ pub struct SystemSection {
     pub casimirs: Vec<(Located<String>, Located<String>)>,
     /// What moves the system beside its Hamiltonian.
     pub forces: ForcesSpec,
+    /// What moves it at random.
+    pub noise: Vec<NoiseSpec>,
     /// A library system without formulas, in place of bracket, Hamiltonian and Casimirs.
     pub numbers: Option<NumbersSystem>,
 }

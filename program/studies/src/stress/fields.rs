@@ -27,7 +27,7 @@ pub(super) const CASES: [Case; 2] = [
 ];
 
 /// Scenes that between them hold every key of [`scene_keys`].
-pub const SCENES_WITH_EVERY_KEY: [&str; 18] = [
+pub const SCENES_WITH_EVERY_KEY: [&str; 19] = [
     r#"
     plugins = []
     [system]
@@ -236,6 +236,20 @@ pub const SCENES_WITH_EVERY_KEY: [&str; 18] = [
     [run]
     initial = { "q[i]" = { file = "q.csv", column = "q" }, "p[i]" = 0 }
     steps   = 10
+    "#,
+    r#"
+    [system]
+    library = "rigid-body"
+    noise   = [{ hamiltonian = "x1", strength = 0.1 }]
+    [method]
+    realization = "auto"
+    noise       = "split"
+    time-step   = 0.05
+    [run]
+    initial = [1, 3, 3]
+    steps   = 10
+    seed    = 1
+    member  = 2
     "#,
     r#"
     [system]

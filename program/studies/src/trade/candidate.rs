@@ -6,6 +6,7 @@ use std::fmt;
 use leafwise_core::part::{ParameterDefault, ParameterInfo, ParameterSetting, PartKind};
 use leafwise_core::{MapProperties, Registry};
 use leafwise_expression::words::counted;
+use leafwise_scene::compose::refuse_noise;
 use leafwise_scene::document::{MethodParts, MethodTable, PartUse};
 use leafwise_scene::json::optional;
 use leafwise_scene::{ComposedRun, SceneDocument, compose};
@@ -41,6 +42,12 @@ impl<'a> Bench<'a> {
         registry: &'a Registry,
         time: Option<f64>,
     ) -> Result<Self, TradeError> {
+        refuse_noise(
+            document,
+            "methods are not compared by their errors on the motion",
+            "compare them on a copy of the scene without noise",
+        )
+        .map_err(TradeError::Refused)?;
         if let Some(stop) = &document.run.stop {
             return Err(TradeError::Refused(Box::new(document.diagnostic(
                 &stop.place(),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use leafwise_core::part::Family;
 use leafwise_core::{BuildError, Integrator, PoissonSystem, Registry, StepError, StepMap};
-use leafwise_scene::compose::Stepping;
+use leafwise_scene::compose::{Stepping, refuse_noise};
 use leafwise_scene::{Refusal, SceneDocument, compose, compose_system};
 
 /// A problem that step maps are measured on.
@@ -67,6 +67,12 @@ impl Problem {
         document: &SceneDocument,
         registry: &Registry,
     ) -> Result<Self, ProblemError> {
+        refuse_noise(
+            document,
+            "methods are not measured on the motion",
+            "measure them on a copy of the scene without noise",
+        )
+        .map_err(ProblemError::Refused)?;
         let run = compose(document, registry).map_err(ProblemError::Refused)?;
         self.own = match run.method {
             Stepping::Written(method) => Some(Own(Arc::new(*method))),

@@ -140,6 +140,28 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         }
     }
 
+    /// Runs the coefficient kernels; returns whether a coefficient has changed.
+    fn prepare(&mut self) -> bool {
+        let (parameters, sizes) = (&self.parameters, ([self.epsilon; W], [self.h; W]));
+        let prepare = |kernel: &leafwise_expression::Kernel, workspace: &mut Workspace| {
+            kernel.prepare(workspace, parameters, &sizes.0, &sizes.1)
+        };
+        let mut changes = prepare(&self.kernel.full, &mut self.full);
+        changes |= prepare(&self.kernel.residual, &mut self.residual);
+        if let Some(workspace) = &mut self.halved {
+            let half = [0.5 * self.h; W];
+            let kernel = &self.kernel.full;
+            kernel.prepare(workspace, parameters, &sizes.0, &half);
+        }
+        if let Start::Series {
+            kernel, workspace, ..
+        } = &mut self.start
+        {
+            changes |= prepare(kernel, workspace);
+        }
+        changes
+    }
+
     /// The increments of the step from x + low.
     fn step(&mut self) {
         self.start();

@@ -1,7 +1,5 @@
 //! Blocks of any dimension, and what they hand over.
 
-use leafwise_expression::Workspace;
-
 use super::masks::Row;
 use super::{Block, Lane};
 use crate::error::StepError;
@@ -9,7 +7,6 @@ use crate::solver::elimination::{ANY, Rows, dimension};
 use crate::solver::judge::Watch;
 use crate::solver::newton::convergence::Convergence;
 use crate::solver::newton::kernel::NewtonKernel;
-use crate::solver::newton::start::Start;
 use crate::solver::{SolverStatistics, StepCheck, add};
 
 /// What a stepper asks of its blocks, whatever their dimension.
@@ -42,6 +39,9 @@ pub(in crate::solver::newton) trait LaneBlock: Send {
     fn restart(&mut self);
     /// Takes another step size, and forgets earlier steps.
     fn resize(&mut self, h: f64);
+    /// Takes other parameters, `from` telling which columns of this structure of arrays are the block's: forgets earlier
+    /// solutions and, where they change a coefficient, Jacobians.
+    fn set_parameters(&mut self, from: Columns, parameters: &[f64]);
     /// What the next step of a lane depends on. The Jacobians are evaluated again where they were
     /// taken.
     fn memory(&self, lane: usize, into: &mut Vec<f64>);
@@ -151,20 +151,22 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
 
     fn resize(&mut self, h: f64) {
         self.h = h;
-        let (parameters, sizes) = (&self.parameters, ([self.epsilon; W], [h; W]));
-        let prepare = |kernel: &leafwise_expression::Kernel, workspace: &mut Workspace| {
-            kernel.prepare(workspace, parameters, &sizes.0, &sizes.1);
-        };
-        prepare(&self.kernel.full, &mut self.full);
-        prepare(&self.kernel.residual, &mut self.residual);
-        self.halved = None;
-        if let Start::Series {
-            kernel, workspace, ..
-        } = &mut self.start
-        {
-            prepare(kernel, workspace);
-        }
+        self.prepare();
         self.restart();
+    }
+
+    fn set_parameters(&mut self, from: Columns, parameters: &[f64]) {
+        for (i, own) in self.parameters.chunks_exact_mut(W).enumerate() {
+            own.copy_from_slice(&parameters[from.row::<W>(i)]);
+        }
+        let changes = self.prepare();
+        for (w, lane) in self.lanes.iter_mut().enumerate() {
+            self.start.change(w);
+            if changes {
+                lane.convergence = Convergence::new();
+                lane.anchored = false;
+            }
+        }
     }
 
     fn memory(&self, lane: usize, into: &mut Vec<f64>) {

@@ -1,7 +1,7 @@
 //! `leafwise tune --shadow`: the step of a scene's own method, from the energy of its shadow.
 
 use leafwise::run::{NoShadowStep, ShadowStep, ShadowVerdict};
-use leafwise::scene::compose::compose;
+use leafwise::scene::compose::{compose, refuse_noise};
 use serde::Serialize;
 
 use crate::arguments::TuneArguments;
@@ -31,6 +31,11 @@ pub(super) fn execute(
 ) -> Result<u8, Failure> {
     let document = parts.scene(&arguments.scene)?;
     let is_shown = console.is_terminal;
+    refuse_noise(
+        &document,
+        "no step is found by the shadow energy",
+        "take the noise out",
+    )?;
     let run = while_building(is_shown, || compose(&document, &parts.registry))?;
     if run.method.lattice().is_some() || document.method.pace.is_some() {
         return Err(Failure::usage(

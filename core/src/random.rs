@@ -1,4 +1,7 @@
 //! Random numbers that depend on a seed, a member and a purpose alone.
+//!
+//! Every number has a counter of its own under the key of the seed: it is the same on any machine, in any order, and
+//! whatever else is drawn.
 
 /// Philox4x32-10: ten rounds that scatter a counter under a key (J. Salmon, M. Moraes, R. Dror,
 /// D. Shaw, *Parallel random numbers: as easy as 1, 2, 3*, SC11).
@@ -20,8 +23,12 @@ fn philox(counter: [u32; 4], key: [u32; 2]) -> [u32; 4] {
     [a, b, c, d]
 }
 
+/// No normal number is larger in size: √(2·53·ln 2), rounded up.
+pub const LARGEST_NORMAL: f64 = 8.572;
+
 /// One stream of numbers: any member's can be drawn without those before it.
-pub(super) struct Random {
+#[derive(Clone, Debug)]
+pub struct Random {
     key: [u32; 2],
     /// Block of the stream, stream, member.
     counter: [u32; 4],
@@ -29,11 +36,23 @@ pub(super) struct Random {
 }
 
 impl Random {
-    /// The numbers of a member for one purpose.
+    /// The numbers of a member for one purpose, by a number below 2³¹.
     pub fn new(seed: u64, member: u64, stream: u32) -> Self {
+        Self::from_counter(seed, [0, stream, member as u32, (member >> 32) as u32])
+    }
+
+    /// The two numbers of a member's step, below 2⁴⁸, for a channel of noise below 2¹⁵: no stream of another purpose
+    /// shares their counter.
+    pub fn of_step(seed: u64, member: u64, channel: u32, step: u64) -> Self {
+        let purpose = 1 << 31 | channel << 16 | (step >> 32) as u32;
+        let counter = [step as u32, purpose, member as u32, (member >> 32) as u32];
+        Self::from_counter(seed, counter)
+    }
+
+    fn from_counter(seed: u64, counter: [u32; 4]) -> Self {
         Self {
             key: [seed as u32, (seed >> 32) as u32],
-            counter: [0, stream, member as u32, (member >> 32) as u32],
+            counter,
             waiting: None,
         }
     }
@@ -53,7 +72,7 @@ impl Random {
         ((self.bits() >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
     }
 
-    /// Standard normal, by Box and Muller.
+    /// Standard normal, by Box and Muller; |ξ| ≤ √(2·53·ln 2) < [`LARGEST_NORMAL`], as a uniform number is at least 2⁻⁵³.
     pub fn normal(&mut self) -> f64 {
         let radius = libm::sqrt(-2.0 * libm::log(self.uniform()));
         radius * libm::cos(2.0 * std::f64::consts::PI * self.uniform())
@@ -82,6 +101,30 @@ mod tests {
             ),
             [0xd16c_fe09, 0x94fd_cceb, 0x5001_e420, 0x2412_6ea1]
         );
+    }
+
+    /// Steps up to 2⁴⁸, channels and members have numbers of their own, apart from every stream below 2³¹.
+    #[test]
+    fn every_step_and_channel_has_a_counter_of_its_own() {
+        let mut seen = std::collections::HashSet::new();
+        let steps = [0, 1, u64::from(u32::MAX), 1 << 32, 1 << 40, (1 << 48) - 1];
+        for member in [0, 1, 1 << 32] {
+            for channel in [0, 1, (1 << 15) - 1] {
+                for step in steps {
+                    assert!(seen.insert(Random::of_step(3, member, channel, step).counter));
+                }
+            }
+            for stream in [0, 1, (1 << 31) - 1] {
+                assert!(seen.insert(Random::new(3, member, stream).counter));
+            }
+        }
+    }
+
+    /// √(−2 ln 2⁻⁵³), the largest that Box and Muller's radius becomes.
+    #[test]
+    fn normal_numbers_are_bounded() {
+        let radius = libm::sqrt(2.0 * 53.0 * std::f64::consts::LN_2);
+        assert!(radius < LARGEST_NORMAL && radius > LARGEST_NORMAL - 1e-3);
     }
 
     /// Moments of 10⁵ numbers within five standard errors.

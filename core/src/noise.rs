@@ -1,0 +1,351 @@
+//! Noise: steps with parameters that are drawn anew before each.
+//!
+//! Stratonovich's dx = {H, x} dt + Σ_k σ_k {H_k, x} ∘ dW_k moves along leaves, and its flow is a Poisson map almost surely
+//! (J.-M. Bismut, *Mécanique aléatoire*, 1981; J.-A. Lázaro-Camí, J.-P. Ortega, *Stochastic Hamiltonian dynamical systems*,
+//! Reports on Mathematical Physics 61 (2008)). With increments ΔW_k of a step t it is, to first order in the mean, that of
+//! the Hamiltonian H_w = H + Σ_k w_k σ_k H_k with w_k = ΔW_k/t (G. N. Milstein, Yu. M. Repin, M. V. Tretyakov, *Numerical
+//! methods for stochastic systems preserving symplectic structure*, SIAM Journal on Numerical Analysis 40 (2002)): any map
+//! of systems with the parameters w_k serves, and a Poisson map stays one.
+//!
+//! Of second order in the mean is Φ_{t/2} ∘ exp(ΔW_1 σ_1 X_1) ∘ … ∘ exp(ΔW_K σ_K X_K) ∘ Φ_{t/2}, the flows of the channels
+//! forwards or backwards with probability 1/2, Φ a self-adjoint map of H alone (S. Ninomiya, N. Victoir, *Weak
+//! approximation of stochastic differential equations and application to derivative pricing*, Applied Mathematical
+//! Finance 15 (2008)). Both orders stand in one product, 1 … K … 1, where the flows of one pass have no time.
+
+use std::sync::Arc;
+
+use leafwise_expression::Kernel;
+
+use crate::error::StepError;
+use crate::gradient::Differential;
+use crate::random::Random;
+use crate::solver::{MapProperties, ProductStepper, SolverStatistics, StepMap, Stepper};
+
+/// Where standard normal numbers ξ come from: ΔW = √t ξ.
+pub trait Normals: Send + Sync {
+    /// ξ of a member's step, counted from 0, and a channel. Of a [split](Noise::Split) step the channel behind the last
+    /// tells by its sign which pass the flows take.
+    fn normal(&self, member: u64, channel: u32, step: u64) -> f64;
+}
+
+/// By Philox: what a member draws depends on the seed, its number, the channel and the step alone. |ξ| is at most
+/// [`LARGEST_NORMAL`](crate::random::LARGEST_NORMAL).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Seed {
+    /// The key of all numbers.
+    pub seed: u64,
+    /// What member 0 draws as: the numbers of member m are those of `first` + m.
+    pub first: u64,
+}
+
+impl Normals for Seed {
+    fn normal(&self, member: u64, channel: u32, step: u64) -> f64 {
+        Random::of_step(self.seed, self.first + member, channel, step).normal()
+    }
+}
+
+/// How increments enter a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Noise {
+    /// With H, as parameters w_k of one step: weak order 1.
+    #[default]
+    Joint,
+    /// As flows between two halves of a step of H alone: weak order 2.
+    Split,
+}
+
+impl Noise {
+    /// How many parameters hold the increments of `channels` of noise, behind the system's own: w_1, …, w_K, and, split,
+    /// w_{K−1}, …, w_1 of the second pass.
+    pub fn parameters(self, channels: usize) -> usize {
+        match self {
+            Self::Joint => channels,
+            Self::Split => (2 * channels).saturating_sub(1),
+        }
+    }
+
+    /// The order of means in t.
+    pub fn weak_order(self) -> usize {
+        match self {
+            Self::Joint => 1,
+            Self::Split => 2,
+        }
+    }
+}
+
+/// The product of flows of a [split](Noise::Split) step, as a map of systems that have its
+/// [parameters](Noise::parameters).
+#[derive(Clone)]
+pub struct SplitNoise {
+    stages: Vec<(Arc<dyn StepMap>, f64)>,
+}
+
+impl SplitNoise {
+    /// Φ_{t/2} ∘ φ_1 ∘ … ∘ φ_K ∘ … ∘ φ_1 ∘ Φ_{t/2}: Φ of H alone, and a flow for each parameter w_j, of w_j σ_k H_k.
+    pub fn new(drift: Arc<dyn StepMap>, flows: Vec<Arc<dyn StepMap>>) -> Self {
+        let mut stages = vec![(Arc::clone(&drift), 0.5)];
+        stages.extend(flows.into_iter().map(|flow| (flow, 1.0)));
+        stages.push((drift, 0.5));
+        Self { stages }
+    }
+}
+
+impl StepMap for SplitNoise {
+    fn dimension(&self) -> usize {
+        self.stages[0].0.dimension()
+    }
+
+    fn properties(&self) -> MapProperties {
+        self.stages[0].0.properties()
+    }
+
+    fn describe(&self) -> String {
+        let flows = self.stages.len() - 2;
+        let noun = if flows == 1 { "flow" } else { "flows" };
+        format!(
+            "halves of {} about {flows} {noun} of noise",
+            self.stages[0].0.describe()
+        )
+    }
+
+    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+        let maps = self.stages[1..].iter();
+        maps.flat_map(|(map, _)| map.kernels()).collect()
+    }
+
+    fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
+        let stages = &self.stages;
+        Box::new(ProductStepper::new(stages, lanes, parameters, epsilon, h))
+    }
+}
+
+/// A step map whose last parameters are drawn before every step. Steppers take the parameters before those.
+#[derive(Clone)]
+pub struct NoisyMap {
+    map: Arc<dyn StepMap>,
+    noise: Noise,
+    channels: usize,
+    normals: Arc<dyn Normals>,
+}
+
+impl NoisyMap {
+    /// Steps of `map`, whose last [parameters](Noise::parameters) are those of `channels` of noise.
+    pub fn new(
+        map: Arc<dyn StepMap>,
+        noise: Noise,
+        channels: usize,
+        normals: Arc<dyn Normals>,
+    ) -> Self {
+        Self {
+            map,
+            noise,
+            channels,
+            normals,
+        }
+    }
+
+    /// The same with other numbers: of paths that are given, or of a quadrature.
+    pub fn with_normals(&self, normals: Arc<dyn Normals>) -> Self {
+        Self {
+            normals,
+            ..self.clone()
+        }
+    }
+}
+
+impl StepMap for NoisyMap {
+    fn dimension(&self) -> usize {
+        self.map.dimension()
+    }
+
+    /// The order is that of means.
+    fn properties(&self) -> MapProperties {
+        let MapProperties {
+            order, structure, ..
+        } = self.map.properties();
+        MapProperties {
+            order: order.min(self.noise.weak_order()),
+            structure,
+            self_adjoint: Some(false),
+        }
+    }
+
+    fn describe(&self) -> String {
+        let channels = match self.channels {
+            1 => "one channel".to_owned(),
+            count => format!("{count} channels"),
+        };
+        format!("{} with noise of {channels}", self.map.describe())
+    }
+
+    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+        self.map.kernels()
+    }
+
+    fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
+        let own = parameters.len();
+        let mut parameters = parameters.to_vec();
+        parameters.resize(own + self.noise.parameters(self.channels) * lanes, 0.0);
+        Box::new(NoisyStepper {
+            stepper: self.map.stepper(lanes, &parameters, epsilon, h),
+            spent: SolverStatistics::default(),
+            map: self.clone(),
+            parameters,
+            own,
+            members: (0..lanes as u64).collect(),
+            step: 0,
+            step_sizes: (epsilon, h),
+        })
+    }
+
+    fn differential(&self, _: &[f64], _: f64, _: f64) -> Box<dyn Differential> {
+        Box::new(NoDifferential)
+    }
+}
+
+/// Of steps that another pass over a trajectory would draw anew.
+struct NoDifferential;
+
+impl Differential for NoDifferential {
+    fn step(&mut self, _: &[f64], _: &[f64], _: &mut [f64]) -> Result<(), StepError> {
+        Err(StepError::NoTangent)
+    }
+
+    fn push(&mut self, _: &mut [f64], _: &[f64]) -> Result<(), StepError> {
+        Err(StepError::NoTangent)
+    }
+
+    fn pull(&mut self, _: &mut [f64], _: &mut [f64]) -> Result<(), StepError> {
+        Err(StepError::NoTangent)
+    }
+
+    fn pull_inverse(&mut self, _: &mut [f64], _: &mut [f64]) -> Result<(), StepError> {
+        Err(StepError::NoTangent)
+    }
+
+    fn knows_parameters(&self) -> bool {
+        false
+    }
+
+    fn operations(&self) -> Option<u64> {
+        None
+    }
+}
+
+/// Draws, and steps with what was drawn.
+struct NoisyStepper {
+    stepper: Box<dyn Stepper>,
+    /// Work of steppers that take no other parameters: each served one step.
+    spent: SolverStatistics,
+    map: NoisyMap,
+    parameters: Vec<f64>,
+    /// Where those that are drawn begin.
+    own: usize,
+    members: Vec<u64>,
+    /// The number of the next step.
+    step: u64,
+    step_sizes: (f64, f64),
+}
+
+impl NoisyStepper {
+    fn draw(&mut self) {
+        let NoisyMap {
+            noise,
+            channels,
+            normals,
+            ..
+        } = &self.map;
+        let lanes = self.members.len();
+        let (epsilon, h) = self.step_sizes;
+        let root = libm::sqrt(epsilon * h);
+        let drawn = &mut self.parameters[self.own..];
+        for (lane, member) in self.members.iter().enumerate() {
+            let normal = |channel: usize| normals.normal(*member, channel as u32, self.step);
+            let is_second = *noise == Noise::Split && *channels > 1 && normal(*channels) < 0.0;
+            for channel in 0..*channels {
+                let w = normal(channel) / root;
+                if *noise == Noise::Joint || channel + 1 == *channels {
+                    drawn[channel * lanes + lane] = w;
+                    continue;
+                }
+                let (first, second) = if is_second { (0.0, w) } else { (w, 0.0) };
+                drawn[channel * lanes + lane] = first;
+                drawn[(2 * *channels - 2 - channel) * lanes + lane] = second;
+            }
+        }
+    }
+
+    /// The stepper with what was drawn; a new one where it takes no other parameters.
+    fn renew(&mut self) {
+        if self.stepper.set_parameters(&self.parameters) {
+            return;
+        }
+        self.spent = self.spent.and(self.stepper.statistics());
+        let (epsilon, h) = self.step_sizes;
+        let map = &self.map.map;
+        self.stepper = map.stepper(self.members.len(), &self.parameters, epsilon, h);
+    }
+}
+
+impl Stepper for NoisyStepper {
+    fn increment(
+        &mut self,
+        x: &[f64],
+        low: &[f64],
+        increment: &mut [f64],
+        outcome: &mut [Result<(), StepError>],
+    ) {
+        self.draw();
+        self.renew();
+        self.stepper.increment(x, low, increment, outcome);
+        // A step that fails has not been made.
+        if outcome.iter().any(Result::is_ok) {
+            self.step += 1;
+        }
+    }
+
+    fn solution(&self, lane: usize) -> Option<Vec<f64>> {
+        self.stepper.solution(lane)
+    }
+
+    /// At what was drawn for the last step.
+    fn tangent(&mut self, lane: usize) -> Option<Vec<f64>> {
+        self.stepper.tangent(lane)
+    }
+
+    fn restart(&mut self) {
+        self.stepper.restart();
+    }
+
+    fn follow(&mut self, members: &[u64]) {
+        self.members.copy_from_slice(members);
+    }
+
+    fn set_parameters(&mut self, parameters: &[f64]) -> bool {
+        self.parameters[..self.own].copy_from_slice(parameters);
+        true
+    }
+
+    fn statistics(&self) -> SolverStatistics {
+        self.spent.and(self.stepper.statistics())
+    }
+
+    /// The number of the next step, below 2⁵³, then what the stepper keeps.
+    fn memory(&self) -> Vec<f64> {
+        let mut memory = vec![self.step as f64];
+        memory.extend(self.stepper.memory());
+        memory
+    }
+
+    fn restore(&mut self, memory: &[f64]) -> Result<(), usize> {
+        let expected = 1 + self.stepper.memory().len();
+        let Some((step, memory)) = memory
+            .split_first()
+            .filter(|(_, own)| own.len() + 1 == expected)
+        else {
+            return Err(expected);
+        };
+        self.step = *step as u64;
+        self.stepper.restore(memory).map_err(|length| length + 1)
+    }
+}

@@ -1,0 +1,246 @@
+//! How noise enters a step, and what is not offered beside it.
+
+use std::sync::Arc;
+
+use leafwise_core::noise::{Noise, NoisyMap, Seed, SplitNoise};
+use leafwise_core::part::Family;
+use leafwise_core::system::Forces;
+use leafwise_core::{BuildError, PartParameters, PoissonSystem, Registry, StepMap};
+
+use super::Refusal;
+use super::channels::{Channel, RunNoise, refusal};
+use super::dense::DENSE_LIMIT;
+use super::stepping::{MapStepping, Stepping};
+use crate::document::{Place, SceneDocument};
+
+/// What the parts of a scene with noise are made for, and how its map is made of theirs.
+pub(super) struct NoisySteps {
+    pub noise: RunNoise,
+    /// The system whose steps the parts make, with the parameters of the increments behind its own: H_w where they enter with
+    /// H, else H alone.
+    pub stepped: PoissonSystem,
+}
+
+impl NoisySteps {
+    /// Those of a scene that has noise.
+    ///
+    /// # Errors
+    /// What is wrong with it or not offered beside it, underlined in the scene.
+    pub fn of(
+        document: &SceneDocument,
+        system: &PoissonSystem,
+        channels: Vec<Channel>,
+    ) -> Result<Option<Self>, Refusal> {
+        refuse_beside(document)?;
+        let Some(formulas) = system.expressions().filter(|_| !channels.is_empty()) else {
+            return Ok(None);
+        };
+        check_strengths(document, system, &channels)?;
+        let noise = RunNoise {
+            way: document
+                .method
+                .noise
+                .as_ref()
+                .map_or(Noise::default(), |way| way.value),
+            seed: Seed {
+                seed: document.run.seed,
+                first: document.run.member,
+            },
+            channels,
+        };
+        let stepped = noise.stepped(formulas).map_err(|error| {
+            let first = &document.system.noise[0].hamiltonian;
+            refusal(document, first, error.to_string(), "write another channel")
+        })?;
+        Ok(Some(Self {
+            noise,
+            stepped: stepped.into(),
+        }))
+    }
+
+    /// Steps of `method`, made for the system that is [stepped](Self::stepped), with increments that are drawn.
+    ///
+    /// # Errors
+    /// A channel without an exact flow where the noise is split, underlined in the scene.
+    pub fn enter(
+        &self,
+        document: &SceneDocument,
+        registry: &Registry,
+        method: Stepping,
+    ) -> Result<Stepping, Refusal> {
+        let is_composed = document.method.composition.is_some();
+        let (map, method): (Arc<dyn StepMap>, _) = match method {
+            Stepping::Written(method) => (Arc::new(method.as_ref().clone()), Some(method)),
+            Stepping::Map(stepping) => (stepping.map, stepping.method),
+            Stepping::Lattice(_) => unreachable!("noise on a long lattice is refused"),
+        };
+        let map = match self.noise.way {
+            Noise::Joint => map,
+            Noise::Split => Arc::new(SplitNoise::new(map, self.flows(document, registry)?)),
+        };
+        let RunNoise {
+            way,
+            seed,
+            channels,
+        } = &self.noise;
+        let map = NoisyMap::new(map, *way, channels.len(), Arc::new(*seed));
+        Ok(Stepping::Map(MapStepping {
+            map: Arc::new(map.clone()),
+            method,
+            is_composed,
+            noise: Some((self.noise.clone(), map)),
+        }))
+    }
+
+    /// The flow of w_j σ_k H_k for every parameter w_j.
+    fn flows(
+        &self,
+        document: &SceneDocument,
+        registry: &Registry,
+    ) -> Result<Vec<Arc<dyn StepMap>>, Refusal> {
+        let channels = &self.noise.channels;
+        let formulas = self.stepped.expressions();
+        let formulas = formulas.expect("noise stands beside formulas");
+        let count = Noise::Split.parameters(channels.len());
+        let own = formulas.parameters().len() - count;
+        let flow = |at: usize| {
+            let channel = at.min(count - 1 - at);
+            let refuse = |reason: String| {
+                let spec = &document.system.noise[channel].hamiltonian;
+                let message = format!(
+                    "noise = \"split\" needs the exact flow of every channel, and `{}` has none: {reason}",
+                    channels[channel].text
+                );
+                let help = "write noise = \"joint\" into [method], or channels that are single pieces, such as coordinates";
+                refusal(document, spec, message, help)
+            };
+            let term = channels[channel].times(own + at);
+            let alone = formulas
+                .with_forces(Forces::default())
+                .and_then(|alone| alone.with_hamiltonian(term));
+            let map = alone.and_then(|alone| exact_flow(registry, &alone.into()));
+            match map {
+                Ok(map) if map.pieces() == 1 => Ok(map),
+                Ok(map) => Err(refuse(match map.pieces() {
+                    0 => "nothing moves under it".to_owned(),
+                    pieces => {
+                        format!("it comes apart into {pieces} pieces whose flows do not commute")
+                    }
+                })),
+                Err(error) => Err(refuse(error.to_string())),
+            }
+        };
+        (0..count).map(flow).collect()
+    }
+}
+
+/// The map of the registry that is a product of exact flows.
+fn exact_flow(registry: &Registry, system: &PoissonSystem) -> Result<Arc<dyn StepMap>, BuildError> {
+    let parts = registry.parts();
+    let splitting = parts
+        .iter()
+        .find(|info| info.family == Some(Family::Splitting));
+    let name = splitting.map_or("splitting", |info| info.name);
+    registry
+        .stepper(name)?
+        .build(system, &PartParameters::new())
+}
+
+/// Refuses strengths that are not positive at the parameters' values.
+fn check_strengths(
+    document: &SceneDocument,
+    system: &PoissonSystem,
+    channels: &[Channel],
+) -> Result<(), Refusal> {
+    let parameters = system.parameter_values();
+    for (channel, spec) in channels.iter().zip(&document.system.noise) {
+        let value = channel.strength.evaluate(&[], &parameters);
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(refusal(
+                document,
+                &spec.strength,
+                format!("the strength of a channel of noise is {value:?}, and must be positive"),
+                "take the channel out, or write a positive number or a formula of the parameters that is positive",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses what has no meaning beside noise, or another one.
+fn refuse_beside(document: &SceneDocument) -> Result<(), Refusal> {
+    let system = &document.system;
+    let Some(first) = system.noise.first() else {
+        return Ok(());
+    };
+    let refuse = |place: Place, message: &str, help: &str| {
+        let help = Some(help.to_owned());
+        Err(Box::new(document.diagnostic(&place, message, "here", help)))
+    };
+    if system.coordinates() > DENSE_LIMIT {
+        let message = format!(
+            "noise is not offered on a lattice of more than {DENSE_LIMIT} coordinates, and this one has {}",
+            system.coordinates()
+        );
+        return refuse(first.hamiltonian.place(), &message, "shorten the lattice");
+    }
+    if let Some(pace) = &document.method.pace {
+        return refuse(
+            pace.place(),
+            "a pace is not offered with noise: its steps are of no time in which the noise is white",
+            "take steps that are short enough everywhere",
+        );
+    }
+    let step = &document.method.step;
+    if step.time_step() <= 0.0 {
+        let place = match step {
+            crate::document::StepSpec::TimeStep(step) => step.place(),
+            crate::document::StepSpec::Factors { h, .. } => h.place(),
+        };
+        return refuse(
+            place,
+            "noise runs forward in time, and this step is negative",
+            "write a positive step",
+        );
+    }
+    let run = &document.run;
+    let shorter = "is found by shorter steps, and noise would be drawn anew for them";
+    if let Some(stop) = &run.stop {
+        return refuse(
+            stop.place(),
+            &format!("`stop` is not offered with noise: its place {shorter}"),
+            "record the quantity, and look where its samples end",
+        );
+    }
+    if let Some(section) = &run.section {
+        return refuse(
+            section.at.place(),
+            &format!("a section is not offered with noise: a crossing {shorter}"),
+            "record the quantity, and look where its samples change their sign",
+        );
+    }
+    if let Some(times) = &run.record.times {
+        return refuse(
+            times.place(),
+            &format!("`times` are not offered with noise: a state between two steps {shorter}"),
+            "write every = …, a number of steps between two samples",
+        );
+    }
+    Ok(())
+}
+
+/// Refuses what a scene is asked for that its noise would make something else: `what` is not of random motion.
+///
+/// # Errors
+/// Where the scene has noise.
+pub fn refuse_noise(document: &SceneDocument, what: &str, help: &str) -> Result<(), Refusal> {
+    match document.system.noise.first() {
+        None => Ok(()),
+        Some(first) => Err(refusal(
+            document,
+            &first.hamiltonian,
+            format!("{what} of a system with noise"),
+            help,
+        )),
+    }
+}
