@@ -140,7 +140,11 @@ fn exact_flow(registry: &Registry, system: &PoissonSystem) -> Result<Arc<dyn Ste
     let splitting = parts
         .iter()
         .find(|info| info.family == Some(Family::Splitting));
-    let name = splitting.map_or("splitting", |info| info.name);
+    let missing = || BuildError::DoesNotFit {
+        part: "noise",
+        reason: "no stepper of this program is a product of exact flows".to_owned(),
+    };
+    let name = splitting.ok_or_else(missing)?.name;
     registry
         .stepper(name)?
         .build(system, &PartParameters::new())
