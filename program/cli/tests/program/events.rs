@@ -221,7 +221,7 @@ fn what_is_no_condition_is_refused_where_it_stands() {
         ("ln(q - 1) > 2", "has no value at the initial state"),
         (
             "t > 1",
-            "t is the time where the Hamiltonian, a one-form or a pace names it",
+            "t is the time where the Hamiltonian, a one-form, a force or a pace names it",
         ),
     ] {
         let refused = run(&here, "run", &[&format!("run.stop=\"{stop}\"")]);

@@ -158,7 +158,7 @@ fn the_time_stands_where_it_has_a_meaning() {
         let begin = ["no value or no derivative at t = 0", "sqrt(t + t0)"];
         refused("0.1*q*cos(t)", rough, "5:16", &begin);
     }
-    let unnamed = ["t is the time where the Hamiltonian, a one-form or a pace names it"];
+    let unnamed = ["t is the time where the Hamiltonian, a one-form, a force or a pace names it"];
     refused("0.1*q*cos(t)", "0.1*q", "12:54", &unnamed);
     // A coordinate, or a parameter, of this name is no time.
     let own = DRIVEN.replace("[method]", "parameters = { t = 0.5 }\n[method]");

@@ -17,8 +17,9 @@ const LIBRARY: [&str; 5] = [
     "heavy-top",
 ];
 
-/// Canonical systems, a pendulum and Hénon and Heiles', and a spin that drives an oscillator: a direct sum.
-const WRITTEN: [(&str, &str); 3] = [
+/// Canonical systems, a pendulum and Hénon and Heiles', a spin that drives an oscillator, a direct sum, and a body with
+/// damping and a force, for parts that take them.
+const WRITTEN: [(&str, &str); 4] = [
     (
         "pendulum",
         "[system]\nvariables = [\"q\", \"p\"]\nbracket = { \"q,p\" = \"-1\" }\n\
@@ -39,6 +40,14 @@ const WRITTEN: [(&str, &str); 3] = [
          hamiltonian = \"x^2/2 + y^2/3 + z^2/4 + (p^2 + q^2)/2 + q*x/5\"\n\
          casimirs = { spin = \"x^2 + y^2 + z^2\" }\n\
          [method]\ntime-step = 0.1\n[run]\ninitial = [0.6, -0.3, 0.7, 0.4, 0.2]\nsteps = 1\n",
+    ),
+    (
+        "damped body",
+        "[system]\nvariables = [\"x\", \"y\", \"z\"]\n\
+         bracket = { \"x,y\" = \"-z\", \"y,z\" = \"-x\", \"z,x\" = \"-y\" }\n\
+         hamiltonian = \"x^2/2 + y^2/3 + z^2/4\"\ncasimirs = { spin = \"x^2 + y^2 + z^2\" }\n\
+         forces = [\"y/5\", \"0\", \"0\"]\ndamping = { rate = \"0.2\" }\n\
+         [method]\ntime-step = 0.1\n[run]\ninitial = [0.6, -0.3, 0.7]\nsteps = 1\n",
     ),
 ];
 
