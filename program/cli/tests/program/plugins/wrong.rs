@@ -89,7 +89,7 @@ fn a_check_tells_what_is_accepted_and_what_was_not_measured() {
     for text in [
         "nothing that is declared is broken",
         "nothing could be measured of motions/log-canonical, motions/turn, motions/energy: offer a system",
-        "on none of the 3 problems of its dimension; offer a system of its tensor",
+        "on none of the 4 problems of its dimension; offer a system of its tensor",
         "formulas do not say for which system they are meant; offer a system",
     ] {
         assert!(
