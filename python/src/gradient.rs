@@ -95,7 +95,10 @@ impl Map {
         let is_paced = (run.extension.as_ref()).is_some_and(|extension| extension.pace.is_some());
         let odd = [
             (is_paced, "a pace"),
-            (run.method.noise().is_some(), "noise, which every pass would draw anew"),
+            (
+                run.method.noise().is_some(),
+                "noise, which every pass would draw anew",
+            ),
             (plan.events.stop.is_some(), "a condition that stops it"),
             (!plan.samples.are_steps(), "samples at times"),
         ];

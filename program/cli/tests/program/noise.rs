@@ -54,6 +54,55 @@ fn a_noisy_ensemble_has_the_same_bytes_on_any_threads_and_in_any_shards() {
     }
 }
 
+/// Members whose parameters leave no strength, or no damping, are no members; their numbers are told.
+#[test]
+fn members_out_of_the_domain_of_noise_and_damping_fail() {
+    let damped = SPIN.replace(
+        "noise       = [{ hamiltonian = \"x\", strength = \"s\" }, { hamiltonian = \"y\", strength = \"s\" }]",
+        "damping = { rate = \"s\" }",
+    );
+    let damped = damped.replace("seed    = 3\n", "");
+    for (scene, values, failed, message) in [
+        (
+            SPIN,
+            "[0.4, -0.4, 0]",
+            2,
+            "the strength of a channel of noise is -0.4",
+        ),
+        (
+            &damped,
+            "[0.4, -0.4, 0]",
+            1,
+            "the rate of the damping is -0.4",
+        ),
+    ] {
+        let here = Place::with(scene);
+        let drawn = format!("ensemble.parameters={{ s = {{ values = {values} }} }}");
+        let asked = [
+            "--set",
+            "ensemble.members=3",
+            "--set",
+            &drawn,
+            "--out",
+            "out",
+            "--quiet",
+        ];
+        let said = here.leafwise(&[&["ensemble", "scene.toml"][..], &asked].concat());
+        let failures = here.read("out/failures.csv");
+        assert_eq!(
+            failures.lines().count(),
+            1 + failed,
+            "{failures}\n{}",
+            said.err
+        );
+        assert!(failures.contains(message), "{failures}");
+        let alone =
+            here.leafwise(&[&["ensemble", "scene.toml", "--member", "1"][..], &asked].concat());
+        assert_eq!(alone.code, Some(3), "{}", alone.err);
+        alone.says(&[message]);
+    }
+}
+
 #[test]
 fn a_member_alone_draws_what_it_draws_in_its_ensemble() {
     let here = Place::with(SPIN);

@@ -190,6 +190,39 @@ fn a_setting_that_fails_is_a_row() {
     assert_eq!(here.read("out/sweep.csv").lines().count(), 3);
 }
 
+/// A paced run fails where its pace comes near to 0: the row is that of the state before.
+#[test]
+fn a_paced_setting_that_fails_has_its_own_last_state() {
+    let here = Place::with(
+        "[system]\nvariables = [\"q\", \"p\"]\nbracket = { \"q,p\" = \"1\" }\nconvention = \"{x,H}\"\n\
+         hamiltonian = \"p^2/2 + q^2/2\"\n[method]\nrealization = \"auto\"\n\
+         dynamics = { name = \"hamilton-jacobi\", order = 4 }\npace = \"q\"\ntime-step = 0.1\n\
+         [run]\ninitial = [1, 0.2]\nsteps = 200\n\
+         [sweep]\ngrid = { \"run.steps\" = [5, 200] }\nrecord = { observables = [\"q\", \"p\"] }\n",
+    );
+    sweep(&here, &["--out", "out", "--quiet"]);
+    let table = here.read("out/sweep.csv");
+    let failed = table.lines().nth(2).expect("two settings");
+    let run = here.leafwise(&["run", "scene.toml", "--json", "--out", "run", "--quiet"]);
+    let last = run.json()["final_state"].clone();
+    let last: Vec<f64> = serde_json::from_value(last).expect("two numbers");
+    let expected = format!(",{:?},{:?},", last[0], last[1]);
+    assert!(failed.contains(&expected), "{failed}\n{expected}");
+    // At every step it is a sample once.
+    here.leafwise(&[
+        "run",
+        "scene.toml",
+        "--set",
+        "run.record={every=1}",
+        "--out",
+        "every",
+        "--quiet",
+    ]);
+    let samples = here.read("every/samples.csv");
+    let times: Vec<&str> = samples.lines().skip(1).map(|row| cells(row)[0]).collect();
+    assert!(times.windows(2).all(|pair| pair[0] != pair[1]), "{samples}");
+}
+
 #[test]
 fn methods_and_files_of_settings() {
     let here = Place::with(&format!(
@@ -314,6 +347,14 @@ fn what_is_no_sweep_is_refused_where_it_stands() {
             "grid = { \"run.steps\" = [1] }\nlist = []",
             "keep one of grid, list, file",
         ),
+        (
+            "grid = { \"method.dynamics.order\" = [2, 4], \"method.dynamics\" = [\"hamilton-jacobi\"] }",
+            "`method.dynamics` takes the place of what stands in it: name it first",
+        ),
+        (
+            "grid = { 'system.\"parameters\".I2' = [1] }",
+            "write `system.parameters.I2`",
+        ),
         ("file = \"none.csv\"", "none.csv"),
         ("", "grid"),
     ] {
@@ -333,6 +374,14 @@ fn what_is_no_sweep_is_refused_where_it_stands() {
         ("run.steps\n", "no row"),
         ("run.stepps\n1\n", "unknown key `stepps`"),
         ("run.steps,run.steps\n1,2\n", "two columns"),
+        (
+            "run.steps, method.time-step\n1,2\n",
+            "write `method.time-step`",
+        ),
+        (
+            "method.dynamics.order,method.dynamics\n2,\"\"\"hamilton-jacobi\"\"\"\n",
+            "name it first",
+        ),
         ("run.steps\n1,2\n", "row 2 has 2 values"),
         ("method.time-step\nnan\n", "not a finite number"),
         ("run.steps\n\"1\n", "not closed"),

@@ -62,6 +62,8 @@ pub(super) struct Session<'a> {
     shown: Vec<f64>,
     snapshots: Snapshots,
     last_sample: Option<u64>,
+    /// Whether the state at which a paced run failed is a sample already.
+    is_end_recorded: bool,
     undefined: Vec<u64>,
     before: SolverStatistics,
     wall: Duration,
@@ -227,6 +229,7 @@ impl<'a> Session<'a> {
             shown: Vec::new(),
             snapshots: Snapshots::new(),
             last_sample: None,
+            is_end_recorded: false,
             undefined: vec![0; formula],
             before: SolverStatistics::default(),
             wall: Duration::ZERO,
@@ -358,8 +361,8 @@ impl<'a> Session<'a> {
         }
         if outcome != RunOutcome::Interrupted {
             match outcome {
-                RunOutcome::Done | RunOutcome::Stopped(_) => self.record_end()?,
-                _ => self.record()?,
+                RunOutcome::Failed(_) if self.is_end_recorded => {}
+                _ => self.record_end()?,
             }
             self.states.as_mut().map_or(Ok(()), StateTable::end)?;
             self.crossings.as_mut().map_or(Ok(()), Samples::end)?;
@@ -382,7 +385,8 @@ impl<'a> Session<'a> {
         {
             // The state that was reached is none of the motion's.
             self.end = Some((failure.time, last.start.state.clone()));
-            self.last_sample = Some(self.integrator.steps());
+            let before = self.integrator.steps() - 1;
+            self.is_end_recorded = self.last_sample == Some(before);
             return Ok(Some(failure));
         }
         if let Some(failure) = self.find_stop() {

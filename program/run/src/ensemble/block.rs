@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use leafwise_core::{SideBySide, SolverStatistics};
-use leafwise_scene::compose::is_same_time;
+use leafwise_scene::compose::{ParameterDomain, is_same_time};
 
 use super::clock::window;
 use super::observers::ObservableEvaluator;
@@ -82,6 +82,17 @@ struct Block<'a> {
     window_ends: Vec<f64>,
 }
 
+/// A member that makes no step.
+fn at_start(member: u64, message: String) -> MemberFailure {
+    MemberFailure {
+        member,
+        step: 0,
+        time: 0.0,
+        message,
+        state: Vec::new(),
+    }
+}
+
 impl<'a> Block<'a> {
     fn new(
         ensemble: &'a ComposedEnsemble,
@@ -93,18 +104,16 @@ impl<'a> Block<'a> {
         let shape = ensemble.shape();
         let mut failures: Vec<Option<MemberFailure>> = (0..lanes).map(|_| None).collect();
         let (mut states, mut parameters) = (Vec::new(), Vec::new());
+        let domain = ParameterDomain::of(&ensemble.run.system, ensemble.run.method.noise());
         for lane in 0..lanes {
             let member = first + lane as u64;
             let (state, own) = ensemble.population.draw(member).unwrap_or_else(|reason| {
-                failures[lane] = Some(MemberFailure {
-                    member,
-                    step: 0,
-                    time: 0.0,
-                    message: reason.to_string(),
-                    state: Vec::new(),
-                });
+                failures[lane] = Some(at_start(member, reason.to_string()));
                 (plan.initial.clone(), ensemble.run.system.parameter_values())
             });
+            if let Err(reason) = domain.check(&own) {
+                failures[lane] = Some(at_start(member, reason.to_string()));
+            }
             states.push(state);
             parameters.push(own);
         }

@@ -8,7 +8,8 @@ use toml_edit::Value;
 use crate::csv;
 use leafwise_scene::compose::Refusal;
 use leafwise_scene::document::{
-    Located, MOST_SETTINGS, Place, SceneDocument, SettingsSpec, Source, SweepSection, refuse_key,
+    Located, MOST_SETTINGS, Place, SceneDocument, SettingsSpec, Source, SweepSection, conflict,
+    refuse_key,
 };
 use leafwise_scene::input::read_text;
 
@@ -107,6 +108,14 @@ impl Settings {
                     .into_iter()
                     .map(|cell| (!cell.is_empty()).then_some(cell));
                 let row: Vec<Option<String>> = row.collect();
+                let given = keys.iter().zip(&row).filter(|(_, cell)| cell.is_some());
+                let given: Vec<&str> = given.map(|(key, _)| key.as_str()).collect();
+                if let Some((first, second, advice)) = conflict(&given) {
+                    let (first, second) = (given[first], given[second]);
+                    return Err(format!(
+                        "row {number}: `{second}` cannot stand beside `{first}`: {advice}"
+                    ));
+                }
                 let is_infinite = |cell: &&String| {
                     let value = cell.trim().parse::<Value>().ok();
                     value

@@ -7,6 +7,7 @@ use leafwise_expression::syntax::Scope;
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::Refusal;
+use super::domain::OutOfDomain;
 use super::names::function;
 use crate::document::{Located, MetricSpec, SceneDocument};
 
@@ -139,7 +140,7 @@ pub(super) fn check_damping(
     if !rate.is_finite() || rate < 0.0 && !is_feedback {
         return refuse(
             &spec.rate,
-            format!("the rate of the damping is {rate:?}, and must be finite and not negative"),
+            OutOfDomain::Rate(rate).to_string(),
             "a negative rate feeds energy; one that depends on the state may have either sign, as in \"k*(H - 2)\"",
         );
     }

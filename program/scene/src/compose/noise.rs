@@ -10,6 +10,7 @@ use leafwise_core::{BuildError, PartParameters, PoissonSystem, Registry, StepMap
 use super::Refusal;
 use super::channels::{Channel, RunNoise, refusal};
 use super::dense::DENSE_LIMIT;
+use super::domain::OutOfDomain;
 use super::stepping::{MapStepping, Stepping};
 use crate::document::{Place, SceneDocument};
 
@@ -163,7 +164,7 @@ fn check_strengths(
             return Err(refusal(
                 document,
                 &spec.strength,
-                format!("the strength of a channel of noise is {value:?}, and must be positive"),
+                OutOfDomain::Strength(value).to_string(),
                 "take the channel out, or write a positive number or a formula of the parameters that is positive",
             ));
         }

@@ -59,6 +59,7 @@ pub use scene::SceneDocument;
 pub use schema::{CHOSEN_AT, scene_keys};
 pub use suggest::nearest;
 pub use sweep::{
-    MOST_SETTINGS, SettingsSpec, SweepSection, SweptDirection, SweptKey, SweptRow, refuse_key,
+    MOST_SETTINGS, SettingsSpec, SweepSection, SweptDirection, SweptKey, SweptRow, conflict,
+    refuse_key,
 };
 pub use system_section::{Boundary, Convention, NumbersSystem, SystemSection, VectorFamily};

@@ -299,6 +299,13 @@ pub fn refuse_key(key: &str, value: &str) -> Option<SceneProblemCause> {
     let Ok(keys) = Key::parse(key) else {
         return Some(refuse("the path is not dotted keys such as method.epsilon"));
     };
+    let names: Vec<&str> = keys.iter().map(Key::get).collect();
+    let plain = names.join(".");
+    if key != plain {
+        return Some(refuse(&format!(
+            "a key has one spelling here: write `{plain}`"
+        )));
+    }
     let is_within = |shared: &str| {
         let rest = key.strip_prefix(shared);
         rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
@@ -315,23 +322,39 @@ pub fn refuse_key(key: &str, value: &str) -> Option<SceneProblemCause> {
 
 /// Whether no two keys of one setting say the same thing.
 fn check_alternatives<'k>(
-    keys: impl Iterator<Item = &'k SweptKey> + Clone,
+    keys: impl Iterator<Item = &'k SweptKey>,
     problems: &mut Problems,
 ) -> bool {
-    let mut are_apart = true;
-    for second in keys.clone() {
-        let before = keys.clone().take_while(|first| *first != second);
-        if let Some(first) = { before }.find(|first| alternatives(&first.value, &second.value)) {
-            problems.push(
-                SceneProblemCause::Conflict {
-                    first: first.value.clone(),
-                    second: second.value.clone(),
-                    advice: "each takes the place of the other: keep one".to_owned(),
-                },
-                second.place(),
-            );
-            are_apart = false;
-        }
-    }
-    are_apart
+    let keys: Vec<&SweptKey> = keys.collect();
+    let names: Vec<&str> = keys.iter().map(|key| key.value.as_str()).collect();
+    let Some((first, second, advice)) = conflict(&names) else {
+        return true;
+    };
+    problems.push(
+        SceneProblemCause::Conflict {
+            first: keys[first].value.clone(),
+            second: keys[second].value.clone(),
+            advice,
+        },
+        keys[second].place(),
+    );
+    false
+}
+
+/// Two keys of which the later one undoes the other where both are set in this order, by their places, and what to do.
+pub fn conflict(keys: &[&str]) -> Option<(usize, usize, String)> {
+    (0..keys.len()).find_map(|second| {
+        let later = keys[second];
+        keys[..second].iter().enumerate().find_map(|(first, key)| {
+            if alternatives(key, later) {
+                let advice = "each takes the place of the other: keep one".to_owned();
+                return Some((first, second, advice));
+            }
+            // A part that is named behind its own parameters forgets them.
+            let within = key.strip_prefix(later);
+            let is_undone = within.is_some_and(|rest| rest.starts_with('.'));
+            let advice = format!("`{later}` takes the place of what stands in it: name it first");
+            is_undone.then_some((first, second, advice))
+        })
+    })
 }
