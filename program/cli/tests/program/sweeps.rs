@@ -446,4 +446,12 @@ fn shards_that_do_not_fit_are_refused_by_name() {
         "sweep.csv cannot be resumed from",
         "bytes where the checkpoint counts",
     ]);
+    // A manifest that was cut short: its settings are not missing.
+    here.write(name, &table);
+    let name = "shards/shard-2-of-2/manifest.json";
+    let manifest = here.read(name);
+    here.write(name, &manifest[..manifest.len() - 5]);
+    let refused = here.leafwise(&["merge", "shards", "--out", "merged"]);
+    assert_eq!(refused.code, Some(2), "{}", refused.err);
+    refused.says(&["shard-2-of-2/manifest.json is damaged"]);
 }

@@ -10,6 +10,7 @@ use thiserror::Error;
 
 use super::shard::{Shard, Whole};
 use crate::difference::{changed_keys, listed};
+use crate::manifest::FILE as MANIFEST;
 use crate::{Kind, Manifest, RunError, SCENE, ShardRecord};
 
 /// The shards of one ensemble, by their members; or of a sweep, by their settings.
@@ -105,6 +106,15 @@ pub enum MergeError {
     NoShard {
         /// The directory.
         directory: PathBuf,
+    },
+    /// The manifest of a folder beside the shards cannot be read.
+    #[error(
+        "{} is damaged, or of another program: make that shard again with --force, or take its folder away",
+        file.display()
+    )]
+    Damaged {
+        /// The manifest.
+        file: PathBuf,
     },
     /// Two shards are of different ensembles or sweeps.
     #[error("{} and {} are not of one {}: {reason}", first.display(), other.display(), whole.word())]
@@ -225,8 +235,15 @@ impl Shards {
                 Some(manifest) => found.extend(Found::of(directory, manifest)),
                 None => {
                     for path in folders(directory).map_err(RunError::io(directory))? {
-                        let manifest = Manifest::read(&path);
-                        found.extend(manifest.and_then(|manifest| Found::of(&path, manifest)));
+                        match Manifest::read(&path) {
+                            Some(manifest) => found.extend(Found::of(&path, manifest)),
+                            None if path.join(MANIFEST).exists() => {
+                                return Err(MergeError::Damaged {
+                                    file: path.join(MANIFEST),
+                                });
+                            }
+                            None => {}
+                        }
                     }
                 }
             }
