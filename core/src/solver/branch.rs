@@ -200,6 +200,10 @@ impl Branch {
                 return Err(None);
             }
             self.factors.solve(&mut self.residual);
+            // From 0 on, where no unknown has a size, the first correction is one for all of them.
+            if largest(&self.scale) == 0.0 {
+                self.scale.fill(largest(&self.residual));
+            }
             let size = norm(&self.residual, &self.scale);
             let is_near = size <= SAME;
             if !is_near && (size.is_nan() || size > CONTRACTS * last) {
@@ -289,6 +293,33 @@ mod tests {
     }
 
     /// y − a y² = x has the branch y = (1 − √(1 − 4ax))/(2a) up to its fold at 4ax = 1.
+    /// y + a sin y = f, z = y² from y = z = 0: no unknown has a size, and z none in the first correction.
+    #[test]
+    fn a_path_may_begin_at_zero() {
+        for (a, f) in [(0.2, 0.1), (1.5, 0.3), (1.5, 1e-12)] {
+            let mut branch = Branch::new(2);
+            let found = branch.follow(
+                &[0.0; 2],
+                &[0.0; 2],
+                None,
+                &mut 0,
+                |s, u, residual, jacobian| {
+                    let [y, z] = [u[0], u[1]];
+                    residual.copy_from_slice(&[s * f - y - s * a * libm::sin(y), y * y - z]);
+                    jacobian.copy_from_slice(&[1.0 + s * a * libm::cos(y), 0.0, -2.0 * y, 1.0]);
+                    Ok(())
+                },
+            );
+            found.expect("the branch does not fold");
+            let y = branch.end()[0];
+            // Newton's last correction is below SAME, its square below round-off.
+            assert!(
+                (y + a * libm::sin(y) - f).abs() <= 1e-11 * f,
+                "a = {a}: {y}"
+            );
+        }
+    }
+
     #[test]
     fn beyond_a_fold_there_is_nothing() {
         let x = 0.7;
