@@ -114,6 +114,20 @@ fn a_driven_oscillator_has_the_declared_orders_against_its_closed_form() {
     }
 }
 
+/// −e = ∫ ∂H/∂t dt begins with the fourth power of t: a series about 0 knows no size of it in its first terms.
+#[test]
+fn a_series_may_begin_at_zero() {
+    let time = 10.0;
+    let exact = oscillator_at(time, [0.0, 0.0]);
+    for (tolerance, most) in [(1e-8, 1e-8), (1e-15, 256.0 * UNIT_ROUNDOFF)] {
+        let method = format!("stepper = {{ name = \"taylor\", tolerance = {tolerance:e} }}");
+        let run = scene(OSCILLATOR, &method, &[0.0, 0.0], time, 100);
+        let error = distance(&end(&run), &exact) / largest(&exact);
+        println!("taylor {tolerance:e}: {error:.1e}");
+        assert!(error <= most, "{tolerance:e}: {error:e}");
+    }
+}
+
 #[test]
 fn a_spin_in_a_turning_field_has_them_against_rabis() {
     let (initial, time) = ([0.6, 0.0, 0.8], 8.0);

@@ -146,8 +146,12 @@ impl Path {
             false => length(size(last) / size(first), order - 1),
         };
         // The largest x_k[i] over component i, or over its change where that is larger; what is 0 up to the second
-        // order counts as round-off of the others.
-        let floor = f64::EPSILON * size(&self.base) + f64::MIN_POSITIVE;
+        // order counts as round-off of the others, or of their change where all are 0.
+        let whole = match size(&self.base) {
+            0.0 => before * (size(first) + before * size(second)),
+            base => base,
+        };
+        let floor = f64::EPSILON * whole + f64::MIN_POSITIVE;
         let (mut of_earlier, mut of_last) = (0.0_f64, 0.0_f64);
         for i in 0..d {
             let change = before * (first[i].abs() + before * second[i].abs());
