@@ -119,3 +119,71 @@ fn an_ensemble_with_a_pace_is_told_times() {
     let message = told["failures"][0]["message"].as_str().expect("a failure");
     assert!(message.contains("and must be positive"), "{message}");
 }
+
+/// Last state and drift of every member are those of its own run; one that cannot begin is told with its own initial state.
+#[test]
+fn a_paced_member_is_its_run_to_the_bit_and_one_without_a_beginning_keeps_its_state() {
+    let here = Place::with(&format!(
+        "{PACED}[ensemble]\ninitial = {{ file = \"states.csv\" }}\nfinal-states = \"csv\"\nrecord = {{ interval = 2 }}\n"
+    ));
+    here.write(
+        "states.csv",
+        "0.5,0,0,1.7\n0.45,0.1,0,1.8\n0,0,1,0\n0.55,-0.05,0.1,1.6\n",
+    );
+    here.leafwise(&["ensemble", "scene.toml", "--out", "all", "--quiet"]);
+    let table = here.read("all/final_states.csv");
+    let mut rows = table.lines();
+    let headings: Vec<&str> = rows.next().expect("headings").split(',').collect();
+    let place = |name: &str| {
+        let found = headings.iter().position(|heading| *heading == name);
+        found.unwrap_or_else(|| panic!("no {name} in {headings:?}"))
+    };
+    let rows: Vec<Vec<&str>> = rows.map(|row| row.split(',').collect()).collect();
+    assert_eq!(rows.len(), 4);
+    for row in &rows {
+        let member = row[0];
+        if member == "2" {
+            assert_eq!(row[1], "failed");
+            for names in [
+                ["q1", "q2", "p1", "p2"],
+                ["q1_initial", "q2_initial", "p1_initial", "p2_initial"],
+            ] {
+                assert_eq!(
+                    names.map(|name| row[place(name)]),
+                    ["0.0", "0.0", "1.0", "0.0"]
+                );
+            }
+            continue;
+        }
+        let asked = [
+            "ensemble",
+            "scene.toml",
+            "--member",
+            member,
+            "--out",
+            member,
+            "--json",
+        ];
+        let told = here.leafwise(&asked).json();
+        let drift = told["drift"]["energy"].as_f64().expect("a drift");
+        assert_eq!(
+            row[place("energy_drift")],
+            format!("{drift:?}"),
+            "member {member}"
+        );
+        for (at, name) in ["q1", "q2", "p1", "p2"].into_iter().enumerate() {
+            let last = told["final_state"][at].as_f64().expect("a number");
+            assert_eq!(
+                row[place(name)],
+                format!("{last:?}"),
+                "member {member}: {name}"
+            );
+        }
+    }
+    assert!(
+        here.read("all/failures.csv")
+            .lines()
+            .nth(1)
+            .is_some_and(|row| row.ends_with("0.0,0.0,1.0,0.0"))
+    );
+}

@@ -82,17 +82,6 @@ struct Block<'a> {
     window_ends: Vec<f64>,
 }
 
-/// A member that makes no step.
-fn at_start(member: u64, message: String) -> MemberFailure {
-    MemberFailure {
-        member,
-        step: 0,
-        time: 0.0,
-        message,
-        state: Vec::new(),
-    }
-}
-
 impl<'a> Block<'a> {
     fn new(
         ensemble: &'a ComposedEnsemble,
@@ -103,19 +92,35 @@ impl<'a> Block<'a> {
         let plan = &ensemble.run.plan;
         let shape = ensemble.shape();
         let mut failures: Vec<Option<MemberFailure>> = (0..lanes).map(|_| None).collect();
-        let (mut states, mut parameters) = (Vec::new(), Vec::new());
+        let mut ends = vec![None; lanes];
+        let (mut states, mut initial_states) = (Vec::new(), Vec::new());
+        let mut parameters = Vec::new();
         let domain = ParameterDomain::of(&ensemble.run.system, ensemble.run.method.noise());
         for lane in 0..lanes {
             let member = first + lane as u64;
-            let (state, own) = ensemble.population.draw(member).unwrap_or_else(|reason| {
-                failures[lane] = Some(at_start(member, reason.to_string()));
-                (plan.initial.clone(), ensemble.run.system.parameter_values())
+            let drawn = ensemble.population.drawn(member);
+            let begins = drawn.begins.map_err(|reason| reason.to_string());
+            let begins = begins.and_then(|()| {
+                let inside = domain.check(&drawn.parameters);
+                inside.map_err(|reason| reason.to_string())
             });
-            if let Err(reason) = domain.check(&own) {
-                failures[lane] = Some(at_start(member, reason.to_string()));
+            match begins {
+                Ok(()) => states.push(drawn.state.clone()),
+                Err(message) => {
+                    failures[lane] = Some(MemberFailure {
+                        member,
+                        step: 0,
+                        time: 0.0,
+                        message,
+                        state: ensemble.run.own(&drawn.state).to_vec(),
+                    });
+                    ends[lane] = Some(drawn.state.clone());
+                    // The lane rests where evaluations have values.
+                    states.push(plan.initial.clone());
+                }
             }
-            states.push(state);
-            parameters.push(own);
+            initial_states.push(drawn.state);
+            parameters.push(drawn.parameters);
         }
         let (initial, values) = (interleaved(&states), interleaved(&parameters));
         let map = ensemble.run.method.map();
@@ -143,11 +148,11 @@ impl<'a> Block<'a> {
                 samples: vec![0.0; shape.times * shape.observables * lanes],
                 windows: vec![0.0; shape.windows * shape.invariants * lanes],
                 initial: Vec::new(),
-                initial_states: states.clone(),
+                initial_states,
                 states,
                 parameters,
                 failures,
-                ends: vec![None; lanes],
+                ends,
                 stops: vec![None; lanes],
                 crossings: (first..first + lanes as u64)
                     .map(|member| MemberCrossings::new(directory, member))

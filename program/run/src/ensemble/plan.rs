@@ -228,7 +228,7 @@ impl ComposedEnsemble {
     pub(super) fn origin(&self, initial: &[f64]) -> Option<f64> {
         self.run.pace()?;
         let extension = self.run.extension.as_ref()?;
-        Some(initial[extension.coordinates + 1])
+        Some(extension.origin(initial))
     }
 
     /// The time at the end.

@@ -63,6 +63,14 @@ pub enum NoMember {
     NoStart(#[from] NoStart),
 }
 
+/// What is drawn for a member.
+pub(super) struct Drawn {
+    pub state: Vec<f64>,
+    pub parameters: Vec<f64>,
+    /// Why no motion begins there.
+    pub begins: Result<(), NoMember>,
+}
+
 impl Population {
     /// The members of a scene; `directory` is where its files are, `given` are members in memory.
     ///
@@ -177,6 +185,12 @@ impl Population {
     /// # Errors
     /// [`NoMember`] where its distribution has no state for it, or no motion begins there.
     pub fn draw(&self, member: u64) -> Result<(Vec<f64>, Vec<f64>), NoMember> {
+        let drawn = self.drawn(member);
+        drawn.begins.map(|()| (drawn.state, drawn.parameters))
+    }
+
+    /// What is drawn for a member, whether a motion begins there or not.
+    pub(super) fn drawn(&self, member: u64) -> Drawn {
         let mut parameters = self.parameters.clone();
         // The last direction of the grid varies first.
         let mut place = member % self.points;
@@ -213,14 +227,22 @@ impl Population {
                 state[..self.own].copy_from_slice(&rows[row * self.own..][..self.own]);
             }
         }
-        if let Some(invariants) = &self.invariants {
-            let found = onto_leaf(invariants, &parameters, &self.center, &mut state);
-            found.ok_or(NoMember::NoLeaf)?;
+        let mut begin = || -> Result<(), NoMember> {
+            if let Some(invariants) = &self.invariants {
+                let found = onto_leaf(invariants, &parameters, &self.center, &mut state);
+                found.ok_or(NoMember::NoLeaf)?;
+            }
+            if let Some(extension) = &self.extension {
+                extension.begin(&mut state, &parameters)?;
+            }
+            Ok(())
+        };
+        let begins = begin();
+        Drawn {
+            state,
+            parameters,
+            begins,
         }
-        if let Some(extension) = &self.extension {
-            extension.begin(&mut state, &parameters)?;
-        }
-        Ok((state, parameters))
     }
 }
 

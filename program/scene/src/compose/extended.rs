@@ -13,6 +13,8 @@
 //! in the extended phase-space*, Celestial Mechanics 11 (1975); E. Hairer, *Variable time step integration with symplectic
 //! methods*, Applied Numerical Mathematics 25 (1997)).
 
+use leafwise_core::Observe;
+use leafwise_core::system::SystemObservables;
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
 use thiserror::Error;
@@ -177,15 +179,33 @@ impl Extension {
         }
     }
 
-    /// H − ∫ ∂H/∂t dt along the motion from `initial`, a state of the extended phase space: H + e − e_0.
-    pub(super) fn balance(&self, initial: &[f64]) -> Expression {
-        let start = Expression::from(-initial[self.coordinates + 1]);
-        Expression::Sum(vec![self.energy.clone(), start])
+    /// e_0, by which H + e is more than the balance H − ∫ ∂H/∂t dt.
+    pub fn origin(&self, initial: &[f64]) -> f64 {
+        initial[self.coordinates + 1]
     }
 
     /// H + e, whose motion is that of the time itself.
     pub fn energy(&self) -> &Expression {
         &self.energy
+    }
+}
+
+/// The balance H − ∫ ∂H/∂t dt, then each Casimir: H + e less e_0, a number, as ensembles have it for each member.
+pub(super) struct Balance {
+    /// H + e, then each Casimir.
+    pub observer: SystemObservables,
+    /// e_0.
+    pub origin: f64,
+}
+
+impl Observe for Balance {
+    fn observables(&self) -> usize {
+        self.observer.observables()
+    }
+
+    fn evaluate(&mut self, state: &[f64], values: &mut [f64]) {
+        self.observer.evaluate(state, values);
+        values[0] -= self.origin;
     }
 }
 

@@ -13,7 +13,7 @@ use leafwise_expression::Expression;
 
 use super::Refusal;
 use super::events::{Events, check_axes};
-use super::extended::{Extension, Pace};
+use super::extended::{Balance, Extension, Pace};
 use super::fit::{check_first_order, check_tensor};
 use super::functions::CompiledFunctions;
 use super::lattice::{SceneLattice, has_room, shortened};
@@ -408,32 +408,23 @@ impl ComposedRun {
         if let Stepping::Lattice(lattice) = &self.method {
             return Ok(Box::new(lattice.invariants.clone()));
         }
-        let values = self.system.parameter_values();
-        let paced = self.extension.as_ref().filter(|_| self.pace().is_some());
-        if let (Some(extension), Some(formulas)) = (paced, self.system.expressions()) {
-            let balance = extension.balance(&self.plan.initial);
-            let casimirs = formulas
-                .casimirs()
-                .iter()
-                .map(|casimir| &casimir.expression);
-            let all: Vec<_> = std::iter::once(&balance).chain(casimirs).collect();
-            return Ok(Box::new(SystemObservables::new(
-                &self.system,
-                &all,
-                &values,
-            )?));
-        }
         let Some(formulas) = self.system.expressions() else {
+            let values = self.system.parameter_values();
             return Ok(Box::new(SystemInvariants::new(&self.system, &values)?));
         };
-        let casimirs = formulas
-            .casimirs()
-            .iter()
-            .map(|casimir| &casimir.expression);
-        let all: Vec<_> = std::iter::once(formulas.hamiltonian())
-            .chain(casimirs)
-            .collect();
-        Ok(Box::new(self.observables(&all)?))
+        let paced = self.extension.as_ref().filter(|_| self.pace().is_some());
+        let energy = paced.map_or(formulas.hamiltonian(), Extension::energy);
+        let casimirs = formulas.casimirs().iter();
+        let casimirs = casimirs.map(|casimir| &casimir.expression);
+        let all: Vec<_> = std::iter::once(energy).chain(casimirs).collect();
+        let observer = self.observables(&all)?;
+        Ok(match paced {
+            Some(extension) => Box::new(Balance {
+                observer,
+                origin: extension.origin(&self.plan.initial),
+            }),
+            None => Box::new(observer),
+        })
     }
 
     /// Functions of the state at the parameters' values, compiled once for this run and its copies at other values.
