@@ -443,7 +443,8 @@ fn shards_that_do_not_fit_are_refused_by_name() {
     let refused = here.leafwise(&["merge", "shards", "--out", "merged"]);
     assert_eq!(refused.code, Some(2), "{}", refused.err);
     refused.says(&[
-        "sweep.csv cannot be resumed from",
+        "sweep.csv is damaged",
+        "make that shard again with --force",
         "bytes where the checkpoint counts",
     ]);
     // A manifest that was cut short: its settings are not missing.

@@ -107,14 +107,16 @@ pub enum MergeError {
         /// The directory.
         directory: PathBuf,
     },
-    /// The manifest of a folder beside the shards cannot be read.
+    /// A file of a shard that is not as it was written.
     #[error(
-        "{} is damaged, or of another program: make that shard again with --force, or take its folder away",
+        "{} is damaged: {reason}; make that shard again with --force, or take its folder away",
         file.display()
     )]
     Damaged {
-        /// The manifest.
+        /// The file.
         file: PathBuf,
+        /// What is wrong with it.
+        reason: String,
     },
     /// Two shards are of different ensembles or sweeps.
     #[error("{} and {} are not of one {}: {reason}", first.display(), other.display(), whole.word())]
@@ -156,7 +158,17 @@ pub enum MergeError {
     Missing(Missing),
     /// A directory or a file could not be read or written.
     #[error(transparent)]
-    Run(#[from] RunError),
+    Run(RunError),
+}
+
+impl From<RunError> for MergeError {
+    /// A file from which a shard could not go on is one that cannot be joined.
+    fn from(error: RunError) -> Self {
+        match error {
+            RunError::Damaged { file, reason } => Self::Damaged { file, reason },
+            error => Self::Run(error),
+        }
+    }
 }
 
 /// What is missing, and how to make it.
@@ -240,6 +252,7 @@ impl Shards {
                             None if path.join(MANIFEST).exists() => {
                                 return Err(MergeError::Damaged {
                                     file: path.join(MANIFEST),
+                                    reason: "it is no manifest of this program".to_owned(),
                                 });
                             }
                             None => {}
