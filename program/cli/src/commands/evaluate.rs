@@ -131,7 +131,7 @@ pub fn execute(
     };
     if run.extension.is_some() {
         return Err(Failure::usage(
-            "a scene whose Hamiltonian names the time t, or that has a pace, is not evaluated at a point: its realization is \
+            "a scene whose Hamiltonian, one-form or forces name the time t, or that has a pace, is not evaluated at a point: its realization is \
              that of its coordinates with the time and its energy",
             "evaluate a copy of the scene with a number in place of t, and without the pace",
         ));

@@ -191,7 +191,7 @@ fn what_is_not_offered_with_the_time_says_so() {
     let here = Place::with(DRIVEN);
     let said = here.leafwise(&["evaluate", "scene.toml", "--x", "1,0"]);
     assert_eq!(said.code, Some(2), "{}", said.err);
-    said.says(&["names the time t, or that has a pace, is not evaluated at a point"]);
+    said.says(&["name the time t, or that has a pace, is not evaluated at a point"]);
 }
 
 /// Kepler's problem by steps that shorten towards the centre.
