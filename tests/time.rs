@@ -122,7 +122,7 @@ fn a_series_may_begin_at_zero() {
     for (tolerance, most) in [(1e-8, 1e-8), (1e-15, 256.0 * UNIT_ROUNDOFF)] {
         let method = format!("stepper = {{ name = \"taylor\", tolerance = {tolerance:e} }}");
         let run = scene(OSCILLATOR, &method, &[0.0, 0.0], time, 100);
-        let error = distance(&end(&run), &exact) / largest(&exact);
+        let error = distance(&end(&run), &exact) / largest(exact);
         println!("taylor {tolerance:e}: {error:.1e}");
         assert!(error <= most, "{tolerance:e}: {error:e}");
     }
