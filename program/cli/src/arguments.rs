@@ -146,10 +146,10 @@ impl Command {
     /// Whether the command was asked for JSON.
     pub fn wants_json(&self) -> bool {
         match self {
-            Self::Run(arguments) => arguments.json,
-            Self::Ensemble(arguments) => arguments.json,
-            Self::Sweep(arguments) => arguments.json,
-            Self::Merge(arguments) => arguments.json,
+            Self::Run(arguments) => arguments.output.json,
+            Self::Ensemble(arguments) => arguments.output.json,
+            Self::Sweep(arguments) => arguments.output.json,
+            Self::Merge(arguments) => arguments.output.json,
             Self::Check(arguments) => arguments.json,
             Self::List(arguments) => arguments.json,
             Self::Describe(arguments) => arguments.json,
@@ -177,34 +177,55 @@ pub struct SceneArguments {
     pub overrides: Vec<String>,
 }
 
+/// How a run directory is written, and what is told of it.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct OutputArguments {
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors
+    #[arg(long, short)]
+    pub quiet: bool,
+    /// Replace the run that the directory holds
+    #[arg(long)]
+    pub force: bool,
+    /// Integrate a tensor that violates the Jacobi identity
+    #[arg(long)]
+    pub allow_non_poisson: bool,
+}
+
+impl OutputArguments {
+    /// The options of what writes into `directory`; `command` repeats it.
+    pub fn options(self, directory: PathBuf, command: String) -> RunOptions {
+        RunOptions {
+            directory,
+            command,
+            force: self.force,
+            allow_non_poisson: self.allow_non_poisson,
+            checkpoint_every: RunOptions::CHECKPOINT_EVERY,
+        }
+    }
+}
+
 /// Arguments of `run`.
 #[derive(Args, Clone, Debug)]
 pub struct RunArguments {
     /// What to run.
     #[command(flatten)]
     pub scene: SceneArguments,
-    /// Print one JSON object on standard output
-    #[arg(long)]
-    pub json: bool,
     /// Print what was built: shape, series, operation counts
     #[arg(long)]
     pub explain: bool,
-    /// Replace the run that the directory holds
-    #[arg(long)]
-    pub force: bool,
     /// The run directory [default: runs/ and the scene's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Integrate a tensor that violates the Jacobi identity
-    #[arg(long)]
-    pub allow_non_poisson: bool,
     /// How often a checkpoint is written: what a kill costs at most
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true, default_value_t =
           RunOptions::CHECKPOINT_EVERY.as_secs_f64())]
     pub checkpoint_every: f64,
-    /// Print nothing but errors
-    #[arg(long, short)]
-    pub quiet: bool,
+    /// How the directory is written.
+    #[command(flatten)]
+    pub output: OutputArguments,
 }
 
 /// Arguments of `ensemble`.
@@ -228,22 +249,13 @@ pub struct EnsembleArguments {
     /// Members side by side on a thread; the results do not depend on it
     #[arg(long, value_name = "COUNT", default_value = "64")]
     pub lanes: NonZeroUsize,
-    /// Print one JSON object on standard output
-    #[arg(long)]
-    pub json: bool,
-    /// Replace the run that the directory holds
-    #[arg(long)]
-    pub force: bool,
     /// The run directory [default: runs/ and the scene's name with -ensemble, or -member-NUMBER]; a shard writes into a folder
     /// of its own in it [default: -shards]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Integrate a tensor that violates the Jacobi identity
-    #[arg(long)]
-    pub allow_non_poisson: bool,
-    /// Print nothing but errors
-    #[arg(long, short)]
-    pub quiet: bool,
+    /// How the directory is written.
+    #[command(flatten)]
+    pub output: OutputArguments,
 }
 
 /// Arguments of `sweep`.
@@ -258,22 +270,13 @@ pub struct SweepArguments {
     /// Threads [default: all of the machine's]; the results do not depend on it
     #[arg(long, value_name = "COUNT")]
     pub threads: Option<NonZeroUsize>,
-    /// Print one JSON object on standard output
-    #[arg(long)]
-    pub json: bool,
-    /// Replace the run that the directory holds
-    #[arg(long)]
-    pub force: bool,
     /// The run directory [default: runs/ and the scene's name with -sweep]; a shard writes into a folder of its own in it
     /// [default: -sweep-shards]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Integrate a tensor that violates the Jacobi identity
-    #[arg(long)]
-    pub allow_non_poisson: bool,
-    /// Print nothing but errors
-    #[arg(long, short)]
-    pub quiet: bool,
+    /// How the directory is written.
+    #[command(flatten)]
+    pub output: OutputArguments,
 }
 
 /// Arguments of `merge`.
@@ -288,18 +291,9 @@ pub struct MergeArguments {
     /// The scene file, where files or plugins that it names stand beside it [default: the one that the shards hold]
     #[arg(long, value_name = "SCENE")]
     pub scene: Option<PathBuf>,
-    /// Print one JSON object on standard output
-    #[arg(long)]
-    pub json: bool,
-    /// Replace the run that the directory holds
-    #[arg(long)]
-    pub force: bool,
-    /// Merge an ensemble or a sweep of a tensor that violates the Jacobi identity
-    #[arg(long)]
-    pub allow_non_poisson: bool,
-    /// Print nothing but errors
-    #[arg(long, short)]
-    pub quiet: bool,
+    /// How the directory is written.
+    #[command(flatten)]
+    pub output: OutputArguments,
 }
 
 /// Arguments of `check`.

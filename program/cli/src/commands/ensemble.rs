@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use leafwise::core::Registry;
 use leafwise::expression::words::counted;
-use leafwise::run::{Advice, RunOptions, RunOutcome};
+use leafwise::run::{Advice, RunOutcome};
 use leafwise::run::{
     ensemble::ComposedEnsemble, ensemble::EnsembleEnding, ensemble::EnsembleReport,
     ensemble::MemberError, ensemble::Workforce, ensemble::advise_ensemble,
@@ -18,9 +18,9 @@ use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::compose;
 use serde::Serialize;
 
-use super::run::{RunOutput, drift, integrate, method_line, print_advice, repeating};
+use super::run::{drift, integrate, method_line, print_advice, repeating};
 use super::shard;
-use crate::arguments::{EnsembleArguments, PluginArguments};
+use crate::arguments::{EnsembleArguments, OutputArguments, PluginArguments};
 use crate::bar::{Bar, while_building};
 use crate::console::Console;
 use crate::failure::{Failure, exit};
@@ -68,31 +68,29 @@ pub fn execute(
         (None, Some(text)) => Some(shard::of_number(text, Whole::Members, members)?),
         (None, None) => None,
     };
+    let told = arguments.output;
     let out = arguments.out.clone();
-    let options = RunOptions {
-        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
-        directory: match &shard {
+    let options = told.options(
+        match &shard {
             None => out.unwrap_or_else(|| default_ensemble_directory(&document)),
             Some(shard) => out
                 .unwrap_or_else(|| default_shards_directory(&document))
                 .join(shard.name()),
         },
-        force: arguments.force,
-        allow_non_poisson: arguments.allow_non_poisson,
-        command: repeating(
+        repeating(
             "ensemble",
             file.file_name(),
-            arguments.allow_non_poisson,
+            told.allow_non_poisson,
             plugins,
         ),
-    };
+    );
     let workforce = Workforce {
         threads: arguments
             .threads
             .unwrap_or_else(|| Workforce::default().threads),
         lanes: arguments.lanes,
     };
-    let is_shown = console.is_terminal && !arguments.quiet;
+    let is_shown = console.is_terminal && !told.quiet;
     let members = match &shard {
         None => ensemble.population.members(),
         Some(shard) => shard.items().end - shard.items().start,
@@ -106,7 +104,7 @@ pub fn execute(
     bar.finish();
     let report = report?;
     if let Some(shard) = &shard {
-        return Ok(tell_shard(shard, &report, arguments, console));
+        return Ok(tell_shard(shard, &report, told, console));
     }
     let mut advice = report.advice.clone();
     if report.outcome == RunOutcome::Done {
@@ -116,7 +114,7 @@ pub fn execute(
         (&ensemble, &parts.registry),
         &report,
         &advice,
-        (arguments.json, arguments.quiet),
+        told,
         console,
     )
 }
@@ -126,16 +124,16 @@ pub(super) fn tell(
     (ensemble, registry): (&ComposedEnsemble, &Registry),
     report: &EnsembleReport,
     advice: &[Advice],
-    (json, quiet): (bool, bool),
+    told: OutputArguments,
     console: &mut Console<'_>,
 ) -> Result<u8, Failure> {
-    if !quiet {
+    if !told.quiet {
         for line in summary(ensemble, registry, report, console) {
             console.prose(&line);
         }
         print_advice(advice, console);
     }
-    if json {
+    if told.json {
         console.json(&Told {
             ending: EnsembleEnding::new(ensemble, report),
             warnings: advice,
@@ -170,12 +168,12 @@ struct ToldShard {
 fn tell_shard(
     shard: &Shard,
     report: &EnsembleReport,
-    arguments: &EnsembleArguments,
+    told: OutputArguments,
     console: &mut Console<'_>,
 ) -> u8 {
     let all = &report.reductions;
     let members = shard.items();
-    if !arguments.quiet {
+    if !told.quiet {
         let outcome = match report.outcome {
             RunOutcome::Interrupted => format!(
                 "stopped after {} of them, with a checkpoint: the same command goes on from there",
@@ -198,7 +196,7 @@ fn tell_shard(
             report.directory.display()
         ));
     }
-    if arguments.json {
+    if told.json {
         console.json(&ToldShard {
             outcome: report.outcome.word(),
             members: [members.start, members.end],
@@ -243,23 +241,12 @@ fn execute_member(
 ) -> Result<u8, Failure> {
     let composed = while_building(console.is_terminal, || compose(scene, &parts.registry))?;
     let file = Path::new(&scene.name);
+    let told = arguments.output;
     let directory = arguments.out.clone();
-    let options = RunOptions {
-        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
-        directory: directory.unwrap_or_else(|| Path::new("runs").join(file.with_extension(""))),
-        force: arguments.force,
-        allow_non_poisson: arguments.allow_non_poisson,
-        command: repeating(
-            "run",
-            file.file_name(),
-            arguments.allow_non_poisson,
-            plugins,
-        ),
-    };
-    let told = RunOutput {
-        json: arguments.json,
-        quiet: arguments.quiet,
-    };
+    let options = told.options(
+        directory.unwrap_or_else(|| Path::new("runs").join(file.with_extension(""))),
+        repeating("run", file.file_name(), told.allow_non_poisson, plugins),
+    );
     integrate(
         scene,
         &composed,

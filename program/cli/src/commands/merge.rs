@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use leafwise::run::RunOptions;
 use leafwise::run::ensemble::{advise_ensemble, compose_ensemble, merge_shards};
 use leafwise::run::shards::{MergeError, Shards, Whole};
 use leafwise::run::sweep::{Settings, compose_sweep, merge_sweep};
@@ -43,17 +42,12 @@ pub fn execute(
     } else {
         shards.scene_name().clone_into(&mut document.name);
     }
-    let options = RunOptions {
-        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
-        directory: arguments.out.clone(),
-        force: arguments.force,
-        allow_non_poisson: arguments.allow_non_poisson,
-        command: format!("leafwise merge, of {} shards", shards.count()),
-    };
-    let told = (arguments.json, arguments.quiet);
+    let told = arguments.output;
+    let command = format!("leafwise merge, of {} shards", shards.count());
+    let options = told.options(arguments.out.clone(), command);
     if shards.whole() == Whole::Settings {
         let settings = Settings::of(&document)?;
-        let allow = arguments.allow_non_poisson;
+        let allow = told.allow_non_poisson;
         let merged = compose_sweep(&document, &parts.registry, settings, 0..0, allow)?;
         let report = merge_sweep(&document, &merged, &shards, &options)?;
         return Ok(sweep::tell(&report, None, told, console));

@@ -16,7 +16,7 @@ use leafwise::scene::json::{Double, doubles, object};
 use serde::Serialize;
 
 use super::explain::explain;
-use crate::arguments::{PluginArguments, RunArguments, SceneArguments};
+use crate::arguments::{OutputArguments, PluginArguments, RunArguments};
 use crate::bar::{Bar, while_building};
 use crate::console::Console;
 use crate::failure::{Failure, exit};
@@ -54,21 +54,17 @@ pub fn execute(
         }
         console.prose("");
     }
+    let told = arguments.output;
+    let directory = arguments.out.clone();
+    let file = arguments.scene.scene.file_name();
     let options = RunOptions {
-        directory: arguments
-            .out
-            .clone()
-            .unwrap_or_else(|| default_directory(&document)),
-        force: arguments.force,
-        allow_non_poisson: arguments.allow_non_poisson,
-        command: command(&arguments.scene, arguments.allow_non_poisson, plugins),
         // Longer than any number of seconds that a duration holds is never.
         checkpoint_every: Duration::try_from_secs_f64(arguments.checkpoint_every)
             .unwrap_or(Duration::MAX),
-    };
-    let told = RunOutput {
-        json: arguments.json,
-        quiet: arguments.quiet,
+        ..told.options(
+            directory.unwrap_or_else(|| default_directory(&document)),
+            repeating("run", file, told.allow_non_poisson, plugins),
+        )
     };
     if document.ensemble.is_some() && !told.quiet {
         console.prose("the initial state of [run] alone; `leafwise ensemble` runs [ensemble]");
@@ -84,15 +80,6 @@ pub fn execute(
     )
 }
 
-/// What is told of a run.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct RunOutput {
-    /// One object on standard output.
-    pub json: bool,
-    /// Nothing but errors on standard error.
-    pub quiet: bool,
-}
-
 /// Integrates a composed scene; returns the exit code.
 ///
 /// # Errors
@@ -102,7 +89,7 @@ pub(super) fn integrate(
     composed: &ComposedRun,
     registry: &Registry,
     options: &RunOptions,
-    told: RunOutput,
+    told: OutputArguments,
     console: &mut Console<'_>,
     interrupt: &Arc<AtomicBool>,
 ) -> Result<u8, Failure> {
@@ -144,12 +131,7 @@ pub(super) fn print_advice(advice: &[Advice], console: &mut Console<'_>) {
     }
 }
 
-/// The command that repeats the run of the scene as stored, overrides already in it.
-fn command(scene: &SceneArguments, allow_non_poisson: bool, plugins: &PluginArguments) -> String {
-    repeating("run", scene.scene.file_name(), allow_non_poisson, plugins)
-}
-
-/// The command that runs a file once more.
+/// The command that runs a file once more, overrides already in it.
 pub(super) fn repeating(
     verb: &str,
     file: Option<&OsStr>,

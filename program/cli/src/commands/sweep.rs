@@ -4,17 +4,17 @@ use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use leafwise::run::RunOutcome;
 use leafwise::run::shards::{Shard, Whole};
 use leafwise::run::sweep::{
     Settings, SweepEnding, SweepReport, compose_sweep, default_sweep_directory,
     default_sweep_shards_directory, run_sweep, run_sweep_shard,
 };
-use leafwise::run::{RunOptions, RunOutcome};
 use serde::Serialize;
 
 use super::run::repeating;
 use super::shard;
-use crate::arguments::{PluginArguments, SweepArguments};
+use crate::arguments::{OutputArguments, PluginArguments, SweepArguments};
 use crate::bar::{Bar, while_building};
 use crate::console::Console;
 use crate::failure::{Failure, exit};
@@ -49,28 +49,26 @@ pub fn execute(
     let shard = shard.map(|text| shard::of_number(text, Whole::Settings, count));
     let shard = shard.transpose()?;
     let items = shard.as_ref().map_or(0..count, Shard::items);
-    let allow = arguments.allow_non_poisson;
-    let sweep = while_building(console.is_terminal && !arguments.quiet, || {
+    let told = arguments.output;
+    let allow = told.allow_non_poisson;
+    let sweep = while_building(console.is_terminal && !told.quiet, || {
         compose_sweep(&document, &parts.registry, settings, items.clone(), allow)
     })?;
     let out = arguments.out.clone();
     let file = arguments.scene.scene.file_name();
-    let options = RunOptions {
-        checkpoint_every: RunOptions::CHECKPOINT_EVERY,
-        directory: match &shard {
+    let options = told.options(
+        match &shard {
             None => out.unwrap_or_else(|| default_sweep_directory(&document)),
             Some(shard) => out
                 .unwrap_or_else(|| default_sweep_shards_directory(&document))
                 .join(shard.name()),
         },
-        force: arguments.force,
-        allow_non_poisson: allow,
-        command: repeating("sweep", file, allow, plugins),
-    };
+        repeating("sweep", file, allow, plugins),
+    );
     let every = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
     let threads = arguments.threads.unwrap_or_else(every);
     let total = (items.end - items.start).saturating_mul(sweep.base.plan.steps);
-    let is_shown = console.is_terminal && !arguments.quiet;
+    let is_shown = console.is_terminal && !told.quiet;
     let mut bar = Bar::new(total, is_shown, interrupt);
     let report = match &shard {
         None => run_sweep(&document, &sweep, &options, threads, &mut bar),
@@ -78,27 +76,22 @@ pub fn execute(
     };
     bar.finish();
     let report = report?;
-    Ok(tell(
-        &report,
-        shard.as_ref(),
-        (arguments.json, arguments.quiet),
-        console,
-    ))
+    Ok(tell(&report, shard.as_ref(), told, console))
 }
 
 /// Prints what a sweep has come to; returns the exit code.
 pub(super) fn tell(
     report: &SweepReport,
     shard: Option<&Shard>,
-    (json, quiet): (bool, bool),
+    told: OutputArguments,
     console: &mut Console<'_>,
 ) -> u8 {
-    if !quiet {
+    if !told.quiet {
         for line in summary(report, shard, console) {
             console.prose(&line);
         }
     }
-    if json {
+    if told.json {
         console.json(&Told {
             ending: SweepEnding::new(report),
             shard: shard.map(|shard| [shard.items().start, shard.items().end]),
