@@ -43,6 +43,16 @@ impl Backend {
         None
     }
 
+    /// How many numbers it holds in registers.
+    fn registers(self) -> usize {
+        match self {
+            #[cfg(all(target_arch = "x86_64", not(windows)))]
+            Self::Avx(width) => width.registers() - 1,
+            #[cfg(any(target_arch = "aarch64", windows, leafwise_portable))]
+            Self::Portable => 15,
+        }
+    }
+
     /// Whether it calls two functions of a pair at once.
     fn calls_pairs(self) -> bool {
         match self {
@@ -134,7 +144,7 @@ impl MachineCode {
             bytes,
             scratch,
         } = backend.write(
-            &Program::new(code, backend.calls_pairs()),
+            &Program::new(code, backend.registers(), backend.calls_pairs()),
             lanes,
             &functions,
         )?;
@@ -165,9 +175,8 @@ impl MachineCode {
     /// # Panics
     /// When `slots` or `scratch` has another length than the code was compiled for.
     pub(crate) fn run(&self, slots: &mut [f64], scratch: &mut [f64]) {
-        assert_eq!(
-            (slots.len(), scratch.len()),
-            (self.slots, self.scratch),
+        assert!(
+            slots.len() == self.slots && scratch.len() == self.scratch,
             "the memory of another kernel"
         );
         // SAFETY: the code reads and writes the `self.slots` numbers from its first argument on and

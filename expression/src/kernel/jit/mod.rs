@@ -14,6 +14,7 @@ mod machine;
 mod portable;
 mod program;
 mod registers;
+mod schedule;
 #[cfg(test)]
 mod tests;
 

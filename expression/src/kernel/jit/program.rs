@@ -1,7 +1,8 @@
-//! A program in single assignment, in an order that keeps few results alive.
+//! A program in single assignment, in the order in which it is carried out.
 
 use rustc_hash::FxHashMap;
 
+use super::schedule::schedule;
 use crate::analytic::Member;
 use crate::kernel::code::{Code, Instruction};
 
@@ -38,11 +39,11 @@ pub(super) struct Program {
 }
 
 impl Program {
-    /// The operations of `code` that its outputs need, depth first: a result is computed where it
-    /// is first read, of two operands the one first that keeps more results alive (Sethi and Ullman,
-    /// The generation of optimal code for arithmetic expressions, J. ACM 17 (1970)). Two functions of a pair
-    /// are brought together where `by_pairs` says so.
-    pub(super) fn new(code: &Code, by_pairs: bool) -> Self {
+    /// The operations of `code` that its outputs need, for a machine with so many registers. Depth first a result is
+    /// computed where it is first read, of two operands the one first that keeps more results alive (Sethi and Ullman,
+    /// The generation of optimal code for arithmetic expressions, J. ACM 17 (1970)); from there [`schedule`] goes on.
+    /// Two functions of a pair are brought together where `by_pairs` says so.
+    pub(super) fn new(code: &Code, registers: usize, by_pairs: bool) -> Self {
         let operations = single_assignment(code);
         let needs = registers_needed(&operations);
         let mut order = Vec::with_capacity(operations.len());
@@ -70,6 +71,7 @@ impl Program {
                 pending.extend(operands.into_iter().flatten().map(|result| (result, false)));
             }
         }
+        let mut order = schedule(&operations, &order, registers);
         let seconds = if by_pairs {
             join_pairs(&operations, &mut order)
         } else {
