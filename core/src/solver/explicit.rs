@@ -264,8 +264,8 @@ impl Stepper for ExplicitStepper {
     ) -> (u64, Result<(), StepError>) {
         let kernel = &self.shared.step;
         for made in 0..steps {
-            kernel.evaluate_rows::<1>(&mut self.workspace, state.as_chunks().0);
-            let changes = kernel.output_rows::<1>(&self.workspace).as_flattened();
+            let changes = kernel.evaluate_rows::<1>(&mut self.workspace, state.as_chunks().0);
+            let changes = changes.as_flattened();
             self.last.copy_from_slice(state);
             if let Some(check) = &mut check
                 && changes.iter().all(|change| change.is_finite())

@@ -58,6 +58,12 @@ impl<const W: usize> Extrapolation<W> {
         let d = dimension::<D>(self.dimension);
         let displacement = &mut displacement[..d];
         displacement.fill([0.0; W]);
+        let mut own = [[0.0; W]; D];
+        let sums = if D == ANY {
+            &mut *displacement
+        } else {
+            &mut own[..]
+        };
         let highest = self.order.iter().fold(0, |m, order| m.max(*order));
         for (j, level) in self
             .differences
@@ -66,11 +72,14 @@ impl<const W: usize> Extrapolation<W> {
             .enumerate()
         {
             let takes: [bool; W] = std::array::from_fn(|w| j < self.order[w]);
-            for (sum, difference) in displacement.iter_mut().zip(level) {
+            for (sum, difference) in sums.iter_mut().zip(level) {
                 for w in 0..W {
                     sum[w] += if takes[w] { difference[w] } else { 0.0 };
                 }
             }
+        }
+        if D != ANY {
+            displacement.copy_from_slice(&own);
         }
     }
 
@@ -99,8 +108,15 @@ impl<const W: usize> Extrapolation<W> {
             .fold(0, |top, order| top.max(highest(*order)));
         let mut errors = [[0.0_f64; W]; 3];
         let d = dimension::<D>(self.dimension);
+        // What is carried from level to level stays in registers.
+        let mut own = [[0.0; W]; D];
+        own.copy_from_slice(&displacement[..D]);
         for start in (0..d).step_by(CHUNK) {
-            let carried = &mut displacement[start..d.min(start + CHUNK)];
+            let carried = if D == ANY {
+                &mut displacement[start..d.min(start + CHUNK)]
+            } else {
+                &mut own[..]
+            };
             for j in 0..=top {
                 let level = &mut self.differences[j * d + start..][..carried.len()];
                 let size = push(level, carried, took);

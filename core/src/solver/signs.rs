@@ -43,12 +43,13 @@ impl StepCheck for KeptSigns {
     fn check(&mut self, x: &[f64], increment: &[f64], outcome: &mut [Result<(), StepError>]) {
         let lanes = outcome.len();
         for (lane, outcome) in outcome.iter_mut().enumerate() {
-            let lost = self.0.iter().find(|i| {
-                let at = *i * lanes + lane;
-                let (x, next) = (x[at], x[at] + increment[at]);
-                let part = if x > 0.0 { next } else { -next };
-                x.abs() > SMALLEST && (part.is_nan() || part < LEAST_PART * x.abs())
-            });
+            let lost = match lanes {
+                1 => self.0.iter().find(|i| is_lost(x[**i], increment[**i])),
+                _ => self.0.iter().find(|i| {
+                    let at = *i * lanes + lane;
+                    is_lost(x[at], increment[at])
+                }),
+            };
             if let (Some(coordinate), true) = (lost, outcome.is_ok()) {
                 *outcome = Err(StepError::LostSign {
                     coordinate: coordinate + 1,
@@ -56,4 +57,12 @@ impl StepCheck for KeptSigns {
             }
         }
     }
+}
+
+/// Whether x + Δ has not the sign of x, or none of its digits.
+#[inline(always)]
+fn is_lost(x: f64, change: f64) -> bool {
+    let part = if x > 0.0 { x + change } else { -(x + change) };
+    let keeps = part >= LEAST_PART * x.abs();
+    !keeps && x.abs() > SMALLEST
 }

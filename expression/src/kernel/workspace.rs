@@ -146,67 +146,78 @@ impl Kernel {
         }
     }
 
-    /// Runs the step kernel on rows of W numbers, one an input; [`output_rows`](Self::output_rows)
-    /// holds what it returns, without a copy.
+    /// Runs the step kernel on rows of W numbers, one an input; returns its outputs, a row of W numbers each, without
+    /// a copy.
     ///
     /// # Panics
     /// When the workspace does not have W lanes, or there are not as many rows as inputs.
     #[inline(always)]
-    pub fn evaluate_rows<const W: usize>(&self, workspace: &mut Workspace, inputs: &[[f64; W]]) {
-        assert_eq!(
-            (workspace.lanes, inputs.len()),
-            (W, self.inputs),
+    pub fn evaluate_rows<'own, const W: usize>(
+        &self,
+        workspace: &'own mut Workspace,
+        inputs: &[[f64; W]],
+    ) -> &'own [[f64; W]] {
+        assert!(
+            workspace.lanes == W && inputs.len() == self.inputs,
             "as many lanes as numbers a row, as many rows as inputs"
         );
-        let slots: &mut [f64] = &mut workspace.slots;
+        let Workspace {
+            slots,
+            machine,
+            until_report,
+            ..
+        } = workspace;
+        let slots: &mut [f64] = slots;
         let own = &mut slots.as_chunks_mut::<W>().0[..inputs.len()];
         for (own, input) in own.iter_mut().zip(inputs) {
             *own = *input;
             apart::<W>();
         }
-        match &mut workspace.machine {
+        match machine {
             Some(machine) => machine.code.run(slots, &mut machine.scratch),
-            None => self.interpret(workspace),
+            None => *machine = self.interpret(slots, W, until_report),
         }
-        if self.strays.is_empty() {
-            return;
-        }
-        let rows = workspace.slots.as_chunks_mut::<W>().0;
+        let rows = slots.as_chunks_mut::<W>().0;
         for &(row, slot) in &self.strays {
             rows[row as usize] = rows[slot as usize];
         }
-    }
-
-    /// The outputs of the last [`evaluate_rows`](Self::evaluate_rows), a row of W numbers each.
-    ///
-    /// # Panics
-    /// When the workspace does not have W lanes.
-    #[inline]
-    pub fn output_rows<'a, const W: usize>(&self, workspace: &'a Workspace) -> &'a [[f64; W]] {
-        assert_eq!(workspace.lanes, W, "as many lanes as numbers a row");
-        let rows = workspace.slots.as_chunks::<W>().0;
         &rows[self.first_output..][..self.step_code.outputs.len()]
     }
 
     /// Runs the step kernel on the inputs that stand in the workspace.
     pub fn evaluate_in_place(&self, workspace: &mut Workspace) {
-        match &mut workspace.machine {
-            Some(machine) => machine.code.run(&mut workspace.slots, &mut machine.scratch),
-            None => self.interpret(workspace),
+        let Workspace {
+            lanes,
+            slots,
+            machine,
+            until_report,
+            ..
+        } = workspace;
+        match machine {
+            Some(machine) => machine.code.run(slots, &mut machine.scratch),
+            None => *machine = self.interpret(slots, *lanes, until_report),
         }
     }
 
+    /// Runs the step kernel by the interpreter; returns machine code for the next time once that pays.
     #[cold]
-    fn interpret(&self, workspace: &mut Workspace) {
-        run(&self.step_code, &mut workspace.slots, workspace.lanes);
-        if workspace.until_report > 0 {
-            workspace.until_report -= 1;
-            if workspace.until_report == 0 {
-                let machine = self.compiled.report(&self.step_code, workspace.lanes);
-                workspace.machine = machine.map(Machine::new);
-                workspace.until_report = REPORT;
-            }
+    fn interpret(
+        &self,
+        slots: &mut [f64],
+        lanes: usize,
+        until_report: &mut u32,
+    ) -> Option<Machine> {
+        run(&self.step_code, slots, lanes);
+        if *until_report == 0 {
+            return None;
         }
+        *until_report -= 1;
+        if *until_report > 0 {
+            return None;
+        }
+        *until_report = REPORT;
+        let machine = self.compiled.report(&self.step_code, lanes);
+        machine.map(Machine::new)
     }
 
     /// What was compiled to machine code until now, for each number of lanes.

@@ -56,10 +56,7 @@ pub(super) fn by_cofactors<const D: usize, const W: usize>(
 pub(super) fn multiply<const W: usize>(inverse: &[[f64; W]], right: &mut [[f64; W]]) {
     let d = right.len();
     let mut given = [[0.0; W]; 3];
-    for (given, value) in given[..d].iter_mut().zip(right.iter()) {
-        *given = *value;
-        apart::<W>();
-    }
+    given[..d].copy_from_slice(right);
     for (value, row) in right.iter_mut().zip(inverse.chunks_exact(d)) {
         for w in 0..W {
             let products = row.iter().zip(&given).map(|(entry, r)| entry[w] * r[w]);

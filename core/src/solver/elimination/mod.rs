@@ -22,6 +22,8 @@ pub(crate) trait Rows<const W: usize>:
 {
     /// So many rows of zeros; a type with a number of its own has that.
     fn zeros(rows: usize) -> Self;
+    /// The rows, to be put back: inline ones as a copy, which may stay in registers meanwhile, others moved.
+    fn take(&mut self) -> Self;
 }
 
 impl<const W: usize, const N: usize> Rows<W> for [[f64; W]; N] {
@@ -29,11 +31,21 @@ impl<const W: usize, const N: usize> Rows<W> for [[f64; W]; N] {
         debug_assert_eq!(rows, N, "the type's number of rows");
         [[0.0; W]; N]
     }
+
+    #[inline(always)]
+    fn take(&mut self) -> Self {
+        *self
+    }
 }
 
 impl<const W: usize> Rows<W> for Vec<[f64; W]> {
     fn zeros(rows: usize) -> Self {
         vec![[0.0; W]; rows]
+    }
+
+    #[inline(always)]
+    fn take(&mut self) -> Self {
+        std::mem::take(self)
     }
 }
 

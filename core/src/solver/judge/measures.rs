@@ -8,6 +8,18 @@ pub fn larger(a: f64, b: f64) -> f64 {
     if a > b || a.is_nan() { a } else { b }
 }
 
+/// max of a and b, which counts only where it is a number.
+#[inline(always)]
+pub fn at_least(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
+
+/// min of a and b, which counts only where it is a number.
+#[inline(always)]
+pub fn at_most(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
+}
+
 /// Beside this a few of the smallest numbers, which have no digits, are a negligible remainder: components that die out pass
 /// through them to 0.
 const SMALLEST_SCALE: f64 = 1e-303;
@@ -16,11 +28,7 @@ const SMALLEST_SCALE: f64 = 1e-303;
 #[inline(always)]
 pub fn relative(size: f64, scale: f64) -> f64 {
     let size = size.abs();
-    if size == 0.0 {
-        0.0
-    } else {
-        size / (scale + size + SMALLEST_SCALE)
-    }
+    size / (scale + size + SMALLEST_SCALE)
 }
 
 /// Σ_k |m_k v_k|: what a row of a Jacobian makes of a state's round-off.
@@ -74,9 +82,9 @@ impl Allowed {
     /// Takes in the size of an iterate's change.
     #[inline(always)]
     pub fn take(&mut self, change: f64) {
-        self.smallest = self.smallest.min(change);
+        self.smallest = at_most(self.smallest, change);
         if self.has_begun {
-            self.size = self.size.max(self.smallest);
+            self.size = at_least(self.size, self.smallest);
         }
         self.has_begun = true;
     }
@@ -90,7 +98,7 @@ impl Allowed {
     /// |change|, as far as it serves as a scale.
     #[inline(always)]
     pub fn scale(&self, change: f64) -> f64 {
-        change.abs().min(MOST_GROWTH * self.size)
+        at_most(MOST_GROWTH * self.size, change.abs())
     }
 }
 

@@ -10,7 +10,9 @@ mod measures;
 mod watch;
 
 pub use linear::{LinearIteration, Verdict};
-pub use measures::{Allowed, CorrectionSize, is_between, larger, largest, reach, relative};
+pub use measures::{
+    Allowed, CorrectionSize, at_least, at_most, is_between, larger, largest, reach, relative,
+};
 pub(super) use watch::WANDERING;
 pub use watch::Watch;
 

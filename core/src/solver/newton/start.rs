@@ -66,8 +66,7 @@ impl<const W: usize> Start<W> {
                 is_no_guide,
             } => {
                 let d = dimension::<D>(last.len());
-                kernel.evaluate_rows(workspace, x);
-                let odd = &kernel.output_rows::<W>(workspace)[..d];
+                let odd = &kernel.evaluate_rows(workspace, x)[..d];
                 let last = &last[..d];
                 let mut zero = [0.0; W];
                 for i in 0..d {

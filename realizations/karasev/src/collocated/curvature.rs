@@ -71,9 +71,8 @@ impl CurvatureEvaluator {
         for (input, value) in inputs.zip([y, p, covector].into_iter().flatten()) {
             *input = [*value];
         }
-        kernel.evaluate_rows(workspace, &self.inputs);
+        let rows = kernel.evaluate_rows(workspace, &self.inputs).as_flattened();
         self.operations += kernel.step_operations().work();
-        let rows = kernel.output_rows::<1>(workspace).as_flattened();
         let (first, second) = rows.split_at(by_yy.len());
         by_yy.copy_from_slice(first);
         by_yp.copy_from_slice(second);

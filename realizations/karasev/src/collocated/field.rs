@@ -132,8 +132,8 @@ impl Prepared {
         first.copy_from_slice(y);
         second.copy_from_slice(p);
         let inputs = self.inputs.as_chunks::<1>().0;
-        self.kernel.evaluate_rows(&mut self.workspace, inputs);
-        self.kernel.output_rows::<1>(&self.workspace).as_flattened()
+        let outputs = self.kernel.evaluate_rows(&mut self.workspace, inputs);
+        outputs.as_flattened()
     }
 }
 

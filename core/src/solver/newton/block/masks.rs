@@ -21,7 +21,10 @@ pub(super) fn add_where<const W: usize>(
     changes: &[Row<W>],
 ) {
     if !mask.iter().all(|lane| *lane) {
-        return add_some(mask, values, changes);
+        return match W {
+            1 => add_nothing(),
+            _ => add_some(mask, values, changes),
+        };
     }
     for (value, change) in values.iter_mut().zip(changes) {
         for w in 0..W {
@@ -29,6 +32,10 @@ pub(super) fn add_where<const W: usize>(
         }
     }
 }
+
+/// A call, which no compiler makes a selection of a sum and none.
+#[inline(never)]
+fn add_nothing() {}
 
 /// The same of some lanes alone; a call, which no compiler makes a selection of both sums.
 #[inline(never)]

@@ -15,7 +15,9 @@ use super::start::Start;
 use crate::error::StepError;
 use crate::solver::Branch;
 use crate::solver::elimination::{Factors, Rows, dimension};
-use crate::solver::judge::{Allowed, WANDERING, Watch, inside_chart, larger, relative};
+use crate::solver::judge::{
+    Allowed, WANDERING, Watch, at_least, at_most, inside_chart, larger, relative,
+};
 
 /// Evaluations of one step. A smooth orbit takes 1 to 4, a cold start at a large step a dozen, one at a
 /// thousand times the size of a chart fifty.
@@ -60,8 +62,6 @@ pub(super) struct Block<const W: usize, const D: usize, V, M> {
     scale: V,
     /// The largest entries of the guard's two sides where the maps were last evaluated.
     guard: [Row<W>; 2],
-    /// Values of both kernels, where lanes want different ones.
-    mixed: Vec<Row<W>>,
     start: Start<W>,
     lanes: [Lane; W],
     outcome: [Result<(), StepError>; W],
@@ -130,7 +130,6 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             change: M::zeros(d * d),
             scale: V::zeros(d),
             guard: [[0.0; W]; 2],
-            mixed: vec![[0.0; W]; if W > 1 { 3 * d } else { 0 }],
             start: Start::new(kernel.start.as_ref(), d, parameters, epsilon, h),
             lanes: [Lane::NEW; W],
             outcome: [const { Ok(()) }; W],
@@ -164,8 +163,10 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
 
     /// The increments of the step from x + low.
     fn step(&mut self) {
-        self.start();
-        self.iterate();
+        let mut y = self.y.take();
+        self.start(y.as_mut());
+        self.iterate(y.as_mut());
+        self.y = y;
         self.watch_starts();
         for w in 0..W {
             if self.lanes[w].watch.wanders() || self.outcome[w].is_err() {
@@ -197,13 +198,13 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
 
     /// Until every lane is done.
     #[inline(always)]
-    fn iterate(&mut self) {
+    fn iterate(&mut self, y: &mut [Row<W>]) {
         loop {
             // Of a lane alone it is known when this is compiled who asks.
             if W == 1 {
                 match self.lanes[0].next {
-                    Next::Newton => self.approach(&[true; W], &[false; W]),
-                    Next::Chord => self.approach(&[false; W], &[true; W]),
+                    Next::Newton => self.approach(y, &[true; W], &[false; W]),
+                    Next::Chord => self.approach(y, &[false; W], &[true; W]),
                     Next::Done => break,
                 }
                 continue;
@@ -213,36 +214,37 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             if !any(&newton) && !any(&chord) {
                 break;
             }
-            self.approach(&newton, &chord);
+            self.approach(y, &newton, &chord);
         }
     }
 
     /// A correction in the lanes of `newton`, with new Jacobians, and of `chord`.
     #[inline(always)]
-    fn approach(&mut self, newton: &[bool; W], chord: &[bool; W]) {
+    fn approach(&mut self, y: &mut [Row<W>], newton: &[bool; W], chord: &[bool; W]) {
+        let (mut residual, mut increment) = (self.correction.take(), self.increment.take());
+        let ends = [residual.as_mut(), increment.as_mut()];
         if any(newton) {
-            self.evaluate_full(newton);
+            self.evaluate_full(y, ends, newton);
         }
+        let ends = [residual.as_mut(), increment.as_mut()];
         if any(chord) {
-            let d = dimension::<D>(self.dimension);
-            let kernel = &self.kernel.residual;
-            kernel.evaluate_rows(&mut self.residual, self.y.as_ref());
-            let guard = &kernel.output_rows::<W>(&self.residual)[self.kernel.bases + 2 * d..];
-            if !guard.is_empty() {
-                take_guard(chord, &mut self.guard, guard);
-            }
+            self.evaluate_residual(y, ends, chord);
         }
-        self.correct(newton, chord);
-        self.judge(newton, chord);
+        let active = std::array::from_fn(|w| newton[w] || chord[w]);
+        let mut correction = residual;
+        self.correct(y, correction.as_mut(), increment.as_ref(), &active);
+        self.judge(y, correction.as_ref(), increment.as_mut(), newton, &active);
+        (self.correction, self.increment) = (correction, increment);
     }
 
     /// The predicted solutions, and the kernel that each lane evaluates there.
     #[inline(always)]
-    fn start(&mut self) {
+    fn start(&mut self, y: &mut [Row<W>]) {
         let d = dimension::<D>(self.dimension);
-        let correction = &mut self.correction.as_mut()[..d];
-        self.start.predict::<D>(&self.x.as_ref()[..d], correction);
-        let (x, y) = (&self.x.as_ref()[..d], &mut self.y.as_mut()[..d]);
+        let (x, y) = (&self.x.as_ref()[..d], &mut y[..d]);
+        let mut displacement = self.correction.take();
+        let correction = &mut displacement.as_mut()[..d];
+        self.start.predict::<D>(x, correction);
         let (anchor, scale) = (&self.anchor.as_ref()[..d], &self.scale.as_ref()[..d]);
         let mut distance = [0.0_f64; W];
         let mut outgrown = [false; W];
@@ -250,14 +252,14 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         for i in 0..d {
             for w in 0..W {
                 y[i][w] = x[i][w] + correction[i][w];
-                allowed[w] = allowed[w].max(x[i][w].abs() + correction[i][w].abs());
+                allowed[w] = at_least(allowed[w], x[i][w].abs() + correction[i][w].abs());
                 let (y, anchor, scale) = (y[i][w], anchor[i][w], scale[i][w]);
                 let away = (y - anchor).abs();
                 distance[w] = larger(distance[w], relative(away, scale));
                 outgrown[w] |= y.abs() < HALVED * anchor.abs() && away > NOISE * scale;
             }
-            apart::<W>();
         }
+        self.correction = displacement;
         for (w, lane) in self.lanes.iter_mut().enumerate() {
             let distance = (lane.anchored && !outgrown[w]).then_some(distance[w]);
             lane.next = lane.convergence.start(distance, self.most_chords);
@@ -272,16 +274,42 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         }
     }
 
-    /// Evaluates the full kernel at y and keeps the Jacobians in the lanes of `newton`.
+    /// Evaluates the residual kernel at y: −(β̂ − x) and the increment in the lanes of `chord`.
     #[inline(always)]
-    fn evaluate_full(&mut self, newton: &[bool; W]) {
+    fn evaluate_residual(&mut self, y: &[Row<W>], ends: [&mut [Row<W>]; 2], chord: &[bool; W]) {
         let d = dimension::<D>(self.dimension);
-        let kernel = &self.kernel.full;
-        kernel.evaluate_rows(&mut self.full, self.y.as_ref());
-        let ends = self.kernel.bases + 2 * d;
-        let (target, rest) = kernel.output_rows::<W>(&self.full)[ends..].split_at(d * d);
-        let (change, guard) = rest.split_at(d * d);
-        keep(newton, &mut self.anchor.as_mut()[..d], self.y.as_ref());
+        let rows = self.kernel.residual.evaluate_rows(&mut self.residual, y);
+        let (base, rows) = rows.split_at(self.kernel.bases);
+        let base = if base.is_empty() { y } else { base };
+        let (own, guard) = rows.split_at(2 * d);
+        take_ends::<W, D>(
+            [self.x.as_ref(), self.low.as_ref()],
+            [base, own],
+            ends,
+            chord,
+        );
+        if !guard.is_empty() {
+            take_guard(chord, &mut self.guard, guard);
+        }
+    }
+
+    /// The same of the full kernel in the lanes of `newton`, whose Jacobians are kept.
+    #[inline(always)]
+    fn evaluate_full(&mut self, y: &[Row<W>], ends: [&mut [Row<W>]; 2], newton: &[bool; W]) {
+        let d = dimension::<D>(self.dimension);
+        let rows = self.kernel.full.evaluate_rows(&mut self.full, y);
+        let (base, rows) = rows.split_at(self.kernel.bases);
+        let base = if base.is_empty() { y } else { base };
+        let (own, rows) = rows.split_at(2 * d);
+        let (target, rows) = rows.split_at(d * d);
+        let (change, guard) = rows.split_at(d * d);
+        take_ends::<W, D>(
+            [self.x.as_ref(), self.low.as_ref()],
+            [base, own],
+            ends,
+            newton,
+        );
+        keep(newton, &mut self.anchor.as_mut()[..d], y);
         keep(newton, &mut self.change.as_mut()[..d * d], change);
         let slope = &mut self.slope.as_mut()[..d * d];
         for i in 0..d {
@@ -306,46 +334,24 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         }
     }
 
-    /// Corrections from what the kernels returned, by the full one in the lanes of `newton`, and what
-    /// they are judged against.
+    /// Corrections in place of residuals, and what they are judged against.
     #[inline(always)]
-    fn correct(&mut self, newton: &[bool; W], chord: &[bool; W]) {
+    fn correct(
+        &mut self,
+        y: &[Row<W>],
+        correction: &mut [Row<W>],
+        increment: &[Row<W>],
+        active: &[bool; W],
+    ) {
         let d = dimension::<D>(self.dimension);
-        let bases = self.kernel.bases;
-        let full = &self.kernel.full.output_rows::<W>(&self.full)[..bases + 2 * d];
-        let residual = &self.kernel.residual.output_rows::<W>(&self.residual)[..bases + 2 * d];
-        let ends = match (any(newton), any(chord)) {
-            (true, false) => full,
-            (false, _) => residual,
-            (true, true) => {
-                let mixed = &mut self.mixed[..bases + 2 * d];
-                mixed.copy_from_slice(residual);
-                keep(newton, mixed, full);
-                mixed
-            }
-        };
-        let (x, y, low) = (
-            &self.x.as_ref()[..d],
-            &self.y.as_ref()[..d],
-            &self.low.as_ref()[..d],
-        );
-        let (base, ends) = ends.split_at(bases);
-        let base = if bases == 0 { y } else { base };
-        let correction = &mut self.correction.as_mut()[..d];
-        let increment = &mut self.increment.as_mut()[..d];
+        let (x, y) = (&self.x.as_ref()[..d], &y[..d]);
+        let (correction, increment) = (&mut correction[..d], &increment[..d]);
         let (slope, scale) = (&self.slope.as_ref()[..d * d], &mut self.scale.as_mut()[..d]);
-        let active: [bool; W] = std::array::from_fn(|w| newton[w] || chord[w]);
         let mut grown = [0.0_f64; W];
-        for i in 0..d {
+        for row in increment {
             for w in 0..W {
-                // (base − x) + (β̂ − base) − low: base and x are close, their difference is exact.
-                correction[i][w] = x[i][w] - base[i][w] - ends[i][w] + low[i][w];
+                grown[w] = at_least(grown[w], row[w].abs());
             }
-            select(&active, &mut increment[i], &ends[d + i]);
-            for w in 0..W {
-                grown[w] = grown[w].max(increment[i][w].abs());
-            }
-            apart::<W>();
         }
         self.factors.solve::<D>(correction);
         // A component may be the round-off of what the others put into it, Σ_j |D − 1|_ij |y_j|;
@@ -367,28 +373,41 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             }
             let judged = std::array::from_fn(|w| {
                 let own = x[i][w].abs() + allowed[w].scale(increment[i][w]);
-                own + reach[w].min(allowed[w].size())
+                own + at_most(allowed[w].size(), reach[w])
             });
-            select(&active, &mut scale[i], &judged);
+            select(active, &mut scale[i], &judged);
         }
     }
 
     /// Decides lane by lane, applies the corrections, and completes the increments that are done.
     #[inline(always)]
-    fn judge(&mut self, newton: &[bool; W], chord: &[bool; W]) {
+    fn judge(
+        &mut self,
+        y: &mut [Row<W>],
+        correction: &[Row<W>],
+        increment: &mut [Row<W>],
+        newton: &[bool; W],
+        active: &[bool; W],
+    ) {
         let d = dimension::<D>(self.dimension);
-        let correction = &self.correction.as_ref()[..d];
+        let (correction, increment) = (&correction[..d], &mut increment[..d]);
         let scale = &self.scale.as_ref()[..d];
         let mut size = [0.0_f64; W];
+        // 0·v is 0 where v is finite, and no number elsewhere.
+        let mut zero = [0.0_f64; W];
         for i in 0..d {
             for w in 0..W {
-                size[w] = larger(size[w], relative(correction[i][w].abs(), scale[i][w]));
+                size[w] = at_least(size[w], relative(correction[i][w], scale[i][w]));
+                zero[w] += 0.0 * correction[i][w];
             }
+        }
+        for w in 0..W {
+            size[w] += zero[w];
         }
         let (mut done, mut applied) = ([false; W], [false; W]);
         for w in 0..W {
-            if newton[w] || chord[w] {
-                let next = self.judge_lane(w, size[w], newton[w]);
+            if active[w] {
+                let next = self.judge_lane(w, correction, size[w], newton[w]);
                 self.lanes[w].next = next.unwrap_or_else(|error| {
                     self.outcome[w] = Err(error);
                     Next::Done
@@ -397,21 +416,16 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                 done[w] = self.lanes[w].next == Next::Done;
             }
         }
-        let correction = &self.correction.as_ref()[..d];
-        add_where(&applied, &mut self.y.as_mut()[..d], correction);
+        add_where(&applied, &mut y[..d], correction);
         if done.contains(&true) {
             // The last correction enters to first order.
-            let (change, increment) = (
-                &self.change.as_ref()[..d * d],
-                &mut self.increment.as_mut()[..d],
-            );
+            let change = &self.change.as_ref()[..d * d];
             for i in 0..d {
                 let mut first_order = [0.0; W];
                 for j in 0..d {
                     for w in 0..W {
                         first_order[w] += change[i * d + j][w] * correction[j][w];
                     }
-                    apart::<W>();
                 }
                 for w in 0..W {
                     increment[i][w] += if done[w] { first_order[w] } else { 0.0 };
@@ -422,8 +436,14 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
 
     /// What a lane does after a correction.
     #[inline(always)]
-    fn judge_lane(&mut self, w: usize, size: f64, is_newton: bool) -> Result<Next, StepError> {
-        let (correction, scale) = (self.correction.as_ref(), self.scale.as_ref());
+    fn judge_lane(
+        &mut self,
+        w: usize,
+        correction: &[Row<W>],
+        size: f64,
+        is_newton: bool,
+    ) -> Result<Next, StepError> {
+        let scale = self.scale.as_ref();
         let lane = &mut self.lanes[w];
         let norm = || {
             let largest = |rows: &[Row<W>]| rows.iter().fold(0.0_f64, |m, row| m.max(row[w].abs()));
@@ -491,5 +511,25 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         }
         self.start
             .record::<D>(x, y, &mut self.correction.as_mut()[..d], &took);
+    }
+}
+
+/// −(β̂ − x) and the increment from base, or y in its place, and the other ends, in the lanes of `mask`.
+#[inline(always)]
+fn take_ends<const W: usize, const D: usize>(
+    [x, low]: [&[Row<W>]; 2],
+    [base, ends]: [&[Row<W>]; 2],
+    [residual, increment]: [&mut [Row<W>]; 2],
+    mask: &[bool; W],
+) {
+    let d = dimension::<D>(x.len());
+    let (x, low, base) = (&x[..d], &low[..d], &base[..d]);
+    let (offset, change) = ends.split_at(d);
+    for i in 0..d {
+        // (base − x) + (β̂ − base) − low: base and x are close, their difference is exact.
+        let own = std::array::from_fn(|w| x[i][w] - base[i][w] - offset[i][w] + low[i][w]);
+        select(mask, &mut residual[i], &own);
+        select(mask, &mut increment[i], &change[i]);
+        apart::<W>();
     }
 }

@@ -61,8 +61,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                 for i in 0..d {
                     y[i][w] = point[i];
                 }
-                kernel.evaluate_rows(workspace, y);
-                let (base, ends) = kernel.output_rows::<W>(workspace).split_at(bases);
+                let (base, ends) = kernel.evaluate_rows(workspace, y).split_at(bases);
                 let (ends, rest) = ends.split_at(2 * d);
                 for i in 0..d {
                     let base = if bases == 0 { point[i] } else { base[i][w] };
@@ -101,7 +100,9 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                     pairs.fold(0.0, |m, (x, y)| larger(m, x.abs() + (y - x).abs()))
                 };
                 lane.allowed = Allowed::new(change(&self.from, self.branch.end()));
-                self.iterate();
+                let mut y = self.y.take();
+                self.iterate(y.as_mut());
+                self.y = y;
                 self.lanes[w].convergence.evaluations += before;
                 for (found, y) in self.found.iter_mut().zip(self.y.as_ref()) {
                     *found = y[w];

@@ -130,8 +130,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
     fn jacobians(&mut self, lane: usize) -> (Vec<f64>, Vec<f64>) {
         let d = self.dimension;
         let kernel = &self.kernel.full;
-        kernel.evaluate_rows(&mut self.full, self.y.as_ref());
-        let values = kernel.output_rows::<W>(&self.full);
+        let values = kernel.evaluate_rows(&mut self.full, self.y.as_ref());
         let matrix = |from: usize| {
             let rows = values[from..from + d * d].iter();
             rows.map(|row| row[lane]).collect()
@@ -213,7 +212,10 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
         self.start.restore(lane, history);
         if own[4] != 0.0 {
             let only = std::array::from_fn(|w| w == lane);
-            self.evaluate_full(&only);
+            let (y, mut residual) = (self.y.take(), self.correction.take());
+            let mut increment = self.increment.take();
+            self.evaluate_full(y.as_ref(), [residual.as_mut(), increment.as_mut()], &only);
+            (self.y, self.correction, self.increment) = (y, residual, increment);
         } else {
             self.lanes[lane].anchored = false;
         }
