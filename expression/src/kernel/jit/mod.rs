@@ -10,6 +10,7 @@ mod avx;
 mod executable;
 mod functions;
 mod machine;
+mod operation;
 #[cfg(any(target_arch = "aarch64", windows, leafwise_portable))]
 mod portable;
 mod program;

@@ -1,7 +1,8 @@
 //! Which numbers stand in registers: the one whose next use is farthest leaves first (Belady, A
 //! study of replacement algorithms for a virtual-storage computer, IBM Systems J. 5 (1966)).
 
-use super::program::{Operation, Program, Source};
+use super::operation::{Operation, Source};
+use super::program::Program;
 use crate::expression::Function;
 use crate::kernel::code::Instruction;
 

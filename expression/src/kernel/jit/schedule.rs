@@ -7,7 +7,7 @@
 
 use std::cmp::Reverse;
 
-use super::program::{Operation, Source};
+use super::operation::{Operation, Source};
 use crate::kernel::code::Instruction;
 
 /// How far from the given order an operation may come early. Without a bound programs of thousands of operations, whose

@@ -5,7 +5,8 @@ use crate::analytic::{AnalyticFunction, Member};
 use crate::expression::Function;
 use crate::kernel::code::Instruction;
 use crate::kernel::jit::functions;
-use crate::kernel::jit::program::{Operation, Program, Source};
+use crate::kernel::jit::operation::{Operation, Source};
+use crate::kernel::jit::program::Program;
 use crate::kernel::jit::registers::{Location, Plan, Step, is_call};
 
 /// Bytes of a number.

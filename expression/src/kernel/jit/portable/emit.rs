@@ -13,7 +13,8 @@ use crate::analytic::AnalyticFunction;
 use crate::expression::Function;
 use crate::kernel::code::Instruction;
 use crate::kernel::jit::functions;
-use crate::kernel::jit::program::{Operation, Program, Source};
+use crate::kernel::jit::operation::{Operation, Source};
+use crate::kernel::jit::program::Program;
 use crate::kernel::jit::registers::{Location, Plan, Step};
 
 const NUMBER: i64 = size_of::<f64>() as i64;
