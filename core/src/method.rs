@@ -16,7 +16,7 @@ use crate::shadow::Shadow;
 use crate::solution_series::start_of_solves;
 use crate::solver::{
     Checked, KeptSigns, Lanes, MakeCheck, MapProperties, NewtonKernel, NewtonStepper,
-    NumericSolver, Poles, StepMap, Stepper, Structure, check_variables, kept_signs,
+    NumericSolver, Poles, StepMap, Stepper, Structure, Uncoupled, check_variables, kept_signs,
 };
 use crate::system::{PoissonSystem, SystemFormulas};
 
@@ -47,8 +47,8 @@ pub struct MethodEvaluators {
 /// How a step is computed.
 #[derive(Clone)]
 enum Path {
-    /// Both parts are code: one kernel for a Newton iteration.
-    Code(NewtonKernel),
+    /// Both parts are code: one kernel for a Newton iteration, or several where its equations are uncoupled.
+    Code(NewtonKernel, Option<Uncoupled>),
     /// The realization brought its own solve.
     Fused(Arc<dyn StepMap>),
     /// At least one part computes numbers.
@@ -63,7 +63,7 @@ enum Path {
 impl std::fmt::Debug for Path {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
-            Self::Code(_) => "one kernel",
+            Self::Code(..) => "one kernel",
             Self::Fused(_) => "fused",
             Self::Evaluators { .. } => "evaluators",
         })
@@ -154,7 +154,9 @@ impl Method {
                     parameters,
                     kernel.operations().work(),
                 )?;
-                Path::Code(kernel.starting_from(start))
+                let uncoupled = Uncoupled::compile(&mut graph, &ends, start.as_ref(), parameters)?;
+                let start = start.map(|start| start.kernel(parameters));
+                Path::Code(kernel.starting_from(start), uncoupled)
             }
             (code, points) => {
                 let probe = system.parameter_values();
@@ -215,7 +217,7 @@ impl Method {
     /// The compiled Newton iteration, where both parts are code.
     pub fn newton(&self) -> Option<&NewtonKernel> {
         match &self.path {
-            Path::Code(newton) => Some(newton),
+            Path::Code(newton, _) => Some(newton),
             _ => None,
         }
     }
@@ -362,10 +364,19 @@ impl StepMap for Method {
 
     fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
         match &self.path {
-            Path::Code(newton) => vec![
-                ("Newton iteration", newton.kernel()),
-                ("residual alone", newton.residual_kernel()),
-            ],
+            Path::Code(newton, uncoupled) => {
+                let parts = match uncoupled {
+                    None => vec![newton],
+                    Some(uncoupled) => uncoupled.kernels().collect(),
+                };
+                let both = parts.into_iter().flat_map(|newton| {
+                    [
+                        ("Newton iteration", newton.kernel()),
+                        ("residual alone", newton.residual_kernel()),
+                    ]
+                });
+                both.collect()
+            }
             Path::Fused(map) => map.kernels(),
             Path::Evaluators { code, points, .. } => {
                 let maps = code.iter().flat_map(CodeRealization::kernels);
@@ -392,7 +403,8 @@ impl StepMap for Method {
 
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
         let stepper: Box<dyn Stepper> = match &self.path {
-            Path::Code(newton) => {
+            Path::Code(_, Some(uncoupled)) => uncoupled.stepper(lanes, parameters, epsilon, h),
+            Path::Code(newton, None) => {
                 Box::new(NewtonStepper::new(newton, lanes, parameters, epsilon, h))
             }
             Path::Fused(map) => map.stepper(lanes, parameters, epsilon, h),
@@ -443,7 +455,7 @@ impl StepMap for Method {
 
     fn differential(&self, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Differential> {
         let stepper = self.stepper(1, parameters, epsilon, h);
-        let Path::Code(newton) = &self.path else {
+        let Path::Code(newton, _) = &self.path else {
             return Box::new(ByTangents::new(stepper, self.dimension()));
         };
         let by_parameters = self.slopes_by_parameters(parameters.len());

@@ -7,13 +7,14 @@
 
 use leafwise_expression::graph::lift;
 use leafwise_expression::{
-    AlgebraError, Arithmetic, Graph, Kernel, Polynomial, Rational, Ring, StepSize, Term,
+    AlgebraError, Arithmetic, Graph, Polynomial, Rational, Ring, StepSize, Term,
 };
 
 use crate::bisection::LagrangianBisection;
 use crate::error::BuildError;
 use crate::generating_function::{Generating, GeneratingFunction};
 use crate::realization::{Accuracy, RealizationData, SourceRecursion};
+use crate::solver::StartCode;
 
 /// Products of terms that may be spent on one order of the series: milliseconds.
 const PRODUCTS: u64 = 1 << 14;
@@ -29,7 +30,7 @@ const MOST: usize = 4;
 /// Operations a coordinate of what the series replaces, the differences of twelve earlier solutions.
 const EXTRAPOLATION: u64 = 36;
 
-/// The start of the solves of a method over code, as [`SolutionSeries::kernel`], of `work` operations an evaluation with
+/// The start of the solves of a method over code, as [`SolutionSeries::code`], of `work` operations an evaluation with
 /// Jacobians: the longest sum that takes at most half of that, and extrapolation, which are the least that it saves.
 /// `None` where the series is longer, where Ŝ is not expanded, or the realization offers no series as far.
 ///
@@ -40,7 +41,7 @@ pub(crate) fn start_of_solves(
     bisection: &dyn LagrangianBisection,
     parameters: usize,
     work: u64,
-) -> Result<Option<Kernel>, BuildError> {
+) -> Result<Option<StartCode>, BuildError> {
     let (Some(Generating::Polynomials(generating)), Some(series)) =
         (bisection.generating_function(), realization.series())
     else {
@@ -65,11 +66,12 @@ pub(crate) fn start_of_solves(
             break;
         }
         // Every further term makes the sum longer.
-        let kernel = solution.kernel(parameters)?;
+        let code = solution.code()?;
+        let kernel = code.kernel(parameters);
         if kernel.step_operations().work() > operations {
             break;
         }
-        start = (terms >= FEWEST).then_some(kernel);
+        start = (terms >= FEWEST).then_some(code);
     }
     Ok(start)
 }
@@ -154,7 +156,7 @@ impl SolutionSeries {
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where an adjoined function has no code.
-    fn kernel(&self, parameters: usize) -> Result<Kernel, BuildError> {
+    fn code(&self) -> Result<StartCode, BuildError> {
         let d = self.ring.variables();
         let mut graph = Graph::new();
         let x: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
@@ -172,7 +174,7 @@ impl SolutionSeries {
             power = graph.multiply(&power, &square);
         }
         let sums = lift(&mut graph, &self.ring, &outputs, &x)?;
-        Ok(Kernel::compile(&graph, &sums, parameters, d))
+        Ok(StartCode { graph, sums })
     }
 }
 

@@ -35,6 +35,7 @@ pub use linear::{
     elimination_operations, substitution_operations,
 };
 pub use newton::{NewtonKernel, NewtonStepper};
+pub(crate) use newton::{StartCode, Uncoupled};
 pub(crate) use numeric::NumericSolver;
 pub use poles::{Poles, WithoutPoles};
 pub use product::ProductStepper;

@@ -90,25 +90,21 @@ impl Kernel {
     /// Compiles `outputs` with only the graph inputs they read: input k of the kernel is the
     /// returned list's k-th graph input.
     pub fn compile_used(graph: &Graph, outputs: &[Term], parameters: usize) -> (Self, Vec<usize>) {
+        let used = graph.inputs_read(outputs);
+        (Self::compile_from(graph, outputs, parameters, &used), used)
+    }
+
+    /// Compiles `outputs` that read no graph inputs but those of `inputs`: input k of the kernel is the list's k-th.
+    pub fn compile_from(
+        graph: &Graph,
+        outputs: &[Term],
+        parameters: usize,
+        inputs: &[usize],
+    ) -> Self {
         let uses = count_uses(graph, outputs);
-        let mut used: Vec<usize> = (0..graph.len() as u32)
-            .map(Node)
-            .filter(|node| uses[node.index()] > 0)
-            .filter_map(|node| match graph.operation(node) {
-                Operation::Input(index) => Some(*index as usize),
-                _ => None,
-            })
-            .collect();
-        used.sort_unstable();
-        let slots = used
-            .iter()
-            .enumerate()
-            .map(|(k, &index)| (index as u32, k as u32))
-            .collect();
-        (
-            Self::compile_with(graph, outputs, parameters, used.len(), &uses, Some(slots)),
-            used,
-        )
+        let slots = inputs.iter().enumerate();
+        let slots = slots.map(|(k, &index)| (index as u32, k as u32)).collect();
+        Self::compile_with(graph, outputs, parameters, inputs.len(), &uses, Some(slots))
     }
 
     /// The number of outputs.

@@ -21,6 +21,28 @@ pub struct NewtonKernel {
     pub(super) start: Option<Arc<Kernel>>,
 }
 
+/// The code of where a solve starts: 2 Σ_{k odd} tᵏ Y_k(x), to be added to the solution before.
+pub(crate) struct StartCode {
+    pub(crate) graph: Graph,
+    /// d terms over the inputs x_0 … x_{d−1}.
+    pub(crate) sums: Vec<Term>,
+}
+
+impl StartCode {
+    /// Its kernel.
+    pub(crate) fn kernel(&self, parameters: usize) -> Kernel {
+        Kernel::compile(&self.graph, &self.sums, parameters, self.sums.len())
+    }
+
+    /// The kernel of some coordinates alone, over the same; `None` where it reads others.
+    pub(super) fn share(&self, places: &[usize], parameters: usize) -> Option<Kernel> {
+        let sums: Vec<Term> = places.iter().map(|at| self.sums[*at].clone()).collect();
+        let mut read = self.graph.inputs_read(&sums).into_iter();
+        let is_own = read.all(|input| places.contains(&input));
+        is_own.then(|| Kernel::compile_from(&self.graph, &sums, parameters, places))
+    }
+}
+
 impl NewtonKernel {
     /// Compiles the iteration for source and target code over the inputs y_0 … y_{d−1}.
     ///
@@ -31,9 +53,20 @@ impl NewtonKernel {
         ends: &SourceTarget,
         parameters: usize,
     ) -> Result<Self, BuildError> {
-        let d = ends.base.len();
+        let inputs: Vec<usize> = (0..ends.base.len()).collect();
+        Self::compile_from(graph, ends, parameters, &inputs)
+    }
+
+    /// The same where y is those inputs of the graph, and nothing reads others.
+    pub(super) fn compile_from(
+        graph: &mut Graph,
+        ends: &SourceTarget,
+        parameters: usize,
+        inputs: &[usize],
+    ) -> Result<Self, BuildError> {
+        let d = inputs.len();
         let mut outputs: Vec<Term> = Vec::with_capacity(d * (3 + 2 * d) + 2 * d);
-        let y: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
+        let y: Vec<Term> = inputs.iter().map(|i| graph.input(*i)).collect();
         if ends.base != y {
             outputs.extend_from_slice(&ends.base);
         }
@@ -45,21 +78,21 @@ impl NewtonKernel {
             None => Vec::new(),
         };
         let guarded = [&outputs[..], &guard[..]].concat();
-        let residual = Kernel::compile(graph, &guarded, parameters, d);
+        let residual = Kernel::compile_from(graph, &guarded, parameters, inputs);
         for i in 0..d {
-            for j in 0..d {
-                let base = graph.derivative(&ends.base[i], j)?;
-                let offset = graph.derivative(&ends.offset[i], j)?;
+            for j in inputs {
+                let base = graph.derivative(&ends.base[i], *j)?;
+                let offset = graph.derivative(&ends.offset[i], *j)?;
                 outputs.push(graph.add(&base, &offset));
             }
         }
         for i in 0..d {
-            for j in 0..d {
-                outputs.push(graph.derivative(&ends.increment[i], j)?);
+            for j in inputs {
+                outputs.push(graph.derivative(&ends.increment[i], *j)?);
             }
         }
         outputs.extend(guard);
-        let full = Kernel::compile(graph, &outputs, parameters, d);
+        let full = Kernel::compile_from(graph, &outputs, parameters, inputs);
         Ok(Self {
             full: Arc::new(full),
             residual: Arc::new(residual),

@@ -4,12 +4,16 @@
 //! - `convergence`: when a solve is done, and which kernel comes next.
 //! - `block`: a fixed number of trajectories, in lanes.
 //! - `stepper`: [`NewtonStepper`], any number of them.
+//! - `uncoupled`: [`Uncoupled`], equations that have no coordinate in common, each solved by itself.
 
 mod block;
 mod convergence;
 mod kernel;
 mod start;
 mod stepper;
+mod uncoupled;
 
 pub use kernel::NewtonKernel;
+pub(crate) use kernel::StartCode;
 pub use stepper::NewtonStepper;
+pub(crate) use uncoupled::Uncoupled;

@@ -54,6 +54,16 @@ impl NewtonStepper {
         }
     }
 
+    /// Makes a lane forget its solution and its Jacobians, as after a step that failed.
+    pub(super) fn forget(&mut self, lane: usize) {
+        let (block, place) = (lane / WIDE, lane % WIDE);
+        let rest = self.wide.len() * WIDE;
+        match self.wide.get_mut(block) {
+            Some(block) => block.forget(place),
+            None => self.single[lane - rest].forget(0),
+        }
+    }
+
     /// How many numbers a lane's memory takes.
     fn memory_of_each(&self) -> usize {
         let mut blocks = self.wide.iter().chain(&self.single);

@@ -485,7 +485,6 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
     #[inline(always)]
     fn finish(&mut self) {
         let d = dimension::<D>(self.dimension);
-        let (x, y) = (&self.x.as_ref()[..d], &self.y.as_ref()[..d]);
         let increment = &self.increment.as_ref()[..d];
         // 0·v is 0 where v is finite, and no number elsewhere.
         let mut zero = [0.0; W];
@@ -505,10 +504,10 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                 took[w] = false;
                 let increment = self.increment.as_mut().iter_mut();
                 increment.for_each(|row| row[w] = 0.0);
-                self.start.clear(w);
-                self.lanes[w].anchored = false;
+                self.forget(w);
             }
         }
+        let (x, y) = (&self.x.as_ref()[..d], &self.y.as_ref()[..d]);
         self.start
             .record::<D>(x, y, &mut self.correction.as_mut()[..d], &took);
     }

@@ -35,6 +35,8 @@ pub(in crate::solver::newton) trait LaneBlock: Send {
     fn solution(&self, lane: usize) -> Vec<f64>;
     /// Both Jacobians at the solution of a lane's last step, row-major.
     fn jacobians(&mut self, lane: usize) -> (Vec<f64>, Vec<f64>);
+    /// What a lane does after a step that failed: it forgets its solution and its Jacobians.
+    fn forget(&mut self, lane: usize);
     /// Forgets earlier steps.
     fn restart(&mut self);
     /// Takes another step size, and forgets earlier steps.
@@ -137,6 +139,12 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
         };
         let ends = self.kernel.bases + 2 * d;
         (matrix(ends), matrix(ends + d * d))
+    }
+
+    #[inline(always)]
+    fn forget(&mut self, lane: usize) {
+        self.start.clear(lane);
+        self.lanes[lane].anchored = false;
     }
 
     fn restart(&mut self) {

@@ -1,0 +1,280 @@
+//! Equations that have no coordinate in common.
+
+use std::sync::Arc;
+
+use leafwise_expression::{Graph, Kernel, Term};
+
+use super::kernel::{NewtonKernel, StartCode};
+use super::stepper::NewtonStepper;
+use crate::error::{BuildError, StepError};
+use crate::realization::SourceTarget;
+use crate::solver::{SolverStatistics, Stepper};
+
+/// A step β̂(L(y)) = x that is several, each of coordinates of its own: the step of a direct sum whose Hamiltonian is a sum of
+/// functions of the summands. D(β̂∘L) is block diagonal, in whatever order the coordinates stand.
+///
+/// Every part has its own code, start, Jacobians and stop, as if it were alone, so that a step takes the sum of what its parts do.
+#[derive(Clone, Debug)]
+pub(crate) struct Uncoupled {
+    parts: Arc<[Part]>,
+    dimension: usize,
+}
+
+/// The coordinates of a part, and the code of its iteration.
+#[derive(Debug)]
+struct Part {
+    places: Vec<usize>,
+    kernel: NewtonKernel,
+}
+
+impl Uncoupled {
+    /// Compiles the parts of source and target code over the inputs y_0 … y_{d−1}, each starting by its share of `start`;
+    /// `None` where all coordinates belong together.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where a derivative has no code.
+    pub(crate) fn compile(
+        graph: &mut Graph,
+        ends: &SourceTarget,
+        start: Option<&StartCode>,
+        parameters: usize,
+    ) -> Result<Option<Self>, BuildError> {
+        let d = ends.base.len();
+        let mut groups: Vec<Vec<Term>> = (0..d)
+            .map(|i| {
+                let [base, offset, increment] =
+                    [&ends.base, &ends.offset, &ends.increment].map(|end| end[i].clone());
+                vec![graph.input(i), base, offset, increment]
+            })
+            .collect();
+        let (first, last) = ends.guard.clone().unwrap_or_default();
+        let pairs = first.iter().zip(&last);
+        groups.extend(pairs.map(|(first, last)| vec![first.clone(), last.clone()]));
+        let sets = graph.coupled(&groups);
+        let parts = sets.iter().filter(|set| set[0] < d);
+        // A constant pair of the guard, a set without coordinates, is of the first part.
+        let constant: Vec<usize> = sets
+            .iter()
+            .filter(|set| set[0] >= d)
+            .flatten()
+            .copied()
+            .collect();
+        let parts: Vec<(Vec<usize>, Vec<usize>)> = parts
+            .enumerate()
+            .map(|(at, set)| {
+                let (places, mut pairs): (Vec<usize>, Vec<usize>) =
+                    set.iter().partition(|at| **at < d);
+                if at == 0 {
+                    pairs.extend(&constant);
+                }
+                (places, pairs)
+            })
+            .collect();
+        let shares: Option<Vec<Option<Kernel>>> = parts
+            .iter()
+            .map(|(places, _)| match start {
+                None => Some(None),
+                Some(start) => start.share(places, parameters).map(Some),
+            })
+            .collect();
+        let Some(shares) = shares.filter(|_| parts.len() > 1) else {
+            return Ok(None);
+        };
+        let of = |all: &[Term], places: &[usize]| -> Vec<Term> {
+            places.iter().map(|at| all[*at].clone()).collect()
+        };
+        let parts = parts
+            .into_iter()
+            .zip(shares)
+            .map(|((places, pairs), share)| {
+                let pairs: Vec<usize> = pairs.iter().map(|at| at - d).collect();
+                let own = SourceTarget {
+                    base: of(&ends.base, &places),
+                    offset: of(&ends.offset, &places),
+                    increment: of(&ends.increment, &places),
+                    guard: (!pairs.is_empty()).then(|| (of(&first, &pairs), of(&last, &pairs))),
+                };
+                let kernel = NewtonKernel::compile_from(graph, &own, parameters, &places)?;
+                let kernel = kernel.starting_from(share);
+                Ok(Part { places, kernel })
+            });
+        let parts: Vec<Part> = parts.collect::<Result<_, BuildError>>()?;
+        Ok(Some(Self {
+            parts: parts.into(),
+            dimension: d,
+        }))
+    }
+
+    /// The code of each part's iteration.
+    pub(crate) fn kernels(&self) -> impl Iterator<Item = &NewtonKernel> {
+        self.parts.iter().map(|part| &part.kernel)
+    }
+
+    /// A stepper for `lanes` trajectories.
+    pub(crate) fn stepper(
+        &self,
+        lanes: usize,
+        parameters: &[f64],
+        epsilon: f64,
+        h: f64,
+    ) -> Box<dyn Stepper> {
+        let parts = self.parts.iter().map(|part| {
+            let rows = part.places.iter();
+            let room = || vec![0.0; part.places.len() * lanes];
+            PartStepper {
+                rows: rows.map(|at| at * lanes).collect(),
+                stepper: NewtonStepper::new(&part.kernel, lanes, parameters, epsilon, h),
+                x: room(),
+                low: room(),
+                increment: room(),
+            }
+        });
+        Box::new(UncoupledStepper {
+            parts: parts.collect(),
+            lanes,
+            dimension: self.dimension,
+            outcome: vec![Ok(()); lanes],
+            steps: 0,
+            failures: 0,
+        })
+    }
+}
+
+/// One part's solver, and room for its share of the state.
+struct PartStepper {
+    /// Where the rows of its coordinates begin.
+    rows: Vec<usize>,
+    stepper: NewtonStepper,
+    x: Vec<f64>,
+    low: Vec<f64>,
+    increment: Vec<f64>,
+}
+
+/// The solvers of the parts, one after the other.
+struct UncoupledStepper {
+    parts: Vec<PartStepper>,
+    lanes: usize,
+    dimension: usize,
+    outcome: Vec<Result<(), StepError>>,
+    steps: u64,
+    failures: u64,
+}
+
+impl Stepper for UncoupledStepper {
+    fn increment(
+        &mut self,
+        x: &[f64],
+        low: &[f64],
+        increment: &mut [f64],
+        outcome: &mut [Result<(), StepError>],
+    ) {
+        let lanes = self.lanes;
+        for part in &mut self.parts {
+            for (k, row) in part.rows.iter().enumerate() {
+                let own = k * lanes..(k + 1) * lanes;
+                part.x[own.clone()].copy_from_slice(&x[*row..][..lanes]);
+                part.low[own].copy_from_slice(&low[*row..][..lanes]);
+            }
+            let stepper = &mut part.stepper;
+            stepper.increment(&part.x, &part.low, &mut part.increment, &mut self.outcome);
+            for (k, row) in part.rows.iter().enumerate() {
+                increment[*row..][..lanes].copy_from_slice(&part.increment[k * lanes..][..lanes]);
+            }
+            for (all, own) in outcome.iter_mut().zip(&mut self.outcome) {
+                if own.is_err() {
+                    let own = std::mem::replace(own, Ok(()));
+                    *all = std::mem::replace(all, Ok(())).and(own);
+                }
+            }
+        }
+        self.steps += lanes as u64;
+        for lane in (0..lanes).filter(|lane| outcome[*lane].is_err()) {
+            self.failures += 1;
+            let places = increment.iter_mut().skip(lane).step_by(lanes);
+            places.for_each(|change| *change = 0.0);
+            let parts = self.parts.iter_mut();
+            parts.for_each(|part| part.stepper.forget(lane));
+        }
+    }
+
+    fn solution(&self, lane: usize) -> Option<Vec<f64>> {
+        let mut solution = vec![0.0; self.dimension];
+        for part in &self.parts {
+            let own = part.stepper.solution(lane)?;
+            for (row, y) in part.rows.iter().zip(own) {
+                solution[row / self.lanes] = y;
+            }
+        }
+        Some(solution)
+    }
+
+    fn tangent(&mut self, lane: usize) -> Option<Vec<f64>> {
+        let (d, lanes) = (self.dimension, self.lanes);
+        let mut tangent = vec![0.0; d * d];
+        for part in &mut self.parts {
+            let own = part.stepper.tangent(lane)?;
+            for (i, entries) in part.rows.iter().zip(own.chunks_exact(part.rows.len())) {
+                for (j, entry) in part.rows.iter().zip(entries) {
+                    tangent[i / lanes * d + j / lanes] = *entry;
+                }
+            }
+        }
+        Some(tangent)
+    }
+
+    fn restart(&mut self) {
+        let parts = self.parts.iter_mut();
+        parts.for_each(|part| part.stepper.restart());
+    }
+
+    fn resize(&mut self, h: f64) -> bool {
+        let mut parts = self.parts.iter_mut();
+        parts.all(|part| part.stepper.resize(h))
+    }
+
+    fn set_parameters(&mut self, parameters: &[f64]) -> bool {
+        let mut parts = self.parts.iter_mut();
+        parts.all(|part| part.stepper.set_parameters(parameters))
+    }
+
+    /// Evaluations are those of the part that takes most, operations those of all.
+    fn statistics(&self) -> SolverStatistics {
+        let own = self.parts.iter().map(|part| part.stepper.statistics());
+        own.fold(
+            SolverStatistics {
+                steps: self.steps,
+                failures: self.failures,
+                ..SolverStatistics::default()
+            },
+            |all, own| SolverStatistics {
+                operations: all.operations.zip(own.operations).map(|(a, b)| a + b),
+                evaluations: all.evaluations.max(own.evaluations),
+                most_evaluations: all.most_evaluations.max(own.most_evaluations),
+                rounded: all.rounded.max(own.rounded),
+                ..all
+            },
+        )
+    }
+
+    fn memory(&self) -> Vec<f64> {
+        let parts = self.parts.iter();
+        parts.flat_map(|part| part.stepper.memory()).collect()
+    }
+
+    fn restore(&mut self, memory: &[f64]) -> Result<(), usize> {
+        let lengths: Vec<usize> = (self.parts.iter())
+            .map(|part| part.stepper.memory().len())
+            .collect();
+        let expected = lengths.iter().sum();
+        if memory.len() != expected {
+            return Err(expected);
+        }
+        let mut rest = memory;
+        for (part, length) in self.parts.iter_mut().zip(lengths) {
+            let (own, others) = rest.split_at(length);
+            part.stepper.restore(own)?;
+            rest = others;
+        }
+        Ok(())
+    }
+}
