@@ -24,7 +24,8 @@ static INFO: PartInfo = PartInfo {
     name: "spherical-midpoint",
     summary: "x+ = x + t X(|x| (x + x+)/|x + x+|), triple by triple",
     declares: "order 2; self-adjoint; exactly Poisson; keeps every |x|; exact tangent",
-    domain: "products of so(3)*: triples of coordinates, wherever they stand, with {x1,x2} = c x3 and cyclic, c constant",
+    domain: "products of so(3)*: triples of coordinates, wherever they stand, with {x1,x2} = c x3 and cyclic, c constant; \
+             beside them coordinates that commute with all, such as parameters of sites",
     literature: "R. McLachlan, K. Modin, O. Verdier, Symplectic integrators for spin systems, \
                  Phys. Rev. E 89 (2014); A minimal-variable symplectic integrator on spheres, \
                  Math. Comp. 86 (2017)",
@@ -43,13 +44,13 @@ const PROPERTIES: MapProperties = MapProperties {
 const TRIPLE: usize = 100;
 
 /// D = t X(Γ(x, D)) with Γ = |x| (2x + D)/|2x + D| in each triple. X(Γ) is normal to Γ, so
-/// |x + D|² − |x|² = D·(2x + D) = 0.
+/// |x + D|² − |x|² = D·(2x + D) = 0. A coordinate of no triple rests: Γ = x and D = 0.
 struct Midpoint {
     field: SmoothMapEvaluator,
     /// The coordinates of each triple.
     triples: Arc<[[usize; 3]]>,
-    /// Of each coordinate its triple, and which of the three it is.
-    places: Vec<(usize, usize)>,
+    /// Of each coordinate its triple, and which of the three it is; `None` where it rests.
+    places: Vec<Option<(usize, usize)>>,
     time_step: f64,
     start: Vec<f64>,
     change: Vec<f64>,
@@ -71,10 +72,10 @@ impl Midpoint {
         time_step: f64,
     ) -> Self {
         let d = field.inputs();
-        let mut places = vec![(0, 0); d];
+        let mut places = vec![None; d];
         for (triple, coordinates) in triples.iter().enumerate() {
             for (c, at) in coordinates.iter().enumerate() {
-                places[*at] = (triple, c);
+                places[*at] = Some((triple, c));
             }
         }
         let room = || vec![0.0; d];
@@ -88,8 +89,8 @@ impl Midpoint {
             middle: room(),
             values: room(),
             jacobian: vec![0.0; d * d],
-            turns: vec![Matrix3::zeros(); d / 3],
-            stretches: vec![Matrix3::zeros(); d / 3],
+            turns: vec![Matrix3::zeros(); triples.len()],
+            stretches: vec![Matrix3::zeros(); triples.len()],
             operations: 0,
         }
     }
@@ -109,10 +110,12 @@ impl Midpoint {
         (unit * radius, turn, stretch + 2.0 * turn)
     }
 
-    /// Entry (i, k) of t DX(Γ)·B for a matrix B of these blocks.
-    fn through(&self, blocks: &[Matrix3<f64>], i: usize, k: usize) -> f64 {
+    /// Entry (i, k) of t DX(Γ)·B for a matrix B of these blocks, and of `rest` where coordinates rest.
+    fn through(&self, blocks: &[Matrix3<f64>], rest: f64, i: usize, k: usize) -> f64 {
         let row = &self.jacobian[i * self.start.len()..][..self.start.len()];
-        let (triple, c) = self.places[k];
+        let Some((triple, c)) = self.places[k] else {
+            return self.time_step * row[k] * rest;
+        };
         let row = self.triples[triple].map(|at| row[at]);
         let column = blocks[triple].column(c);
         let sum: f64 = row.iter().zip(column.iter()).map(|(a, b)| a * b).sum();
@@ -134,8 +137,9 @@ impl StepEquation for Midpoint {
     ) -> Result<(), StepError> {
         let d = self.start.len();
         // Radii, the middle and its two derivatives; the matrix, block by block.
-        self.operations += (TRIPLE * d / 3 + 7 * d * d) as u64;
+        self.operations += (TRIPLE * self.turns.len() + 7 * d * d) as u64;
         self.change.copy_from_slice(change);
+        self.middle.copy_from_slice(&self.start);
         for triple in 0..self.turns.len() {
             let (middle, turn, stretch) = self.middle(triple);
             for (at, value) in self.triples[triple].iter().zip(middle.iter()) {
@@ -151,7 +155,7 @@ impl StepEquation for Midpoint {
         }
         for (at, entry) in matrix.iter_mut().enumerate() {
             let unit = if at / d == at % d { 1.0 } else { 0.0 };
-            *entry = unit - self.through(&self.turns, at / d, at % d);
+            *entry = unit - self.through(&self.turns, 0.0, at / d, at % d);
         }
         Ok(())
     }
@@ -201,7 +205,7 @@ impl Trajectories for SphericalMidpoint {
         }
         let mut tangent = DMatrix::identity(d, d);
         for k in 0..d {
-            let through = |i| self.midpoint.through(&self.midpoint.stretches, i, k);
+            let through = |i| self.midpoint.through(&self.midpoint.stretches, 1.0, i, k);
             let mut column: Vec<f64> = (0..d).map(through).collect();
             self.solve.factors.solve(&mut column);
             for (i, change) in column.iter().enumerate() {
@@ -225,14 +229,16 @@ impl Trajectories for SphericalMidpoint {
 }
 
 /// The triples of a product of so(3)*: in each {x1,x2} = c x3, {x2,x3} = c x1, {x3,x1} = c x2 with one c, and nothing else.
+/// Coordinates without an entry rest.
 fn triples(system: &SystemFormulas) -> Result<Vec<[usize; 3]>, BuildError> {
     let unfit = |reason: String| BuildError::DoesNotFit {
         part: INFO.name,
         reason,
     };
     let d = system.dimension();
-    let triples = joined(system);
-    if d == 0 || triples.iter().any(|triple| triple.len() != 3) {
+    let mut triples = joined(system);
+    triples.retain(|set| set.len() > 1);
+    if triples.is_empty() || triples.iter().any(|triple| triple.len() != 3) {
         return Err(unfit(
             "its variables do not form triples of so(3)*".to_owned(),
         ));

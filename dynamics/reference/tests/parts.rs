@@ -63,6 +63,8 @@ fn the_spherical_midpoint_refuses_other_tensors() {
     }
     let scaled = of(3, &[((1, 2), "3*x3"), ((1, 3), "-3*x2"), ((2, 3), "3*x1")]);
     assert!(try_map("spherical-midpoint", &scaled, &none()).is_ok());
+    let beside_one_that_rests = of(4, &[((1, 2), "x3"), ((1, 3), "-x2"), ((2, 3), "x1")]);
+    assert!(try_map("spherical-midpoint", &beside_one_that_rests, &none()).is_ok());
 }
 
 #[test]
