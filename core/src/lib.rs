@@ -7,6 +7,7 @@
 //! - [`system`]: the Poisson tensor, the Hamiltonian, Casimirs and parameters.
 //! - [`realization`]: [`RealizationData`], the geometric approximation.
 //! - [`closed_form`]: realizations whose α is a closed form, written once.
+//! - [`formulas`]: realizations and dynamics that are lists of formulas.
 //! - [`chart`]: charts about the section, as numbers.
 //! - [`dynamics`]: [`DynamicApproximation`], the dynamic one.
 //! - [`bisection`]: [`LagrangianBisection`], which it provides.
@@ -32,9 +33,11 @@ pub mod closed_form;
 mod code_evaluators;
 mod compensation;
 pub mod diagnostics;
+mod dimensions;
 pub mod dynamics;
 pub mod error;
 pub mod evaluator;
+pub mod formulas;
 mod generating_function;
 mod generating_shadow;
 pub mod gradient;

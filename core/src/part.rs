@@ -7,6 +7,8 @@ use serde::Serialize;
 
 use crate::error::BuildError;
 
+pub use crate::dimensions::Dimensions;
+
 /// The kinds of part a method is assembled from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]

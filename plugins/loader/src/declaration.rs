@@ -1,5 +1,7 @@
 //! What a plugin declares, copied out of the library and checked.
 
+pub use leafwise_core::part::Dimensions;
+
 use leafwise_core::PartKind;
 use leafwise_core::part::PartInfo;
 use leafwise_core::part_description::PartDescription;
@@ -96,32 +98,6 @@ impl PartDeclaration {
             _ => WORDS,
         };
         self.description.clone().leak(words)
-    }
-}
-
-/// The dimensions d that a part serves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Dimensions {
-    /// The smallest, at least 1.
-    pub least: usize,
-    /// The largest; `None` where there is no bound.
-    pub most: Option<usize>,
-}
-
-impl Dimensions {
-    /// Whether d is among them.
-    pub fn contains(self, d: usize) -> bool {
-        d >= self.least && self.most.is_none_or(|most| d <= most)
-    }
-}
-
-impl std::fmt::Display for Dimensions {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self.most {
-            Some(most) if most == self.least => write!(f, "{most}"),
-            Some(most) => write!(f, "{} to {most}", self.least),
-            None => write!(f, "{} and more", self.least),
-        }
     }
 }
 

@@ -22,7 +22,7 @@ pub(crate) use dynamics::ForeignDynamicsPart;
 pub(crate) use failure::CallFailure;
 pub(crate) use instance::{Call, Instance};
 pub(crate) use making::{HostObjects, Making};
-pub(crate) use part::{ForeignPart, check_dimension, own_settings};
+pub(crate) use part::{ForeignPart, own_settings};
 pub(crate) use realization::ForeignRealizationPart;
 pub(crate) use step_map::{ForeignStepMapPart, promises};
 pub(crate) use system::{ForeignSystemPart, names};

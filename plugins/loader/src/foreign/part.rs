@@ -80,7 +80,7 @@ impl ForeignPart {
 
     /// Refuses a dimension that the part does not serve.
     pub(crate) fn check_dimension(&self, d: usize) -> Result<(), BuildError> {
-        check_dimension(self.name(), self.dimensions, d)
+        self.dimensions.check(self.name(), d)
     }
 
     /// What it promises for these parameters.
@@ -152,19 +152,4 @@ pub(crate) fn own_settings(
         Ok((parameter.name.to_owned(), given))
     })
     .collect()
-}
-
-/// Refuses a dimension that a part does not serve.
-pub(crate) fn check_dimension(
-    part: &'static str,
-    dimensions: Dimensions,
-    d: usize,
-) -> Result<(), BuildError> {
-    if dimensions.contains(d) {
-        return Ok(());
-    }
-    Err(BuildError::DoesNotFit {
-        part,
-        reason: format!("it serves dimension {dimensions}, and this system has {d}"),
-    })
 }

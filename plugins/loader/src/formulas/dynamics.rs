@@ -2,18 +2,14 @@
 
 use std::sync::Arc;
 
-use leafwise_core::dynamics::{Generating, GeneratingFunction};
+use leafwise_core::formulas::FormulaDynamics;
 use leafwise_core::part::PartInfo;
-use leafwise_core::{
-    BuildError, Correction, DynamicApproximation, GraphBisection, LagrangianBisection, OneForm,
-    PartParameters, PoissonSystem, RealizationData,
-};
-use leafwise_expression::{Expression, Polynomial, Ring};
+use leafwise_core::{BuildError, Correction, DynamicApproximation, PartParameters};
+use leafwise_expression::Expression;
 
 use super::keys::{names, only, parse, refused, scope, values};
 use crate::declaration::{Dimensions, Flags, PartDeclaration};
 use crate::error::Refusal;
-use crate::foreign::check_dimension;
 
 /// S_1, S_3, …, a missing one being 0.
 #[derive(Clone, Debug)]
@@ -82,80 +78,13 @@ impl FormulaDynamicsPart {
         Ok(Arc::new(FormulaDynamics {
             name: self.info.name,
             order: self.order,
-            flags: self.flags,
+            self_adjoint: self.flags.self_adjoint(),
+            correction: match self.flags.is_uncorrected() {
+                true => Correction::None,
+                false => Correction::Bisection,
+            },
             dimensions: self.dimensions,
             coefficients: self.formulas.coefficients.iter().map(bound).collect(),
         }))
-    }
-}
-
-/// graph(dŜ), Ŝ by formulas.
-#[derive(Clone, Debug)]
-struct FormulaDynamics {
-    name: &'static str,
-    order: usize,
-    flags: Flags,
-    dimensions: Dimensions,
-    coefficients: Vec<Expression>,
-}
-
-impl DynamicApproximation for FormulaDynamics {
-    fn order(&self) -> usize {
-        self.order
-    }
-
-    fn self_adjoint(&self) -> Option<bool> {
-        self.flags.self_adjoint()
-    }
-
-    fn correction(&self) -> Correction {
-        if self.flags.is_uncorrected() {
-            Correction::None
-        } else {
-            Correction::Bisection
-        }
-    }
-
-    fn describe(&self) -> String {
-        format!("{} m = {}", self.name, self.order)
-    }
-
-    fn bisection(
-        &self,
-        system: &PoissonSystem,
-        realization: &Arc<dyn RealizationData>,
-    ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
-        let d = system.dimension();
-        check_dimension(self.name, self.dimensions, d)?;
-        let beyond = |index: usize| BuildError::DoesNotFit {
-            part: self.name,
-            reason: format!("it names x{}, and this system has dimension {d}", index + 1),
-        };
-        let mut ring = Ring::new(d);
-        let mut coefficients = Vec::with_capacity(self.coefficients.len());
-        let mut gradients = Vec::with_capacity(self.coefficients.len());
-        for formula in &self.coefficients {
-            if let Some(index) = formula.variables().last().filter(|index| **index >= d) {
-                return Err(beyond(*index));
-            }
-            let s: Polynomial =
-                formula.evaluate_in(&mut ring, &mut |ring, at| Ok(ring.variable(at)))?;
-            gradients.push(ring.gradient(&s)?);
-            coefficients.push(s);
-        }
-        let generating = Generating::Polynomials(GeneratingFunction {
-            ring,
-            coefficients,
-            gradients,
-        });
-        let parameters = system.parameters().len();
-        let describe = self.describe();
-        let graph = GraphBisection::new(
-            OneForm::Differential(generating),
-            realization,
-            parameters,
-            &describe,
-        )?;
-        Ok(Arc::new(graph))
     }
 }

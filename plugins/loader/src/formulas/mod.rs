@@ -29,7 +29,7 @@ pub(crate) fn check(part: &PartDeclaration) -> Result<(), Refusal> {
     }
     match part.kind() {
         PartKind::System => system::read(part).map(drop),
-        PartKind::Realization => realization::Formulas::read(part).map(drop),
+        PartKind::Realization => realization::read(part).map(drop),
         PartKind::Dynamics => dynamics::Formulas::read(part).map(drop),
         _ => step_map::Formulas::read(part).map(drop),
     }

@@ -10,7 +10,7 @@ use leafwise_expression::{AlgebraError, Expression, Graph, StepSize, Term};
 use super::keys::{names, numbered, only, parse, refused, scope, values};
 use crate::declaration::{Dimensions, PartDeclaration};
 use crate::error::Refusal;
-use crate::foreign::{check_dimension, promises};
+use crate::foreign::promises;
 
 /// Φ(x) − x over the variables x1 … xd, epsilon, h.
 #[derive(Clone, Debug)]
@@ -61,11 +61,7 @@ impl FormulaStepMapPart {
         parameters: &PartParameters,
     ) -> Result<Arc<dyn StepMap>, BuildError> {
         let d = self.formulas.increment.len();
-        let only = Dimensions {
-            least: d,
-            most: Some(d),
-        };
-        check_dimension(self.info.name, only, system.dimension())?;
+        Dimensions::only(d).check(self.info.name, system.dimension())?;
         let values = values(self.info, parameters)?;
         let mut graph = Graph::new();
         let x: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();

@@ -1,0 +1,86 @@
+//! A dynamic approximation by the coefficients of its generating function.
+
+use std::sync::Arc;
+
+use leafwise_expression::{Expression, Polynomial, Ring};
+
+use crate::bisection::LagrangianBisection;
+use crate::dimensions::Dimensions;
+use crate::dynamics::{Correction, DynamicApproximation, Generating, GeneratingFunction};
+use crate::error::BuildError;
+use crate::graph_bisection::{GraphBisection, OneForm};
+use crate::realization::RealizationData;
+use crate::system::PoissonSystem;
+
+/// graph(dŜ), Ŝ_{ε,h} = Σ_{l odd} ε^{l−1} hˡ S_l by formulas of the coordinates and the system's parameters.
+#[derive(Clone, Debug)]
+pub struct FormulaDynamics {
+    /// The part's name.
+    pub name: &'static str,
+    /// The order m that is claimed.
+    pub order: usize,
+    /// Whether the induced map is self-adjoint over a realization with β̂(x, p) = α̂(x, −p).
+    pub self_adjoint: Option<bool>,
+    /// Whether β̂(L(y)) = x is solved.
+    pub correction: Correction,
+    /// The dimensions that it serves.
+    pub dimensions: Dimensions,
+    /// S_1, S_3, ….
+    pub coefficients: Vec<Expression>,
+}
+
+impl FormulaDynamics {
+    /// Ŝ over a system of dimension d.
+    fn generating(&self, d: usize) -> Result<Generating, BuildError> {
+        let mut ring = Ring::new(d);
+        let mut coefficients = Vec::with_capacity(self.coefficients.len());
+        let mut gradients = Vec::with_capacity(self.coefficients.len());
+        for formula in &self.coefficients {
+            if let Some(index) = formula.variables().last().filter(|index| **index >= d) {
+                return Err(BuildError::DoesNotFit {
+                    part: self.name,
+                    reason: format!("it names x{}, and this system has dimension {d}", index + 1),
+                });
+            }
+            let s: Polynomial =
+                formula.evaluate_in(&mut ring, &mut |ring, at| Ok(ring.variable(at)))?;
+            gradients.push(ring.gradient(&s)?);
+            coefficients.push(s);
+        }
+        Ok(Generating::Polynomials(GeneratingFunction {
+            ring,
+            coefficients,
+            gradients,
+        }))
+    }
+}
+
+impl DynamicApproximation for FormulaDynamics {
+    fn order(&self) -> usize {
+        self.order
+    }
+
+    fn self_adjoint(&self) -> Option<bool> {
+        self.self_adjoint
+    }
+
+    fn correction(&self) -> Correction {
+        self.correction
+    }
+
+    fn describe(&self) -> String {
+        format!("{} m = {}", self.name, self.order)
+    }
+
+    fn bisection(
+        &self,
+        system: &PoissonSystem,
+        realization: &Arc<dyn RealizationData>,
+    ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
+        self.dimensions.check(self.name, system.dimension())?;
+        let form = OneForm::Differential(self.generating(system.dimension())?);
+        let parameters = system.parameters().len();
+        let graph = GraphBisection::new(form, realization, parameters, &self.describe())?;
+        Ok(Arc::new(graph))
+    }
+}

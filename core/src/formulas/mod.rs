@@ -1,0 +1,10 @@
+//! Parts whose mathematics is a list of formulas: a library's, read by keys, or a scene's, read by parameters.
+//!
+//! - `realization`: [`FormulaRealization`], α̂ and β̂ as a closed form;
+//! - `dynamics`: [`FormulaDynamics`], the coefficients S_1, S_3, … of a generating function.
+
+mod dynamics;
+mod realization;
+
+pub use dynamics::FormulaDynamics;
+pub use realization::{FormulaRealization, RealizationFormulas};

@@ -1,0 +1,152 @@
+//! A realization by formulas in a cotangent chart.
+
+use leafwise_expression::{AlgebraError, Arithmetic, Expression, Graph, Term};
+
+use crate::closed_form::{ChartPoint, ClosedForm};
+use crate::realization::Accuracy;
+
+/// α̂, β̂ and the domain by formulas of x_1 … x_d, p_1 … p_d and ε, which are their variables in this order, and of
+/// the system's parameters.
+#[derive(Clone, Debug)]
+pub struct RealizationFormulas {
+    /// α̂, d formulas.
+    pub alpha: Vec<Expression>,
+    /// β̂, d formulas; absent where β̂(x, p) = α̂(x, −p).
+    pub beta: Option<Vec<Expression>>,
+    /// Less than 1 inside the chart; absent where it is everything.
+    pub domain: Option<Expression>,
+}
+
+/// (T*M ⊃ U, ω, α̂, β̂, σ) by formulas, σ(x) = (x, 0).
+#[derive(Clone, Debug)]
+pub struct FormulaRealization {
+    accuracy: Accuracy,
+    formulas: RealizationFormulas,
+    is_reversible: bool,
+    has_series: bool,
+}
+
+impl FormulaRealization {
+    /// The realization of these formulas, of the accuracy that is claimed; `is_reversible` says that a given β̂(x, p) is
+    /// α̂(x, −p). At `parameters` it is seen, by samples, whether ε enters as a factor of p alone.
+    pub fn new(
+        formulas: RealizationFormulas,
+        accuracy: Accuracy,
+        is_reversible: bool,
+        parameters: &[f64],
+    ) -> Self {
+        Self {
+            accuracy,
+            is_reversible: is_reversible || formulas.beta.is_none(),
+            has_series: scales(&formulas.alpha, parameters),
+            formulas,
+        }
+    }
+}
+
+/// A momentum and an ε at which formulas are compared.
+const SAMPLES: [(f64, f64); 3] = [(0.1, 0.5), (-0.07, 0.25), (0.03, 2.0)];
+
+/// What round-off leaves of equal values of two formulas.
+const ROUND_OFF: f64 = 1e-12;
+
+/// Whether α_ε(x, p) = α_1(x, εp), by samples.
+fn scales(alpha: &[Expression], parameters: &[f64]) -> bool {
+    let d = alpha.len();
+    let mut is_seen = false;
+    for (size, epsilon) in SAMPLES {
+        // States that many domains contain: positive, all different.
+        let x: Vec<f64> = (0..d).map(|i| 0.7 + 0.2 * i as f64).collect();
+        let p: Vec<f64> = (0..d).map(|i| size / (1.0 + i as f64)).collect();
+        let at = |factor: f64, epsilon: f64| -> Vec<f64> {
+            let scaled = p.iter().map(|p| factor * p);
+            x.iter().copied().chain(scaled).chain([epsilon]).collect()
+        };
+        let (scaled, own) = (at(epsilon, 1.0), at(1.0, epsilon));
+        for formula in alpha {
+            let (a, b) = (
+                formula.evaluate(&own, parameters),
+                formula.evaluate(&scaled, parameters),
+            );
+            if !a.is_finite() || !b.is_finite() {
+                continue;
+            }
+            is_seen = true;
+            if (a - b).abs() > ROUND_OFF * (1.0 + a.abs()) {
+                return false;
+            }
+        }
+    }
+    is_seen
+}
+
+/// Formulas of x, p and ε at a point of the chart.
+fn write<A: Arithmetic>(
+    formulas: &[Expression],
+    algebra: &mut A,
+    at: &ChartPoint<'_, A::Element>,
+) -> Result<Vec<A::Element>, AlgebraError> {
+    let d = at.x.len();
+    let mut variables = |_: &mut A, index: usize| {
+        Ok(match index {
+            index if index < d => at.x[index].clone(),
+            index if index < 2 * d => at.p[index - d].clone(),
+            _ => at.epsilon.clone(),
+        })
+    };
+    let formulas = formulas.iter();
+    formulas
+        .map(|formula| formula.evaluate_in(algebra, &mut variables))
+        .collect()
+}
+
+impl ClosedForm for FormulaRealization {
+    fn dimension(&self) -> usize {
+        self.formulas.alpha.len()
+    }
+
+    fn source<A: Arithmetic>(
+        &self,
+        algebra: &mut A,
+        at: &ChartPoint<'_, A::Element>,
+    ) -> Result<Vec<A::Element>, AlgebraError> {
+        write(&self.formulas.alpha, algebra, at)
+    }
+
+    fn target(
+        &self,
+        graph: &mut Graph,
+        at: &ChartPoint<'_, Term>,
+    ) -> Result<Vec<Term>, AlgebraError> {
+        if let Some(beta) = &self.formulas.beta {
+            return write(beta, graph, at);
+        }
+        let minus: Vec<Term> = at.p.iter().map(|p| graph.negate(p)).collect();
+        self.source(graph, &ChartPoint { p: &minus, ..*at })
+    }
+
+    fn guard(
+        &self,
+        graph: &mut Graph,
+        at: &ChartPoint<'_, Term>,
+    ) -> Result<Option<(Vec<Term>, Vec<Term>)>, AlgebraError> {
+        let Some(domain) = &self.formulas.domain else {
+            return Ok(None);
+        };
+        let reach = write(std::slice::from_ref(domain), graph, at)?;
+        let d = self.dimension();
+        Ok(Some((vec![graph.one(); d], vec![reach[0].clone(); d])))
+    }
+
+    fn accuracy(&self) -> Accuracy {
+        self.accuracy
+    }
+
+    fn is_reversible(&self) -> bool {
+        self.is_reversible
+    }
+
+    fn has_series(&self) -> bool {
+        self.has_series
+    }
+}
