@@ -1,5 +1,7 @@
 //! Typed failures: where, what, and what to try.
 
+use std::ops::Range;
+
 use leafwise_expression::AlgebraError;
 use thiserror::Error;
 
@@ -33,6 +35,20 @@ pub enum BuildError {
         value: String,
         /// What is allowed, with the nearest valid values where there are such.
         expected: String,
+    },
+    /// A formula of a part's parameter that is wrong.
+    #[error("{part}: formula {} of {parameter}: {problem}", position + 1)]
+    Formula {
+        /// The part's name.
+        part: &'static str,
+        /// The parameter's name.
+        parameter: String,
+        /// Its position among the formulas of the parameter, from 0.
+        position: usize,
+        /// The bytes of it that are meant; all where there are none.
+        span: Option<Range<usize>>,
+        /// What is wrong, and what to try.
+        problem: String,
     },
     /// A parameter that the part does not have.
     #[error("{part} has no parameter `{parameter}`; it takes: {known}")]

@@ -59,6 +59,8 @@ pub enum ParameterDefault {
     Real(f64),
     /// A word.
     Text(&'static str),
+    /// A list of formulas, or one text in which `;` separates them.
+    Formulas(&'static [&'static str]),
 }
 
 impl fmt::Display for ParameterDefault {
@@ -67,9 +69,13 @@ impl fmt::Display for ParameterDefault {
             Self::Integer(value) => value.fmt(f),
             Self::Real(value) => value.fmt(f),
             Self::Text(value) => value.fmt(f),
+            Self::Formulas(formulas) => formulas.join(FORMULAS).fmt(f),
         }
     }
 }
+
+/// What separates formulas in one text.
+pub const FORMULAS: &str = "; ";
 
 /// A value given to a part's parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -117,6 +123,7 @@ impl From<ParameterDefault> for ParameterSetting {
             ParameterDefault::Integer(value) => Self::Integer(value),
             ParameterDefault::Real(value) => Self::Real(value),
             ParameterDefault::Text(value) => Self::Text(value.to_owned()),
+            ParameterDefault::Formulas(formulas) => Self::Text(formulas.join(FORMULAS)),
         }
     }
 }
@@ -219,6 +226,9 @@ pub struct PartInfo {
     /// Whether it integrates ẋ = −Π(dH + η) for a system with forces η: where it is not said, the part is refused there.
     #[serde(skip)]
     pub takes_forces: bool,
+    /// Whether a scene writes its formulas: it is then looked at when it is composed, as a library's part is.
+    #[serde(skip)]
+    pub is_written: bool,
     /// Whether comparisons try it by themselves.
     #[serde(skip)]
     pub compared: Option<Compared>,
@@ -247,6 +257,7 @@ impl PartInfo {
             family: None,
             serves_numbers: None,
             takes_forces: false,
+            is_written: false,
             compared: None,
             reference: None,
             surveyed: &[],

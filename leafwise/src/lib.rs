@@ -17,6 +17,7 @@
 
 pub mod prelude;
 
+pub use leafwise_closed_form as closed_form;
 pub use leafwise_collective as collective;
 pub use leafwise_composition as composition;
 pub use leafwise_constant as constant;
@@ -24,6 +25,7 @@ pub use leafwise_core as core;
 pub use leafwise_darboux_magnetic as darboux_magnetic;
 pub use leafwise_direct_sum as direct_sum;
 pub use leafwise_expression as expression;
+pub use leafwise_generating_function as generating_function;
 pub use leafwise_hamilton_jacobi as hamilton_jacobi;
 pub use leafwise_karasev as karasev;
 pub use leafwise_lie_poisson as lie_poisson;

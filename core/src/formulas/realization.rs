@@ -42,6 +42,50 @@ impl FormulaRealization {
             formulas,
         }
     }
+
+    /// The first formula of α̂ or β̂ whose value at (x, 0) is another than x, at a sample state or at one that is `near`.
+    pub fn off_section(&self, near: &[f64], parameters: &[f64]) -> Option<OffSection> {
+        let d = self.formulas.alpha.len();
+        let states = [sample_state(d), near.to_vec()];
+        let states: Vec<&Vec<f64>> = states.iter().filter(|x| x.len() == d).collect();
+        let ends = [
+            (false, Some(&self.formulas.alpha)),
+            (true, self.formulas.beta.as_ref()),
+        ];
+        for (is_target, formulas) in ends {
+            for (position, formula) in formulas.into_iter().flatten().enumerate() {
+                for &x in &states {
+                    let mut at = x.clone();
+                    at.resize(2 * d, 0.0);
+                    at.push(SAMPLES[0].1);
+                    let value = formula.evaluate(&at, parameters);
+                    let expected = x[position];
+                    if (value - expected).abs() > ROUND_OFF * (1.0 + expected.abs()) {
+                        return Some(OffSection {
+                            is_target,
+                            position,
+                            expected,
+                            value,
+                        });
+                    }
+                }
+            }
+        }
+        None
+    }
+}
+
+/// Where α̂(x, 0) = β̂(x, 0) = x fails.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OffSection {
+    /// Whether it is β̂'s formula.
+    pub is_target: bool,
+    /// Which coordinate's, from 0.
+    pub position: usize,
+    /// The coordinate of x.
+    pub expected: f64,
+    /// The formula's value there.
+    pub value: f64,
 }
 
 /// A momentum and an ε at which formulas are compared.
@@ -50,13 +94,17 @@ const SAMPLES: [(f64, f64); 3] = [(0.1, 0.5), (-0.07, 0.25), (0.03, 2.0)];
 /// What round-off leaves of equal values of two formulas.
 const ROUND_OFF: f64 = 1e-12;
 
+/// A state that many domains contain: positive, all coordinates different.
+fn sample_state(d: usize) -> Vec<f64> {
+    (0..d).map(|i| 0.7 + 0.2 * i as f64).collect()
+}
+
 /// Whether α_ε(x, p) = α_1(x, εp), by samples.
 fn scales(alpha: &[Expression], parameters: &[f64]) -> bool {
     let d = alpha.len();
     let mut is_seen = false;
     for (size, epsilon) in SAMPLES {
-        // States that many domains contain: positive, all different.
-        let x: Vec<f64> = (0..d).map(|i| 0.7 + 0.2 * i as f64).collect();
+        let x = sample_state(d);
         let p: Vec<f64> = (0..d).map(|i| size / (1.0 + i as f64)).collect();
         let at = |factor: f64, epsilon: f64| -> Vec<f64> {
             let scaled = p.iter().map(|p| factor * p);

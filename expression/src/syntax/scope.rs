@@ -153,6 +153,11 @@ impl Scope {
         Ok(())
     }
 
+    /// Whether a name is declared.
+    pub fn has(&self, name: &str) -> bool {
+        self.entries.contains_key(name)
+    }
+
     fn declare(&mut self, name: &str, entry: Entry) {
         if self.entries.insert(name.to_owned(), entry).is_none() {
             self.names.push(name.to_owned());

@@ -37,9 +37,8 @@ static INFO: PartInfo = PartInfo {
                  Realizations (2024), Example 3",
     parameters: &[ParameterInfo {
         name: "potential",
-        summary: "the components of A, one formula a position, separated by `;`, such as \
-                  \"0; x^3/3; y^2/2 + x*z\"",
-        default: ParameterDefault::Text(""),
+        summary: "the components of A, one formula a position, such as [\"0\", \"x^3/3\", \"y^2/2 + x*z\"]",
+        default: ParameterDefault::Formulas(&[]),
     }],
     ..PartInfo::of(PartKind::Realization)
 };

@@ -80,8 +80,12 @@ fn formulas(document: &SceneDocument) -> Vec<&str> {
         .flatten()
         .flat_map(|part| &part.parameters)
     {
-        if let ParameterValue::Text(text) = &value.value {
-            formulas.push(text);
+        match &value.value {
+            ParameterValue::Text(text) => formulas.push(text),
+            ParameterValue::Formulas(given) => {
+                formulas.extend(given.iter().map(|f| f.value.as_str()))
+            }
+            ParameterValue::Number(_) | ParameterValue::Flag(_) => {}
         }
     }
     formulas

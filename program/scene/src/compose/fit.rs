@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use leafwise_core::diagnostics::RealizationInstrument;
-use leafwise_core::{BuildError, Evaluator, PoissonSystem, RealizationData, StepMap};
+use leafwise_core::{Accuracy, BuildError, Evaluator, PoissonSystem, RealizationData, StepMap};
 
 /// How far brackets on the section may be from a tensor, relative to it, and belong to it all the same:
 /// what is smaller is an error, not another tensor.
@@ -51,6 +51,53 @@ pub fn check_tensor(
                      on the section differ from eps Pi by {:.1e} of their terms; take a realization of this \
                      system's tensor, or a system of the part's",
                     error.relative.source
+                ),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// How far brackets off the section may be from those of an exact realization, relative to their terms.
+const EXACT: f64 = 1e-9;
+
+/// Momenta at which formulas that claim to be exact are looked at, in units of the state: coordinate by coordinate they
+/// differ.
+const MOMENTA: [f64; 2] = [0.25, -0.0625];
+
+/// Checks that {α̂, α̂} = ε Π off the section too, near a state, where the realization claims to be exact; `part` is its
+/// name.
+///
+/// # Errors
+/// [`BuildError::DoesNotFit`] where they differ by more than round-off. What cannot be measured there is no error.
+pub(super) fn check_exactness(
+    part: &'static str,
+    system: &PoissonSystem,
+    realization: &Arc<dyn RealizationData>,
+    near: &[f64],
+) -> Result<(), BuildError> {
+    if near.len() > MOST || realization.accuracy() != Accuracy::Exact {
+        return Ok(());
+    }
+    let values = system.parameter_values();
+    let Ok(mut instrument) = RealizationInstrument::new(system, realization, &values) else {
+        return Ok(());
+    };
+    for size in MOMENTA {
+        let p: Vec<f64> = (0..near.len())
+            .map(|i| size / (1.0 + 0.375 * (i % 5) as f64))
+            .collect();
+        let Ok(error) = instrument.measure(1.0, near, &p) else {
+            continue;
+        };
+        let of_terms = error.relative;
+        let largest = of_terms.source.max(of_terms.target).max(of_terms.dual_pair);
+        if largest > EXACT + error.relative_floor {
+            return Err(BuildError::DoesNotFit {
+                part,
+                reason: format!(
+                    "it claims to be exact, and at p = {p:?} its brackets differ from eps Pi, -eps Pi and 0 by {largest:.1e} of \
+                     their terms; correct the formulas, or claim an order n of the truncation: order = 2"
                 ),
             });
         }

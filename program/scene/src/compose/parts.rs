@@ -476,11 +476,13 @@ impl<'a> Request<'a> {
                 (ParameterValue::Text(word), Some(ParameterDefault::Text(_))) => {
                     Some(word.as_str().into())
                 }
+                (value, Some(ParameterDefault::Formulas(_))) => value.formulas(),
                 _ => None,
             };
             let Some(setting) = setting else {
                 let expected = match info.map(|p| p.default) {
                     Some(ParameterDefault::Text(_)) => "a word in quotes",
+                    Some(ParameterDefault::Formulas(_)) => "a list of formulas",
                     Some(ParameterDefault::Real(_)) => "a number",
                     _ => "a whole number",
                 };
@@ -520,6 +522,12 @@ impl<'a> Request<'a> {
                 Some(expected.clone()),
             ));
         }
+        if let Some(refusal) = self
+            .spec
+            .and_then(|spec| formula_refusal(self.document, spec, error))
+        {
+            return refusal;
+        }
         Box::new(
             self.document
                 .diagnostic(&self.place(), error.to_string(), "this part", None),
@@ -555,6 +563,39 @@ impl<'a> Request<'a> {
             path,
         }
     }
+}
+
+/// The refusal of a formula that a part is given, underlined where it stands.
+pub(super) fn formula_refusal(
+    document: &SceneDocument,
+    spec: &PartSpec,
+    error: &BuildError,
+) -> Option<Refusal> {
+    let BuildError::Formula {
+        part,
+        parameter,
+        position,
+        span,
+        problem,
+    } = error
+    else {
+        return None;
+    };
+    if spec.name.value != *part {
+        return None;
+    }
+    let (formula, offset) = spec.formula(parameter, *position)?;
+    let inner = match span {
+        Some(span) => span.start + offset..span.end + offset,
+        None => 0..formula.value.len(),
+    };
+    let place = document.place_in_formula(formula, inner);
+    Some(Box::new(document.diagnostic(
+        &place,
+        problem.clone(),
+        "here",
+        None,
+    )))
 }
 
 fn registry_names(registry: &Registry, kind: PartKind) -> Vec<&'static str> {

@@ -14,12 +14,12 @@ use leafwise_expression::Expression;
 use super::Refusal;
 use super::events::{Events, check_axes};
 use super::extended::{Balance, Extension, Pace};
-use super::fit::{check_first_order, check_tensor};
+use super::fit::{check_exactness, check_first_order, check_tensor};
 use super::functions::CompiledFunctions;
 use super::lattice::{SceneLattice, has_room, shortened};
 use super::noise::NoisySteps;
 use super::observables::Observable;
-use super::parts::{Base, PartChoice, Parts, parts, system_choice, what_fits};
+use super::parts::{Base, PartChoice, Parts, formula_refusal, parts, system_choice, what_fits};
 use super::sample_times::{SampleTimes, check_given_times};
 use super::shadow::{RecordedShadow, with_shadows};
 use super::states::{RecordedStates, recorded_states};
@@ -175,7 +175,7 @@ fn compose_at_its_values(
         composed.near = shortened(&composed.initial, geometry, short);
     }
     let step = &document.method.step;
-    let fits = check_libraries(
+    let fits = check_own_parts(
         (stepped(noise.as_ref(), &composed), &composed.near),
         &method,
         &choices,
@@ -267,17 +267,21 @@ fn check_times(document: &SceneDocument) -> Result<(), Refusal> {
     }
 }
 
-/// Checks the parts of libraries on the system: a realization's tensor, and the first order of the map
+/// Checks the parts of libraries and of the scene's own formulas on the system: a realization's tensor, and the first order of the map
 /// that they make, on a long lattice that of its short one.
-fn check_libraries(
+fn check_own_parts(
     (system, near): (&PoissonSystem, &[f64]),
     method: &Stepping,
     choices: &[PartChoice],
     epsilon: f64,
     registry: &Registry,
 ) -> Result<(), BuildError> {
-    let is_loaded = |choice: &&PartChoice| matches!(choice.origin, Some(Origin::Library { .. }));
-    let Some(last) = choices.iter().rfind(is_loaded) else {
+    let infos = registry.parts();
+    let is_written = |name: &str| (infos.iter()).any(|info| info.name == name && info.is_written);
+    let is_foreign = |choice: &&PartChoice| {
+        matches!(choice.origin, Some(Origin::Library { .. })) || is_written(choice.name)
+    };
+    let Some(last) = choices.iter().rfind(is_foreign) else {
         return Ok(());
     };
     let built = |choice: &PartChoice| {
@@ -286,8 +290,12 @@ fn check_libraries(
             .build(system, &choice.given())
     };
     let realization = choices.iter().find(|c| c.kind == PartKind::Realization);
-    if let Some(choice) = realization.filter(is_loaded) {
-        check_tensor(choice.name, system, &built(choice)?, near)?;
+    if let Some(choice) = realization.filter(is_foreign) {
+        let realization = built(choice)?;
+        check_tensor(choice.name, system, &realization, near)?;
+        if is_written(choice.name) {
+            check_exactness(choice.name, system, &realization, near)?;
+        }
     }
     if method.lattice().is_none() {
         return check_first_order(last.name, system, method.map(), epsilon, near);
@@ -500,13 +508,23 @@ fn method_refusal(document: &SceneDocument, error: &BuildError) -> Refusal {
             .find(|spec| spec.name.value == name);
         spec.map(|spec| spec.name.place())
     };
+    let mut specs = [&method.realization, &method.dynamics]
+        .into_iter()
+        .flatten();
+    if let Some(refusal) = specs.find_map(|spec| formula_refusal(document, spec, error)) {
+        return refusal;
+    }
     let place = match error {
         BuildError::Algebra(_) => formula,
         BuildError::NotComposable { .. }
         | BuildError::NoFactors { .. }
         | BuildError::Pieces { .. } => part(&document.method.composition)
             .unwrap_or_else(|| document.system.hamiltonian.place()),
-        BuildError::DoesNotFit { part: name, .. } if named(name).is_some() => {
+        BuildError::DoesNotFit { part: name, .. }
+        | BuildError::NotMade { part: name, .. }
+        | BuildError::Formula { part: name, .. }
+            if named(name).is_some() =>
+        {
             named(name).unwrap_or(formula)
         }
         _ => part(&document.method.dynamics)

@@ -121,6 +121,14 @@ fn of_parts(kind: PartKind, registry: &Registry) -> Value {
 
 fn of_parameter(parameter: &ParameterInfo) -> Value {
     let shape = match parameter.default {
+        ParameterDefault::Formulas(_) => {
+            let formula = json!({ "type": ["string", "number"] });
+            return json!({
+                "anyOf": [formula, { "type": "array", "items": formula }],
+                "description": parameter.summary,
+                "default": parameter.default,
+            });
+        }
         ParameterDefault::Integer(_) => "integer",
         ParameterDefault::Real(_) => "number",
         ParameterDefault::Text(_) => "string",

@@ -1,6 +1,7 @@
 //! The `[method]` table: the parts of the integrator and its step.
 
 use leafwise_core::noise::Noise;
+use leafwise_core::part::{FORMULAS, ParameterSetting};
 use leafwise_core::{PartKind, Registry};
 
 use super::error::SceneProblemCause;
@@ -17,6 +18,23 @@ pub enum ParameterValue {
     Text(String),
     /// A truth value.
     Flag(bool),
+    /// A list of formulas, such as `S = ["H"]`.
+    Formulas(Vec<Located<String>>),
+}
+
+impl ParameterValue {
+    /// Formulas in one text; `None` of a truth value.
+    pub fn formulas(&self) -> Option<ParameterSetting> {
+        Some(ParameterSetting::Text(match self {
+            Self::Number(number) => number.literal.clone(),
+            Self::Text(text) => text.clone(),
+            Self::Formulas(formulas) => {
+                let formulas: Vec<&str> = formulas.iter().map(|one| one.value.as_str()).collect();
+                formulas.join(FORMULAS)
+            }
+            Self::Flag(_) => return None,
+        }))
+    }
 }
 
 /// A part by name, with its parameters in the order of the text.
@@ -26,6 +44,20 @@ pub struct PartSpec {
     pub name: Located<String>,
     /// Its parameters.
     pub parameters: Vec<(Located<String>, Located<ParameterValue>)>,
+}
+
+impl PartSpec {
+    /// The formula at this position of a parameter, and where it stands in the string that it is written in.
+    pub fn formula(&self, parameter: &str, position: usize) -> Option<(&Located<String>, usize)> {
+        let mut given = self.parameters.iter();
+        let (_, value) = given.find(|(name, _)| name.value == parameter)?;
+        let ParameterValue::Formulas(formulas) = &value.value else {
+            return None;
+        };
+        let formula = formulas.get(position)?;
+        let text = &formula.value;
+        Some((formula, text.len() - text.trim_start().len()))
+    }
 }
 
 /// The step: t advances by `epsilon * h`.
@@ -189,9 +221,19 @@ pub(super) fn read_parameter(
     if let Some(flag) = item.flag() {
         return Some(Located::new(ParameterValue::Flag(flag), item.place()));
     }
-    if item.is_list() || item.is_table() {
-        item.wrong_type("a number, a word or a truth value", problems);
+    if item.is_table() {
+        item.wrong_type(
+            "a number, a word, a list of formulas or a truth value",
+            problems,
+        );
         return None;
+    }
+    if item.is_list() {
+        let formulas = item.list_of("a list of formulas", problems, Item::formula)?;
+        return Some(Located::new(
+            ParameterValue::Formulas(formulas),
+            item.place(),
+        ));
     }
     item.number(problems)
         .map(|number| number.map(ParameterValue::Number))

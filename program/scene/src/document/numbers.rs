@@ -137,6 +137,7 @@ fn setting(
             (Some(word.as_str().into()), "a word in quotes")
         }
         (_, ParameterDefault::Text(_)) => (None, "a word in quotes"),
+        (value, ParameterDefault::Formulas(_)) => (value.formulas(), "a list of formulas"),
         (_, ParameterDefault::Real(_)) => (None, "a number"),
         (_, ParameterDefault::Integer(_)) => (None, "a whole number"),
     };
@@ -145,6 +146,7 @@ fn setting(
             ParameterValue::Number(number) => number.literal.clone(),
             ParameterValue::Text(word) => format!("the string \"{word}\""),
             ParameterValue::Flag(flag) => flag.to_string(),
+            ParameterValue::Formulas(_) => "a list".to_owned(),
         };
         problems.push(
             SceneProblemCause::WrongType {

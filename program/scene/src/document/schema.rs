@@ -35,6 +35,9 @@ pub(super) enum Shape {
     System,
 }
 
+/// A parameter of a part.
+static PARAMETER: Shape = Shape::Either(&[Shape::Text, Shape::List(&Shape::Formula)]);
+
 /// What a key leads to.
 pub(super) enum Inner<'a> {
     Known(&'a Shape),
@@ -53,7 +56,7 @@ impl Shape {
                 None => Inner::Unknown(names(table.keys).collect()),
             },
             Self::Names(each) | Self::Pairs(each) => Inner::Known(each),
-            Self::Part(_) => Inner::Known(&Self::Text),
+            Self::Part(_) => Inner::Known(&PARAMETER),
             Self::Either(shapes) => {
                 let mut best = Inner::Keyless;
                 for shape in *shapes {

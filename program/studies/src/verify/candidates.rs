@@ -71,7 +71,9 @@ impl Candidate {
     /// Every combination of the registry's parts, at their default orders or at several (`full`).
     pub fn all(registry: &Registry, full: bool) -> Vec<Self> {
         let of_kind = |kind: PartKind| -> Vec<Chosen> {
-            let parts = registry.parts().into_iter().filter(|p| p.kind == kind);
+            let parts = registry.parts().into_iter();
+            // Formulas are a scene's own, and tried as its method.
+            let parts = parts.filter(|p| p.kind == kind && !p.is_written);
             parts.flat_map(|part| settings(part, full)).collect()
         };
         let dynamics = of_kind(PartKind::Dynamics);
