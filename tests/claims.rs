@@ -41,3 +41,4 @@ mod stress;
 mod theorems;
 mod time;
 mod truncation_high;
+mod written_parts;

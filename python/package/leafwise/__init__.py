@@ -20,6 +20,7 @@ from ._fit import Fit
 from ._functions import System
 from ._gradient import Gradient, Tangents, Trajectory
 from ._leafwise import Growth, Integrator
+from ._parts import closed_form, generating_function
 from ._run import Run
 from ._scene import Scene
 from ._solve import Solution, solve
@@ -43,8 +44,10 @@ __all__ = [
     "Trajectory",
     "Solution",
     "System",
+    "closed_form",
     "command",
     "describe",
+    "generating_function",
     "list",
     "load_plugin",
     "solve",

@@ -1,0 +1,62 @@
+"""Parts of a method that are formulas of one's own, as the tables of scenes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+
+def closed_form(
+    alpha: Iterable[object],
+    *,
+    beta: Iterable[object] | None = None,
+    domain: object | None = None,
+    order: int = 0,
+) -> dict[str, Any]:
+    """A realization by formulas: α_ε(x, p) in a cotangent chart with α(x, 0) = x.
+
+        realization = lw.closed_form(["q - epsilon*p_p/2", "p + epsilon*p_q/2"])
+        lw.Scene(system=..., method={"realization": realization, "dynamics": "hamilton-jacobi", "time-step": 0.1}, run=...)
+
+    Args:
+        alpha: a formula for each variable of the system: of the variables, their momenta (``p_x`` for ``x``), ``epsilon``
+            and the system's parameters. Anything that ``str`` turns into a formula.
+        beta: the same for β; α(x, −p) where not given.
+        domain: a formula that is below 1 inside the chart; the chart is everything where not given.
+        order: the n that is claimed, α + O(ε^(n+1)); 0 claims that α is exact.
+
+    What is claimed is measured by ``scene.verify()``; formulas that realize another tensor, or claim to be exact and are not, are
+    a :class:`SceneError` when the scene is composed.
+    """
+    table: dict[str, Any] = {"name": "closed-form", "alpha": _texts("alpha", alpha)}
+    if beta is not None:
+        table["beta"] = _texts("beta", beta)
+    if domain is not None:
+        table["domain"] = str(domain)
+    if order:
+        table["order"] = order
+    return table
+
+
+def generating_function(S: Iterable[object], *, order: int = 0) -> dict[str, Any]:
+    """A dynamic approximation by formulas: the bisection graph(dS), S = h S_1 + ε² h³ S_3 + ….
+
+        dynamics = lw.generating_function(["H", "H/12"])
+
+    Args:
+        S: S_1, S_3, … at ε = 1: formulas of the variables and the system's parameters; ``H`` is the system's Hamiltonian, which
+            S_1 is in every chart.
+        order: the order in h that is claimed; 0 claims twice the number of coefficients.
+
+    What is claimed is measured by ``scene.verify()``; an S_1 of another motion is a :class:`SceneError` when the scene is composed.
+    """
+    table: dict[str, Any] = {"name": "generating-function", "S": _texts("S", S)}
+    if order:
+        table["order"] = order
+    return table
+
+
+def _texts(name: str, formulas: Iterable[object]) -> list[str]:
+    if isinstance(formulas, str):
+        raise TypeError(f"{name} is a list of formulas, not one text: [{formulas!r}]")
+    return [str(formula) for formula in formulas]
