@@ -67,8 +67,8 @@ def test_formulas_that_are_wrong_are_refused() -> None:
 def test_a_false_claim_is_measured() -> None:
     def own(realization: object, dynamics: object) -> bool:
         rows = body(realization, dynamics).verify()["rows"]
-        (row,) = [row for row in rows if row["own"]]
-        return bool(row["ok"])
+        (row,) = [row for row in rows if row["is_own"]]
+        return bool(row["met"])
 
     assert own(lw.closed_form(cayley()), lw.generating_function(["H"]))
     assert own(lw.closed_form(cayley(Fraction(1, 3)), order=1), lw.generating_function(["H"]))

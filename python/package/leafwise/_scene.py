@@ -362,7 +362,7 @@ class Scene:
 
     def verify(self) -> dict[str, Any]:
         """What this scene's method and all others really do on its system, against what they declare, as ``leafwise verify``:
-        ``["rows"]``, this method's with ``"own": True``. A broken declaration is told, not raised."""
+        ``["rows"]``, this method's with ``"is_own": True``, ``"met"`` where nothing declared is broken. It is told, not raised."""
         found: dict[str, Any] = self.command("verify", accept=(0, 5))
         return found
 

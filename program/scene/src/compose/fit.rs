@@ -96,7 +96,7 @@ pub(super) fn check_exactness(
             return Err(BuildError::DoesNotFit {
                 part,
                 reason: format!(
-                    "it claims to be exact, and at p = {p:?} its brackets differ from eps Pi, -eps Pi and 0 by {largest:.1e} of \
+                    "it claims to be exact, and at p = {p:.2?} its brackets differ from eps Pi, -eps Pi and 0 by {largest:.1e} of \
                      their terms; correct the formulas, or claim an order n of the truncation: order = 2"
                 ),
             });

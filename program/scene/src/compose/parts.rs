@@ -80,7 +80,7 @@ impl PartChoice {
     }
 
     /// The name with the values that tell it from its relatives: numbers, and words that are not the
-    /// part's usual ones.
+    /// part's usual ones. Formulas are too long for that.
     pub fn line(&self, registry: &Registry) -> String {
         let parts = registry.parts();
         let info = parts
@@ -89,7 +89,10 @@ impl PartChoice {
         let is_usual = |name: &str, value: &ParameterSetting| {
             let known = info.and_then(|info| info.parameters.iter().find(|p| p.name == name));
             matches!(value, ParameterSetting::Text(_))
-                && known.is_some_and(|p| ParameterSetting::from(p.default) == *value)
+                && known.is_some_and(|p| {
+                    let is_formulas = matches!(p.default, ParameterDefault::Formulas(_));
+                    is_formulas || ParameterSetting::from(p.default) == *value
+                })
         };
         // 0 in place of a number that the part finds itself says nothing.
         let is_open = |value: &ParameterSetting| matches!(value, ParameterSetting::Integer(0));

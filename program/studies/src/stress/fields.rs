@@ -27,7 +27,7 @@ pub(super) const CASES: [Case; 2] = [
 ];
 
 /// Scenes that between them hold every key of [`scene_keys`].
-pub const SCENES_WITH_EVERY_KEY: [&str; 19] = [
+pub const SCENES_WITH_EVERY_KEY: [&str; 20] = [
     r#"
     plugins = []
     [system]
@@ -50,6 +50,19 @@ pub const SCENES_WITH_EVERY_KEY: [&str; 19] = [
     steps   = 10
     record  = { every = 1, observables = ["energy"], states = ["x1"] }
     out     = "runs/case"
+    "#,
+    r#"
+    [system]
+    variables   = ["q", "p"]
+    bracket     = { "q,p" = "1" }
+    hamiltonian = "(q^2 + p^2)/2"
+    [method]
+    realization = { name = "closed-form", alpha = ["q - epsilon*p_p/2", "p + epsilon*p_q/2"], order = 2 }
+    dynamics    = { name = "generating-function", S = ["H", 0.0], order = 2 }
+    time-step   = 0.1
+    [run]
+    initial = [1.0, 0.5]
+    steps   = 10
     "#,
     r#"
     [system]
