@@ -69,6 +69,7 @@ impl fmt::Display for ParameterDefault {
             Self::Integer(value) => value.fmt(f),
             Self::Real(value) => value.fmt(f),
             Self::Text(value) => value.fmt(f),
+            Self::Formulas([]) => "none".fmt(f),
             Self::Formulas(formulas) => formulas.join(FORMULAS).fmt(f),
         }
     }
