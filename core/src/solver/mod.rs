@@ -43,6 +43,7 @@ pub use properties::{MapProperties, Pieces, Structure};
 pub(crate) use signs::{KeptSigns, kept_signs};
 pub use statistics::SolverStatistics;
 pub(crate) use stepper::add;
+use stepper::restore_each;
 pub use stepper::{StepCheck, Stepper};
 
 use std::sync::Arc;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{SolverStatistics, StepMap, Stepper};
+use super::{SolverStatistics, StepMap, Stepper, restore_each};
 use crate::compensation::Compensated;
 use crate::error::StepError;
 
@@ -158,18 +158,7 @@ impl Stepper for ProductStepper {
     }
 
     fn restore(&mut self, memory: &[f64]) -> Result<(), usize> {
-        let lengths: Vec<usize> = self.stages.iter().map(|s| s.memory().len()).collect();
-        let expected = lengths.iter().sum();
-        if memory.len() != expected {
-            return Err(expected);
-        }
-        let mut rest = memory;
-        for (stage, length) in self.stages.iter_mut().zip(lengths) {
-            let (own, others) = rest.split_at(length);
-            stage.restore(own)?;
-            rest = others;
-        }
-        Ok(())
+        restore_each(self.stages.iter_mut().map(Box::as_mut), memory)
     }
 }
 

@@ -124,6 +124,31 @@ fn add_between(
     Ok(())
 }
 
+/// Restores steppers from what the memory of each held, one behind the other; the number of entries that they have where it
+/// is another.
+pub(super) fn restore_each<'own, S: Stepper + ?Sized + 'own>(
+    steppers: impl Iterator<Item = &'own mut S>,
+    memory: &[f64],
+) -> Result<(), usize> {
+    let steppers: Vec<(&mut S, usize)> = steppers
+        .map(|stepper| {
+            let length = stepper.memory().len();
+            (stepper, length)
+        })
+        .collect();
+    let expected = steppers.iter().map(|(_, length)| length).sum();
+    if memory.len() != expected {
+        return Err(expected);
+    }
+    let mut rest = memory;
+    for (stepper, length) in steppers {
+        let (own, others) = rest.split_at(length);
+        stepper.restore(own)?;
+        rest = others;
+    }
+    Ok(())
+}
+
 /// What a step from x to x + Δ must fulfil beyond its own equations.
 pub trait StepCheck: Send {
     /// Replaces the outcome of each lane whose finished step does not fulfil it. Arrays are those of

@@ -8,7 +8,7 @@ use super::kernel::{NewtonKernel, StartCode};
 use super::stepper::NewtonStepper;
 use crate::error::{BuildError, StepError};
 use crate::realization::SourceTarget;
-use crate::solver::{SolverStatistics, Stepper};
+use crate::solver::{SolverStatistics, Stepper, restore_each};
 
 /// A step β̂(L(y)) = x that is several, each of coordinates of its own: the step of a direct sum whose Hamiltonian is a sum of
 /// functions of the summands. D(β̂∘L) is block diagonal, in whatever order the coordinates stand.
@@ -262,19 +262,6 @@ impl Stepper for UncoupledStepper {
     }
 
     fn restore(&mut self, memory: &[f64]) -> Result<(), usize> {
-        let lengths: Vec<usize> = (self.parts.iter())
-            .map(|part| part.stepper.memory().len())
-            .collect();
-        let expected = lengths.iter().sum();
-        if memory.len() != expected {
-            return Err(expected);
-        }
-        let mut rest = memory;
-        for (part, length) in self.parts.iter_mut().zip(lengths) {
-            let (own, others) = rest.split_at(length);
-            part.stepper.restore(own)?;
-            rest = others;
-        }
-        Ok(())
+        restore_each(self.parts.iter_mut().map(|part| &mut part.stepper), memory)
     }
 }
