@@ -4,8 +4,9 @@ use super::error::SceneProblemCause;
 use super::lie_algebra::{LieAlgebraSpec, read_lie_algebra};
 use super::located::{Located, Number};
 use super::reader::{Item, Problems, Table};
-use super::schema::{BRACKET, SUM, SUMMAND, has, names};
+use super::shape::{has, names};
 use super::suggest::nearest;
+use super::system_schema::{BRACKET, SUM, SUMMAND};
 
 /// How the Poisson tensor is given.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,7 +4,8 @@ use super::error::SceneProblemCause;
 use super::located::{Located, Place};
 use super::reader::{Item, Problems, Table};
 use super::run::{RecordSpec, read_observables, read_sample_times};
-use super::schema::{CENTER, DRAWS, ENSEMBLE, ENSEMBLE_RECORD, Key, WAYS, has, names};
+use super::schema::{CENTER, DRAWS, ENSEMBLE, ENSEMBLE_RECORD, WAYS};
+use super::shape::{Key, has, names};
 use super::suggest::nearest;
 use super::system_section::SystemSection;
 

@@ -3,7 +3,7 @@
 use super::error::SceneProblemCause;
 use super::located::{Located, Number, Place};
 use super::reader::{Item, Problems};
-use super::schema::COLUMN;
+use super::system_schema::COLUMN;
 
 /// Numbers of one variable, or of all sites of a family.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,7 +4,7 @@ use leafwise_expression::syntax::Formula;
 
 use super::located::{Located, Place};
 use super::reader::{Item, Problems, Table};
-use super::schema::DAMPING;
+use super::system_schema::DAMPING;
 
 /// The one-form η beside dH.
 #[derive(Clone, Debug, Default, PartialEq)]

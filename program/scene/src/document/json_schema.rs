@@ -4,7 +4,8 @@ use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo};
 use leafwise_core::{PartKind, Registry};
 use serde_json::{Map, Value, json};
 
-use super::schema::{Keys, ROOT, Shape};
+use super::schema::ROOT;
+use super::shape::{Keys, Shape};
 
 /// The JSON Schema (draft 2020-12) of a scene with the parts and systems of a registry. It accepts every scene that the
 /// reader does, but for spaces within words; what formulas say, and how many numbers a list has, it does not know. Parts

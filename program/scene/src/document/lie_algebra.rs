@@ -3,7 +3,7 @@
 use super::error::SceneProblemCause;
 use super::located::{Located, Number};
 use super::reader::{Item, Problems};
-use super::schema::LIE_ALGEBRA;
+use super::system_schema::LIE_ALGEBRA;
 
 /// A linear bracket {x_i, x_j} = −Σ_k c_ij^k x_k, the paper's sign.
 #[derive(Clone, Debug, PartialEq)]

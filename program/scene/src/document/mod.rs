@@ -34,9 +34,11 @@ mod reader;
 mod run;
 mod scene;
 mod schema;
+mod shape;
 mod suggest;
 mod sweep;
 mod system;
+mod system_schema;
 mod system_section;
 #[cfg(test)]
 mod tests;

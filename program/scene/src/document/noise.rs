@@ -2,7 +2,7 @@
 
 use super::located::Located;
 use super::reader::{Item, Problems, Table};
-use super::schema::NOISE;
+use super::system_schema::NOISE;
 
 /// A channel σ {H_k, x} ∘ dW.
 #[derive(Clone, Debug, PartialEq)]

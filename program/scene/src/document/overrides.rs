@@ -8,7 +8,8 @@ use toml_edit::{DocumentMut, InlineTable, Item, Key, TableLike, Value};
 use super::error::SceneProblemCause;
 use super::located::{Place, Source};
 use super::reader::Problems;
-use super::schema::{Inner, ROOT};
+use super::schema::ROOT;
+use super::shape::Inner;
 use super::suggest::nearest;
 
 /// Keys that give the same thing in other words: setting the first removes the rest.

@@ -7,7 +7,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::error::{SceneProblem, SceneProblemCause};
 use super::located::{Located, Number, Place, Source};
-use super::schema::{Key, has, names};
+use super::shape::{Key, has, names};
 use super::suggest::nearest;
 
 /// The problems found so far.

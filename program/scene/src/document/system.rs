@@ -15,8 +15,9 @@ use super::located::{Located, Place, Source};
 use super::noise::read_noise;
 use super::numbers::{asks_for_numbers, read_numbers};
 use super::reader::{Item, Problems, Table};
-use super::schema::{SYSTEM, VECTORS, has};
+use super::shape::has;
 use super::suggest::nearest;
+use super::system_schema::{SYSTEM, VECTORS};
 use super::system_section::{Boundary, Convention, SystemSection, VectorFamily};
 
 /// What may stand beside `library`, and it.
