@@ -33,7 +33,10 @@ const OTHER_MEANINGS: [(&str, &str); 9] = [
     ("program/scene/src/document/bracket.rs", "one-form"),
     ("program/scene/src/document/system_schema.rs", "one-form"),
     ("program/scene/src/compose/shape.rs", "constant"),
-    ("program/scene/src/document/system_schema.rs", "log-canonical"),
+    (
+        "program/scene/src/document/system_schema.rs",
+        "log-canonical",
+    ),
     ("program/scene/src/document/system.rs", "log-canonical"),
     ("program/scene/src/document/method.rs", "karasev-truncated"),
     ("program/scene/src/document/method.rs", "hamilton-jacobi"),

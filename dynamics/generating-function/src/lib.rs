@@ -28,7 +28,7 @@ static INFO: PartInfo = PartInfo {
             name: COEFFICIENTS,
             summary: "S_1, S_3, ... at eps = 1: formulas of the variables, the system's parameters, and H for its Hamiltonian: \
                       [\"H\", \"x*y/24\"]",
-            default: ParameterDefault::Formulas(&[]),
+            default: ParameterDefault::Formulas(&[HAMILTONIAN]),
         },
         ParameterInfo {
             name: ORDER,
@@ -99,10 +99,9 @@ impl DynamicApproximation for Written {
         system: &PoissonSystem,
         realization: &Arc<dyn RealizationData>,
     ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
+        let formulas = system.formulas(INFO.name)?;
         let mut scope = scope(INFO.name, system, &[])?;
-        if !scope.has(HAMILTONIAN)
-            && let Some(formulas) = system.expressions()
-        {
+        if !scope.has(HAMILTONIAN) {
             scope = scope.with_definition(HAMILTONIAN, formulas.hamiltonian().clone());
         }
         let coefficients = self.coefficients().parse(&scope)?;

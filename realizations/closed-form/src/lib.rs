@@ -58,6 +58,7 @@ fn build(
     system: &PoissonSystem,
     parameters: &PartParameters,
 ) -> Result<Arc<dyn RealizationData>, BuildError> {
+    system.formulas(INFO.name)?;
     let d = system.dimension();
     let momenta = system.variables().iter().map(|name| format!("p_{name}"));
     let further: Vec<String> = momenta.chain(["epsilon".to_owned()]).collect();
