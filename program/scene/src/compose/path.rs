@@ -3,7 +3,7 @@
 use leafwise_core::PartKind;
 use leafwise_expression::Execution;
 
-use super::parts::PartChoice;
+use super::part_choice::PartChoice;
 use super::run::ComposedRun;
 
 /// Formulas that are compiled, and functions that are called.
