@@ -72,7 +72,6 @@ pub use compensation::two_sum;
 pub use dynamics::{Correction, DynamicApproximation};
 pub use error::{BuildError, StepError};
 pub use evaluator::Evaluator;
-pub use gradient::{ByTangents, Differential, Inverse};
 pub use graph_bisection::{GraphBisection, OneForm};
 pub use integrator::Integrator;
 pub use lattice::LatticeMethod;
@@ -89,6 +88,7 @@ pub use registry::{Part, Registry, RegistryError};
 pub use shadow::Shadow;
 pub use side_by_side::SideBySide;
 pub use solver::{
-    MapProperties, Pieces, SolverStatistics, StepMap, Stepper, Structure, WithoutPoles,
+    ByTangents, Differential, Inverse, MapProperties, Pieces, SolverStatistics, StepMap, Stepper,
+    Structure, WithoutPoles,
 };
 pub use system::{Convention, PoissonSystem, SystemBuilder, SystemFormulas, SystemNumbers};

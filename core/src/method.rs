@@ -10,13 +10,13 @@ use crate::dynamics::{Correction, DynamicApproximation};
 use crate::error::BuildError;
 use crate::evaluator::Evaluator;
 use crate::generating_shadow::shadow_of;
-use crate::gradient::{ByTangents, Differential, Solved, by_parameters};
 use crate::realization::{Accuracy, MapCode, RealizationData, RealizationEvaluator, SourceTarget};
 use crate::shadow::Shadow;
 use crate::solution_series::start_of_solves;
 use crate::solver::{
-    Checked, KeptSigns, Lanes, MakeCheck, MapProperties, NewtonKernel, NewtonStepper,
-    NumericSolver, Poles, StepMap, Stepper, Structure, Uncoupled, check_variables, kept_signs,
+    ByTangents, Checked, Differential, KeptSigns, Lanes, MakeCheck, MapProperties, NewtonKernel,
+    NewtonStepper, NumericSolver, Poles, Solved, StepMap, Stepper, Structure, Uncoupled,
+    by_parameters, check_variables, kept_signs,
 };
 use crate::system::{PoissonSystem, SystemFormulas};
 

@@ -17,8 +17,8 @@ use std::sync::Arc;
 use leafwise_expression::Kernel;
 
 use crate::error::StepError;
-use crate::gradient::Differential;
 use crate::random::Random;
+use crate::solver::Differential;
 use crate::solver::{MapProperties, ProductStepper, SolverStatistics, StepMap, Stepper};
 
 /// Where standard normal numbers ξ come from: ΔW = √t ξ.

@@ -5,12 +5,11 @@
 //! the steps. Both are the derivatives of the map that is stepped, not approximations of the flow's.
 
 use super::checkpoints::{checkpoints, visit_in_reverse};
-use super::differential::Differential;
 use super::error::GradientError;
 use super::growth::Growth;
 use crate::error::StepError;
 use crate::integrator::Integrator;
-use crate::solver::{StepMap, add};
+use crate::solver::{Differential, StepMap, add};
 
 /// Steps between two looks at whether to go on, and at whether covectors are finite.
 const LOOK_EVERY: u64 = 1024;

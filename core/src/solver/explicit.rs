@@ -4,9 +4,9 @@ use std::sync::{Arc, OnceLock};
 
 use leafwise_expression::{Graph, Kernel, OperationCount, Term, Workspace};
 
+use super::{ByTangents, Differential, Explicit, Inverse, in_reverse};
 use super::{MapProperties, SolverStatistics, StepCheck, StepMap, Stepper, add};
 use crate::error::{BuildError, StepError};
-use crate::gradient::{ByTangents, Differential, Explicit, Inverse, in_reverse};
 
 /// x ↦ x + f_{ε,h}(x), f given by code.
 #[derive(Clone, Debug)]

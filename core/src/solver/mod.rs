@@ -4,6 +4,7 @@ mod anderson;
 mod branch;
 mod checked;
 mod crossing;
+mod differential;
 mod elimination;
 mod explicit;
 mod extrapolation;
@@ -25,6 +26,8 @@ pub use anderson::Anderson;
 pub use branch::Branch;
 pub(crate) use checked::{Checked, MakeCheck};
 pub(crate) use crossing::{Crossing, looks};
+pub use differential::{ByTangents, Differential, Inverse};
+pub(crate) use differential::{Explicit, Solved, by_parameters, in_reverse};
 pub use explicit::{CodeStepMap, ExplicitMap};
 pub use extrapolation::Extrapolation;
 pub use iteration::{CorrectionMethod, Iteration};
@@ -51,7 +54,6 @@ use std::sync::Arc;
 use leafwise_expression::Kernel;
 
 use crate::error::BuildError;
-use crate::gradient::{ByTangents, Differential};
 use crate::shadow::Shadow;
 use crate::system::SystemFormulas;
 

@@ -8,12 +8,12 @@ use std::sync::Arc;
 
 use leafwise_expression::{Graph, Kernel, Term, Workspace};
 
+use super::Differential;
 use super::checked::{Checked, MakeCheck};
 use super::crossing::{Crossing, looks};
 use super::stepper::StepCheck;
 use super::{MapProperties, StepMap, Stepper};
 use crate::error::{BuildError, StepError};
-use crate::gradient::Differential;
 use crate::shadow::Shadow;
 use crate::system::{PoissonSystem, SystemFormulas};
 

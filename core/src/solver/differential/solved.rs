@@ -12,8 +12,8 @@ use std::sync::Arc;
 
 use leafwise_expression::{Arithmetic, Graph, Kernel, Rational, Workspace};
 
-use super::differential::{Differential, SINGULAR, add_multiple, dot, one_step};
 use super::foreseen::Foreseen;
+use super::{Differential, SINGULAR, add_multiple, dot, one_step};
 use crate::error::{BuildError, StepError};
 use crate::realization::SourceTarget;
 use crate::solver::{

@@ -1,4 +1,15 @@
 //! The differential of a step.
+//!
+//! - `solved`: of steps that solve β̂(L(y)) = x, with solves by foreseen Jacobians in `foreseen`.
+//! - `explicit`: of explicit ones.
+
+mod explicit;
+mod foreseen;
+mod solved;
+
+pub use explicit::Inverse;
+pub(crate) use explicit::{Explicit, in_reverse};
+pub(crate) use solved::{Solved, by_parameters};
 
 use crate::error::StepError;
 use crate::solver::{DenseFactors, Stepper};
@@ -52,7 +63,7 @@ pub trait Differential: Send {
 }
 
 /// What a linear solve finds in a matrix of no use.
-pub(super) const SINGULAR: StepError = StepError::NonFinite {
+const SINGULAR: StepError = StepError::NonFinite {
     what: "the differential of a step",
 };
 
@@ -155,7 +166,7 @@ impl Differential for ByTangents {
 }
 
 /// One step of a stepper of one lane.
-pub(super) fn one_step(
+fn one_step(
     stepper: &mut dyn Stepper,
     x: &[f64],
     low: &[f64],
@@ -168,19 +179,19 @@ pub(super) fn one_step(
 }
 
 /// a·b.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// y ← y + a x.
-pub(super) fn add_multiple(y: &mut [f64], a: f64, x: &[f64]) {
+fn add_multiple(y: &mut [f64], a: f64, x: &[f64]) {
     for (y, x) in y.iter_mut().zip(x) {
         *y += a * x;
     }
 }
 
 /// Writes the transpose of a d × d matrix.
-pub(super) fn transpose(matrix: &[f64], out: &mut [f64], d: usize) {
+fn transpose(matrix: &[f64], out: &mut [f64], d: usize) {
     for (i, row) in matrix.chunks_exact(d).enumerate() {
         for (j, entry) in row.iter().enumerate() {
             out[j * d + i] = *entry;

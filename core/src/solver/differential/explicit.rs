@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use leafwise_expression::{Arithmetic, Graph, Kernel, Rational, Term, Workspace};
 
-use super::differential::{Differential, SINGULAR, add_multiple, dot, one_step};
+use super::{Differential, SINGULAR, add_multiple, dot, one_step};
 use crate::error::{BuildError, StepError};
 use crate::solver::{DenseFactors, Stepper};
 
