@@ -15,6 +15,7 @@ mod lattices;
 mod long;
 mod measure;
 mod problems;
+mod products;
 mod source;
 mod steps;
 
@@ -27,8 +28,9 @@ use crate::problems::{LotkaVolterra, RigidBody};
 /// A part of the page: its name, and what measures it.
 type Section = (&'static str, fn() -> String);
 
-const SECTIONS: [Section; 8] = [
+const SECTIONS: [Section; 9] = [
     ("steps", steps::table),
+    ("products", products::table),
     ("rigid-body", || {
         accuracy::tables::<RigidBody>(&[(1e-4, &[4, 6, 8, 10]), (1e-8, &[6, 8, 10, 12])])
     }),

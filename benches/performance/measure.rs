@@ -1,5 +1,6 @@
 //! Times of several contestants, taken in turn, and their ratios within each round.
 
+use std::ops::Range;
 use std::time::Instant;
 
 /// What a contestant does once.
@@ -42,6 +43,13 @@ impl Times {
     pub fn ratio(&self, contestant: usize, to: usize) -> Quartiles {
         let rounds = self.0[contestant].iter().zip(&self.0[to]);
         Quartiles::of(rounds.map(|(own, other)| own / other).collect())
+    }
+
+    /// A contestant's time over the sum of others', each round by itself.
+    pub fn over_sum(&self, contestant: usize, others: Range<usize>) -> Quartiles {
+        let ratios = (self.0[contestant].iter().enumerate())
+            .map(|(round, own)| own / self.0[others.clone()].iter().map(|t| t[round]).sum::<f64>());
+        Quartiles::of(ratios.collect())
     }
 }
 
