@@ -46,8 +46,8 @@ pub use properties::{MapProperties, Pieces, Structure};
 pub(crate) use signs::{KeptSigns, kept_signs};
 pub use statistics::SolverStatistics;
 pub(crate) use stepper::add;
-use stepper::restore_each;
 pub use stepper::{StepCheck, Stepper};
+use stepper::{one_by_one, restore_each};
 
 use std::sync::Arc;
 

@@ -28,20 +28,9 @@ pub trait Stepper: Send {
         state: &mut [f64],
         low: &mut [f64],
         increment: &mut [f64],
-        mut check: Option<&mut dyn StepCheck>,
+        check: Option<&mut dyn StepCheck>,
     ) -> (u64, Result<(), StepError>) {
-        for made in 0..steps {
-            let mut outcome = [Ok(())];
-            self.increment(state, low, increment, &mut outcome);
-            if let Some(check) = &mut check {
-                check.check(state, increment, &mut outcome);
-            }
-            let [outcome] = outcome;
-            if let Err(error) = outcome.and_then(|()| add(state, low, increment)) {
-                return (made, Err(error));
-            }
-        }
-        (steps, Ok(()))
+        one_by_one(self, steps, [state, low, increment], check)
     }
     /// The solution y of β̂(L(y)) = x of a lane's last step, `None` for a map without a bisection.
     fn solution(&self, lane: usize) -> Option<Vec<f64>> {
@@ -83,6 +72,27 @@ pub trait Stepper: Send {
     /// # Errors
     /// Returns the expected length when `memory` has another.
     fn restore(&mut self, memory: &[f64]) -> Result<(), usize>;
+}
+
+/// [`Stepper::advance`] by [`Stepper::increment`].
+pub(super) fn one_by_one<S: Stepper + ?Sized>(
+    stepper: &mut S,
+    steps: u64,
+    [state, low, increment]: [&mut [f64]; 3],
+    mut check: Option<&mut dyn StepCheck>,
+) -> (u64, Result<(), StepError>) {
+    for made in 0..steps {
+        let mut outcome = [Ok(())];
+        stepper.increment(state, low, increment, &mut outcome);
+        if let Some(check) = &mut check {
+            check.check(state, increment, &mut outcome);
+        }
+        let [outcome] = outcome;
+        if let Err(error) = outcome.and_then(|()| add(state, low, increment)) {
+            return (made, Err(error));
+        }
+    }
+    (steps, Ok(()))
 }
 
 /// The most coordinates that are kept [`apart`]: more take longer to add than to load.

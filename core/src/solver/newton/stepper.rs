@@ -27,6 +27,14 @@ pub struct NewtonStepper {
     jacobians: u64,
 }
 
+/// Where a stepper of one lane stood.
+#[derive(Default)]
+pub(super) struct Standing {
+    memory: Vec<f64>,
+    statistics: SolverStatistics,
+    jacobians: u64,
+}
+
 impl NewtonStepper {
     /// A stepper for `lanes` trajectories.
     pub fn new(
@@ -62,6 +70,22 @@ impl NewtonStepper {
             Some(block) => block.forget(place),
             None => self.single[lane - rest].forget(0),
         }
+    }
+
+    /// Writes down where a stepper of one lane stands, with its work.
+    pub(super) fn note(&self, standing: &mut Standing) {
+        standing.memory.clear();
+        for block in &self.single {
+            block.memory(0, &mut standing.memory);
+        }
+        (standing.statistics, standing.jacobians) = (self.statistics, self.jacobians);
+    }
+
+    /// Goes back to where it stood.
+    pub(super) fn return_to(&mut self, standing: &Standing) {
+        let is_own = self.restore(&standing.memory);
+        debug_assert!(is_own.is_ok(), "the memory of this stepper");
+        (self.statistics, self.jacobians) = (standing.statistics, standing.jacobians);
     }
 
     /// How many numbers a lane's memory takes.

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use leafwise_expression::{Graph, Kernel, Term};
 
 use super::kernel::{NewtonKernel, StartCode};
-use super::stepper::NewtonStepper;
+use super::stepper::{NewtonStepper, Standing};
 use crate::error::{BuildError, StepError};
 use crate::realization::SourceTarget;
-use crate::solver::{SolverStatistics, Stepper, restore_each};
+use crate::solver::{SolverStatistics, StepCheck, Stepper, one_by_one, restore_each};
 
 /// A step β̂(L(y)) = x that is several, each of coordinates of its own: the step of a direct sum whose Hamiltonian is a sum of
 /// functions of the summands. D(β̂∘L) is block diagonal, in whatever order the coordinates stand.
@@ -121,12 +121,17 @@ impl Uncoupled {
         let parts = self.parts.iter().map(|part| {
             let rows = part.places.iter();
             let room = || vec![0.0; part.places.len() * lanes];
+            let stepper = NewtonStepper::new(&part.kernel, lanes, parameters, epsilon, h);
+            let mut standing = Standing::default();
+            // All the room that it takes.
+            stepper.note(&mut standing);
             PartStepper {
                 rows: rows.map(|at| at * lanes).collect(),
-                stepper: NewtonStepper::new(&part.kernel, lanes, parameters, epsilon, h),
+                stepper,
                 x: room(),
                 low: room(),
                 increment: room(),
+                standing,
             }
         });
         Box::new(UncoupledStepper {
@@ -148,6 +153,28 @@ struct PartStepper {
     x: Vec<f64>,
     low: Vec<f64>,
     increment: Vec<f64>,
+    /// Where the solver stood before many steps of a lane alone.
+    standing: Standing,
+}
+
+impl PartStepper {
+    /// Takes its share of a state.
+    fn take(&mut self, x: &[f64], low: &[f64], lanes: usize) {
+        for (k, row) in self.rows.iter().enumerate() {
+            let own = k * lanes..(k + 1) * lanes;
+            self.x[own.clone()].copy_from_slice(&x[*row..][..lanes]);
+            self.low[own].copy_from_slice(&low[*row..][..lanes]);
+        }
+    }
+
+    /// Up to so many steps of a lane alone; returns how many were made.
+    fn advance(&mut self, steps: u64) -> u64 {
+        let (x, low) = (&mut self.x, &mut self.low);
+        let made = self
+            .stepper
+            .advance(steps, x, low, &mut self.increment, None);
+        made.0
+    }
 }
 
 /// The solvers of the parts, one after the other.
@@ -170,11 +197,7 @@ impl Stepper for UncoupledStepper {
     ) {
         let lanes = self.lanes;
         for part in &mut self.parts {
-            for (k, row) in part.rows.iter().enumerate() {
-                let own = k * lanes..(k + 1) * lanes;
-                part.x[own.clone()].copy_from_slice(&x[*row..][..lanes]);
-                part.low[own].copy_from_slice(&low[*row..][..lanes]);
-            }
+            part.take(x, low, lanes);
             let stepper = &mut part.stepper;
             stepper.increment(&part.x, &part.low, &mut part.increment, &mut self.outcome);
             for (k, row) in part.rows.iter().enumerate() {
@@ -195,6 +218,42 @@ impl Stepper for UncoupledStepper {
             let parts = self.parts.iter_mut();
             parts.for_each(|part| part.stepper.forget(lane));
         }
+    }
+
+    /// Each part goes its whole way alone. Where one fails, all go back and on to the step that fails, which tells why.
+    fn advance(
+        &mut self,
+        steps: u64,
+        state: &mut [f64],
+        low: &mut [f64],
+        increment: &mut [f64],
+        check: Option<&mut dyn StepCheck>,
+    ) -> (u64, Result<(), StepError>) {
+        // A check looks at steps of the whole.
+        if check.is_some() || steps == 1 {
+            return one_by_one(self, steps, [state, low, increment], check);
+        }
+        let mut made = steps;
+        for part in &mut self.parts {
+            part.take(state, low, 1);
+            part.stepper.note(&mut part.standing);
+            made = made.min(part.advance(steps));
+        }
+        if made < steps {
+            for part in &mut self.parts {
+                part.take(state, low, 1);
+                part.stepper.return_to(&part.standing);
+                part.advance(made);
+            }
+        }
+        for part in &self.parts {
+            for (row, (x, own)) in part.rows.iter().zip(part.x.iter().zip(&part.low)) {
+                (state[*row], low[*row]) = (*x, *own);
+            }
+        }
+        self.steps += made;
+        let (more, outcome) = one_by_one(self, steps - made, [state, low, increment], None);
+        (made + more, outcome)
     }
 
     fn solution(&self, lane: usize) -> Option<Vec<f64>> {
