@@ -65,11 +65,14 @@ impl Stepper for Checked {
     ) -> (u64, Result<(), StepError>) {
         let mut both = InTurn {
             first: self.check.as_mut(),
-            failures: &mut self.failures,
+            is_refused: false,
             then: check,
         };
-        self.stepper
-            .advance(steps, state, low, increment, Some(&mut both))
+        let ended = self
+            .stepper
+            .advance(steps, state, low, increment, Some(&mut both));
+        self.failures += u64::from(both.is_refused);
+        ended
     }
 
     fn solution(&self, lane: usize) -> Option<Vec<f64>> {
@@ -110,10 +113,11 @@ impl Stepper for Checked {
     }
 }
 
-/// A check, which counts what it refuses, and another of what it lets pass; of a lane alone.
+/// A check, and another of what it lets pass; of a lane alone.
 struct InTurn<'own, 'then> {
     first: &'own mut dyn StepCheck,
-    failures: &'own mut u64,
+    /// Whether the first refused what it saw last.
+    is_refused: bool,
     then: Option<&'then mut dyn StepCheck>,
 }
 
@@ -124,7 +128,7 @@ impl StepCheck for InTurn<'_, '_> {
         };
         let before = lane.is_err();
         self.first.check(x, increment, outcome);
-        *self.failures += u64::from(!before && outcome[0].is_err());
+        self.is_refused = !before && outcome[0].is_err();
         if let Some(then) = &mut self.then {
             then.check(x, increment, outcome);
         }

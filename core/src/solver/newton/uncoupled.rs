@@ -138,6 +138,7 @@ impl Uncoupled {
             parts: parts.collect(),
             lanes,
             dimension: self.dimension,
+            room: vec![0.0; self.dimension],
             outcome: vec![Ok(()); lanes],
             steps: 0,
             failures: 0,
@@ -167,13 +168,46 @@ impl PartStepper {
         }
     }
 
-    /// Up to so many steps of a lane alone; returns how many were made.
-    fn advance(&mut self, steps: u64) -> u64 {
-        let (x, low) = (&mut self.x, &mut self.low);
-        let made = self
-            .stepper
-            .advance(steps, x, low, &mut self.increment, None);
-        made.0
+    /// Up to so many steps of a lane alone; returns how many were made. `whole` holds a state and changes of 0, in which a
+    /// check sees the part move.
+    fn advance(
+        &mut self,
+        steps: u64,
+        whole: [&mut [f64]; 2],
+        check: &mut Option<&mut dyn StepCheck>,
+    ) -> u64 {
+        let (x, low, increment) = (&mut self.x, &mut self.low, &mut self.increment);
+        let Some(check) = check else {
+            return self.stepper.advance(steps, x, low, increment, None).0;
+        };
+        let mut alone = Alone {
+            rows: &self.rows,
+            whole,
+            check: &mut **check,
+        };
+        let check: Option<&mut dyn StepCheck> = Some(&mut alone);
+        let (made, _) = self.stepper.advance(steps, x, low, increment, check);
+        for row in alone.rows {
+            alone.whole[1][*row] = 0.0;
+        }
+        made
+    }
+}
+
+/// A check of the whole that sees one part move while the others rest. What it looks at is of one part each.
+struct Alone<'a> {
+    rows: &'a [usize],
+    whole: [&'a mut [f64]; 2],
+    check: &'a mut dyn StepCheck,
+}
+
+impl StepCheck for Alone<'_> {
+    fn check(&mut self, x: &[f64], increment: &[f64], outcome: &mut [Result<(), StepError>]) {
+        let [state, changes] = &mut self.whole;
+        for (row, (x, change)) in self.rows.iter().zip(x.iter().zip(increment)) {
+            (state[*row], changes[*row]) = (*x, *change);
+        }
+        self.check.check(state, changes, outcome);
     }
 }
 
@@ -182,6 +216,8 @@ struct UncoupledStepper {
     parts: Vec<PartStepper>,
     lanes: usize,
     dimension: usize,
+    /// A state of a lane alone, in which checks see a part move.
+    room: Vec<f64>,
     outcome: Vec<Result<(), StepError>>,
     steps: u64,
     failures: u64,
@@ -227,23 +263,26 @@ impl Stepper for UncoupledStepper {
         state: &mut [f64],
         low: &mut [f64],
         increment: &mut [f64],
-        check: Option<&mut dyn StepCheck>,
+        mut check: Option<&mut dyn StepCheck>,
     ) -> (u64, Result<(), StepError>) {
-        // A check looks at steps of the whole.
-        if check.is_some() || steps == 1 {
+        if steps == 1 {
             return one_by_one(self, steps, [state, low, increment], check);
         }
+        self.room.copy_from_slice(state);
+        increment.fill(0.0);
         let mut made = steps;
         for part in &mut self.parts {
             part.take(state, low, 1);
             part.stepper.note(&mut part.standing);
-            made = made.min(part.advance(steps));
+            let whole = [&mut self.room[..], &mut *increment];
+            made = made.min(part.advance(steps, whole, &mut check));
         }
         if made < steps {
             for part in &mut self.parts {
                 part.take(state, low, 1);
                 part.stepper.return_to(&part.standing);
-                part.advance(made);
+                let whole = [&mut self.room[..], &mut *increment];
+                part.advance(made, whole, &mut check);
             }
         }
         for part in &self.parts {
@@ -252,7 +291,7 @@ impl Stepper for UncoupledStepper {
             }
         }
         self.steps += made;
-        let (more, outcome) = one_by_one(self, steps - made, [state, low, increment], None);
+        let (more, outcome) = one_by_one(self, steps - made, [state, low, increment], check);
         (made + more, outcome)
     }
 
