@@ -174,7 +174,8 @@ pub fn tables<P: Problem + 'static>(targets: &[(f64, &[usize])]) -> String {
         let (entries, slow) = without_slow(entries, &baselines);
         if !slow.is_empty() {
             text.push_str(&format!(
-                "More than {SLOW} times as slow as the fastest: {}.\n\n",
+                "More than {SLOW} times as slow as {}: {}.\n\n",
+                baselines[0],
                 slow.join(", ")
             ));
         }
@@ -210,8 +211,8 @@ pub fn adaptive<P: Problem + 'static>() -> String {
     text
 }
 
-/// Entries that take more than this many times what the fastest takes are not measured further.
-const SLOW: f64 = 20.0;
+/// Entries that take more than this many times what the first baseline takes are not measured further.
+const SLOW: f64 = 10.0;
 
 /// The entries to be measured, the baselines in any case, and the names of those that are too slow.
 fn without_slow<'a>(
@@ -224,13 +225,16 @@ fn without_slow<'a>(
         started.elapsed().as_secs_f64()
     };
     let seconds: Vec<f64> = entries.iter().map(|e| once(e).min(once(e))).collect();
-    let fastest = seconds.iter().fold(f64::INFINITY, |m, s| m.min(*s));
+    let first = entries
+        .iter()
+        .position(|e| e.contestant.name() == baselines[0]);
+    let most = first.map_or(f64::INFINITY, |at| SLOW * seconds[at]);
     let (fast, slow): (Vec<_>, Vec<_>) =
         entries
             .into_iter()
             .zip(seconds)
             .partition(|(entry, seconds)| {
-                *seconds <= SLOW * fastest || baselines.contains(&entry.contestant.name())
+                *seconds <= most || baselines.contains(&entry.contestant.name())
             });
     (
         fast.into_iter().map(|(entry, _)| entry).collect(),

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::hash::{Hash, Hasher};
 
+use crate::elementary::NearZero;
+
 /// An analytic function f of one variable that a crate evaluates itself: straight-line code calls
 /// it and its derivatives f⁽ᵏ⁾ like elementary functions.
 ///
@@ -134,6 +136,9 @@ pub struct FunctionPair {
     pub lanes: fn(&mut [f64], &mut [f64]),
     /// Replace each x by f(x), and by g(x), to the bits of `values`.
     pub lanes_alone: [fn(&mut [f64]); 2],
+    /// The formulas of both near 0, to the bits of `values`, where they are plain there.
+    #[cfg_attr(not(feature = "jit"), allow(dead_code, reason = "for machine code"))]
+    pub(crate) near_zero: Option<fn() -> NearZero>,
 }
 
 /// Which function of a [`FunctionPair`].

@@ -9,6 +9,7 @@ pub static SINE_AND_COSINE: FunctionPair = FunctionPair {
     values: elementary::sin_cos,
     lanes: elementary::sin_cos_lanes,
     lanes_alone: [elementary::sin_lanes, elementary::cos_lanes],
+    near_zero: None,
 };
 
 /// eᶻ − 1 and e⁻ᶻ − 1.
@@ -20,6 +21,7 @@ pub static EXPONENTIALS: FunctionPair = FunctionPair {
         elementary::exp_m1_lanes,
         elementary::exp_m1_of_negative_lanes,
     ],
+    near_zero: Some(elementary::exp_m1_mirrored_near_zero),
 };
 
 /// f(z) = eᶻ − 1 without cancellation, f′ = 1 + f.
@@ -44,6 +46,7 @@ pub static TURN: FunctionPair = FunctionPair {
     values: elementary::sin_and_versine,
     lanes: elementary::sin_and_versine_lanes,
     lanes_alone: [elementary::sine_lanes, elementary::versine_lanes],
+    near_zero: Some(elementary::sin_and_versine_near_zero),
 };
 
 /// sin θ, whose derivative is 1 less the versine.

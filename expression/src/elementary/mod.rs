@@ -17,6 +17,7 @@ mod exponential;
 mod lanes;
 mod logarithm;
 mod mirrored;
+mod near;
 mod reduction;
 mod root;
 #[cfg(test)]
@@ -29,6 +30,7 @@ use exponential::Exp;
 use lanes::{First, Second, apply, apply_pair, both};
 use logarithm::Ln;
 use mirrored::Mirrored;
+pub(crate) use near::{NearZero, exp_m1_mirrored_near_zero, sin_and_versine_near_zero};
 use root::Roots;
 use trigonometric::{Cos, Sin, SinCos, Tan};
 use turn::Turn;

@@ -43,11 +43,17 @@ impl DerefMut for Aligned {
     }
 }
 
+impl From<&[f64]> for Aligned {
+    fn from(numbers: &[f64]) -> Self {
+        let mut copy = Self::filled(numbers.len(), 0.0);
+        copy.copy_from_slice(numbers);
+        copy
+    }
+}
+
 impl Clone for Aligned {
     fn clone(&self) -> Self {
-        let mut copy = Self::filled(self.length, 0.0);
-        copy.copy_from_slice(self);
-        copy
+        Self::from(&self[..])
     }
 }
 

@@ -18,7 +18,7 @@ pub use code::{Code, Instruction, OperationCount};
 pub use compile::Kernel;
 pub use execution::{Execution, MachineCodeSize};
 #[cfg(all(feature = "jit", any(target_arch = "x86_64", target_arch = "aarch64")))]
-use jit::MachineCode;
+use jit::{MachineCode, Room};
 #[cfg(not(all(feature = "jit", any(target_arch = "x86_64", target_arch = "aarch64"))))]
-use no_jit::MachineCode;
+use no_jit::{MachineCode, Room};
 pub use workspace::{Workspace, apart};

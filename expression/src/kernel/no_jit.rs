@@ -6,6 +6,10 @@ use super::code::Code;
 #[derive(Debug)]
 pub(super) enum MachineCode {}
 
+/// The memory that machine code works in: none.
+#[derive(Clone, Debug)]
+pub(super) enum Room {}
+
 impl MachineCode {
     pub(super) fn is_available() -> bool {
         false
@@ -19,11 +23,11 @@ impl MachineCode {
         u64::MAX
     }
 
-    pub(super) fn scratch(&self) -> usize {
+    pub(super) fn room(&self) -> Room {
         match *self {}
     }
 
-    pub(super) fn run(&self, _slots: &mut [f64], _scratch: &mut [f64]) {
+    pub(super) fn run(&self, _slots: &mut [f64], _room: &mut Room) {
         match *self {}
     }
 

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 use std::sync::atomic::{Ordering, compiler_fence};
 
-use super::MachineCode;
 use super::aligned::Aligned;
 use super::compile::Kernel;
 use super::execution::{Execution, MachineCodeSize, REPORT};
 use super::interpreter::run;
+use super::{MachineCode, Room};
 
 /// Slots and coefficients of one caller of a [`Kernel`], for a fixed number of lanes.
 ///
@@ -28,13 +28,15 @@ pub struct Workspace {
 #[derive(Clone, Debug)]
 struct Machine {
     code: Arc<MachineCode>,
-    scratch: Aligned,
+    room: Room,
 }
 
 impl Machine {
     fn new(code: Arc<MachineCode>) -> Self {
-        let scratch = Aligned::filled(code.scratch(), -0.0);
-        Self { code, scratch }
+        Self {
+            room: code.room(),
+            code,
+        }
     }
 }
 
@@ -174,7 +176,7 @@ impl Kernel {
             apart::<W>();
         }
         match machine {
-            Some(machine) => machine.code.run(slots, &mut machine.scratch),
+            Some(machine) => machine.code.run(slots, &mut machine.room),
             None => *machine = self.interpret(slots, W, until_report),
         }
         let rows = slots.as_chunks_mut::<W>().0;
@@ -194,7 +196,7 @@ impl Kernel {
             ..
         } = workspace;
         match machine {
-            Some(machine) => machine.code.run(slots, &mut machine.scratch),
+            Some(machine) => machine.code.run(slots, &mut machine.room),
             None => *machine = self.interpret(slots, *lanes, until_report),
         }
     }

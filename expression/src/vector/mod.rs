@@ -17,12 +17,14 @@ mod avx512;
 mod fused;
 mod one;
 mod register;
+mod traced;
 
 #[cfg(target_arch = "x86_64")]
 use fused::Hardware;
 pub(crate) use fused::{Baseline, Fused};
 pub(crate) use one::One;
 pub(crate) use register::{Register, SIGN};
+pub(crate) use traced::{Number, Tape, Traceable};
 
 /// Loops over lanes, written once.
 pub(crate) trait Work {

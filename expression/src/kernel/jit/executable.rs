@@ -1,5 +1,7 @@
 //! What a backend writes: memory that can be run.
 
+use std::ops::Range;
+
 /// Memory with a function in it, freed on drop.
 pub(super) trait Executable: Send + Sync {
     /// Where the function starts: `fn(slots, scratch)` in the platform's C convention.
@@ -11,6 +13,8 @@ pub(super) struct Written {
     pub(super) memory: Box<dyn Executable>,
     /// The length of the code.
     pub(super) bytes: usize,
-    /// How many numbers of scratch memory it needs.
-    pub(super) scratch: usize,
+    /// The scratch memory that it needs, as it is before the first run.
+    pub(super) scratch: Vec<f64>,
+    /// Where in it sizes stand after a run, 0 at first, and what they are to be below.
+    pub(super) limits: Vec<(Range<usize>, f64)>,
 }

@@ -1,17 +1,19 @@
 //! One compiled kernel.
 
 use std::fmt;
+use std::ops::Range;
 use std::time::Instant;
 
+use super::assignment::has_formulas;
 #[cfg(all(target_arch = "x86_64", not(windows)))]
 use super::avx;
 use super::executable::{Executable, Written};
+use super::operation::Action;
 #[cfg(any(target_arch = "aarch64", windows, leafwise_portable))]
 use super::portable;
-use super::program::Program;
-#[cfg(all(target_arch = "x86_64", not(windows)))]
-use super::registers::is_call;
+use super::program::{Arguments, Program};
 use crate::analytic::AnalyticFunction;
+use crate::kernel::aligned::Aligned;
 use crate::kernel::code::{Code, Instruction};
 
 /// The largest program in bytes of slots: offsets have 31 bits.
@@ -53,6 +55,26 @@ impl Backend {
         }
     }
 
+    /// Whether it has fused products.
+    pub(super) fn fuses(self) -> bool {
+        match self {
+            #[cfg(all(target_arch = "x86_64", not(windows)))]
+            Self::Avx(_) => is_x86_feature_detected!("fma"),
+            #[cfg(any(target_arch = "aarch64", windows, leafwise_portable))]
+            Self::Portable => false,
+        }
+    }
+
+    /// The same for formulas in the place of calls.
+    fn for_formulas(self) -> Self {
+        match self {
+            #[cfg(all(target_arch = "x86_64", not(windows)))]
+            Self::Avx(width) => Self::Avx(width.for_formulas()),
+            #[cfg(any(target_arch = "aarch64", windows, leafwise_portable))]
+            Self::Portable => self,
+        }
+    }
+
     /// Whether it calls two functions of a pair at once.
     fn calls_pairs(self) -> bool {
         match self {
@@ -78,20 +100,82 @@ impl Backend {
     }
 }
 
+/// Whether an instruction calls a function, which keeps no registers.
+#[cfg(all(target_arch = "x86_64", not(windows)))]
+fn calls(instruction: &Instruction) -> bool {
+    matches!(Action::of(*instruction), Action::Call(_))
+}
+
 /// `fn(slots, scratch)`.
 type Entry = unsafe extern "C" fn(*mut f64, *mut f64);
 
-/// The machine code of one program for one number of lanes.
-pub(crate) struct MachineCode {
+/// One program as machine code.
+struct Compiled {
     entry: Entry,
+    /// How many numbers all lanes have in slots.
     slots: usize,
-    scratch: usize,
+    /// The memory that it works in, as it is before the first run.
+    scratch: Vec<f64>,
+    /// Where in that memory the largest sizes since the last run that was not right stand, and what they are to be below.
+    limits: Vec<(Range<usize>, f64)>,
     bytes: usize,
-    seconds: f64,
     /// What `entry` points into.
     _memory: Box<dyn Executable>,
+}
+
+impl Compiled {
+    /// Runs it; returns whether its results are right.
+    ///
+    /// # Panics
+    /// When `slots` or `scratch` has another length than the code was compiled for.
+    fn run(&self, slots: &mut [f64], scratch: &mut [f64]) -> bool {
+        assert!(
+            slots.len() == self.slots && scratch.len() == self.scratch.len(),
+            "the memory of another kernel"
+        );
+        // SAFETY: the code reads and writes the `self.slots` numbers from its first argument on and as many as
+        // `self.scratch` has from its second one on; its memory lives as long as `self`.
+        unsafe { (self.entry)(slots.as_mut_ptr(), scratch.as_mut_ptr()) }
+        let mut limits = self.limits.iter();
+        let is_right =
+            limits.all(|(sizes, bound)| scratch[sizes.clone()].iter().all(|size| size < bound));
+        if !is_right {
+            for (sizes, _) in &self.limits {
+                scratch[sizes.clone()].fill(0.0);
+            }
+        }
+        is_right
+    }
+}
+
+/// After arguments that formulas near 0 do not serve they are not tried again for so many runs.
+pub(super) const FAR: u32 = 64;
+
+/// The machine code of one program for one number of lanes.
+pub(crate) struct MachineCode {
+    any: Compiled,
+    /// The same without calls of pairs of functions, for arguments near 0.
+    near: Option<Compiled>,
+    seconds: f64,
     /// The functions whose addresses stand in the code.
     _functions: Box<[AnalyticFunction]>,
+}
+
+/// The memory that one caller's runs work in.
+#[derive(Clone, Debug)]
+pub(crate) struct Room {
+    any: Aligned,
+    near: Aligned,
+    /// So many runs until arguments are taken to be near 0 again.
+    until_near: u32,
+}
+
+#[cfg(test)]
+impl Room {
+    /// Whether the next run takes formulas near 0 first.
+    pub(super) fn takes_formulas(&self) -> bool {
+        self.until_near == 0
+    }
 }
 
 impl MachineCode {
@@ -104,7 +188,7 @@ impl MachineCode {
     pub(crate) fn compile(code: &Code, lanes: usize) -> Option<Self> {
         let backend = match Backend::best(lanes)? {
             #[cfg(all(target_arch = "x86_64", not(windows)))]
-            Backend::Avx(width) if code.instructions.iter().any(is_call) => {
+            Backend::Avx(width) if code.instructions.iter().any(calls) => {
                 Backend::Avx(width.with_calls(lanes))
             }
             backend => backend,
@@ -139,54 +223,66 @@ impl MachineCode {
                 _ => None,
             })
             .collect();
-        let Written {
-            memory,
-            bytes,
-            scratch,
-        } = backend.write(
-            &Program::new(code, backend.registers(), backend.calls_pairs()),
-            lanes,
-            &functions,
-        )?;
-        #[cfg(test)]
-        if REFUSES.get() {
-            return None;
-        }
-        // SAFETY: every backend writes a function of this signature in the platform's C convention.
-        let entry = unsafe { std::mem::transmute::<*const u8, Entry>(memory.start()) };
+        let compile = |backend: Backend, arguments: Arguments| {
+            let (registers, by_pairs) = (backend.registers(), backend.calls_pairs());
+            let program = Program::new(code, arguments, registers, by_pairs);
+            let written = backend.write(&program, lanes, &functions)?;
+            #[cfg(test)]
+            if REFUSES.get() {
+                return None;
+            }
+            // SAFETY: every backend writes a function of this signature in the platform's C convention.
+            let entry = unsafe { std::mem::transmute::<*const u8, Entry>(written.memory.start()) };
+            Some(Compiled {
+                entry,
+                slots,
+                scratch: written.scratch,
+                limits: written.limits,
+                bytes: written.bytes,
+                _memory: written.memory,
+            })
+        };
+        let any = compile(backend, Arguments::Any)?;
+        let near = (backend.fuses() && has_formulas(code))
+            .then(|| compile(backend.for_formulas(), Arguments::NearZero));
         Some(Self {
-            entry,
-            slots,
-            scratch,
-            bytes,
+            any,
+            near: near.flatten(),
             seconds: start.elapsed().as_secs_f64(),
-            _memory: memory,
             _functions: functions,
         })
     }
 
-    /// How many numbers of scratch memory [`MachineCode::run`] needs, all −0 at first.
-    pub(crate) fn scratch(&self) -> usize {
-        self.scratch
+    /// What [`MachineCode::run`] works in.
+    pub(crate) fn room(&self) -> Room {
+        let near = self.near.as_ref().map_or(&[][..], |near| &near.scratch);
+        Room {
+            any: Aligned::from(&self.any.scratch[..]),
+            near: Aligned::from(near),
+            until_near: 0,
+        }
     }
 
     /// Runs the program on `slots`, slot s of lane w at `[s*lanes + w]`.
     ///
     /// # Panics
-    /// When `slots` or `scratch` has another length than the code was compiled for.
-    pub(crate) fn run(&self, slots: &mut [f64], scratch: &mut [f64]) {
-        assert!(
-            slots.len() == self.slots && scratch.len() == self.scratch,
-            "the memory of another kernel"
-        );
-        // SAFETY: the code reads and writes the `self.slots` numbers from its first argument on and
-        // the `self.scratch` numbers from its second one on; its memory lives as long as `self`.
-        unsafe { (self.entry)(slots.as_mut_ptr(), scratch.as_mut_ptr()) }
+    /// When `slots` or `room` is that of another code.
+    pub(crate) fn run(&self, slots: &mut [f64], room: &mut Room) {
+        if let Some(near) = &self.near {
+            if room.until_near > 0 {
+                room.until_near -= 1;
+            } else if near.run(slots, &mut room.near) {
+                return;
+            } else {
+                room.until_near = FAR;
+            }
+        }
+        self.any.run(slots, &mut room.any);
     }
 
     /// The length of the code.
     pub(crate) fn bytes(&self) -> usize {
-        self.bytes
+        self.any.bytes + self.near.as_ref().map_or(0, |near| near.bytes)
     }
 
     /// How long the compilation took.
@@ -198,7 +294,7 @@ impl MachineCode {
 impl fmt::Debug for MachineCode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("MachineCode")
-            .field("bytes", &self.bytes)
+            .field("bytes", &self.bytes())
             .finish_non_exhaustive()
     }
 }

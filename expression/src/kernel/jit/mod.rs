@@ -5,6 +5,7 @@
 //! ([`avx`]: it compiles in microseconds and takes four or eight lanes an instruction), on ARM and
 //! Windows by Cranelift (`portable`).
 
+mod assignment;
 #[cfg(all(target_arch = "x86_64", not(windows)))]
 mod avx;
 mod executable;
@@ -19,4 +20,4 @@ mod schedule;
 #[cfg(test)]
 mod tests;
 
-pub(super) use machine::MachineCode;
+pub(super) use machine::{MachineCode, Room};

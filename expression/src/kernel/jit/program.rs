@@ -1,8 +1,11 @@
 //! A program in single assignment, in the order in which it is carried out.
 
+use std::cmp::Reverse;
+
 use rustc_hash::FxHashMap;
 
-use super::operation::{Operation, Source};
+use super::assignment::{Assignment, Limit};
+use super::operation::{Action, Operation, Source};
 use super::schedule::schedule;
 use crate::analytic::Member;
 use crate::kernel::code::Code;
@@ -14,6 +17,19 @@ pub(super) struct Program {
     pub(super) operations: Vec<Operation>,
     /// The number of slots of the code.
     pub(super) slots: usize,
+    /// Numbers that stand in the scratch memory before it runs, each in a row over the lanes.
+    pub(super) own: Vec<f64>,
+    /// What it is for: results are those of the code where no limit is passed.
+    pub(super) limits: Vec<Limit>,
+}
+
+/// Arguments of functions that a program serves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Arguments {
+    /// All.
+    Any,
+    /// Those of pairs of functions near 0, by formulas in the place of calls.
+    NearZero,
 }
 
 impl Program {
@@ -21,8 +37,12 @@ impl Program {
     /// computed where it is first read, of two operands the one first that keeps more results alive (Sethi and Ullman,
     /// The generation of optimal code for arithmetic expressions, J. ACM 17 (1970)); from there [`schedule`] goes on.
     /// Two functions of a pair are brought together where `by_pairs` says so.
-    pub(super) fn new(code: &Code, registers: usize, by_pairs: bool) -> Self {
-        let operations = single_assignment(code);
+    pub(super) fn new(code: &Code, arguments: Arguments, registers: usize, by_pairs: bool) -> Self {
+        let Assignment {
+            operations,
+            own,
+            limits,
+        } = Assignment::new(code, arguments);
         let needs = registers_needed(&operations);
         let mut order = Vec::with_capacity(operations.len());
         let mut is_done = vec![false; operations.len()];
@@ -40,13 +60,10 @@ impl Program {
                     continue;
                 }
                 pending.push((at, true));
-                let [a, b] = operations[at].operands;
-                let mut operands = [Some(a), (a != b).then_some(b)].map(|operand| match operand {
-                    Some(Source::Result(result)) => Some(result as usize),
-                    _ => None,
-                });
-                operands.sort_by_key(|operand| operand.map(|result| needs[result]));
-                pending.extend(operands.into_iter().flatten().map(|result| (result, false)));
+                let first = pending.len();
+                let results = operations[at].sources().filter_map(Source::result);
+                pending.extend(results.map(|result| (result, false)));
+                pending[first..].sort_by_key(|(result, _)| needs[*result]);
             }
         }
         let mut order = schedule(&operations, &order, registers);
@@ -61,7 +78,7 @@ impl Program {
         }
         let renamed = |source: Source| match source {
             Source::Result(result) => Source::Result(names[result as usize]),
-            slot @ Source::Slot(_) => slot,
+            read @ (Source::Slot(_) | Source::Own(_)) => read,
         };
         let operations = (0..)
             .zip(&order)
@@ -69,7 +86,7 @@ impl Program {
                 let mut operation = operations[at].clone();
                 operation.is_second = seconds[at];
                 operation.operands = if operation.is_second {
-                    [Source::Result(place - 1); 2]
+                    [Source::Result(place - 1); 3]
                 } else {
                     operation.operands.map(renamed)
                 };
@@ -79,29 +96,10 @@ impl Program {
         Self {
             operations,
             slots: code.slots,
+            own,
+            limits,
         }
     }
-}
-
-/// The code with its slots resolved: each operation has a result of its own.
-fn single_assignment(code: &Code) -> Vec<Operation> {
-    let mut current: Vec<Source> = (0..code.slots as u32).map(Source::Slot).collect();
-    let mut operations = Vec::with_capacity(code.instructions.len());
-    for (at, &instruction) in code.instructions.iter().enumerate() {
-        operations.push(Operation {
-            instruction,
-            operands: instruction.operands().map(|slot| current[slot as usize]),
-            output: None,
-            is_second: false,
-        });
-        current[instruction.output() as usize] = Source::Result(at as u32);
-    }
-    for &slot in &code.outputs {
-        if let Source::Result(result) = current[slot as usize] {
-            operations[result as usize].output = Some(slot);
-        }
-    }
-    operations
 }
 
 /// Brings two functions of one argument together, which cost little more than one of them; returns
@@ -111,7 +109,10 @@ fn join_pairs(operations: &[Operation], order: &mut Vec<usize>) -> Vec<bool> {
     let mut followers = vec![None; operations.len()];
     let mut are_second = vec![false; operations.len()];
     for &at in order.iter() {
-        let Some((pair, member)) = operations[at].instruction.pair() else {
+        let Action::Call(instruction) = operations[at].action else {
+            continue;
+        };
+        let Some((pair, member)) = instruction.pair() else {
             continue;
         };
         let key = (operations[at].operands[0], pair.names);
@@ -139,13 +140,15 @@ fn join_pairs(operations: &[Operation], order: &mut Vec<usize>) -> Vec<bool> {
 fn registers_needed(operations: &[Operation]) -> Vec<u32> {
     let mut needs: Vec<u32> = Vec::with_capacity(operations.len());
     for operation in operations {
-        let [a, b] = operation.operands.map(|operand| match operand {
-            Source::Slot(_) => 0,
-            Source::Result(result) => needs[result as usize],
-        });
-        let is_one = operation.operands[0] == operation.operands[1];
-        let both = if a == b && !is_one { a + 1 } else { a.max(b) };
-        needs.push(both.max(1));
+        let mut of_operands: Vec<u32> = operation
+            .sources()
+            .filter_map(Source::result)
+            .map(|result| needs[result])
+            .collect();
+        // While one is computed, those that need more stand in registers.
+        of_operands.sort_unstable_by_key(|needs| Reverse(*needs));
+        let most = (0..).zip(&of_operands).map(|(held, needs)| held + needs);
+        needs.push(most.max().unwrap_or(0).max(1));
     }
     needs
 }

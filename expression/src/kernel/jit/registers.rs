@@ -1,10 +1,8 @@
 //! Which numbers stand in registers: the one whose next use is farthest leaves first (Belady, A
 //! study of replacement algorithms for a virtual-storage computer, IBM Systems J. 5 (1966)).
 
-use super::operation::{Operation, Source};
+use super::operation::{Action, Location, Operation, Source};
 use super::program::Program;
-use crate::expression::Function;
-use crate::kernel::code::Instruction;
 
 /// What the machine does next.
 #[derive(Clone, Copy, Debug)]
@@ -28,15 +26,6 @@ pub(super) struct Plan {
     pub(super) steps: Vec<Step>,
     /// The places of scratch memory that spilled results take.
     pub(super) places: usize,
-}
-
-/// Where a result is in memory.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Location {
-    /// In an output slot.
-    Slot(u32),
-    /// In a place of the scratch memory.
-    Place(u32),
 }
 
 /// Never read again.
@@ -63,28 +52,15 @@ impl Plan {
     }
 }
 
-/// Whether the operation is a call, which keeps no registers.
-pub(super) fn is_call(instruction: &Instruction) -> bool {
-    match instruction {
-        Instruction::Apply { function, .. } => *function != Function::Sqrt,
-        Instruction::ApplyAnalytic { .. } | Instruction::Power { .. } => true,
-        Instruction::Add { .. }
-        | Instruction::Subtract { .. }
-        | Instruction::Multiply { .. }
-        | Instruction::Divide { .. }
-        | Instruction::Negate { .. } => false,
-    }
-}
-
 /// For each operation, when its operands and its result are read next.
 struct NextUses {
-    operands: Vec<[usize; 2]>,
+    operands: Vec<[usize; 3]>,
     result: Vec<usize>,
 }
 
 fn next_uses(program: &Program) -> NextUses {
     let count = program.operations.len();
-    let mut operands = vec![[NEVER; 2]; count];
+    let mut operands = vec![[NEVER; 3]; count];
     let mut result = vec![NEVER; count];
     let mut slots = vec![NEVER; program.slots];
     for (at, operation) in program.operations.iter().enumerate().rev() {
@@ -92,12 +68,14 @@ fn next_uses(program: &Program) -> NextUses {
             operands[at][k] = match operand {
                 Source::Slot(slot) => slots[slot as usize],
                 Source::Result(other) => result[other as usize],
+                Source::Own(_) => NEVER,
             };
         }
         for &operand in &operation.operands {
             match operand {
                 Source::Slot(slot) => slots[slot as usize] = at,
                 Source::Result(other) => result[other as usize] = at,
+                Source::Own(_) => {}
             }
         }
     }
@@ -122,13 +100,18 @@ struct Planner {
 
 impl Planner {
     fn operate(&mut self, at: usize, operation: &Operation) {
-        let [a, b] = operation.operands;
         let next = self.next.operands[at];
-        let operands = [(a, next[0]), (b, next[1])];
-        let operands = if a == b { &operands[..1] } else { &operands };
+        let used: Vec<(Source, usize)> = operation
+            .sources()
+            .map(|source| {
+                let place = operation.operands.iter().position(|own| *own == source);
+                (source, place.map_or(NEVER, |k| next[k]))
+            })
+            .collect();
+        let operands = &used[..];
         let from_memory = self.read_from_memory(operation, next);
         for &(operand, _) in operands {
-            if from_memory != Some(operand) && !self.is_held(operand) {
+            if !from_memory.contains(&Some(operand)) && !self.is_held(operand) {
                 self.make_room(at, operation.operands);
                 self.plan.steps.push(Step::Load(operand));
                 self.held.push(Held {
@@ -137,7 +120,7 @@ impl Planner {
                 });
             }
         }
-        let is_call = is_call(&operation.instruction) && !operation.is_second;
+        let is_call = matches!(operation.action, Action::Call(_)) && !operation.is_second;
         if is_call {
             self.store_all(operands);
         }
@@ -156,22 +139,29 @@ impl Planner {
         self.keep(at, operation.output);
     }
 
-    /// The operand that the operation reads from memory while it computes, free of charge: either
+    /// The operands that the operation reads from memory while it computes, free of charge: either
     /// one of a sum or product, the second one of a difference or quotient; of two in memory that
-    /// which is read again later.
-    fn read_from_memory(&self, operation: &Operation, next: [usize; 2]) -> Option<Source> {
-        let [a, b] = operation.operands;
-        let in_memory = [!self.is_held(a), !self.is_held(b)];
-        match operation.instruction {
+    /// which is read again later. A fused product reads one factor, which its result replaces, and its summand.
+    fn read_from_memory(&self, operation: &Operation, next: [usize; 3]) -> [Option<Source>; 2] {
+        let [a, b, c] = operation.operands;
+        let in_memory = |source: Source| !self.is_held(source);
+        let factor = match [in_memory(a), in_memory(b)] {
             _ if a == b => None,
-            Instruction::Add { .. } | Instruction::Multiply { .. } => match in_memory {
-                [true, true] if next[0] > next[1] => Some(a),
-                [_, true] => Some(b),
-                [true, false] => Some(a),
-                [false, false] => None,
-            },
-            Instruction::Subtract { .. } | Instruction::Divide { .. } => in_memory[1].then_some(b),
-            _ => None,
+            [true, true] if next[0] > next[1] => Some(a),
+            [_, true] => Some(b),
+            [true, false] => Some(a),
+            [false, false] => None,
+        };
+        match operation.action {
+            Action::Add | Action::Multiply => [factor, None],
+            Action::TimesPlus | Action::TimesFrom => {
+                let other = if factor == Some(a) { b } else { a };
+                [factor, (in_memory(c) && c != other).then_some(c)]
+            }
+            Action::Subtract | Action::Divide | Action::And | Action::Larger if a != b => {
+                [in_memory(b).then_some(b), None]
+            }
+            _ => [None; 2],
         }
     }
 
@@ -182,13 +172,13 @@ impl Planner {
     /// Whether the number can be read from memory.
     fn is_stored(&self, source: Source) -> bool {
         match source {
-            Source::Slot(_) => true,
+            Source::Slot(_) | Source::Own(_) => true,
             Source::Result(result) => self.homes[result as usize].is_some(),
         }
     }
 
     /// Frees a register where all are taken, but none of `wanted`.
-    fn make_room(&mut self, at: usize, wanted: [Source; 2]) {
+    fn make_room(&mut self, at: usize, wanted: [Source; 3]) {
         if self.held.len() < self.registers {
             return;
         }
@@ -243,16 +233,16 @@ impl Planner {
     }
 
     /// The result stays in a register if it is read again, and is stored if it is an output.
-    fn keep(&mut self, at: usize, output: Option<u32>) {
+    fn keep(&mut self, at: usize, output: Option<Location>) {
         let source = Source::Result(at as u32);
-        if let Some(slot) = output {
-            self.homes[at] = Some(Location::Slot(slot));
+        if output.is_some() {
+            self.homes[at] = output;
             self.plan.steps.push(Step::Output(at as u32));
         }
         if self.next.result[at] == NEVER {
             self.plan.steps.push(Step::Forget(source));
         } else {
-            self.make_room(at, [source; 2]);
+            self.make_room(at, [source; 3]);
             self.held.push(Held {
                 source,
                 next: self.next.result[at],

@@ -7,8 +7,7 @@
 
 use std::cmp::Reverse;
 
-use super::operation::{Operation, Source};
-use crate::kernel::code::Instruction;
+use super::operation::{Action, Operation, Source};
 
 /// How far from the given order an operation may come early. Without a bound programs of thousands of operations, whose
 /// results then live long, become slower.
@@ -18,14 +17,13 @@ const WINDOW: usize = 128;
 const AT_ONCE: usize = 2;
 
 /// Cycles from the beginning of an operation to its result, about; functions are calls.
-fn latency(instruction: &Instruction) -> u64 {
-    match instruction {
-        Instruction::Add { .. } | Instruction::Subtract { .. } | Instruction::Multiply { .. } => 3,
-        Instruction::Negate { .. } => 1,
-        Instruction::Divide { .. } => 13,
-        Instruction::Apply { .. }
-        | Instruction::ApplyAnalytic { .. }
-        | Instruction::Power { .. } => 40,
+fn latency(action: Action) -> u64 {
+    match action {
+        Action::Negate | Action::And | Action::Larger => 1,
+        Action::Add | Action::Subtract | Action::Multiply => 3,
+        Action::TimesPlus | Action::TimesFrom => 4,
+        Action::Divide => 13,
+        Action::SquareRoot | Action::Call(_) => 40,
     }
 }
 
@@ -71,15 +69,10 @@ impl Schedule {
         let mut nodes: Vec<Node> = Vec::with_capacity(order.len());
         for (place, &at) in order.iter().enumerate() {
             places[at] = place;
-            let Operation {
-                instruction,
-                operands: [a, b],
-                ..
-            } = &operations[at];
-            let sources = [Some(a), (a != b).then_some(b)].into_iter().flatten();
-            let results = sources.filter_map(|source| match source {
-                Source::Result(result) => Some(places[*result as usize]),
-                Source::Slot(_) => None,
+            let action = operations[at].action;
+            let results = operations[at].sources().filter_map(|source| match source {
+                Source::Result(result) => Some(places[result as usize]),
+                Source::Slot(_) | Source::Own(_) => None,
             });
             let operands: Vec<usize> = results.collect();
             for &operand in &operands {
@@ -87,11 +80,8 @@ impl Schedule {
                 nodes[operand].unread += 1;
             }
             nodes.push(Node {
-                latency: latency(instruction),
-                is_sum: matches!(
-                    instruction,
-                    Instruction::Add { .. } | Instruction::Subtract { .. }
-                ),
+                latency: latency(action),
+                is_sum: matches!(action, Action::Add | Action::Subtract),
                 waits: operands.len(),
                 operands,
                 readers: Vec::new(),
@@ -191,20 +181,15 @@ impl Schedule {
 mod tests {
     use proptest::prelude::*;
 
-    use super::{Operation, Source, WINDOW, schedule};
-    use crate::kernel::code::Instruction;
+    use super::{Action, Operation, Source, WINDOW, schedule};
 
     fn product(operands: [Option<usize>; 2]) -> Operation {
         let source = |operand: Option<usize>| match operand {
             Some(result) => Source::Result(result as u32),
             None => Source::Slot(0),
         };
-        Operation {
-            instruction: Instruction::Multiply { out: 0, a: 0, b: 0 },
-            operands: operands.map(source),
-            output: None,
-            is_second: false,
-        }
+        let [a, b] = operands.map(source);
+        Operation::new(Action::Multiply, [a, b, b])
     }
 
     proptest! {

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 #[cfg(all(target_arch = "x86_64", not(windows)))]
 use super::avx::Width;
-use super::machine::{Backend, MachineCode, REFUSES};
+use super::machine::{Backend, FAR, MachineCode, REFUSES};
 use crate::analytic::AnalyticFunction;
 use crate::arithmetic::Arithmetic;
 use crate::expression::Function;
@@ -151,11 +151,11 @@ fn check(code: &Code, numbers: &[f64]) -> Result<(), TestCaseError> {
         for backend in backends(lanes) {
             let machine = MachineCode::compile_by(backend, code, lanes);
             let machine = machine.expect("this machine has a compiler");
-            let mut scratch = Aligned::filled(machine.scratch(), -0.0);
+            let mut room = machine.room();
             let mut slots = start.clone();
             // Twice: nothing of the first run may be left over.
             for _ in 0..2 {
-                machine.run(&mut slots, &mut scratch);
+                machine.run(&mut slots, &mut room);
                 let found = outputs(code, &slots, lanes);
                 prop_assert_eq!(found, expected.clone(), "{:?}, {} lanes", backend, lanes);
             }
@@ -208,6 +208,77 @@ proptest! {
         numbers in prop::collection::vec(number(), FIXED as usize * 37),
     ) {
         check(&code(&choices, &chosen), &numbers)?;
+    }
+}
+
+/// Both members of two pairs of the inputs 0 and 1, and of what the first gives.
+fn paired_code() -> Code {
+    let apply = |function: AnalyticFunction, out: u32, a: u32| Instruction::ApplyAnalytic {
+        function,
+        order: 0,
+        out,
+        a,
+    };
+    let [up, down, sine, versine] = PAIRED;
+    let instructions = vec![
+        apply(up, FIXED, 0),
+        apply(sine, FIXED + 1, 1),
+        apply(down, FIXED + 2, 0),
+        apply(versine, FIXED + 3, 1),
+        apply(up, FIXED + 4, 0),
+        apply(versine, FIXED + 5, FIXED + 2),
+    ];
+    Code {
+        instructions,
+        constants: Vec::new(),
+        outputs: (FIXED..FIXED + 6).collect(),
+        slots: FIXED as usize + 6,
+    }
+}
+
+/// An argument near 0, at most a quarter, or one of those on either side of where formulas near 0 end.
+fn argument() -> impl Strategy<Value = f64> {
+    let bounds = [0.3465_f64, 0.785].into_iter();
+    let ends = bounds.flat_map(|b| [b.next_down(), b, b.next_up(), -b, -b.next_down()]);
+    let special = ends.chain([0.0, -0.0, f64::NAN, f64::INFINITY, 3.0, -40.0]);
+    prop_oneof![
+        12 => -0.25..0.25,
+        1 => proptest::sample::select(special.collect::<Vec<f64>>()),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    /// Formulas near 0 serve where all arguments are, calls where one is not, to the same bits.
+    #[test]
+    fn formulas_near_zero_keep_the_bits_of_calls(
+        numbers in prop::collection::vec(argument(), FIXED as usize * 37),
+    ) {
+        check(&paired_code(), &numbers)?;
+    }
+}
+
+/// One lane that is far from 0 sends all to the calls, and formulas are tried again later.
+#[test]
+fn formulas_serve_arguments_near_zero_and_come_back() {
+    let code = paired_code();
+    for lanes in [1, 3, 8, 16, 37] {
+        for backend in backends(lanes).into_iter().filter(|own| own.fuses()) {
+            let machine = MachineCode::compile_by(backend, &code, lanes).expect("a compiler");
+            let mut room = machine.room();
+            let mut slots = Aligned::filled(code.slots * lanes, 0.2);
+            machine.run(&mut slots, &mut room);
+            assert!(room.takes_formulas(), "{backend:?}, {lanes} lanes");
+            slots[lanes - 1] = -0.3465;
+            machine.run(&mut slots, &mut room);
+            assert!(!room.takes_formulas(), "{backend:?}, {lanes} lanes");
+            slots[lanes - 1] = 0.0;
+            (0..FAR).for_each(|_| machine.run(&mut slots, &mut room));
+            assert!(room.takes_formulas(), "{backend:?}, {lanes} lanes");
+            machine.run(&mut slots, &mut room);
+            assert!(room.takes_formulas(), "{backend:?}, {lanes} lanes");
+        }
     }
 }
 

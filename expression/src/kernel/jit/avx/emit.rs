@@ -1,30 +1,41 @@
 //! A planned program as bytes: `fn(slots: *mut f64, scratch: *mut f64)` in the System V convention.
 
+use std::ops::Range;
+
 use super::assembler::{Assembler, Gpr, Memory, Opcode, Operand, Width};
 use crate::analytic::{AnalyticFunction, Member};
-use crate::expression::Function;
 use crate::kernel::code::Instruction;
 use crate::kernel::jit::functions;
-use crate::kernel::jit::operation::{Operation, Source};
+use crate::kernel::jit::operation::{Action, Location, Operation, Source};
 use crate::kernel::jit::program::Program;
-use crate::kernel::jit::registers::{Location, Plan, Step, is_call};
+use crate::kernel::jit::registers::{Plan, Step};
 
 /// Bytes of a number.
 const NUMBER: i32 = size_of::<f64>() as i32;
 
 /// The scratch memory starts with −0 in as many lanes as there may be at a time, then has two groups of so
-/// many lanes for the operands of calls, then the places of the plan.
+/// many lanes for the operands of calls, then the program's own numbers and the places of the plan.
 const SIGNS: i32 = 0;
 const FIRST_OPERAND: i32 = 32 * NUMBER;
 const SECOND_OPERAND: i32 = 64 * NUMBER;
-const PLACES: i32 = 96 * NUMBER;
+const REST: i32 = 96 * NUMBER;
 
 /// Pointers stand this far inside what they point to: short displacements reach both ways.
 const INSIDE: i32 = 128;
 
-/// How many numbers of scratch memory a plan needs, the first ones −0.
-pub(in crate::kernel::jit) fn scratch_len(plan: &Plan, width: Width) -> usize {
-    (PLACES / NUMBER) as usize + plan.places * width.lanes()
+/// The scratch memory that a program needs, as it is before the first run.
+pub(in crate::kernel::jit) fn scratch(program: &Program, plan: &Plan, width: Width) -> Vec<f64> {
+    let mut scratch = vec![-0.0; (REST / NUMBER) as usize];
+    let own = program.own.iter();
+    scratch.extend(own.flat_map(|number| std::iter::repeat_n(*number, width.lanes())));
+    scratch.resize(scratch.len() + plan.places * width.lanes(), -0.0);
+    scratch
+}
+
+/// Where in that memory a row of the program's own numbers is.
+pub(in crate::kernel::jit) fn own_row(row: u32, width: Width) -> Range<usize> {
+    let start = (REST / NUMBER) as usize + row as usize * width.lanes();
+    start..start + width.lanes()
 }
 
 /// The code of `program` for `lanes` lanes, `width` at a time.
@@ -38,7 +49,7 @@ pub(in crate::kernel::jit) fn assemble(
     let calls = program
         .operations
         .iter()
-        .any(|operation| is_call(&operation.instruction));
+        .any(|operation| matches!(operation.action, Action::Call(_)));
     // A call leaves RBX, RBP and R12 as they are.
     let [slots, scratch, last] = if calls {
         [Gpr::RBX, Gpr::RBP, Gpr::R12]
@@ -65,7 +76,7 @@ pub(in crate::kernel::jit) fn assemble(
     let inside = |base, offset| Memory { base, offset };
     let assembler = &mut emitter.assembler;
     assembler.address(slots, inside(Gpr::RDI, INSIDE));
-    assembler.address(scratch, inside(Gpr::RSI, PLACES + INSIDE));
+    assembler.address(scratch, inside(Gpr::RSI, REST + INSIDE));
     if lanes == width.lanes() {
         emitter.steps(plan);
     } else {
@@ -93,7 +104,7 @@ struct Emitter<'a> {
     width: Width,
     /// [`INSIDE`] the first slot of the lanes at work.
     slots: Gpr,
-    /// [`INSIDE`] the places of the scratch memory.
+    /// [`INSIDE`] the program's own numbers in the scratch memory.
     scratch: Gpr,
     registers: Vec<Option<Source>>,
     homes: Vec<Option<Location>>,
@@ -128,8 +139,8 @@ impl Emitter<'_> {
                     self.operate(at, &self.program.operations[at as usize]);
                 }
                 Step::Output(at) => {
-                    let slot = self.program.operations[at as usize].output;
-                    self.store(at, Location::Slot(slot.expect("an output has a slot")));
+                    let location = self.program.operations[at as usize].output;
+                    self.store(at, location.expect("an output has a location"));
                 }
                 Step::Spill(at, place) => self.store(at, Location::Place(place)),
                 Step::Forget(source) => {
@@ -158,6 +169,7 @@ impl Emitter<'_> {
     fn memory(&self, source: Source) -> Memory {
         match source {
             Source::Slot(slot) => self.address(Location::Slot(slot)),
+            Source::Own(row) => self.address(Location::Own(row)),
             Source::Result(result) => {
                 let home = self.homes[result as usize];
                 self.address(home.expect("a result without a register is stored"))
@@ -166,11 +178,13 @@ impl Emitter<'_> {
     }
 
     fn address(&self, home: Location) -> Memory {
+        let row_bytes = self.width.lanes() as i32 * NUMBER;
         let (base, offset) = match home {
             Location::Slot(slot) => (self.slots, slot as i32 * self.slot_bytes),
+            Location::Own(row) => (self.scratch, row as i32 * row_bytes),
             Location::Place(place) => {
-                let bytes = self.width.lanes() as i32 * NUMBER;
-                (self.scratch, place as i32 * bytes)
+                let row = self.program.own.len() as i32 + place as i32;
+                (self.scratch, row * row_bytes)
             }
         };
         Memory {
@@ -183,7 +197,7 @@ impl Emitter<'_> {
     fn header(&self, place: i32) -> Memory {
         Memory {
             base: self.scratch,
-            offset: place - PLACES - INSIDE,
+            offset: place - REST - INSIDE,
         }
     }
 
@@ -203,30 +217,29 @@ impl Emitter<'_> {
     }
 
     fn operate(&mut self, at: u32, operation: &Operation) {
-        let [a, b] = operation.operands;
-        let commutes = matches!(
-            operation.instruction,
-            Instruction::Add { .. } | Instruction::Multiply { .. }
-        );
-        // The first operand is a register; of two, the second has a shorter code if it is a low one.
-        let (a, b) = match (self.find(a), self.find(b)) {
-            (None, Some(_)) if commutes => (b, a),
-            (Some(first), Some(second)) if commutes && first < second => (b, a),
-            _ => (a, b),
-        };
-        let opcode = match operation.instruction {
-            Instruction::Add { .. } => Opcode::Add,
-            Instruction::Subtract { .. } => Opcode::Subtract,
-            Instruction::Multiply { .. } => Opcode::Multiply,
-            Instruction::Divide { .. } => Opcode::Divide,
-            Instruction::Negate { .. } => Opcode::ExclusiveOr,
-            Instruction::Apply {
-                function: Function::Sqrt,
-                ..
-            } => Opcode::SquareRoot,
-            Instruction::Apply { .. }
-            | Instruction::ApplyAnalytic { .. }
-            | Instruction::Power { .. } => return self.call(at, operation),
+        let [a, b, c] = operation.operands;
+        // The first operand is a register; of two, the second has a shorter code if it is a low one. The second factor
+        // of a fused product is a register.
+        let is_swapped = operation.action.commutes()
+            && match (self.find(a), self.find(b)) {
+                (Some(_), None) => operation.action.is_fused(),
+                (None, Some(_)) => !operation.action.is_fused(),
+                (Some(first), Some(second)) => first < second,
+                (None, None) => false,
+            };
+        let (a, b) = if is_swapped { (b, a) } else { (a, b) };
+        let opcode = match operation.action {
+            Action::Add => Opcode::Add,
+            Action::Subtract => Opcode::Subtract,
+            Action::Multiply => Opcode::Multiply,
+            Action::Divide => Opcode::Divide,
+            Action::Negate => Opcode::ExclusiveOr,
+            Action::SquareRoot => Opcode::SquareRoot,
+            Action::And => Opcode::And,
+            Action::Larger => Opcode::Larger,
+            Action::TimesPlus => return self.fuse(at, Opcode::TimesPlus, [a, b, c]),
+            Action::TimesFrom => return self.fuse(at, Opcode::TimesFrom, [a, b, c]),
+            Action::Call(instruction) => return self.call(at, operation, &instruction),
         };
         let first = self.find(a).expect("a plan loads the first operand");
         let second = match opcode {
@@ -243,25 +256,38 @@ impl Emitter<'_> {
             .compute(self.width, opcode, target, first, second);
     }
 
+    /// A fused product, which replaces its first factor.
+    fn fuse(&mut self, at: u32, opcode: Opcode, [a, b, c]: [Source; 3]) {
+        let [first, summand] = [a, c].map(|source| self.operand(source));
+        let factor = self.find(b).expect("a plan loads a factor");
+        let target = self.take(Source::Result(at));
+        match first {
+            Operand::Register(register) => self.assembler.copy(self.width, target, register),
+            Operand::Memory(memory) => self.assembler.load(self.width, target, memory),
+        }
+        self.assembler
+            .compute(self.width, opcode, target, factor, summand);
+    }
+
     /// Calls a function, which keeps no registers; the plan has stored what is read later. The second of a pair
     /// of functions is the second result of the call of the first.
-    fn call(&mut self, at: u32, operation: &Operation) {
+    fn call(&mut self, at: u32, operation: &Operation, instruction: &Instruction) {
         if !operation.is_second {
-            let [a, b] = operation.operands.map(|operand| {
+            let [a, b, _] = operation.operands.map(|operand| {
                 self.find(operand)
                     .expect("a plan loads the operands of calls")
             });
             let entry = if self.width == Width::One {
-                self.pass_registers(at, operation, a, b)
+                self.pass_registers(at, instruction, a, b)
             } else {
-                self.pass_memory(at, operation, a, b)
+                self.pass_memory(at, instruction, a, b)
             };
             self.assembler.constant(Gpr::RAX, entry as u64);
             self.assembler.call_rax();
             self.registers.fill(None);
         }
         let is_of_two = operation.is_second || self.is_first(at);
-        let pair = operation.instruction.pair().filter(|_| is_of_two);
+        let pair = instruction.pair().filter(|_| is_of_two);
         let member = pair.map_or(Member::First, |(_, member)| member);
         let result = Source::Result(at);
         if self.width == Width::One {
@@ -283,33 +309,33 @@ impl Emitter<'_> {
     }
 
     /// Passes the operands in the first registers; the results come there too.
-    fn pass_registers(&mut self, at: u32, operation: &Operation, a: u8, b: u8) -> usize {
-        let pair = operation.instruction.pair();
+    fn pass_registers(&mut self, at: u32, instruction: &Instruction, a: u8, b: u8) -> usize {
+        let pair = instruction.pair();
         let pair = pair.filter(|_| self.is_first(at));
         let assembler = &mut self.assembler;
         if let Some((pair, _)) = pair {
-            assembler.copy(0, a);
+            assembler.copy(Width::Two, 0, a);
             assembler.constant(Gpr::RDI, std::ptr::from_ref(pair) as u64);
             return functions::pair();
         }
-        match operation.instruction {
+        match *instruction {
             Instruction::Power { .. } => {
                 let spare = (2..5).find(|r| *r != a && *r != b).unwrap_or(5);
-                assembler.copy(spare, b);
-                assembler.copy(0, a);
-                assembler.copy(1, spare);
+                assembler.copy(Width::Two, spare, b);
+                assembler.copy(Width::Two, 0, a);
+                assembler.copy(Width::Two, 1, spare);
                 functions::power()
             }
             Instruction::ApplyAnalytic {
                 function, order, ..
             } => {
-                assembler.copy(0, a);
+                assembler.copy(Width::Two, 0, a);
                 assembler.constant(Gpr::RDI, address(self.analytic, function));
                 assembler.constant(Gpr::RSI, u64::from(order));
                 functions::analytic()
             }
             Instruction::Apply { function, .. } => {
-                assembler.copy(0, a);
+                assembler.copy(Width::Two, 0, a);
                 functions::elementary(function)
             }
             _ => unreachable!("no other instruction is a call"),
@@ -317,8 +343,8 @@ impl Emitter<'_> {
     }
 
     /// Passes the operands in memory: the results come in their place.
-    fn pass_memory(&mut self, at: u32, operation: &Operation, a: u8, b: u8) -> usize {
-        let pair = operation.instruction.pair();
+    fn pass_memory(&mut self, at: u32, instruction: &Instruction, a: u8, b: u8) -> usize {
+        let pair = instruction.pair();
         let pair = pair.filter(|_| self.is_first(at));
         let [first, second] = [FIRST_OPERAND, SECOND_OPERAND].map(|place| self.header(place));
         let count = self.width.lanes() as u64;
@@ -335,7 +361,7 @@ impl Emitter<'_> {
             return functions::pair_lanes();
         }
         assembler.store(self.width, a, first);
-        let entry = match operation.instruction {
+        let entry = match *instruction {
             Instruction::Power { .. } => {
                 assembler.store(self.width, b, second);
                 assembler.address(Gpr::RDI, first);

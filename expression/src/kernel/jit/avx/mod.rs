@@ -28,7 +28,12 @@ pub(super) fn write(
     Some(Written {
         memory: Box::new(memory.make_exec().ok()?),
         bytes: code.len(),
-        scratch: emit::scratch_len(&plan, width),
+        scratch: emit::scratch(program, &plan, width),
+        limits: program
+            .limits
+            .iter()
+            .map(|limit| (emit::own_row(limit.row, width), limit.bound))
+            .collect(),
     })
 }
 

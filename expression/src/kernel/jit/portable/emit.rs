@@ -10,14 +10,15 @@ use cranelift_codegen::isa::TargetIsa;
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 
 use crate::analytic::AnalyticFunction;
-use crate::expression::Function;
 use crate::kernel::code::Instruction;
 use crate::kernel::jit::functions;
-use crate::kernel::jit::operation::{Operation, Source};
+use crate::kernel::jit::operation::{Action, Location, Operation, Source};
 use crate::kernel::jit::program::Program;
-use crate::kernel::jit::registers::{Location, Plan, Step};
+use crate::kernel::jit::registers::{Plan, Step};
 
 const NUMBER: i64 = size_of::<f64>() as i64;
+
+const NO_OWN: &str = "programs for arguments near 0 are of the other backend";
 
 /// How many registers for numbers a plan may use: all but what the compiler wants for itself.
 pub(super) const REGISTERS: usize = if cfg!(target_arch = "aarch64") {
@@ -165,8 +166,8 @@ impl Emitter<'_> {
                     self.results[at as usize] = Some(value);
                 }
                 Step::Output(at) => {
-                    let slot = self.program.operations[at as usize].output;
-                    self.store(at, Location::Slot(slot.expect("an output has a slot")));
+                    let location = self.program.operations[at as usize].output;
+                    self.store(at, location.expect("an output has a location"));
                 }
                 Step::Spill(at, place) => self.store(at, Location::Place(place)),
                 Step::Forget(source) => *self.register(source) = None,
@@ -178,39 +179,43 @@ impl Emitter<'_> {
         match source {
             Source::Slot(slot) => &mut self.slot_values[slot as usize],
             Source::Result(result) => &mut self.results[result as usize],
+            Source::Own(_) => unreachable!("{NO_OWN}"),
         }
     }
 
     fn operate(&mut self, operation: &Operation) -> Value {
-        let [a, b] = operation.operands;
-        match operation.instruction {
-            Instruction::Add { .. } => {
+        let [a, b, _] = operation.operands;
+        let instruction = match operation.action {
+            Action::Add => {
                 let (x, y) = (self.read(a), self.read(b));
-                self.builder.ins().fadd(x, y)
+                return self.builder.ins().fadd(x, y);
             }
-            Instruction::Subtract { .. } => {
+            Action::Subtract => {
                 let (x, y) = (self.read(a), self.read(b));
-                self.builder.ins().fsub(x, y)
+                return self.builder.ins().fsub(x, y);
             }
-            Instruction::Multiply { .. } => {
+            Action::Multiply => {
                 let (x, y) = (self.read(a), self.read(b));
-                self.builder.ins().fmul(x, y)
+                return self.builder.ins().fmul(x, y);
             }
-            Instruction::Divide { .. } => {
+            Action::Divide => {
                 let (x, y) = (self.read(a), self.read(b));
-                self.builder.ins().fdiv(x, y)
+                return self.builder.ins().fdiv(x, y);
             }
-            Instruction::Negate { .. } => {
+            Action::Negate => {
                 let x = self.read(a);
-                self.builder.ins().fneg(x)
+                return self.builder.ins().fneg(x);
             }
-            Instruction::Apply {
-                function: Function::Sqrt,
-                ..
-            } => {
+            Action::SquareRoot => {
                 let x = self.read(a);
-                self.builder.ins().sqrt(x)
+                return self.builder.ins().sqrt(x);
             }
+            Action::TimesPlus | Action::TimesFrom | Action::And | Action::Larger => {
+                unreachable!("{NO_OWN}")
+            }
+            Action::Call(instruction) => instruction,
+        };
+        match instruction {
             Instruction::Apply { function, .. } => {
                 let x = self.read(a);
                 let entry = functions::elementary(function);
@@ -235,6 +240,7 @@ impl Emitter<'_> {
                 let (x, y) = (self.read(a), self.read(b));
                 self.call(self.signatures.binary, functions::power(), &[], &[x, y])
             }
+            _ => unreachable!("no other instruction is a call"),
         }
     }
 
@@ -252,6 +258,7 @@ impl Emitter<'_> {
             Source::Result(result) => {
                 self.homes[result as usize].expect("a result without a register is stored")
             }
+            Source::Own(_) => unreachable!("{NO_OWN}"),
         };
         let (base, offset) = self.address(home);
         let flags = MemFlagsData::new().with_notrap();
@@ -273,6 +280,7 @@ impl Emitter<'_> {
                 self.scratch,
                 i64::from(place) * i64::from(self.number.bytes()),
             ),
+            Location::Own(_) => unreachable!("{NO_OWN}"),
         };
         (
             base,

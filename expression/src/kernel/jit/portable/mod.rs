@@ -41,7 +41,8 @@ pub(super) fn write(
     Some(Written {
         memory: Box::new(memory),
         bytes,
-        scratch: emit::scratch_len(&plan, lanes),
+        scratch: vec![-0.0; emit::scratch_len(&plan, lanes)],
+        limits: Vec::new(),
     })
 }
 
