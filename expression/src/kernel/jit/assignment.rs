@@ -3,11 +3,19 @@
 use rustc_hash::FxHashMap;
 
 use super::operation::{Action, Location, Operation, Source};
-use super::program::Arguments;
 use crate::analytic::{FunctionPair, Member};
 use crate::elementary::NearZero;
 use crate::kernel::code::{Code, Instruction};
 use crate::vector::{Number, Traceable};
+
+/// Arguments of functions that a program serves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Arguments {
+    /// All.
+    Any,
+    /// Those of pairs of functions near 0, by formulas in the place of calls.
+    NearZero,
+}
 
 /// A bound of what a program is for.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,14 +4,14 @@ use std::fmt;
 use std::ops::Range;
 use std::time::Instant;
 
-use super::assignment::has_formulas;
+use super::assignment::{Arguments, has_formulas};
 #[cfg(all(target_arch = "x86_64", not(windows)))]
 use super::avx;
 use super::executable::{Executable, Written};
 use super::operation::Action;
 #[cfg(any(target_arch = "aarch64", windows, leafwise_portable))]
 use super::portable;
-use super::program::{Arguments, Program};
+use super::program::Program;
 use crate::analytic::AnalyticFunction;
 use crate::kernel::aligned::Aligned;
 use crate::kernel::code::{Code, Instruction};

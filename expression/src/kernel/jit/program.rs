@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 
 use rustc_hash::FxHashMap;
 
-use super::assignment::{Assignment, Limit};
+use super::assignment::{Arguments, Assignment, Limit};
 use super::operation::{Action, Operation, Source};
 use super::schedule::schedule;
 use crate::analytic::Member;
@@ -21,15 +21,6 @@ pub(super) struct Program {
     pub(super) own: Vec<f64>,
     /// What it is for: results are those of the code where no limit is passed.
     pub(super) limits: Vec<Limit>,
-}
-
-/// Arguments of functions that a program serves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Arguments {
-    /// All.
-    Any,
-    /// Those of pairs of functions near 0, by formulas in the place of calls.
-    NearZero,
 }
 
 impl Program {
