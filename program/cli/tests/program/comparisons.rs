@@ -1,6 +1,6 @@
 //! `compare`: the table, the object, the files, and what is refused.
 
-use crate::support::{BODY, Place, wait_for};
+use crate::support::{BODY, Place, catches, wait_for};
 
 const FEW: &str = "splitting,dop853,so3-exponential+hamilton-jacobi:6";
 
@@ -433,15 +433,9 @@ fn a_search_that_is_terminated_ends_where_it_is() {
         .stderr(Stdio::piped())
         .spawn()
         .expect("the program starts");
-    // From the moment on at which the program takes signals itself: bit 14 is SIGTERM.
-    let status = format!("/proc/{}/status", child.id());
-    let takes_signals = || {
-        let status = std::fs::read_to_string(&status).unwrap_or_default();
-        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
-        let mask = caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
-        mask.is_some_and(|mask| mask >> 14 & 1 == 1)
-    };
-    wait_for(&mut child, takes_signals, "a handler of signals");
+    // From the moment on at which the program takes SIGTERM itself.
+    let id = child.id();
+    wait_for(&mut child, || catches(id, 15), "a handler of signals");
     let sent = Command::new("kill")
         .args(["-TERM", &child.id().to_string()])
         .status()

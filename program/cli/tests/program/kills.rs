@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant, SystemTime};
 
-use crate::support::{ENDLESS, Place, Said, endless_run, long_scene, wait_for};
+use crate::support::{ENDLESS, Place, Said, catches, endless_run, long_scene, wait_for};
 
 /// Kills in the test at random moments.
 const KILLS: u32 = 20;
@@ -199,14 +199,8 @@ fn an_interruption_before_the_first_step_ends_the_program_at_once() {
         .stderr(Stdio::piped())
         .spawn()
         .expect("the program starts");
-    let status = format!("/proc/{}/status", child.id());
-    let catches_interrupts = || {
-        let text = std::fs::read_to_string(&status).unwrap_or_default();
-        let caught = text.lines().find_map(|line| line.strip_prefix("SigCgt:"));
-        let mask = caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
-        mask.is_some_and(|mask| mask & 0b10 != 0)
-    };
-    wait_for(&mut child, catches_interrupts, "the handler");
+    let id = child.id();
+    wait_for(&mut child, || catches(id, 2), "the handler");
     signal("-INT", child.id());
     let said = Said::from(child.wait_with_output().expect("an end"));
     assert_eq!(said.code, Some(130), "{}", said.err);

@@ -112,6 +112,17 @@ pub fn wait_for(child: &mut Child, mut is_so: impl FnMut() -> bool, what: &str) 
     }
 }
 
+/// Whether a process takes a signal itself, of this number; `true` where that cannot be seen.
+pub fn catches(process: u32, signal: u32) -> bool {
+    if !cfg!(target_os = "linux") {
+        return true;
+    }
+    let status = fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+    let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+    let mask = caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
+}
+
 impl From<Output> for Said {
     fn from(output: Output) -> Self {
         Self {

@@ -3,7 +3,7 @@
 use std::fs::OpenOptions;
 use std::process::Stdio;
 
-use crate::support::{BODY, Place, Said, wait_for};
+use crate::support::{BODY, Place, Said, catches, wait_for};
 
 /// 3 × 2 × 2 settings: a parameter, the step, and the order of a part.
 const GRID: &str = r#"[sweep]
@@ -131,7 +131,7 @@ fn a_terminated_sweep_goes_on_to_the_same_bytes() {
     let here = Place::with(&text);
     let whole = sweep(&here, &["--out", "whole", "--quiet"]);
     assert_eq!(whole.code, Some(0), "{}", whole.err);
-    for signal in ["TERM", "USR1"] {
+    for (signal, number) in [("TERM", 15), ("USR1", 10)] {
         let mut child = here
             .command(&[
                 "sweep",
@@ -146,11 +146,13 @@ fn a_terminated_sweep_goes_on_to_the_same_bytes() {
             .stdout(Stdio::piped())
             .spawn()
             .expect("a start");
-        // The manifest says so before the first row, and is replaced when the sweep is interrupted.
+        // The manifest says so before the first row, and is replaced when the sweep is interrupted, but where that is
+        // before it watches for signals: then this one is older than the program.
+        let id = child.id();
         let file = here.path("pieces/manifest.json");
         let is_running = || {
             let text = std::fs::read_to_string(&file).unwrap_or_default();
-            text.contains("\"outcome\": \"running\"")
+            text.contains("\"outcome\": \"running\"") && catches(id, number)
         };
         wait_for(&mut child, is_running, "the first row");
         let kill = std::process::Command::new("kill")
