@@ -19,6 +19,9 @@ const ROUNDS: usize = 31;
 /// what rounding does.
 const REFERENCE_STEPS: f64 = 400.0;
 
+/// The most steps in a unit of time that are tried.
+const MOST_STEPS: f64 = 100.0;
+
 /// The compositions that are tried.
 const SCHEMES: [&str; 10] = [
     "triple-jump",
@@ -61,9 +64,9 @@ fn others<P: Problem + 'static>() -> Vec<Box<dyn Contestant>> {
     others
 }
 
-fn ours<P: Problem + 'static>(orders: &[usize]) -> Vec<Box<dyn Contestant>> {
-    let mut ours: Vec<Box<dyn Contestant>> = Vec::new();
-    let most = 100.0 * P::TIME;
+/// Realization and Hamilton–Jacobi of these orders.
+fn hamilton_jacobi<P: Problem + 'static>(orders: &[usize]) -> Vec<Box<dyn Contestant>> {
+    let mut all: Vec<Box<dyn Contestant>> = Vec::new();
     for realization in P::REALIZATIONS {
         for hamiltonian in P::HAMILTONIANS {
             for m in orders {
@@ -76,16 +79,21 @@ fn ours<P: Problem + 'static>(orders: &[usize]) -> Vec<Box<dyn Contestant>> {
                     "given" => String::new(),
                     other => format!(", {other}"),
                 };
-                let name = format!("{realization} + HJ {m}{of}");
-                ours.push(Box::new(Ours::<P>::new(
-                    name,
+                all.push(Box::new(Ours::<P>::new(
+                    format!("{realization} + HJ {m}{of}"),
                     Kind::HamiltonJacobi,
                     &method,
-                    most,
+                    MOST_STEPS * P::TIME,
                 )));
             }
         }
     }
+    all
+}
+
+fn ours<P: Problem + 'static>(orders: &[usize]) -> Vec<Box<dyn Contestant>> {
+    let mut ours = hamilton_jacobi::<P>(orders);
+    let most = MOST_STEPS * P::TIME;
     for (stepper, value) in P::STEPPERS {
         for scheme in SCHEMES {
             let takes_factors = Scheme::find(scheme).is_some_and(|s| s.takes_factors());
@@ -185,7 +193,7 @@ pub fn tables<P: Problem + 'static>(targets: &[(f64, &[usize])]) -> String {
     text
 }
 
-/// The methods without structure that choose their steps, beside each other.
+/// The methods without structure that choose their steps, beside each other and beside Hamilton–Jacobi of high orders.
 pub fn adaptive<P: Problem + 'static>() -> String {
     let (reference, apart) = reference::<P>();
     let mut text = format!(
@@ -193,18 +201,20 @@ pub fn adaptive<P: Problem + 'static>() -> String {
         P::TITLE,
         P::TIME
     );
-    let all: [Box<dyn Contestant>; 4] = [
+    let mut all: Vec<Box<dyn Contestant>> = vec![
         Box::new(OdeSolvers::<P>(PhantomData)),
         Box::new(HandDop853::<P>(PhantomData)),
-        Box::new(Adaptive::<P>::new("dop853")),
         Box::new(Adaptive::<P>::new("taylor")),
+        Box::new(Adaptive::<P>::new("dop853")),
     ];
+    let baselines = [0, 1, 2].map(|at: usize| all[at].name());
+    all.extend(hamilton_jacobi::<P>(&[8, 10, 12]));
     for target in [1e-4, 1e-8, 1e-12] {
         let entries: Vec<Entry<'_>> = all
             .iter()
             .filter_map(|contestant| reach(contestant.as_ref(), &reference, target))
             .collect();
-        let baselines = [all[0].name(), all[1].name()];
+        let (entries, _) = without_slow(entries, &baselines);
         let race = race(&entries, &baselines);
         text.push_str(&format!("Error {target:.0e}:\n\n{race}\n"));
     }

@@ -152,7 +152,7 @@ impl Method {
                     realization.as_ref(),
                     bisection.as_ref(),
                     parameters,
-                    kernel.operations().work(),
+                    kernel.worth_of_start(),
                 )?;
                 let uncoupled = Uncoupled::compile(&mut graph, &ends, start.as_ref(), parameters)?;
                 let start = start.map(|start| start.kernel(parameters));

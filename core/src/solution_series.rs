@@ -27,12 +27,9 @@ const FEWEST: usize = 3;
 /// of one at t = 0.4.
 const MOST: usize = 4;
 
-/// Operations a coordinate of what the series replaces, the differences of twelve earlier solutions.
-const EXTRAPOLATION: u64 = 36;
-
-/// The start of the solves of a method over code, as [`SolutionSeries::code`], of `work` operations an evaluation with
-/// Jacobians: the longest sum that takes at most half of that, and extrapolation, which are the least that it saves.
-/// `None` where the series is longer, where Ŝ is not expanded, or the realization offers no series as far.
+/// The start of a method's solves over code, as [`SolutionSeries::code`]: the longest sum of at most so many
+/// `operations`. `None` where the shortest takes more, where Ŝ is not expanded, or the realization offers no series as
+/// far.
 ///
 /// # Errors
 /// [`BuildError::Algebra`] where an adjoined function has no code.
@@ -40,7 +37,7 @@ pub(crate) fn start_of_solves(
     realization: &dyn RealizationData,
     bisection: &dyn LagrangianBisection,
     parameters: usize,
-    work: u64,
+    operations: u64,
 ) -> Result<Option<StartCode>, BuildError> {
     let (Some(Generating::Polynomials(generating)), Some(series)) =
         (bisection.generating_function(), realization.series())
@@ -54,7 +51,6 @@ pub(crate) fn start_of_solves(
     if known < FEWEST {
         return Ok(None);
     }
-    let operations = work / 2 + EXTRAPOLATION * realization.dimension() as u64;
     let mut solution = SolutionSeries::new(generating);
     let coordinates: Vec<usize> = (0..realization.dimension()).collect();
     let Ok(mut source) = series.in_ring(&mut solution.ring, &coordinates) else {

@@ -43,16 +43,18 @@ impl StepCheck for KeptSigns {
     fn check(&mut self, x: &[f64], increment: &[f64], outcome: &mut [Result<(), StepError>]) {
         let lanes = outcome.len();
         for (lane, outcome) in outcome.iter_mut().enumerate() {
-            let lost = match lanes {
-                1 => self.0.iter().find(|i| is_lost(x[**i], increment[**i])),
-                _ => self.0.iter().find(|i| {
-                    let at = *i * lanes + lane;
-                    is_lost(x[at], increment[at])
-                }),
+            let is_lost = |coordinate: &usize| {
+                let at = coordinate * lanes + lane;
+                is_lost(x[at], increment[at])
             };
-            if let (Some(coordinate), true) = (lost, outcome.is_ok()) {
+            // Of all without a jump, which none takes as a rule.
+            let is_any = self.0.iter().fold(false, |any, at| any | is_lost(at));
+            if !is_any || outcome.is_err() {
+                continue;
+            }
+            if let Some(lost) = self.0.iter().find(|at| is_lost(at)) {
                 *outcome = Err(StepError::LostSign {
-                    coordinate: coordinate + 1,
+                    coordinate: lost + 1,
                 });
             }
         }
@@ -62,7 +64,8 @@ impl StepCheck for KeptSigns {
 /// Whether x + Δ has not the sign of x, or none of its digits.
 #[inline(always)]
 fn is_lost(x: f64, change: f64) -> bool {
-    let part = if x > 0.0 { x + change } else { -(x + change) };
+    let after = x + change;
+    let part = if x.is_sign_negative() { -after } else { after };
     let keeps = part >= LEAST_PART * x.abs();
-    !keeps && x.abs() > SMALLEST
+    !keeps & (x.abs() > SMALLEST)
 }

@@ -8,6 +8,9 @@ use crate::error::BuildError;
 use crate::realization::SourceTarget;
 use crate::solver::linear::{elimination_operations, substitution_operations};
 
+/// Operations a coordinate of extrapolating the solution from differences of twelve earlier ones.
+const EXTRAPOLATION: u64 = 36;
+
 /// The code of one iteration at y, twice: base, unless that is y itself, β̂ − base and α̂ − β̂ alone, and these
 /// with the Jacobians D(β̂∘L) and D((α̂ − β̂)∘L); behind them the guard of the chart.
 #[derive(Clone, Debug)]
@@ -160,12 +163,25 @@ impl NewtonKernel {
     }
 
     /// How many iterations with a Jacobian that is there cost one that takes a new one: the kernels,
-    /// the linear algebra, and what judging a correction takes around either, 5d² + 25d + 20
-    /// operations.
+    /// the linear algebra, and what judging a correction takes around either.
     pub fn most_chords(&self) -> u32 {
-        let d = self.dimension as u64;
-        let judging = 5 * d * d + 25 * d + 20;
+        let judging = self.judging_work();
         u32::try_from((self.work() + judging) / (self.chord_work() + judging)).unwrap_or(u32::MAX)
+    }
+
+    /// Operations that the series of the solution is worth as the start of a solve: extrapolation, and half of an
+    /// iteration with a new Jacobian or one with that which is there. Where extrapolation foresees nothing it saves
+    /// several of them.
+    pub(crate) fn worth_of_start(&self) -> u64 {
+        let new = self.operations().work() / 2;
+        let old = self.chord_work() + self.judging_work();
+        new.max(old) + EXTRAPOLATION * self.dimension as u64
+    }
+
+    /// Operations of judging a correction, 5d² + 25d + 20.
+    fn judging_work(&self) -> u64 {
+        let d = self.dimension as u64;
+        5 * d * d + 25 * d + 20
     }
 
     /// Weighted operations of an iteration with a Jacobian that is there.

@@ -1,7 +1,5 @@
 //! What a backend writes: memory that can be run.
 
-use std::ops::Range;
-
 /// Memory with a function in it, freed on drop.
 pub(super) trait Executable: Send + Sync {
     /// Where the function starts: `fn(slots, scratch)` in the platform's C convention.
@@ -15,6 +13,6 @@ pub(super) struct Written {
     pub(super) bytes: usize,
     /// The scratch memory that it needs, as it is before the first run.
     pub(super) scratch: Vec<f64>,
-    /// Where in it sizes stand after a run, 0 at first, and what they are to be below.
-    pub(super) limits: Vec<(Range<usize>, f64)>,
+    /// Where in it sizes stand after a run, 0 at first, and what each is to be below.
+    pub(super) limits: Vec<(usize, f64)>,
 }

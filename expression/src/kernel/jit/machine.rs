@@ -1,7 +1,6 @@
 //! One compiled kernel.
 
 use std::fmt;
-use std::ops::Range;
 use std::time::Instant;
 
 use super::assignment::{Arguments, has_formulas};
@@ -116,8 +115,8 @@ struct Compiled {
     slots: usize,
     /// The memory that it works in, as it is before the first run.
     scratch: Vec<f64>,
-    /// Where in that memory the largest sizes since the last run that was not right stand, and what they are to be below.
-    limits: Vec<(Range<usize>, f64)>,
+    /// Where in that memory the largest sizes since the last run that was not right stand, and what each is to be below.
+    limits: Vec<(usize, f64)>,
     bytes: usize,
     /// What `entry` points into.
     _memory: Box<dyn Executable>,
@@ -128,6 +127,7 @@ impl Compiled {
     ///
     /// # Panics
     /// When `slots` or `scratch` has another length than the code was compiled for.
+    #[inline]
     fn run(&self, slots: &mut [f64], scratch: &mut [f64]) -> bool {
         assert!(
             slots.len() == self.slots && scratch.len() == self.scratch.len(),
@@ -137,14 +137,18 @@ impl Compiled {
         // `self.scratch` has from its second one on; its memory lives as long as `self`.
         unsafe { (self.entry)(slots.as_mut_ptr(), scratch.as_mut_ptr()) }
         let mut limits = self.limits.iter();
-        let is_right =
-            limits.all(|(sizes, bound)| scratch[sizes.clone()].iter().all(|size| size < bound));
+        let is_right = limits.all(|&(at, bound)| scratch[at] < bound);
         if !is_right {
-            for (sizes, _) in &self.limits {
-                scratch[sizes.clone()].fill(0.0);
-            }
+            self.forget_sizes(scratch);
         }
         is_right
+    }
+
+    #[cold]
+    fn forget_sizes(&self, scratch: &mut [f64]) {
+        for &(at, _) in &self.limits {
+            scratch[at] = 0.0;
+        }
     }
 }
 
@@ -267,6 +271,7 @@ impl MachineCode {
     ///
     /// # Panics
     /// When `slots` or `room` is that of another code.
+    #[inline]
     pub(crate) fn run(&self, slots: &mut [f64], room: &mut Room) {
         if let Some(near) = &self.near {
             if room.until_near > 0 {

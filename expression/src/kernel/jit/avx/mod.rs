@@ -32,7 +32,7 @@ pub(super) fn write(
         limits: program
             .limits
             .iter()
-            .map(|limit| (emit::own_row(limit.row, width), limit.bound))
+            .flat_map(|limit| emit::own_row(limit.row, width).map(|at| (at, limit.bound)))
             .collect(),
     })
 }
