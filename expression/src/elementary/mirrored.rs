@@ -1,27 +1,29 @@
 //! eˣ − 1 and e⁻ˣ − 1 at once.
 //!
-//! x = k ln 2 + r with |r| ≤ ½ ln 2. The powers of r², taken once, make the parts of e^{±r} that are even and odd in r;
-//! of their sum and difference r itself, the largest part, is added last. So both are within 1 ulp for k = 0 and within
-//! 2 ulps elsewhere, where 2ᵏ(eʳ − 1) + (2ᵏ − 1) cancels by at most a third.
+//! r = x for |x| < 0.55; elsewhere x = k ln 2 + r with |r| ≤ ½ ln 2. The powers of r², taken once, make the parts of
+//! e^{±r} that are even and odd in r; of their sum and difference r itself, the largest part, is added last. Both are
+//! within 1 ulp for |x| ≤ ½ ln 2 and within 2 ulps elsewhere, where r and r² (even ± r odd), or 2ᵏ(eʳ − 1) and 2ᵏ − 1,
+//! cancel by at most a third.
 
 use super::lanes::{ElementaryPair, value_of_pair};
-use super::reduction::{exponent, nearest, septic, sextic};
+use super::reduction::{exponent, nearest, septic};
 use crate::vector::{Fused, Register};
 
 /// eˣ − 1 and e⁻ˣ − 1.
 pub(super) struct Mirrored;
 
-/// 1/3!, 1/5!, …, 1/13!: sinh r = r + r³ Σ_j r²ʲ/(2j + 3)! to 3e-19 of r.
-const ODD: [f64; 6] = [
+/// 1/3!, 1/5!, …, 1/15!: sinh r = r + r³ Σ_j r²ʲ/(2j + 3)! to 2e-19 of r.
+const ODD: [f64; 7] = [
     1.0 / 6.0,
     1.0 / 120.0,
     1.0 / 5_040.0,
     1.0 / 362_880.0,
     1.0 / 39_916_800.0,
     1.0 / 6_227_020_800.0,
+    1.0 / 1_307_674_368_000.0,
 ];
 
-/// 1/2!, 1/4!, …, 1/14!: cosh r − 1 = r² Σ_j r²ʲ/(2j + 2)!.
+/// 1/2!, 1/4!, …, 1/14!: cosh r − 1 = r² Σ_j r²ʲ/(2j + 2)! to 6e-18 of r.
 const EVEN: [f64; 7] = [
     1.0 / 2.0,
     1.0 / 24.0,
@@ -32,7 +34,7 @@ const EVEN: [f64; 7] = [
     1.0 / 87_178_291_200.0,
 ];
 
-/// What e^{±r} − 1 are made of for |r| ≤ ½ ln 2: ±r + r² (even ± r odd).
+/// What e^{±r} − 1 are made of for |r| < 0.55: ±r + r² (even ± r odd).
 struct Parts<R> {
     square: R,
     up: R,
@@ -43,7 +45,7 @@ struct Parts<R> {
 fn parts<R: Register>(r: R) -> Parts<R> {
     let square = r * r;
     let fourth = square * square;
-    let odd = sextic(square, fourth, ODD);
+    let odd = septic(square, fourth, ODD);
     let even = septic(square, fourth, EVEN);
     Parts {
         square,
@@ -81,15 +83,15 @@ impl ElementaryPair for Mirrored {
         const LN_2_HIGH: u64 = 0x3fe6_2e42_fee0_0000;
         const LN_2_LOW: u64 = 0x3dea_39ef_3579_3c76;
         const INVERSE_LN_2: u64 = 0x3ff7_1547_652b_82fe;
-        /// A little below ½ ln 2: here k = 0, and r is x.
-        const NEAR: f64 = 0.3465;
+        /// So far the parts of x itself serve.
+        const NEAR: f64 = 0.55;
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
         let is_near = x.abs().less(R::splat(NEAR));
         if R::all(is_near) {
             let (up, down) = parts(x).alone(x);
             return (up, down, is_near);
         }
-        let k = nearest(R::bits(INVERSE_LN_2) * x);
+        let k = R::select(is_near, zero, nearest(R::bits(INVERSE_LN_2) * x));
         let high = x - k * R::bits(LN_2_HIGH);
         let low = k * R::bits(LN_2_LOW);
         let r = high - low;
