@@ -182,6 +182,13 @@ fn statement(instruction: &Instruction) -> String {
         Instruction::Multiply { out, a, b } => format!("let s{out} = s{a} * s{b};"),
         Instruction::Divide { out, a, b } => format!("let s{out} = s{a} / s{b};"),
         Instruction::Negate { out, a } => format!("let s{out} = -s{a};"),
+        Instruction::Magnitude { out, a } => format!("let s{out} = s{a}.abs();"),
+        Instruction::Larger { out, a, b } => {
+            format!("let s{out} = if s{a} > s{b} {{ s{a} }} else {{ s{b} }};")
+        }
+        Instruction::Smaller { out, a, b } => {
+            format!("let s{out} = if s{a} < s{b} {{ s{a} }} else {{ s{b} }};")
+        }
         Instruction::Power { out, a, b } => format!("let s{out} = libm::pow(s{a}, s{b});"),
         Instruction::Apply { function, out, a } => {
             let name = match function {

@@ -52,6 +52,31 @@ pub enum Instruction {
         /// Operand.
         a: u32,
     },
+    /// out ← |a|.
+    Magnitude {
+        /// Result slot.
+        out: u32,
+        /// Operand.
+        a: u32,
+    },
+    /// out ← the larger of a and b, b where one is no number.
+    Larger {
+        /// Result slot.
+        out: u32,
+        /// Left operand.
+        a: u32,
+        /// Right operand.
+        b: u32,
+    },
+    /// out ← the smaller of a and b, b where one is no number.
+    Smaller {
+        /// Result slot.
+        out: u32,
+        /// Left operand.
+        a: u32,
+        /// Right operand.
+        b: u32,
+    },
     /// out ← f(a), by `libm`.
     Apply {
         /// The function.
@@ -92,6 +117,9 @@ impl Instruction {
             | Self::Multiply { out, .. }
             | Self::Divide { out, .. }
             | Self::Negate { out, .. }
+            | Self::Magnitude { out, .. }
+            | Self::Larger { out, .. }
+            | Self::Smaller { out, .. }
             | Self::Apply { out, .. }
             | Self::ApplyAnalytic { out, .. }
             | Self::Power { out, .. } => out,
@@ -105,10 +133,13 @@ impl Instruction {
             | Self::Subtract { a, b, .. }
             | Self::Multiply { a, b, .. }
             | Self::Divide { a, b, .. }
+            | Self::Larger { a, b, .. }
+            | Self::Smaller { a, b, .. }
             | Self::Power { a, b, .. } => [a, b],
-            Self::Negate { a, .. } | Self::Apply { a, .. } | Self::ApplyAnalytic { a, .. } => {
-                [a, a]
-            }
+            Self::Negate { a, .. }
+            | Self::Magnitude { a, .. }
+            | Self::Apply { a, .. }
+            | Self::ApplyAnalytic { a, .. } => [a, a],
         }
     }
 
@@ -125,51 +156,30 @@ impl Instruction {
 
     /// The same operation with every slot renamed.
     pub(super) fn renamed(self, mut name: impl FnMut(u32) -> u32) -> Self {
+        let out = name(self.output());
+        self.over(out, self.operands().map(name))
+    }
+
+    /// The same operation over other slots; unary operations take the first.
+    pub(super) fn over(self, out: u32, [a, b]: [u32; 2]) -> Self {
         match self {
-            Self::Add { out, a, b } => Self::Add {
-                out: name(out),
-                a: name(a),
-                b: name(b),
-            },
-            Self::Subtract { out, a, b } => Self::Subtract {
-                out: name(out),
-                a: name(a),
-                b: name(b),
-            },
-            Self::Multiply { out, a, b } => Self::Multiply {
-                out: name(out),
-                a: name(a),
-                b: name(b),
-            },
-            Self::Divide { out, a, b } => Self::Divide {
-                out: name(out),
-                a: name(a),
-                b: name(b),
-            },
-            Self::Negate { out, a } => Self::Negate {
-                out: name(out),
-                a: name(a),
-            },
-            Self::Apply { function, out, a } => Self::Apply {
-                function,
-                out: name(out),
-                a: name(a),
-            },
+            Self::Add { .. } => Self::Add { out, a, b },
+            Self::Subtract { .. } => Self::Subtract { out, a, b },
+            Self::Multiply { .. } => Self::Multiply { out, a, b },
+            Self::Divide { .. } => Self::Divide { out, a, b },
+            Self::Power { .. } => Self::Power { out, a, b },
+            Self::Larger { .. } => Self::Larger { out, a, b },
+            Self::Smaller { .. } => Self::Smaller { out, a, b },
+            Self::Negate { .. } => Self::Negate { out, a },
+            Self::Magnitude { .. } => Self::Magnitude { out, a },
+            Self::Apply { function, .. } => Self::Apply { function, out, a },
             Self::ApplyAnalytic {
+                function, order, ..
+            } => Self::ApplyAnalytic {
                 function,
                 order,
                 out,
                 a,
-            } => Self::ApplyAnalytic {
-                function,
-                order,
-                out: name(out),
-                a: name(a),
-            },
-            Self::Power { out, a, b } => Self::Power {
-                out: name(out),
-                a: name(a),
-                b: name(b),
             },
         }
     }
@@ -197,6 +207,9 @@ impl Code {
             match instruction {
                 Instruction::Add { .. } | Instruction::Subtract { .. } => count.additions += 1,
                 Instruction::Negate { .. } => count.negations += 1,
+                Instruction::Magnitude { .. }
+                | Instruction::Larger { .. }
+                | Instruction::Smaller { .. } => count.comparisons += 1,
                 Instruction::Multiply { .. } => count.multiplications += 1,
                 Instruction::Divide { .. } => count.divisions += 1,
                 Instruction::Apply { .. }
@@ -219,6 +232,8 @@ pub struct OperationCount {
     pub divisions: usize,
     /// Sign changes.
     pub negations: usize,
+    /// Magnitudes, and the larger or smaller of two.
+    pub comparisons: usize,
     /// Elementary functions and general powers.
     pub functions: usize,
 }
@@ -237,7 +252,8 @@ impl OperationCount {
 
     /// All of them.
     pub fn total(&self) -> usize {
-        self.additions + self.multiplications + self.divisions + self.negations + self.functions
+        let arithmetic = self.additions + self.multiplications + self.divisions + self.negations;
+        arithmetic + self.comparisons + self.functions
     }
 }
 
@@ -253,6 +269,7 @@ impl fmt::Display for OperationCount {
         for (count, name) in [
             (self.divisions, "division"),
             (self.negations, "negation"),
+            (self.comparisons, "comparison"),
             (self.functions, "function"),
         ] {
             if count > 0 {

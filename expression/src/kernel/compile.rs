@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::allocate::reuse_slots;
 use super::code::{Code, Instruction, OperationCount};
+use super::draft::Draft;
 use super::execution::Compiled;
 use crate::analytic::{AnalyticFunction, FunctionPair, Member};
 use crate::expression::Function;
@@ -58,7 +58,7 @@ impl Kernel {
             let slot = coefficient.place(node);
             coefficient.code.outputs.push(slot);
         }
-        let coefficient_code = coefficient.finish();
+        let coefficient_code = coefficient.code.finish();
 
         // Step kernel: slots 0 .. inputs, then the coefficients.
         let mut step = Emitter::new(graph, uses, Tier::Step, parameters, inputs + imported.len());
@@ -67,8 +67,23 @@ impl Kernel {
             step.places.insert(node, (inputs + at) as u32);
         }
         step.code.outputs = outputs.iter().map(|term| step.scaled(term)).collect();
-        let step_code = step.finish();
-        let first_output = inputs + imported.len() + step_code.constants.len();
+        let step_code = step.code.finish();
+        Self::new(
+            parameters,
+            [inputs, imported.len()],
+            coefficient_code,
+            step_code,
+        )
+    }
+
+    /// Both programs; the step kernel's slots begin with so many inputs and coefficients.
+    pub(super) fn new(
+        parameters: usize,
+        [inputs, coefficients]: [usize; 2],
+        coefficient_code: Code,
+        step_code: Code,
+    ) -> Self {
+        let first_output = inputs + coefficients + step_code.constants.len();
         let rows = (first_output as u32..).zip(&step_code.outputs);
         let strays = rows
             .filter(|(row, slot)| row != *slot)
@@ -77,7 +92,7 @@ impl Kernel {
         Self {
             parameters,
             inputs,
-            coefficients: imported.len(),
+            coefficients,
             operations: [coefficient_code.count(), step_code.count()],
             coefficient_code,
             step_code,
@@ -211,59 +226,40 @@ struct Emitter<'a> {
     uses: &'a [u32],
     tier: Tier,
     parameters: usize,
-    code: Code,
-    fixed: usize,
+    code: Draft,
     places: FxHashMap<Node, u32>,
-    constants: FxHashMap<u64, u32>,
     scaled: FxHashMap<(Node, u64), u32>,
     /// The slot of each graph input, where that is not its number.
     input_slots: Option<FxHashMap<u32, u32>>,
 }
 
-/// Constants are numbered from here until the number of temporaries is known.
-const CONSTANT_BASE: u32 = 1 << 31;
-
 impl<'a> Emitter<'a> {
     fn new(graph: &'a Graph, uses: &'a [u32], tier: Tier, parameters: usize, fixed: usize) -> Self {
-        let code = Code {
-            slots: fixed,
-            ..Code::default()
-        };
         Self {
             graph,
             uses,
             tier,
             parameters,
-            code,
-            fixed,
+            code: Draft::new(fixed),
             places: FxHashMap::default(),
-            constants: FxHashMap::default(),
             scaled: FxHashMap::default(),
             input_slots: None,
         }
     }
 
     fn constant(&mut self, value: &Rational) -> u32 {
-        self.number(value.to_f64())
-    }
-
-    fn number(&mut self, value: f64) -> u32 {
-        let next = CONSTANT_BASE + self.constants.len() as u32;
-        *self.constants.entry(value.to_bits()).or_insert(next)
+        self.code.number(value.to_f64())
     }
 
     fn push(&mut self, instruction: impl FnOnce(u32) -> Instruction) -> u32 {
-        let out = self.code.slots as u32;
-        self.code.slots += 1;
-        self.code.instructions.push(instruction(out));
-        out
+        self.code.push(instruction)
     }
 
     /// The slot of a node, emitting it and its operands where it has none yet. Operands have
     /// smaller numbers; they are emitted in order so that deep graphs need no deep stack.
     fn place(&mut self, node: Node) -> u32 {
         if node == Graph::ONE {
-            return self.number(1.0);
+            return self.code.number(1.0);
         }
         if let Some(&known) = self.places.get(&node) {
             return known;
@@ -332,7 +328,7 @@ impl<'a> Emitter<'a> {
         let parameters = self.parameters as u32;
         let slot = match self.graph.operation(node).clone() {
             Operation::One => return,
-            Operation::Pi => self.number(std::f64::consts::PI),
+            Operation::Pi => self.code.number(std::f64::consts::PI),
             Operation::Parameter(index) => index,
             Operation::Input(index) => match &self.input_slots {
                 None => index,
@@ -347,7 +343,7 @@ impl<'a> Emitter<'a> {
                 self.push(|out| Instruction::Multiply { out, a, b })
             }
             Operation::Reciprocal(b) => {
-                let (a, b) = (self.number(1.0), self.place(b));
+                let (a, b) = (self.code.number(1.0), self.place(b));
                 self.push(|out| Instruction::Divide { out, a, b })
             }
             Operation::Function(function, a) => {
@@ -487,38 +483,5 @@ impl<'a> Emitter<'a> {
             }
         }
         (all_negative, sum)
-    }
-
-    /// Places the constants behind the fixed slots and reuses the temporaries.
-    fn finish(self) -> Code {
-        let fixed = self.fixed as u32;
-        let constants = self.constants.len() as u32;
-        let name = |slot: u32| {
-            if slot >= CONSTANT_BASE {
-                fixed + (slot - CONSTANT_BASE)
-            } else if slot >= fixed {
-                slot + constants
-            } else {
-                slot
-            }
-        };
-        let mut values: Vec<(u32, f64)> = self
-            .constants
-            .iter()
-            .map(|(&bits, &slot)| (name(slot), f64::from_bits(bits)))
-            .collect();
-        values.sort_unstable_by_key(|v| v.0);
-        let code = Code {
-            instructions: self
-                .code
-                .instructions
-                .iter()
-                .map(|i| i.renamed(name))
-                .collect(),
-            constants: values,
-            outputs: self.code.outputs.iter().map(|&slot| name(slot)).collect(),
-            slots: self.code.slots + constants as usize,
-        };
-        reuse_slots(code, (fixed + constants) as usize)
     }
 }

@@ -76,6 +76,13 @@ fn execute<S: Slots>(code: &Code, mut slots: S) {
             Instruction::Multiply { out, a, b } => slots.combine(out, [a, b], |a, b| a * b),
             Instruction::Divide { out, a, b } => slots.combine(out, [a, b], |a, b| a / b),
             Instruction::Negate { out, a } => slots.combine(out, [a, a], |a, _| -a),
+            Instruction::Magnitude { out, a } => slots.combine(out, [a, a], |a, _| a.abs()),
+            Instruction::Larger { out, a, b } => {
+                slots.combine(out, [a, b], |a, b| if a > b { a } else { b });
+            }
+            Instruction::Smaller { out, a, b } => {
+                slots.combine(out, [a, b], |a, b| if a < b { a } else { b });
+            }
             Instruction::Power { out, a, b } => slots.combine(out, [a, b], libm::pow),
             Instruction::Apply { function, out, a } => {
                 if S::FEW {

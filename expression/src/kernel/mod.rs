@@ -5,6 +5,7 @@ mod aligned;
 mod allocate;
 mod code;
 mod compile;
+mod draft;
 mod execution;
 mod interpreter;
 #[cfg(all(feature = "jit", any(target_arch = "x86_64", target_arch = "aarch64")))]
@@ -12,6 +13,7 @@ mod interpreter;
 mod jit;
 #[cfg(not(all(feature = "jit", any(target_arch = "x86_64", target_arch = "aarch64"))))]
 mod no_jit;
+mod sequence;
 mod workspace;
 
 pub use code::{Code, Instruction, OperationCount};
@@ -21,4 +23,5 @@ pub use execution::{Execution, MachineCodeSize};
 use jit::{MachineCode, Room};
 #[cfg(not(all(feature = "jit", any(target_arch = "x86_64", target_arch = "aarch64"))))]
 use no_jit::{MachineCode, Room};
+pub use sequence::{Sequence, Value};
 pub use workspace::{Workspace, apart};

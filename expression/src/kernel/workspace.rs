@@ -186,7 +186,45 @@ impl Kernel {
         &rows[self.first_output..][..self.step_code.outputs.len()]
     }
 
+    /// The rows of the inputs, and those of the outputs of the last evaluation.
+    ///
+    /// # Panics
+    /// When the workspace does not have W lanes.
+    #[inline(always)]
+    pub fn rows_mut<'own, const W: usize>(
+        &self,
+        workspace: &'own mut Workspace,
+    ) -> (&'own mut [[f64; W]], &'own [[f64; W]]) {
+        assert_eq!(workspace.lanes, W, "as many lanes as numbers a row");
+        let rows = workspace.slots.as_chunks_mut::<W>().0;
+        let (inputs, outputs) = rows.split_at_mut(self.first_output);
+        (
+            &mut inputs[..self.inputs],
+            &outputs[..self.step_code.outputs.len()],
+        )
+    }
+
+    /// Runs the step kernel on the rows of the inputs as they stand; returns its outputs as
+    /// [`evaluate_rows`](Self::evaluate_rows) does.
+    ///
+    /// # Panics
+    /// When the workspace does not have W lanes.
+    #[inline(always)]
+    pub fn evaluate_own_rows<'own, const W: usize>(
+        &self,
+        workspace: &'own mut Workspace,
+    ) -> &'own [[f64; W]] {
+        assert_eq!(workspace.lanes, W, "as many lanes as numbers a row");
+        self.evaluate_in_place(workspace);
+        let rows = workspace.slots.as_chunks_mut::<W>().0;
+        for &(row, slot) in &self.strays {
+            rows[row as usize] = rows[slot as usize];
+        }
+        &rows[self.first_output..][..self.step_code.outputs.len()]
+    }
+
     /// Runs the step kernel on the inputs that stand in the workspace.
+    #[inline]
     pub fn evaluate_in_place(&self, workspace: &mut Workspace) {
         let Workspace {
             lanes,

@@ -56,8 +56,12 @@ pub(super) enum Action {
     TimesFrom,
     /// The bits that a and b have.
     And,
+    /// |a|.
+    Magnitude,
     /// The larger of a and b, b where one is no number.
     Larger,
+    /// The smaller of a and b, b where one is no number.
+    Smaller,
     /// The function that the instruction calls; its slots mean nothing here.
     Call(Instruction),
 }
@@ -70,6 +74,9 @@ impl Action {
             Instruction::Multiply { .. } => Self::Multiply,
             Instruction::Divide { .. } => Self::Divide,
             Instruction::Negate { .. } => Self::Negate,
+            Instruction::Magnitude { .. } => Self::Magnitude,
+            Instruction::Larger { .. } => Self::Larger,
+            Instruction::Smaller { .. } => Self::Smaller,
             Instruction::Apply {
                 function: Function::Sqrt,
                 ..

@@ -158,7 +158,9 @@ impl Planner {
                 let other = if factor == Some(a) { b } else { a };
                 [factor, (in_memory(c) && c != other).then_some(c)]
             }
-            Action::Subtract | Action::Divide | Action::And | Action::Larger if a != b => {
+            Action::Subtract | Action::Divide | Action::And | Action::Larger | Action::Smaller
+                if a != b =>
+            {
                 [in_memory(b).then_some(b), None]
             }
             _ => [None; 2],

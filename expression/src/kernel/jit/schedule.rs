@@ -19,7 +19,7 @@ const AT_ONCE: usize = 2;
 /// Cycles from the beginning of an operation to its result, about; functions are calls.
 fn latency(action: Action) -> u64 {
     match action {
-        Action::Negate | Action::And | Action::Larger => 1,
+        Action::Negate | Action::And | Action::Magnitude | Action::Larger | Action::Smaller => 1,
         Action::Add | Action::Subtract | Action::Multiply => 3,
         Action::TimesPlus | Action::TimesFrom => 4,
         Action::Divide => 13,

@@ -65,6 +65,9 @@ fn code(choices: &[Choice], outputs: &[usize]) -> Code {
             16..=23 => Instruction::Multiply { out, a, b },
             24..=27 => Instruction::Divide { out, a, b },
             28..=29 => Instruction::Negate { out, a },
+            40..=41 => Instruction::Magnitude { out, a },
+            42..=43 => Instruction::Larger { out, a, b },
+            44..=45 => Instruction::Smaller { out, a, b },
             30 => Instruction::Power { out, a, b },
             31 => Instruction::ApplyAnalytic {
                 function: SQUARE,
@@ -169,7 +172,7 @@ proptest! {
 
     #[test]
     fn every_backend_computes_the_bits_of_the_interpreter(
-        choices in prop::collection::vec((0_u8..40, any::<usize>(), any::<usize>(), any::<usize>()), 1..200),
+        choices in prop::collection::vec((0_u8..46, any::<usize>(), any::<usize>(), any::<usize>()), 1..200),
         chosen in prop::collection::vec(any::<usize>(), 1..12),
         numbers in prop::collection::vec(number(), FIXED as usize * 37),
     ) {

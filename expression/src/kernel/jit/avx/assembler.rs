@@ -130,6 +130,8 @@ pub(super) enum Opcode {
     ExclusiveOr = 0x57,
     /// The larger of both, the second where one is no number.
     Larger = 0x5F,
+    /// The smaller of both, the second where one is no number.
+    Smaller = 0x5D,
     /// target ← a·target + b, rounded once.
     TimesPlus = 0xA8,
     /// target ← b − a·target, rounded once.

@@ -14,11 +14,13 @@ use crate::kernel::jit::registers::{Plan, Step};
 const NUMBER: i32 = size_of::<f64>() as i32;
 
 /// The scratch memory starts with −0 in as many lanes as there may be at a time, then has two groups of so
-/// many lanes for the operands of calls, then the program's own numbers and the places of the plan.
+/// many lanes for the operands of calls, one of all bits but a number's sign, then the program's own numbers and the
+/// places of the plan.
 const SIGNS: i32 = 0;
 const FIRST_OPERAND: i32 = 32 * NUMBER;
 const SECOND_OPERAND: i32 = 64 * NUMBER;
-const REST: i32 = 96 * NUMBER;
+const MAGNITUDES: i32 = 96 * NUMBER;
+const REST: i32 = 128 * NUMBER;
 
 /// Pointers stand this far inside what they point to: short displacements reach both ways.
 const INSIDE: i32 = 128;
@@ -26,6 +28,7 @@ const INSIDE: i32 = 128;
 /// The scratch memory that a program needs, as it is before the first run.
 pub(in crate::kernel::jit) fn scratch(program: &Program, plan: &Plan, width: Width) -> Vec<f64> {
     let mut scratch = vec![-0.0; (REST / NUMBER) as usize];
+    scratch[(MAGNITUDES / NUMBER) as usize..].fill(f64::from_bits(u64::MAX >> 1));
     let own = program.own.iter();
     scratch.extend(own.flat_map(|number| std::iter::repeat_n(*number, width.lanes())));
     scratch.resize(scratch.len() + plan.places * width.lanes(), -0.0);
@@ -235,15 +238,17 @@ impl Emitter<'_> {
             Action::Divide => Opcode::Divide,
             Action::Negate => Opcode::ExclusiveOr,
             Action::SquareRoot => Opcode::SquareRoot,
-            Action::And => Opcode::And,
+            Action::And | Action::Magnitude => Opcode::And,
             Action::Larger => Opcode::Larger,
+            Action::Smaller => Opcode::Smaller,
             Action::TimesPlus => return self.fuse(at, Opcode::TimesPlus, [a, b, c]),
             Action::TimesFrom => return self.fuse(at, Opcode::TimesFrom, [a, b, c]),
             Action::Call(instruction) => return self.call(at, operation, &instruction),
         };
         let first = self.find(a).expect("a plan loads the first operand");
-        let second = match opcode {
-            Opcode::ExclusiveOr => Operand::Memory(self.header(SIGNS)),
+        let second = match operation.action {
+            Action::Negate => Operand::Memory(self.header(SIGNS)),
+            Action::Magnitude => Operand::Memory(self.header(MAGNITUDES)),
             _ => self.operand(b),
         };
         // A root of several numbers has one operand alone.

@@ -1,7 +1,7 @@
 //! A planned program as a function of the compiler's intermediate code, for any machine it knows:
 //! `fn(slots: *mut f64, scratch: *mut f64)`, one number or two an instruction.
 
-use cranelift_codegen::ir::condcodes::IntCC;
+use cranelift_codegen::ir::condcodes::{FloatCC, IntCC};
 use cranelift_codegen::ir::{
     AbiParam, Function as IrFunction, InstBuilder, MemFlagsData, SigRef, Signature, Type, Value,
     types,
@@ -210,7 +210,20 @@ impl Emitter<'_> {
                 let x = self.read(a);
                 return self.builder.ins().sqrt(x);
             }
-            Action::TimesPlus | Action::TimesFrom | Action::And | Action::Larger => {
+            Action::Magnitude => {
+                let x = self.read(a);
+                return self.builder.ins().fabs(x);
+            }
+            Action::Larger | Action::Smaller => {
+                let (x, y) = (self.read(a), self.read(b));
+                let condition = match operation.action {
+                    Action::Larger => FloatCC::GreaterThan,
+                    _ => FloatCC::LessThan,
+                };
+                let is_first = self.builder.ins().fcmp(condition, x, y);
+                return self.builder.ins().select(is_first, x, y);
+            }
+            Action::TimesPlus | Action::TimesFrom | Action::And => {
                 unreachable!("{NO_OWN}")
             }
             Action::Call(instruction) => instruction,
