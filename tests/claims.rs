@@ -1,6 +1,7 @@
 //! Claims about the mathematics and behaviour of the whole, a module each: `cargo test --test claims branches`.
 
 mod advice;
+mod at_once;
 mod branches;
 mod checkpoint;
 mod closed_form;

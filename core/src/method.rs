@@ -369,13 +369,7 @@ impl StepMap for Method {
                     None => vec![newton],
                     Some(uncoupled) => uncoupled.kernels().collect(),
                 };
-                let both = parts.into_iter().flat_map(|newton| {
-                    [
-                        ("Newton iteration", newton.kernel()),
-                        ("residual alone", newton.residual_kernel()),
-                    ]
-                });
-                both.collect()
+                parts.into_iter().flat_map(NewtonKernel::kernels).collect()
             }
             Path::Fused(map) => map.kernels(),
             Path::Evaluators { code, points, .. } => {

@@ -22,7 +22,7 @@ pub fn at_most(a: f64, b: f64) -> f64 {
 
 /// Beside this a few of the smallest numbers, which have no digits, are a negligible remainder: components that die out pass
 /// through them to 0.
-const SMALLEST_SCALE: f64 = 1e-303;
+pub(in crate::solver) const SMALLEST_SCALE: f64 = 1e-303;
 
 /// |size|/(scale + |size|), 0 for 0: a component that has no scale yet counts as 1.
 #[inline(always)]
@@ -54,7 +54,7 @@ pub fn largest(values: &[f64]) -> f64 {
 
 /// How many times the size of a state what a step adds to it may be and still serve as a scale. A
 /// correction that is negligible beside it is below an ulp of the state.
-const MOST_GROWTH: f64 = 1024.0;
+pub(in crate::solver) const MOST_GROWTH: f64 = 1024.0;
 
 /// The size of a state and of what is added to it, as far as a solve's iterates agree on it.
 ///

@@ -13,6 +13,7 @@ pub use linear::{LinearIteration, Verdict};
 pub use measures::{
     Allowed, CorrectionSize, at_least, at_most, is_between, larger, largest, reach, relative,
 };
+pub(super) use measures::{MOST_GROWTH, SMALLEST_SCALE};
 pub(super) use watch::WANDERING;
 pub use watch::Watch;
 

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use leafwise_expression::{Arithmetic, Graph, Kernel, OperationCount, Term};
 
+use super::at_once::at_once;
 use crate::error::BuildError;
 use crate::realization::SourceTarget;
 use crate::solver::linear::{elimination_operations, substitution_operations};
@@ -22,6 +23,8 @@ pub struct NewtonKernel {
     pub(super) bases: usize,
     /// Where a solve starts, beside the solution before it.
     pub(super) start: Option<Arc<Kernel>>,
+    /// Whole steps of one and of two evaluations from there, where there is a start, in 2 or 3 coordinates.
+    pub(super) at_once: Option<[Arc<Kernel>; 2]>,
 }
 
 /// The code of where a solve starts: 2 Σ_{k odd} tᵏ Y_k(x), to be added to the solution before.
@@ -102,13 +105,22 @@ impl NewtonKernel {
             dimension: d,
             bases,
             start: None,
+            at_once: None,
         })
     }
 
-    /// The same with solves that start from the solution before them and the odd part of the solution's series.
+    /// The same with solves that start from the solution before them and the odd part of the solution's series. In 2 or 3
+    /// coordinates each then begins with a Jacobian of its own.
     pub fn starting_from(self, series: Option<Kernel>) -> Self {
+        let at_once = match &series {
+            Some(series) if matches!(self.dimension, 2 | 3) => {
+                Some([1, 2].map(|evaluations| Arc::new(at_once(&self, series, evaluations))))
+            }
+            _ => None,
+        };
         Self {
             start: series.map(Arc::new),
+            at_once,
             ..self
         }
     }
@@ -148,6 +160,21 @@ impl NewtonKernel {
     /// The code of the start, 2 Σ_{k odd} tᵏ Y_k(x) to be added to the solution before, where there is one.
     pub fn start(&self) -> Option<&Kernel> {
         self.start.as_deref()
+    }
+
+    /// All kernels by name.
+    pub(crate) fn kernels(&self) -> impl Iterator<Item = (&'static str, &Kernel)> {
+        let steps = ["step of one evaluation", "step of two evaluations"];
+        let at_once = self.at_once.iter().flatten().map(|kernel| &**kernel);
+        let always = [
+            ("Newton iteration", self.kernel()),
+            ("residual alone", self.residual_kernel()),
+        ];
+        let start = self.start().map(|start| ("start of a solve", start));
+        always
+            .into_iter()
+            .chain(start)
+            .chain(steps.into_iter().zip(at_once))
     }
 
     /// Weighted operations of the start, 0 where it is extrapolated.

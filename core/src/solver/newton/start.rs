@@ -124,6 +124,28 @@ impl<const W: usize> Start<W> {
         }
     }
 
+    /// y_k, where the start is the series beside it in every lane.
+    #[inline(always)]
+    pub(super) fn last_known(&self) -> Option<&[Row<W>]> {
+        match self {
+            Self::Series { last, is_known, .. } if is_known.iter().all(|known| *known) => {
+                Some(last)
+            }
+            _ => None,
+        }
+    }
+
+    /// Records the solutions of all lanes, where there is a series.
+    #[inline(always)]
+    pub(super) fn take_solution(&mut self, y: &[Row<W>]) {
+        if let Self::Series { last, .. } = self {
+            for (last, y) in last[..y.len()].iter_mut().zip(y) {
+                *last = *y;
+                apart::<W>();
+            }
+        }
+    }
+
     /// Forgets a lane's history.
     pub(super) fn clear(&mut self, lane: usize) {
         match self {

@@ -1,13 +1,15 @@
 //! W trajectories side by side.
 
+mod at_once;
 mod masks;
 mod settle;
 mod trajectories;
 
 pub(super) use trajectories::{Columns, LaneBlock, lane_block};
 
-use leafwise_expression::{Workspace, kernel::apart};
+use leafwise_expression::{Kernel, Workspace, kernel::apart};
 
+use self::at_once::AtOnce;
 use self::masks::{Row, add_where, any, guard_ratio, is_inside, keep, select, take_guard};
 use super::convergence::{Convergence, Next};
 use super::kernel::NewtonKernel;
@@ -63,6 +65,8 @@ pub(super) struct Block<const W: usize, const D: usize, V, M> {
     /// The largest entries of the guard's two sides where the maps were last evaluated.
     guard: [Row<W>; 2],
     start: Start<W>,
+    /// Of a lane alone.
+    at_once: Option<Box<AtOnce>>,
     lanes: [Lane; W],
     outcome: [Result<(), StepError>; W],
     /// Room for the path to a lane's solution, and its start.
@@ -104,7 +108,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
     /// `parameters` is a structure of arrays over the W lanes.
     fn new(kernel: &NewtonKernel, parameters: &[f64], epsilon: f64, h: f64) -> Self {
         let d = kernel.dimension;
-        let prepared = |kernel: &leafwise_expression::Kernel| {
+        let prepared = |kernel: &Kernel| {
             let mut workspace = kernel.workspace(W);
             kernel.prepare(&mut workspace, parameters, &[epsilon; W], &[h; W]);
             workspace
@@ -131,6 +135,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             scale: V::zeros(d),
             guard: [[0.0; W]; 2],
             start: Start::new(kernel.start.as_ref(), d, parameters, epsilon, h),
+            at_once: (W == 1).then(|| AtOnce::new(kernel, prepared)).flatten(),
             lanes: [Lane::NEW; W],
             outcome: [const { Ok(()) }; W],
             branch: Branch::new(d),
@@ -142,7 +147,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
     /// Runs the coefficient kernels; returns whether a coefficient has changed.
     fn prepare(&mut self) -> bool {
         let (parameters, sizes) = (&self.parameters, ([self.epsilon; W], [self.h; W]));
-        let prepare = |kernel: &leafwise_expression::Kernel, workspace: &mut Workspace| {
+        let prepare = |kernel: &Kernel, workspace: &mut Workspace| {
             kernel.prepare(workspace, parameters, &sizes.0, &sizes.1)
         };
         let mut changes = prepare(&self.kernel.full, &mut self.full);
@@ -151,6 +156,9 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             let half = [0.5 * self.h; W];
             let kernel = &self.kernel.full;
             kernel.prepare(workspace, parameters, &sizes.0, &half);
+        }
+        if let Some(own) = &mut self.at_once {
+            changes |= own.prepare(prepare);
         }
         if let Start::Series {
             kernel, workspace, ..
@@ -421,8 +429,9 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             // The last correction enters to first order.
             let change = &self.change.as_ref()[..d * d];
             for i in 0..d {
-                let mut first_order = [0.0; W];
-                for j in 0..d {
+                let mut first_order: Row<W> =
+                    std::array::from_fn(|w| change[i * d][w] * correction[0][w]);
+                for j in 1..d {
                     for w in 0..W {
                         first_order[w] += change[i * d + j][w] * correction[j][w];
                     }
@@ -510,6 +519,13 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         let (x, y) = (&self.x.as_ref()[..d], &self.y.as_ref()[..d]);
         self.start
             .record::<D>(x, y, &mut self.correction.as_mut()[..d], &took);
+        if self.kernel.at_once.is_some() {
+            // The next step begins with a Jacobian of its own.
+            self.lanes.iter_mut().for_each(|lane| lane.anchored = false);
+        }
+        if let Some(own) = &mut self.at_once {
+            own.learn(&self.lanes[0], self.outcome[0].is_ok());
+        }
     }
 }
 

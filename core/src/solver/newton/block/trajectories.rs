@@ -61,7 +61,9 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
             own_x[i].copy_from_slice(&x[from.row::<W>(i)]);
             own_low[i].copy_from_slice(&low[from.row::<W>(i)]);
         }
-        self.step();
+        if W > 1 || !self.increment_at_once() {
+            self.step();
+        }
         for (i, own) in self.increment.as_ref()[..d].iter().enumerate() {
             increment[from.row::<W>(i)].copy_from_slice(own);
         }
@@ -82,6 +84,13 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
         }
         let (mut made, mut jacobians, mut outcome) = (0, 0, Ok(()));
         while made < steps {
+            let (more, ended) = self.run_at_once(steps - made, work, &mut check);
+            made += more;
+            jacobians += more + u64::from(ended.is_err());
+            outcome = ended;
+            if outcome.is_err() || made == steps {
+                break;
+            }
             self.step();
             jacobians += self.report(std::slice::from_mut(&mut outcome), work);
             if let Some(check) = &mut check {
@@ -218,7 +227,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
             self.scale.as_mut()[i][lane] = scale[i];
         }
         self.start.restore(lane, history);
-        if own[4] != 0.0 {
+        if own[4] != 0.0 && self.kernel.at_once.is_none() {
             let only = std::array::from_fn(|w| w == lane);
             let (y, mut residual) = (self.y.take(), self.correction.take());
             let mut increment = self.increment.take();
