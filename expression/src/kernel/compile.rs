@@ -36,44 +36,32 @@ pub struct Kernel {
 impl Kernel {
     /// Compiles `outputs` of a graph over `parameters` parameters and `inputs` kernel inputs.
     pub fn compile(graph: &Graph, outputs: &[Term], parameters: usize, inputs: usize) -> Self {
-        let uses = count_uses(graph, outputs);
-        Self::compile_with(graph, outputs, parameters, inputs, &uses, None)
+        let coefficients = Coefficients::of(graph, outputs, parameters);
+        Self::compile_with(graph, outputs, coefficients, inputs, None)
     }
 
     fn compile_with(
         graph: &Graph,
         outputs: &[Term],
-        parameters: usize,
+        coefficients: Coefficients,
         inputs: usize,
-        uses: &[u32],
         input_slots: Option<FxHashMap<u32, u32>>,
     ) -> Self {
-        let live: Vec<bool> = uses.iter().map(|count| *count > 0).collect();
-        let imported = imported_coefficients(graph, outputs, &live);
-
-        // Coefficient kernel: slots 0 .. parameters, then ε and h.
-        let mut coefficient =
-            Emitter::new(graph, uses, Tier::Coefficient, parameters, parameters + 2);
-        for &node in &imported {
-            let slot = coefficient.place(node);
-            coefficient.code.outputs.push(slot);
-        }
-        let coefficient_code = coefficient.code.finish();
-
-        // Step kernel: slots 0 .. inputs, then the coefficients.
-        let mut step = Emitter::new(graph, uses, Tier::Step, parameters, inputs + imported.len());
+        let Coefficients {
+            parameters,
+            nodes,
+            code,
+        } = coefficients;
+        // Slots 0 .. inputs, then the coefficients.
+        let uses = count_uses(graph, outputs);
+        let mut step = Emitter::new(graph, &uses, Tier::Step, parameters, inputs + nodes.len());
         step.input_slots = input_slots;
-        for (at, &node) in imported.iter().enumerate() {
+        for (at, &node) in nodes.iter().enumerate() {
             step.places.insert(node, (inputs + at) as u32);
         }
         step.code.outputs = outputs.iter().map(|term| step.scaled(term)).collect();
         let step_code = step.code.finish();
-        Self::new(
-            parameters,
-            [inputs, imported.len()],
-            coefficient_code,
-            step_code,
-        )
+        Self::new(parameters, [inputs, nodes.len()], code, step_code)
     }
 
     /// Both programs; the step kernel's slots begin with so many inputs and coefficients.
@@ -116,10 +104,23 @@ impl Kernel {
         parameters: usize,
         inputs: &[usize],
     ) -> Self {
-        let uses = count_uses(graph, outputs);
-        let slots = inputs.iter().enumerate();
-        let slots = slots.map(|(k, &index)| (index as u32, k as u32)).collect();
-        Self::compile_with(graph, outputs, parameters, inputs.len(), &uses, Some(slots))
+        let coefficients = Coefficients::of(graph, outputs, parameters);
+        let slots = input_slots(inputs);
+        Self::compile_with(graph, outputs, coefficients, inputs.len(), Some(slots))
+    }
+
+    /// The same of `all` outputs and of `some` that need nothing else: both have the coefficients of the first.
+    pub fn compile_both(
+        graph: &Graph,
+        [all, some]: [&[Term]; 2],
+        parameters: usize,
+        inputs: &[usize],
+    ) -> [Self; 2] {
+        let coefficients = Coefficients::of(graph, all, parameters);
+        [(all, coefficients.clone()), (some, coefficients)].map(|(outputs, coefficients)| {
+            let slots = input_slots(inputs);
+            Self::compile_with(graph, outputs, coefficients, inputs.len(), Some(slots))
+        })
     }
 
     /// The number of outputs.
@@ -160,6 +161,40 @@ impl Kernel {
     /// How many coefficients pass from the one kernel to the other.
     pub fn coefficients(&self) -> usize {
         self.coefficients
+    }
+}
+
+/// The slot of each graph input.
+fn input_slots(inputs: &[usize]) -> FxHashMap<u32, u32> {
+    let slots = inputs.iter().enumerate();
+    slots.map(|(k, &index)| (index as u32, k as u32)).collect()
+}
+
+/// What depends on parameters, ε and h alone.
+#[derive(Clone)]
+struct Coefficients {
+    parameters: usize,
+    nodes: Vec<Node>,
+    /// Slots 0 .. parameters, then ε and h.
+    code: Code,
+}
+
+impl Coefficients {
+    /// Those that outputs need.
+    fn of(graph: &Graph, outputs: &[Term], parameters: usize) -> Self {
+        let uses = count_uses(graph, outputs);
+        let live: Vec<bool> = uses.iter().map(|count| *count > 0).collect();
+        let nodes = imported_coefficients(graph, outputs, &live);
+        let mut own = Emitter::new(graph, &uses, Tier::Coefficient, parameters, parameters + 2);
+        for &node in &nodes {
+            let slot = own.place(node);
+            own.code.outputs.push(slot);
+        }
+        Self {
+            parameters,
+            nodes,
+            code: own.code.finish(),
+        }
     }
 }
 

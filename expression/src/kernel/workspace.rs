@@ -122,6 +122,23 @@ impl Kernel {
         changes
     }
 
+    /// Takes the coefficients of others in their order: of kernels that this one evaluates, or of one that shares them.
+    ///
+    /// # Panics
+    /// When these are not as many, or of another number of lanes.
+    pub fn prepare_from(&self, workspace: &mut Workspace, others: &[(&Self, &Workspace)]) {
+        let lanes = workspace.lanes;
+        let own = &mut workspace.slots[self.inputs * lanes..][..self.coefficients * lanes];
+        let mut rest = own;
+        for (other, from) in others {
+            assert_eq!(from.lanes, lanes, "as many lanes");
+            let count = other.coefficients * lanes;
+            let part = rest.split_off_mut(..count).expect("as many coefficients");
+            part.copy_from_slice(&from.slots[other.inputs * lanes..][..count]);
+        }
+        assert!(rest.is_empty(), "all coefficients");
+    }
+
     /// Runs the step kernel on `inputs` (inputs × lanes), writes `outputs` (outputs × lanes).
     ///
     /// # Panics

@@ -3,18 +3,17 @@
 use leafwise_expression::Kernel;
 use leafwise_expression::kernel::{Sequence, Value};
 
-use super::kernel::NewtonKernel;
 use crate::solver::judge::{MOST_GROWTH, SMALLEST_SCALE};
 
-/// The kernel of a step from x + low by a Newton correction, and a second one by the same Jacobian where there are two
-/// evaluations. Inputs are x, low and the solution before, d each; outputs whether the Jacobian is plain and one
-/// [`Corrected`] an evaluation. For 2 or 3 coordinates.
+/// The kernel of a step from x + low by a Newton correction, by the `start` of its solve and the kernel of an iteration, and
+/// by further corrections by the same Jacobian, each by the kernel of an iteration without. These have so many `bases`. Inputs
+/// are x, low and the solution before, d each; outputs whether the Jacobian is plain and one [`Corrected`] an evaluation. For 2 or
+/// 3 coordinates.
 ///
 /// Every number has the bits that it has step by step, as long as all are finite.
-pub(super) fn at_once(newton: &NewtonKernel, start: &Kernel, evaluations: usize) -> Kernel {
-    let d = newton.dimension;
-    let mut kernels = vec![start, &*newton.full];
-    kernels.extend((1..evaluations).map(|_| &*newton.residual));
+pub(super) fn at_once(start: &Kernel, full: &Kernel, further: &[&Kernel], bases: usize) -> Kernel {
+    let d = full.inputs();
+    let kernels = [&[start, full], further].concat();
     let mut own = Writer(Sequence::new(3 * d, &kernels));
     let mut input = 0..3 * d;
     let [x, low, last] = std::array::from_fn(|_| -> Vec<Value> {
@@ -29,8 +28,8 @@ pub(super) fn at_once(newton: &NewtonKernel, start: &Kernel, evaluations: usize)
     let sizes = own.sums_of_sizes(&x, &displacement);
     let mut allowed = own.largest(&sizes);
 
-    let ends = own.0.evaluate(&newton.full, &y);
-    let (ends, jacobians) = ends.split_at(newton.bases + 2 * d);
+    let ends = own.0.evaluate(full, &y);
+    let (ends, jacobians) = ends.split_at(bases + 2 * d);
     let (target, rest) = jacobians.split_at(d * d);
     let (change, guard) = rest.split_at(d * d);
     let (inverse, near) = own.inverse(target);
@@ -39,12 +38,12 @@ pub(super) fn at_once(newton: &NewtonKernel, start: &Kernel, evaluations: usize)
 
     let (mut y, mut ends, mut guard) = (y, ends.to_vec(), guard.to_vec());
     let mut grown: Option<Value> = None;
-    for evaluation in 0..evaluations {
+    for evaluation in 0..=further.len() {
         if evaluation > 0 {
-            ends = own.0.evaluate(&newton.residual, &y);
-            guard = ends.split_off(newton.bases + 2 * d);
+            ends = own.0.evaluate(further[evaluation - 1], &y);
+            guard = ends.split_off(bases + 2 * d);
         }
-        let (base, rest) = ends.split_at(newton.bases);
+        let (base, rest) = ends.split_at(bases);
         let base = if base.is_empty() { &y } else { base };
         let (offset, increment) = rest.split_at(d);
         let away = own.each([&x, base], Sequence::subtract);

@@ -84,7 +84,6 @@ impl NewtonKernel {
             None => Vec::new(),
         };
         let guarded = [&outputs[..], &guard[..]].concat();
-        let residual = Kernel::compile_from(graph, &guarded, parameters, inputs);
         for i in 0..d {
             for j in inputs {
                 let base = graph.derivative(&ends.base[i], *j)?;
@@ -98,7 +97,8 @@ impl NewtonKernel {
             }
         }
         outputs.extend(guard);
-        let full = Kernel::compile_from(graph, &outputs, parameters, inputs);
+        let [full, residual] =
+            Kernel::compile_both(graph, [&outputs, &guarded], parameters, inputs);
         Ok(Self {
             full: Arc::new(full),
             residual: Arc::new(residual),
@@ -114,7 +114,9 @@ impl NewtonKernel {
     pub fn starting_from(self, series: Option<Kernel>) -> Self {
         let at_once = match &series {
             Some(series) if matches!(self.dimension, 2 | 3) => {
-                Some([1, 2].map(|evaluations| Arc::new(at_once(&self, series, evaluations))))
+                let [full, residual] = [&*self.full, &*self.residual];
+                let step = |rest: &[&Kernel]| Arc::new(at_once(series, full, rest, self.bases));
+                Some([step(&[]), step(&[residual])])
             }
             _ => None,
         };

@@ -29,27 +29,17 @@ pub(super) enum Start<const W: usize> {
 }
 
 impl<const W: usize> Start<W> {
-    /// By the series where there is one; `parameters` is a structure of arrays over the W lanes.
-    pub(super) fn new(
-        series: Option<&Arc<Kernel>>,
-        dimension: usize,
-        parameters: &[f64],
-        epsilon: f64,
-        h: f64,
-    ) -> Self {
+    /// By the series where there is one, its coefficients not yet prepared.
+    pub(super) fn new(series: Option<&Arc<Kernel>>, dimension: usize) -> Self {
         match series {
             None => Self::Extrapolated(Extrapolation::new(dimension, DEPTH)),
-            Some(kernel) => {
-                let mut workspace = kernel.workspace(W);
-                kernel.prepare(&mut workspace, parameters, &[epsilon; W], &[h; W]);
-                Self::Series {
-                    kernel: Arc::clone(kernel),
-                    workspace,
-                    last: vec![[0.0; W]; dimension],
-                    is_known: [false; W],
-                    is_no_guide: [false; W],
-                }
-            }
+            Some(kernel) => Self::Series {
+                kernel: Arc::clone(kernel),
+                workspace: kernel.workspace(W),
+                last: vec![[0.0; W]; dimension],
+                is_known: [false; W],
+                is_no_guide: [false; W],
+            },
         }
     }
 

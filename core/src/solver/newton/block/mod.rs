@@ -1,7 +1,9 @@
 //! W trajectories side by side.
 
 mod at_once;
+mod lane;
 mod masks;
+mod repeat;
 mod settle;
 mod trajectories;
 
@@ -10,16 +12,15 @@ pub(super) use trajectories::{Columns, LaneBlock, lane_block};
 use leafwise_expression::{Kernel, Workspace, kernel::apart};
 
 use self::at_once::AtOnce;
+use self::lane::Lane;
 use self::masks::{Row, add_where, any, guard_ratio, is_inside, keep, select, take_guard};
-use super::convergence::{Convergence, Next};
+use super::convergence::Next;
 use super::kernel::NewtonKernel;
 use super::start::Start;
 use crate::error::StepError;
 use crate::solver::Branch;
 use crate::solver::elimination::{Factors, Rows, dimension};
-use crate::solver::judge::{
-    Allowed, WANDERING, Watch, at_least, at_most, inside_chart, larger, relative,
-};
+use crate::solver::judge::{Allowed, WANDERING, at_least, at_most, inside_chart, larger, relative};
 
 /// Evaluations of one step. A smooth orbit takes 1 to 4, a cold start at a large step a dozen, one at a
 /// thousand times the size of a chart fifty.
@@ -75,52 +76,18 @@ pub(super) struct Block<const W: usize, const D: usize, V, M> {
     found: Vec<f64>,
 }
 
-/// What a lane's solve is about.
-#[derive(Clone, Copy)]
-struct Lane {
-    convergence: Convergence,
-    /// What is evaluated next.
-    next: Next,
-    /// Whether there are Jacobians.
-    anchored: bool,
-    /// Evaluations with Jacobians in this step.
-    jacobians: u32,
-    /// Whether the Jacobian that is there is far from the identity.
-    is_anchor_far: bool,
-    watch: Watch,
-    /// What an increment may be to serve as a scale.
-    allowed: Allowed,
-}
-
-impl Lane {
-    const NEW: Self = Self {
-        convergence: Convergence::new(),
-        next: Next::Done,
-        anchored: false,
-        jacobians: 0,
-        is_anchor_far: false,
-        watch: Watch::NEW,
-        allowed: Allowed::new(0.0),
-    };
-}
-
 impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
     /// `parameters` is a structure of arrays over the W lanes.
     fn new(kernel: &NewtonKernel, parameters: &[f64], epsilon: f64, h: f64) -> Self {
         let d = kernel.dimension;
-        let prepared = |kernel: &Kernel| {
-            let mut workspace = kernel.workspace(W);
-            kernel.prepare(&mut workspace, parameters, &[epsilon; W], &[h; W]);
-            workspace
-        };
-        Self {
+        let mut own = Self {
             parameters: parameters.to_vec(),
             epsilon,
             h,
             dimension: d,
             most_chords: kernel.most_chords(),
-            full: prepared(&kernel.full),
-            residual: prepared(&kernel.residual),
+            full: kernel.full.workspace(W),
+            residual: kernel.residual.workspace(W),
             halved: None,
             kernel: kernel.clone(),
             x: V::zeros(d),
@@ -134,14 +101,16 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             change: M::zeros(d * d),
             scale: V::zeros(d),
             guard: [[0.0; W]; 2],
-            start: Start::new(kernel.start.as_ref(), d, parameters, epsilon, h),
-            at_once: (W == 1).then(|| AtOnce::new(kernel, prepared)).flatten(),
+            start: Start::new(kernel.start.as_ref(), d),
+            at_once: (W == 1).then(|| AtOnce::new(kernel)).flatten(),
             lanes: [Lane::NEW; W],
             outcome: [const { Ok(()) }; W],
             branch: Branch::new(d),
             from: vec![0.0; d],
             found: vec![0.0; d],
-        }
+        };
+        own.prepare();
+        own
     }
 
     /// Runs the coefficient kernels; returns whether a coefficient has changed.
@@ -150,21 +119,25 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         let prepare = |kernel: &Kernel, workspace: &mut Workspace| {
             kernel.prepare(workspace, parameters, &sizes.0, &sizes.1)
         };
-        let mut changes = prepare(&self.kernel.full, &mut self.full);
-        changes |= prepare(&self.kernel.residual, &mut self.residual);
+        let NewtonKernel { full, residual, .. } = &self.kernel;
+        let mut changes = prepare(full, &mut self.full);
+        residual.prepare_from(&mut self.residual, &[(full, &self.full)]);
         if let Some(workspace) = &mut self.halved {
             let half = [0.5 * self.h; W];
-            let kernel = &self.kernel.full;
-            kernel.prepare(workspace, parameters, &sizes.0, &half);
-        }
-        if let Some(own) = &mut self.at_once {
-            changes |= own.prepare(prepare);
+            full.prepare(workspace, parameters, &sizes.0, &half);
         }
         if let Start::Series {
             kernel, workspace, ..
         } = &mut self.start
         {
             changes |= prepare(kernel, workspace);
+            if let Some(own) = &mut self.at_once {
+                own.prepare([
+                    (kernel, workspace),
+                    (full, &self.full),
+                    (residual, &self.residual),
+                ]);
+            }
         }
         changes
     }

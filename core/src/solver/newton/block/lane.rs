@@ -1,0 +1,34 @@
+//! One lane of a block.
+
+use crate::solver::judge::{Allowed, Watch};
+use crate::solver::newton::convergence::{Convergence, Next};
+
+/// What a lane's solve is about.
+#[derive(Clone, Copy)]
+pub(super) struct Lane {
+    pub(super) convergence: Convergence,
+    /// What is evaluated next.
+    pub(super) next: Next,
+    /// Whether there are Jacobians.
+    pub(super) anchored: bool,
+    /// Evaluations with Jacobians in this step.
+    pub(super) jacobians: u32,
+    /// Whether the Jacobian that is there is far from the identity.
+    pub(super) is_anchor_far: bool,
+    pub(super) watch: Watch,
+    /// What an increment may be to serve as a scale.
+    pub(super) allowed: Allowed,
+}
+
+impl Lane {
+    /// Nothing known.
+    pub(super) const NEW: Self = Self {
+        convergence: Convergence::new(),
+        next: Next::Done,
+        anchored: false,
+        jacobians: 0,
+        is_anchor_far: false,
+        watch: Watch::NEW,
+        allowed: Allowed::new(0.0),
+    };
+}
