@@ -6,14 +6,15 @@ use leafwise_expression::{Kernel, Workspace, kernel::apart};
 
 use crate::solver::elimination::dimension;
 use crate::solver::extrapolation::{DEPTH, Extrapolation};
+use crate::solver::judge::larger;
 
 /// One number of each lane.
 type Row<const W: usize> = [f64; W];
 
 /// The start of the solve for y_{k+1}, as its displacement y − x.
 pub(super) enum Start<const W: usize> {
-    /// y_k and the odd part of the solution's series, 2 Σ_{k odd} tᵏ Y_k; half of that alone where y_k is no
-    /// guide; y = x, where its branch begins, without y_k and where the series overflows.
+    /// y_k and the odd part of the solution's series, 2 Σ_{k odd} tᵏ Y_k; x and half of that where there is no
+    /// y_k; y = x, where its branch begins, where that is far off.
     Series {
         kernel: Arc<Kernel>,
         workspace: Workspace,
@@ -21,11 +22,23 @@ pub(super) enum Start<const W: usize> {
         last: Vec<Row<W>>,
         /// Whether there is one.
         is_known: [bool; W],
-        /// Whether y_k is no guide to the solve that follows.
-        is_no_guide: [bool; W],
     },
     /// Extrapolation of the displacements of earlier steps.
     Extrapolated(Extrapolation<W>),
+}
+
+/// Half of the odd part that moves x farther than by this part of it may be a series that does not converge: what it leads
+/// to, an end outside the chart also, says nothing of the solution that begins at x.
+const NEAR: f64 = 0.25;
+
+/// The displacement of a lane without a solution before it.
+#[cold]
+fn begin<const W: usize>(x: &[Row<W>], odd: &[Row<W>], displacement: &mut [Row<W>], w: usize) {
+    let largest = |rows: &[Row<W>]| rows.iter().fold(0.0, |m, row| larger(m, row[w].abs()));
+    let is_near = 0.5 * largest(odd) <= NEAR * largest(x);
+    for (row, odd) in displacement.iter_mut().zip(odd) {
+        row[w] = if is_near { 0.5 * odd[w] } else { 0.0 };
+    }
 }
 
 impl<const W: usize> Start<W> {
@@ -38,7 +51,6 @@ impl<const W: usize> Start<W> {
                 workspace: kernel.workspace(W),
                 last: vec![[0.0; W]; dimension],
                 is_known: [false; W],
-                is_no_guide: [false; W],
             },
         }
     }
@@ -53,7 +65,6 @@ impl<const W: usize> Start<W> {
                 workspace,
                 last,
                 is_known,
-                is_no_guide,
             } => {
                 let d = dimension::<D>(last.len());
                 let odd = &kernel.evaluate_rows(workspace, x)[..d];
@@ -69,10 +80,7 @@ impl<const W: usize> Start<W> {
                 }
                 for w in 0..W {
                     if !is_known[w] || zero[w].is_nan() {
-                        for (row, odd) in displacement[..d].iter_mut().zip(odd) {
-                            let is_half = is_no_guide[w] && odd[w].is_finite();
-                            row[w] = if is_half { 0.5 * odd[w] } else { 0.0 };
-                        }
+                        begin(x, odd, displacement, w);
                     }
                 }
             }
@@ -97,24 +105,27 @@ impl<const W: usize> Start<W> {
                 }
                 extrapolation.record_in::<D>(room, took);
             }
-            Self::Series {
-                last,
-                is_known,
-                is_no_guide,
-                ..
-            } => {
+            Self::Series { last, is_known, .. } => {
                 let d = dimension::<D>(last.len());
                 for (last, y) in last[..d].iter_mut().zip(y) {
                     *last = *y;
                     apart::<W>();
                 }
                 *is_known = *took;
-                *is_no_guide = [false; W];
             }
         }
     }
 
-    /// y_k, where the start is the series beside it in every lane.
+    /// y_k where the start is the series beside it, nothing elsewhere.
+    #[inline(always)]
+    pub(super) fn last(&self) -> &[Row<W>] {
+        match self {
+            Self::Series { last, .. } => last,
+            Self::Extrapolated(_) => &[],
+        }
+    }
+
+    /// The same where it is known in every lane.
     #[inline(always)]
     pub(super) fn last_known(&self) -> Option<&[Row<W>]> {
         match self {
@@ -140,19 +151,7 @@ impl<const W: usize> Start<W> {
     pub(super) fn clear(&mut self, lane: usize) {
         match self {
             Self::Extrapolated(extrapolation) => extrapolation.clear(lane),
-            Self::Series {
-                is_known,
-                is_no_guide,
-                ..
-            } => (is_known[lane], is_no_guide[lane]) = (false, false),
-        }
-    }
-
-    /// A lane's history is no guide to the solve that follows, of other parameters or from a state that was moved.
-    pub(super) fn change(&mut self, lane: usize) {
-        self.clear(lane);
-        if let Self::Series { is_no_guide, .. } = self {
-            is_no_guide[lane] = true;
+            Self::Series { is_known, .. } => is_known[lane] = false,
         }
     }
 

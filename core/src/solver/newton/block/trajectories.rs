@@ -177,7 +177,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
         }
         let changes = self.prepare();
         for (w, lane) in self.lanes.iter_mut().enumerate() {
-            self.start.change(w);
+            self.start.clear(w);
             if changes {
                 lane.convergence = Convergence::new();
                 lane.anchored = false;
@@ -235,6 +235,9 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
             (self.y, self.correction, self.increment) = (y, residual, increment);
         } else {
             self.lanes[lane].anchored = false;
+            for (y, last) in self.y.as_mut().iter_mut().zip(self.start.last()) {
+                y[lane] = last[lane];
+            }
         }
         // The Jacobian's own evaluation is no step.
         self.lanes[lane].watch = Watch::NEW;
