@@ -78,6 +78,9 @@ pub struct Trajectory<F, const D: usize> {
 }
 
 impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
+    /// Whether every step begins with a Jacobian of its own.
+    const BEGINS_ANEW: bool = F::HAS_SERIES && D <= 3;
+
     pub fn new(formulas: F, x: [f64; D]) -> Self {
         Self {
             formulas,
@@ -108,9 +111,11 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
         let mut predicted = [0.0; D];
         if F::HAS_SERIES {
             let odd = self.formulas.odd(&x);
+            let largest = |v: &[f64; D]| v.iter().fold(0.0, |m: f64, v| larger(m, v.abs()));
             for i in 0..D {
                 predicted[i] = match &self.before {
                     Some(before) => (before[i] - x[i]) + odd[i],
+                    None if 0.5 * largest(&odd) <= 0.25 * largest(&x) => 0.5 * odd[i],
                     None => 0.0,
                 };
             }
@@ -127,13 +132,18 @@ impl<F: Formulas<D>, const D: usize> Trajectory<F, D> {
         for i in 0..D {
             y[i] = x[i] + predicted[i];
             allowed = at_least(x[i].abs() + predicted[i].abs(), allowed);
+            if Self::BEGINS_ANEW {
+                continue;
+            }
             let (anchor, scale) = (self.anchor[i], self.scale[i]);
             let away = (y[i] - anchor).abs();
             distance = larger(distance, relative(away, scale));
             outgrown |= y[i].abs() < HALVED * anchor.abs() && away > NOISE * scale;
         }
-        let by_old =
-            self.anchored && !outgrown && self.chords(distance, self.first, F::MOST_CHORDS);
+        let by_old = !Self::BEGINS_ANEW
+            && self.anchored
+            && !outgrown
+            && self.chords(distance, self.first, F::MOST_CHORDS);
         let mut is_newton = !by_old;
         let (mut last, mut spread, mut stuck) = (f64::INFINITY, f64::INFINITY, 0);
         let mut least_grown = f64::INFINITY;

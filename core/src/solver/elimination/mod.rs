@@ -191,7 +191,9 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
                 if may_skip && factor == 0.0 {
                     continue;
                 }
-                subtract(row[k + 1..].as_chunks_mut().0, &[factor], pivots);
+                for (entry, pivot) in row[k + 1..].iter_mut().zip(pivots) {
+                    *entry -= factor * pivot[0];
+                }
             }
         }
         for (entry, value) in self.entries.as_mut().iter_mut().zip(a) {
@@ -215,12 +217,17 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
         }
         for row in 1..d {
             let (known, rest) = right.split_at_mut(row);
-            subtract_products(&mut rest[0], &entries[row * d..][..row], known);
+            let entries = &entries[row * d..][..row];
+            for (entry, known) in entries.iter().zip(known) {
+                rest[0] = less(&rest[0], entry, known);
+            }
         }
         for row in (0..d).rev() {
             let (rest, known) = right.split_at_mut(row + 1);
             let entries = &entries[row * d + row..][..d - row];
-            subtract_products(&mut rest[row], &entries[1..], known);
+            for (entry, known) in entries[1..].iter().zip(known) {
+                rest[row] = less(&rest[row], entry, known);
+            }
             for w in 0..W {
                 rest[row][w] *= entries[0][w];
             }
@@ -298,13 +305,12 @@ impl<M: Rows<1>> Factors<1, M> {
                 }
             }
         }
-        let take = |row: &mut [f64], factor: f64, other: &[f64]| {
-            subtract(row.as_chunks_mut().0, &[factor], other.as_chunks().0);
-        };
         for row in 1..d {
             let (known, rest) = right.split_at_mut(row * columns);
             for (entry, known) in entries[row * d..].iter().zip(known.chunks_exact(columns)) {
-                take(&mut rest[..columns], entry[0], known);
+                for (value, known) in rest[..columns].iter_mut().zip(known) {
+                    *value -= entry[0] * known;
+                }
             }
         }
         for row in (0..d).rev() {
@@ -312,31 +318,23 @@ impl<M: Rows<1>> Factors<1, M> {
             let rest = &mut rest[row * columns..];
             let entries = &entries[row * d + row..][..d - row];
             for (entry, known) in entries[1..].iter().zip(known.chunks_exact(columns)) {
-                take(rest, entry[0], known);
+                for (value, known) in rest.iter_mut().zip(known) {
+                    *value -= entry[0] * known;
+                }
             }
             rest.iter_mut().for_each(|value| *value *= entries[0][0]);
         }
     }
 }
 
-/// row − factor·other.
+/// value − factor·other.
+///
+/// A number and no place to write it: the compiler keeps what it knows of the places of one call, that they are not
+/// those it reads, for the calls of later rounds of an unrolled loop, which read what earlier ones wrote
+/// (llvm/llvm-project#79137 is one of its kind).
 #[inline(always)]
-fn subtract<const W: usize>(row: &mut [[f64; W]], factor: &[f64; W], other: &[[f64; W]]) {
-    for (entry, other) in row.iter_mut().zip(other) {
-        for w in 0..W {
-            entry[w] -= factor[w] * other[w];
-        }
-    }
-}
-
-/// value − Σ row·known, from the first to the last.
-#[inline(always)]
-fn subtract_products<const W: usize>(value: &mut [f64; W], row: &[[f64; W]], known: &[[f64; W]]) {
-    for (entry, known) in row.iter().zip(known) {
-        for w in 0..W {
-            value[w] -= entry[w] * known[w];
-        }
-    }
+fn less<const W: usize>(value: &[f64; W], factor: &[f64; W], other: &[f64; W]) -> [f64; W] {
+    std::array::from_fn(|w| value[w] - factor[w] * other[w])
 }
 
 /// `matrix` with every zero positive. No subtraction of an elimination makes a negative one of it, so
@@ -385,7 +383,9 @@ fn eliminate<const D: usize, const W: usize>(a: &mut [[f64; W]], d: usize) -> [b
             if may_skip && factor == [0.0; W] {
                 continue;
             }
-            subtract(&mut row[k + 1..], &factor, pivots);
+            for (entry, pivot) in row[k + 1..].iter_mut().zip(pivots) {
+                *entry = less(entry, &factor, pivot);
+            }
         }
     }
     in_place
@@ -393,7 +393,7 @@ fn eliminate<const D: usize, const W: usize>(a: &mut [[f64; W]], d: usize) -> [b
 
 #[cfg(test)]
 mod tests {
-    use super::{ANY, Factors};
+    use super::{ANY, Factors, Rows};
 
     /// Solves one system in lane 1 of 2, the other lane's being the identity.
     fn solve<const D: usize>(a: &[f64], r: &[f64]) -> Option<Vec<f64>> {
@@ -516,6 +516,60 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// A of D×D near the identity and away from it, r: every lane's solution has the bits of its own.
+    fn check_lanes<const D: usize, const W: usize, M: Rows<W>, S: Rows<1>>() {
+        let lane = |at: usize, w: usize| libm::sin(1.0 + (at * at % 37 + 5 * w) as f64);
+        for size in [0.1, 1.0] {
+            let unit = |at: usize| f64::from(u8::from(at.is_multiple_of(D + 1)));
+            let entry = |at: usize, w: usize| unit(at) + size * lane(at, w);
+            let matrix: Vec<[f64; W]> = (0..D * D)
+                .map(|at| std::array::from_fn(|w| entry(at, w)))
+                .collect();
+            let right: [[f64; W]; D] =
+                std::array::from_fn(|at| std::array::from_fn(|w| lane(at + 100, w)));
+            let mut factors = Factors::<W, M>::new(D);
+            assert_eq!(factors.factor::<D>(&matrix, &[true; W]), [false; W]);
+            let mut together = right;
+            factors.solve::<D>(&mut together);
+            for w in 0..W {
+                let own: Vec<[f64; 1]> = matrix.iter().map(|row| [row[w]]).collect();
+                let mut factors = Factors::<1, S>::new(D);
+                assert_eq!(factors.factor::<D>(&own, &[true]), [false]);
+                let mut alone = right.map(|row| [row[w]]);
+                factors.solve::<D>(&mut alone);
+                assert_eq!(
+                    together.map(|row| row[w].to_bits()),
+                    alone.map(|row| row[0].to_bits()),
+                    "lane {w} of {W}, {D} equations"
+                );
+                // What the equations give, to the roundings of an elimination whose multipliers are at most 1.
+                for row in 0..D {
+                    let products = (0..D).map(|k| own[row * D + k][0] * alone[k][0]);
+                    let defect = (products.sum::<f64>() - right[row][w]).abs();
+                    let largest = alone.iter().fold(1.0, |m: f64, [v]| m.max(v.abs()));
+                    let allowed = 64.0 * (D * D) as f64 * f64::EPSILON * largest;
+                    assert!(
+                        defect <= allowed,
+                        "{defect:e} in lane {w} of {W}, {D} equations"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn lanes_are_solved_to_the_bits_of_each_alone() {
+        macro_rules! check {
+            ($($d:literal),*) => {$(
+                check_lanes::<$d, 2, [[f64; 2]; $d * $d], [[f64; 1]; $d * $d]>();
+                check_lanes::<$d, 4, [[f64; 4]; $d * $d], [[f64; 1]; $d * $d]>();
+                check_lanes::<$d, 8, [[f64; 8]; $d * $d], [[f64; 1]; $d * $d]>();
+                check_lanes::<$d, 8, Vec<[f64; 8]>, Vec<[f64; 1]>>();
+            )*};
+        }
+        check!(2, 3, 4, 5, 6, 8);
     }
 
     /// Lanes that are not wanted keep the factors they have.
