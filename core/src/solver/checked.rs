@@ -122,6 +122,11 @@ struct InTurn<'own, 'then> {
 }
 
 impl StepCheck for InTurn<'_, '_> {
+    fn reads(&self, coordinate: usize) -> bool {
+        let then = self.then.as_ref();
+        self.first.reads(coordinate) || then.is_some_and(|then| then.reads(coordinate))
+    }
+
     fn check(&mut self, x: &[f64], increment: &[f64], outcome: &mut [Result<(), StepError>]) {
         let [lane] = outcome else {
             unreachable!("of a lane alone")

@@ -27,6 +27,8 @@ pub struct Poles {
     field: Vec<Term>,
     denominators: Vec<Term>,
     kernel: Kernel,
+    /// The coordinates in them.
+    reads: Vec<usize>,
     looks: &'static [f64],
     written: Vec<String>,
 }
@@ -74,6 +76,7 @@ impl Poles {
         Ok(Some(Self {
             written: denominators.iter().map(written).collect(),
             kernel: Kernel::compile(&graph, &denominators, parameters, d),
+            reads: graph.inputs_read(&denominators),
             looks: looks(&graph, &denominators),
             graph,
             field,
@@ -125,6 +128,10 @@ impl Crossings {
 }
 
 impl StepCheck for Crossings {
+    fn reads(&self, coordinate: usize) -> bool {
+        self.poles.reads.contains(&coordinate)
+    }
+
     fn set_parameters(&mut self, parameters: &[f64]) {
         self.parameters.copy_from_slice(parameters);
         let ones = &self.ones;

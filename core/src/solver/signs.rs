@@ -40,6 +40,10 @@ pub(crate) fn kept_signs(system: &PoissonSystem) -> Vec<usize> {
 pub(crate) struct KeptSigns(pub(crate) Vec<usize>);
 
 impl StepCheck for KeptSigns {
+    fn reads(&self, coordinate: usize) -> bool {
+        self.0.contains(&coordinate)
+    }
+
     fn check(&mut self, x: &[f64], increment: &[f64], outcome: &mut [Result<(), StepError>]) {
         let lanes = outcome.len();
         for (lane, outcome) in outcome.iter_mut().enumerate() {

@@ -164,6 +164,11 @@ pub trait StepCheck: Send {
     /// Replaces the outcome of each lane whose finished step does not fulfil it. Arrays are those of
     /// [`Stepper::increment`].
     fn check(&mut self, x: &[f64], increment: &[f64], outcome: &mut [Result<(), StepError>]);
+    /// Whether its answer may depend on this coordinate.
+    fn reads(&self, coordinate: usize) -> bool {
+        let _ = coordinate;
+        true
+    }
     /// Takes other parameters, a structure of arrays over the lanes.
     fn set_parameters(&mut self, parameters: &[f64]) {
         let _ = parameters;

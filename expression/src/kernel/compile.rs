@@ -193,7 +193,7 @@ impl Coefficients {
         Self {
             parameters,
             nodes,
-            code: own.code.finish(),
+            code: own.code.by_kind().finish(),
         }
     }
 }

@@ -177,7 +177,9 @@ impl PartStepper {
         check: &mut Option<&mut dyn StepCheck>,
     ) -> u64 {
         let (x, low, increment) = (&mut self.x, &mut self.low, &mut self.increment);
-        let Some(check) = check else {
+        let concerns =
+            |check: &&mut &mut dyn StepCheck| self.rows.iter().any(|at| check.reads(*at));
+        let Some(check) = check.as_mut().filter(concerns) else {
             return self.stepper.advance(steps, x, low, increment, None).0;
         };
         let mut alone = Alone {
@@ -202,6 +204,11 @@ struct Alone<'a> {
 }
 
 impl StepCheck for Alone<'_> {
+    fn reads(&self, coordinate: usize) -> bool {
+        let row = self.rows.get(coordinate);
+        row.is_some_and(|row| self.check.reads(*row))
+    }
+
     fn check(&mut self, x: &[f64], increment: &[f64], outcome: &mut [Result<(), StepError>]) {
         let [state, changes] = &mut self.whole;
         for (row, (x, change)) in self.rows.iter().zip(x.iter().zip(increment)) {
