@@ -30,6 +30,8 @@ pub struct Kernel {
     pub(super) first_output: usize,
     /// Outputs that are computed in another slot than that of their row, with that slot.
     pub(super) strays: Vec<(u32, u32)>,
+    /// The machine code of the coefficient kernel, and of the step kernel.
+    pub(super) compiled_coefficients: Arc<Compiled>,
     pub(super) compiled: Arc<Compiled>,
 }
 
@@ -86,6 +88,7 @@ impl Kernel {
             step_code,
             first_output,
             strays,
+            compiled_coefficients: Arc::default(),
             compiled: Arc::default(),
         }
     }

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 use super::MachineCode;
 use super::code::Code;
 
-/// How step kernels run. The results have the same bits either way.
+/// How kernels run. The results have the same bits either way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Execution {
     /// By the interpreter.
@@ -75,16 +75,35 @@ impl Compiled {
         entry.machine.clone().flatten()
     }
 
-    /// Counts [`REPORT`] evaluations of `lanes` lanes; returns machine code once it pays. While
+    /// Machine code for `lanes` lanes of what runs once in a while, where that is wanted or pays.
+    pub(super) fn once(
+        &self,
+        code: &Code,
+        lanes: usize,
+        execution: Execution,
+    ) -> Option<Arc<MachineCode>> {
+        match execution {
+            Execution::Interpreted => None,
+            Execution::Compiled => self.get(code, lanes, true),
+            Execution::Adaptive => self.report(code, lanes, 1),
+        }
+    }
+
+    /// Counts so many evaluations of `lanes` lanes; returns machine code once it pays. While
     /// another thread compiles, this one goes on without.
-    pub(super) fn report(&self, code: &Code, lanes: usize) -> Option<Arc<MachineCode>> {
+    pub(super) fn report(
+        &self,
+        code: &Code,
+        lanes: usize,
+        evaluations: u32,
+    ) -> Option<Arc<MachineCode>> {
         let mut entries = match self.entries.try_lock() {
             Ok(entries) => entries,
             Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
             Err(TryLockError::WouldBlock) => return None,
         };
         let entry = find(&mut entries, lanes);
-        entry.evaluations += u64::from(REPORT);
+        entry.evaluations += u64::from(evaluations);
         if entry.evaluations >= MachineCode::evaluations_to_pay(lanes) {
             entry.compile(code);
         }

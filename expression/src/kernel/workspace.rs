@@ -17,8 +17,10 @@ use super::{MachineCode, Room};
 pub struct Workspace {
     lanes: usize,
     slots: Aligned,
-    /// Where the coefficient kernel runs.
-    room: Vec<f64>,
+    execution: Execution,
+    /// Where the coefficient kernel runs, and its machine code.
+    room: Aligned,
+    coefficients: Option<Machine>,
     machine: Option<Machine>,
     /// Evaluations until the kernel is told of them; 0 where it never is.
     until_report: u32,
@@ -49,7 +51,7 @@ impl Kernel {
         self.workspace_for(lanes, Execution::default_of_process())
     }
 
-    /// A workspace that runs the step kernel in a given way.
+    /// A workspace that runs both kernels in a given way.
     ///
     /// # Panics
     /// When `lanes` is 0.
@@ -71,7 +73,9 @@ impl Kernel {
         Workspace {
             lanes,
             slots,
-            room: Vec::new(),
+            execution,
+            room: Aligned::filled(0, 0.0),
+            coefficients: None,
             machine: machine.map(Machine::new),
             until_report,
         }
@@ -101,15 +105,26 @@ impl Kernel {
             "one step size a lane"
         );
         let code = &self.coefficient_code;
-        let mut slots = std::mem::take(&mut workspace.room);
-        slots.resize(code.slots * lanes, 0.0);
+        if workspace.room.len() != code.slots * lanes {
+            workspace.room = Aligned::filled(code.slots * lanes, 0.0);
+        }
+        let slots = &mut workspace.room;
         slots[..parameters.len()].copy_from_slice(parameters);
         slots[parameters.len()..][..lanes].copy_from_slice(epsilon);
         slots[parameters.len() + lanes..][..lanes].copy_from_slice(h);
         for &(slot, value) in &code.constants {
             slots[slot as usize * lanes..][..lanes].fill(value);
         }
-        run(code, &mut slots, lanes);
+        if workspace.coefficients.is_none() {
+            let found = self
+                .compiled_coefficients
+                .once(code, lanes, workspace.execution);
+            workspace.coefficients = found.map(Machine::new);
+        }
+        match &mut workspace.coefficients {
+            Some(machine) => machine.code.run(slots, &mut machine.room),
+            None => run(code, slots, lanes),
+        }
         let mut changes = false;
         for (at, &slot) in code.outputs.iter().enumerate() {
             let kept = &mut workspace.slots[(self.inputs + at) * lanes..][..lanes];
@@ -118,7 +133,6 @@ impl Kernel {
             changes |= pairs.any(|(kept, new)| kept.to_bits() != new.to_bits());
             kept.copy_from_slice(new);
         }
-        workspace.room = slots;
         changes
     }
 
@@ -273,7 +287,7 @@ impl Kernel {
             return None;
         }
         *until_report = REPORT;
-        let machine = self.compiled.report(&self.step_code, lanes);
+        let machine = self.compiled.report(&self.step_code, lanes, REPORT);
         machine.map(Machine::new)
     }
 

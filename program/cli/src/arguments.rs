@@ -18,7 +18,7 @@ pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
-    /// How step kernels run; the results have the same bits either way
+    /// How kernels run; the results have the same bits either way
     #[arg(
         long,
         global = true,
@@ -47,7 +47,7 @@ pub struct PluginArguments {
     pub measures_here: bool,
 }
 
-/// How step kernels run.
+/// How kernels run.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Kernels {
     /// By the interpreter
