@@ -5,6 +5,8 @@
 
 mod inverse;
 
+use leafwise_expression::kernel::apart;
+
 use inverse::{by_cofactors, is_inverted, is_near_one, multiply};
 
 /// A dimension that is known at run time only.
@@ -99,7 +101,10 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
         if D == ANY {
             unsigned(entries, matrix);
         } else {
-            entries.copy_from_slice(matrix);
+            for (entry, value) in entries.iter_mut().zip(matrix) {
+                *entry = *value;
+                apart::<W>();
+            }
         }
         let in_place = eliminate::<D, W>(entries, d);
         if !all {
