@@ -134,6 +134,17 @@ impl Convergence {
         }
     }
 
+    /// Whether the next step, if it begins with a Jacobian of its own, is taken to need a second evaluation: by the growth of
+    /// first corrections from `before`, the step before this one, to this one.
+    #[inline(always)]
+    pub(super) fn foresees_two(&self, before: f64) -> bool {
+        let size = self.first * (self.first / before);
+        let spread = size * size;
+        let remainder = larger(self.constant, LEAST_CONSTANT) * spread;
+        let is_done = spread <= OUTGROWN * self.seen && SAFETY * remainder <= LARGEST_REMAINDER;
+        !is_done && size > LARGEST_REMAINDER
+    }
+
     /// Takes in what a correction left, the size of the next: C, or a bound of it where that is
     /// round-off. Only a fresh observation may lower the constant, and slowly.
     #[inline(always)]

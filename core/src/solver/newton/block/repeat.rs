@@ -50,7 +50,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         let inputs = program.inputs::<W>();
         let vectors = [self.x.as_ref(), self.low.as_ref(), last];
         for (inputs, vector) in inputs.chunks_exact_mut(d).zip(vectors) {
-            inputs.copy_from_slice(vector);
+            copy(inputs, vector);
         }
         true
     }
@@ -61,7 +61,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         let mut vectors = program.inputs::<W>().chunks_exact(d);
         let mut take = |own: &mut V| {
             let vector = vectors.next().expect("three vectors");
-            own.as_mut().copy_from_slice(vector);
+            copy(own.as_mut(), vector);
         };
         take(&mut self.x);
         take(&mut self.low);
@@ -98,6 +98,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                 let outcome = std::slice::from_mut(outcome);
                 check.check(x, increment.as_flattened(), outcome);
             }
+            let needs_other = next.convergence.foresees_two(lane.convergence.first) != needs_two;
             lane = next;
             work.count(lane.convergence.evaluations.into(), true);
             for i in 0..d {
@@ -114,7 +115,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                 break End::Another;
             }
             made += 1;
-            if needs_two && lane.convergence.evaluations == 1 {
+            if needs_other {
                 break End::Other;
             }
         };
@@ -140,11 +141,12 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             }
             match program.step::<W>(self.lanes[0], d, needs_two, self.most_chords) {
                 Ok((_, lane, corrected)) => {
-                    own.needs_two = lane.convergence.evaluations == 2;
+                    let before = self.lanes[0].convergence.first;
+                    own.needs_two = lane.convergence.foresees_two(before);
                     self.lanes[0] = lane;
                     self.outcome[0] = Ok(());
-                    self.increment.as_mut().copy_from_slice(corrected.increment);
-                    self.y.as_mut().copy_from_slice(corrected.solution);
+                    copy(self.increment.as_mut(), corrected.increment);
+                    copy(self.y.as_mut(), corrected.solution);
                     self.start.take_solution(corrected.solution);
                     is_made = true;
                 }
@@ -154,5 +156,14 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         }
         self.at_once = Some(own);
         is_made
+    }
+}
+
+/// Row by row.
+#[inline(always)]
+fn copy<const W: usize>(to: &mut [[f64; W]], from: &[[f64; W]]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to = *from;
+        apart::<W>();
     }
 }
