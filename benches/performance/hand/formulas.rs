@@ -8,6 +8,7 @@ pub use written::*;
 mod written {
     #![allow(
         clippy::all,
+        unused_variables,
         reason = "written by a program, and read by a compiler alone"
     )]
 

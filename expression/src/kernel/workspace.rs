@@ -20,7 +20,7 @@ pub struct Workspace {
     execution: Execution,
     /// Where the coefficient kernel runs, and its machine code.
     room: Aligned,
-    coefficients: Option<Machine>,
+    coefficients: Option<Box<Machine>>,
     machine: Option<Machine>,
     /// Evaluations until the kernel is told of them; 0 where it never is.
     until_report: u32,
@@ -119,7 +119,7 @@ impl Kernel {
             let found = self
                 .compiled_coefficients
                 .once(code, lanes, workspace.execution);
-            workspace.coefficients = found.map(Machine::new);
+            workspace.coefficients = found.map(|code| Box::new(Machine::new(code)));
         }
         match &mut workspace.coefficients {
             Some(machine) => machine.code.run(slots, &mut machine.room),
