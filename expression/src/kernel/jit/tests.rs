@@ -179,6 +179,16 @@ proptest! {
         check(&code(&choices, &chosen), &numbers)?;
     }
 
+    /// Magnitudes, and the larger and smaller of two, of lanes alone and side by side.
+    #[test]
+    fn comparisons_keep_their_bits(
+        choices in prop::collection::vec((40_u8..46, any::<usize>(), any::<usize>(), any::<usize>()), 1..60),
+        chosen in prop::collection::vec(any::<usize>(), 1..12),
+        numbers in prop::collection::vec(number(), FIXED as usize * 37),
+    ) {
+        check(&code(&choices, &chosen), &numbers)?;
+    }
+
     /// Sines and cosines of few arguments, which are computed two at once.
     #[test]
     fn sines_and_cosines_of_one_argument_keep_their_bits(

@@ -216,12 +216,18 @@ impl Emitter<'_> {
             }
             Action::Larger | Action::Smaller => {
                 let (x, y) = (self.read(a), self.read(b));
-                let condition = match operation.action {
-                    Action::Larger => FloatCC::GreaterThan,
-                    _ => FloatCC::LessThan,
+                let (large, small) = match operation.action {
+                    Action::Larger => (x, y),
+                    _ => (y, x),
                 };
-                let is_first = self.builder.ins().fcmp(condition, x, y);
-                return self.builder.ins().select(is_first, x, y);
+                let ty = self.builder.func.dfg.value_type(x);
+                let is_first = self.builder.ins().fcmp(FloatCC::GreaterThan, large, small);
+                if !ty.is_vector() {
+                    return self.builder.ins().select(is_first, x, y);
+                }
+                let flags = MemFlagsData::new();
+                let mask = self.builder.ins().bitcast(ty, flags, is_first);
+                return self.builder.ins().bitselect(mask, x, y);
             }
             Action::TimesPlus | Action::TimesFrom | Action::And => {
                 unreachable!("{NO_OWN}")
