@@ -111,8 +111,8 @@ impl Convergence {
         self.stuck = if is_stuck { self.stuck + 1 } else { 0 };
         self.last = size;
         self.spread = (2.0 * self.distance + size) * size;
-        let remainder = larger(self.constant, LEAST_CONSTANT) * self.spread;
-        let is_observed = self.evaluations > 1 || self.spread <= OUTGROWN * self.seen;
+        let remainder = self.remainder(self.spread);
+        let is_observed = self.evaluations > 1 || self.is_observed(self.spread);
         // By an old Jacobian corrections may shrink slowly; by a new one they do not.
         let noise = if is_newton { ROUND_OFF } else { ULPS };
         let is_done = size <= LARGEST_REMAINDER
@@ -140,9 +140,21 @@ impl Convergence {
     pub(super) fn foresees_two(&self, before: f64) -> bool {
         let size = self.first * (self.first / before);
         let spread = size * size;
-        let remainder = larger(self.constant, LEAST_CONSTANT) * spread;
-        let is_done = spread <= OUTGROWN * self.seen && SAFETY * remainder <= LARGEST_REMAINDER;
+        let is_done =
+            self.is_observed(spread) && SAFETY * self.remainder(spread) <= LARGEST_REMAINDER;
         !is_done && size > LARGEST_REMAINDER
+    }
+
+    /// What a correction of this (2D + δ)δ leaves.
+    #[inline(always)]
+    fn remainder(&self, spread: f64) -> f64 {
+        larger(self.constant, LEAST_CONSTANT) * spread
+    }
+
+    /// Whether the constant was observed at a correction that was about as large.
+    #[inline(always)]
+    fn is_observed(&self, spread: f64) -> bool {
+        spread <= OUTGROWN * self.seen
     }
 
     /// Takes in what a correction left, the size of the next: C, or a bound of it where that is
@@ -211,6 +223,30 @@ mod tests {
         let size = 4.0 * f64::EPSILON;
         assert_ne!(lane.judge(size, || f64::INFINITY, false, 4), Next::Done);
         assert_eq!(lane.judge(size, || f64::INFINITY, false, 4), Next::Done);
+    }
+
+    /// First corrections that grow by a fifth a step and fall again: the two before it tell whether a step takes a second
+    /// evaluation. With C = 1 those above √(ε/1024/16) = 1.2e-10 do.
+    #[test]
+    fn a_second_evaluation_is_foreseen_by_the_growth_of_first_corrections() {
+        let mut lane = Convergence::new();
+        (lane.constant, lane.seen) = (1.0, f64::INFINITY);
+        let up: Vec<f64> = (0..20)
+            .map(|at| 1e-11 * libm::pow(1.2, f64::from(at)))
+            .collect();
+        let sizes = up.iter().chain(up.iter().rev());
+        let (mut seen, mut missed) = (Vec::new(), 0);
+        let mut foreseen = false;
+        for size in sizes {
+            let before = lane.first;
+            lane.start(None, 4);
+            let needs_two = lane.judge(*size, || f64::INFINITY, true, 4) != Next::Done;
+            missed += u32::from(needs_two != foreseen);
+            seen.push(needs_two);
+            foreseen = lane.foresees_two(before);
+        }
+        assert!(seen.contains(&true) && seen.contains(&false));
+        assert_eq!(missed, 0);
     }
 
     /// A constant observed where the map is nearly linear says nothing of where it is not: a first
