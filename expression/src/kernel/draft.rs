@@ -1,12 +1,10 @@
 //! Code while it is written.
 
-use std::collections::VecDeque;
-use std::mem::{Discriminant, discriminant};
-
 use rustc_hash::FxHashMap;
 
 use super::allocate::reuse_slots;
 use super::code::{Code, Instruction};
+use super::kinds::by_kind;
 
 /// Code whose every result has a slot of its own, until it is finished.
 pub(super) struct Draft {
@@ -19,9 +17,6 @@ pub(super) struct Draft {
     /// The slots of numbers, by their bits.
     numbers: FxHashMap<u64, u32>,
 }
-
-/// Instructions that are ordered by their kinds at a time.
-const NEAR: usize = 1024;
 
 /// Numbers stand in slots from here on until it is known how many there are.
 const NUMBERS: u32 = 1 << 31;
@@ -73,15 +68,9 @@ impl Draft {
         outputs.map(|slot| names[*slot as usize]).collect()
     }
 
-    /// The same with instructions of one kind after each other, as far as their operands allow: what runs once is decoded
-    /// from an instruction to the next, and a processor foresees that the next one is of the same kind. So many at a time
-    /// as have results that stay near.
+    /// The same with instructions of one kind after each other, as far as their operands allow.
     pub(super) fn by_kind(mut self) -> Self {
-        let mut first = self.fixed;
-        for part in self.instructions.chunks_mut(NEAR) {
-            order_by_kind(part, first);
-            first += part.len();
-        }
+        by_kind(&mut self.instructions, self.fixed);
         self
     }
 
@@ -109,123 +98,5 @@ impl Draft {
             slots: self.slots + numbers as usize,
         };
         reuse_slots(code, (fixed + numbers) as usize)
-    }
-}
-
-/// Orders instructions, whose results stand in the slots from `first` on, by their kinds.
-fn order_by_kind(instructions: &mut [Instruction], first: usize) {
-    // The instruction that makes each slot, and those that wait for each.
-    let maker = |slot: u32| {
-        let made = (slot as usize).checked_sub(first)?;
-        (made < instructions.len()).then_some(made)
-    };
-    let mut readers: Vec<Vec<usize>> = vec![Vec::new(); instructions.len()];
-    let mut missing = vec![0_usize; instructions.len()];
-    for (at, instruction) in instructions.iter().enumerate() {
-        for made in instruction.operands().into_iter().filter_map(maker) {
-            readers[made].push(at);
-            missing[at] += 1;
-        }
-    }
-    let mut ready: Vec<(Discriminant<Instruction>, VecDeque<usize>)> = Vec::new();
-    let offer = |ready: &mut Vec<(_, VecDeque<usize>)>, at: usize| {
-        let kind = discriminant(&instructions[at]);
-        match ready.iter_mut().find(|(own, _)| *own == kind) {
-            Some((_, waiting)) => waiting.push_back(at),
-            None => ready.push((kind, VecDeque::from([at]))),
-        }
-    };
-    (0..instructions.len())
-        .filter(|at| missing[*at] == 0)
-        .for_each(|at| offer(&mut ready, at));
-    let mut ordered = Vec::with_capacity(instructions.len());
-    while let Some(most) = (0..ready.len()).max_by_key(|at| ready[*at].1.len()) {
-        let Some(mut next) = ready[most].1.pop_front() else {
-            break;
-        };
-        loop {
-            ordered.push(instructions[next]);
-            for reader in &readers[next] {
-                missing[*reader] -= 1;
-                if missing[*reader] == 0 {
-                    offer(&mut ready, *reader);
-                }
-            }
-            match ready[most].1.pop_front() {
-                Some(more) => next = more,
-                None => break,
-            }
-        }
-    }
-    instructions.copy_from_slice(&ordered);
-}
-
-#[cfg(test)]
-mod tests {
-    use std::mem::discriminant;
-
-    use proptest::prelude::*;
-
-    use super::Draft;
-    use crate::kernel::code::{Code, Instruction};
-    use crate::kernel::interpreter::run;
-
-    /// Sums, quotients and signs of three inputs and each other, everything an output.
-    fn drafted(choices: &[(u8, usize, usize)]) -> Draft {
-        let mut draft = Draft::new(3);
-        let mut slots = vec![0, 1, 2, draft.number(0.75)];
-        for &(kind, a, b) in choices {
-            let [a, b] = [a, b].map(|at| slots[at % slots.len()]);
-            slots.push(draft.push(|out| match kind % 4 {
-                0 => Instruction::Add { out, a, b },
-                1 => Instruction::Multiply { out, a, b },
-                2 => Instruction::Divide { out, a, b },
-                _ => Instruction::Negate { out, a },
-            }));
-        }
-        draft.outputs = slots;
-        draft
-    }
-
-    fn values(code: &Code) -> Vec<u64> {
-        let mut slots = vec![0.0; code.slots];
-        slots[..3].copy_from_slice(&[1.5, -0.3, 0.7]);
-        for &(slot, value) in &code.constants {
-            slots[slot as usize] = value;
-        }
-        run(code, &mut slots, 1);
-        let outputs = code.outputs.iter();
-        outputs
-            .map(|slot| slots[*slot as usize].to_bits())
-            .collect()
-    }
-
-    fn changes(code: &Code) -> usize {
-        let pairs = code.instructions.windows(2);
-        pairs
-            .filter(|two| discriminant(&two[0]) != discriminant(&two[1]))
-            .count()
-    }
-
-    proptest! {
-        /// In the order of their kinds instructions make the same bits.
-        #[test]
-        fn an_order_by_kinds_changes_no_bit(choices in prop::collection::vec(any::<(u8, usize, usize)>(), 0..6000)) {
-            let written = drafted(&choices).finish();
-            let ordered = drafted(&choices).by_kind().finish();
-            prop_assert_eq!(written.count(), ordered.count());
-            prop_assert_eq!(values(&written), values(&ordered));
-        }
-    }
-
-    /// Of three kinds, all over the inputs: the kind changes twice.
-    #[test]
-    fn instructions_of_one_kind_follow_each_other() {
-        let choices: Vec<(u8, usize, usize)> = (0..300)
-            .map(|at| ((at % 3) as u8, at % 4, at / 3 % 4))
-            .collect();
-        let written = changes(&drafted(&choices).finish());
-        let ordered = changes(&drafted(&choices).by_kind().finish());
-        assert_eq!([written, ordered], [299, 2]);
     }
 }

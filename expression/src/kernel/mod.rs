@@ -11,6 +11,7 @@ mod interpreter;
 #[cfg(all(feature = "jit", any(target_arch = "x86_64", target_arch = "aarch64")))]
 #[allow(unsafe_code)]
 mod jit;
+mod kinds;
 #[cfg(not(all(feature = "jit", any(target_arch = "x86_64", target_arch = "aarch64"))))]
 mod no_jit;
 mod sequence;

@@ -82,7 +82,7 @@ impl Kernel {
     }
 
     /// Runs the coefficient kernel: `parameters` as a structure of arrays over the lanes, one ε and
-    /// h for each lane. Allocates when it first runs. Returns whether a coefficient has changed.
+    /// h for each lane. Allocates when it first runs, and when machine code comes to pay. Returns whether a coefficient has changed.
     ///
     /// # Panics
     /// When a slice does not have `parameters × lanes` or `lanes` entries.
@@ -116,9 +116,8 @@ impl Kernel {
             slots[slot as usize * lanes..][..lanes].fill(value);
         }
         if workspace.coefficients.is_none() {
-            let found = self
-                .compiled_coefficients
-                .once(code, lanes, workspace.execution);
+            let compiled = &self.compiled_coefficients;
+            let found = compiled.once(code, lanes, workspace.execution);
             workspace.coefficients = found.map(|code| Box::new(Machine::new(code)));
         }
         match &mut workspace.coefficients {
@@ -291,7 +290,14 @@ impl Kernel {
         machine.map(Machine::new)
     }
 
-    /// What was compiled to machine code until now, for each number of lanes.
+    /// Whether coefficients of so many lanes have machine code.
+    #[cfg(test)]
+    pub(super) fn has_compiled_coefficients(&self, lanes: usize) -> bool {
+        let sizes = self.compiled_coefficients.describe();
+        sizes.iter().any(|size| size.lanes == lanes)
+    }
+
+    /// What of the step kernel was compiled to machine code until now, for each number of lanes.
     pub fn machine_code(&self) -> Vec<MachineCodeSize> {
         self.compiled.describe()
     }

@@ -8,7 +8,7 @@ use super::machine::{Backend, FAR, MachineCode, REFUSES};
 use crate::analytic::AnalyticFunction;
 use crate::arithmetic::Arithmetic;
 use crate::expression::Function;
-use crate::graph::Graph;
+use crate::graph::{Graph, StepSize};
 use crate::kernel::aligned::Aligned;
 use crate::kernel::code::{Code, Instruction};
 use crate::kernel::interpreter::run;
@@ -179,16 +179,6 @@ proptest! {
         check(&code(&choices, &chosen), &numbers)?;
     }
 
-    /// Magnitudes, and the larger and smaller of two, of lanes alone and side by side.
-    #[test]
-    fn comparisons_keep_their_bits(
-        choices in prop::collection::vec((40_u8..46, any::<usize>(), any::<usize>(), any::<usize>()), 1..60),
-        chosen in prop::collection::vec(any::<usize>(), 1..12),
-        numbers in prop::collection::vec(number(), FIXED as usize * 37),
-    ) {
-        check(&code(&choices, &chosen), &numbers)?;
-    }
-
     /// Sines and cosines of few arguments, which are computed two at once.
     #[test]
     fn sines_and_cosines_of_one_argument_keep_their_bits(
@@ -339,6 +329,44 @@ fn a_compilation_that_fails_leaves_the_interpreter() {
             assert!(found == expected, "{execution:?}, {lanes} lanes");
             // It is not tried again.
             assert!(!evaluations(&kernel, execution, lanes).1);
+        }
+    }
+}
+
+/// Coefficients have the interpreter's bits, as machine code from the first on or once that pays.
+#[test]
+fn coefficients_keep_their_bits_as_machine_code() {
+    let mut graph = Graph::new();
+    let (x, parameter) = (graph.input(0), graph.parameter(0));
+    let h = graph.step_size(StepSize::H);
+    let sine = graph.apply(Function::Sin, &parameter).expect("code");
+    let root = graph.apply(Function::Exp, &h).expect("code");
+    let product = graph.multiply(&sine, &root);
+    let output = graph.multiply(&product, &x);
+    for lanes in [1, 2, 8, 11] {
+        let bits = |execution: Execution| -> (Vec<u64>, bool) {
+            let kernel = Kernel::compile(&graph, std::slice::from_ref(&output), 1, 1);
+            let most = MachineCode::evaluations_to_pay(lanes);
+            let mut bits = Vec::new();
+            for round in 0..=most {
+                // A stepper of its own each, as those of a sweep.
+                let mut workspace = kernel.workspace_for(lanes, execution);
+                let parameters: Vec<f64> =
+                    (0..lanes).map(|w| round as f64 / 64.0 + w as f64).collect();
+                let ones = vec![1.0; lanes];
+                kernel.prepare(&mut workspace, &parameters, &ones, &ones);
+                let mut values = vec![0.0; lanes];
+                kernel.evaluate(&mut workspace, &ones, &mut values);
+                bits.extend(values.iter().map(|v| v.to_bits()));
+            }
+            (bits, kernel.has_compiled_coefficients(lanes))
+        };
+        let (expected, is_compiled) = bits(Execution::Interpreted);
+        assert!(!is_compiled);
+        for execution in [Execution::Compiled, Execution::Adaptive] {
+            let (found, is_compiled) = bits(execution);
+            assert!(is_compiled, "{execution:?}, {lanes} lanes");
+            assert!(found == expected, "{execution:?}, {lanes} lanes");
         }
     }
 }
