@@ -1,5 +1,6 @@
 //! Step kernels by the interpreter and as machine code: nanoseconds an evaluation and their ratio,
-//! for one lane and for eight, and how much of a step its kernel takes.
+//! for one lane and for eight, and how much of a step its kernel takes. Then coefficients likewise, and how long it takes to
+//! make a stepper of one lane.
 
 #![allow(clippy::print_stdout)]
 
@@ -7,8 +8,12 @@ use std::fmt::Write as _;
 use std::hint::black_box;
 use std::time::Instant;
 
+use leafwise::core::StepMap;
 use leafwise::expression::{Execution, Kernel};
-use leafwise_benches::{HEAVY_TOP, PERIODIC_LOTKA_VOLTERRA, RIGID_BODY, composed, scene_with};
+use leafwise::scene::ComposedRun;
+use leafwise_benches::{
+    HEAVY_TOP, PERIODIC_LOTKA_VOLTERRA, RIGID_BODY, composed, scene_of, scene_with,
+};
 
 /// Nanoseconds a call: the best of several rounds.
 fn nanoseconds(calls: usize, mut call: impl FnMut()) -> f64 {
@@ -33,6 +38,47 @@ fn evaluation(kernel: &Kernel, execution: Execution, lanes: usize, state: &[f64]
     nanoseconds(calls, || {
         kernel.evaluate_in_place(black_box(&mut workspace));
     })
+}
+
+/// Nanoseconds to form the coefficients.
+fn preparation(kernel: &Kernel, execution: Execution, lanes: usize) -> f64 {
+    let mut workspace = kernel.workspace_for(lanes, execution);
+    let parameters = vec![1.25; kernel.parameters() * lanes];
+    let sizes = vec![0.1; lanes];
+    let calls = 1 + 2_000_000 / (kernel.coefficient_operations().total() * lanes + 100);
+    nanoseconds(calls, || {
+        kernel.prepare(black_box(&mut workspace), &parameters, &sizes, &sizes);
+    })
+}
+
+/// A row for one lane and one for eight.
+fn coefficients(name: &str, run: &ComposedRun, table: &mut String) {
+    let method = run.method.written().expect("a written method");
+    let kernel = method.newton().expect("one kernel").kernel();
+    let parameters = run.system.parameter_values();
+    for lanes in [1, 8] {
+        let [interpreted, compiled] = [Execution::Interpreted, Execution::Compiled]
+            .map(|execution| preparation(kernel, execution, lanes));
+        let steppers = [Execution::Interpreted, Execution::Compiled].map(|execution| {
+            execution.set_default_of_process();
+            nanoseconds(200, || {
+                black_box(method.stepper(1, &parameters, 1.0, 0.1));
+            })
+        });
+        Execution::default().set_default_of_process();
+        let stepper = match lanes {
+            1 => format!("{:.1} | {:.1}", steppers[0] / 1e3, steppers[1] / 1e3),
+            _ => " | ".to_owned(),
+        };
+        writeln!(
+            table,
+            "| {name} | {} | {lanes} | {:.2} | {:.2} | {stepper} |",
+            kernel.coefficient_operations().total(),
+            interpreted / 1e3,
+            compiled / 1e3,
+        )
+        .expect("a string");
+    }
 }
 
 fn main() {
@@ -138,5 +184,30 @@ fn main() {
         )
         .expect("a string");
     }
-    println!("{table}\n{steps}");
+    let mut prepared = String::from(
+        "| coefficients | operations | lanes | interpreter µs | machine code µs | a stepper, interpreter µs | machine code µs |\n|---|---|---|---|---|---|---|\n",
+    );
+    let energy_casimir =
+        "{ name = \"hamilton-jacobi\", order = 10, hamiltonian = \"energy-casimir\" }".to_owned();
+    let given = |m: usize| format!("{{ name = \"hamilton-jacobi\", order = {m} }}");
+    for (name, (library, initial), realization, dynamics) in [
+        (
+            "rigid body, so3-exponential, m=10, energy-casimir",
+            RIGID_BODY,
+            so3.to_owned(),
+            energy_casimir,
+        ),
+        ("rigid body, n=8 m=8", RIGID_BODY, truncated(8), given(8)),
+        ("heavy top, n=8 m=8", HEAVY_TOP, truncated(8), given(8)),
+        (
+            "periodic Lotka-Volterra, log-canonical, m=12",
+            PERIODIC_LOTKA_VOLTERRA,
+            "{ name = \"log-canonical\" }".to_owned(),
+            given(12),
+        ),
+    ] {
+        let text = scene_of(library, initial, &realization, &dynamics, 0.1);
+        coefficients(name, &composed(&text), &mut prepared);
+    }
+    println!("{table}\n{steps}\n{prepared}");
 }

@@ -199,6 +199,75 @@ proptest! {
     }
 }
 
+/// Refuses increments of one coordinate that lead beyond an edge, and reads no other.
+struct Watched {
+    coordinate: usize,
+    edge: f64,
+    /// How often it was asked.
+    asked: u64,
+}
+
+impl StepCheck for Watched {
+    fn reads(&self, coordinate: usize) -> bool {
+        coordinate == self.coordinate
+    }
+
+    fn check(&mut self, x: &[f64], increment: &[f64], outcome: &mut [Result<(), StepError>]) {
+        self.asked += 1;
+        if x[self.coordinate] + increment[self.coordinate] > self.edge {
+            outcome[0] = Err(StepError::LeftChart { ratio: 1.0 });
+        }
+    }
+}
+
+/// Of two oscillators that H does not couple the one that a check reads is asked for, and what it refuses is refused: at the
+/// step, and to the bits, at which it is one step after the other.
+#[test]
+fn a_check_is_asked_of_the_parts_that_it_reads() {
+    let system = from_formulas(
+        &["q", "p", "r", "s"],
+        &[],
+        &[("q,p", "1"), ("r,s", "1")],
+        "p^2/2 + q^2/2 + q^4/4 + s^2/2 - cos(r)",
+        &[],
+    );
+    let method = method(&system, "constant", 4);
+    let mut refused = 0;
+    for coordinate in 0..4 {
+        for edge in [f64::INFINITY, 0.35] {
+            let steps = |each: u64, calls: u64| {
+                let mut stepper = method.stepper(1, &[], 1.0, 0.1);
+                let mut x = vec![0.3, 0.1, 0.2, -0.3];
+                let (mut low, mut room) = (vec![0.0; 4], vec![0.0; 4]);
+                let mut watched = Watched {
+                    coordinate,
+                    edge,
+                    asked: 0,
+                };
+                let (mut made, mut outcome) = (0, Ok(()));
+                for _ in 0..calls {
+                    let check: Option<&mut dyn StepCheck> = Some(&mut watched);
+                    let (more, ended) = stepper.advance(each, &mut x, &mut low, &mut room, check);
+                    made += more;
+                    outcome = ended;
+                    if outcome.is_err() {
+                        break;
+                    }
+                }
+                let bits: Vec<u64> = x.iter().chain(&low).map(|v| v.to_bits()).collect();
+                ((made, outcome, bits), watched.asked)
+            };
+            let (together, asked) = steps(500, 1);
+            assert_eq!(together, steps(1, 500).0, "x{coordinate} below {edge}");
+            refused += u32::from(together.1.is_err());
+            if edge.is_infinite() {
+                assert_eq!((together.0, asked), (500, 500), "x{coordinate}");
+            }
+        }
+    }
+    assert!(refused > 0);
+}
+
 /// Every problem above has such steps at order 4, and they are made: nothing else is left to the kernels of one
 /// evaluation than the first step.
 #[test]

@@ -19,11 +19,23 @@ pub fn scene_with(
     m: usize,
     time_step: f64,
 ) -> String {
+    let dynamics = format!("{{ name = \"hamilton-jacobi\", order = {m} }}");
+    scene_of(library, initial, realization, &dynamics, time_step)
+}
+
+/// The same with any dynamics.
+pub fn scene_of(
+    library: &str,
+    initial: &str,
+    realization: &str,
+    dynamics: &str,
+    time_step: f64,
+) -> String {
     format!(
         "[system]\nlibrary = \"{library}\"\n\
          [method]\n\
          realization = {realization}\n\
-         dynamics = {{ name = \"hamilton-jacobi\", order = {m} }}\n\
+         dynamics = {dynamics}\n\
          time-step = {time_step}\n\
          [run]\ninitial = {initial}\nsteps = 1\n"
     )
