@@ -22,6 +22,9 @@ const LONGEST: usize = 500;
 /// What stands in the place of a longer one.
 const TOO_LONG: &str = "(code, too long for a formula)";
 
+/// The name of the coordinate conjugate to the time.
+const CONJUGATE: &str = "e";
+
 /// The object of `shadow --json`.
 #[derive(Serialize)]
 struct Told {
@@ -77,7 +80,12 @@ pub fn execute(
             error: failure,
         });
     }
-    let variables = run.system.variables();
+    let mut variables = run.system.variables().to_vec();
+    // Behind the time stands its conjugate, which no formula of a scene names.
+    let names_the_time = run.extension.is_some();
+    if names_the_time && let Some(conjugate) = variables.last_mut() {
+        CONJUGATE.clone_into(conjugate);
+    }
     let parameters = run.system.parameters().iter();
     let parameters: Vec<String> = parameters.map(|parameter| parameter.name.clone()).collect();
     let terms = shadow.shadow.terms().into_iter();
@@ -85,7 +93,7 @@ pub fn execute(
         .filter(|k| *k <= shadow.order)
         .map(|k| {
             let formula = shadow.shadow.formula(k, LONGEST);
-            let text = formula.map(|formula| formula.written(variables, &parameters));
+            let text = formula.map(|formula| formula.written(&variables, &parameters));
             (k, text.unwrap_or_else(|| TOO_LONG.to_owned()))
         })
         .collect();
@@ -99,14 +107,15 @@ pub fn execute(
         });
         return Ok(exit::DONE);
     }
+    let step = if names_the_time { "h" } else { "t" };
     let powers = terms.iter().map(|(k, _)| match k {
         1 => "F_1".to_owned(),
-        2 => "t F_2".to_owned(),
-        k => format!("t^{} F_{k}", k - 1),
+        2 => format!("{step} F_2"),
+        k => format!("{step}^{} F_{k}", k - 1),
     });
     let sum: Vec<String> = powers.collect();
     console.result(&format!(
-        "H~ = {}, t = {t}, of {}",
+        "H~ = {}, {step} = {t}, of {}",
         sum.join(" + "),
         method_line(&run, &parts.registry)
     ));
@@ -117,6 +126,10 @@ pub fn execute(
         .collect();
     for line in words(&rows) {
         console.result(&line);
+    }
+    if names_the_time {
+        console.result("");
+        console.result("e is conjugate to the time: e' = -dH/dt, and H + e is constant");
     }
     console.result("");
     let changes = [

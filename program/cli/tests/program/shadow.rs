@@ -43,6 +43,21 @@ fn the_pendulums_formulas_are_those_of_the_midpoint_rule() {
 }
 
 #[test]
+fn the_step_and_the_time_have_two_names() {
+    let here = Place::with(&PENDULUM.replace("- cos(q)", "- cos(q) + 0.1*q*sin(t)"));
+    let said = here.leafwise(&["shadow", "scene.toml", "--order", "4"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    for line in [
+        "H~ = F_1 + h^2 F_3, h = 0.1",
+        "0.1*q*sin(t)",
+        "p^2/2 + e - cos(q)\n",
+        "e' = -dH/dt, and H + e is constant",
+    ] {
+        assert!(said.out.contains(line), "{line}\n{}", said.out);
+    }
+}
+
+#[test]
 fn a_run_says_whether_its_step_is_in_the_range_of_the_theory() {
     let here = Place::with(PENDULUM);
     let fine = set(
