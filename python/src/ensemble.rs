@@ -14,7 +14,7 @@ use crate::recorded::table;
 const OUTCOMES: [&str; 3] = ["done", "stopped", "failed"];
 
 /// An ensemble that has ended.
-#[pyclass(frozen, module = "leafwise")]
+#[pyclass(frozen, module = "leafwise._leafwise")]
 pub(crate) struct Ensemble {
     /// The columns of `members` behind the time, where a condition ends members: parameters, coordinates, observables, initial
     /// coordinates, invariants' drifts.

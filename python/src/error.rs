@@ -1,11 +1,12 @@
 //! The program's failures as exceptions, in its words and with its places.
 
-use leafwise::scene::SceneErrors;
+use leafwise::run::{NoRoom, RunError};
+use leafwise::scene::{SceneDiagnostic, SceneErrors};
 use leafwise_cli::console::Console;
 use leafwise_cli::failure::{Failure, exit};
 use pyo3::PyErr;
 use pyo3::create_exception;
-use pyo3::exceptions::PyException;
+use pyo3::exceptions::{PyException, PyMemoryError};
 
 create_exception!(
     leafwise,
@@ -28,9 +29,45 @@ create_exception!(
 
 /// A failure with everything that the program would print of it.
 pub(crate) fn exception(failure: &Failure) -> PyErr {
+    if let Failure::Run(RunError::NoRoom(no_room)) = failure {
+        return no_memory(no_room);
+    }
+    let in_words_of_python = match failure {
+        Failure::Scene(problems) => Some(Failure::Scene(problems.iter().map(of_python).collect())),
+        _ => None,
+    };
+    let failure = in_words_of_python.as_ref().unwrap_or(failure);
     let (mut out, mut err) = (Vec::new(), Vec::new());
     let code = failure.print(&mut Console::new(&mut out, &mut err, false, false), false);
     of_code(code, &String::from_utf8_lossy(&err))
+}
+
+/// Python's exception for the want of memory.
+pub(crate) fn no_memory(no_room: &NoRoom) -> PyErr {
+    PyMemoryError::new_err(no_room.to_string())
+}
+
+/// What the program calls its flags and the values that they set, as one who calls it from Python does.
+const WORDS: [(&str, &str); 3] = [
+    (" with --set", " with the values set"),
+    ("--set", "values set"),
+    ("pass --allow-non-poisson", "pass allow_non_poisson=True"),
+];
+
+/// A problem in words of Python.
+fn of_python(problem: &SceneDiagnostic) -> SceneDiagnostic {
+    let in_words = |text: &str| {
+        let words = WORDS.iter();
+        words.fold(text.to_owned(), |text, (flag, word)| {
+            text.replace(flag, word)
+        })
+    };
+    SceneDiagnostic {
+        message: in_words(&problem.message),
+        source_name: in_words(&problem.source_name),
+        help: problem.help.as_deref().map(in_words),
+        ..problem.clone()
+    }
 }
 
 /// Problems of a scene.

@@ -1,9 +1,12 @@
 //! A Poisson system whose values functions of Python compute.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use leafwise::core::part::{PartInfo, PartKind};
+use leafwise::core::part::{
+    ParameterDefault, ParameterInfo, ParameterSetting, PartInfo, PartKind, PartParameters,
+};
 use leafwise::core::registry::SystemPart;
 use leafwise::core::system::{
     Derivatives, OpaqueSystem, Parameter, SystemEvaluator, SystemNumbers,
@@ -13,18 +16,47 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 
 use crate::error::LeafwiseError;
+use crate::progress::is_interruption;
 
 /// The id under which a scene names the one system of this kind that it has.
 const NAME: &str = "python/functions";
 
-/// What the system's part declares.
-static INFO: PartInfo = PartInfo {
-    name: NAME,
-    summary: "functions of Python",
-    declares: "Π(x)p, H, ∇H and Casimirs as numbers",
-    domain: "where the functions are defined",
-    ..PartInfo::of(PartKind::System)
-};
+/// What a part declares, for every list of parameters' names that a system has had: parts declare what lives as long as the program.
+static DECLARED: Mutex<BTreeMap<Vec<String>, &'static PartInfo>> = Mutex::new(BTreeMap::new());
+
+/// What the part of a system with these parameters declares.
+fn declared(parameters: &[(String, f64)]) -> &'static PartInfo {
+    let names: Vec<String> = parameters.iter().map(|(name, _)| name.clone()).collect();
+    let mut declared = DECLARED.lock().unwrap_or_else(PoisonError::into_inner);
+    declared.entry(names).or_insert_with_key(|names| {
+        let parameters = names.iter().map(|name| ParameterInfo {
+            name: name.clone().leak(),
+            summary: "a parameter of the functions",
+            default: ParameterDefault::Real(0.0),
+        });
+        Box::leak(Box::new(PartInfo {
+            name: NAME,
+            summary: "functions of Python",
+            declares: "Π(x)p, H, ∇H and Casimirs as numbers",
+            domain: "where the functions are defined",
+            parameters: parameters.collect::<Vec<_>>().leak(),
+            ..PartInfo::of(PartKind::System)
+        }))
+    })
+}
+
+/// The system with the values that a scene gives to its parameters.
+fn with_values(mut system: OpaqueSystem, given: &PartParameters) -> OpaqueSystem {
+    for (name, setting) in given.iter() {
+        let mut own = system.parameters.iter_mut();
+        if let (Some(parameter), ParameterSetting::Real(value)) =
+            (own.find(|own| own.name == name), setting)
+        {
+            parameter.value = *value;
+        }
+    }
+    system
+}
 
 /// The functions, and the first exception that one of them has raised. Every run has its own.
 #[derive(Clone)]
@@ -51,11 +83,12 @@ impl Functions {
     /// # Errors
     /// A system without names.
     pub fn join(&self, registry: &mut Registry) -> PyResult<()> {
-        let system = Python::attach(|py| {
+        let (info, system) = Python::attach(|py| {
             let of = |name: &str| self.system.bind(py).getattr(name);
             let parameters: Vec<(String, f64)> = of("_parameters")?.extract()?;
+            let info = declared(&parameters);
             let parameters = parameters.into_iter();
-            PyResult::Ok(OpaqueSystem {
+            let system = OpaqueSystem {
                 name: NAME.to_owned(),
                 variables: of("variables")?.extract()?,
                 parameters: parameters
@@ -63,9 +96,12 @@ impl Functions {
                     .collect(),
                 casimirs: of("casimirs")?.extract()?,
                 numbers: Arc::new(self.clone()),
-            })
+            };
+            PyResult::Ok((info, system))
         })?;
-        let part = SystemPart::new(&INFO, move |_| Ok(PoissonSystem::from(system.clone())));
+        let part = SystemPart::new(info, move |given| {
+            Ok(PoissonSystem::from(with_values(system.clone(), given)))
+        });
         let origin = Origin::built_in(env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION"));
         let joined = registry.register(part.into(), origin);
         joined.map_err(|error| LeafwiseError::new_err(error.to_string()))
@@ -98,6 +134,15 @@ impl SystemNumbers for Functions {
         Box::new(FunctionsEvaluator {
             functions: self.clone(),
             parameters: parameters.to_vec(),
+            is_on_trial: false,
+        })
+    }
+
+    fn evaluator_on_trial(&self, parameters: &[f64]) -> Box<dyn SystemEvaluator> {
+        Box::new(FunctionsEvaluator {
+            functions: self.clone(),
+            parameters: parameters.to_vec(),
+            is_on_trial: true,
         })
     }
 }
@@ -105,6 +150,8 @@ impl SystemNumbers for Functions {
 struct FunctionsEvaluator {
     functions: Functions,
     parameters: Vec<f64>,
+    /// Whether what a function raises is of no account, but Ctrl-C.
+    is_on_trial: bool,
 }
 
 impl FunctionsEvaluator {
@@ -138,7 +185,9 @@ impl FunctionsEvaluator {
                 });
             copied.map_err(|error| {
                 let message = error.to_string();
-                self.functions.keep(error);
+                if !self.is_on_trial || is_interruption(&error) {
+                    self.functions.keep(error);
+                }
                 StepError::Part {
                     part: format!("the function `{function}`"),
                     message,

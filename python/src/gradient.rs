@@ -4,6 +4,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use leafwise::core::gradient::{self, GradientError, Plan, Pushed, Reached, Way};
+use leafwise::run::with_room;
 use leafwise::scene::ComposedRun;
 use numpy::{
     PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
@@ -11,8 +12,9 @@ use numpy::{
 };
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
+use pyo3::types::PyType;
 
-use crate::error::{IntegrationError, LeafwiseError};
+use crate::error::{IntegrationError, LeafwiseError, no_memory};
 use crate::functions::Functions;
 
 /// How often signals are looked for.
@@ -61,6 +63,16 @@ impl Growth {
     #[getter]
     fn is_large(&self) -> bool {
         self.0.is_large()
+    }
+
+    #[new]
+    fn new(logarithm: f64, time: f64) -> Self {
+        Self(gradient::Growth { logarithm, time })
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> (Bound<'py, PyType>, (f64, f64)) {
+        let own = slf.get().0;
+        (slf.get_type(), (own.logarithm, own.time))
     }
 
     fn __repr__(&self) -> String {
@@ -154,6 +166,15 @@ impl Map {
         })
     }
 
+    /// Refuses a plan whose samples, with k tangents each, find no memory.
+    fn has_room(&self, plan: Plan, tangents: usize) -> PyResult<()> {
+        let rows = (plan.steps / plan.every).saturating_add(1);
+        // The states that are stepped, and beside them the scene's own coordinates that are handed out.
+        let width = 2 * self.run.plan.initial.len() * (1 + tangents);
+        let room = with_room(rows, width).map(drop);
+        room.map_err(|no_room| no_memory(&no_room))
+    }
+
     /// The state that is stepped from the scene's own coordinates.
     fn whole(&self, own: &[f64]) -> Vec<f64> {
         let mut whole = self.run.plan.initial.clone();
@@ -226,6 +247,7 @@ impl Map {
     ) -> PyResult<Run<'py>> {
         let initial = self.whole(initial.as_slice()?);
         let plan = as_plan(plan);
+        self.has_room(plan, 0)?;
         let run = self.at(py, parameters.as_slice()?, |at| at.run(&initial, plan))?;
         let samples = PyArray1::from_vec(py, self.own(&run.samples));
         let kept = PyArray1::from_vec(py, run.kept);
@@ -249,6 +271,7 @@ impl Map {
         let tangents = self.padded(tangents.as_slice()?);
         let directions = (&tangents[..], by_parameters.as_slice()?);
         let plan = as_plan(plan);
+        self.has_room(plan, tangents.len() / initial.len())?;
         let pushed = self.at(py, parameters.as_slice()?, |at| {
             at.push(&initial, directions, plan)
         })?;

@@ -3,6 +3,7 @@
 use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::{Duration, Instant};
 
+use leafwise::scene::ComposedRun;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -20,14 +21,21 @@ const STRIDE: u64 = 256;
 #[pyclass(frozen, module = "leafwise")]
 pub(crate) struct Integrator {
     own: Mutex<leafwise::core::Integrator>,
+    /// How many of the coordinates that are stepped are the scene's own.
+    coordinates: usize,
+    /// Which of them is the time, where steps are of another.
+    clock: Option<usize>,
     /// The system, where it is functions of Python.
     functions: Option<Functions>,
 }
 
 impl Integrator {
-    pub fn new(integrator: leafwise::core::Integrator, functions: Option<Functions>) -> Self {
+    pub fn new(run: &ComposedRun, functions: Option<Functions>) -> Self {
+        let paced = run.extension.as_ref().filter(|_| run.pace().is_some());
         Self {
-            own: Mutex::new(integrator),
+            own: Mutex::new(run.integrator()),
+            coordinates: run.plan.coordinates,
+            clock: paced.map(|extension| extension.coordinates),
             functions,
         }
     }
@@ -59,7 +67,11 @@ impl Integrator {
     }
 
     /// So many steps. Ctrl-C ends them between two, with KeyboardInterrupt.
-    fn advance(&self, py: Python<'_>, steps: u64) -> PyResult<()> {
+    fn advance(&self, py: Python<'_>, steps: &Bound<'_, PyAny>) -> PyResult<()> {
+        let arrays = py.import("leafwise._arrays")?;
+        let steps: u64 = arrays
+            .call_method1("count", ("steps", steps, 0))?
+            .extract()?;
         py.detach(|| {
             let mut integrator = self.get()?;
             let (mut left, mut looked) = (steps, Instant::now());
@@ -80,13 +92,21 @@ impl Integrator {
     /// The present state: shape (d,), a copy.
     #[getter]
     fn x<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(PyArray1::from_slice(py, self.get()?.state()))
+        let integrator = self.get()?;
+        Ok(PyArray1::from_slice(
+            py,
+            &integrator.state()[..self.coordinates],
+        ))
     }
 
-    /// The present time.
+    /// The present time, also where a pace makes it advance otherwise than the steps.
     #[getter]
     fn t(&self) -> PyResult<f64> {
-        Ok(self.get()?.time())
+        let integrator = self.get()?;
+        Ok(match self.clock {
+            Some(at) => integrator.state()[at],
+            None => integrator.time(),
+        })
     }
 
     /// Steps made.
@@ -99,7 +119,7 @@ impl Integrator {
     fn copy_to(&self, target: &Bound<'_, PyArray1<f64>>) -> PyResult<()> {
         let mut target = target.try_readwrite()?;
         let integrator = self.get()?;
-        let state = integrator.state();
+        let state = &integrator.state()[..self.coordinates];
         let place = target.as_slice_mut()?;
         if place.len() != state.len() {
             return Err(PyValueError::new_err(format!(

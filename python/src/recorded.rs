@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use crate::error::LeafwiseError;
 
 /// A run in memory.
-#[pyclass(frozen, module = "leafwise")]
+#[pyclass(frozen, module = "leafwise._leafwise")]
 pub(crate) struct Recorded {
     /// The names of `samples`' columns.
     #[pyo3(get)]
@@ -34,6 +34,9 @@ pub(crate) struct Recorded {
     /// done, stopped, interrupted or failed.
     #[pyo3(get)]
     outcome: &'static str,
+    /// Whether it failed for want of memory.
+    #[pyo3(get)]
+    has_no_room: bool,
     /// Why it stopped or failed.
     #[pyo3(get)]
     message: String,
@@ -67,6 +70,7 @@ impl Recorded {
             crossings,
             windows_columns,
             windows,
+            has_no_room,
             page,
         } = recorded;
         let width = columns.len();
@@ -80,6 +84,7 @@ impl Recorded {
             windows_columns,
             final_state: PyArray1::from_slice(py, &report.final_state).unbind(),
             outcome: report.outcome.word(),
+            has_no_room,
             message: message(&report),
             time: report.time,
             steps: report.steps,

@@ -13,7 +13,7 @@ use leafwise::run::ensemble::{
 use leafwise::run::shards::{MergeError, Shard, Shards, Whole};
 use leafwise::run::{RunOptions, RunOutcome, run_in_memory};
 use leafwise::scene::document::{Located, ObservableSpec, Place, Source};
-use leafwise::scene::{ComposedRun, SceneDocument, compose};
+use leafwise::scene::{ComposedRun, SceneChecks, SceneDocument, compose};
 use leafwise_cli::failure::Failure;
 use leafwise_cli::scene::SceneText;
 use numpy::PyReadonlyArray2;
@@ -93,6 +93,17 @@ impl Read {
             false => compose_members(&self.document, &self.registry, members),
         };
         self.unless_raised(ensemble.map_err(|refusal| exception(&Failure::from(refusal))))
+    }
+
+    /// Refuses a system that a run refuses: a bracket that is not Poisson, a Casimir that is none.
+    fn check(&self, composed: &ComposedRun, allow_non_poisson: bool) -> PyResult<()> {
+        let checks = SceneChecks::of(&composed.system, &composed.near);
+        let checks =
+            self.unless_raised(checks.map_err(|error| exception(&Failure::from(error))))?;
+        match checks.refusal(&self.document, &composed.system, allow_non_poisson) {
+            Some(refusal) => Err(exception(&Failure::from(refusal))),
+            None => Ok(()),
+        }
     }
 
     /// What a function of the system has raised goes before what came of it.
@@ -196,6 +207,14 @@ impl Scene {
         let system = self.system.as_ref().map(|system| system.clone_ref(py));
         let overrides = self.overrides.clone();
         (&self.source, &self.document.name, overrides, system)
+    }
+
+    /// Whether it has a table `[ensemble]` or `[sweep]`.
+    fn has(&self, section: &str) -> bool {
+        match section {
+            "ensemble" => self.document.ensemble.is_some(),
+            _ => self.document.sweep.is_some(),
+        }
     }
 
     /// What it composes to.
@@ -428,19 +447,22 @@ impl Scene {
     }
 
     /// The method's steps from the initial state.
-    fn integrator(&self, py: Python<'_>) -> PyResult<Integrator> {
+    fn integrator(&self, py: Python<'_>, allow_non_poisson: bool) -> PyResult<Integrator> {
         py.detach(|| {
             let mut read = self.with(&Vec::new())?;
-            let integrator = read.composed()?.integrator();
-            Ok(Integrator::new(integrator, read.functions))
+            let composed = read.composed()?;
+            read.check(&composed, allow_non_poisson)?;
+            Ok(Integrator::new(&composed, read.functions))
         })
     }
 
     /// The method, to be stepped and differentiated from any state with any parameters.
-    fn map(&self, py: Python<'_>) -> PyResult<Map> {
+    fn map(&self, py: Python<'_>, allow_non_poisson: bool) -> PyResult<Map> {
         py.detach(|| {
             let mut read = self.with(&Vec::new())?;
-            Map::new(read.composed()?, read.functions)
+            let composed = read.composed()?;
+            read.check(&composed, allow_non_poisson)?;
+            Map::new(composed, read.functions)
         })
     }
 }

@@ -20,7 +20,7 @@ use crate::error::{LeafwiseError, exception};
 use crate::progress::PythonProgress;
 
 /// A sweep that has ended.
-#[pyclass(frozen, module = "leafwise")]
+#[pyclass(frozen, module = "leafwise._leafwise")]
 pub(crate) struct Sweep {
     /// The table, as CSV.
     #[pyo3(get)]

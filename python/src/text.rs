@@ -2,43 +2,64 @@
 
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
+use pyo3::types::{
+    PyBool, PyBytes, PyDict, PyFloat, PyFrozenSet, PyInt, PyList, PySet, PyString, PyTuple,
+};
 use toml::{Table, Value};
+
+/// Lists and tables that lie within each other, at most: a scene needs six.
+const DEEPEST: usize = 32;
 
 /// A table as TOML; lists may be arrays and tuples.
 #[pyfunction]
 pub(crate) fn text_of(table: &Bound<'_, PyDict>) -> PyResult<String> {
-    let table = table_of(table, "")?;
+    let table = table_of(table, "", DEEPEST)?;
     toml::to_string(&table).map_err(|error| PyValueError::new_err(error.to_string()))
 }
 
-/// A Python value as TOML on one line, as an override takes it.
+/// A Python value as TOML on one line, as an override takes it; `key` is what a message calls it.
 #[pyfunction]
-pub(crate) fn text_of_value(value: &Bound<'_, PyAny>) -> PyResult<String> {
-    value_of(value, "the value").map(|value| value.to_string())
+pub(crate) fn text_of_value(key: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
+    value_of(value, key, DEEPEST).map(|value| value.to_string())
 }
 
-fn table_of(table: &Bound<'_, PyDict>, path: &str) -> PyResult<Table> {
+/// One level further down.
+fn within(path: &str, depth: usize) -> PyResult<usize> {
+    depth.checked_sub(1).ok_or_else(|| {
+        let start: String = path.chars().take(60).collect();
+        PyTypeError::new_err(format!(
+            "{start}…: lists or tables lie within each other more than {DEEPEST} times, or one holds itself"
+        ))
+    })
+}
+
+fn table_of(table: &Bound<'_, PyDict>, path: &str, depth: usize) -> PyResult<Table> {
+    let depth = within(path, depth)?;
     let mut found = Table::new();
     for (key, value) in table {
         let Ok(key) = key.extract::<String>() else {
             let place = if path.is_empty() { "a scene" } else { path };
+            let kind = key.get_type();
             return Err(PyTypeError::new_err(format!(
-                "{place}: keys are strings, not {key}"
+                "{place}: keys are strings, not {}",
+                match key.is_instance_of::<PyInt>() {
+                    true => key.to_string(),
+                    false => kind.name()?.to_string(),
+                }
             )));
         };
         let path = match path {
             "" => key.clone(),
             path => format!("{path}.{key}"),
         };
-        found.insert(key, value_of(&value, &path)?);
+        found.insert(key, value_of(&value, &path, depth)?);
     }
     Ok(found)
 }
 
-fn value_of(value: &Bound<'_, PyAny>, path: &str) -> PyResult<Value> {
+fn value_of(value: &Bound<'_, PyAny>, path: &str, depth: usize) -> PyResult<Value> {
     if let Ok(table) = value.cast::<PyDict>() {
-        return table_of(table, path).map(Value::Table);
+        return table_of(table, path, depth).map(Value::Table);
     }
     if value.is_instance_of::<PyBool>() {
         return value.extract().map(Value::Boolean);
@@ -50,20 +71,42 @@ fn value_of(value: &Bound<'_, PyAny>, path: &str) -> PyResult<Value> {
         return value.extract().map(Value::Float);
     }
     if value.is_instance_of::<PyInt>() {
-        return value.extract().map(Value::Integer);
+        return value.extract().map(Value::Integer).map_err(|_| {
+            PyValueError::new_err(format!(
+                "{path} is a whole number beyond 2^63: give it as a float"
+            ))
+        });
     }
-    // An array, or a number of one: as lists and numbers of Python.
-    if let Ok(method) = value.getattr("tolist") {
-        return value_of(&method.call0()?, path);
+    if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
+        return list_of(value, path, depth);
     }
-    if let Ok(items) = value.try_iter() {
-        let items = items.enumerate();
-        let items = items.map(|(at, item)| value_of(&item?, &format!("{path}[{at}]")));
-        return items.collect::<PyResult<_>>().map(Value::Array);
+    // An array, a number of one, a series with names: as lists, numbers and tables of Python.
+    let is_array = ["dtype", "tolist", "__array__", "keys"];
+    if is_array
+        .iter()
+        .any(|name| value.hasattr(*name).unwrap_or(false))
+    {
+        let arrays = value.py().import("leafwise._arrays")?;
+        let plain = arrays.call_method1("plain", (path, value))?;
+        return value_of(&plain, path, within(path, depth)?);
+    }
+    // A set has no order, and bytes are no numbers.
+    let has_none = value.is_instance_of::<PySet>()
+        || value.is_instance_of::<PyFrozenSet>()
+        || value.is_instance_of::<PyBytes>();
+    if !has_none && value.try_iter().is_ok() {
+        return list_of(value, path, depth);
     }
     let kind = value.get_type();
     let kind = kind.name()?;
     Err(PyTypeError::new_err(format!(
         "{path}: a scene holds numbers, strings, booleans, lists and tables, not {kind}"
     )))
+}
+
+fn list_of(value: &Bound<'_, PyAny>, path: &str, depth: usize) -> PyResult<Value> {
+    let depth = within(path, depth)?;
+    let items = value.try_iter()?.enumerate();
+    let items = items.map(|(at, item)| value_of(&item?, &format!("{path}[{at}]"), depth));
+    items.collect::<PyResult<_>>().map(Value::Array)
 }

@@ -83,7 +83,7 @@ def test_one_of_states_and_parameters_is_enough() -> None:
     np.testing.assert_array_equal(frame["x2"], values.x[:, 1])
     assert "<svg" in values.report() and values._repr_html_().startswith("<iframe")
     assert "40 members, 40 done" in repr(values)
-    with pytest.raises(lw.SceneError, match="needs `members`"):
+    with pytest.raises(lw.SceneError, match="give x0, parameters or both"):
         scene.ensemble()
 
 

@@ -255,7 +255,7 @@ def test_ctrl_c_within_a_function_keeps_what_was_recorded() -> None:
         return gradient(x)
 
     system = lw.System(variables=["x1", "x2", "x3"], hamiltonian=energy, gradient=own, tensor=tensor)
-    run = lw.Scene(system=system, method=METHOD, run=RUN).run(steps=10**9)
+    run = lw.Scene(system=system, method=METHOD, run=RUN).run(steps=10**7)
     assert run.outcome == "interrupted" and len(run.t) == run.steps + 1 > 10, run
     print("kept")
     """

@@ -64,10 +64,67 @@ def test_a_span_may_go_back_and_begin_anywhere() -> None:
     assert found.t.tolist() == [2.0, 0.5, -3.0]
     np.testing.assert_allclose(found.y[0], np.cos(found.t - 2), atol=1e-7)
     np.testing.assert_array_equal(found([-3, 2]), found.y[:, [2, 0]])
-    driven = OSCILLATOR | {"hamiltonian": "p^2/2 + q^2/2 + q*cos(t)"}
-    lw.solve(**driven, t_span=(0, 1), step=0.1)
-    with pytest.raises(ValueError, match="names the time t begins at 0"):
-        lw.solve(**driven, t_span=(1, 2), step=0.1)
+
+
+def driven(t: float, x: np.ndarray) -> np.ndarray:
+    return np.array([x[1], -x[0] - 0.1 * np.cos(t)])
+
+
+def shaken(t: float, x: np.ndarray) -> np.ndarray:
+    return np.array([x[1], -(1 + 0.3 * np.cos(2 * t)) * np.sin(x[0])])
+
+
+@pytest.mark.parametrize(
+    "system, motion",
+    [
+        ({"library": "driven-oscillator"}, driven),
+        ({"library": "driven-pendulum"}, shaken),
+        (OSCILLATOR | {"hamiltonian": "p^2/2 + q^2/2 + 0.1*q*cos(t)"}, driven),
+        (OSCILLATOR | {"hamiltonian": "p^2/2 + q^2/2 + c*q", "define": {"c": "cos(t)/10"}}, driven),
+    ],
+)
+@pytest.mark.parametrize("span", [(0.0, 20.0), (5.0, 25.0), (20.0, 0.0), (-3.0, -1.5)])
+def test_t_in_a_formula_is_the_time_of_the_span(system: dict[str, object], motion: object, span: tuple[float, float]) -> None:
+    points = np.linspace(*span, 7)
+    found = lw.solve(**(system | {"x0": [1.0, 0.5]}), t_span=span, t_eval=points, rtol=1e-9)
+    other = solve_ivp(motion, span, [1.0, 0.5], "DOP853", points, rtol=1e-12, atol=1e-13)
+    assert found.success
+    np.testing.assert_array_equal(found.t, points)
+    # Twice rtol of the largest coordinate, 2 at most, and what DOP853 errs by.
+    np.testing.assert_allclose(found.y, other.y, atol=4e-9)
+    np.testing.assert_array_equal(found(points[3:5]), found.y[:, 3:5])
+
+
+PACED = {"realization": "auto", "dynamics": {"name": "hamilton-jacobi", "order": 4}, "pace": "1 + q^2"}
+
+
+def test_with_a_pace_points_are_in_t_all_the_same() -> None:
+    for pace in ("1 + q^2", "2"):
+        method = PACED | {"pace": pace}
+        whole = lw.solve(**OSCILLATOR, t_span=(0, 10), rtol=1e-8, method=method)
+        assert whole.success and whole.t[-1] == 10.0 and (np.diff(whole.t) > 0).all()
+        np.testing.assert_allclose(whole.y, [np.cos(whole.t), -np.sin(whole.t)], atol=2e-8)
+        # Steps are not all alike but where the pace is a number.
+        assert (np.ptp(np.diff(whole.t)[:-1]) > 1e-4) == (pace != "2")
+    times = np.array([3.0, 2.5, -1.0, -4.0])
+    found = lw.solve(**OSCILLATOR, t_span=(3, -4), t_eval=times, rtol=1e-8, method=PACED)
+    np.testing.assert_allclose(found.y, [np.cos(times - 3), -np.sin(times - 3)], atol=2e-8)
+    stepped = lw.solve(**OSCILLATOR, t_span=(0, 10), step=0.01, method=PACED)
+    np.testing.assert_allclose(stepped.y, [np.cos(stepped.t), -np.sin(stepped.t)], atol=1e-6)
+
+
+def test_no_points_are_no_points() -> None:
+    for how in ({"rtol": 1e-6}, {"step": 0.1}, {}):
+        found = lw.solve(**OSCILLATOR, t_span=(0, 1), t_eval=[], **how)
+        assert found.success and found.t.shape == (0,) and found.y.shape == (2, 0)
+
+
+def test_the_first_example_of_the_package_warns_of_nothing() -> None:
+    text = str(lw.__doc__)
+    example = text[text.index("    solution = lw.solve(") : text.index("Units are those")]
+    found: dict[str, object] = {"lw": lw}
+    exec("if True:\n" + example, found)
+    assert found["solution"].success  # type: ignore[attr-defined]
 
 
 def test_an_accuracy_is_met_or_said_to_be_missed() -> None:
@@ -109,6 +166,17 @@ def test_a_step_that_fails_ends_the_solution() -> None:
         ({"step": np.nan}, ValueError, "step is nan"),
         ({"step": 0.1, "rtol": 1e-3}, ValueError, "not both"),
         ({"rtol": 0}, ValueError, "rtol is 0"),
+        ({"rtol": [1e-3]}, ValueError, r"rtol has the shape \(1,\), not"),
+        ({"rtol": "1e-3"}, TypeError, "rtol holds <U4, not real numbers"),
+        ({"t_span": [0, 1, 2]}, ValueError, r"two times, the first and the last, not \[0, 1, 2\]"),
+        ({"t_span": 3.0}, ValueError, "two times"),
+        ({"max_steps": 10**30}, ValueError, "max_steps is about 1e30"),
+        ({"max_steps": 0}, ValueError, "max_steps is 0, less than 1"),
+        ({"bracket": np.array([[0, 1], [-1, 0]])}, TypeError, "bracket is of ndarray: give the brackets of pairs"),
+        ({"method": 4}, TypeError, "method is of int"),
+        ({"parameters": [1.0]}, TypeError, "parameters is of list, not a table"),
+        ({"variables": "qp"}, TypeError, "not a list"),
+        ({"system": "so3"}, TypeError, "not a leafwise.System"),
         ({"hamiltonian": "p^2 + r", "step": 0.1}, lw.SceneError, "unknown name `r`"),
         ({"method": "rk5", "step": 0.1}, lw.SceneError, "rk5"),
     ],

@@ -1,5 +1,6 @@
 //! Instruments: what a system, a realization or a method really is, measured.
 //!
+//! - [`consistency`]: are the values of a system of numbers those of one Poisson system?
 //! - [`differences`]: derivatives where none are offered, with their error.
 //! - [`drift`]: invariants at every step, and their growth.
 //! - [`identity`]: is the tensor Poisson, is a Casimir one?
@@ -11,6 +12,7 @@
 //! - [`step_equation`]: the solutions of β̂(L(y)) = x, and how far into the chart they reach.
 //! - [`slope`]: fitted orders, points under the round-off plateau dropped.
 
+pub mod consistency;
 pub mod differences;
 pub mod drift;
 pub mod identity;
@@ -26,6 +28,7 @@ pub mod step_equation;
 pub mod tensor_defect;
 mod verdict;
 
+pub use consistency::{Inconsistency, find_inconsistency};
 pub use drift::{InvariantDrift, measure_drift};
 pub use identity::{check_casimir, check_jacobi};
 pub use order::{FittedOrder, fit_order, least_slope};

@@ -54,7 +54,7 @@ pub(super) fn casimir(
     near: &[f64],
 ) -> IdentityCheck {
     let (d, count) = (near.len(), system.casimirs.len());
-    let mut evaluator = system.numbers.evaluator(parameters);
+    let mut evaluator = system.numbers.evaluator_on_trial(parameters);
     let is_exact = system.numbers.derivatives().casimirs;
     let mut check = Check::new(near, !is_exact);
     for state in sample_states(near) {
@@ -156,7 +156,7 @@ struct Bracket {
 impl Bracket {
     fn new(system: &OpaqueSystem, parameters: &[f64], d: usize) -> Self {
         Self {
-            evaluator: system.numbers.evaluator(parameters),
+            evaluator: system.numbers.evaluator_on_trial(parameters),
             derivatives: system.numbers.derivatives(),
             images: [vec![0.0; d], vec![0.0; d], vec![0.0; d]],
             slope: vec![0.0; d],
@@ -223,7 +223,7 @@ impl Bracket {
 }
 
 /// Deterministic coefficients between ½ and 1 in units of 1/size, of either sign.
-fn covector(sizes: &[f64], seed: usize) -> Vec<f64> {
+pub(super) fn covector(sizes: &[f64], seed: usize) -> Vec<f64> {
     let mut phase = 0.5 + 0.754_877_666_246_692_7 * seed as f64;
     let mut next = move || {
         phase = (phase + 0.618_033_988_749_894_9) % 1.0;

@@ -66,6 +66,10 @@ pub trait SystemNumbers: Send + Sync + std::fmt::Debug {
     fn derivatives(&self) -> Derivatives;
     /// One thread's evaluator for these values of the parameters.
     fn evaluator(&self, parameters: &[f64]) -> Box<dyn SystemEvaluator>;
+    /// The same for states that are tried, to which no motion may come: what it refuses is of no account.
+    fn evaluator_on_trial(&self, parameters: &[f64]) -> Box<dyn SystemEvaluator> {
+        self.evaluator(parameters)
+    }
 }
 
 /// Derivatives that a system of numbers offers, exact to round-off.

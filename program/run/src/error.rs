@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use leafwise_core::BuildError;
 use thiserror::Error;
 
+use super::room::NoRoom;
 use leafwise_report::ReportError;
 use leafwise_scene::compose::Refusal;
 
@@ -206,6 +207,9 @@ pub enum RunError {
         /// The run directory.
         directory: PathBuf,
     },
+    /// There is no memory for the samples.
+    #[error(transparent)]
+    NoRoom(#[from] NoRoom),
     /// An observable without code.
     #[error(transparent)]
     Build(#[from] BuildError),

@@ -64,6 +64,8 @@ pub struct Recorded {
     pub windows_columns: Vec<String>,
     /// The invariants' largest deviations in each window of steps, one row after the other.
     pub windows: Vec<f64>,
+    /// Whether it failed for want of memory for more samples.
+    pub has_no_room: bool,
     /// Figures and facts.
     pub page: ReportData,
 }
@@ -81,7 +83,14 @@ pub fn run_in_memory(
 ) -> Result<Recorded, RunError> {
     check(document, composed, allow_non_poisson)?;
     let mut session = Session::in_memory(composed)?;
-    let outcome = session.drive(progress)?;
+    let (outcome, has_no_room) = match session.drive(progress) {
+        // What was kept before stays.
+        Err(RunError::NoRoom(no_room)) => (
+            RunOutcome::Failed(session.failure_for_want_of(no_room)),
+            true,
+        ),
+        outcome => (outcome?, false),
+    };
     let mut report = describe(composed, &session, outcome, None);
     if report.outcome != RunOutcome::Interrupted {
         report.advice = advice(document, composed, registry, &session, &report)?;
@@ -97,6 +106,7 @@ pub fn run_in_memory(
         crossings,
         windows_columns: windows_columns.into_names(),
         windows: windows.concat(),
+        has_no_room,
         page,
     })
 }

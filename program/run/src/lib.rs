@@ -17,6 +17,7 @@
 //! - `appended`: a file that only grows, with a digest;
 //! - `states`: recorded states too wide for `samples.csv`;
 //! - `snapshots`: fields of long lattices, thinned out for the report;
+//! - `room`: memory for what is kept, or its want as an error;
 //! - `replaced`: a file that is replaced as a whole;
 //! - `sealed`: files that are read back to every bit, or refused;
 //! - `shadow`: what the energy of a map's shadow says of its step; `shadow_step`: the step that keeps it as well as asked;
@@ -49,6 +50,7 @@ mod outcome;
 mod paced;
 mod progress;
 mod replaced;
+mod room;
 mod sampled;
 mod samples;
 mod sealed;
@@ -77,6 +79,7 @@ pub use manifest::{FilesRecord, Kind, Manifest, PROGRAM_VERSION, PluginRecord, S
 pub use outcome::{Failure, InvariantDrift, RunOutcome, RunReport, SolverFields};
 pub use progress::{Progress, Quiet, Status};
 pub(crate) use replaced::replace;
+pub use room::{NoRoom, with_room};
 pub(crate) use sealed::Format;
 pub use shadow::ShadowVerdict;
 pub use shadow_step::{NoShadowStep, ShadowStep};

@@ -7,6 +7,7 @@ use std::path::Path;
 use super::appended::{Appended, Vouched};
 use super::csv::{Table, numbers};
 use super::error::RunError;
+use super::room::{make_room, with_room};
 
 /// The file's name in the run directory, and before it is published.
 pub(super) const FILE: &str = "samples.csv";
@@ -41,13 +42,13 @@ impl Samples {
         Ok(Self::of_file(file, header, 0))
     }
 
-    /// Rows of so many numbers in memory.
-    pub fn in_memory(width: usize) -> Self {
-        let values = Vec::new();
-        Self {
+    /// Rows of so many numbers in memory, with room for so many of them.
+    pub fn in_memory(width: usize, rows: u64) -> Result<Self, RunError> {
+        let values = with_room(rows, width)?;
+        Ok(Self {
             rows: Rows::Memory { values, width },
             count: 0,
-        }
+        })
     }
 
     /// The file of an earlier session, to be continued behind the rows that its checkpoint counts.
@@ -102,6 +103,9 @@ impl Samples {
 
     /// Appends one row.
     pub fn push(&mut self, time: f64, state: &[f64], observables: &[f64]) -> Result<(), RunError> {
+        if let Rows::Memory { values, width } = &mut self.rows {
+            make_room(values, *width)?;
+        }
         self.count += 1;
         match &mut self.rows {
             Rows::File { file, row, .. } => {
@@ -148,7 +152,10 @@ impl Samples {
     pub fn into_values(self) -> Vec<f64> {
         match self.rows {
             Rows::File { .. } => Vec::new(),
-            Rows::Memory { values, .. } => values,
+            Rows::Memory { mut values, .. } => {
+                values.shrink_to_fit();
+                values
+            }
         }
     }
 

@@ -7,7 +7,9 @@
     run.t, run.x, run.energy, run.casimirs["spin"], run.drift
     cloud = scene.ensemble(x0=states, parameters={"I2": values})
     table = scene.sweep({"method.time-step": [0.1, 0.2], "system.parameters.I2": values}).to_pandas()
-    solution = lw.solve(bracket={"q,p": "1"}, hamiltonian="p^2/2 - cos(q)", x0=[0, 1], t_span=(0, 20))
+    solution = lw.solve(
+        bracket={"q,p": "1"}, convention="{x,H}", hamiltonian="p^2/2 - cos(q)", x0=[0, 1], t_span=(0, 20)
+    )
 
 Units are those of the scene. States have the shape (d,), recorded ones (samples, d).
 """

@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _leafwise
+from ._run import unlike
+from ._stored import reduced
 
 if TYPE_CHECKING:
     import pandas
@@ -164,9 +166,11 @@ class Ensemble:
 
         columns: dict[str, Any] = {"outcome": self.outcomes, "t": self.t, **self.parameters}
         columns |= dict(zip(self.names, self.x.T, strict=True))
-        columns |= self.observables
-        columns |= {f"{name}_initial": x for name, x in zip(self.names, self.x0.T, strict=True)}
-        columns |= {f"{name}_drift": values for name, values in self.drift.items()}
+        initial = {f"{name}_initial": x for name, x in zip(self.names, self.x0.T, strict=True)}
+        drift = {f"{name}_drift": values for name, values in self.drift.items()}
+        for name, values in self.observables.items():
+            columns[unlike(name, {*columns, *initial, *drift})] = values
+        columns |= initial | drift
         return pandas.DataFrame(columns).rename_axis("member")
 
     def _repr_html_(self) -> str:
@@ -175,6 +179,9 @@ class Ensemble:
 
     def __len__(self) -> int:
         return len(self._left.members)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return reduced(self, "_left")
 
     def __repr__(self) -> str:
         ends = ", ".join(f"{np.count_nonzero(self.outcomes == end)} {end}" for end in _OUTCOMES)

@@ -2,6 +2,9 @@
 
 from ._leafwise import IntegrationError, LeafwiseError, SceneError
 
+#: Of a run that failed: what it left. None where no run did.
+IntegrationError.run = None
+
 __all__ = ["IntegrationError", "LeafwiseError", "LeafwiseWarning", "SceneError"]
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arrays import Array, reals
+from ._arrays import Array, count, in_order, labels, listed, reals, with_gaps
 from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning
 from ._gradient import Trajectory
 
@@ -77,14 +77,17 @@ def fit(
     iterations: int,
 ) -> Fit:
     """See :meth:`Scene.fit`."""
+    names = labels(data)
+    if observed is None and names and all(name in scene.variables for name in names):
+        # A frame says itself what it is of.
+        observed = names
     columns = _columns(scene, observed)
-    given = np.asarray(data)
-    if given.dtype.kind not in "iuf" or given.ndim != 2 or given.shape[1] != len(columns) or len(given) < 2:
+    given = with_gaps("data", in_order("data", data, [scene.variables[at] for at in columns]))
+    if given.ndim != 2 or given.shape[1] != len(columns) or len(given) < 2:
         raise ValueError(
-            f"data has the shape {given.shape} of {given.dtype}, not (n, {len(columns)}) with a row for each of "
-            f"n > 1 samples, the first at t = 0"
+            f"data has the shape {given.shape}, not (n, {len(columns)}) with a row for each of n > 1 samples, the first at t = 0"
         )
-    given = given.astype(np.float64)
+    iterations = count("iterations", iterations, 0)
     is_there = ~np.isnan(given)
     if np.isinf(given).any():
         raise ValueError("data is infinite somewhere; write NaN for what was not observed")
@@ -94,38 +97,41 @@ def fit(
     names = [*model.parameters, *(f"{name}(0)" for name in scene.variables if initial)]
     if not names:
         raise ValueError("nothing to fit: name parameters, or ask for initial=True")
-    count, freedom = len(model.parameters), int(is_there.sum()) - len(names)
+    chosen, freedom = len(model.parameters), int(is_there.sum()) - len(names)
     if freedom < 0:
         raise ValueError(f"{int(is_there.sum())} numbers do not determine {len(names)} values")
 
     whole = _Problem(model, np.where(is_there, given, 0.0), weight, columns, initial)
-    at = np.concatenate([model.values, model.x0 if initial else []])
+    # Where a run fails at the values that fewer data gave, it may not at those from which they came.
+    begins = [np.concatenate([model.values, model.x0 if initial else []])]
     made = 0
     for part in _PARTS:
         first = whole.first(-(-len(given) // part))
         if first.numbers <= len(names):
             continue
         try:
-            near = _descend(first, at, _NEAR, iterations - made, names)
+            near = _descend_from(first, begins, _NEAR, iterations - made, names)
         except LeafwiseError:
             # So few of the data do not determine all of it.
             continue
-        at, made = near.at, made + near.iterations
-    found = _descend(whole, at, _SMALL, iterations - made, names)
+        begins.append(near.at)
+        made += near.iterations
+    found = _descend_from(whole, begins, _SMALL, iterations - made, names)
     at, made = found.at, made + found.iterations
     scale = 1.0 if sigma is not None else found.chi2 / max(freedom, 1)
     if not found.is_converged:
-        message = f"no fit after {made} iterations: the last correction was {found.size:.1e} standard deviations"
+        told = f"the sum of squares is {found.chi2:.3g} of {whole.numbers} numbers"
+        message = f"no fit after {made} iterations: {told}, and the last correction was {found.size:.1e} standard deviations"
         warnings.warn(f"{message}; begin nearer, or with fewer samples", LeafwiseWarning, stacklevel=3)
     elif sigma is not None and found.chi2 > freedom + _UNLIKELY * (2 * max(freedom, 1)) ** 0.5:
         message = f"the sum of squares is {found.chi2:.3g}, where noise of sigma makes {freedom}: another minimum, another model"
         warnings.warn(f"{message}, or a sigma that is too small; begin nearer", LeafwiseWarning, stacklevel=3)
     covariance = found.inverse * scale
     changed: dict[str, object] = {
-        f"system__parameters__{name}": float(value) for name, value in zip(model.parameters, at[:count], strict=True)
+        f"system__parameters__{name}": float(value) for name, value in zip(model.parameters, at[:chosen], strict=True)
     }
     if initial:
-        changed["run__initial"] = at[count:]
+        changed["run__initial"] = at[chosen:]
     return Fit(
         scene=scene.set(**changed),
         names=names,
@@ -214,9 +220,25 @@ def _descend(problem: _Problem, at: Array, small: float, most: int, names: list[
         at, made = shorter, made + 1
 
 
+def _descend_from(problem: _Problem, begins: list[Array], small: float, most: int, names: list[str]) -> _Found:
+    """The iteration from the last of these values at which every step can be taken.
+
+    Raises:
+        IntegrationError: a step cannot be taken at the first ones, the scene's own.
+        LeafwiseError: the data do not determine all values.
+    """
+    for begin in reversed(begins[1:]):
+        try:
+            return _descend(problem, begin, small, most, names)
+        except IntegrationError:
+            continue
+    return _descend(problem, begins[0], small, most, names)
+
+
 def _columns(scene: Scene, observed: Sequence[str] | None) -> list[int]:
     """Which coordinates the data are of."""
     known = scene.variables
+    observed = None if observed is None else listed("observed", observed)
     for name in observed or []:
         if name not in known:
             raise LeafwiseError(f"the system has no coordinate {name!r}; it has {', '.join(known)}")

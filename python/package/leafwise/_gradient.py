@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arrays import Array, reals
+from ._arrays import Array, count, in_order, listed, reals
 from ._errors import LeafwiseError, LeafwiseWarning
 from ._leafwise import Growth
 
@@ -51,6 +51,7 @@ class Trajectory:
 
     Raises:
         LeafwiseError: the scene has a pace, a condition that stops it or samples at times; a name is no parameter.
+        SceneError: its bracket is not Poisson, and ``allow_non_poisson`` is not given.
     """
 
     def __init__(
@@ -60,11 +61,14 @@ class Trajectory:
         *,
         steps: int | None = None,
         record: int | None = None,
+        allow_non_poisson: bool = False,
     ) -> None:
         self.scene = scene
-        self._map = scene._scene.map()
+        self._allow_non_poisson = allow_non_poisson
+        chosen = None if parameters is None else listed("parameters", parameters)
+        self._map = scene._scene.map(allow_non_poisson)
         known = scene.parameters
-        chosen = list(known) if parameters is None else list(parameters)
+        chosen = list(known) if chosen is None else chosen
         for name in chosen:
             if name not in known:
                 names = ", ".join(known) or "none"
@@ -76,9 +80,9 @@ class Trajectory:
         self._all = np.array(list(known.values()), dtype=np.float64)
         self._at = [list(known).index(name) for name in chosen]
         own_steps, own_record = self._map.plan
-        self.steps = own_steps if steps is None else _count("steps", steps, 0)
+        self.steps = own_steps if steps is None else count("steps", steps, 0)
         """The number of steps."""
-        self.record = own_record if record is None else _count("record", record, 1)
+        self.record = own_record if record is None else count("record", record, 1)
         """Every how many steps there is a sample."""
 
     @property
@@ -103,6 +107,7 @@ class Trajectory:
 
         Raises:
             IntegrationError: a step could not be taken.
+            MemoryError: the samples take more memory than there is.
         """
         return self._run(x0, values)[0]
 
@@ -181,34 +186,26 @@ class Trajectory:
         return Gradient(of_state, chosen, growth, again)
 
     def _initial(self, x0: ArrayLike | None) -> Array:
-        return self.x0 if x0 is None else reals("x0", x0, len(self.x0))
+        return self.x0 if x0 is None else reals("x0", in_order("x0", x0, self.scene.variables), len(self.x0))
 
     def _whole(self, values: ArrayLike | None) -> Array:
         """All parameters with these values of the chosen ones."""
         whole = self._all.copy()
         if values is not None:
-            whole[self._at] = reals("values", values, len(self.parameters))
+            given = in_order("values", values, self.parameters)
+            whole[self._at] = reals("values", given, len(self.parameters))
         return whole
 
     def __reduce__(self) -> tuple[object, ...]:
-        return _again, (self.scene, self.parameters, self.steps, self.record)
+        return _again, (self.scene, self.parameters, self.steps, self.record, self._allow_non_poisson)
 
     def __repr__(self) -> str:
         names = ", ".join(["x0", *self.parameters])
         return f"<leafwise.Trajectory of {names}: {self.steps} steps, {self.steps // self.record + 1} samples>"
 
 
-def _again(scene: Scene, parameters: list[str], steps: int, record: int) -> Trajectory:
-    return Trajectory(scene, parameters, steps=steps, record=record)
-
-
-def _count(name: str, value: int, least: int) -> int:
-    """A number of steps."""
-    if isinstance(value, bool) or int(value) != value:
-        raise TypeError(f"{name} is {value!r}, not a whole number")
-    if value < least:
-        raise ValueError(f"{name} is {value}, less than {least}")
-    return int(value)
+def _again(scene: Scene, parameters: list[str], steps: int, record: int, allow_non_poisson: bool) -> Trajectory:
+    return Trajectory(scene, parameters, steps=steps, record=record, allow_non_poisson=allow_non_poisson)
 
 
 def _warn(growth: Growth) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+from collections.abc import Collection
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from ._leafwise import Recorded
 from ._plots import axes
+from ._stored import reduced
 
 if TYPE_CHECKING:
     import matplotlib.axes
@@ -19,6 +21,13 @@ if TYPE_CHECKING:
     import xarray
 
 Array = NDArray[np.float64]
+
+
+def unlike(name: str, taken: Collection[str]) -> str:
+    """The name of an observable, or another where that is taken."""
+    while name in taken:
+        name += " (observable)"
+    return name
 
 
 class Run:
@@ -152,16 +161,23 @@ class Run:
         return pandas.DataFrame(table[:, 1:], pandas.Index(self.t, name=columns[0]), columns[1:])
 
     def to_xarray(self) -> xarray.Dataset:
-        """The states as ``x`` over t and the coordinates' names, the observables over t. Needs xarray."""
+        """The states as ``x`` over t and the coordinates' names, the observables over t. Needs xarray.
+
+        An observable called x, t or coordinate is ``x (observable)`` there.
+        """
         import xarray
 
         variables: dict[str, Any] = {"x": (("t", "coordinate"), self.x)}
-        variables |= {name: ("t", values) for name, values in self.observables.items()}
+        for name, values in self.observables.items():
+            variables[unlike(name, {*variables, "t", "coordinate"})] = ("t", values)
         return xarray.Dataset(variables, {"t": self.t, "coordinate": self.names})
 
     def _repr_html_(self) -> str:
         page = html.escape(self.report())
         return f'<iframe srcdoc="{page}" style="width: 100%; height: 40em; border: 0"></iframe>'
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return reduced(self, "_recorded")
 
     def __repr__(self) -> str:
         drift = ", ".join(f"{name} {value:.1e}" for name, value in self.drift.items())

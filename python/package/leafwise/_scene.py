@@ -13,11 +13,12 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from . import _leafwise
-from ._arrays import reals
+from ._arrays import count, in_order, listed, number, reals
+from ._arrays import table as of_names
 from ._commands import command
 from ._comparison import Comparison
 from ._ensemble import Ensemble
-from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning
+from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning, SceneError
 from ._fit import Fit, fit
 from ._gradient import Trajectory
 from ._functions import System
@@ -29,6 +30,9 @@ from ._shards import ensemble as ensemble_of_shards
 from ._shards import sweep as sweep_of_shards
 from ._sweep import Sweep
 
+#: More threads than any machine of these years has.
+_MOST_THREADS = 1024
+
 
 class Scene:
     """A system, a method and a plan: what a scene file says.
@@ -36,12 +40,16 @@ class Scene:
     ``Scene({"system": ..., "method": ..., "run": ...})`` or ``Scene(system=..., method=..., run=...)``; arrays are
     lists, and a system may be a :class:`System` of functions. ``Scene.load`` reads a file, ``Scene.parse`` a text.
 
+    What tables, keys and values are is looked at here. Formulas, names and parts are looked at when the scene is composed: by its first
+    property, such as ``variables``, its first run, and everything else that needs the system.
+
     Raises:
         SceneError: each problem with its place.
+        TypeError: a value that no scene holds, such as a complex number, or a table that holds itself.
     """
 
     def __init__(self, table: Mapping[str, Any] | None = None, /, **sections: Any) -> None:
-        whole = {**(table or {}), **sections}
+        whole = {**of_names("a scene", table), **sections}
         if not whole:
             raise TypeError("a scene needs sections: Scene(system=..., method=..., run=...)")
         system = whole.get("system")
@@ -57,7 +65,9 @@ class Scene:
     @classmethod
     def parse(cls, text: str, name: str = "scene.toml", set: Mapping[str, Any] | None = None) -> Scene:
         """The scene of a text; ``set`` overrides values, as in ``{"method.epsilon": 0.05}``."""
-        return cls._of(text, name, _overrides(set or {}))
+        if not isinstance(text, str):
+            raise TypeError(f"a scene's text is a string, not {type(text).__name__}: Scene(...) takes tables, Scene.load a file")
+        return cls._of(text, name, _overrides(of_names("set", set)))
 
     @classmethod
     def load(cls, file: str | PathLike[str], set: Mapping[str, Any] | None = None) -> Scene:
@@ -67,7 +77,7 @@ class Scene:
             text = path.read_text(encoding="utf-8")
         except UnicodeDecodeError:
             raise LeafwiseError(f"{path} is not UTF-8 text") from None
-        return cls._of(text, fspath(path), _overrides(set or {}))
+        return cls._of(text, fspath(path), _overrides(of_names("set", set)))
 
     @classmethod
     def _of(cls, text: str, name: str, overrides: list[tuple[str, str]], system: System | None = None) -> Scene:
@@ -147,9 +157,18 @@ class Scene:
         Raises:
             SceneError: the scene is not valid.
             IntegrationError: a step could not be taken; its ``run`` holds what was recorded before.
+            MemoryError: the samples take more memory than there is, found before the first step where their number is known: keep
+                fewer by ``record``. Where it is found later, its ``run`` holds what was recorded before.
+            TypeError, ValueError: an argument is none.
         """
-        given = {"run.steps": steps, "run.until": until, "run.record.every": record, "run.initial": initial}
-        overrides = _overrides({key: value for key, value in given.items() if value is not None})
+        overrides = _overrides(
+            {
+                "run.steps": None if steps is None else count("steps", steps, 0),
+                "run.until": None if until is None else number("until", until),
+                "run.record.every": None if record is None else count("record", record, 1),
+                "run.initial": initial,
+            }
+        )
         with shown(progress) as told:
             recorded = self._scene.run(overrides, allow_non_poisson, told)
         run = Run(recorded)
@@ -157,6 +176,10 @@ class Scene:
             warnings.warn(advice, LeafwiseWarning, stacklevel=2)
         if run.outcome == "interrupted":
             warnings.warn(run.message, LeafwiseWarning, stacklevel=2)
+        if recorded.has_no_room:
+            lost = MemoryError(run.message)
+            lost.run = run  # type: ignore[attr-defined]
+            raise lost
         if run.outcome == "failed":
             error = IntegrationError(run.message)
             error.run = run
@@ -201,33 +224,41 @@ class Scene:
             SceneError: the scene, or one of the parameters' names, is not valid.
             TypeError, ValueError: an array has another shape or type, or holds a number that is not finite.
         """
-        states = None if x0 is None else reals("x0", x0, None, len(self.variables))
-        count = None if states is None else len(states)
-        given = {name: reals(name, values, None) for name, values in (parameters or {}).items()}
-        for name, values in given.items():
-            count = len(values) if count is None else count
-            if len(values) != count:
-                raise ValueError(f"{name} has {len(values)} values for {count} members")
-        if count == 0:
+        if x0 is None:
+            states = None
+        else:
+            names = self.variables
+            states = reals("x0", in_order("x0", x0, names), None, len(names))
+        members = None if states is None else len(states)
+        varied = {name: reals(name, values, None) for name, values in of_names("parameters", parameters).items()}
+        for name, values in varied.items():
+            members = len(values) if members is None else members
+            if len(values) != members:
+                raise ValueError(f"{name} has {len(values)} values for {members} members")
+        if members == 0:
             raise ValueError("there are no members")
-        options = {
-            "run.steps": steps,
-            "ensemble.final-states": "csv",
-            "ensemble.record.every": record,
-            "ensemble.record.quantiles": quantiles,
-        }
-        overrides = _overrides({key: value for key, value in options.items() if value is not None})
+        overrides = _overrides(
+            {
+                "run.steps": None if steps is None else count("steps", steps, 0),
+                "ensemble.final-states": "csv",
+                "ensemble.record.every": None if record is None else count("record", record, 1),
+                "ensemble.record.quantiles": None if quantiles is None else reals("quantiles", quantiles, None),
+            }
+        )
+        if members is None and not self._scene.has("ensemble"):
+            raise SceneError("there are no members: give x0, parameters or both, or a table [ensemble] with `members` in the scene")
+        threads = _threads(threads)
         files = Path(self.name).parent
         if executor is None and shards is not None:
             raise ValueError("shards are made by an executor: give executor= too")
         if executor is not None:
-            asked = AskedEnsemble(self._scene.origin, overrides, states, list(given.items()), files.absolute(), allow_non_poisson)
+            asked = AskedEnsemble(self._scene.origin, overrides, states, list(varied.items()), files.absolute(), allow_non_poisson)
             with shown(progress) as told:
                 return self._told(ensemble_of_shards(asked, executor, _shards(shards), threads or 1, told))
         with tempfile.TemporaryDirectory() as folder, shown(progress) as told:
             out = Path(folder) / "ensemble"
             left = self._scene.ensemble(
-                overrides, states, list(given.items()), files, out, threads, allow_non_poisson, told
+                overrides, states, list(varied.items()), files, out, threads, allow_non_poisson, told
             )
         return self._told(left)
 
@@ -277,12 +308,19 @@ class Scene:
             raise ValueError("give grid or settings, not both")
         if observables is not None and grid is None and settings is None:
             raise ValueError("observables stand beside grid or settings: those of the scene's own sweep are in its table")
-        overrides = [] if steps is None else _overrides({"run.steps": steps})
+        overrides = [] if steps is None else _overrides({"run.steps": count("steps", steps, 0)})
         if grid is not None or settings is not None:
-            table: dict[str, Any] = {"list": list(settings)} if settings is not None else {"grid": dict(grid or {})}
+            swept: dict[str, Any] = (
+                {"list": [of_names("a setting", one) for one in listed("settings", settings)]}
+                if settings is not None
+                else {"grid": of_names("grid", grid)}
+            )
             if observables is not None:
-                table["record"] = {"observables": list(observables)}
-            overrides += _overrides({"sweep": table})
+                swept["record"] = {"observables": listed("observables", observables)}
+            overrides += _overrides({"sweep": swept})
+        elif not self._scene.has("sweep"):
+            raise SceneError("there are no settings, and the scene has no [sweep] table: give grid or settings")
+        threads = _threads(threads)
         if executor is None and shards is not None:
             raise ValueError("shards are made by an executor: give executor= too")
         with shown(progress) as told:
@@ -298,15 +336,24 @@ class Scene:
             warnings.warn(f"interrupted after {len(sweep)} settings", LeafwiseWarning, stacklevel=2)
         return sweep
 
-    def integrator(self) -> Integrator:
-        """The method's steps from the initial state, for a loop of one's own."""
-        return self._scene.integrator()
+    def integrator(self, *, allow_non_poisson: bool = False) -> Integrator:
+        """The method's steps from the initial state, for a loop of one's own.
+
+        Raises:
+            SceneError: the scene is not valid, or its bracket is not Poisson and ``allow_non_poisson`` is not given.
+        """
+        return self._scene.integrator(allow_non_poisson)
 
     def trajectory(
-        self, parameters: Sequence[str] | None = None, *, steps: int | None = None, record: int | None = None
+        self,
+        parameters: Sequence[str] | None = None,
+        *,
+        steps: int | None = None,
+        record: int | None = None,
+        allow_non_poisson: bool = False,
     ) -> Trajectory:
         """The samples as a differentiable function of the initial state and these parameters, all where none are named."""
-        return Trajectory(self, parameters, steps=steps, record=record)
+        return Trajectory(self, parameters, steps=steps, record=record, allow_non_poisson=allow_non_poisson)
 
     def fit(
         self,
@@ -353,7 +400,10 @@ class Scene:
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / (Path(self.name).name or "scene.toml")
             file.write_text(self.text, encoding="utf-8")
-            return command(name, file, *arguments, accept=accept)
+            found = command(name, file, *arguments, accept=accept)
+        if isinstance(found, dict) and found.get("scene") == fspath(file):
+            found["scene"] = self.name
+        return found
 
     def check(self) -> dict[str, Any]:
         """Jacobi identity and Casimirs of the system, as ``leafwise check``. A check that fails is told, not raised."""
@@ -372,7 +422,7 @@ class Scene:
 
     def tune(self, error: float, *arguments: str) -> dict[str, Any]:
         """The cheapest method and step for an error, as ``leafwise tune --error``."""
-        found: dict[str, Any] = self.command("tune", "--error", repr(float(error)), *arguments)
+        found: dict[str, Any] = self.command("tune", "--error", repr(number("error", error)), *arguments)
         return found
 
     def __repr__(self) -> str:
@@ -381,12 +431,14 @@ class Scene:
 
 def _shards(asked: int | None) -> int:
     """How many shards; 4 for each processor of this machine where not said."""
-    count = 4 * (os.cpu_count() or 1) if asked is None else asked
-    if count < 1:
-        raise ValueError(f"there are no {count} shards")
-    return count
+    return 4 * (os.cpu_count() or 1) if asked is None else count("shards", asked, 1)
+
+
+def _threads(asked: int | None) -> int | None:
+    """How many threads; more than a machine has take turns, and no result depends on them."""
+    return None if asked is None else min(count("threads", asked, 1), _MOST_THREADS)
 
 
 def _overrides(values: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Keys and values as TOML."""
-    return [(key, text_of_value(value)) for key, value in values.items()]
+    """Keys and values as TOML, without those that are None."""
+    return [(key, text_of_value(key, value)) for key, value in values.items() if value is not None]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
@@ -11,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._arrays import reals
+from ._arrays import count, in_order, labels, number, real_numbers, reals, table
 from ._errors import IntegrationError, LeafwiseWarning
 from ._functions import System
 from ._run import Run
@@ -60,7 +59,7 @@ class Solution:
     step: float
     #: The scene that was run.
     scene: Scene
-    #: The run.
+    #: The run; its own times count from the beginning of the span.
     run: Run
 
     #: As in SciPy, where events are not asked for.
@@ -79,7 +78,7 @@ class Solution:
             if run.outcome != "done":
                 # Behind them is the state before the step that failed.
                 forward = math.copysign(1.0, step)
-                reached = abs(run.final_time) * (1 + 1e-14)
+                reached = run.final_time * forward * (1 + 1e-14)
                 points = points[(points - span[0]) * forward <= reached]
             first = int(len(points) == 0 or points[0] != span[0])
             kept = slice(first, first + len(points))
@@ -104,7 +103,7 @@ class Solution:
         return self
 
     def __call__(self, t: ArrayLike) -> Array:
-        times = np.asarray(t)
+        times = real_numbers("t", t)
         points, order = np.unique(reals("t", times.reshape(-1), None), return_inverse=True)
         if self._span[1] < self._span[0]:
             points, order = points[::-1], len(points) - 1 - order
@@ -144,93 +143,133 @@ def solve(
 ) -> Solution:
     """Solve ẋ = {H, x} from x0 over a span of time; the result has the fields of ``scipy.integrate.solve_ivp``.
 
+        lw.solve(bracket={"q,p": "1"}, convention="{x,H}", hamiltonian="p^2/2 - cos(q)", x0=[0, 1], t_span=(0, 20))
+
+    With ``convention="{x,H}"`` it is ẋ = {x, H}, which is q' = ∂H/∂p for {q, p} = 1; without it the other sign, ẋ = {H, x}.
+
     Args:
         x0: the initial state, shape (d,).
-        t_span: the first and the last time; the second may be the smaller one.
+        t_span: the first and the last time; the second may be the smaller one. ``t`` in a formula is that time, whatever the span
+            begins at.
         t_eval: times of the points, shape (m,), on the way of the span; all steps where not given.
         bracket: the Poisson tensor as in scenes, ``{"q,p": "1"}``; ``hamiltonian``, ``parameters``, ``casimirs``, ``define``,
             ``convention`` and ``library`` are those of a scene's ``[system]``.
         system: functions of Python, in place of formulas.
+        parameters: their values by name; of a library's system or of functions those that differ from its own.
         variables: the coordinates' names; where not given, those of the bracket's pairs in the order in which they come.
         method: a scene's ``[method]`` without its step, or the name of a stepper; where not given Hamilton-Jacobi of order 4, and
             of functions five stages of Hamilton-Jacobi of order 2 over Karasev's realization by collocation.
-        step: the longest step: the span has a whole number of steps.
+            A method with a ``pace`` takes steps of a time of its own; points are in t all the same.
+        step: the longest step: the span has a whole number of steps. With a pace, the step of its time.
         rtol: in place of a step. Steps are halved until two runs agree at all points within ``rtol`` times the largest
             coordinate; the finer one is the result. 1e-6 where neither is given.
         max_steps: where that search ends.
 
     Raises:
         SceneError: the system is not valid.
+        MemoryError: the points take more memory than there is: give ``t_eval``.
         TypeError, ValueError: an argument is not.
     """
-    start, end = (float(time) for time in t_span)
-    if not (math.isfinite(start) and math.isfinite(end) and start != end):
-        raise ValueError(f"t_span is {t_span}: two different finite times are needed")
+    span = _span(t_span)
+    start, end = span
     if step is not None and rtol is not None:
         raise ValueError("give step or rtol, not both")
-    if step is not None and not (math.isfinite(step) and step != 0):
+    if step is not None and number("step", step) == 0:
         raise ValueError(f"step is {step}, not a length")
-    if rtol is not None and not 0 < rtol < 1:
+    if rtol is not None and not 0 < number("rtol", rtol) < 1:
         raise ValueError(f"rtol is {rtol}: a number between 0 and 1 is needed")
-    span, state = (start, end), reals("x0", x0, None)
+    max_steps = count("max_steps", max_steps, 1)
+    if isinstance(variables, str):
+        raise TypeError(f"variables is {variables!r}, not a list: give [{variables!r}]")
+    if not (bracket is None or isinstance(bracket, (str, Mapping))):
+        kind = type(bracket).__name__
+        raise TypeError(f"bracket is of {kind}: give the brackets of pairs of coordinates, {{'q,p': '1'}}, or a name")
+    if not (method is None or isinstance(method, (str, Mapping))):
+        raise TypeError(f"method is of {type(method).__name__}: give a scene's table of a method, or the name of a stepper")
     points = None if t_eval is None else _points(reals("t_eval", t_eval, None), span)
     given = {
         "library": library,
         "variables": None if variables is None else list(variables),
         "bracket": bracket if isinstance(bracket, str) or bracket is None else dict(bracket),
         "hamiltonian": hamiltonian,
-        "parameters": None if parameters is None else dict(parameters),
-        "casimirs": None if casimirs is None else dict(casimirs),
-        "define": None if define is None else dict(define),
+        "parameters": None if parameters is None else table("parameters", parameters),
+        "casimirs": None if casimirs is None else table("casimirs", casimirs),
+        "define": None if define is None else table("define", define),
         "convention": convention,
     }
     formulas = {key: value for key, value in given.items() if value is not None}
-    if system is not None and formulas:
-        raise ValueError(f"give system or {next(iter(formulas))}, not both")
+    if system is not None:
+        if not isinstance(system, System):
+            raise TypeError(f"system is of {type(system).__name__}, not a leafwise.System: tables of scenes go into leafwise.Scene")
+        others = [key for key in formulas if key != "parameters"]
+        if others:
+            raise ValueError(f"give system or {others[0]}, not both")
     if system is None and "variables" not in formulas and isinstance(bracket, Mapping) and all("," in pair for pair in bracket):
         names = (name.strip() for pair in bracket for name in pair.split(","))
         formulas["variables"] = list(dict.fromkeys(names))
-    if start != 0 and _names_the_time(formulas):
-        raise ValueError(f"t_span begins at {start}, and a system that names the time t begins at 0: shift its phase")
     usual = _METHOD if system is None else _METHOD_OF_NUMBERS
     how = {"stepper": method} if isinstance(method, str) else dict(usual if method is None else method)
 
-    def attempt(steps: int) -> Solution:
-        length = (end - start) / steps
-        table = {
-            "system": formulas if system is None else system,
-            "method": how | {"time-step": length},
-            "run": {"initial": state, "steps": steps},
-        }
-        scene = Scene(table)
+    has_pace = how.get("pace") is not None
+    plan: dict[str, Any] = {"initial": reals("x0", x0, None)}
+    if start != 0:
+        plan["t0"] = start
+    if has_pace:
+        plan["until"] = end - start
+
+    def composed(steps: int) -> Scene:
+        scene = Scene(
+            {
+                "system": formulas if system is None else system,
+                "method": how | {"time-step": (end - start) / steps},
+                "run": plan if has_pace else plan | {"steps": steps},
+            }
+        )
+        return scene if system is None or not formulas else scene.set(system__parameters=formulas["parameters"])
+
+    if labels(x0) is not None:
+        plan["initial"] = reals("x0", in_order("x0", x0, composed(1).variables), None)
+
+    def attempt(steps: int, points: Array | None) -> Solution:
+        scene = composed(steps)
         try:
             run = (scene if points is None else _at(scene, points, span)).run()
         except IntegrationError as failure:
+            if failure.run is None:
+                raise
             run = failure.run
-        return Solution(scene, run, span, points, length)
+        return Solution(scene, run, span, points, (end - start) / steps)
 
     if step is not None:
         # A quotient that is whole but for its rounding is whole.
-        steps = max(1, math.ceil(abs(end - start) / abs(step) * (1 - 4e-16)))
-        return attempt(steps)
-    return _refined(attempt, points is None, 1e-6 if rtol is None else rtol, max_steps)
+        return attempt(max(1, math.ceil(abs(end - start) / abs(step) * (1 - 4e-16))), points)
+    wanted = 1e-6 if rtol is None else rtol
+    if has_pace and points is None:
+        # Steps of different lengths end at different times: two runs are compared at given ones.
+        found = _refined(attempt, np.linspace(start, end, _FIRST + 1), wanted, max_steps)
+        if not found.success:
+            return found
+        whole = attempt(round((end - start) / found.step), None)
+        whole.nfev += found.nfev
+        return whole
+    return _refined(attempt, points, wanted, max_steps)
 
 
-def _refined(attempt: Callable[[int], Solution], has_all_steps: bool, rtol: float, max_steps: int) -> Solution:
-    """The finer of two runs that agree."""
+def _refined(attempt: Callable[[int, Array | None], Solution], points: Array | None, rtol: float, max_steps: int) -> Solution:
+    """The finer of two runs that agree at the points, or at all steps of the coarser one."""
     coarse: Solution | None = None
     steps, evaluations, difference = _FIRST, 0, math.inf
     with warnings.catch_warnings():
         # Of the step that is found alone.
         warnings.simplefilter("ignore", LeafwiseWarning)
         while True:
-            fine = attempt(steps)
+            fine = attempt(steps, points)
             evaluations += fine.nfev
             if fine.run.outcome == "interrupted":
                 break
             if coarse is not None and coarse.success and fine.success:
-                finer = fine.y[:, ::2] if has_all_steps else fine.y
-                difference = float(np.abs(finer - coarse.y).max() / np.abs(finer).max())
+                finer = fine.y[:, ::2] if points is None else fine.y
+                difference = _difference(finer, coarse.y)
                 if difference <= rtol:
                     break
             if 2 * steps > max_steps:
@@ -245,6 +284,32 @@ def _refined(attempt: Callable[[int], Solution], has_all_steps: bool, rtol: floa
     return fine
 
 
+def _difference(finer: Array, coarser: Array) -> float:
+    """The largest difference over the largest coordinate; 0 where there are no points, or where all are 0."""
+    largest = float(np.abs(finer).max(initial=0.0))
+    return float(np.abs(finer - coarser).max(initial=0.0)) / largest if largest else 0.0
+
+
+def _span(t_span: Any) -> tuple[float, float]:
+    """The first and the last time.
+
+    Raises:
+        TypeError, ValueError: they are none.
+    """
+    ends = real_numbers("t_span", t_span)
+    if ends.shape != (2,):
+        raise ValueError(f"t_span is two times, the first and the last, not {_shown(t_span)}: points between them are t_eval")
+    start, end = ends.tolist()
+    if not (math.isfinite(start) and math.isfinite(end) and start != end):
+        raise ValueError(f"t_span is {_shown(t_span)}: two different finite times are needed")
+    return start, end
+
+
+def _shown(values: Any) -> str:
+    told = repr(values)
+    return told if len(told) <= 60 else f"{told[:57]}..."
+
+
 def _points(points: Array, span: tuple[float, float]) -> Array:
     """Points that go the way of the span.
 
@@ -252,7 +317,7 @@ def _points(points: Array, span: tuple[float, float]) -> Array:
         ValueError: they do not.
     """
     forward = math.copysign(1.0, span[1] - span[0])
-    if len(points) and min((points - span[0]) * forward) < 0 or max((points - span[1]) * forward, default=0) > 0:
+    if ((points - span[0]) * forward < 0).any() or ((points - span[1]) * forward > 0).any():
         raise ValueError(f"t_eval leaves t_span {span}")
     if not (np.diff(points) * forward > 0).all():
         raise ValueError("t_eval goes another way than t_span, or has a time twice")
@@ -262,10 +327,3 @@ def _points(points: Array, span: tuple[float, float]) -> Array:
 def _at(scene: Scene, points: Array, span: tuple[float, float]) -> Scene:
     """The scene with its samples at points."""
     return scene.set(run__record__times=points - span[0])
-
-
-def _names_the_time(system: Mapping[str, Any]) -> bool:
-    if "t" in system.get("variables", ()) or "t" in system.get("parameters", ()):
-        return False
-    return any(re.search(r"\bt\b", str(system.get(key, ""))) for key in ("hamiltonian", "bracket", "define"))
-

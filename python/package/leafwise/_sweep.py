@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _leafwise
+from ._stored import reduced
 
 if TYPE_CHECKING:
     import pandas
@@ -120,6 +121,9 @@ class Sweep:
 
     def __len__(self) -> int:
         return len(self._cells["setting"])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return reduced(self, "_left")
 
     def __repr__(self) -> str:
         failed = np.count_nonzero(self.outcomes == "failed")

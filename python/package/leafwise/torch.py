@@ -18,8 +18,9 @@ from typing import Any
 
 import numpy as np
 import torch
-from torch.autograd.function import once_differentiable
 
+from ._arrays import real_numbers
+from ._errors import LeafwiseError
 from ._gradient import Trajectory
 
 __all__ = ["solve"]
@@ -29,15 +30,33 @@ def solve(trajectory: Trajectory, x0: Any = None, values: Any = None) -> Any:
     """The samples, shape (n, d), from x0, shape (d,), with the parameters' values, shape (p,).
 
     Axes in front of these, of either or both, are a batch: their shapes are broadcast, and stand in front of (n, d).
+
+    Raises:
+        IntegrationError: a step could not be taken.
+        LeafwiseError: from a second derivative, which is not known.
+        TypeError, ValueError: x0 or values have another type or shape, or are not finite.
     """
     tensors = [of for of in (x0, values) if isinstance(of, torch.Tensor) and of.is_floating_point()]
-    x0, values = (
-        of if isinstance(of, torch.Tensor) else torch.as_tensor(np.array(own if of is None else of, dtype=np.float64))
-        for of, own in ((x0, trajectory.x0), (values, trajectory.values))
-    )
-    batch = torch.broadcast_shapes(x0.shape[:-1], values.shape[:-1])
+    x0 = _given("x0", trajectory.x0 if x0 is None else x0, len(trajectory.x0))
+    values = _given("values", trajectory.values if values is None else values, len(trajectory.parameters))
+    try:
+        batch = torch.broadcast_shapes(x0.shape[:-1], values.shape[:-1])
+    except RuntimeError:
+        shapes = f"{tuple(x0.shape[:-1])} of x0 and {tuple(values.shape[:-1])} of values"
+        raise ValueError(f"the batches {shapes} do not fit each other") from None
     samples = _Samples.apply(trajectory, *(of.expand(*batch, *of.shape[-1:]) for of in (x0, values)))
     return samples.to(tensors[0]) if tensors else samples
+
+
+def _given(name: str, given: Any, length: int) -> Any:
+    """A tensor of real numbers whose last axis has this length."""
+    if not isinstance(given, torch.Tensor):
+        given = torch.as_tensor(real_numbers(name, given))
+    if given.is_complex() or given.dtype == torch.bool:
+        raise TypeError(f"{name} holds {given.dtype}, not real numbers")
+    if given.ndim == 0 or given.shape[-1] != length:
+        raise ValueError(f"{name} has the shape {tuple(given.shape)}, not ({length},), or (..., {length}) for a batch")
+    return given
 
 
 class _Samples(torch.autograd.Function):
@@ -48,17 +67,31 @@ class _Samples(torch.autograd.Function):
         runs = [trajectory._run(*of) for of in zip(_rows(x0), _rows(values), strict=True)]
         ctx.trajectory, ctx.kept = trajectory, [kept for _, kept in runs]
         ctx.save_for_backward(x0, values)
-        return _stacked([x for x, _ in runs], x0.shape[:-1])
+        samples = trajectory.steps // trajectory.record + 1
+        return _stacked([x for x, _ in runs], x0.shape[:-1], (samples, x0.shape[-1]))
 
     @staticmethod
-    @once_differentiable
     def backward(ctx: Any, w: Any) -> Any:
-        x0, values = ctx.saved_tensors
-        rows = zip(_rows(x0), _rows(values), ctx.kept, _rows(w, axes=2), strict=True)
-        found = [ctx.trajectory._pull(*of) for of in rows]
-        by_state = _stacked([of.x0 for of in found], x0.shape[:-1])
-        by_values = _stacked([of.values for of in found], values.shape[:-1])
-        return None, by_state.to(x0), by_values.to(values)
+        return None, *_Gradient.apply(ctx.trajectory, ctx.kept, *ctx.saved_tensors, w)
+
+
+class _Gradient(torch.autograd.Function):
+    """The gradient of a function of the samples, a function of x0, values and w of which no derivative is known."""
+
+    @staticmethod
+    def forward(ctx: Any, trajectory: Trajectory, kept: Any, x0: Any, values: Any, w: Any) -> Any:
+        rows = zip(_rows(x0), _rows(values), kept, _rows(w, axes=2), strict=True)
+        found = [trajectory._pull(*of) for of in rows]
+        by_state = _stacked([of.x0 for of in found], x0.shape[:-1], x0.shape[-1:])
+        by_values = _stacked([of.values for of in found], values.shape[:-1], values.shape[-1:])
+        return by_state.to(x0), by_values.to(values)
+
+    @staticmethod
+    def backward(ctx: Any, *_: Any) -> Any:
+        raise LeafwiseError(
+            "second derivatives of a trajectory are not known: take differences of gradients, or where a sum of squares is made "
+            "small J'J with J from trajectory.jvp, as scene.fit does"
+        )
 
 
 def _rows(tensor: Any, axes: int = 1) -> Any:
@@ -68,5 +101,7 @@ def _rows(tensor: Any, axes: int = 1) -> Any:
     return np.ascontiguousarray(array).reshape(math.prod(batch), *own)
 
 
-def _stacked(rows: Any, batch: Any) -> Any:
-    return torch.as_tensor(np.stack(rows)).reshape(*batch, *rows[0].shape)
+def _stacked(rows: Any, batch: Any, own: Any) -> Any:
+    """The arrays of a batch, of which there may be none, as one tensor."""
+    whole = np.stack(rows) if rows else np.zeros((0, *own))
+    return torch.as_tensor(whole).reshape(*batch, *own)

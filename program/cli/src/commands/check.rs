@@ -1,10 +1,11 @@
 //! `leafwise check`: is the tensor Poisson, are the Casimirs Casimirs?
 
-use leafwise::core::SystemFormulas;
 use leafwise::core::diagnostics::{IdentityCheck, Verdict};
 use leafwise::core::system::TensorSource;
+use leafwise::core::{PoissonSystem, SystemFormulas};
 use leafwise::run::Advice;
 use leafwise::run::{advice::advise, advice::states_ahead, advice::unused_parameters};
+use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::{Motion, SceneChecks, compose};
 use leafwise::scene::json::{Double, doubles, object};
 use serde::Serialize;
@@ -136,6 +137,26 @@ pub fn execute(
         console.prose(&refusal.render(console.color));
     }
     Ok(exit::CHECK_FAILED)
+}
+
+/// Refuses what `run` refuses, for commands that no flag makes go on.
+///
+/// # Errors
+/// [`Failure::Scene`] for a bracket that is not Poisson, and a Casimir that is none.
+pub(super) fn refuse_no_system(
+    document: &SceneDocument,
+    system: &PoissonSystem,
+    near: &[f64],
+) -> Result<(), Failure> {
+    let checks = SceneChecks::of(system, near)?;
+    let Some(mut refusal) = checks.refusal(document, system, false) else {
+        return Ok(());
+    };
+    if checks.inconsistency.is_none() && checks.jacobi.verdict == Verdict::Violated {
+        refusal.help =
+            Some("correct the bracket: this command is about Poisson systems alone".to_owned());
+    }
+    Err(refusal.into())
 }
 
 /// What a tensor that has no entries of its own is made of.

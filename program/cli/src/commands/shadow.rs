@@ -5,6 +5,7 @@ use leafwise::scene::compose::{NoShadow, ShadowEnergy, compose, refuse_noise};
 use leafwise::scene::json::object;
 use serde::Serialize;
 
+use super::check::refuse_no_system;
 use super::run::{drift, method_line};
 use crate::arguments::{PluginArguments, ShadowArguments};
 use crate::bar::while_building;
@@ -57,6 +58,9 @@ pub fn execute(
         "take the noise out: every step of it follows another Hamiltonian",
     )?;
     let run = while_building(is_shown, || compose(&document, &parts.registry))?;
+    while_building(is_shown, || {
+        refuse_no_system(&document, &run.system, &run.near)
+    })?;
     let refused = |no: NoShadow| Failure::usage(no.message, no.help);
     if run.method.lattice().is_some() || document.method.pace.is_some() {
         return Err(refused(NoShadow {

@@ -155,9 +155,14 @@ fn the_time_stands_where_it_has_a_meaning() {
     );
     // Later they are smooth.
     for rough in ["0.1*q*sqrt(t)", "0.1*q*t*ln(t)", "0.1*q*ln(t)"] {
-        let begin = ["no value or no derivative at t = 0", "sqrt(t + t0)"];
+        let begin = ["no value or no derivative at t = 0,", "write t0 into [run]"];
         refused("0.1*q*cos(t)", rough, "5:16", &begin);
     }
+    // As is advised.
+    let later = DRIVEN.replace("0.1*q*cos(t)", "0.1*q*sqrt(t)");
+    let here = Place::with(&later.replace("[run]", "[run]\nt0 = 0.25"));
+    let said = here.leafwise(&["run", "scene.toml"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
     let unnamed = ["t is the time where the Hamiltonian, a one-form, a force or a pace names it"];
     refused("0.1*q*cos(t)", "0.1*q", "12:54", &unnamed);
     // A coordinate, or a parameter, of this name is no time.
@@ -520,4 +525,26 @@ fn a_run_of_steps_keeps_its_last_state_behind_the_last_time() {
         .json();
     let given = rows(&here.read("run/samples.csv"));
     assert_eq!(given.last().map(|row| row[0]), said["time"].as_f64());
+}
+
+/// H(q, p, t0 + t) begun at t0 is the same motion as one begun at 0 whose phase is shifted by hand.
+#[test]
+fn a_run_may_begin_at_any_time() {
+    let rows = |text: &str| {
+        let here = Place::with(text);
+        let said = here.leafwise(&["run", "scene.toml", "--out", "run"]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        here.read("run/samples.csv")
+    };
+    let late = DRIVEN.replace("[run]", "[run]\nt0 = 2.5");
+    let by_hand = DRIVEN.replace("cos(t)", "cos(t + 2.5)");
+    let shifted = rows(&late);
+    assert_ne!(shifted, rows(DRIVEN));
+    assert_eq!(states(&shifted), states(&rows(&by_hand)));
+}
+
+/// The columns t, q, p.
+fn states(table: &str) -> Vec<String> {
+    let cells = |row: &str| row.split(',').take(3).collect::<Vec<_>>().join(",");
+    table.lines().map(cells).collect()
 }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use leafwise_core::{Integrator, SolverStatistics};
-use leafwise_scene::compose::{ComposedRun, Observable};
+use leafwise_scene::compose::{ComposedRun, Observable, SampleTimes};
 
 use super::{Column, Session};
 use crate::checkpoint::{Checkpoint, FILE};
@@ -44,10 +44,10 @@ impl<'a> Session<'a> {
     /// A run in memory: its initial state is recorded.
     pub fn in_memory(run: &'a ComposedRun) -> Result<Self, RunError> {
         let width = 1 + run.plan.states.width() + run.plan.observables.len();
-        let samples = Samples::in_memory(width);
+        let samples = Samples::in_memory(width, rows(run))?;
         let mut session = Self::new(run, None, Duration::MAX, samples)?;
         if session.section.is_some() {
-            session.crossings = Some(Samples::in_memory(width));
+            session.crossings = Some(Samples::in_memory(width, 0)?);
         }
         session.record()?;
         Ok(session)
@@ -194,4 +194,17 @@ impl<'a> Session<'a> {
 fn wide(run: &ComposedRun) -> Option<usize> {
     let states = &run.plan.states;
     (!states.are_in_samples()).then(|| states.width())
+}
+
+/// How many samples a run keeps at most, where that is known before.
+fn rows(run: &ComposedRun) -> u64 {
+    let steps = run.plan.steps;
+    match &run.plan.samples {
+        // The first, and the last state where it is none of them.
+        SampleTimes::Every(every) if run.plan.until.is_none() => {
+            steps / every + 1 + u64::from(!steps.is_multiple_of(*every))
+        }
+        SampleTimes::Given(times) => times.len() as u64 + 2,
+        _ => 0,
+    }
 }

@@ -19,6 +19,7 @@ use crate::last_step::LastStep;
 use crate::outcome::{Failure, RunOutcome};
 use crate::paced::Paced;
 use crate::progress::{Progress, Status};
+use crate::room::NoRoom;
 use crate::samples::Samples;
 use crate::snapshots::Snapshots;
 use crate::states::StateTable;
@@ -259,6 +260,17 @@ impl<'a> Session<'a> {
         let mut failure = Failure::of_step(error, self.integrator.steps(), self.time(), state);
         failure.of_parts(&self.run.plan.parts);
         failure
+    }
+
+    /// The failure of a run that has no memory for its next sample.
+    pub fn failure_for_want_of(&self, no_room: NoRoom) -> Failure {
+        Failure {
+            message: no_room.to_string(),
+            step: self.integrator.steps(),
+            time: self.time(),
+            state: self.run.own(self.integrator.state()).to_vec(),
+            hint: "what was recorded before is kept".to_owned(),
+        }
     }
 
     /// Records the state at the end.

@@ -79,8 +79,11 @@ pub(super) fn data(
             ),
         ),
         line("Solver", all.statistics.summary()),
-        line("Data", report.directory.display().to_string()),
     ];
+    // What no command has written is in a directory of the moment.
+    if !command.is_empty() {
+        facts.push(line("Data", report.directory.display().to_string()));
+    }
     let losses = ensemble.losses(all);
     if let Some(last) = losses.last() {
         let [low, high] = last.interval.map(percent);
@@ -96,7 +99,8 @@ pub(super) fn data(
             section.direction_in_words(),
         );
         let text = format!("{count} of {}, {which}", section.text);
-        facts.insert(facts.len() - 1, line("Section", text));
+        let last = facts.len() - usize::from(!command.is_empty());
+        facts.insert(last, line("Section", text));
     }
     let names = ensemble.observables();
     let mut bands: Vec<Band> = names.iter().map(|name| Band::new(name)).collect();

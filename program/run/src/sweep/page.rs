@@ -84,7 +84,7 @@ pub(super) fn data(
                 message: format!("{settings}, {} failed", report.failed),
             },
         },
-        facts: vec![
+        facts: [
             line(
                 "Settings",
                 format!(
@@ -100,8 +100,11 @@ pub(super) fn data(
                     report.rate()
                 ),
             ),
-            line("Data", report.table().display().to_string()),
-        ],
+        ]
+        .into_iter()
+        // What no command has written is in a directory of the moment.
+        .chain((!command.is_empty()).then(|| line("Data", report.table().display().to_string())))
+        .collect(),
         method: method_lines(&sweep.base),
         is_drawn: (1..=MOST_DIRECTIONS).contains(&directions.len()),
         directions,

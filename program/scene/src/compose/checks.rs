@@ -1,6 +1,8 @@
-//! The Jacobi identity and the Casimirs of a scene.
+//! The Jacobi identity and the Casimirs of a scene, and whether its functions, where it has no formulas, are those of one system.
 
-use leafwise_core::diagnostics::{IdentityCheck, Verdict, check_casimir, check_jacobi};
+use leafwise_core::diagnostics::{
+    IdentityCheck, Inconsistency, Verdict, check_casimir, check_jacobi, find_inconsistency,
+};
 use leafwise_core::{BuildError, PoissonSystem};
 
 use super::Refusal;
@@ -13,6 +15,8 @@ pub struct SceneChecks {
     pub jacobi: IdentityCheck,
     /// Π ∇C = 0 for each Casimir in order.
     pub casimirs: Vec<CasimirCheck>,
+    /// Why the values of a system of numbers are those of no Poisson system, if they are not.
+    pub inconsistency: Option<Inconsistency>,
 }
 
 /// One Casimir's check.
@@ -31,6 +35,7 @@ impl SceneChecks {
     /// [`BuildError`] where a formula has no derivative.
     pub fn of(system: &PoissonSystem, near: &[f64]) -> Result<Self, BuildError> {
         let parameters = system.parameter_values();
+        let inconsistency = find_inconsistency(system, &parameters, near);
         let jacobi = check_jacobi(system, &parameters, near)?;
         let names = system.casimir_names();
         let mut casimirs = Vec::with_capacity(names.len());
@@ -41,12 +46,18 @@ impl SceneChecks {
                 check,
             });
         }
-        Ok(Self { jacobi, casimirs })
+        Ok(Self {
+            jacobi,
+            casimirs,
+            inconsistency,
+        })
     }
 
     /// Whether nothing was found violated.
     pub fn pass(&self) -> bool {
-        self.jacobi.verdict != Verdict::Violated && self.false_casimir().is_none()
+        self.inconsistency.is_none()
+            && self.jacobi.verdict != Verdict::Violated
+            && self.false_casimir().is_none()
     }
 
     fn false_casimir(&self) -> Option<usize> {
@@ -56,7 +67,7 @@ impl SceneChecks {
     }
 
     /// Why a run of this scene is refused, if it is. With `allow_non_poisson` neither a tensor
-    /// that violates the Jacobi identity nor, then, its Casimirs are refused.
+    /// that violates the Jacobi identity nor, then, its Casimirs are refused; functions of no Poisson system always are.
     pub fn refusal(
         &self,
         document: &SceneDocument,
@@ -73,6 +84,14 @@ impl SceneChecks {
                 .collect();
             names.join(", ")
         };
+        if let Some(found) = &self.inconsistency {
+            return Some(Box::new(document.diagnostic(
+                &document.system.bracket.place(),
+                found.told(system.variables()),
+                "not the functions of one Poisson system",
+                Some(found.advice().to_owned()),
+            )));
+        }
         if self.jacobi.verdict == Verdict::Violated {
             if allow_non_poisson {
                 return None;

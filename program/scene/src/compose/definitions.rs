@@ -4,6 +4,7 @@
 
 use std::collections::BTreeSet;
 
+use leafwise_expression::Expression;
 use leafwise_expression::syntax::{DEPTH_LIMIT, Formula, Scope};
 
 use super::Refusal;
@@ -12,7 +13,7 @@ use super::time::{TIME, names_time};
 use crate::document::{Located, SceneDocument};
 
 /// The names of a scene with its families at the given lengths, and what it defines; `N` as a number stays
-/// the true length. `time` is the variable that the time is, without it definitions that name the time are left out.
+/// the true length. `time` is the variable that the time since the initial state is, to which `t0` is added; without it definitions that name the time are left out.
 pub(super) fn scope(
     document: &SceneDocument,
     lengths: &[usize],
@@ -21,6 +22,15 @@ pub(super) fn scope(
     let mut scope = declared(document, lengths);
     if let Some(time) = time {
         scope = scope.with_variable(TIME, time);
+        if let Some(t0) = &document.run.t0 {
+            let since = Formula::parse(&format!("{TIME} + ({})", t0.value.literal));
+            let value = since.and_then(|formula| formula.resolve(&scope, None));
+            let value = value.map_err(|error| {
+                let (place, help) = (t0.place(), None);
+                Box::new(document.diagnostic(&place, error.to_string(), "here", help))
+            })?;
+            scope = scope.with_definition(TIME, value.unwrap_or(Expression::Variable(time)));
+        }
     }
     let define = &document.system.define;
     check_observables(document)?;

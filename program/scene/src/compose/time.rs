@@ -114,8 +114,8 @@ pub(super) fn about_time(
             .any(|(_, field)| field.formula().is_some_and(is))
     {
         return told(
-            "the initial state cannot name the time t: every run begins at t = 0",
-            "begin later by another phase, as in cos(omega*t + phase) with a parameter",
+            "the initial state cannot name the time t: every run begins at t = 0, or at `t0`",
+            "begin later by t0 in [run], or by another phase, as in cos(omega*t + phase) with a parameter",
         );
     }
     told(
@@ -153,10 +153,14 @@ pub(super) fn check_begin(
     if is_smooth(initial) || !is_smooth(&later) {
         return Ok(());
     }
+    let t0 = &document.run.t0;
+    let t0 = t0.as_ref().map_or("0", |t0| t0.value.literal.as_str());
     Err(Box::new(document.diagnostic(
         &document.place_in_formula(hamiltonian, 0..hamiltonian.value.len()),
-        "the Hamiltonian has no value or no derivative at t = 0, where every run begins, and has them later",
+        format!(
+            "the Hamiltonian has no value or no derivative at t = {t0}, where the run begins, and has them later"
+        ),
         "at the initial state",
-        Some("begin a little later: sqrt(t + t0) or ln(t + t0) with a parameter t0, in place of sqrt(t) or ln(t)".to_owned()),
+        Some("begin a little later: write t0 into [run]".to_owned()),
     )))
 }

@@ -88,6 +88,8 @@ pub struct RunSection {
     pub steps: Located<u64>,
     /// The time at the end, in place of a number of steps.
     pub until: Option<Located<Number>>,
+    /// What the time of formulas is at the initial state, from which all other times count; 0 where the scene does not say.
+    pub t0: Option<Located<Number>>,
     /// Where the run ends before: a comparison of two formulas.
     pub stop: Option<Located<String>>,
     /// A surface whose crossings are recorded.
@@ -113,6 +115,10 @@ pub(super) fn read_run(
         .require("initial", "initial = [1, 3, 3]", problems)
         .and_then(|item| read_initial(item, system, problems));
     let (steps, until) = read_end(table, problems);
+    let t0 = match table.get("t0") {
+        Some(item) => item.number(problems).map(Some),
+        None => Some(None),
+    };
     let stop = match table.get("stop") {
         Some(item) => item.string(problems).map(Some),
         None => Some(None),
@@ -135,6 +141,7 @@ pub(super) fn read_run(
         initial: initial?,
         steps: steps?,
         until: until?,
+        t0: t0?,
         stop: stop?,
         section: section?,
         seed: seed?,

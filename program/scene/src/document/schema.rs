@@ -99,7 +99,7 @@ pub(super) static METHOD: [Key; 10] = [
 
 const OBSERVABLES: Shape = Shape::List(&Shape::Either(&[Shape::Text, FORMULAS]));
 
-pub(super) static RUN: [Key; 9] = [
+pub(super) static RUN: [Key; 10] = [
     key(
         "initial",
         Shape::Either(&[NUMBERS, FIELDS]),
@@ -110,6 +110,11 @@ pub(super) static RUN: [Key; 9] = [
         "until",
         Shape::Number,
         "The time at the end, in place of steps, beside a pace",
+    ),
+    key(
+        "t0",
+        Shape::Number,
+        "What the time t of formulas is at the initial state, from which all times count; 0 where not said",
     ),
     key(
         "stop",

@@ -261,6 +261,7 @@ pub const SCENES_WITH_EVERY_KEY: [&str; 20] = [
     [run]
     initial = [1, 3, 3]
     steps   = 10
+    t0      = 0.5
     seed    = 1
     member  = 2
     "#,

@@ -8,13 +8,14 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use leafwise::core::Registry;
+use leafwise::scene::SceneDocument;
 use leafwise::scene::document::MethodTable;
-use leafwise::scene::{SceneChecks, SceneDocument};
 use leafwise::trade::{
     Bench, CompareOptions, Comparison, Grid, Judged, compare, comparison_figures, comparison_page,
     parse_method,
 };
 
+use super::check::refuse_no_system;
 use crate::arguments::{CompareArguments, PluginArguments};
 use crate::bar::Steps;
 use crate::console::Console;
@@ -98,11 +99,7 @@ fn options(arguments: &CompareArguments, registry: &Registry) -> Result<CompareO
 /// Refuses what `run` refuses.
 pub(super) fn check(document: &SceneDocument, bench: &Bench<'_>) -> Result<(), Failure> {
     let own = bench.own();
-    let checks = SceneChecks::of(&own.system, &own.near)?;
-    match checks.refusal(document, &own.system, false) {
-        Some(refusal) => Err(refusal.into()),
-        None => Ok(()),
-    }
+    refuse_no_system(document, &own.system, &own.near)
 }
 
 /// Says what else keeps the table from what was asked: an end state that is not known, methods
