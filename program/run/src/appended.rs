@@ -39,7 +39,7 @@ impl Vouched {
     /// Reads these bytes again, of a file that stands at their beginning; their digest, to be continued.
     pub fn read_again(&self, file: &mut File, path: &Path) -> Result<Sha256, RunError> {
         let counted = self.bytes;
-        let (bytes, digest) = read_digest(file, counted).map_err(RunError::io(path))?;
+        let (bytes, digest) = read_digest(file, counted).map_err(RunError::reading(path))?;
         let reason = if bytes < counted {
             format!("it has {bytes} bytes where the checkpoint counts {counted}")
         } else if <[u8; 32]>::from(digest.clone().finalize()) != self.sha256 {
@@ -144,11 +144,11 @@ impl Appended {
         let mut file = File::open(path).map_err(RunError::resuming(path))?;
         vouched.read_again(&mut file, path)?;
         file.seek(SeekFrom::Start(skipped))
-            .map_err(RunError::io(path))?;
+            .map_err(RunError::reading(path))?;
         let mut rest = file.take(vouched.bytes.saturating_sub(skipped));
         let mut buffer = vec![0; BATCH];
         loop {
-            match rest.read(&mut buffer).map_err(RunError::io(path))? {
+            match rest.read(&mut buffer).map_err(RunError::reading(path))? {
                 0 => return Ok(()),
                 some => self.push(&buffer[..some])?,
             }
@@ -213,7 +213,7 @@ pub(super) fn ends_with(
     let mut rest = Vec::new();
     file.seek(SeekFrom::Start(start))
         .and_then(|_| file.take(expected.len() as u64 + 1).read_to_end(&mut rest))
-        .map_err(RunError::io(path))?;
+        .map_err(RunError::reading(path))?;
     if rest == expected {
         return Ok(());
     }

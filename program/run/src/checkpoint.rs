@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::appended::Vouched;
 use super::error::RunError;
+use super::events::Side;
 use super::invariants::Windows;
 use super::last_step::StepStart;
 use super::paced::PacedSteps;
@@ -21,7 +22,7 @@ pub(crate) const FILE: &str = "checkpoint.bin";
 /// What the file holds, and how.
 const FORMAT: Format = Format {
     name: b"leafwis",
-    number: b'A',
+    number: b'B',
 };
 
 /// A run between two steps. Another field, order or type is another format.
@@ -55,8 +56,8 @@ pub(super) struct Checkpoint {
     pub section: Vouched,
     /// Crossings recorded.
     pub crossings: u64,
-    /// The side of the section on which the run is: 1, −1, or 0 where it has left it to none.
-    pub side: f64,
+    /// Where the run stands beside its section.
+    pub side: Side,
     /// The state before the last step.
     pub start: StepStart,
 }
@@ -172,7 +173,7 @@ mod tests {
             },
             section: Vouched::NOTHING,
             crossings: 3,
-            side: -1.0,
+            side: Side::begin(-1.0),
             start: StepStart {
                 state: vec![0.1, 0.2],
                 compensation: vec![0.0, -1e-18],

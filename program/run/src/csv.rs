@@ -25,10 +25,12 @@ impl Table {
     }
 
     /// A cell of text: in quotes where it holds a comma, a quote or a line break, and where it begins
-    /// like a formula of a spreadsheet.
+    /// like a formula of a spreadsheet. A number is never in quotes.
     pub fn text(&mut self, text: &str) -> &mut Self {
         self.begin_cell();
-        if text.contains([',', '"', '\n', '\r']) || text.starts_with(['=', '+', '-', '@']) {
+        let is_number = text.parse::<f64>().is_ok();
+        let is_like_a_formula = text.starts_with(['=', '+', '-', '@']) && !is_number;
+        if text.contains([',', '"', '\n', '\r']) || is_like_a_formula {
             self.text.push('"');
             self.text.push_str(&text.replace('"', "\"\""));
             self.text.push('"');
@@ -190,6 +192,11 @@ mod tests {
             ("say \"h\"", "\"say \"\"h\"\"\""),
             ("=HYPERLINK(1)", "\"=HYPERLINK(1)\""),
             ("-q", "\"-q\""),
+            ("-1.0", "-1.0"),
+            ("-1e-300", "-1e-300"),
+            ("+0.5", "+0.5"),
+            ("-inf", "-inf"),
+            ("-1.0 + q", "\"-1.0 + q\""),
         ] {
             assert_eq!(Table::default().text(text).as_str(), cell);
         }

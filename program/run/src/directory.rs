@@ -127,10 +127,10 @@ fn holds_nothing(path: &Path) -> Result<bool, RunError> {
     let entries = match fs::read_dir(path) {
         Ok(entries) => entries,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(true),
-        Err(error) => return Err(RunError::io(path)(error)),
+        Err(error) => return Err(RunError::reading(path)(error)),
     };
     for entry in entries {
-        let name = entry.map_err(RunError::io(path))?.file_name();
+        let name = entry.map_err(RunError::reading(path))?.file_name();
         if name != LOCK && name != manifest::UNFINISHED_FILE {
             return Ok(false);
         }
@@ -177,8 +177,10 @@ fn held(path: &Path, stored: &Manifest, run: &RunRequest<'_>) -> Result<Held, Ru
         let is_end = |key: &str| ["run.steps", "run.until"].contains(&key);
         run.kind == Kind::Run && change.key.as_deref().is_some_and(is_end)
     };
-    if !changes.iter().all(is_steps) {
-        let difference = listed(&changes);
+    let reasons = changes.iter().filter(|change| !is_steps(change));
+    let reasons: Vec<Change> = reasons.cloned().collect();
+    if !reasons.is_empty() {
+        let difference = listed(&reasons);
         return Err(if is_done {
             RunError::Ended {
                 directory,

@@ -170,6 +170,16 @@ pub enum RunError {
         /// What is wrong with it.
         reason: String,
     },
+    /// A file that a finished run has left is another one now.
+    #[error(
+        "{} is not what was written: it was changed since, or damaged; remove it, and the same command makes it \
+         anew, or write elsewhere with --out DIR",
+        file.display()
+    )]
+    Changed {
+        /// The file.
+        file: PathBuf,
+    },
     /// A file of an unfinished run in another format than this version of the program reads.
     #[error(
         "{} is of format {found}, and this version of leafwise reads format {read}: finish the run with \
@@ -185,7 +195,15 @@ pub enum RunError {
         /// The digit of the format that is read.
         read: char,
     },
-    /// Reading or writing failed.
+    /// Reading failed.
+    #[error("cannot read {}: {source}", file.display())]
+    Read {
+        /// The file.
+        file: PathBuf,
+        /// The system's error.
+        source: io::Error,
+    },
+    /// Writing failed.
     #[error("cannot write {}: {source}", file.display())]
     Io {
         /// The file.
@@ -227,12 +245,18 @@ impl RunError {
                 let reason = "it is missing".to_owned();
                 Self::Damaged { file, reason }
             } else {
-                Self::Io { file, source }
+                Self::Read { file, source }
             }
         }
     }
 
-    /// For `map_err` on operations on a file.
+    /// For `map_err` on reading a file.
+    pub(crate) fn reading(file: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
+        let file = file.into();
+        move |source| Self::Read { file, source }
+    }
+
+    /// For `map_err` on writing a file.
     pub(crate) fn io(file: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
         let file = file.into();
         move |source| Self::Io { file, source }
@@ -267,6 +291,7 @@ impl RunError {
                 | Self::OtherKind { .. }
                 | Self::Busy { .. }
                 | Self::Damaged { .. }
+                | Self::Changed { .. }
                 | Self::Format { .. }
         )
     }

@@ -2,6 +2,7 @@
 
 use leafwise_core::{BuildError, StepError};
 use leafwise_scene::compose::{ComposedRun, Section, Stop};
+use serde::{Deserialize, Serialize};
 
 use super::invariants::Functions;
 use super::last_step::{Between, CLOSE, LastStep};
@@ -73,12 +74,77 @@ pub(super) fn end<'a>(
 /// The largest part of the values before and after a step that is left where they cross zero: beyond it they jump over it.
 const JUMP: f64 = 1e-6;
 
+/// Where a run stands beside its section.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Side {
+    /// The sign of left − right where the run was last off the section: 1, −1, or 0 where it has left it to none.
+    sign: f64,
+    /// left − right after the last step.
+    value: f64,
+    /// The largest |left − right| in the last step, as far as it is known.
+    largest: f64,
+    /// The same in all steps.
+    reach: f64,
+    /// Whether the sign changed in the last step.
+    is_changed: bool,
+}
+
+impl Side {
+    /// At the initial state.
+    pub fn begin(value: f64) -> Self {
+        Self {
+            sign: sign(value, 0.0),
+            value,
+            largest: value.abs(),
+            reach: value.abs(),
+            is_changed: false,
+        }
+    }
+
+    /// Where nothing is to be looked for in a step after which left − right has this value: the side then.
+    pub fn stays(self, value: f64) -> Option<Self> {
+        let is_off = value * self.sign > 0.0 && !self.may_begin_and_end_there(value);
+        is_off.then(|| self.after(value, value, self.sign))
+    }
+
+    /// Whether a step may begin and end on the section. Where nothing but 0 was seen, how large the values are is not known.
+    fn may_begin_and_end_there(self, value: f64) -> bool {
+        self.reach == 0.0 || self.value.abs().max(value.abs()) <= JUMP * self.reach
+    }
+
+    /// After a step, of which one more value is known.
+    fn after(self, value: f64, other: f64, sign: f64) -> Self {
+        let largest = self.value.abs().max(value.abs()).max(other.abs());
+        Self {
+            sign,
+            value,
+            largest,
+            reach: self.reach.max(largest),
+            is_changed: self.sign * sign < 0.0,
+        }
+    }
+
+    /// Whether the run ends on the section and comes from a side, in a direction that counts; a crossing in the last step is that one.
+    pub fn ends_there(self, section: &Section, value: f64, steps: u64) -> bool {
+        !self.is_changed
+            && self.sign != 0.0
+            && section.counts(-self.sign)
+            && value.abs() <= round_off(steps) * self.largest
+    }
+}
+
+/// What is no distance from the section after so many steps, as a part of the largest |left − right| in a step: the time, and what goes
+/// as it does, is rounded to so much of a step.
+fn round_off(steps: u64) -> f64 {
+    CLOSE * steps.max(1) as f64
+}
+
 /// The section whose crossings are recorded.
 pub(super) struct Crossings<'a> {
     section: &'a Section,
     difference: Functions,
-    /// The sign of the last value that was not zero.
-    pub side: f64,
+    /// Where the run stands after the last step.
+    pub side: Side,
 }
 
 impl<'a> Crossings<'a> {
@@ -88,7 +154,7 @@ impl<'a> Crossings<'a> {
             return Ok(None);
         };
         let mut difference = Functions::compile(run, &[&section.difference])?;
-        let side = sign(difference.at(&run.plan.initial)[0], 0.0);
+        let side = Side::begin(difference.at(&run.plan.initial)[0]);
         Ok(Some(Self {
             section,
             difference,
@@ -101,34 +167,72 @@ impl<'a> Crossings<'a> {
         &mut self,
         last: &mut LastStep<'_>,
         after: &[f64],
-    ) -> Result<(f64, Option<Between>), Lost<'a>> {
+        steps: u64,
+    ) -> Result<(Side, Option<Between>), Lost<'a>> {
         let difference = &mut self.difference;
         let value = difference.at(after)[0];
         let difference = &mut |state: &[f64]| difference.at(state)[0];
-        crossing(self.section, difference, last, after, (self.side, value))
+        crossing(
+            self.section,
+            difference,
+            last,
+            after,
+            (self.side, value, steps),
+        )
+    }
+
+    /// Whether the run ends on the section, which it crosses there.
+    pub fn ends_there(&mut self, state: &[f64], steps: u64) -> bool {
+        let value = self.difference.at(state)[0];
+        self.side.ends_there(self.section, value, steps)
     }
 }
 
-/// The side after the last step, the same as before where the state lies on the section, and where the step crosses it in a
-/// direction that counts; before it the `side` is known, and left − right has this `value` `after` it. A value that jumps
-/// over zero, or has a pole, crosses nothing.
+/// The side after the last step, and where the step crosses the section in a direction that counts; before it the `side` is known, and
+/// left − right has this `value` `after` it.
+///
+/// A state on the section keeps the side from which it was reached. A value that jumps over zero, or has a pole, crosses nothing. Of a
+/// step that begins and ends on the section the side is that of its middle, and it crosses where it begins.
 pub(super) fn crossing<'a>(
     section: &'a Section,
     difference: &mut dyn FnMut(&[f64]) -> f64,
     last: &mut LastStep<'_>,
     after: &[f64],
-    (side, value): (f64, f64),
-) -> Result<(f64, Option<Between>), Lost<'a>> {
+    (side, value, steps): (Side, f64, u64),
+) -> Result<(Side, Option<Between>), Lost<'a>> {
     if value.is_nan() {
         return Err(Lost::Undefined(&section.text));
     }
-    let other = sign(value, side);
-    if side * other >= 0.0 || !section.counts(other) {
+    if let Some(side) = side.stays(value) {
+        return Ok((side, None));
+    }
+    if side.may_begin_and_end_there(value) {
+        let middle = last.part(0.5).map_err(Lost::Step)?;
+        let inside = difference(&middle);
+        let ends = side.value.abs().max(value.abs());
+        if inside.is_finite() && inside != 0.0 && ends <= round_off(steps) * inside.abs() {
+            let found = side.after(value, inside, sign(inside, 0.0));
+            let crosses = found.is_changed && section.counts(found.sign);
+            let begin = Between {
+                part: 0.0,
+                state: last.start.state.clone(),
+                value: side.value,
+            };
+            // The section is reached once more at the end.
+            let found = Side {
+                is_changed: false,
+                ..found
+            };
+            return Ok((found, crosses.then_some(begin)));
+        }
+    }
+    let other = side.after(value, value, sign(value, side.sign));
+    if !other.is_changed || !section.counts(other.sign) {
         return Ok((other, None));
     }
-    let ends = [difference(&last.start.state) * other, value * other];
-    let mut rising = |_: &[f64], state: &[f64]| difference(state) * other;
-    let largest = ends[0].abs().max(ends[1].abs());
+    let ends = [side.value * other.sign, value * other.sign];
+    let mut rising = |_: &[f64], state: &[f64]| difference(state) * other.sign;
+    let largest = other.largest;
     let bracket = last
         .enclose(
             after,
@@ -144,7 +248,7 @@ pub(super) fn crossing<'a>(
 }
 
 /// The sign of a value, and what stands for it where that is zero.
-pub(super) fn sign(value: f64, zero: f64) -> f64 {
+fn sign(value: f64, zero: f64) -> f64 {
     if value == 0.0 {
         zero
     } else {

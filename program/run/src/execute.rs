@@ -12,8 +12,9 @@ use super::drive::Session;
 use super::error::RunError;
 use super::manifest::{Beginning, Kind, files, plugins};
 use super::outcome::{InvariantDrift, RunOutcome, RunReport};
+use super::page::{confirm_page, write_page};
 use super::progress::Progress;
-use super::replaced::replace;
+use super::replaced::{Put, confirm, replace};
 use super::sampled;
 use super::samples::Samples;
 use super::states::FINAL_STATE;
@@ -179,11 +180,16 @@ pub fn run(
         && session.is_at_end()
     {
         session.repeat_end()?;
+        let path = &directory.path;
         let outcome = session.end_reached();
         let mut report = describe(composed, session, outcome, None);
         report.is_repeated = true;
         report.advice = advice(document, composed, registry, session, &report)?;
         report.shadow = sampled::shadow(composed, session, &report)?;
+        write_tables(composed, session, &report, path, confirm)?;
+        confirm_page(&path.join(REPORT), || {
+            page(document, composed, session, &report, &options.command)
+        })?;
         return Ok(report);
     }
     let command = &options.command;
@@ -210,14 +216,9 @@ pub fn run(
             report.shadow = sampled::shadow(composed, &session, &report)?;
         }
         let path = &directory.path;
-        write_end(
-            document,
-            composed,
-            &session,
-            &report,
-            &options.command,
-            path,
-        )?;
+        write_tables(composed, &session, &report, path, replace)?;
+        let page = page(document, composed, &session, &report, &options.command)?;
+        write_page(&path.join(REPORT), &page)?;
         beginning.write_ended(path, &report, composed.method.map())?;
         Ok(report)
     };
@@ -264,27 +265,41 @@ fn advice(
     Ok(advice)
 }
 
-/// Everything of a run directory that is written when the run has ended, but the manifest.
-fn write_end(
-    document: &SceneDocument,
+/// What is read from a run beside its samples: `windows.csv`, and the last state where no other file has it.
+fn write_tables(
     composed: &ComposedRun,
     session: &Session<'_>,
     report: &RunReport,
-    command: &str,
     directory: &Path,
+    put: Put,
 ) -> Result<(), RunError> {
-    write_windows(composed, session, directory)?;
+    let (headings, rows) = windows_of(composed, session);
+    let mut table = headings.table();
+    for row in rows {
+        table.numbers(row).end_row();
+    }
+    put(&directory.join(WINDOWS), table.as_str().as_bytes())?;
     if !composed.plan.states.is_whole_in_samples() {
         let bytes: Vec<u8> = report
             .final_state
             .iter()
             .flat_map(|x| x.to_le_bytes())
             .collect();
-        replace(&directory.join(FINAL_STATE), &bytes)?;
+        put(&directory.join(FINAL_STATE), &bytes)?;
     }
+    Ok(())
+}
+
+/// `report.html`.
+fn page(
+    document: &SceneDocument,
+    composed: &ComposedRun,
+    session: &Session<'_>,
+    report: &RunReport,
+    command: &str,
+) -> Result<String, RunError> {
     let data = report_data(document, composed, session, report, command)?;
-    let page = render_report(&data)?;
-    replace(&directory.join(REPORT), page.as_bytes())
+    Ok(render_report(&data)?)
 }
 
 pub(crate) fn describe(
@@ -323,20 +338,6 @@ pub(crate) fn describe(
         shadow: None,
         advice: Vec::new(),
     }
-}
-
-/// `windows.csv`.
-fn write_windows(
-    composed: &ComposedRun,
-    session: &Session<'_>,
-    directory: &Path,
-) -> Result<(), RunError> {
-    let (headings, rows) = windows_of(composed, session);
-    let mut table = headings.table();
-    for row in rows {
-        table.numbers(row).end_row();
-    }
-    replace(&directory.join(WINDOWS), table.as_str().as_bytes())
 }
 
 /// The end of each window and the invariants' largest deviations in it.

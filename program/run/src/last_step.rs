@@ -113,7 +113,12 @@ impl<'a> LastStep<'a> {
         let plan = &self.run.plan;
         let step = plan.epsilon * plan.h;
         let part = (time - (steps - 1) as f64 * step) / step;
-        let increment = self.increment(part.clamp(0.0, 1.0))?;
+        self.part(part.clamp(0.0, 1.0))
+    }
+
+    /// The state after a part of the last step.
+    pub fn part(&mut self, part: f64) -> Result<Vec<f64>, StepError> {
+        let increment = self.increment(part)?;
         Ok(self.sum(&increment))
     }
 

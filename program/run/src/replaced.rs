@@ -18,6 +18,24 @@ pub(crate) fn replace(path: &Path, content: &[u8]) -> Result<(), RunError> {
     })
 }
 
+/// How a file that is told of an end is put: it is [`replace`]d, or [`confirm`]ed where the run is told again.
+pub(crate) type Put = fn(&Path, &[u8]) -> Result<(), RunError>;
+
+/// Makes sure that a file has this content; one that is not there is written.
+///
+/// # Errors
+/// [`RunError::Changed`] where it has another.
+pub(crate) fn confirm(path: &Path, content: &[u8]) -> Result<(), RunError> {
+    match fs::read(path) {
+        Ok(found) if found == content => Ok(()),
+        Ok(_) => Err(RunError::Changed {
+            file: path.to_owned(),
+        }),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => replace(path, content),
+        Err(error) => Err(RunError::reading(path)(error)),
+    }
+}
+
 fn write_whole(path: &Path, content: &[u8]) -> io::Result<()> {
     let mut file = create_anew(path)?;
     file.write_all(content)?;

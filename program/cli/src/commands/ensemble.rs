@@ -304,6 +304,9 @@ fn summary(
             section.text
         ));
     }
+    if let Some(ranks) = report.ranks(ensemble) {
+        lines.push(format!("  ranks    quantiles are {ranks}"));
+    }
     lines.push(format!("  solver   {}", all.statistics.summary()));
     let threads = match report.threads {
         0 => String::new(),
@@ -351,7 +354,8 @@ fn end_table(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Vec<String
     let last = &last[last.len() - names.len()..];
     for (name, summary) in names.iter().zip(last) {
         let values = [summary.deviation(), summary.minimum.0, summary.maximum.0];
-        let quantiles = summary.quantiles(&ensemble.quantiles);
+        let quantiles = summary.quantiles(&ensemble.quantiles).into_iter();
+        let quantiles = quantiles.map(|of| of.value);
         let confidence = format!("{:.1e}", summary.confidence());
         let mut row = vec![format!("  {name}"), digits(summary.mean), confidence];
         row.extend(values.into_iter().chain(quantiles).map(digits));

@@ -167,6 +167,114 @@ fn what_touches_or_jumps_crosses_nothing() {
     }
 }
 
+/// q = t − 1: it is at c at t = 1 + c, where the run ends or stops there too.
+#[test]
+fn a_run_that_ends_on_the_section_crosses_it_there() {
+    let here = Place::with(FREE);
+    let rows_of = |set: &[&str]| {
+        let said = run(&here, "run", set);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        let rows = rows(&here.read("run/section.csv"));
+        assert_eq!(said.json()["crossings"], rows.len());
+        std::fs::remove_dir_all(here.path("run")).expect("a directory");
+        rows
+    };
+    for k in 0..24_u32 {
+        let c = f64::from(k) * 0.125 - 0.9 * f64::from(k % 3 == 2);
+        let at = format!("run.section={{ at = \"q = {c}\" }}");
+        let counts = |direction: &str| {
+            let at = at.replace(" }", &format!(", direction = \"{direction}\" }}"));
+            rows_of(&[&at, &format!("run.stop=\"q >= {c}\"")]).len()
+        };
+        for set in [
+            vec![at.clone(), format!("run.stop=\"q >= {c}\"")],
+            vec![at.clone(), format!("run.stop=\"q > {c}\"")],
+            vec![
+                at.clone(),
+                format!("run.steps={}", ((1.0 + c) / 0.25).ceil()),
+            ],
+        ] {
+            let set: Vec<&str> = set.iter().map(String::as_str).collect();
+            let found = rows_of(&set);
+            assert_eq!(found.len(), 1, "{set:?}");
+            assert!(
+                (found[0][0] - 1.0 - c).abs() <= 8.0 * f64::EPSILON,
+                "{found:?}"
+            );
+        }
+        assert_eq!((counts("up"), counts("down")), (1, 0), "q = {c}");
+    }
+    // It begins there and stays, or comes away: nothing is crossed.
+    assert_eq!(rows_of(&["run.section={ at = \"p = 1\" }"]).len(), 0);
+    assert_eq!(rows_of(&["run.section={ at = \"q = -1\" }"]).len(), 0);
+}
+
+/// The row at the end is none of those that a longer run has before its end.
+#[test]
+fn a_run_that_ended_on_the_section_and_goes_on_has_the_same_bytes() {
+    let here = Place::with(FREE);
+    let table = |steps: &str, out: &str| {
+        let said = run(&here, out, &[steps]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        (here.read(&format!("{out}/section.csv")), said)
+    };
+    let (short, _) = table("run.steps=4", "run");
+    assert_eq!(short.lines().count(), 2);
+    let (again, said) = table("run.steps=4", "run");
+    assert_eq!(
+        (again, said.json()["crossings"].as_u64()),
+        (short.clone(), Some(1))
+    );
+    let long = table("run.steps=9", "run").0;
+    assert_eq!(long, table("run.steps=9", "whole").0);
+    assert_eq!(long, short);
+}
+
+/// A driven system once a period, by steps of a part of the period that ends on the section or not, of the whole period too.
+#[test]
+fn steps_of_a_period_and_of_its_parts_cross_the_section_once_a_period() {
+    const DRIVEN: &str = r#"[system]
+variables   = ["q", "p"]
+parameters  = { T = 1.3 }
+bracket     = { "q,p" = "1" }
+convention  = "{x,H}"
+hamiltonian = "p^2/2 + 0.01*q*cos(2*pi*t/T)"
+[method]
+stepper     = "splitting"
+time-step   = 1.3
+[run]
+initial = [0, 1]
+steps   = 40
+section = { at = "sin(pi*t/T) = 0" }
+"#;
+    let here = Place::with(DRIVEN);
+    for parts in [1, 2, 3, 4, 5, 7, 20] {
+        let step = format!("method.time-step={:?}", 1.3 / f64::from(parts));
+        let steps = format!("run.steps={}", 40 * parts);
+        for (direction, first, apart) in [("both", 1, 1), ("down", 1, 2), ("up", 2, 2)] {
+            let out = format!("{parts}-{direction}");
+            let section = format!("run.section.direction=\"{direction}\"");
+            let said = run(&here, &out, &[&step, &steps, &section]);
+            assert_eq!(said.code, Some(0), "{}", said.err);
+            let found = rows(&here.read(&format!("{out}/section.csv")));
+            // It begins on the section, where it crosses nothing; it ends there.
+            let expected: Vec<f64> = (first..=40)
+                .step_by(apart)
+                .map(|k| 1.3 * f64::from(k))
+                .collect();
+            assert_eq!(found.len(), expected.len(), "{parts} {direction}");
+            for (row, time) in found.iter().zip(expected) {
+                // Where a step ends on the section to round-off the time is that of the step, known to so much of a step.
+                let room = 160.0 * f64::from(parts) * f64::EPSILON * 1.3;
+                assert!(
+                    (row[0] - time).abs() <= room,
+                    "{parts} {direction}: {row:?} {time}"
+                );
+            }
+        }
+    }
+}
+
 #[test]
 fn a_section_of_a_run_that_goes_on_has_the_same_bytes() {
     let here = Place::with(HENON_HEILES);

@@ -30,7 +30,8 @@ impl Session<'_> {
         let (Some(section), Some(last)) = (&mut self.section, &mut self.last) else {
             return Ok(None);
         };
-        let (side, found) = match section.crossing(last, self.integrator.state()) {
+        let (state, steps) = (self.integrator.state(), self.integrator.steps());
+        let (side, found) = match section.crossing(last, state, steps) {
             Ok(crossing) => crossing,
             Err(lost) => return Ok(Some(self.failure_of(lost))),
         };
@@ -39,15 +40,32 @@ impl Session<'_> {
             if !self.is_on_the_way(time) {
                 return Ok(None);
             }
-            self.fill_row(&found.state);
-            if let Some(crossings) = &mut self.crossings {
-                crossings.push(time, &self.shown, &self.row)?;
-            }
+            self.push_crossing(time, &found.state)?;
         }
         if let Some(section) = &mut self.section {
             section.side = side;
         }
         Ok(None)
+    }
+
+    /// Records the state at the end where that lies on the section.
+    pub(super) fn record_end_on_section(&mut self) -> Result<(), RunError> {
+        let (steps, time) = (self.integrator.steps(), self.time());
+        let present = || (time, self.integrator.state().to_vec());
+        let (time, state) = self.end.clone().unwrap_or_else(present);
+        let section = self.section.as_mut();
+        match section.is_some_and(|section| section.ends_there(&state, steps)) {
+            true => self.push_crossing(time, &state),
+            false => Ok(()),
+        }
+    }
+
+    fn push_crossing(&mut self, time: f64, state: &[f64]) -> Result<(), RunError> {
+        self.fill_row(state);
+        match &mut self.crossings {
+            Some(crossings) => crossings.push(time, &self.shown, &self.row),
+            None => Ok(()),
+        }
     }
 
     /// The time of a state within the last step.

@@ -13,7 +13,7 @@ use crate::checkpoint::Checkpoint;
 use crate::columns::invariant_name;
 use crate::directory::RunDirectory;
 use crate::error::RunError;
-use crate::events::{Crossings, StopWatch};
+use crate::events::{Crossings, Side, StopWatch};
 use crate::invariants::{Functions, Windows};
 use crate::last_step::LastStep;
 use crate::outcome::{Failure, RunOutcome};
@@ -129,6 +129,7 @@ impl<'a> Session<'a> {
         }
         self.reach_end();
         self.record_end()?;
+        self.record_end_on_section()?;
         self.states
             .as_mut()
             .map_or(Ok(()), StateTable::confirm_end)?;
@@ -194,7 +195,11 @@ impl<'a> Session<'a> {
         if outcome != RunOutcome::Interrupted {
             match outcome {
                 RunOutcome::Failed(_) if self.is_end_recorded => {}
-                _ => self.record_end()?,
+                RunOutcome::Failed(_) => self.record_end()?,
+                _ => {
+                    self.record_end()?;
+                    self.record_end_on_section()?;
+                }
             }
             self.states.as_mut().map_or(Ok(()), StateTable::end)?;
             self.crossings.as_mut().map_or(Ok(()), Samples::end)?;
@@ -375,7 +380,10 @@ impl<'a> Session<'a> {
                 .map_or_else(Default::default, |paced| paced.steps.clone()),
             section: section.unwrap_or(Vouched::NOTHING),
             crossings: self.crossings().map_or(0, Samples::count),
-            side: self.section.as_ref().map_or(0.0, |section| section.side),
+            side: self
+                .section
+                .as_ref()
+                .map_or_else(Side::default, |section| section.side),
             start: self
                 .last
                 .as_ref()

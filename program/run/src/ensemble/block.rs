@@ -63,7 +63,7 @@ pub(super) fn run(
             .fetch_add((made - shown) * lanes as u64, Ordering::Relaxed);
         shown = made;
     }
-    Ok(Some(block.finish()))
+    Ok(Some(block.finish()?))
 }
 
 struct Block<'a> {
@@ -438,7 +438,7 @@ impl<'a> Block<'a> {
         self.fail(lane, failure);
     }
 
-    fn finish(mut self) -> Record {
+    fn finish(mut self) -> Result<Record, RunError> {
         self.record.statistics = self.integrator.statistics();
         for lane in 0..self.record.lanes {
             self.put_away(lane);
@@ -449,11 +449,24 @@ impl<'a> Block<'a> {
                 (None, Some(end)) => end,
                 (None, None) => self.integrator.last(lane).1,
             };
-            if self.record.failures[lane].is_some() {
-                self.record.crossings[lane].clear();
+        }
+        for lane in 0..self.record.lanes {
+            match self.record.failures[lane] {
+                Some(_) => self.record.crossings[lane].clear(),
+                None => self.take_end_on_section(lane)?,
             }
         }
-        self.record
+        Ok(self.record)
+    }
+
+    fn take_end_on_section(&mut self, lane: usize) -> Result<(), RunError> {
+        let (steps, state) = (self.integrator.last(lane).0, &self.record.states[lane]);
+        let Some(row) = self.watch.end_on_section(lane, steps, state)? else {
+            return Ok(());
+        };
+        let member = self.record.first + lane as u64;
+        let time = self.record.time(lane, self.ensemble.end());
+        self.record.crossings[lane].push(member, time, row.into_iter())
     }
 }
 

@@ -5,6 +5,7 @@ use leafwise_scene::json::{Double, object};
 use serde::Serialize;
 
 use super::plan::ComposedEnsemble;
+use super::quantiles::Quantile;
 use super::report::EnsembleReport;
 use super::statistics::{Deviation, MemberFailure, Summary};
 use super::store::columns;
@@ -92,6 +93,8 @@ struct SummaryFields {
     quantiles: Vec<(String, Double)>,
     #[serde(skip_serializing_if = "Option::is_none")]
     rank_error: Option<Double>,
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "object")]
+    rank_errors: Vec<(String, Double)>,
 }
 
 impl<'a> EnsembleEnding<'a> {
@@ -171,10 +174,14 @@ impl<'a> AtTime<'a> {
 impl SummaryFields {
     fn of(ensemble: &ComposedEnsemble, summary: &Summary) -> Self {
         let parts = &ensemble.quantiles;
-        let quantiles = parts.iter().zip(summary.quantiles(parts));
-        let quantiles: Vec<(String, Double)> = quantiles
-            .map(|(p, value)| (format!("{p:?}"), Double(value)))
-            .collect();
+        let quantiles = summary.quantiles(parts);
+        let by_part = |value: fn(&Quantile) -> f64| -> Vec<(String, Double)> {
+            let named = parts.iter().zip(&quantiles);
+            named
+                .map(|(p, of)| (format!("{p:?}"), Double(value(of))))
+                .collect()
+        };
+        let errors = quantiles.iter().map(|of| of.rank_error);
         Self {
             count: summary.count,
             undefined: summary.undefined,
@@ -185,8 +192,9 @@ impl SummaryFields {
             minimum_member: summary.minimum.1,
             maximum: Double(summary.maximum.0),
             maximum_member: summary.maximum.1,
-            rank_error: (!quantiles.is_empty()).then(|| Double(summary.rank_error())),
-            quantiles,
+            rank_error: errors.reduce(f64::max).map(Double),
+            quantiles: by_part(|of| of.value),
+            rank_errors: by_part(|of| of.rank_error),
         }
     }
 }

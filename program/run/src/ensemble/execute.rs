@@ -18,8 +18,8 @@ use super::tree::Tree;
 use super::{page, tables};
 use crate::shards::Shard;
 use crate::{
-    Beginning, Kind, Progress, REPORT, RunDirectory, RunError, RunOptions, RunOutcome, RunRequest,
-    SCENE, files, plugins, replace,
+    Beginning, Kind, Progress, RunDirectory, RunError, RunOptions, RunOutcome, RunRequest, SCENE,
+    confirm, confirm_page, files, plugins, replace, write_page,
 };
 use leafwise_report::render_ensemble;
 use leafwise_scene::compose::SceneChecks;
@@ -58,9 +58,38 @@ pub fn run_ensemble(
     let asked = (ensemble, None);
     let mut report = integrate(document, asked, options, workforce, progress, end)?;
     if report.is_repeated {
-        report.advice = measured(document, ensemble, &report);
+        repeat_end(document, ensemble, options, &mut report)?;
     }
     Ok(report)
+}
+
+/// Tells of an ensemble that has ended before: its advice, and tables and a page as they were written.
+///
+/// # Errors
+/// [`RunError::Changed`] where one is not what was written; one that is not there is made anew.
+pub(super) fn repeat_end(
+    document: &SceneDocument,
+    ensemble: &ComposedEnsemble,
+    options: &RunOptions,
+    report: &mut EnsembleReport,
+) -> Result<(), RunError> {
+    report.advice = measured(document, ensemble, report);
+    tables::write(ensemble, report, confirm)?;
+    confirm_page(&report.report(), || {
+        page(document, ensemble, options, report)
+    })
+}
+
+/// `report.html`.
+fn page(
+    document: &SceneDocument,
+    ensemble: &ComposedEnsemble,
+    options: &RunOptions,
+    report: &EnsembleReport,
+) -> Result<String, RunError> {
+    let data = page::data(document, ensemble, report, &options.command)
+        .map_err(RunError::reading(&report.directory))?;
+    Ok(render_ensemble(&data)?)
 }
 
 /// Steps the members of a shard into a directory of its own, for [`merge_shards`](super::merge_shards); an unfinished shard
@@ -259,11 +288,9 @@ pub(super) fn write_end(
     if report.outcome != RunOutcome::Interrupted {
         report.advice = measured(document, ensemble, &report);
     }
-    tables::write(ensemble, &report)?;
-    let data = page::data(document, ensemble, &report, &options.command)
-        .map_err(RunError::io(&report.directory))?;
-    let page = render_ensemble(&data)?;
-    replace(&report.directory.join(REPORT), page.as_bytes())?;
+    tables::write(ensemble, &report, replace)?;
+    let page = page(document, ensemble, options, &report)?;
+    write_page(&report.report(), &page)?;
     beginning.write_end(&report.directory, EnsembleEnding::new(ensemble, &report))?;
     Ok(report)
 }

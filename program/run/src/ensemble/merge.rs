@@ -4,7 +4,9 @@ use std::time::Duration;
 
 use super::checkpoint::Checkpoint;
 use super::drive::Session;
-use super::execute::{begin, beginning, checked, open, write_begun, write_end, write_shard_end};
+use super::execute::{
+    begin, beginning, checked, open, repeat_end, write_begun, write_end, write_shard_end,
+};
 use super::plan::ComposedEnsemble;
 use super::report::EnsembleReport;
 use crate::shards::{Found, MergeError, Shard, Shards};
@@ -53,6 +55,9 @@ fn join(
         let held = begin(document, ensemble, options, (&checks, larger), &directory)?;
         let mut report = held.session.report(RunOutcome::Done, None);
         report.is_repeated = true;
+        if larger.is_none() {
+            repeat_end(document, ensemble, options, &mut report)?;
+        }
         return Ok(report);
     }
     let beginning = beginning(document, ensemble, options, (&checks, larger), &directory);

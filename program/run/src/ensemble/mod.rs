@@ -48,6 +48,7 @@ pub use member::{MemberError, member_scene};
 pub use merge::{join_shards, merge_shards};
 pub use plan::{ComposedEnsemble, compose_ensemble, compose_members};
 pub use population::{NoMember, Population};
+pub use quantiles::Quantile;
 pub use report::EnsembleReport;
 pub use states::Members;
 pub use statistics::{Deviation, MemberFailure, Reductions, Summary};

@@ -93,6 +93,9 @@ pub(super) fn data(
         );
         facts.insert(1, line("Stopped", text));
     }
+    if let Some(ranks) = report.ranks(ensemble) {
+        facts.insert(facts.len() - 1, line("Quantiles", ranks));
+    }
     if let (Some(section), Some(count)) = (&plan.events.section, report.crossings) {
         let (count, which) = (
             counted(count as usize, "crossing"),
@@ -114,7 +117,9 @@ pub(super) fn data(
         band.confidences.push(summary.confidence());
         band.deviations.push(summary.deviation());
         band.ranges.push((summary.minimum.0, summary.maximum.0));
-        band.quantiles.push(summary.quantiles(&ensemble.quantiles));
+        let quantiles = summary.quantiles(&ensemble.quantiles);
+        band.quantiles
+            .push(quantiles.iter().map(|of| of.value).collect());
     }
     let ends: Vec<f64> = ensemble
         .window_ends()
@@ -172,7 +177,7 @@ pub(super) fn data(
 }
 
 /// A part as a percentage of three digits.
-fn percent(part: f64) -> String {
+pub(super) fn percent(part: f64) -> String {
     rounded(100.0 * part, 3)
 }
 

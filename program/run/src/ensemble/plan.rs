@@ -20,7 +20,7 @@ const MOST_WINDOWS: u64 = 32;
 /// number for each until it is taken in.
 const MOST_SUMMARIES: u64 = 1 << 16;
 
-/// The same where each holds a sketch of quantiles, up to 100 kB.
+/// The same where each holds a sketch of quantiles: up to 25 kB for each binary digit of the number of members.
 const MOST_SKETCHES: u64 = 1 << 12;
 
 /// An ensemble with its system, method and members.

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::page::percent;
+use super::plan::ComposedEnsemble;
 use super::statistics::Reductions;
 use crate::advice::Advice;
 use crate::{REPORT, RunOutcome};
@@ -33,6 +35,44 @@ impl EnsembleReport {
     /// The page to open in a browser.
     pub fn report(&self) -> PathBuf {
         self.directory.join(REPORT)
+    }
+
+    /// Between which ranks the quantiles at the end lie, in words; `None` where they are those of the members themselves.
+    pub fn ranks(&self, ensemble: &ComposedEnsemble) -> Option<String> {
+        let parts = &ensemble.quantiles;
+        let last = self.reductions.summaries.iter().rev();
+        let last = last.take(ensemble.columns.len());
+        let quantiles: Vec<_> = last.map(|summary| summary.quantiles(parts)).collect();
+        let error = |at: usize| {
+            quantiles
+                .iter()
+                .map(|of| of[at].rank_error)
+                .fold(0.0, f64::max)
+        };
+        let errors: Vec<(f64, f64)> = parts.iter().copied().zip((0..).map(error)).collect();
+        if errors.iter().all(|(_, error)| *error == 0.0) {
+            return None;
+        }
+        let [within, deeper] = [false, true].map(|is_deeper| {
+            let of = errors
+                .iter()
+                .filter(|(p, error)| (*error >= p.min(1.0 - p) && *error > 0.0) == is_deeper);
+            let words = of.map(|(p, error)| match is_deeper {
+                false => format!("{} ± {} %", percent(*p), percent(*error)),
+                true => format!("{} %", percent(*p)),
+            });
+            words.collect::<Vec<_>>().join(", ")
+        });
+        let mut words = format!("of a sketch, their ranks {within} of the members");
+        if within.is_empty() {
+            "of a sketch".clone_into(&mut words);
+        }
+        if !deeper.is_empty() {
+            words.push_str("; ");
+            words.push_str(&deeper);
+            words.push_str(" lies nearer to the end than the sketch tells ranks apart");
+        }
+        Some(words)
     }
 
     /// Members a second.

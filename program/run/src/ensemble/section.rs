@@ -82,10 +82,12 @@ impl MemberCrossings {
     /// Hands all rows over.
     fn take(&mut self, into: &mut Appended) -> Result<(), RunError> {
         if self.is_begun {
-            let mut file = File::open(&self.path).map_err(RunError::io(&self.path))?;
+            let mut file = File::open(&self.path).map_err(RunError::reading(&self.path))?;
             let mut buffer = vec![0; HELD];
             loop {
-                let read = file.read(&mut buffer).map_err(RunError::io(&self.path))?;
+                let read = file
+                    .read(&mut buffer)
+                    .map_err(RunError::reading(&self.path))?;
                 if read == 0 {
                     break;
                 }

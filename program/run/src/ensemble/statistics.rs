@@ -4,7 +4,7 @@ use leafwise_core::SolverStatistics;
 use leafwise_scene::json::{double, doubles};
 use serde::{Deserialize, Serialize};
 
-use super::quantiles::Sketch;
+use super::quantiles::{Quantile, Sketch};
 use crate::StatisticsFields;
 
 /// The most failed members that are reported one by one.
@@ -110,14 +110,9 @@ impl Summary {
     }
 
     /// The quantiles of these parts of the members, nothing where none were asked for.
-    pub fn quantiles(&self, parts: &[f64]) -> Vec<f64> {
+    pub fn quantiles(&self, parts: &[f64]) -> Vec<Quantile> {
         let sketch = self.sketch.as_ref();
         sketch.map_or_else(Vec::new, |sketch| sketch.quantiles(parts))
-    }
-
-    /// The largest error of a quantile's rank, as a part of the members.
-    pub fn rank_error(&self) -> f64 {
-        self.sketch.as_ref().map_or(0.0, Sketch::rank_error)
     }
 }
 

@@ -4,9 +4,9 @@ use super::plan::ComposedEnsemble;
 use super::report::EnsembleReport;
 use super::statistics::Summary;
 use crate::csv::{Headings, Table};
-use crate::{FAILURES, LOSSES, RunError, STATISTICS, WINDOWS, replace};
+use crate::{FAILURES, LOSSES, Put, RunError, STATISTICS, WINDOWS};
 
-/// The columns of `statistics.csv` before the quantiles.
+/// The columns of `statistics.csv` before the quantiles and the errors of their ranks.
 const MOMENTS: [&str; 10] = [
     "t",
     "observable",
@@ -21,9 +21,13 @@ const MOMENTS: [&str; 10] = [
 ];
 
 /// Writes `statistics.csv`, `windows.csv`, with a condition `losses.csv` and, where members failed, `failures.csv`.
-pub(super) fn write(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Result<(), RunError> {
+pub(super) fn write(
+    ensemble: &ComposedEnsemble,
+    report: &EnsembleReport,
+    put: Put,
+) -> Result<(), RunError> {
     let put =
-        |name: &str, table: Table| replace(&report.directory.join(name), table.as_str().as_bytes());
+        |name: &str, table: Table| put(&report.directory.join(name), table.as_str().as_bytes());
     put(STATISTICS, statistics(ensemble, report))?;
     put(WINDOWS, windows(ensemble, report))?;
     if ensemble.run.plan.events.stop.is_some() {
@@ -37,10 +41,14 @@ pub(super) fn write(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Res
 
 /// A row for each observable and time.
 fn statistics(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Table {
-    let quantiles = ensemble.quantiles.iter().map(|p| format!("q{p:?}"));
-    let columns = MOMENTS.map(str::to_owned).into_iter().chain(quantiles);
+    let parts = ensemble.quantiles.iter();
+    let quantiles = parts.clone().map(|p| format!("q{p:?}"));
+    let errors = parts.map(|p| format!("q{p:?}_rank_error"));
+    let columns = MOMENTS.map(str::to_owned).into_iter();
+    let columns = columns.chain(quantiles).chain(errors);
     let mut table = Table::new(columns);
     for (time, name, summary) in summaries(ensemble, report) {
+        let quantiles = summary.quantiles(&ensemble.quantiles);
         let (minimum, maximum) = (summary.minimum, summary.maximum);
         table
             .number(time)
@@ -53,7 +61,8 @@ fn statistics(ensemble: &ComposedEnsemble, report: &EnsembleReport) -> Table {
             .whole(minimum.1)
             .number(maximum.0)
             .whole(maximum.1)
-            .numbers(summary.quantiles(&ensemble.quantiles))
+            .numbers(quantiles.iter().map(|of| of.value))
+            .numbers(quantiles.iter().map(|of| of.rank_error))
             .end_row();
     }
     table

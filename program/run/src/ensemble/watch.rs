@@ -6,7 +6,7 @@ use leafwise_scene::compose::{Section, Stop, is_same_time};
 use super::observers::{Functions, ObservableEvaluator};
 use super::plan::{Column, ComposedEnsemble};
 use crate::Failure;
-use crate::events::{Lost, crossing, end, sign};
+use crate::events::{Lost, Side, crossing, end};
 use crate::last_step::{Between, LastStep, StepEnd};
 use crate::paced::{Paced, PacedSteps};
 
@@ -37,8 +37,8 @@ pub(super) struct Watch<'a> {
     parameters: Vec<Vec<f64>>,
     stop: Option<(&'a Stop, ObservableEvaluator<'a>)>,
     section: Option<(&'a Section, ObservableEvaluator<'a>)>,
-    /// For each lane, the sign of left − right when it was last not zero.
-    sides: Vec<f64>,
+    /// Where each lane stands beside the section.
+    sides: Vec<Side>,
     /// The states before the last step, and what they hold beyond a double.
     states: Vec<f64>,
     low: Vec<f64>,
@@ -88,7 +88,7 @@ impl<'a> Watch<'a> {
             parameters: parameters.to_vec(),
             stop: stop.transpose()?,
             section: section.transpose()?,
-            sides: vec![0.0; lanes],
+            sides: vec![Side::default(); lanes],
             states: Vec::new(),
             low: Vec::new(),
             paced: vec![PacedSteps::default(); origins.len()],
@@ -177,7 +177,7 @@ impl<'a> Watch<'a> {
         self.keep(integrator);
         if let Some((section, evaluator)) = &mut self.section {
             for (lane, value) in evaluator.at(integrator.state()).iter().enumerate() {
-                self.sides[lane] = sign(*value, 0.0);
+                self.sides[lane] = Side::begin(*value);
                 if value.is_nan() && integrator.lives(lane) {
                     let lost = Lost::Undefined(&section.text);
                     found.push((
@@ -289,18 +289,15 @@ impl<'a> Watch<'a> {
         };
         let section = *section;
         let values = evaluator.at(integrator.state());
-        let same = values
-            .iter()
-            .zip(&self.sides)
-            .all(|(value, side)| value * side > 0.0);
-        if same {
-            return Ok(found);
-        }
         let lanes = self.sides.len();
         let values = values.to_vec();
         for (lane, value) in values.into_iter().enumerate() {
+            if !takes_part(lane) {
+                continue;
+            }
             let side = self.sides[lane];
-            if value * side > 0.0 || !takes_part(lane) {
+            if let Some(side) = side.stays(value) {
+                self.sides[lane] = side;
                 continue;
             }
             let after = column(integrator.state(), lane, lanes);
@@ -312,15 +309,15 @@ impl<'a> Watch<'a> {
             let mut difference =
                 |state: &[f64]| own.as_mut().map_or(f64::NAN, |own| own.at(state)[0]);
             let (other, between) =
-                match crossing(section, &mut difference, last, &after, (side, value)) {
+                match crossing(section, &mut difference, last, &after, (side, value, steps)) {
                     Ok(found) => found,
                     Err(lost) => {
                         found.push((lane, Err(failure(ensemble, lost, steps, &after))));
                         continue;
                     }
                 };
-            self.sides[lane] = other;
             let Some(between) = between else {
+                self.sides[lane] = other;
                 continue;
             };
             let time = time_of(ensemble, &self.alone(lane)?.last, steps, &between);
@@ -332,12 +329,35 @@ impl<'a> Watch<'a> {
             if ended(lane).is_some_and(|end| (end - time) * forward < 0.0) {
                 continue;
             }
+            self.sides[lane] = other;
             let recorded = ensemble.run.plan.states.coordinates();
             let mut row: Vec<f64> = recorded.map(|at| state[at]).collect();
             row.extend(self.row(lane, &state)?);
             found.push((lane, Ok((time, row))));
         }
         Ok(found)
+    }
+
+    /// The columns of a row where a member ends on the section, which it crosses there.
+    pub fn end_on_section(
+        &mut self,
+        lane: usize,
+        steps: u64,
+        state: &[f64],
+    ) -> Result<Option<Vec<f64>>, BuildError> {
+        let Some((section, _)) = &self.section else {
+            return Ok(None);
+        };
+        let (section, side) = (*section, self.sides[lane]);
+        let own = self.alone(lane)?.section.as_mut();
+        let value = own.map_or(f64::NAN, |own| own.at(state)[0]);
+        if !side.ends_there(section, value, steps) {
+            return Ok(None);
+        }
+        let recorded = self.ensemble.run.plan.states.coordinates();
+        let mut row: Vec<f64> = recorded.map(|at| state[at]).collect();
+        row.extend(self.row(lane, state)?);
+        Ok(Some(row))
     }
 
     /// The observables of a member at a state.

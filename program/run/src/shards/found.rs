@@ -246,7 +246,7 @@ impl Shards {
             match Manifest::read(directory) {
                 Some(manifest) => found.extend(Found::of(directory, manifest)),
                 None => {
-                    for path in folders(directory).map_err(RunError::io(directory))? {
+                    for path in folders(directory).map_err(RunError::reading(directory))? {
                         match Manifest::read(&path) {
                             Some(manifest) => found.extend(Found::of(&path, manifest)),
                             None if path.join(MANIFEST).exists() => {

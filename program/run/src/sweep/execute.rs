@@ -14,7 +14,7 @@ use super::session::Session;
 use crate::shards::{MergeError, Shard, Shards};
 use crate::{
     Beginning, FilesRecord, Kind, Progress, RunDirectory, RunError, RunOptions, RunOutcome,
-    RunRequest, SCENE, files, plugins, replace,
+    RunRequest, SCENE, confirm_page, files, plugins, replace, write_page,
 };
 use leafwise_report::render_sweep;
 use leafwise_scene::document::SceneDocument;
@@ -47,10 +47,11 @@ pub fn run_sweep(
 ) -> Result<SweepReport, RunError> {
     let asked = Asked::new(document, sweep, options, None);
     let (report, beginning) = asked.integrate(threads, progress)?;
-    match report.is_repeated {
-        true => Ok(report),
-        false => asked.write_end(&beginning, report),
+    if report.is_repeated {
+        asked.repeat_end(&report)?;
+        return Ok(report);
     }
+    asked.write_end(&beginning, report)
 }
 
 /// Runs the settings of a shard into a directory of its own, for [`merge_sweep`]; an unfinished shard goes on, and a finished
@@ -117,6 +118,9 @@ fn join(
     {
         let mut report = asked.report(&session, RunOutcome::Done, None);
         report.is_repeated = true;
+        if larger.is_none() {
+            asked.repeat_end(&report)?;
+        }
         return Ok(report);
     }
     let beginning = asked.begin(&directory)?;
@@ -263,23 +267,27 @@ impl<'a> Asked<'a> {
         }
     }
 
+    /// Makes sure that the page of a sweep that has ended before is as it was written; one that is not there is made anew.
+    fn repeat_end(&self, report: &SweepReport) -> Result<(), RunError> {
+        confirm_page(&report.report(), || self.page(report))
+    }
+
+    /// `report.html`.
+    fn page(&self, report: &SweepReport) -> Result<String, RunError> {
+        let table = report.table();
+        let text = fs::read_to_string(&table).map_err(RunError::reading(&table))?;
+        let (sweep, command) = (self.sweep, &self.options.command);
+        let data = page::data(self.document, sweep, report, &text, command);
+        Ok(render_sweep(&data)?)
+    }
+
     /// Writes all that is told of a sweep that has ended.
     fn write_end(
         &self,
         beginning: &Beginning<'_>,
         report: SweepReport,
     ) -> Result<SweepReport, RunError> {
-        let table = report.table();
-        let text = fs::read_to_string(&table).map_err(RunError::io(&table))?;
-        let data = page::data(
-            self.document,
-            self.sweep,
-            &report,
-            &text,
-            &self.options.command,
-        );
-        let page = render_sweep(&data)?;
-        replace(&report.report(), page.as_bytes())?;
+        write_page(&report.report(), &self.page(&report)?)?;
         beginning.write_end(&report.directory, SweepEnding::new(&report))?;
         Ok(report)
     }

@@ -124,6 +124,10 @@ fn no_thread_and_no_interruption_changes_a_byte() {
     }
     let again = sweep(&whole, None, 1, &mut Quiet).expect("a sweep");
     assert!(again.is_repeated && again.failed == 8);
+    crate::tests::check_end_files(&whole, &["report.html"], || {
+        assert!(sweep(&whole, None, 1, &mut Quiet)?.is_repeated);
+        Ok(())
+    });
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use super::{Prepared, SCENE, attempt, contents, short_scene};
+use super::{Prepared, SCENE, attempt, check_end_files, contents, short_scene};
 use crate::{Quiet, RunError, RunOutcome};
 
 #[test]
@@ -71,6 +71,29 @@ fn a_changed_digit_of_the_samples_is_refused_and_nothing_is_written() {
         fs::write(&samples, &good).expect("writable");
         let again = scene.attempt(&path, false, &mut Quiet).expect("as it was");
         assert!(again.is_repeated);
+    }
+}
+
+#[test]
+fn tables_and_pages_of_a_finished_run_are_made_anew_where_they_are_lost_and_refused_where_they_changed()
+ {
+    let root = tempfile::tempdir().expect("a directory");
+    let path = root.path().join("run");
+    // The second keeps its last state in a file of its own.
+    for (text, files) in [
+        (short_scene(), &["windows.csv", "report.html"][..]),
+        (
+            short_scene().replace("every = 1,", "every = 1, states = [\"x1\"],"),
+            &["windows.csv", "final_state.bin", "report.html"],
+        ),
+    ] {
+        let scene = Prepared::new(&text);
+        scene.attempt(&path, true, &mut Quiet).expect("a run");
+        check_end_files(&path, files, || {
+            let report = scene.attempt(&path, false, &mut Quiet)?;
+            assert!(report.is_repeated);
+            Ok(())
+        });
     }
 }
 

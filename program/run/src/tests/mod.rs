@@ -96,6 +96,42 @@ impl Prepared {
     }
 }
 
+/// Loses, cuts and changes files of a finished directory one by one: a lost one is made anew by `again`, to the same bytes, and one that
+/// is another now is refused by its name, where nothing is written.
+pub(crate) fn check_end_files(
+    directory: &Path,
+    files: &[&str],
+    again: impl Fn() -> Result<(), RunError>,
+) {
+    let whole = contents(directory);
+    for file in files {
+        let path = directory.join(file);
+        let good = fs::read(&path).unwrap_or_else(|error| panic!("{file}: {error}"));
+        fs::remove_file(&path).expect("a file");
+        again().unwrap_or_else(|error| panic!("{file} is lost: {error}"));
+        assert!(contents(directory) == whole, "{file} was made otherwise");
+        let middle = good.len() / 2;
+        let mut changed = good.clone();
+        changed[middle] ^= 1;
+        let behind = [&good[..], b"\n"].concat();
+        for other in [&good[..middle], &[], &changed, &behind] {
+            fs::write(&path, other).expect("writable");
+            let before = contents(directory);
+            let said = again().expect_err("it is another file").to_string();
+            let is_told = said.contains(file) && said.contains("remove it");
+            assert!(is_told, "{file}: {said}");
+            assert!(
+                contents(directory) == before,
+                "{file}: something was written"
+            );
+        }
+        // As the message says.
+        fs::remove_file(&path).expect("a file");
+        again().unwrap_or_else(|error| panic!("{file} is removed: {error}"));
+        assert!(contents(directory) == whole);
+    }
+}
+
 /// The names and contents of a directory.
 fn contents(directory: &Path) -> BTreeMap<OsString, Vec<u8>> {
     let entries = fs::read_dir(directory).expect("a readable directory");

@@ -163,8 +163,14 @@ const PACED_METHODS: [&str; 2] = [
 fn scenes() -> impl Iterator<Item = String> {
     let swings = METHODS.map(|method| SWING.replace("METHOD", method));
     let timed = swings[0].replace("every = 7", "times = [0.33, 4.0, 11.05]");
+    // Members that stop on the section, and steps that begin and end on it.
+    let ending = swings[0].replace("q + 0.02*p > 0.9", "q > 0.85");
+    let ending = ending.replace("q = 0.3", "q = 0.85");
+    let driven = swings[0].replace("/2\"", "/2 + 0.01*q*cos(20*pi*t)\"");
+    let driven = driven.replace("q = 0.3", "sin(10*pi*t) = 0");
     let paced = PACED_METHODS.map(|method| PACED.replace("METHOD", method));
-    swings.into_iter().chain([timed]).chain(paced)
+    let others = [timed, ending, driven].into_iter().chain(paced);
+    swings.into_iter().chain(others)
 }
 
 #[test]

@@ -107,7 +107,12 @@ fn reductions_are_those_of_the_members() {
     assert!((summary.variance() - variance).abs() <= 1e-12 * variance);
     let mut sorted = values.clone();
     sorted.sort_by(f64::total_cmp);
-    assert_eq!(summary.quantiles(&[0.25, 0.5]), [sorted[14], sorted[29]]);
+    let quantiles = summary.quantiles(&[0.25, 0.5]);
+    let exact = [sorted[14], sorted[29]].map(|value| Quantile {
+        value,
+        rank_error: 0.0,
+    });
+    assert_eq!(quantiles, exact);
     assert_eq!(
         (summary.minimum.0, summary.maximum.0),
         (sorted[0], sorted[59])
@@ -205,6 +210,37 @@ fn a_changed_checkpoint_or_state_of_an_ensemble_is_refused() {
         fs::write(path.join(file), &good).expect("writable");
     }
     assert!(run().expect("as it was").is_repeated);
+}
+
+#[test]
+fn tables_and_the_page_of_a_finished_ensemble_are_made_anew_or_refused() {
+    let small = "members = 40\ninitial = { ball = 0.2 }\nrecord = { observables = [\"x1\"], quantiles = [0.5] }\n\
+                 parameters = { I2 = { values = [0.75, 0.0] } }";
+    let text = BODY
+        .replace("METHOD", METHODS[0])
+        .replace("ENSEMBLE", small)
+        .replace("steps   = 43", "steps   = 43\nstop    = \"x1 > 1.15\"");
+    let document = SceneDocument::parse("body.toml", &text, &Registry::empty()).expect("a scene");
+    let ensemble = composed(&document);
+    let root = tempfile::tempdir().expect("a directory");
+    let path = root.path();
+    let run = || {
+        let (options, one) = (options(path), workforce(1, 8));
+        run_ensemble(&document, &ensemble, &options, one, &mut Quiet)
+    };
+    let report = run().expect("an ensemble");
+    assert!(report.reductions.failed > 0 && report.reductions.stopped > 0);
+    let files = [
+        "statistics.csv",
+        "windows.csv",
+        "losses.csv",
+        "failures.csv",
+        "report.html",
+    ];
+    crate::tests::check_end_files(path, &files, || {
+        assert!(run()?.is_repeated);
+        Ok(())
+    });
 }
 
 /// Every column of the last states has a heading of its own, and holds what it says.
