@@ -264,3 +264,61 @@ def test_ctrl_c_within_a_function_keeps_what_was_recorded() -> None:
         cwd=os.path.dirname(__file__), capture_output=True, text=True, check=False,
     )
     assert told.stdout == "kept\n", told.stderr
+
+
+@pytest.mark.parametrize(
+    "change, words",
+    [
+        ({"gradient": lambda x: [x[0], x[1] / 1.5, x[2] / 2.5]}, r"`gradient` is not that of `hamiltonian`: by x1 it is 1\.000000, and differences of `hamiltonian` give 0\.500000"),
+        ({"gradient": lambda x: [x[0] / 2, x[1] / 1.5, x[2] / 2.5 + 1e-4]}, "by x3 it is 1.200100"),
+        ({"hamiltonian": lambda x: energy(x) + x[0] * x[1] ** 2}, "by x1 it is 0.5"),
+        ({"tensor": lambda x, p: x * p}, "`tensor` is not antisymmetric"),
+        ({"tensor": lambda x, p: np.cross(x, p, axis=0) + 1e-4 * p}, "`tensor` is not antisymmetric"),
+        ({"tensor": lambda x, p: np.cross(x, p, axis=0) * np.abs(p).sum(0)}, r"`tensor` is not linear in p"),
+        ({"tensor": lambda x, p: np.cross(x, p, axis=0) + x[[1, 2, 0]]}, r"`tensor` is not linear in p"),
+        ({"tensor": lambda x, p: np.cross(x * [[1.0], [2.0], [3.0]] + x[::-1] ** 2, p, axis=0), "casimirs": {}}, "Jacobi identity fails"),
+        ({"casimirs": {"c": lambda x: x[0]}}, "`c` is not a Casimir"),
+    ],
+)
+def test_functions_that_are_those_of_no_poisson_system_are_refused(change: dict[str, object], words: str) -> None:
+    scene = lw.Scene(system=body(**change), method=METHOD, run=RUN)
+    for call in (scene.run, scene.integrator, scene.trajectory, lambda: scene.ensemble(np.ones((2, 3)))):
+        with pytest.raises(lw.SceneError, match=words):
+            call()
+    with pytest.raises(lw.SceneError, match=words):
+        lw.solve(system=body(**change), x0=[1, 3, 3], t_span=(0, 1), step=0.1)
+
+
+def test_functions_of_single_precision_and_of_a_small_domain_are_let_pass() -> None:
+    def single(x: np.ndarray) -> np.ndarray:
+        return np.array(gradient(x)).astype(np.float32).astype(np.float64)
+
+    def within(x: np.ndarray) -> np.ndarray:
+        if x.max() > 3.1:
+            raise ValueError("no energy here")
+        return energy(x)
+
+    for change in ({"gradient": single}, {"hamiltonian": within}, {"hamiltonian": lambda x: energy(x) + 1e6}):
+        run = lw.Scene(system=body(**change), method=METHOD, run=RUN).run(steps=0)
+        assert run.outcome == "done"
+
+
+def test_parameters_of_functions_are_set_and_swept() -> None:
+    system = body(parameters={"I2": 1.5})
+    scene = lw.Scene(system=system, method=METHOD, run=RUN)
+    inertia = [1.4, 1.5, 1.6]
+    single = [formulas().set(system__parameters__I2=value).run().final_state for value in inertia]
+    for value, expected in zip(inertia, single, strict=True):
+        other = scene.set(system__parameters__I2=value)
+        assert other.parameters == {"I2": value} and scene.parameters == {"I2": 1.5}
+        np.testing.assert_allclose(other.run().final_state, expected, rtol=1e-12)
+        assert pickle.loads(pickle.dumps(other)).parameters == {"I2": value}
+        solved = lw.solve(system=system, parameters={"I2": value}, x0=[1, 3, 3], t_span=(0, 5), step=0.1, method=METHOD)
+        np.testing.assert_allclose(solved.y[:, -1], expected, rtol=1e-12)
+    table = scene.sweep({"system.parameters.I2": inertia}, observables=["x1", "x2", "x3"])
+    np.testing.assert_allclose(np.stack(list(table.observables.values()), 1), single, rtol=1e-12)
+    np.testing.assert_allclose(scene.ensemble(parameters={"I2": inertia}).x, single, rtol=1e-12)
+    with pytest.raises(lw.SceneError, match="unknown parameter of this system `I9`(.|\n)*I2"):
+        scene.set(system__parameters__I9=1.0)
+    with pytest.raises(lw.SceneError, match="I2(.|\n)*a number"):
+        scene.set(system__parameters__I2="long")

@@ -341,3 +341,119 @@ def test_jax_differentiates_batches_and_compiles() -> None:
     pulled = [trajectory.vjp(x0, values)[1](w) for x0 in many]
     np.testing.assert_array_equal(by_state, [gradient.x0 for gradient in pulled])
     np.testing.assert_array_equal(by_values, [gradient.values for gradient in pulled])
+
+
+BLOWS_UP = {
+    "system": {"variables": ["x", "y"], "bracket": {"x,y": "1"}, "convention": "{x,H}", "hamiltonian": "x^2*y"},
+    "method": {"realization": "auto", "dynamics": {"name": "hamilton-jacobi", "order": 4}, "time-step": 0.1},
+    "run": {"initial": [1.0, 1.0], "steps": 200},
+}
+
+
+def test_what_fails_within_jax_is_an_error_of_the_package(capfd: pytest.CaptureFixture[str]) -> None:
+    jax = pytest.importorskip("jax")
+    jax.config.update("jax_enable_x64", True)
+    import leafwise.jax
+
+    # x' = x² has left every bound at t = 1/x0.
+    trajectory = lw.Scene(BLOWS_UP).trajectory([])
+    solve, errors = leafwise.jax.solve, leafwise.jax.errors
+    ones = jax.numpy.ones(2)
+
+    def loss(x0: object) -> object:
+        return (solve(trajectory, x0)[..., -1, :] ** 2).sum()
+
+    def within(function: object) -> object:
+        with errors():
+            return jax.block_until_ready(function(ones))
+
+    for call in (
+        lambda: solve(trajectory, ones),
+        lambda: solve(trajectory, jax.numpy.ones((3, 2))),
+        lambda: jax.grad(loss)(ones),
+        lambda: within(jax.jit(loss)),
+        lambda: within(jax.jit(jax.grad(loss))),
+        lambda: within(lambda x0: jax.vmap(loss)(jax.numpy.stack([x0, x0]))),
+        lambda: errors()(jax.jit(loss))(ones),
+    ):
+        with pytest.raises(lw.IntegrationError, match="step 10 failed: .*reduce the time step"):
+            call()
+    assert "Traceback" not in capfd.readouterr().err
+    for wrong, error, words in (
+        (jax.numpy.ones(3), ValueError, r"x0 has the shape \(3,\), not \(2,\), or \(\.\.\., 2\) for a batch"),
+        (1.0, ValueError, r"x0 has the shape \(\)"),
+        (np.array([1.0, 1j]), TypeError, "x0 holds complex128"),
+        (["a", "b"], TypeError, "x0 holds <U1"),
+    ):
+        with pytest.raises(error, match=words):
+            solve(trajectory, wrong)
+        if not isinstance(wrong, list):
+            with pytest.raises(error, match=words):
+                jax.jit(loss)(wrong)
+    with pytest.raises(ValueError, match=r"x0\[1\] is nan"):
+        solve(trajectory, jax.numpy.array([1.0, np.nan]))
+    # Other errors of compiled code pass.
+    with pytest.raises(ZeroDivisionError), errors():
+        raise ZeroDivisionError
+
+
+def test_batches_of_jax_are_their_members() -> None:
+    jax = pytest.importorskip("jax")
+    jax.config.update("jax_enable_x64", True)
+    from leafwise.jax import solve
+
+    trajectory = lw.Scene(RIGID_BODY).trajectory(["I1"], steps=20, record=10)
+    states = np.random.default_rng(3).normal([1.0, 3.0, 3.0], 0.1, (2, 4, 3))
+    values = np.array([[1.0], [1.1], [0.9], [1.2]])
+    found = solve(trajectory, states, values)
+    assert found.shape == (2, 4, 3, 3)
+    for at in np.ndindex(2, 4):
+        np.testing.assert_array_equal(found[at], trajectory(states[at], values[at[1]]))
+    assert solve(trajectory, np.zeros((0, 3))).shape == (0, 3, 3)
+    by_states = jax.grad(lambda x0: solve(trajectory, x0, values)[..., -1, 0].sum())(jax.numpy.asarray(states))
+    w = np.zeros((3, 3))
+    w[-1, 0] = 1
+    np.testing.assert_allclose(by_states[1, 2], trajectory.vjp(states[1, 2], values[2])[1](w).x0, rtol=1e-12)
+
+
+def test_a_fit_goes_on_from_values_at_which_every_step_can_be_taken() -> None:
+    """The first eighth of noisy data may stray to values whose longer runs fail: of these data each did."""
+
+    def pendulum(g: float, d: float, x0: list[float]) -> lw.Scene:
+        return lw.Scene(
+            system={
+                "variables": ["q", "p"],
+                "bracket": {"q,p": "1"},
+                "convention": "{x,H}",
+                "hamiltonian": "p^2/2 - g*cos(q) + d*q^4/4",
+                "parameters": {"g": g, "d": d},
+            },
+            method={"realization": "auto", "dynamics": {"name": "hamilton-jacobi", "order": 4}, "time-step": 0.05},
+            run={"initial": x0, "steps": 400, "record": {"every": 4}},
+        )
+
+    true, start = pendulum(1.0, 0.3, [1.2, 0.0]).run().x, pendulum(1.5, 0.1, [1.0, 0.2])
+    assert start.run().outcome == "done"
+    raised = 0
+    for sigma, columns, seeds in ((0.3, ["q", "p"], range(40)), (0.05, ["q"], range(40))):
+        for seed in seeds:
+            data = (true + np.random.default_rng(seed).normal(size=true.shape) * sigma)[:, : len(columns)]
+            fit = start.fit(data, ["g", "d"], sigma=sigma, observed=columns, initial=True)
+            # Five deviations of the sum of squares, √(2·freedom) each.
+            assert fit.is_converged and fit.chi2 < fit.freedom + 5 * (2 * fit.freedom) ** 0.5
+            first = data[: -(-len(data) // 8)]
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                alone = start.fit(first, ["g", "d"], sigma=sigma, observed=columns, initial=True)
+                try:
+                    alone.scene.run()
+                except lw.IntegrationError:
+                    raised += 1
+    assert raised > 0, "no case of the kind was drawn"
+
+
+def test_a_fit_that_ends_elsewhere_tells_its_sum_of_squares() -> None:
+    scene = lw.Scene(RIGID_BODY).set(run__steps=400)
+    data = scene.run().x
+    with pytest.warns(lw.LeafwiseWarning, match="the sum of squares is .* of 1203 numbers, and the last correction was"):
+        scene.set(system__parameters__I1=1.4).fit(data, ["I1"], sigma=1e-3, iterations=1)

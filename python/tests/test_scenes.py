@@ -119,6 +119,25 @@ def test_steps_of_ones_own_are_the_runs() -> None:
         steps.copy_to(frozen)
 
 
+def test_a_loop_of_ones_own_shows_the_scenes_own_coordinates_and_the_time() -> None:
+    """With t in H two coordinates more are stepped, and with a pace steps are of another time."""
+    driven = lw.Scene.load(SCENES / "driven_oscillator.toml")
+    kepler = lw.Scene.load(SCENES / "kepler.toml")
+    for scene in (driven, driven.set(run__t0=3.0), kepler):
+        paced = "until" in scene.text
+        run = scene.run(**({"until": 2.0} if paced else {"steps": 40}), record=1)
+        integrator = scene.integrator()
+        state = np.zeros(len(scene.variables))
+        assert integrator.x.shape == run.x[0].shape == state.shape
+        for at in range(len(run.t) - (2 if paced else 1)):
+            assert integrator.t == run.t[at]
+            np.testing.assert_array_equal(integrator.x, run.x[at])
+            integrator.copy_to(state)
+            np.testing.assert_array_equal(state, run.x[at])
+            integrator.step()
+        assert integrator.steps > 10
+
+
 def test_tables_of_other_libraries() -> None:
     run = lw.Scene(RIGID_BODY).run(steps=10)
     frame = run.to_pandas()

@@ -74,3 +74,53 @@ def test_what_is_wrong_is_told() -> None:
         solve(along, torch.ones(2, dtype=torch.float64))
     with pytest.raises(ValueError, match="not a finite number"):
         solve(along, None, torch.tensor([float("nan")], dtype=torch.float64))
+    with pytest.raises(ValueError, match=r"x0 has the shape \(\), not \(3,\)"):
+        solve(along, torch.tensor(1.0))
+    with pytest.raises(TypeError, match="complex"):
+        solve(along, torch.tensor([1.0, 3.0, 3j]))
+    with pytest.raises(ValueError, match=r"batches \(2,\) of x0 and \(3,\) of values do not fit"):
+        solve(along, torch.ones(2, 3), torch.ones(3, 1))
+
+
+def test_a_batch_may_be_empty() -> None:
+    from leafwise.torch import solve
+
+    along = trajectory(RIGID_BODY["method"], ["I1"])
+    x0 = torch.zeros((0, 3), dtype=torch.float64, requires_grad=True)
+    x = solve(along, x0)
+    assert x.shape == (0, 3, 3)
+    x.sum().backward()
+    assert x0.grad.shape == (0, 3)
+
+
+def test_second_derivatives_are_refused_and_never_zero() -> None:
+    from leafwise.torch import solve
+
+    along = trajectory(RIGID_BODY["method"], [])
+    x0 = torch.tensor([1.0, 3.0, 3.0], dtype=torch.float64)
+
+    def loss(x: object) -> object:
+        return (solve(along, x)[-1, 0] ** 2).sum()
+
+    def penalty(function: object) -> None:
+        x = x0.clone().requires_grad_()
+        (g,) = torch.autograd.grad(function(x), x, create_graph=True)
+        (g**2).sum().backward()
+
+    functional = torch.autograd.functional
+    for second in (
+        lambda: functional.hessian(loss, x0),
+        lambda: functional.hessian(lambda x: loss(x) + (x**2).sum(), x0),
+        lambda: functional.hvp(loss, x0, torch.ones_like(x0)),
+        lambda: functional.vhp(loss, x0, torch.ones_like(x0)),
+        lambda: penalty(loss),
+        lambda: penalty(lambda x: loss(x) + (x**2).sum()),
+        lambda: torch.autograd.gradgradcheck(loss, x0.clone().requires_grad_()),
+    ):
+        with pytest.raises(lw.LeafwiseError, match="second derivatives of a trajectory are not known"):
+            second()
+    # A graph that is not differentiated again is of no harm.
+    x = x0.clone().requires_grad_()
+    (kept,) = torch.autograd.grad(loss(x), x, create_graph=True)
+    (plain,) = torch.autograd.grad(loss(x), x)
+    np.testing.assert_array_equal(kept.detach(), plain)

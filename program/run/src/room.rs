@@ -20,7 +20,7 @@ impl fmt::Display for NoRoom {
         let width = self.width;
         match self.rows {
             Some(rows) => {
-                let size = size(8 * u128::from(rows) * width as u128);
+                let size = size(bytes(rows, width));
                 write!(
                     f,
                     "{rows} samples of {width} numbers each take {size} of memory, "
@@ -37,6 +37,11 @@ impl fmt::Display for NoRoom {
         }
         write!(f, "; keep fewer: `record` one every so many steps")
     }
+}
+
+fn bytes(rows: u64, width: usize) -> u128 {
+    let numbers = u128::from(rows).saturating_mul(width as u128);
+    numbers.saturating_mul(8)
 }
 
 /// A size for people.
@@ -63,15 +68,29 @@ pub fn with_room(rows: u64, width: usize) -> Result<Vec<f64>, NoRoom> {
         width,
         free: free(),
     };
-    let bytes = 8 * u128::from(rows) * width as u128;
+    let bytes = bytes(rows, width);
     if no_room.free.is_some_and(|free| bytes > u128::from(free)) {
         return Err(no_room);
     }
     let mut values = Vec::new();
     let count = usize::try_from(bytes / 8).map_err(|_| no_room)?;
-    values.try_reserve_exact(count).map_err(|_| no_room)?;
+    reserve(&mut values, count).ok_or(no_room)?;
     Ok(values)
 }
+
+/// Makes room for so many more numbers, and sees that after them there is some left for everything else.
+fn reserve(values: &mut Vec<f64>, count: usize) -> Option<()> {
+    values.try_reserve_exact(count).ok()?;
+    let mut rest: Vec<u8> = Vec::new();
+    if count >= LARGE / 8 && rest.try_reserve_exact(REST).is_err() {
+        values.shrink_to_fit();
+        return None;
+    }
+    Some(())
+}
+
+/// Bytes for all that is not samples: a report, a few kernels.
+const REST: usize = 1 << 26;
 
 /// From so many numbers on the system is asked whether there is memory for as many more.
 const LARGE: usize = 1 << 23;
@@ -94,7 +113,7 @@ pub(crate) fn make_room(values: &mut Vec<f64>, width: usize) -> Result<(), NoRoo
     if free.is_some_and(|free| 8 * more as u64 > free) {
         return Err(no_room);
     }
-    values.try_reserve_exact(more).map_err(|_| no_room)
+    reserve(values, more).ok_or(no_room)
 }
 
 /// The bytes that programs may still take without others being pushed out, where the system says it.

@@ -166,11 +166,11 @@ def table(name: str, value: Any) -> dict[str, Any]:
     if value is None:
         return {}
     if not isinstance(value, Mapping) and not (hasattr(value, "keys") and hasattr(value, "__getitem__")):
-        raise TypeError(f"{name} is {_short(value)}, not a table: give names with their values, {{'name': value}}")
+        raise TypeError(f"{name} is {short(value)}, not a table: give names with their values, {{'name': value}}")
     found = {key: value[key] for key in value.keys()}
     for key in found:
         if not isinstance(key, str):
-            raise TypeError(f"{name}: names are strings, not {_short(key)}")
+            raise TypeError(f"{name}: names are strings, not {short(key)}")
     return found
 
 
@@ -181,11 +181,24 @@ def listed(name: str, value: Any) -> list[Any]:
         TypeError: it is none.
     """
     if isinstance(value, (str, bytes, Mapping)):
-        raise TypeError(f"{name} is {_short(value)}, not a list: give [{_short(value)}]")
+        raise TypeError(f"{name} is {short(value)}, not a list: give [{short(value)}]")
     try:
         return list(value)
     except TypeError:
-        raise TypeError(f"{name} is {_short(value)}, not a list") from None
+        raise TypeError(f"{name} is {short(value)}, not a list") from None
+
+
+def names(name: str, value: Any) -> list[str]:
+    """A list of names.
+
+    Raises:
+        TypeError: it is none.
+    """
+    found = listed(name, value)
+    for one in found:
+        if not isinstance(one, str):
+            raise TypeError(f"{name} holds {short(one)}, not names alone")
+    return [str(one) for one in found]
 
 
 def count(name: str, value: Any, least: int) -> int:
@@ -202,11 +215,11 @@ def count(name: str, value: Any, least: int) -> int:
     except TypeError:
         found = None
     if found is None:
-        raise TypeError(f"{name} is {_short(value)}, not a whole number")
+        raise TypeError(f"{name} is {short(value)}, not a whole number")
     if found < least:
         raise ValueError(f"{name} is {found}, less than {least}")
     if found > _LARGEST:
-        raise ValueError(f"{name} is {_short(found)}, and at most {_LARGEST} can be counted")
+        raise ValueError(f"{name} is {short(found)}, and at most {_LARGEST} can be counted")
     return found
 
 
@@ -224,7 +237,8 @@ def _place(name: str, at: Any) -> str:
     return f"{name}[{', '.join(map(str, at))}]" if len(at) else name
 
 
-def _short(value: Any) -> str:
+def short(value: Any) -> str:
+    """A value as a message shows it."""
     if not isinstance(value, (bool, int, float, complex, str, bytes, np.generic, type(None))):
         return f"of {type(value).__name__}"
     if isinstance(value, int) and abs(value) > 10**20:

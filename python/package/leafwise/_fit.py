@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arrays import Array, count, in_order, labels, listed, reals, with_gaps
+from ._arrays import Array, count, in_order, labels, reals, with_gaps
+from ._arrays import names as list_of_names
 from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning
 from ._gradient import Trajectory
 
@@ -238,7 +239,7 @@ def _descend_from(problem: _Problem, begins: list[Array], small: float, most: in
 def _columns(scene: Scene, observed: Sequence[str] | None) -> list[int]:
     """Which coordinates the data are of."""
     known = scene.variables
-    observed = None if observed is None else listed("observed", observed)
+    observed = None if observed is None else list_of_names("observed", observed)
     for name in observed or []:
         if name not in known:
             raise LeafwiseError(f"the system has no coordinate {name!r}; it has {', '.join(known)}")

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ._arrays import names, number, short, table
 from ._errors import LeafwiseWarning
 
 Array = NDArray[np.float64]
@@ -47,19 +48,19 @@ class System:
         casimirs: Mapping[str, Callable[..., Any]] | None = None,
         parameters: Mapping[str, float] | None = None,
     ) -> None:
-        self.variables = list(variables)
-        self._casimirs = dict(casimirs or {})
-        self.parameters = {name: float(value) for name, value in (parameters or {}).items()}
+        self.variables = names("variables", variables)
+        self._casimirs = table("casimirs", casimirs)
+        self.parameters = {name: number(name, value) for name, value in table("parameters", parameters).items()}
         self._functions = {"hamiltonian": hamiltonian, "gradient": gradient, "tensor": tensor}
         for name, function in {**self._functions, **self._casimirs}.items():
             if not callable(function):
-                raise TypeError(f"{name} is {function!r}, not a function")
+                raise TypeError(f"{name} is {short(function)}, not a function")
         if not self.variables:
             raise ValueError("a system needs variables")
         seen: set[str] = set()
         for name in [*self.variables, *self._casimirs, *self.parameters]:
             if not (isinstance(name, str) and name.isascii() and name.isidentifier()):
-                raise ValueError(f"{name!r} is no name")
+                raise ValueError(f"{short(name)} is no name")
             if name in _TAKEN or name in seen:
                 raise ValueError(f"the name {name!r} is taken")
             seen.add(name)

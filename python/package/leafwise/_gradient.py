@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arrays import Array, count, in_order, listed, reals
+from ._arrays import Array, count, in_order, names, reals
 from ._errors import LeafwiseError, LeafwiseWarning
 from ._leafwise import Growth
 
@@ -65,14 +65,14 @@ class Trajectory:
     ) -> None:
         self.scene = scene
         self._allow_non_poisson = allow_non_poisson
-        chosen = None if parameters is None else listed("parameters", parameters)
+        chosen = None if parameters is None else names("parameters", parameters)
         self._map = scene._scene.map(allow_non_poisson)
         known = scene.parameters
         chosen = list(known) if chosen is None else chosen
         for name in chosen:
             if name not in known:
-                names = ", ".join(known) or "none"
-                raise LeafwiseError(f"the system has no parameter {name!r}; it has {names}")
+                told = ", ".join(known) or "none"
+                raise LeafwiseError(f"the system has no parameter {name!r}; it has {told}")
             if chosen.count(name) > 1:
                 raise LeafwiseError(f"the parameter {name!r} is named twice")
         self.parameters = chosen

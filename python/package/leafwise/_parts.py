@@ -59,4 +59,7 @@ def generating_function(S: Iterable[object], *, order: int = 0) -> dict[str, Any
 def _texts(name: str, formulas: Iterable[object]) -> list[str]:
     if isinstance(formulas, str):
         raise TypeError(f"{name} is a list of formulas, not one text: [{formulas!r}]")
-    return [str(formula) for formula in formulas]
+    try:
+        return [str(formula) for formula in formulas]
+    except RecursionError:
+        raise TypeError(f"{name} holds a list that is nested without an end, not formulas") from None

@@ -142,6 +142,8 @@ def joined(
     """
     # A client of Dask makes one.
     get = getattr(executor, "get_executor", None)
+    if get is None and not callable(getattr(executor, "submit", None)):
+        raise TypeError(f"executor is of {type(executor).__name__}: give anything with submit, as concurrent.futures.ProcessPoolExecutor()")
     workers: Executor = get() if get else executor
     counts = [shards]
     while counts[-1] > WIDTH:

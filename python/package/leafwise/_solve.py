@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._arrays import count, in_order, labels, number, real_numbers, reals, table
+from ._arrays import count, in_order, labels, names, number, real_numbers, reals, table
 from ._errors import IntegrationError, LeafwiseWarning
 from ._functions import System
 from ._run import Run
@@ -179,8 +179,6 @@ def solve(
     if rtol is not None and not 0 < number("rtol", rtol) < 1:
         raise ValueError(f"rtol is {rtol}: a number between 0 and 1 is needed")
     max_steps = count("max_steps", max_steps, 1)
-    if isinstance(variables, str):
-        raise TypeError(f"variables is {variables!r}, not a list: give [{variables!r}]")
     if not (bracket is None or isinstance(bracket, (str, Mapping))):
         kind = type(bracket).__name__
         raise TypeError(f"bracket is of {kind}: give the brackets of pairs of coordinates, {{'q,p': '1'}}, or a name")
@@ -189,8 +187,8 @@ def solve(
     points = None if t_eval is None else _points(reals("t_eval", t_eval, None), span)
     given = {
         "library": library,
-        "variables": None if variables is None else list(variables),
-        "bracket": bracket if isinstance(bracket, str) or bracket is None else dict(bracket),
+        "variables": None if variables is None else names("variables", variables),
+        "bracket": bracket if isinstance(bracket, str) or bracket is None else table("bracket", bracket),
         "hamiltonian": hamiltonian,
         "parameters": None if parameters is None else table("parameters", parameters),
         "casimirs": None if casimirs is None else table("casimirs", casimirs),
@@ -204,9 +202,9 @@ def solve(
         others = [key for key in formulas if key != "parameters"]
         if others:
             raise ValueError(f"give system or {others[0]}, not both")
-    if system is None and "variables" not in formulas and isinstance(bracket, Mapping) and all("," in pair for pair in bracket):
-        names = (name.strip() for pair in bracket for name in pair.split(","))
-        formulas["variables"] = list(dict.fromkeys(names))
+    if system is None and "variables" not in formulas and isinstance(bracket, Mapping) and all("," in pair for pair in formulas["bracket"]):
+        paired = (name.strip() for pair in bracket for name in pair.split(","))
+        formulas["variables"] = list(dict.fromkeys(paired))
     usual = _METHOD if system is None else _METHOD_OF_NUMBERS
     how = {"stepper": method} if isinstance(method, str) else dict(usual if method is None else method)
 
@@ -242,7 +240,10 @@ def solve(
 
     if step is not None:
         # A quotient that is whole but for its rounding is whole.
-        return attempt(max(1, math.ceil(abs(end - start) / abs(step) * (1 - 4e-16))), points)
+        quotient = abs(end - start) / abs(step) * (1 - 4e-16)
+        if quotient > 2.0**62:
+            raise ValueError(f"step is {step}, of which t_span {_shown(t_span)} has more than can be counted")
+        return attempt(max(1, math.ceil(quotient)), points)
     wanted = 1e-6 if rtol is None else rtol
     if has_pace and points is None:
         # Steps of different lengths end at different times: two runs are compared at given ones.
