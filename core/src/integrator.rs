@@ -56,7 +56,8 @@ impl Integrator {
 
     /// t = k ε h.
     pub fn time(&self) -> f64 {
-        self.steps as f64 * self.time_step
+        // Of no step backwards in time −0 is 0.
+        self.steps as f64 * self.time_step + 0.0
     }
 
     /// The solver's work so far.

@@ -67,7 +67,8 @@ impl Sweep {
             Some(_) => 0..0,
         };
         let allow = options.allow_non_poisson;
-        let sweep = compose_sweep(document, registry, settings, items, allow).map_err(failed)?;
+        let sweep = compose_sweep(document, registry, settings, items, allow, &mut |_, _| ())
+            .map_err(failed)?;
         let report = match shards {
             Some(folder) => {
                 let shards = Shards::find(&[folder]).map_err(not_merged)?;
@@ -111,7 +112,8 @@ pub(crate) fn sweep_shard(
         Some(_) => 0..0,
     };
     let allow = options.allow_non_poisson;
-    let sweep = compose_sweep(document, registry, settings, items, allow).map_err(failed)?;
+    let sweep = compose_sweep(document, registry, settings, items, allow, &mut |_, _| ())
+        .map_err(failed)?;
     let report = match shards {
         Some(folder) => {
             let shards = Shards::find(&[folder]).map_err(not_merged)?;

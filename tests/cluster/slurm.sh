@@ -10,11 +10,20 @@ if ! command -v slurmctld >/dev/null || ! command -v munged >/dev/null; then
 fi
 work=$(mktemp -d)
 host=$(hostname -s)
+# Ends every daemon and waits for it, the steps of jobs too, so that nothing writes into what is removed.
 end() {
+    local daemon child
+    scancel --user=root 2>/dev/null || true
     for daemon in slurmd slurmctld; do
-        [ -s "$work/$daemon.pid" ] && kill "$(cat "$work/$daemon.pid")" 2>/dev/null
+        child=$(cat "$work/$daemon.pid" 2>/dev/null || true)
+        [ -n "$child" ] || continue
+        kill "$child" 2>/dev/null || true
+        while kill -0 "$child" 2>/dev/null; do sleep 0.1; done
     done
-    [ -n "${munged:-}" ] && kill "$munged" 2>/dev/null
+    if [ -n "${munged:-}" ]; then
+        kill "$munged" 2>/dev/null || true
+        wait "$munged" 2>/dev/null || true
+    fi
     rm -rf "$work"
 }
 trap end EXIT

@@ -4,6 +4,7 @@ use std::fmt;
 use std::ops::Range;
 
 use super::tree::Span;
+use crate::expression::Function;
 use crate::rational::DecimalError;
 
 /// An error in a formula: where, what, and the nearest valid spelling when there is one.
@@ -36,9 +37,12 @@ impl SyntaxError {
 impl fmt::Display for SyntaxError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(formatter, "{}", self.kind)?;
-        match &self.suggestion {
-            Some(suggestion) => write!(formatter, "; did you mean `{suggestion}`?"),
-            None => Ok(()),
+        match (&self.suggestion, &self.kind) {
+            (Some(suggestion), _) => write!(formatter, "; did you mean `{suggestion}`?"),
+            (None, SyntaxErrorKind::UnknownFunction { .. }) => {
+                write!(formatter, "; there are {}", Function::NAMES.join(", "))
+            }
+            (None, _) => Ok(()),
         }
     }
 }
@@ -80,6 +84,20 @@ pub enum SyntaxErrorKind {
     /// reads.
     #[error("{0}")]
     Number(DecimalError),
+    /// A decimal beyond the doubles.
+    #[error("`{literal}` is beyond the largest double, 1.8e308")]
+    NotFinite {
+        /// The literal as written, cut after 40 characters.
+        literal: String,
+    },
+    /// More numbers, names and signs than a formula may have.
+    #[error(
+        "the formula has more than {limit} numbers, names and signs; write it by `sum` or `define`"
+    )]
+    TooLong {
+        /// The greatest number.
+        limit: usize,
+    },
     /// Parentheses, signs, powers, calls and divisions nested too deeply.
     #[error("the formula is nested more than {limit} levels deep; split it")]
     TooDeep {

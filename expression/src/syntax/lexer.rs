@@ -31,6 +31,9 @@ pub(super) struct Token {
     pub(super) span: Span,
 }
 
+/// The greatest number of tokens of a formula: what is made of as many takes less than a gigabyte.
+pub(super) const TOKEN_LIMIT: usize = 1 << 21;
+
 /// The tokens of `text`, in order.
 pub(super) fn tokens(text: &str) -> Result<Vec<Token>, SyntaxError> {
     let mut tokens = Vec::new();
@@ -60,6 +63,14 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Token>, SyntaxError> {
             let kind = SyntaxErrorKind::UnexpectedCharacter { character };
             return Err(SyntaxError::new(span, kind).suggesting(plain(character)));
         };
+        if tokens.len() == TOKEN_LIMIT {
+            let span = Span {
+                start,
+                end: position,
+            };
+            let limit = TOKEN_LIMIT;
+            return Err(SyntaxError::new(span, SyntaxErrorKind::TooLong { limit }));
+        }
         tokens.push(Token {
             kind,
             span: Span {

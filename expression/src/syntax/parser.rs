@@ -3,7 +3,7 @@
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::lexer::{Symbol, Token, TokenKind, tokens};
 use super::scope::{LENGTH, PI, SUM};
-use super::suggestion::{alias, nearest};
+use super::suggestion::{alias, is_elsewhere, nearest, written};
 use super::tree::{Anchor, Kind, Node, Reference, Site, Span};
 use crate::expression::Function;
 use crate::rational::Rational;
@@ -143,6 +143,11 @@ impl<'a> Parser<'a> {
         let exact = Rational::parse_decimal(span.of(self.text))
             .map_err(|error| SyntaxError::new(span, SyntaxErrorKind::Number(error)))?;
         let rounded = exact.to_f64();
+        if !rounded.is_finite() {
+            let literal = span.of(self.text).chars().take(40).collect();
+            let kind = SyntaxErrorKind::NotFinite { literal };
+            return Err(SyntaxError::new(span, kind).into());
+        }
         node(
             span,
             Kind::Number {
@@ -413,7 +418,8 @@ fn list(parts: Vec<Node>, kind: fn(Vec<Node>) -> Kind) -> Parsed {
 
 fn unknown_function(name: &str, span: Span) -> Box<SyntaxError> {
     let known = Function::NAMES.into_iter().chain([SUM]);
-    let suggestion = alias(name).or_else(|| nearest(name, known));
+    let misspelt = || nearest(name, known).filter(|_| !is_elsewhere(name));
+    let suggestion = alias(name).or_else(|| written(name)).or_else(misspelt);
     let kind = SyntaxErrorKind::UnknownFunction {
         name: name.to_owned(),
     };

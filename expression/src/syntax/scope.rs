@@ -4,7 +4,7 @@ use rustc_hash::FxHashMap;
 
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::lexer::is_name;
-use super::suggestion::nearest;
+use super::suggestion::{constant, nearest};
 use super::tree::{Anchor, Reference, Span};
 use crate::expression::{Expression, Function};
 
@@ -186,7 +186,7 @@ impl Scope {
             let kind = SyntaxErrorKind::UnknownName {
                 name: name.to_owned(),
             };
-            SyntaxError::new(span, kind).suggesting(nearest(name, known))
+            SyntaxError::new(span, kind).suggesting(constant(name).or_else(|| nearest(name, known)))
         })
     }
 }

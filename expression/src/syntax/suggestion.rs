@@ -22,6 +22,95 @@ const ALIASES: [(&str, &str); 15] = [
     ("Sum", "sum"),
 ];
 
+/// Functions of other languages, with how they are written here.
+const WRITTEN: [(&str, &str); 24] = [
+    ("cot", "1/tan(x)"),
+    ("sec", "1/cos(x)"),
+    ("csc", "1/sin(x)"),
+    ("cosec", "1/sin(x)"),
+    ("acot", "atan(1/x)"),
+    ("coth", "1/tanh(x)"),
+    ("sech", "1/cosh(x)"),
+    ("csch", "1/sinh(x)"),
+    ("pow", "x^y"),
+    ("power", "x^y"),
+    ("square", "x^2"),
+    ("sqr", "x^2"),
+    ("cbrt", "x^(1/3)"),
+    ("hypot", "sqrt(x^2 + y^2)"),
+    ("log10", "ln(x)/ln(10)"),
+    ("lg", "ln(x)/ln(10)"),
+    ("log2", "ln(x)/ln(2)"),
+    ("ld", "ln(x)/ln(2)"),
+    ("log1p", "ln(1 + x)"),
+    ("exp2", "exp(x*ln(2))"),
+    ("exp10", "exp(x*ln(10))"),
+    ("expm1", "exp(x) - 1"),
+    ("sinc", "sin(x)/x"),
+    ("sigmoid", "1/(1 + exp(-x))"),
+];
+
+/// Functions of other languages that no misspelling is: they begin or end like those that there are.
+const ELSEWHERE: [&str; 36] = [
+    "abs",
+    "fabs",
+    "sign",
+    "sgn",
+    "signum",
+    "min",
+    "max",
+    "fmin",
+    "fmax",
+    "floor",
+    "ceil",
+    "ceiling",
+    "round",
+    "rint",
+    "trunc",
+    "int",
+    "frac",
+    "mod",
+    "fmod",
+    "rem",
+    "atan2",
+    "arctan2",
+    "step",
+    "heaviside",
+    "theta",
+    "piecewise",
+    "if",
+    "where",
+    "erf",
+    "erfc",
+    "gamma",
+    "lgamma",
+    "beta",
+    "besselj",
+    "clip",
+    "clamp",
+];
+
+/// How a function known elsewhere as `name` is written here.
+pub(super) fn written(name: &str) -> Option<&'static str> {
+    let lower = name.to_lowercase();
+    let found = WRITTEN.iter().find(|(other, _)| *other == lower);
+    found.map(|(_, ours)| *ours)
+}
+
+/// Whether a function of this name is known elsewhere.
+pub(super) fn is_elsewhere(name: &str) -> bool {
+    ELSEWHERE.contains(&name.to_lowercase().as_str())
+}
+
+/// The constant that a name stands for elsewhere.
+pub(super) fn constant(name: &str) -> Option<&'static str> {
+    match name {
+        "π" | "Pi" => Some("pi"),
+        "e" => Some("exp(1)"),
+        _ => None,
+    }
+}
+
 /// The name used here for a function known elsewhere as `name`.
 pub(super) fn alias(name: &str) -> Option<&'static str> {
     ALIASES

@@ -453,6 +453,9 @@ pub struct ReproduceArguments {
     /// The figures, by number (1 to 9) or name [default: all]
     #[arg(value_name = "FIGURE")]
     pub figures: Vec<String>,
+    /// Print the figures with what they show, and measure none
+    #[arg(long)]
+    pub list: bool,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub json: bool,

@@ -9,6 +9,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use leafwise::run::{Progress, Status};
 
 use crate::interrupt::is_raised;
+use crate::pulse::{Pulse, Shown, while_working};
+use crate::table::grouped;
 
 /// Redraws a bar that is seen four times a second, where the system grants a thread for it.
 pub fn tick_steadily(bar: &ProgressBar) {
@@ -17,13 +19,31 @@ pub fn tick_steadily(bar: &ProgressBar) {
     }
 }
 
-/// What `build` makes; a line with the time it takes is drawn meanwhile, if `is_shown`.
-pub fn while_building<T>(is_shown: bool, build: impl FnOnce() -> T) -> T {
-    let line = Steps::new("building: from formulas to code", is_shown);
-    if let Ok(style) = ProgressStyle::with_template("  {spinner} {elapsed}  {msg}") {
-        line.0.set_style(style);
+/// Where a bar is drawn.
+fn target(shown: Shown) -> ProgressDrawTarget {
+    match shown {
+        Shown::Bar => ProgressDrawTarget::stderr_with_hz(8),
+        Shown::Lines | Shown::Nothing => ProgressDrawTarget::hidden(),
     }
-    let built = build();
+}
+
+/// What is told while a scene is built.
+const BUILDING: &str = "building: from formulas to code";
+
+/// What `build` makes; a line with the time it takes is shown meanwhile.
+pub fn while_building<T>(shown: Shown, build: impl FnOnce() -> T) -> T {
+    let line = Steps::new(
+        BUILDING,
+        if shown == Shown::Bar {
+            shown
+        } else {
+            Shown::Nothing
+        },
+    );
+    if let Ok(style) = ProgressStyle::with_template("  {spinner} {elapsed}  {msg}") {
+        line.bar.set_style(style);
+    }
+    let built = while_working(shown, BUILDING, build);
     line.finish();
     built
 }
@@ -31,18 +51,14 @@ pub fn while_building<T>(is_shown: bool, build: impl FnOnce() -> T) -> T {
 /// Shows a run on the terminal and stops it when asked to.
 pub struct Bar {
     bar: ProgressBar,
+    pulse: Pulse,
     interrupt: Arc<AtomicBool>,
 }
 
 impl Bar {
-    /// A bar for `steps` steps, drawn only if `is_shown`.
-    pub fn new(steps: u64, is_shown: bool, interrupt: &Arc<AtomicBool>) -> Self {
-        let target = if is_shown {
-            ProgressDrawTarget::stderr_with_hz(8)
-        } else {
-            ProgressDrawTarget::hidden()
-        };
-        let bar = ProgressBar::with_draw_target(Some(steps), target);
+    /// A bar for `steps` steps.
+    pub fn new(steps: u64, shown: Shown, interrupt: &Arc<AtomicBool>) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(steps), target(shown));
         let template = "  {bar:20} {percent:>3} %  {human_pos} of {human_len} steps  {msg}  {eta}";
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style.progress_chars("━━─"));
@@ -51,6 +67,7 @@ impl Bar {
         tick_steadily(&bar);
         Self {
             bar,
+            pulse: Pulse::new(shown),
             interrupt: Arc::clone(interrupt),
         }
     }
@@ -62,66 +79,97 @@ impl Bar {
 }
 
 /// Shows how far a survey of methods is.
-pub struct Steps(ProgressBar);
+pub struct Steps {
+    bar: ProgressBar,
+    pulse: Pulse,
+    /// Whether it is known how much there is to do.
+    is_measured: bool,
+    /// What there is so much of.
+    unit: &'static str,
+}
 
 impl Steps {
-    /// A line, drawn only if `is_shown`.
-    pub fn new(message: &str, is_shown: bool) -> Self {
-        let target = if is_shown {
-            ProgressDrawTarget::stderr_with_hz(8)
-        } else {
-            ProgressDrawTarget::hidden()
-        };
-        let bar = ProgressBar::with_draw_target(Some(1), target);
+    /// A line.
+    pub fn new(message: &str, shown: Shown) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(1), target(shown));
         if let Ok(style) = ProgressStyle::with_template("  {bar:20} {pos} of {len}  {msg}") {
             bar.set_style(style.progress_chars("━━─"));
         }
         bar.set_message(message.to_owned());
         tick_steadily(&bar);
-        Self(bar)
+        Self {
+            bar,
+            pulse: Pulse::new(shown),
+            is_measured: false,
+            unit: "",
+        }
     }
 
-    /// A spinner, drawn only if `is_shown`, for a search of unknown length.
-    pub fn unmeasured(message: &str, is_shown: bool) -> Self {
-        let line = Self::new(message, is_shown);
+    /// A spinner for a search of unknown length.
+    pub fn unmeasured(message: &str, shown: Shown) -> Self {
+        let line = Self::new(message, shown);
         if let Ok(style) = ProgressStyle::with_template("  {spinner} {pos} runs  {msg}") {
-            line.0.set_style(style);
+            line.bar.set_style(style);
         }
-        line
+        Self {
+            unit: " runs",
+            ..line
+        }
     }
 
     /// Before the next run.
     pub fn tick(&mut self, method: &str, runs: u64) {
-        self.0.set_position(runs);
-        self.0.set_message(method.to_owned());
+        self.bar.set_position(runs);
+        self.say(method.to_owned());
     }
 
     /// Before something that is no run.
     pub fn say(&mut self, message: String) {
-        self.0.set_message(message);
+        self.bar.set_message(message);
+        let (bar, unit) = (&self.bar, self.unit);
+        let (at, count) = (bar.position(), bar.length().unwrap_or(1));
+        let part = self.is_measured.then(|| at as f64 / count.max(1) as f64);
+        self.pulse.beat(part, || match part {
+            Some(_) => format!("{at} of {count}, {}", bar.message()),
+            None if unit.is_empty() => bar.message(),
+            None => format!("{at}{unit}, {}", bar.message()),
+        });
     }
 
     /// Where the line is, and what it says.
     #[cfg(test)]
     pub fn shown(&self) -> (u64, String) {
-        (self.0.position(), self.0.message())
+        (self.bar.position(), self.bar.message())
     }
 
     /// Before the next method.
     pub fn show(&mut self, method: &str, at: usize, count: usize) {
-        self.0.set_length(count as u64);
-        self.0.set_position(at as u64);
-        self.0.set_message(method.to_owned());
+        self.bar.set_length(count as u64);
+        self.bar.set_position(at as u64);
+        self.is_measured = true;
+        self.say(method.to_owned());
     }
 
     /// Removes the line.
     pub fn finish(self) {
-        self.0.finish_and_clear();
+        self.bar.finish_and_clear();
     }
 }
 
 impl Progress for Bar {
     fn show(&mut self, status: &Status) {
+        let part = match status.until {
+            None => status.steps as f64 / status.total.max(1) as f64,
+            Some(until) => status.time / until,
+        };
+        self.pulse.beat(Some(part), || match status.until {
+            None => format!(
+                "{} of {} steps",
+                grouped(status.steps),
+                grouped(status.total)
+            ),
+            Some(until) => format!("t = {:.4e} of {until:.4e}", status.time),
+        });
         if self.bar.is_hidden() {
             return;
         }

@@ -6,6 +6,8 @@ use std::io::{self, ErrorKind, Write};
 use leafwise::scene::json::pretty;
 use serde::Serialize;
 
+use crate::pulse::Shown;
+
 /// The two streams of a program. A reader that has gone away is not an error; a result that could
 /// not be written for another reason is [`lost`](Self::lost).
 pub struct Console<'a> {
@@ -33,6 +35,15 @@ impl<'a> Console<'a> {
             lost: None,
             color,
             is_terminal,
+        }
+    }
+
+    /// How a command shows how far it is, if it is not to be quiet.
+    pub fn shown(&self, is_quiet: bool) -> Shown {
+        match (is_quiet, self.is_terminal) {
+            (true, _) => Shown::Nothing,
+            (false, true) => Shown::Bar,
+            (false, false) => Shown::Lines,
         }
     }
 

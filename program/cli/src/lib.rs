@@ -7,7 +7,7 @@
 //! - [`scene`]: reading a scene with its overrides.
 //! - [`commands`]: one module for each command.
 //! - [`plugins`]: the plugins that a command line and a scene ask for.
-//! - [`bar`]: the progress bar.
+//! - [`bar`]: the progress bar; [`pulse`]: lines in its place.
 //! - [`files`]: files that a command writes.
 //! - [`table`]: aligned columns.
 
@@ -19,6 +19,7 @@ pub mod failure;
 pub mod files;
 pub mod interrupt;
 pub mod plugins;
+pub mod pulse;
 pub mod scene;
 pub mod table;
 

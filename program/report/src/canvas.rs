@@ -104,6 +104,9 @@ fn style(ink: Ink, width: f64, filled: bool) -> ShapeStyle {
     }
 }
 
+/// Samples that lie further apart on a line of their own are drawn one by one, in logical pixels.
+const SPARSE: f64 = 16.0;
+
 impl Canvas {
     /// An empty picture of the given logical size.
     pub fn new(width: f64, height: f64) -> Self {
@@ -130,6 +133,18 @@ impl Canvas {
                 radius,
                 style: style(ink, 1.0, true),
             });
+        }
+    }
+
+    /// A polyline through samples over a width; few of them are dots, with a faint line that leads from one to the next: nothing is
+    /// known between them.
+    pub fn samples(&mut self, points: &[(f64, f64)], over: f64, ink: Ink, width: f64) {
+        if points.len() as f64 > over / SPARSE {
+            return self.path(points, ink, width);
+        }
+        self.path(points, FAINT, 1.0);
+        for point in points {
+            self.disc(*point, 1.6 * width, ink);
         }
     }
 

@@ -35,6 +35,8 @@ pub struct EnsembleData {
     pub method: Vec<(String, String)>,
     /// The quantiles that were asked for.
     pub parts: Vec<f64>,
+    /// Between which ranks they lie, where they are not those of the members themselves.
+    pub ranks: Option<String>,
     /// The observables.
     #[serde(skip)]
     pub bands: Vec<Band>,
@@ -132,25 +134,25 @@ struct Page<'a> {
 #[derive(Serialize)]
 struct End<'a> {
     name: &'a str,
-    /// Mean, half of its confidence interval, deviation, smallest, largest, quantiles.
-    values: Vec<f64>,
+    /// Mean, half of its confidence interval, deviation, smallest, largest.
+    moments: [f64; 5],
+    quantiles: &'a [f64],
 }
 
 impl<'a> End<'a> {
     fn of(band: &'a Band) -> Option<Self> {
         let last = band.times.len().checked_sub(1)?;
         let (smallest, largest) = band.ranges[last];
-        let mut values = vec![
-            band.means[last],
-            band.confidences[last],
-            band.deviations[last],
-            smallest,
-            largest,
-        ];
-        values.extend(&band.quantiles[last]);
         Some(Self {
             name: &band.name,
-            values,
+            moments: [
+                band.means[last],
+                band.confidences[last],
+                band.deviations[last],
+                smallest,
+                largest,
+            ],
+            quantiles: &band.quantiles[last],
         })
     }
 }
@@ -236,7 +238,8 @@ fn band_figure(band: &Band, parts: &[f64]) -> Result<Figure, ReportError> {
         let line: Vec<_> = (0..band.times.len()).filter_map(quantile).collect();
         canvas.path(&line, SERIES[1], 1.0);
     }
-    canvas.path(&line, SERIES[0], 1.6);
+    let [left, _, right, _] = frame.edges;
+    canvas.samples(&line, right - left, SERIES[0], 1.6);
     let percentages: Vec<String> = parts
         .iter()
         .map(|p| format!("{}%", number(100.0 * p, 4)))

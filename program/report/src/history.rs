@@ -125,7 +125,7 @@ pub(super) fn history(
                     .collect();
                 canvas.path(&averages, SERIES[0], 1.6);
             } else {
-                canvas.path(&points, SERIES[0], 1.4);
+                canvas.samples(&points, right - left, SERIES[0], 1.4);
             }
         } else {
             let x = at(stretch[0].0);

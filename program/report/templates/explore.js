@@ -569,7 +569,13 @@
       const colour = ink("--s0");
       paper.clip(edges, () => {
         let run = [];
-        const flush = () => { if (run.length === 1) paper.disc(run[0], 1.5, colour); if (run.length > 1) paper.path(run, colour, 1.5); run = []; };
+        // Of few samples each is a dot: nothing is known between them.
+        const isSparse = inside.length <= (right - left) / 16;
+        const flush = () => {
+          if (run.length > 1) paper.path(run, isSparse ? ink("--far") : colour, isSparse ? 1 : 1.5);
+          if (isSparse || run.length === 1) run.forEach((place) => paper.disc(place, isSparse ? 2.6 : 1.5, colour));
+          run = [];
+        };
         const begin = Math.max(0, (inside[0] ?? 0) - 1);
         const end = Math.min(count - 1, (inside[inside.length - 1] ?? -1) + 1);
         for (let k = begin; k <= end; k += 1) {

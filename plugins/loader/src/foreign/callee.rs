@@ -1,6 +1,6 @@
 //! An instance that an evaluator calls, or the reason why there is none.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use leafwise_core::StepError;
 use leafwise_plugin_abi::LwMapFn;
@@ -18,6 +18,9 @@ pub(super) struct Callee {
     instance: Result<Instance, CallFailure>,
     /// Makes another instance.
     make: Box<Make>,
+    /// Where the instance goes in the end, and the bits of the parameters that it is made for.
+    idle: Idle,
+    values: Vec<u64>,
     /// Whether several trajectories are served: where one breaks the instance the others go on with a
     /// new one.
     serves_several: bool,
@@ -26,21 +29,53 @@ pub(super) struct Callee {
     calls: u8,
 }
 
+/// Instances that no evaluator uses at present, each with the values of the parameters that it was made for. Making one may take long, and
+/// a run asks for some seventy evaluators, one after the other; results do not depend on what an instance was called for before.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Idle(Arc<Mutex<Vec<(Vec<u64>, Instance)>>>);
+
+/// Idle instances that are kept at most.
+const MOST_IDLE: usize = 8;
+
+impl Idle {
+    fn take(&self, values: &[u64]) -> Option<Instance> {
+        let mut idle = self.0.lock().ok()?;
+        let at = idle.iter().position(|(of, _)| of == values)?;
+        Some(idle.swap_remove(at).1)
+    }
+
+    fn keep(&self, values: Vec<u64>, instance: Instance) {
+        let Ok(mut idle) = self.0.lock() else {
+            return;
+        };
+        // The oldest one goes; ended outside the lock, as it may take long.
+        let oldest = (idle.len() >= MOST_IDLE).then(|| idle.remove(0));
+        idle.push((values, instance));
+        drop(idle);
+        drop(oldest);
+    }
+}
+
 type Make = dyn Fn() -> Result<Instance, CallFailure> + Send;
 
 /// After so many calls the control word is compared: reading it costs as much as a small call.
 const BETWEEN_LOOKS: u8 = 64;
 
 impl Callee {
-    /// An instance as `make` makes it, and makes it anew where one of several trajectories broke it.
+    /// An idle instance for these parameters, or one as `make` makes it, and makes it anew where one of several trajectories broke it.
     pub(super) fn new(
         part: &Arc<ForeignPart>,
+        idle: &Idle,
+        parameters: &[f64],
         make: impl Fn() -> Result<Instance, CallFailure> + Send + 'static,
     ) -> Self {
+        let values: Vec<u64> = parameters.iter().map(|value| value.to_bits()).collect();
         Self {
             part: Arc::clone(part),
             control: ControlWord::read(),
-            instance: make(),
+            instance: idle.take(&values).map_or_else(&make, Ok),
+            idle: idle.clone(),
+            values,
             make: Box::new(make),
             serves_several: false,
             calls: 0,
@@ -93,6 +128,16 @@ impl Drop for Callee {
     fn drop(&mut self) {
         if let Err(refusal) = self.control.restore("called") {
             note_change(format!("{}: {refusal}", self.part.name()));
+        }
+        let message = String::new();
+        let last = std::mem::replace(
+            &mut self.instance,
+            Err(CallFailure::Unsupported { message }),
+        );
+        if let Ok(instance) = last
+            && !instance.is_broken()
+        {
+            self.idle.keep(std::mem::take(&mut self.values), instance);
         }
     }
 }

@@ -11,7 +11,7 @@ use leafwise_core::{
 use leafwise_plugin_abi::{LwDynamics, LwMapFn};
 
 use super::batch::{Input, Output};
-use super::callee::Callee;
+use super::callee::{Callee, Idle};
 use super::failure::CallFailure;
 use super::instance::{Call, Instance};
 use super::making::{HostObjects, Making};
@@ -95,6 +95,7 @@ impl DynamicApproximation for ForeignDynamics {
             system: system.clone(),
             realization: Arc::clone(realization),
             lend: RealizationToLend::new(realization, &values)?,
+            idle: Idle::default(),
         };
         if self.table.one_form.is_some() && bisection.lend.chart().is_none() {
             return Err(BuildError::Incompatible {
@@ -146,6 +147,7 @@ struct ForeignBisection {
     system: PoissonSystem,
     realization: Arc<dyn RealizationData>,
     lend: RealizationToLend,
+    idle: Idle,
 }
 
 impl ForeignBisection {
@@ -164,7 +166,7 @@ impl ForeignBisection {
 impl ForeignBisection {
     /// An instance for one evaluator.
     fn caller(&self, parameters: &[f64], epsilon: f64, h: f64) -> Caller {
-        let (part, parameters) = (Arc::clone(&self.dynamics.part), parameters.to_vec());
+        let (part, values) = (Arc::clone(&self.dynamics.part), parameters.to_vec());
         let (system, lend) = (self.system.clone(), self.lend.clone());
         let settings = self.dynamics.settings.clone();
         let make = move || {
@@ -172,14 +174,14 @@ impl ForeignBisection {
                 dimension: system.dimension(),
                 settings: &settings,
             };
-            let lent = lent(&system, &lend, &parameters);
+            let lent = lent(&system, &lend, &values);
             let lent = lent.map_err(|error| CallFailure::Unsupported {
                 message: error.to_string(),
             })?;
             Instance::new(&part, making, lent)
         };
         Caller {
-            callee: Callee::new(&self.dynamics.part, make),
+            callee: Callee::new(&self.dynamics.part, &self.idle, parameters, make),
             table: self.dynamics.table,
             epsilon,
             h,

@@ -22,6 +22,15 @@ pub(crate) struct Instance {
     _lent: HostObjects,
 }
 
+impl std::fmt::Debug for Instance {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Instance")
+            .field("part", &self.part.name())
+            .field("broken", &self.broken)
+            .finish_non_exhaustive()
+    }
+}
+
 // SAFETY: the contract of plugins: consecutive calls on an instance may come from different threads,
 // and what the host lends is used during those calls only.
 unsafe impl Send for Instance {}
@@ -86,6 +95,11 @@ impl Instance {
             message,
             _lent: lent,
         })
+    }
+
+    /// Whether it is called no more.
+    pub(crate) fn is_broken(&self) -> bool {
+        self.broken.is_some()
     }
 
     /// Calls functions of the instance that take no batch, with their first argument.

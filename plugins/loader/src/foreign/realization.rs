@@ -10,7 +10,7 @@ use leafwise_core::{
 use leafwise_plugin_abi::{LwMapFn, LwRealization};
 
 use super::batch::{Input, Output};
-use super::callee::Callee;
+use super::callee::{Callee, Idle};
 use super::failure::CallFailure;
 use super::instance::{Call, Instance};
 use super::making::{HostObjects, Making};
@@ -78,6 +78,7 @@ impl ForeignRealizationPart {
             properties,
             space,
             for_section: Mutex::new(trial),
+            idle: Idle::default(),
         }))
     }
 }
@@ -121,6 +122,7 @@ struct ForeignRealization {
     properties: Properties,
     space: usize,
     for_section: Mutex<Instance>,
+    idle: Idle,
 }
 
 impl std::fmt::Debug for ForeignRealization {
@@ -136,13 +138,13 @@ impl std::fmt::Debug for ForeignRealization {
 impl ForeignRealization {
     fn callee(&self, parameters: &[f64]) -> Callee {
         let (part, system) = (Arc::clone(&self.part), self.system.clone());
-        let (settings, parameters) = (self.settings.clone(), parameters.to_vec());
-        Callee::new(&self.part, move || {
+        let (settings, values) = (self.settings.clone(), parameters.to_vec());
+        Callee::new(&self.part, &self.idle, parameters, move || {
             let making = Making {
                 dimension: system.dimension(),
                 settings: &settings,
             };
-            let lent = HostSystem::new(&system, &parameters);
+            let lent = HostSystem::new(&system, &values);
             let lent = lent.map_err(|error| CallFailure::Unsupported {
                 message: error.to_string(),
             })?;

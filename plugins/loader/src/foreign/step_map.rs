@@ -10,7 +10,7 @@ use leafwise_core::{
 use leafwise_plugin_abi::{LW_STRUCTURE_EXACT, LwStepMap};
 
 use super::batch::{Input, Output};
-use super::callee::Callee;
+use super::callee::{Callee, Idle};
 use super::failure::CallFailure;
 use super::instance::{Call, Instance};
 use super::making::{HostObjects, Making};
@@ -61,6 +61,7 @@ impl ForeignStepMapPart {
             table,
             system: system.clone(),
             settings,
+            idle: Idle::default(),
         }))
     }
 }
@@ -74,15 +75,16 @@ struct ForeignStepMap {
     system: PoissonSystem,
     settings: Vec<(String, ParameterSetting)>,
     properties: Properties,
+    idle: Idle,
 }
 
 impl ForeignStepMap {
     /// An instance for one evaluator.
     fn callee(&self, parameters: &[f64]) -> Callee {
         let (part, system) = (Arc::clone(&self.part), self.system.clone());
-        let (settings, parameters) = (self.settings.clone(), parameters.to_vec());
-        Callee::new(&self.part, move || {
-            let lent = lent(&system, &parameters).map_err(|error| CallFailure::Unsupported {
+        let (settings, values) = (self.settings.clone(), parameters.to_vec());
+        Callee::new(&self.part, &self.idle, parameters, move || {
+            let lent = lent(&system, &values).map_err(|error| CallFailure::Unsupported {
                 message: error.to_string(),
             })?;
             let making = Making {

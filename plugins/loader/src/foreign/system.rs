@@ -10,7 +10,7 @@ use leafwise_expression::syntax::Scope;
 use leafwise_plugin_abi::{LwMapFn, LwSystem};
 
 use super::batch::{Input, Output};
-use super::callee::Callee;
+use super::callee::{Callee, Idle};
 use super::instance::{Call, Instance};
 use super::making::{HostObjects, Making};
 use super::part::ForeignPart;
@@ -72,6 +72,7 @@ impl ForeignSystemPart {
                 settings,
                 dimension: variables.len(),
                 casimirs: casimirs.len(),
+                idle: Idle::default(),
             }),
             variables,
             parameters,
@@ -186,6 +187,7 @@ struct ForeignNumbers {
     settings: Vec<(String, ParameterSetting)>,
     dimension: usize,
     casimirs: usize,
+    idle: Idle,
 }
 
 impl SystemNumbers for ForeignNumbers {
@@ -214,7 +216,7 @@ impl SystemNumbers for ForeignNumbers {
             Instance::new(&part, making, HostObjects::default())
         };
         Box::new(ForeignEvaluator {
-            callee: Callee::new(&self.part, make),
+            callee: Callee::new(&self.part, &self.idle, parameters, make),
             table: self.table,
             dimension: self.dimension,
             casimirs: self.casimirs,

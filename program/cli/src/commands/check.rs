@@ -74,12 +74,10 @@ pub fn execute(
 ) -> Result<u8, Failure> {
     let mut parts = Parts::new(plugins)?;
     let document = parts.scene(&arguments.scene)?;
-    let is_shown = console.is_terminal;
-    let composed = while_building(is_shown, || compose(&document, &parts.registry))?;
+    let shown = console.shown(false);
+    let composed = while_building(shown, || compose(&document, &parts.registry))?;
     let names = composed.system.variables();
-    let checks = while_building(is_shown, || {
-        SceneChecks::of(&composed.system, &composed.near)
-    })?;
+    let checks = while_building(shown, || SceneChecks::of(&composed.system, &composed.near))?;
     let jacobi = describe(&checks.jacobi, "triple", names);
     let source = composed.system.expressions().map(SystemFormulas::source);
     let jacobi = match (checks.jacobi.verdict, source.map(made_of)) {

@@ -90,13 +90,13 @@ pub fn execute(
             .unwrap_or_else(|| Workforce::default().threads),
         lanes: arguments.lanes,
     };
-    let is_shown = console.is_terminal && !told.quiet;
+    let shown = console.shown(told.quiet);
     let members = match &shard {
         None => ensemble.population.members(),
         Some(shard) => shard.items().end - shard.items().start,
     };
     let total = members.saturating_mul(ensemble.steps().unwrap_or(1));
-    let mut bar = Bar::new(total, is_shown, interrupt);
+    let mut bar = Bar::new(total, shown, interrupt);
     let report = match &shard {
         None => run_ensemble(&document, &ensemble, &options, workforce, &mut bar),
         Some(shard) => run_shard(&document, &ensemble, shard, &options, workforce, &mut bar),
@@ -239,7 +239,9 @@ fn execute_member(
     console: &mut Console<'_>,
     interrupt: &Arc<AtomicBool>,
 ) -> Result<u8, Failure> {
-    let composed = while_building(console.is_terminal, || compose(scene, &parts.registry))?;
+    let composed = while_building(console.shown(arguments.output.quiet), || {
+        compose(scene, &parts.registry)
+    })?;
     let file = Path::new(&scene.name);
     let told = arguments.output;
     let directory = arguments.out.clone();

@@ -113,7 +113,7 @@ pub fn execute(
         "parts are not evaluated at steps",
         "take the noise out",
     )?;
-    let run = while_building(console.is_terminal, || compose(&document, &parts.registry))?;
+    let run = while_building(console.shown(false), || compose(&document, &parts.registry))?;
     let Some(method) = run.method.written() else {
         if run.method.lattice().is_none() {
             return Err(Failure::usage(

@@ -48,7 +48,14 @@ pub fn execute(
     if shards.whole() == Whole::Settings {
         let settings = Settings::of(&document)?;
         let allow = told.allow_non_poisson;
-        let merged = compose_sweep(&document, &parts.registry, settings, 0..0, allow)?;
+        let merged = compose_sweep(
+            &document,
+            &parts.registry,
+            settings,
+            0..0,
+            allow,
+            &mut |_, _| (),
+        )?;
         let report = merge_sweep(&document, &merged, &shards, &options)?;
         return Ok(sweep::tell(&report, None, told, console));
     }

@@ -47,7 +47,9 @@ pub fn execute(
     let start = Instant::now();
     let mut parts = Parts::new(plugins)?;
     let document = parts.scene(&arguments.scene)?;
-    let composed = while_building(console.is_terminal, || compose(&document, &parts.registry))?;
+    let composed = while_building(console.shown(arguments.output.quiet), || {
+        compose(&document, &parts.registry)
+    })?;
     if arguments.explain {
         for line in explain(&composed, start)? {
             console.prose(&line);
@@ -93,8 +95,8 @@ pub(super) fn integrate(
     console: &mut Console<'_>,
     interrupt: &Arc<AtomicBool>,
 ) -> Result<u8, Failure> {
-    let is_shown = console.is_terminal && !told.quiet;
-    let mut bar = Bar::new(composed.plan.steps, is_shown, interrupt);
+    let shown = console.shown(told.quiet);
+    let mut bar = Bar::new(composed.plan.steps, shown, interrupt);
     let report = run(document, composed, registry, options, &mut bar);
     bar.finish();
     let report = report?;

@@ -51,14 +51,14 @@ pub fn execute(
 ) -> Result<u8, Failure> {
     let mut parts = Parts::new(plugins)?;
     let document = parts.scene(&arguments.scene)?;
-    let is_shown = console.is_terminal;
+    let shown = console.shown(false);
     refuse_noise(
         &document,
         "there is no shadow Hamiltonian",
         "take the noise out: every step of it follows another Hamiltonian",
     )?;
-    let run = while_building(is_shown, || compose(&document, &parts.registry))?;
-    while_building(is_shown, || {
+    let run = while_building(shown, || compose(&document, &parts.registry))?;
+    while_building(shown, || {
         refuse_no_system(&document, &run.system, &run.near)
     })?;
     let refused = |no: NoShadow| Failure::usage(no.message, no.help);
@@ -72,7 +72,7 @@ pub fn execute(
         }));
     }
     let t = run.plan.epsilon * run.plan.h;
-    let shadow = while_building(is_shown, || {
+    let shadow = while_building(shown, || {
         ShadowEnergy::of(&run.system, run.method.map(), t, arguments.order)
     });
     let shadow = shadow.map_err(refused)?;

@@ -65,7 +65,7 @@ pub fn execute(
         if interrupt.load(Ordering::Relaxed) {
             return Ok(exit::INTERRUPTED);
         }
-        let mut bar = Steps::new("", console.is_terminal);
+        let mut bar = Steps::new("", console.shown(false));
         bar.show(&case.id(), at, chosen.len());
         let begun = Instant::now();
         let outcome = case.run(&options);

@@ -15,7 +15,7 @@ use serde::Serialize;
 use super::run::repeating;
 use super::shard;
 use crate::arguments::{OutputArguments, PluginArguments, SweepArguments};
-use crate::bar::{Bar, while_building};
+use crate::bar::{Bar, Steps};
 use crate::console::Console;
 use crate::failure::{Failure, exit};
 use crate::plugins::Parts;
@@ -51,9 +51,20 @@ pub fn execute(
     let items = shard.as_ref().map_or(0..count, Shard::items);
     let told = arguments.output;
     let allow = told.allow_non_poisson;
-    let sweep = while_building(console.is_terminal && !told.quiet, || {
-        compose_sweep(&document, &parts.registry, settings, items.clone(), allow)
-    })?;
+    let shown = console.shown(told.quiet);
+    let mut line = Steps::new("building: from formulas to code", shown);
+    let told_of =
+        &mut |at: u64, count: u64| line.show("settings composed", at as usize, count as usize);
+    let sweep = compose_sweep(
+        &document,
+        &parts.registry,
+        settings,
+        items.clone(),
+        allow,
+        told_of,
+    );
+    line.finish();
+    let sweep = sweep?;
     let out = arguments.out.clone();
     let file = arguments.scene.scene.file_name();
     let options = told.options(
@@ -68,8 +79,7 @@ pub fn execute(
     let every = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
     let threads = arguments.threads.unwrap_or_else(every);
     let total = (items.end - items.start).saturating_mul(sweep.base.plan.steps);
-    let is_shown = console.is_terminal && !told.quiet;
-    let mut bar = Bar::new(total, is_shown, interrupt);
+    let mut bar = Bar::new(total, shown, interrupt);
     let report = match &shard {
         None => run_sweep(&document, &sweep, &options, threads, &mut bar),
         Some(shard) => run_sweep_shard(&document, &sweep, shard, &options, threads, &mut bar),

@@ -27,6 +27,7 @@ fn other_pages() -> Vec<String> {
         advice: hostile(1),
         facts: hostile(2),
         parts: vec![0.25],
+        ranks: Some(text()),
         bands: vec![band.clone(), Band::new("never"), band],
         drifts: vec![InvariantSeries {
             name: text(),

@@ -95,6 +95,8 @@ pub enum AdviceKind {
     EnergyError,
     /// A parameter that no formula names.
     UnusedParameter,
+    /// Rows of states that are no member's.
+    UnusedStates,
 }
 
 /// The most states that are looked at.

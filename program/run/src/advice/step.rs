@@ -23,6 +23,9 @@ const FIRST: u64 = 4;
 /// What a tolerance is multiplied by.
 const TIGHTER: f64 = 1e-2;
 
+/// Methods of other kinds that choose their substeps themselves.
+const ADAPTIVE: [&str; 2] = ["dop853", "taylor"];
+
 /// The least tolerance.
 const LEAST: f64 = 1e-14;
 
@@ -58,9 +61,14 @@ pub(super) fn tighten(run: &ComposedRun) -> Option<String> {
     let (stepper, tolerance) = adaptive(run)?;
     let tighter = tighter(tolerance);
     let name = stepper.name;
-    Some(format!(
-        "stepper = {{ name = \"{name}\", tolerance = {tighter:?} }}"
-    ))
+    if tighter < tolerance {
+        return Some(format!(
+            "stepper = {{ name = \"{name}\", tolerance = {tighter:?} }}"
+        ));
+    }
+    // No finer one is to be had: another method, which errs otherwise.
+    let other = ADAPTIVE.iter().find(|other| **other != name)?;
+    Some(format!("stepper = \"{other}\""))
 }
 
 fn tighter(tolerance: f64) -> f64 {

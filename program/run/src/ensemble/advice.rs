@@ -1,6 +1,7 @@
 //! What to change in the scene of an ensemble.
 
 use leafwise_core::Registry;
+use leafwise_expression::words::counted;
 
 use super::plan::ComposedEnsemble;
 use super::report::EnsembleReport;
@@ -26,6 +27,20 @@ pub(super) fn measured(
 ) -> Vec<Advice> {
     let all = &report.reductions;
     let mut advice = unused_parameters(document);
+    let (members, left_out) = (
+        ensemble.population.members(),
+        ensemble.population.left_out(),
+    );
+    if left_out > 0 {
+        advice.push(Advice {
+            kind: AdviceKind::UnusedStates,
+            message: format!(
+                "{} of states are given beyond those of the {members} members: they are no member's",
+                counted(left_out as usize, "row")
+            ),
+            change: "no `members` in [ensemble], to take every row".to_owned(),
+        });
+    }
     let worst = all.whole.first().filter(|energy| energy.maximum > 0.0);
     let worst =
         worst.and_then(|energy| Some((energy, ensemble.population.draw(energy.member).ok()?)));

@@ -63,7 +63,8 @@ impl Clock {
 
     /// t at a mark.
     pub fn time(&self, mark: f64) -> f64 {
-        mark * self.unit
+        // −0 is 0.
+        mark * self.unit + 0.0
     }
 
     /// The mark of a member at a time after so many steps.

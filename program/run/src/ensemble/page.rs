@@ -93,9 +93,6 @@ pub(super) fn data(
         );
         facts.insert(1, line("Stopped", text));
     }
-    if let Some(ranks) = report.ranks(ensemble) {
-        facts.insert(facts.len() - 1, line("Quantiles", ranks));
-    }
     if let (Some(section), Some(count)) = (&plan.events.section, report.crossings) {
         let (count, which) = (
             counted(count as usize, "crossing"),
@@ -169,6 +166,7 @@ pub(super) fn data(
         facts,
         method: method_lines(&ensemble.run),
         parts: ensemble.quantiles.clone(),
+        ranks: report.ranks(ensemble),
         bands,
         drifts: drifts.collect(),
         drift_every: ensemble.drift_every,

@@ -220,7 +220,7 @@ impl ComposedEnsemble {
     pub(super) fn time(&self, steps: u64, state: &[f64]) -> f64 {
         match (self.run.pace(), &self.run.extension) {
             (Some(_), Some(extension)) => state[extension.coordinates],
-            _ => steps as f64 * (self.run.plan.epsilon * self.run.plan.h),
+            _ => steps as f64 * (self.run.plan.epsilon * self.run.plan.h) + 0.0,
         }
     }
 

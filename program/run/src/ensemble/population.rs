@@ -37,6 +37,8 @@ pub struct Population {
     given: Vec<(usize, Vec<f64>)>,
     /// Points of the grid; 1 where there is none.
     points: u64,
+    /// Rows of states that are no member's.
+    left_out: u64,
     /// Energy and Casimirs, for leaves.
     invariants: Option<SmoothMap>,
     /// The time and its energy, where they are coordinates.
@@ -153,6 +155,7 @@ impl Population {
             draws,
             given: own_parameters,
             points,
+            left_out: rows.map_or(0, |rows| rows.saturating_sub(count.div_ceil(points))),
             invariants,
             extension: run.extension.clone(),
             fingerprint,
@@ -162,6 +165,11 @@ impl Population {
     /// How many members there are.
     pub fn members(&self) -> u64 {
         self.members
+    }
+
+    /// How many rows of states are given beyond those of the members.
+    pub(super) fn left_out(&self) -> u64 {
+        self.left_out
     }
 
     /// d.

@@ -54,7 +54,10 @@ pub struct Shard {
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ShardError {
     /// There is no shard of that number.
-    #[error("there is no shard {number} of {of}: shards are counted from 1 to {of}")]
+    #[error("there is no shard {number} of {of}: {}", match of {
+        0 => "there is at least one".to_owned(),
+        of => format!("shards are counted from 1 to {of}"),
+    })]
     Place {
         /// Which was asked for.
         number: u64,

@@ -36,10 +36,14 @@ struct Composed {
     run: ComposedRun,
 }
 
+/// Settings between two that are told of.
+const TOLD_EVERY: u64 = 64;
+
 /// Values by keys.
 type Pairs<'a> = Vec<(&'a str, &'a str)>;
 
-/// Builds the methods of some settings, and checks every one of these: none is run before all are known to be valid.
+/// Builds the methods of some settings, and checks every one of these: none is run before all are known to be valid. `progress` is
+/// told how many of how many were, now and then.
 ///
 /// # Errors
 /// [`RunError::Refused`] for the first setting whose scene is not valid, underlined in that scene.
@@ -49,6 +53,7 @@ pub fn compose_sweep<'a>(
     settings: Settings,
     items: Range<u64>,
     allow_non_poisson: bool,
+    progress: &mut dyn FnMut(u64, u64),
 ) -> Result<ComposedSweep<'a>, RunError> {
     let mut own = recording(document.clone()).map_err(RunError::Refused)?;
     let base = compose(&own, registry).map_err(RunError::Refused)?;
@@ -70,7 +75,12 @@ pub fn compose_sweep<'a>(
         items: items.clone(),
     };
     let mut known = BTreeMap::from([(Vec::new(), 0)]);
+    let (first, count) = (items.start, items.end - items.start);
     for setting in items {
+        let done = setting - first;
+        if done.is_multiple_of(TOLD_EVERY) {
+            progress(done, count);
+        }
         let before = sweep.methods();
         let method = sweep.method_of(setting, document, &mut known, allow_non_poisson)?;
         sweep.methods.push(method as u32);

@@ -67,7 +67,7 @@ fn sweep(
     let shard =
         place.map(|(number, of)| Shard::of(Whole::Settings, number, of, count).expect("a shard"));
     let items = shard.as_ref().map_or(0..count, Shard::items);
-    let sweep = compose_sweep(&document, &registry, settings, items, false)?;
+    let sweep = compose_sweep(&document, &registry, settings, items, false, &mut |_, _| ())?;
     assert_eq!(
         sweep.methods(),
         1,
@@ -85,7 +85,7 @@ fn join(folder: &Path, out: &Path, is_whole: bool) -> Result<SweepReport, MergeE
     let registry = Registry::with_builtin();
     let document = SceneDocument::parse("scene.toml", SCENE, &registry).expect("a scene");
     let settings = Settings::of(&document).map_err(RunError::Refused)?;
-    let sweep = compose_sweep(&document, &registry, settings, 0..0, false)?;
+    let sweep = compose_sweep(&document, &registry, settings, 0..0, false, &mut |_, _| ())?;
     let shards = Shards::find(&[folder.to_owned()])?;
     let options = options(out.to_owned());
     match is_whole {

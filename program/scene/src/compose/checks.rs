@@ -6,7 +6,7 @@ use leafwise_core::diagnostics::{
 use leafwise_core::{BuildError, PoissonSystem};
 
 use super::Refusal;
-use crate::document::SceneDocument;
+use crate::document::{BracketSpec, SceneDocument};
 
 /// What the instruments say of a scene's tensor and Casimirs, near its initial state.
 #[derive(Clone, Debug)]
@@ -96,19 +96,34 @@ impl SceneChecks {
             if allow_non_poisson {
                 return None;
             }
+            let fails = format!(
+                "the Jacobi identity fails for {}, where the sum is {:.2e} of its terms' size",
+                names(&self.jacobi.worst),
+                self.jacobi.residual
+            );
+            // In space the sum for the three velocities is div B, and all others vanish.
+            let (message, label, what) = match document.system.bracket.value {
+                BracketSpec::MagneticField(_) => (
+                    format!(
+                        "the divergence of the magnetic field, dBx/dx + dBy/dy + dBz/dz, is not zero: {fails}"
+                    ),
+                    "has a divergence",
+                    "its components",
+                ),
+                _ => (
+                    format!("the bracket is not Poisson: {fails}"),
+                    "violates the Jacobi identity",
+                    "the bracket",
+                ),
+            };
+            let help =
+                format!("correct {what}, or pass --allow-non-poisson to integrate it all the same");
+            let place = &document.system.bracket.place();
             return Some(Box::new(document.diagnostic(
-                &document.system.bracket.place(),
-                format!(
-                    "the bracket is not Poisson: the Jacobi identity fails for {}, where the sum is \
-                     {:.2e} of its terms' size",
-                    names(&self.jacobi.worst),
-                    self.jacobi.residual
-                ),
-                "violates the Jacobi identity",
-                Some(
-                    "correct the bracket, or pass --allow-non-poisson to integrate it all the same"
-                        .to_owned(),
-                ),
+                place,
+                message,
+                label,
+                Some(help),
             )));
         }
         let index = self.false_casimir()?;

@@ -90,6 +90,7 @@ impl Events {
         let run = &document.run;
         if let (Some(stop), Some(text)) = (&self.stop, &run.stop) {
             let value = defined(document, text, &stop.difference, initial, parameters)?;
+            moves(document, text, &stop.difference, initial, parameters)?;
             if stop.holds(value) {
                 return Err(refuse(
                     document,
@@ -105,6 +106,7 @@ impl Events {
         }
         if let (Some(section), Some(spec)) = (&self.section, &run.section) {
             defined(document, &spec.at, &section.difference, initial, parameters)?;
+            moves(document, &spec.at, &section.difference, initial, parameters)?;
         }
         Ok(())
     }
@@ -252,6 +254,41 @@ fn defined(
         format!("`{}` has no value at the initial state", text.value.trim()),
         "at the initial state",
         "check `initial` and the formula: no ln or root of a negative number, no division of zero by zero",
+    ))
+}
+
+/// Refuses a difference that no state changes: without a coordinate or the time in it, or 0 wherever one looks.
+fn moves(
+    document: &SceneDocument,
+    text: &Located<String>,
+    difference: &Expression,
+    initial: &[f64],
+    parameters: &[f64],
+) -> Result<(), Refusal> {
+    let whole = text.value.trim();
+    let why = if difference.variables().is_empty() {
+        "no coordinate and no time stands in it"
+    } else {
+        // Near and far, on both sides.
+        let scales = [1.0, -1.0, 1e3, -1e3, 1e6];
+        let is_zero = |scale: &f64| {
+            let moved = initial.iter().zip(1_u32..);
+            let state: Vec<f64> = moved
+                .map(|(x, at)| x + scale * libm::sin(f64::from(at)))
+                .collect();
+            difference.evaluate(&state, parameters) == 0.0
+        };
+        if difference.evaluate(initial, parameters) != 0.0 || !scales.iter().all(is_zero) {
+            return Ok(());
+        }
+        "both sides are the same wherever the motion is"
+    };
+    Err(refuse(
+        document,
+        text,
+        format!("`{whole}` never changes: {why}"),
+        "nothing happens here",
+        "compare a formula of the coordinates with another one, as in \"q1 = 0\" or \"q1 > 1\"",
     ))
 }
 

@@ -2,7 +2,7 @@
 
 use leafwise_core::lattice::LatticeGeometry;
 use leafwise_core::{Evaluator, PoissonSystem, SystemFormulas, system::Parameter};
-use leafwise_expression::{Arithmetic, Expression, Graph, Ring};
+use leafwise_expression::{Arithmetic, Expression, Graph, Polynomial, Ring};
 
 use super::channels::Channel;
 use super::run::ComposedRun;
@@ -13,6 +13,10 @@ const MOST_PRODUCTS: u64 = 100_000;
 
 /// Parts of a formula that is still worth reading.
 const MOST_PARTS: usize = 2_000;
+
+/// Terms of a sum that is read more easily than products of sums, and how many times as long it may be.
+const MOST_TERMS: usize = 12;
+const MOST_FLAT: usize = 2;
 
 /// How far a formula may be from the code of ẋ, relative to the largest component: expanded far from
 /// its zero it cancels, and is then no help.
@@ -96,8 +100,8 @@ fn field_at(run: &ComposedRun, system: &PoissonSystem) -> Option<Vec<f64>> {
     Some(value)
 }
 
-/// ẋ of some coordinates: the shorter of the expanded formula and the code written out, where it has
-/// the value of the code.
+/// ẋ of some coordinates: the shortest of the expanded formula and the code written out, where it has the value of the code; in place of
+/// one with parentheses in parentheses the sum of a few terms.
 fn formulas(
     system: &SystemFormulas,
     x: &[f64],
@@ -108,29 +112,53 @@ fn formulas(
     let parameters: Vec<String> = system.parameters().iter().map(name_of).collect();
     let values = system.parameter_values();
     let scale = code.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-    let candidates = [expanded(system, coordinates), as_code(system, coordinates)];
+    let (expanded, terms) = expanded(system, coordinates).unzip();
+    let candidates = [expanded, as_code(system, coordinates)];
     let text = |at: usize, coordinate: usize| {
-        let candidates = candidates.iter().flatten();
-        candidates
-            .filter_map(|formulas| formulas[at].as_ref())
-            .filter(|formula| {
-                let difference = formula.evaluate(x, &values) - code[coordinate];
-                difference.is_nan() || difference.abs() <= AGREEMENT * scale
-            })
-            .map(|formula| formula.written(names, &parameters))
-            .min_by_key(String::len)
+        let written = |formulas: &Vec<Option<Expression>>| {
+            let formula = formulas[at].as_ref()?;
+            let difference = formula.evaluate(x, &values) - code[coordinate];
+            let agrees = difference.is_nan() || difference.abs() <= AGREEMENT * scale;
+            agrees.then(|| formula.written(names, &parameters))
+        };
+        let candidates = candidates.iter().flatten().filter_map(written);
+        let shortest = candidates.min_by_key(String::len)?;
+        let flat = terms.as_ref().and_then(written);
+        let is_readable =
+            |flat: &String| flat.chars().count() <= MOST_FLAT * shortest.chars().count();
+        match flat.filter(is_readable) {
+            Some(flat) if depth(&shortest) > 1 && depth(&flat) <= 1 => Some(flat),
+            _ => Some(shortest),
+        }
     };
     let rows = coordinates.iter().enumerate();
     rows.map(|(at, &coordinate)| (names[coordinate].clone(), text(at, coordinate)))
         .collect()
 }
 
+/// How many parentheses are open at once at most.
+fn depth(text: &str) -> usize {
+    let (mut open, mut most) = (0_usize, 0);
+    for c in text.chars() {
+        match c {
+            '(' => open += 1,
+            ')' => open = open.saturating_sub(1),
+            _ => {}
+        }
+        most = most.max(open);
+    }
+    most
+}
+
 fn name_of(parameter: &Parameter) -> String {
     parameter.name.clone()
 }
 
-/// −Π (dH + η) in the exact ring.
-fn expanded(system: &SystemFormulas, coordinates: &[usize]) -> Option<Vec<Option<Expression>>> {
+/// Formulas of some coordinates.
+type Formulas = Vec<Option<Expression>>;
+
+/// −Π (dH + η) in the exact ring, and the same as sums of its terms where they are few.
+fn expanded(system: &SystemFormulas, coordinates: &[usize]) -> Option<(Formulas, Formulas)> {
     let d = system.dimension();
     let mut ring = Ring::limited(d, MOST_PRODUCTS);
     let x: Vec<_> = (0..d).map(|i| ring.variable(i)).collect();
@@ -142,15 +170,31 @@ fn expanded(system: &SystemFormulas, coordinates: &[usize]) -> Option<Vec<Option
     if ring.refusal().is_some() {
         return None;
     }
-    let formula = |&at: &usize| {
-        let component = ring.negate(&field[at]);
-        (component.terms().len() <= MOST_PARTS).then(|| ring.formula(&component))
+    let mut components = Vec::with_capacity(coordinates.len());
+    for at in coordinates {
+        components.push(ring.negate(&field[*at]));
+    }
+    let formula = |component: &Polynomial| {
+        (component.terms().len() <= MOST_PARTS).then(|| ring.formula(component))
     };
-    Some(coordinates.iter().map(formula).collect())
+    let sum = |component: &Polynomial| {
+        let terms = component.terms().iter();
+        let term = |(monomial, coefficient): &(_, _)| {
+            ring.formula(&Polynomial::term(
+                Clone::clone(monomial),
+                Clone::clone(coefficient),
+            ))
+        };
+        (terms.len() <= MOST_TERMS).then(|| Expression::Sum(terms.map(term).collect()))
+    };
+    Some((
+        components.iter().map(formula).collect(),
+        components.iter().map(sum).collect(),
+    ))
 }
 
 /// The same as code, its shared parts written out.
-fn as_code(system: &SystemFormulas, coordinates: &[usize]) -> Option<Vec<Option<Expression>>> {
+fn as_code(system: &SystemFormulas, coordinates: &[usize]) -> Option<Formulas> {
     let mut graph = Graph::new();
     let x: Vec<_> = (0..system.dimension()).map(|i| graph.input(i)).collect();
     let field = system.vector_field(&mut graph, &x).ok()?;

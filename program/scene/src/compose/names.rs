@@ -137,8 +137,14 @@ pub(super) fn refusal(
     let of_vectors = about_vectors(document, &error.kind);
     let help = match (&error.suggestion, &error.kind) {
         _ if of_vectors.is_some() => of_vectors,
+        (Some(_), SyntaxErrorKind::UnknownName { name }) if name == "e" => {
+            Some("e^x is written exp(x), and e itself exp(1)".to_owned())
+        }
         (Some(name), _) => Some(format!("did you mean `{name}`?")),
         (None, SyntaxErrorKind::UnknownName { name }) => Some(unknown_name_help(document, name)),
+        (None, SyntaxErrorKind::UnexpectedCharacter { character: '=' }) => {
+            Some("a formula has no `=`: write what stands on the right of it alone".to_owned())
+        }
         (None, SyntaxErrorKind::UnknownFunction { .. }) => Some(format!(
             "functions: {}",
             leafwise_expression::Function::NAMES.join(", ")

@@ -129,11 +129,11 @@ fn expression(
     let resolved =
         Formula::parse(&asked.value).and_then(|parsed| parsed.resolve(scope, None).map(drop));
     if let Err(error) = resolved {
-        let is_name = asked
-            .value
-            .chars()
-            .all(|c| c.is_alphanumeric() || "_-'".contains(c));
-        if !is_name || asked.value == TIME {
+        let begins_like_one = asked.value.starts_with(char::is_alphabetic);
+        let is_name = |c: char| c.is_alphabetic() || c.is_ascii_digit() || "_-'".contains(c);
+        let is_name = begins_like_one && asked.value.chars().all(is_name);
+        let is_constant = ["π", "e"].contains(&asked.value.as_str());
+        if !is_name || is_constant || asked.value == TIME {
             return Err(refusal(document, asked, &error));
         }
         let names = known.iter().copied().chain([SHADOW_ENERGY]);

@@ -234,14 +234,42 @@ pub(super) fn registry_names(registry: &Registry, kind: PartKind) -> Vec<&'stati
         .collect()
 }
 
+/// What a method that other programs have is here.
+fn elsewhere(name: &str, known: &[&str]) -> Option<&'static str> {
+    let letters: String = name.chars().filter(|c| c.is_alphanumeric()).collect();
+    let (meant, help) = match letters.to_lowercase().as_str() {
+        "verlet" | "velocityverlet" | "stormerverlet" | "störmerverlet" | "leapfrog" | "kdk"
+        | "dkd" | "strang" => (
+            "splitting",
+            "stepper = \"splitting\" is Störmer and Verlet's method, leapfrog, where H = T(p) + V(q)",
+        ),
+        "rungekutta" | "rungekutta4" | "classicalrungekutta" => (
+            "rk4",
+            "stepper = \"rk4\" is the classical method of Runge and Kutta",
+        ),
+        "rk45" | "ode45" | "dopri" | "dopri5" | "dp45" => (
+            "dormand-prince45",
+            "stepper = \"dormand-prince45\" is the pair of Dormand and Prince of orders 5 and 4",
+        ),
+        "dop" | "rk8" | "rk78" | "dopri8" => (
+            "dop853",
+            "stepper = \"dop853\" is the method of Dormand and Prince of order 8",
+        ),
+        _ => return None,
+    };
+    known.contains(&meant).then_some(help)
+}
+
 fn unknown_part(
     document: &SceneDocument,
     name: &Located<String>,
     kind: PartKind,
     known: &[&str],
 ) -> Refusal {
-    let help = match nearest(&name.value, known.iter().copied()) {
-        Some(near) => format!("did you mean `{near}`?"),
+    let near = nearest(&name.value, known.iter().copied());
+    let help = match elsewhere(&name.value, known).map(Err).or(near.map(Ok)) {
+        Some(Err(help)) => help.to_owned(),
+        Some(Ok(near)) => format!("did you mean `{near}`?"),
         None if name.value.contains('/') => format!(
             "a name with a `/` is that of a plugin's part: name its library at the top of the scene, \
              plugins = [\"./lib{}.so\"]",

@@ -241,20 +241,14 @@ fn check_times(document: &SceneDocument) -> Result<(), Refusal> {
         )))
     };
     let run = &document.run;
-    let times = [
-        ("until", "steps", &run.until),
-        ("interval", "every", &run.record.interval),
-    ];
-    for (key, instead, number) in times {
-        if let Some(number) = number
-            && document.method.pace.is_none()
-        {
-            return refuse(
-                number,
-                format!("`{key}` is a time, and steps are all alike without a pace"),
-                &format!("write `{instead}`, a number of steps, or a pace = \"…\" into [method]"),
-            );
-        }
+    if let Some(number) = &run.record.interval
+        && document.method.pace.is_none()
+    {
+        return refuse(
+            number,
+            "`interval` is a time, and steps are all alike without a pace".to_owned(),
+            "write `every`, a number of steps, or a pace = \"…\" into [method]",
+        );
     }
     // Neither number is NaN.
     let never =

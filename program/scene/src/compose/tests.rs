@@ -1,5 +1,6 @@
 //! The ways to write a bracket agree, and what contradicts itself is refused where it stands.
 
+mod advice;
 mod definitions;
 mod forms;
 mod sites;

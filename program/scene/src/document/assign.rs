@@ -17,6 +17,16 @@ impl SceneDocument {
     }
 
     fn try_assign(&mut self, key: &str, value: &str) -> Option<()> {
+        // A time at the end is another number of other steps.
+        let is_of_steps = [
+            "method.time-step",
+            "method.epsilon",
+            "method.h",
+            "run.steps",
+        ];
+        if self.run.comes_to.is_some() && is_of_steps.contains(&key) {
+            return None;
+        }
         if let Some(name) = key.strip_prefix("system.parameters.") {
             return self.assign_parameter(name, number(value)?);
         }

@@ -59,6 +59,34 @@ pub enum SceneProblemCause {
         /// The type found.
         found: String,
     },
+    /// A list or a table where one value is asked for.
+    #[error("`{key}` takes one formula or number, found {found}")]
+    NotOne {
+        /// The key.
+        key: String,
+        /// What was found.
+        found: &'static str,
+    },
+    /// A text that is no formula of numbers.
+    #[error("`{key}` is no number, nor a formula of numbers: {reason}")]
+    NoConstant {
+        /// The key.
+        key: String,
+        /// The text.
+        text: String,
+        /// Why not.
+        reason: String,
+    },
+    /// A time at the end that no number of equal steps comes to.
+    #[error("`until` = {until} is {} steps of {step}, no whole number", rounded(*steps, 6))]
+    BetweenSteps {
+        /// The time as written.
+        until: String,
+        /// t of a step.
+        step: f64,
+        /// The time in steps.
+        steps: f64,
+    },
     /// A required key is absent.
     #[error("{table} needs `{key}`")]
     MissingKey {
@@ -184,6 +212,9 @@ impl SceneProblemCause {
             Self::UnknownKey { .. } => "not a key of this table".to_owned(),
             Self::UnknownName { kind, .. } => format!("no such {kind}"),
             Self::WrongType { expected, .. } => format!("expected {expected}"),
+            Self::NotOne { .. } => "one value is expected".to_owned(),
+            Self::NoConstant { .. } => "no formula of numbers".to_owned(),
+            Self::BetweenSteps { .. } => "between two steps".to_owned(),
             Self::MissingKey { key, .. } => format!("`{key}` is missing"),
             Self::NotFinite { .. } => "not a finite number".to_owned(),
             Self::OutOfRange { allowed, .. } => format!("must be {allowed}"),
@@ -224,6 +255,35 @@ impl SceneProblemCause {
                     None => Some(format!("valid here: {}", valid.join(", "))),
                 }
             }
+            Self::Syntax { message } if message.contains("unquoted key") => Some(
+                "a key with other letters than a to z, A to Z, 0 to 9, `-` and `_` stands in quotes: \"Iα\" = 1.0"
+                    .to_owned(),
+            ),
+            Self::WrongType { key, .. } if key == "bracket" => Some(
+                "write the pairs that do not vanish: bracket = { \"q,p\" = \"1\" } with convention = \"{x,H}\" for \
+                 q' = ∂H/∂p and p' = -∂H/∂q"
+                    .to_owned(),
+            ),
+            Self::NotOne { key, .. } => Some(format!(
+                "a value for each site of a family stands under its name with an index: \"{key}[i]\" = [1, 2, 3]"
+            )),
+            Self::NoConstant { key, text, .. } => Some(format!(
+                "a formula of other parameters is a definition: define = {{ {key} = \"{text}\" }} in [system], without \
+                 the parameter; one of the index is \"{key}[i]\""
+            )),
+            Self::BetweenSteps { step, steps, .. } => {
+                let [below, above] = [steps.floor(), steps.ceil()];
+                let at = |steps: f64| format!("t = {}", rounded(steps * step, 12));
+                Some(format!(
+                    "write steps = {below:.0}, which end at {}, or steps = {above:.0}, at {}; with a `pace` a run ends at any \
+                     time",
+                    at(below),
+                    at(above)
+                ))
+            }
+            Self::MissingKey { key, .. } if key == "steps" => Some(
+                "for example: steps = 1000, or until = 100, the time at the end".to_owned(),
+            ),
             Self::MissingKey { example, .. } => Some(format!("for example: {example}")),
             Self::Conflict { advice, .. } => Some(advice.clone()),
             Self::BracketKey {
@@ -256,6 +316,11 @@ impl SceneProblemCause {
     }
 }
 
+/// A number of so many digits.
+fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
+}
+
 /// What stands in place of a step or an end of time as other programs call them.
 fn time_help(key: &str, table: &str) -> Option<&'static str> {
     let letters: String = key.chars().filter(|c| c.is_alphanumeric()).collect();
@@ -267,7 +332,9 @@ fn time_help(key: &str, table: &str) -> Option<&'static str> {
             "[run]",
             "tend" | "end" | "endtime" | "tmax" | "tfinal" | "finaltime" | "time" | "duration"
             | "t",
-        ) => Some("a run ends after `steps`: as many as the time to go over `time-step`"),
+        ) => Some(
+            "a run ends after `steps`, as many as the time to go over `time-step`, or at the time `until`",
+        ),
         _ => None,
     }
 }

@@ -36,13 +36,38 @@ pub(super) fn family_of(key: &str) -> Option<&str> {
     key.split_once('[').map(|(name, _)| name.trim())
 }
 
+/// Records a site that is named twice, as `b[2]` and `b[02]`.
+pub(super) fn check_sites_once<'a>(
+    keys: impl IntoIterator<Item = &'a Located<String>>,
+    problems: &mut Problems,
+) {
+    let mut seen: Vec<(&str, u64)> = Vec::new();
+    for key in keys {
+        let Some((name, rest)) = key.value.split_once('[') else {
+            continue;
+        };
+        let number = rest.trim_end().strip_suffix(']');
+        let Some(number) = number.and_then(|number| number.trim().parse().ok()) else {
+            continue;
+        };
+        let site = (name.trim(), number);
+        if seen.contains(&site) {
+            let name = format!("{}[{number}]", site.0);
+            problems.push(SceneProblemCause::Duplicate { name }, key.place());
+        }
+        seen.push(site);
+    }
+}
+
 /// A formula, a number, a list of numbers, or `{ file = "j.csv", column = "J" }`.
 pub(super) fn read_field(item: &Item<'_>, problems: &mut Problems) -> Option<FieldSpec> {
     let is_whole = item.is_list() || item.is_table();
     if is_whole && !item.key.value.contains('[') {
-        let name = &item.key.value;
-        let expected = format!("a formula or number, where those of all sites are \"{name}[i]\"");
-        item.wrong_type(&expected, problems);
+        let cause = SceneProblemCause::NotOne {
+            key: item.key.value.clone(),
+            found: if item.is_list() { "a list" } else { "a table" },
+        };
+        problems.push(cause, item.place());
         return None;
     }
     if item.is_list() {
@@ -89,8 +114,8 @@ pub(super) fn read_parameters(
         }
         if family_of(&key.value).is_some() {
             collect(&mut fields, key, read_field(entry, problems));
-        } else if !has_sites || entry.is_number() {
-            collect(&mut numbers, key, entry.number(problems));
+        } else if !has_sites || entry.is_number() || entry.is_string() {
+            collect(&mut numbers, key, entry.constant(problems));
         } else {
             let expected = format!(
                 "a number, where those of all sites are \"{}[i]\"",
@@ -100,7 +125,9 @@ pub(super) fn read_parameters(
             numbers = None;
         }
     }
-    Some((numbers?, fields?))
+    let fields = fields?;
+    check_sites_once(fields.iter().map(|(key, _)| key), problems);
+    Some((numbers?, fields))
 }
 
 fn collect<T>(

@@ -65,9 +65,16 @@ pub(super) fn read_lie_algebra(item: &Item<'_>, problems: &mut Problems) -> Opti
             );
             None
         }
-        (None, Some(structure)) => structure
-            .list_of("a list of [i, j, k, c]", problems, constant)
-            .map(|list| AlgebraSpec::Structure(Located::new(list, structure.place()))),
+        (None, Some(structure)) => {
+            let entries = structure.list("a list of [i, j, k, c]", problems)?;
+            // Counted from 1, as the e_i are.
+            let constants = (1_usize..).zip(&entries);
+            let constants: Vec<_> = constants
+                .map(|(number, entry)| constant(number, entry, problems))
+                .collect();
+            let list: Option<Vec<_>> = constants.into_iter().collect();
+            list.map(|list| AlgebraSpec::Structure(Located::new(list, structure.place())))
+        }
         (_, None) => table
             .require(
                 "name",
@@ -93,9 +100,18 @@ pub(super) fn read_lie_algebra(item: &Item<'_>, problems: &mut Problems) -> Opti
     })
 }
 
-/// `[i, j, k, c]`.
-fn constant(item: &Item<'_>, problems: &mut Problems) -> Option<Located<StructureConstant>> {
-    let entries = item.list("[i, j, k, c]", problems)?;
+/// `[i, j, k, c]`, the entry of this number.
+fn constant(
+    number: usize,
+    item: &Item<'_>,
+    problems: &mut Problems,
+) -> Option<Located<StructureConstant>> {
+    let mut item = item.clone();
+    item.title = format!("entry {number} of structure");
+    let mut entries = item.list("[i, j, k, c]", problems)?;
+    for (entry, name) in entries.iter_mut().zip(["i", "j", "k", "c"]) {
+        entry.title = format!("{name} in entry {number} of structure");
+    }
     let [i, j, k, c] = &entries[..] else {
         problems.push(
             SceneProblemCause::Shape {
@@ -108,7 +124,7 @@ fn constant(item: &Item<'_>, problems: &mut Problems) -> Option<Located<Structur
         return None;
     };
     let indices = [i, j, k].map(|index| index.whole(1, problems));
-    let value = c.number(problems);
+    let value = c.constant(problems);
     let [Some(i), Some(j), Some(k)] = indices else {
         return None;
     };

@@ -229,6 +229,7 @@ impl MethodTable {
                 message: error.message().to_owned(),
             })?;
         let method = table(&mut document, "method")?;
+        let is_paced = method.contains_key("pace");
         let order = self.write_parts(method);
         if method.contains_key("epsilon") && method.contains_key("h") {
             let epsilon = method.get("epsilon").and_then(number).unwrap_or(1.0);
@@ -241,8 +242,9 @@ impl MethodTable {
         }
         let run = table(&mut document, "run")?;
         let before = run.get("steps").and_then(Item::as_integer);
-        // With a pace the time at the end may stand in their place.
-        if !run.contains_key("until") {
+        // With a pace the time at the end may stand in their place; without one it may be no number of these steps.
+        if !(is_paced && run.contains_key("until")) {
+            run.remove("until");
             set(run, "steps", Value::from(steps as i64));
         }
         let record = run.get_mut("record").and_then(Item::as_table_like_mut);

@@ -129,6 +129,11 @@ fn apply(document: &mut DocumentMut, path: &str, value: &str) -> Result<(), Refu
             "`{value}` is larger than any whole number of TOML, at most {most}"
         )));
     }
+    if is_beyond(value) {
+        return Err(refuse(&format!(
+            "`{value}` is beyond the largest double, 1.8e308"
+        )));
+    }
     write(document, &keys, value).ok_or_else(|| refuse("the path is not a table"))
 }
 
@@ -139,6 +144,13 @@ fn is_too_large(value: &str) -> bool {
         && digits.chars().all(|c| c.is_ascii_digit())
         && value.trim().parse::<Value>().is_err()
         && digits.trim_start_matches('0').len() > 18
+}
+
+/// Whether a value is a decimal beyond the doubles; it is not taken for a text.
+fn is_beyond(value: &str) -> bool {
+    let text = value.trim().replace('_', "");
+    let is_decimal = text.contains(|c: char| c.is_ascii_digit());
+    is_decimal && text.parse::<f64>().is_ok_and(f64::is_infinite)
 }
 
 /// Sets the value, keeping the comment and spaces around the one it replaces.

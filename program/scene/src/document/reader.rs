@@ -3,6 +3,7 @@
 use std::num::IntErrorKind;
 use std::ops::Range;
 
+use leafwise_expression::syntax::{Formula, Scope};
 use toml::de::{DeTable, DeValue};
 
 use super::error::{SceneProblem, SceneProblemCause};
@@ -253,6 +254,39 @@ impl<'a> Item<'a> {
         }
     }
 
+    /// A finite number, or a formula of numbers alone: `"3/4"`, `"sqrt(3)/2"`.
+    pub fn constant(&self, problems: &mut Problems) -> Option<Located<Number>> {
+        let DeValue::String(text) = self.value else {
+            return self.number(problems);
+        };
+        let formula = Formula::parse(text);
+        let resolved = formula.and_then(|formula| formula.resolve(&Scope::new(), None));
+        let value = match resolved {
+            Ok(expression) => expression.map_or(f64::NAN, |of| of.evaluate(&[], &[])),
+            Err(error) => {
+                let cause = SceneProblemCause::NoConstant {
+                    key: self.title.clone(),
+                    text: text.to_string(),
+                    reason: error.kind.to_string(),
+                };
+                problems.push(cause, self.place());
+                return None;
+            }
+        };
+        if !value.is_finite() {
+            problems.push(
+                SceneProblemCause::NotFinite {
+                    key: self.title.clone(),
+                    literal: self.written().to_owned(),
+                },
+                self.place(),
+            );
+            return None;
+        }
+        let literal = format!("{value:?}");
+        Some(Located::new(Number { literal, value }, self.place()))
+    }
+
     /// A whole number of at least `minimum`.
     pub fn whole(&self, minimum: u64, problems: &mut Problems) -> Option<Located<u64>> {
         self.whole_in(minimum, u64::MAX, problems)
@@ -265,12 +299,29 @@ impl<'a> Item<'a> {
         maximum: u64,
         problems: &mut Problems,
     ) -> Option<Located<u64>> {
-        let DeValue::Integer(integer) = self.value else {
-            self.wrong_type("a whole number", problems);
-            return None;
+        let parsed = match self.value {
+            DeValue::Integer(integer) => {
+                let digits = integer.as_str().replace('_', "");
+                u64::from_str_radix(digits.trim_start_matches('+'), integer.radix())
+            }
+            // 1e3 and 1000.0 are whole numbers: each below 2^53 is a double.
+            DeValue::Float(float) => {
+                let value: Option<f64> = float.as_str().replace('_', "").parse().ok();
+                let whole = value.filter(|value| libm::trunc(*value) == *value);
+                match whole.filter(|value| value.abs() < 9_007_199_254_740_992.0) {
+                    Some(value) => format!("{value:.0}").parse::<u64>(),
+                    None => {
+                        self.wrong_type("a whole number", problems);
+                        return None;
+                    }
+                }
+            }
+            _ => {
+                self.wrong_type("a whole number", problems);
+                return None;
+            }
         };
-        let digits = integer.as_str().replace('_', "");
-        match u64::from_str_radix(digits.trim_start_matches('+'), integer.radix()) {
+        match parsed {
             Ok(value) if (minimum..=maximum).contains(&value) => {
                 Some(Located::new(value, self.place()))
             }

@@ -1,9 +1,9 @@
 //! The `[run]` table: where to start, how far to go, what to keep.
 
 use super::error::SceneProblemCause;
-use super::field::{FieldSpec, read_field};
+use super::field::{FieldSpec, check_sites_once, read_field};
 use super::located::{Located, Number, Place};
-use super::method::conflict;
+use super::method::{MethodSection, conflict};
 use super::reader::{Item, Problems, Table};
 use super::schema::{RECORD, RUN, SECTION};
 use super::system_section::SystemSection;
@@ -86,10 +86,12 @@ pub struct RunSection {
     pub initial: Located<InitialSpec>,
     /// The number of steps; as many as there are where the run ends at a time.
     pub steps: Located<u64>,
-    /// The time at the end, in place of a number of steps.
+    /// The time at the end, in place of a number of steps; beside a pace alone, where it is not known how many that takes.
     pub until: Option<Located<Number>>,
     /// What the time of formulas is at the initial state, from which all other times count; 0 where the scene does not say.
     pub t0: Option<Located<Number>>,
+    /// The time `until` that the scene gives where `steps` equal steps come to it.
+    pub comes_to: Option<Located<Number>>,
     /// Where the run ends before: a comparison of two formulas.
     pub stop: Option<Located<String>>,
     /// A surface whose crossings are recorded.
@@ -142,6 +144,7 @@ pub(super) fn read_run(
         steps: steps?,
         until: until?,
         t0: t0?,
+        comes_to: None,
         stop: stop?,
         section: section?,
         seed: seed?,
@@ -167,6 +170,35 @@ fn read_end(
         .as_ref()
         .map(|until| Located::new(u64::MAX, until.place()));
     (steps, until.map(Some))
+}
+
+/// How far a number of steps may be from a whole one, relative to it: what the rounding of a quotient of decimals leaves.
+const WHOLE: f64 = 8.0 * f64::EPSILON;
+
+/// Makes a number of steps of a time at the end, where all steps are alike.
+pub(super) fn count_steps(run: &mut RunSection, method: &MethodSection, problems: &mut Problems) {
+    let Some(until) = run.until.clone().filter(|_| method.pace.is_none()) else {
+        return;
+    };
+    let step = method.step.time_step();
+    let steps = until.value.value / step;
+    // A time that is never come to is refused where others are.
+    if !(steps > 0.0) {
+        return;
+    }
+    let whole = libm::round(steps);
+    if whole < 1.0 || (steps - whole).abs() > WHOLE * whole || whole > 9e15 {
+        let cause = SceneProblemCause::BetweenSteps {
+            until: until.value.literal.clone(),
+            step,
+            steps,
+        };
+        problems.push(cause, until.place());
+        return;
+    }
+    run.steps.value = whole as u64;
+    run.until = None;
+    run.comes_to = Some(until);
 }
 
 fn read_section(item: &Item<'_>, problems: &mut Problems) -> Option<SectionSpec> {
@@ -216,6 +248,7 @@ fn read_initial(
     let expected = "a list of numbers or a table of formulas";
     if item.is_table() {
         let fields = item.pairs(expected, problems, read_field)?;
+        check_sites_once(fields.iter().map(|(key, _)| key), problems);
         return Some(Located::new(InitialSpec::Fields(fields), item.place()));
     }
     let numbers = item.list_of(expected, problems, Item::number)?;

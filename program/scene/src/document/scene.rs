@@ -14,7 +14,7 @@ use super::method::{MethodSection, read_method};
 use super::overrides::apply_overrides;
 use super::plugin::{PluginSpec, read_plugins};
 use super::reader::{Problems, Table, end_of};
-use super::run::{InitialSpec, RunSection, read_run};
+use super::run::{InitialSpec, RunSection, count_steps, read_run};
 use super::schema::SCENE;
 use super::sweep::{SweepSection, read_sweep};
 use super::system::read_system;
@@ -242,7 +242,13 @@ fn read(
         .and_then(|table| read_method(table, registry, problems));
     let run = run
         .as_ref()
-        .and_then(|table| read_run(table, system.as_ref(), problems));
+        .and_then(|table| read_run(table, system.as_ref(), problems))
+        .map(|mut run| {
+            if let Some(method) = &method {
+                count_steps(&mut run, method, problems);
+            }
+            run
+        });
     let ensemble = match root.get("ensemble") {
         Some(item) => item
             .table("[ensemble]", "a table", problems)

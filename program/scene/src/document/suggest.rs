@@ -1,7 +1,7 @@
 //! The nearest valid name.
 
 /// The candidate nearest to `name`, if one is near enough to be a likely misspelling:
-/// at most a third of the longer name's letters differ (one letter always may), or one name
+/// at most a third of the longer name's letters differ (one letter of two or more always may), or one name
 /// begins with the other.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let folded = fold(name);
@@ -13,7 +13,9 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
             let longest = folded.chars().count().max(other.chars().count());
             let prefix = folded.len().min(other.len()) >= 3
                 && (folded.starts_with(&other) || other.starts_with(&folded));
-            (distance <= (longest / 3).max(1) || prefix).then_some((distance, candidate))
+            // Of a single letter nothing is left when it is another one.
+            let is_near = distance <= (longest / 3).max(1) && distance < longest;
+            (is_near || prefix).then_some((distance, candidate))
         })
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, candidate)| candidate.to_owned())
@@ -34,5 +36,7 @@ mod tests {
         assert_eq!(nearest("epsillon", names).as_deref(), Some("epsilon"));
         assert_eq!(nearest("time_step", names).as_deref(), Some("time-step"));
         assert_eq!(nearest("casimirs", names), None);
+        assert_eq!(nearest("e", ["q", "p"]), None);
+        assert_eq!(nearest("Q", ["q", "p"]).as_deref(), Some("q"));
     }
 }

@@ -203,7 +203,8 @@ pub const FIGURES: [PaperFigure; 9] = [
 
 /// The figure with this number or id.
 pub fn find(name: &str) -> Option<&'static PaperFigure> {
-    FIGURES
-        .iter()
-        .find(|figure| figure.id == name || figure.number.to_string() == name)
+    FIGURES.iter().find(|figure| {
+        let number = name.strip_prefix("figure-").unwrap_or(name);
+        figure.id == name || figure.number.to_string() == number
+    })
 }

@@ -46,7 +46,7 @@ pub fn execute(
     if let Some(file) = &arguments.csv {
         check_writable(file)?;
     }
-    let mut bar = Steps::new("reference solution", console.is_terminal);
+    let mut bar = Steps::new("reference solution", console.shown(false));
     let comparison = compare(&bench, &options, &mut |method, at, count| {
         match count {
             0 => bar.say(format!("forming {method}")),

@@ -10,6 +10,8 @@ use std::time::Instant;
 use leafwise::core::Registry;
 use leafwise::reproduce::{FIGURES, PaperFigure, ReproduceError, Reproduced, find, reproduce};
 
+use serde::Serialize;
+
 use crate::arguments::ReproduceArguments;
 use crate::bar::Steps;
 use crate::console::Console;
@@ -27,6 +29,10 @@ pub fn execute(
     interrupt: &Arc<AtomicBool>,
 ) -> Result<u8, Failure> {
     let chosen = chosen(&arguments.figures)?;
+    if arguments.list {
+        list(&chosen, arguments.json, console);
+        return Ok(exit::DONE);
+    }
     if let Some(directory) = &arguments.out {
         make_directory(directory)?;
     }
@@ -37,7 +43,7 @@ pub fn execute(
         if interrupt.load(Ordering::Relaxed) {
             return Ok(exit::INTERRUPTED);
         }
-        let mut bar = Steps::new("", console.is_terminal);
+        let mut bar = Steps::new("", console.shown(false));
         bar.show(figure.title, at, chosen.len());
         let reproduced = reproduce(figure, &registry);
         bar.finish();
@@ -78,6 +84,25 @@ fn chosen(names: &[String]) -> Result<Vec<&'static PaperFigure>, Failure> {
         }
     }
     Ok(chosen)
+}
+
+/// The object of `reproduce --list --json`.
+#[derive(Serialize)]
+struct Listed<'a> {
+    figures: &'a [&'static PaperFigure],
+}
+
+fn list(chosen: &[&'static PaperFigure], json: bool, console: &mut Console<'_>) {
+    if json {
+        console.json(&Listed { figures: chosen });
+        return;
+    }
+    for figure in chosen {
+        console.result(&format!("{}  {}", figure.number, figure.id));
+        for line in labelled(&[("section", figure.section), ("shows", figure.title)]) {
+            console.result(&format!("   {line}"));
+        }
+    }
 }
 
 fn command(arguments: &ReproduceArguments) -> String {

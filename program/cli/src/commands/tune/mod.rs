@@ -96,7 +96,7 @@ pub fn execute(
     if arguments.write {
         check_writable(file)?;
     }
-    let mut bar = Steps::unmeasured("methods", console.is_terminal);
+    let mut bar = Steps::unmeasured("methods", console.shown(false));
     let mut clock = Clock::new(arguments.within);
     let mut show = |stage: Stage<'_>| {
         tell(&mut bar, stage);
@@ -185,10 +185,11 @@ fn rewritten(found: &Found<'_>, recommended: &Recommendation) -> Result<String, 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pulse::Shown;
 
     #[test]
     fn what_is_formed_is_shown_until_it_runs() {
-        let mut bar = Steps::unmeasured("methods", false);
+        let mut bar = Steps::unmeasured("methods", Shown::Nothing);
         let mut shown = |stage| {
             tell(&mut bar, stage);
             bar.shown()

@@ -30,20 +30,20 @@ pub(super) fn execute(
     console: &mut Console<'_>,
 ) -> Result<u8, Failure> {
     let document = parts.scene(&arguments.scene)?;
-    let is_shown = console.is_terminal;
+    let shown = console.shown(false);
     refuse_noise(
         &document,
         "no step is found by the shadow energy",
         "take the noise out",
     )?;
-    let run = while_building(is_shown, || compose(&document, &parts.registry))?;
+    let run = while_building(shown, || compose(&document, &parts.registry))?;
     if run.method.lattice().is_some() || document.method.pace.is_some() {
         return Err(Failure::usage(
             "--shadow is offered neither on long lattices nor with a pace",
             "give --error or --energy",
         ));
     }
-    let found = while_building(is_shown, || ShadowStep::find(&run, tolerance));
+    let found = while_building(shown, || ShadowStep::find(&run, tolerance));
     let found = match found {
         Ok(found) => found,
         Err(NoShadowStep::Shadow(no)) => return Err(Failure::usage(no.message, no.help)),

@@ -6,6 +6,7 @@ use leafwise::verify::{Progress, Refused, Row};
 use super::row::{HEADINGS, cells, line};
 use crate::bar::tick_steadily;
 use crate::console::Console;
+use crate::pulse::Pulse;
 
 /// Prints rows on standard output, unless one JSON object is asked for, and tells on standard error
 /// how far the survey is.
@@ -13,6 +14,7 @@ pub(super) struct Live<'a, 'b> {
     console: &'a mut Console<'b>,
     is_json: bool,
     bar: ProgressBar,
+    pulse: Pulse,
 }
 
 impl<'a, 'b> Live<'a, 'b> {
@@ -28,6 +30,7 @@ impl<'a, 'b> Live<'a, 'b> {
             bar.set_style(style.progress_chars("━━─"));
         }
         Self {
+            pulse: Pulse::new(console.shown(false)),
             console,
             is_json,
             bar,
@@ -37,6 +40,17 @@ impl<'a, 'b> Live<'a, 'b> {
     /// Removes the bar.
     pub(super) fn finish(self) {
         self.bar.finish_and_clear();
+    }
+
+    /// After one more combination.
+    fn advance(&mut self) {
+        self.bar.inc(1);
+        let (at, count) = (self.bar.position(), self.bar.length().unwrap_or(0));
+        let part = at as f64 / count as f64;
+        let bar = &self.bar;
+        self.pulse.beat(Some(part), || {
+            format!("{at} of {count} combinations on {}", bar.message())
+        });
     }
 
     fn print(&mut self, text: &str) {
@@ -49,6 +63,8 @@ impl<'a, 'b> Live<'a, 'b> {
 
 impl Progress for Live<'_, '_> {
     fn problem(&mut self, name: &str, combinations: usize) {
+        // Each problem takes a time of its own.
+        self.pulse = Pulse::new(self.console.shown(false));
         self.bar.set_length(combinations as u64);
         self.bar.set_position(0);
         self.bar.set_message(name.to_owned());
@@ -62,11 +78,11 @@ impl Progress for Live<'_, '_> {
     }
 
     fn refused(&mut self, _: &Refused) {
-        self.bar.inc(1);
+        self.advance();
     }
 
     fn row(&mut self, row: &Row) {
-        self.bar.inc(1);
+        self.advance();
         self.print(&line(&cells(row)));
     }
 }

@@ -3,7 +3,7 @@
 use std::fs;
 
 use super::build::{Workshop, rust_example};
-use super::{leafwise, scene};
+use super::{command, leafwise, scene};
 use crate::support::Place;
 
 /// A system in C, a realization in Rust, the program's own dynamics: they run, and do what they declare.
@@ -281,4 +281,30 @@ fn a_run_is_not_continued_with_another_file_of_a_plugin() {
     let said = leafwise(&here, &["run", "scene.toml"]);
     assert_eq!(said.code, Some(0), "{}", said.err);
     said.says(&["resumed at step"]);
+}
+
+/// Making an instance may take a second: a run asks for evaluators again and again, and makes an instance for as many as there are at once.
+#[test]
+fn a_run_makes_few_instances() {
+    let (here, workshop) = (Place::new(), Workshop::new());
+    let system = workshop.compile("counts_instances");
+    let text = scene(
+        &[&system],
+        "library = \"gallery/counts-instances\"",
+        "stepper = \"rk4\"",
+        "[0.3, 1.0, -0.7]",
+    );
+    here.write("scene.toml", &text);
+    let made = |arguments: &[&str]| {
+        let file = here.path("instances");
+        fs::write(&file, "").expect("writable");
+        let run = command(&here, arguments).env("INSTANCES", &file).output();
+        let run = run.expect("a run");
+        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+        fs::read(&file).expect("a file").len()
+    };
+    // What the library is tried by, in another process.
+    let tried = made(&["check", "scene.toml"]);
+    let all = made(&["run", "scene.toml"]);
+    assert!(tried > 0 && all <= tried + 12, "{tried} {all}");
 }

@@ -1,0 +1,423 @@
+//! What is said of slips, and that what is advised cures them.
+
+use leafwise_core::Registry;
+use leafwise_reference as _;
+use leafwise_splitting as _;
+
+use super::compose;
+use crate::diagnostic::SceneDiagnostic;
+use crate::document::SceneDocument;
+
+const SCENE: &str = r#"[system]
+variables   = ["q", "p"]
+parameters  = { k = 1.0 }
+bracket     = { "q,p" = "1" }
+convention  = "{x,H}"
+hamiltonian = "p^2/2 + k*q^2/2"
+[method]
+stepper     = "splitting"
+time-step   = 0.1
+[run]
+initial     = [1, 0]
+steps       = 10
+record      = { observables = ["energy"] }
+"#;
+
+fn composed(text: &str) -> Result<super::super::ComposedRun, Vec<SceneDiagnostic>> {
+    let registry = Registry::with_builtin();
+    let document = SceneDocument::parse("scene.toml", text, &registry);
+    let document = document.map_err(|errors| errors.diagnostics())?;
+    compose(&document, &registry).map_err(|refusal| vec![*refusal])
+}
+
+fn changed(changes: &[(&str, &str)]) -> String {
+    changes.iter().fold(SCENE.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replacen(from, to, 1)
+    })
+}
+
+/// What is said of a scene, message and help together.
+fn said(changes: &[(&str, &str)]) -> String {
+    let diagnostics = composed(&changed(changes))
+        .err()
+        .unwrap_or_else(|| panic!("{changes:?} is taken"));
+    let texts = diagnostics.iter().map(|of| {
+        format!(
+            "{} = help: {}",
+            of.message,
+            of.help.as_deref().unwrap_or("")
+        )
+    });
+    texts.collect::<Vec<_>>().join("\n")
+}
+
+fn check(change: (&str, &str), pieces: &[&str]) {
+    let said = said(&[change]);
+    for piece in pieces {
+        assert!(said.contains(piece), "{change:?}: {said}");
+    }
+}
+
+const ENERGY: &str = "k*q^2/2";
+
+#[test]
+fn a_function_that_is_not_there_is_told_what_there_is() {
+    for unknown in [
+        "nosuch(q)",
+        "lgamma(q)",
+        "besselj(q)",
+        "piecewise(q)",
+        "where(q)",
+        "theta(q)",
+    ] {
+        check(
+            (ENERGY, unknown),
+            &["unknown function", "functions: exp, ln, sqrt, sin"],
+        );
+    }
+}
+
+/// What is written for it gives the same numbers as mathematics.
+#[test]
+fn functions_of_other_languages_are_written_out() {
+    let x = 0.7_f64;
+    for (unknown, written, value) in [
+        ("cot", "1/tan(x)", 1.0 / libm::tan(x)),
+        ("sec", "1/cos(x)", 1.0 / libm::cos(x)),
+        ("csc", "1/sin(x)", 1.0 / libm::sin(x)),
+        ("cbrt", "x^(1/3)", libm::cbrt(x)),
+        ("log10", "ln(x)/ln(10)", libm::log10(x)),
+        ("log2", "ln(x)/ln(2)", libm::log2(x)),
+        ("expm1", "exp(x) - 1", libm::expm1(x)),
+        ("log1p", "ln(1 + x)", libm::log1p(x)),
+        ("sinc", "sin(x)/x", libm::sin(x) / x),
+    ] {
+        if leafwise_expression::Function::from_name(unknown).is_none() {
+            check(
+                (ENERGY, &format!("{unknown}(q)")),
+                &["unknown function", &format!("`{written}`")],
+            );
+        }
+        let text = written
+            .replace("exp(x)", "exp(q)")
+            .replace("(x", "(q")
+            .replace("+ x", "+ q")
+            .replace("x)", "q)");
+        let text = if text.starts_with('x') {
+            text.replacen('x', "q", 1)
+        } else {
+            text
+        };
+        let text = text.replace("/x", "/q");
+        let run = composed(&changed(&[(ENERGY, &text), ("[1, 0]", "[0.7, 0]")]));
+        let run = run.unwrap_or_else(|said| panic!("{text}: {said:?}"));
+        let energy = run
+            .system
+            .expressions()
+            .expect("formulas")
+            .hamiltonian()
+            .evaluate(&[x, 0.0], &[1.0]);
+        assert!(
+            (energy - value).abs() <= 4.0 * f64::EPSILON * value.abs(),
+            "{written}"
+        );
+    }
+    check((ENERGY, "pow(q, 2)"), &["`x^y`"]);
+}
+
+#[test]
+fn names_and_signs_of_other_notations_are_told() {
+    check(
+        (ENERGY, "e^(-q)"),
+        &["unknown name `e`", "exp(x)", "exp(1)"],
+    );
+    assert!(composed(&changed(&[(ENERGY, "exp(-q)")])).is_ok());
+    check((ENERGY, "π*q"), &["unknown name `π`", "`pi`"]);
+    check(
+        ("\"p^2/2", "\"H = p^2/2"),
+        &["unexpected character `=`", "right"],
+    );
+    check(
+        (ENERGY, "1e400*q^2"),
+        &["`1e400` is beyond the largest double"],
+    );
+    for (observable, piece) in [
+        ("2q", "a product is written with `*`"),
+        ("1e", "a product is written with `*`"),
+        ("2e3q", "a product is written with `*`"),
+        ("q²", "`^2`"),
+        ("π", "`pi`"),
+        ("e", "exp(1)"),
+        ("", "the formula ends"),
+        ("enrgy", "did you mean `energy`"),
+    ] {
+        check(("\"energy\"", &format!("\"{observable}\"")), &[piece]);
+    }
+}
+
+#[test]
+fn keys_and_values_of_other_kinds_are_told() {
+    check(
+        ("{ \"q,p\" = \"1\" }", "\"canonical\""),
+        &["`bracket` must be a table", "bracket = { \"q,p\" = \"1\" }"],
+    );
+    check(
+        ("[1, 0]", "{ q = [1, 2], p = 0 }"),
+        &[
+            "`q` takes one formula or number, found a list",
+            "\"q[i]\" = [1, 2, 3]",
+        ],
+    );
+    check(("k = 1.0", "kα = 1.0"), &["stands in quotes"]);
+    assert!(composed(&changed(&[("k = 1.0", "k = 1.0, \"kα\" = 1.0")])).is_ok());
+    for unknown in ["verlet", "Velocity-Verlet", "leapfrog", "Störmer-Verlet"] {
+        check(
+            ("\"splitting\"", &format!("{unknown:?}")),
+            &["no stepper is called", "stepper = \"splitting\""],
+        );
+    }
+    check(
+        ("steps       = 10", "t_end = 100"),
+        &["[run] needs `steps`", "until = 100", "unknown key `t_end`"],
+    );
+}
+
+#[test]
+fn a_parameter_may_be_a_formula_of_numbers_and_one_of_others_is_a_definition() {
+    for (text, value) in [
+        ("3/4", 0.75),
+        ("sqrt(3)/2", libm::sqrt(3.0) / 2.0),
+        ("2*pi", 2.0 * std::f64::consts::PI),
+        ("-1e-3", -1e-3),
+    ] {
+        let run = composed(&changed(&[("k = 1.0", &format!("k = \"{text}\""))])).expect(text);
+        assert_eq!(run.system.parameter_values(), [value]);
+    }
+    let derived = ("k = 1.0", "m = 2.0, k = \"1/m\"");
+    check(
+        derived,
+        &[
+            "`k` is no number, nor a formula of numbers: unknown name `m`",
+            "define = { k = \"1/m\" }",
+        ],
+    );
+    let cured = composed(&changed(&[(
+        "{ k = 1.0 }",
+        "{ m = 2.0 }\ndefine = { k = \"1/m\" }",
+    )]));
+    let cured = cured.expect("what is advised");
+    let energy = cured.system.expressions().expect("formulas").hamiltonian();
+    assert_eq!(energy.evaluate(&[1.0, 0.0], &[2.0]), 0.25);
+    check(("k = 1.0", "k = \"1/0\""), &["`k` must be a finite number"]);
+}
+
+#[test]
+fn entries_of_structure_are_counted_from_one_and_may_be_formulas() {
+    let algebra = |c: &str| {
+        changed(&[
+            ("[\"q\", \"p\"]", "[\"q\", \"p\", \"r\"]"),
+            (
+                "{ \"q,p\" = \"1\" }",
+                &format!(
+                    "{{ lie-algebra = {{ structure = [[1, 2, 3, \"3/4\"], [2, 3, 1, {c}], [3, 1, 2, 1]] }} }}"
+                ),
+            ),
+            ("[1, 0]", "[1, 0, 0]"),
+        ])
+    };
+    assert!(composed(&algebra("\"sqrt(9)/4\"")).is_ok());
+    let refused = composed(&algebra("\"k\""))
+        .err()
+        .expect("a parameter is no number");
+    assert!(
+        refused[0].message.contains("`c in entry 2 of structure`"),
+        "{refused:?}"
+    );
+    let refused = composed(&algebra("1, 5")).err().expect("five entries");
+    assert!(
+        refused[0]
+            .message
+            .contains("entry 2 of structure has 5 entries"),
+        "{refused:?}"
+    );
+}
+
+/// A time at the end is a number of steps, where it is one, and the two scenes are one method.
+#[test]
+fn a_time_at_the_end_is_a_number_of_equal_steps() {
+    let steps = |step: &str, until: &str| {
+        let text = changed(&[
+            ("steps       = 10", &format!("until = {until}")),
+            ("= 0.1", &format!("= {step}")),
+        ]);
+        composed(&text).map(|run| (run.plan.steps, run.plan.until))
+    };
+    for (step, until, count) in [
+        ("0.1", "1", 10),
+        ("0.1", "1e3", 10_000),
+        ("0.3", "99.9", 333),
+        ("1e-3", "0.123", 123),
+        ("-0.1", "-12.3", 123),
+        ("7", "7", 1),
+    ] {
+        assert_eq!(steps(step, until), Ok((count, None)), "{step} {until}");
+    }
+    let refused = steps("0.3", "100").expect_err("333 1/3 steps");
+    assert_eq!(
+        refused[0].message,
+        "`until` = 100 is 333.333 steps of 0.3, no whole number"
+    );
+    let help = refused[0].help.as_deref().expect("help");
+    for piece in [
+        "steps = 333, which end at t = 99.9,",
+        "steps = 334, at t = 100.2",
+    ] {
+        assert!(help.contains(piece), "{help}");
+    }
+    assert!(steps("0.1", "0.04").is_err() && steps("1e-9", "1e300").is_err());
+    for never in ["-1", "0"] {
+        assert!(
+            steps("0.1", never).expect_err("never")[0]
+                .message
+                .contains("never comes to")
+        );
+    }
+    // A sweep's other step is another number of steps.
+    let registry = Registry::with_builtin();
+    let text = changed(&[("steps       = 10", "until = 1")]);
+    let mut document = SceneDocument::parse("scene.toml", &text, &registry).expect("a scene");
+    assert!(!document.assign("method.time-step", "0.05"));
+    let finer = [("method.time-step".to_owned(), "0.05".to_owned())];
+    let finer = SceneDocument::parse_with("scene.toml", &text, &finer, &registry).expect("a scene");
+    assert_eq!(finer.run.steps.value, 20);
+}
+
+#[test]
+fn whole_numbers_may_be_written_as_decimals() {
+    for (written, value) in [
+        ("1e3", 1000),
+        ("1000.0", 1000),
+        ("1_0e1", 100),
+        ("0.0", 0),
+        ("2.5e1", 25),
+    ] {
+        let run = composed(&changed(&[(
+            "steps       = 10",
+            &format!("steps = {written}"),
+        )]))
+        .expect(written);
+        assert_eq!(run.plan.steps, value);
+    }
+    for wrong in ["1.5", "1e30", "nan", "inf"] {
+        check(
+            ("steps       = 10", &format!("steps = {wrong}")),
+            &["`steps` must be a whole number, found"],
+        );
+    }
+    check(
+        ("steps       = 10", "steps = -1e3"),
+        &["a whole number of at least 0"],
+    );
+}
+
+#[test]
+fn events_that_never_happen_are_told() {
+    for (event, why) in [
+        ("section = { at = \"q = q\" }", "both sides are the same"),
+        (
+            "section = { at = \"2*q = q + q\" }",
+            "both sides are the same",
+        ),
+        ("section = { at = \"0 = 0\" }", "no coordinate and no time"),
+        ("stop = \"0 > 1\"", "no coordinate and no time"),
+        ("stop = \"k > 2\"", "no coordinate and no time"),
+        ("stop = \"q > q\"", "both sides are the same"),
+    ] {
+        check(
+            ("steps       = 10", &format!("steps = 10\n{event}")),
+            &["never changes", why],
+        );
+    }
+    for event in [
+        "section = { at = \"q = 0\" }",
+        "section = { at = \"q^2 = 0\" }",
+        "stop = \"q > k + 1\"",
+    ] {
+        let scene = changed(&[("steps       = 10", &format!("steps = 10\n{event}"))]);
+        assert!(composed(&scene).is_ok(), "{event}");
+    }
+}
+
+#[test]
+fn a_magnetic_field_with_a_divergence_is_told_so() {
+    let field = |field: &str| {
+        changed(&[
+            (
+                "[\"q\", \"p\"]",
+                "[\"x\", \"y\", \"z\", \"vx\", \"vy\", \"vz\"]",
+            ),
+            (
+                "{ \"q,p\" = \"1\" }",
+                &format!("{{ magnetic-field = {field} }}"),
+            ),
+            ("p^2/2 + k*q^2/2", "(vx^2 + vy^2 + vz^2)/2 + k*x"),
+            ("[1, 0]", "[1, 0.5, 0.25, 0, 1, 2]"),
+            ("\"splitting\"", "\"rk4\""),
+        ])
+    };
+    let refusal = |text: &str| {
+        let registry = Registry::with_builtin();
+        let document = SceneDocument::parse("scene.toml", text, &registry).expect("a scene");
+        let run = super::super::compose_system(&document).expect("a system");
+        let checks = super::super::SceneChecks::of(&run.system, &run.near).expect("checks");
+        checks.refusal(&document, &run.system, false)
+    };
+    let refused = refusal(&field("[\"x\", \"0\", \"1\"]")).expect("div B = 1");
+    assert!(
+        refused.message.contains("divergence of the magnetic field"),
+        "{}",
+        refused.message
+    );
+    assert!(refusal(&field("[\"x\", \"-y\", \"1\"]")).is_none());
+}
+
+#[test]
+fn a_site_is_named_once() {
+    let lattice = changed(&[
+        (
+            "variables   = [\"q\", \"p\"]",
+            "families = { q = 5, p = 5 }",
+        ),
+        (
+            "{ k = 1.0 }",
+            "{ \"b[i]\" = 1, \"b[2]\" = 3, \"b[02]\" = 4 }",
+        ),
+        ("\"q,p\"", "\"q[i],p[i]\""),
+        ("p^2/2 + k*q^2/2", "sum(i, p[i]^2/2 + b[i]*q[i]^2/2)"),
+        (
+            "[1, 0]",
+            "{ \"q[i]\" = 1, \"p[i]\" = 0, \"q[1]\" = 2, \"q[ 01 ]\" = 3 }",
+        ),
+    ]);
+    let refused = composed(&lattice).err().expect("twice");
+    let messages: Vec<&str> = refused.iter().map(|of| of.message.as_str()).collect();
+    assert_eq!(
+        messages,
+        ["`b[2]` is declared twice", "`q[1]` is declared twice"]
+    );
+}
+
+#[test]
+fn values_beyond_doubles_are_no_texts() {
+    let registry = Registry::with_builtin();
+    for value in ["1e400", "-1e999", "1_0e400"] {
+        let given = [("system.parameters.k".to_owned(), value.to_owned())];
+        let refused =
+            SceneDocument::parse_with("scene.toml", SCENE, &given, &registry).expect_err(value);
+        assert!(
+            refused.to_string().contains("beyond the largest double"),
+            "{refused}"
+        );
+    }
+}
