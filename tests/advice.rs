@@ -4,8 +4,9 @@
 use leafwise::core::Structure;
 use leafwise::core::diagnostics::StepEquation;
 use leafwise::prelude::*;
-use leafwise::run::{advice::Advice, advice::AdviceKind, advice::advise, advice::states_ahead};
-use leafwise_tests::scenes::composed;
+use leafwise::run::advice::{Advice, AdviceKind, about_the_scene, advise, states_ahead};
+use leafwise::run::{Quiet, run_in_memory};
+use leafwise_tests::scenes::{composed, document};
 
 /// A system of the library from a state, with a method.
 fn scene(library: &str, initial: &str, method: &str) -> String {
@@ -404,5 +405,361 @@ fn the_scenes_of_the_gallery_deserve_no_warning() {
         let path = entry.expect("an entry").path();
         let text = std::fs::read_to_string(&path).expect("a scene");
         assert_eq!(advice(&text), [], "{}", path.display());
+        let about = about_the_scene(&document(&text, &[]), &composed(&text));
+        assert_eq!(about, [], "{}", path.display());
     }
+}
+
+/// What a whole run in memory tells.
+fn told(text: &str) -> Vec<Advice> {
+    let registry = Registry::with_builtin();
+    let (document, run) = (document(text, &[]), composed(text));
+    let recorded = run_in_memory(&document, &run, &registry, false, &mut Quiet);
+    recorded.expect("a run").report.advice
+}
+
+fn told_of_kind(text: &str, kind: AdviceKind) -> Option<Advice> {
+    told(text).into_iter().find(|advice| advice.kind == kind)
+}
+
+/// x″ = x³ − x′/10 runs away to infinity at t = 1.33: the last steps are far too long, and forces leave the energy no say. What is
+/// told does not depend on what is recorded, and the step that is asked for, as often as it is asked for, is right.
+#[test]
+fn the_last_step_is_judged_whatever_is_recorded() {
+    let text = |every: u64| {
+        format!(
+            "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = \"1\" }}\nconvention = \"{{x,H}}\"\n\
+             hamiltonian = \"p^2/2 - q^4/4\"\nforces = [\"0.1*p\", 0]\n\
+             [method]\nrealization = \"auto\"\ntime-step = 0.02\n\
+             [run]\ninitial = [1, 1]\nsteps = 65\nrecord = {{ every = {every} }}\n"
+        )
+    };
+    let coarse = |every| told_of_kind(&text(every), AdviceKind::CoarseStep);
+    let found = coarse(1).expect("told");
+    assert_eq!(coarse(7), Some(found.clone()));
+    assert_eq!(coarse(1_000_000), Some(found.clone()));
+    // The same force as a field of its own, over so short steps that nothing is left to err.
+    let end_of = |step: f64| {
+        let text = text(1).replace("time-step = 0.02", &format!("time-step = {step:?}"));
+        let steps = libm::round(1.3 / step);
+        scene_end(&text.replace("steps = 65", &format!("steps = {steps}")))[0]
+    };
+    let (exact, first) = (end_of(1.0 / 8192.0 / 10.0), end_of(0.02));
+    let (mut step, mut found) = (0.02, Some(found));
+    while let Some(advice) = found {
+        let (_, asked) = advice.change.split_once(" = ").expect("a line");
+        step = asked.parse().expect("a number");
+        let shorter = text(1).replace("time-step = 0.02", &advice.change);
+        let shorter = shorter.replace(
+            "steps = 65",
+            &format!("steps = {}", libm::round(1.3 / step)),
+        );
+        found = told_of_kind(&shorter, AdviceKind::CoarseStep);
+    }
+    assert!(step >= 0.02 / 64.0, "{step}");
+    let (before, after) = ((first - exact).abs(), (end_of(step) - exact).abs());
+    assert!(before > 0.3 * exact, "{before} of {exact}");
+    assert!(after < 0.1 * exact, "{after} of {exact} with {step}");
+}
+
+/// All coordinates at the end of the scene's steps.
+fn scene_end(text: &str) -> Vec<f64> {
+    leafwise_tests::scenes::end(&composed(text))
+}
+
+/// One of ten steps errs by more than it moves; neither the first nor the last state is near it.
+#[test]
+fn one_bad_step_is_found_whatever_is_recorded() {
+    let text = |every: u64| {
+        format!(
+            "[system]\nvariables = [\"n1\", \"n2\", \"n3\"]\n\
+             bracket = {{ \"n1,n2\" = \"1.233*(2*n3) + 0.0734*n1\", \"n2,n3\" = \"1.35*(2*n1) + 0.0734*n3\", \
+             \"n1,n3\" = \"(-1)*(0.7028*(2*n2))\" }}\n\
+             hamiltonian = \"1.27*n1^2 + 1.33*n2^2 + (1/9)*n3^2 + 0.1*(n2*n1) + D1\"\n\
+             forces = [\"0.3*((-0.379)*(n3*n1) + 1.1*(n2*n3*n3*n1))\", \"2*n3\", \"(-0.257)*n2\"]\n\
+             define = {{ D1 = \"(-0.2072)*sin((-1.8862)*(n3*n1) + 0.1035*(n2*n3))\" }}\n\
+             [method]\nrealization = \"auto\"\ncomposition = \"kahan-li-10\"\ntime-step = 0.182\n\
+             [run]\ninitial = [-2.149, 0.1199, 0.2934]\nsteps = 10\n\
+             record = {{ every = {every}, observables = [\"energy\"] }}\n"
+        )
+    };
+    let found = [1, 2, 1_000_000].map(|every| told_of_kind(&text(every), AdviceKind::CoarseStep));
+    assert!(found[0].is_some());
+    assert!(found.iter().all(|one| *one == found[0]), "{found:?}");
+}
+
+/// Chains with one site displaced: far sites move by 1e-20 of it in the first steps, of which no step however short has a
+/// digit. Families and variables by their names; short steps are no news, long ones are.
+#[test]
+fn what_hardly_moves_is_judged_beside_its_kind() {
+    let springs = |q: &dyn Fn(usize) -> String, p: &dyn Fn(usize) -> String| {
+        let kinetic = (0..8).map(|i| format!("{}^2/2", p(i)));
+        let springs = (1..8).map(|i| format!("({} - {})^2/2", q(i), q(i - 1)));
+        kinetic.chain(springs).collect::<Vec<_>>().join(" + ")
+    };
+    let names = |letter: &str| {
+        (0..8)
+            .map(|i| format!("\"{letter}{i}\""))
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    let pairs: Vec<String> = (0..8).map(|i| format!("\"q{i},p{i}\" = 1")).collect();
+    let single = format!(
+        "variables = [{}, {}]\nbracket = {{ {} }}\nconvention = \"{{x,H}}\"\nhamiltonian = \"{}\"",
+        names("q"),
+        names("p"),
+        pairs.join(", "),
+        springs(&|i| format!("q{i}"), &|i| format!("p{i}"))
+    );
+    let families = "families = { q = 8, p = 8 }\nbracket = { \"q[i],p[i]\" = 1 }\nconvention = \"{x,H}\"\nboundary = \"open\"\n\
+                    hamiltonian = \"sum(i, p[i]^2/2 + (q[i+1] - q[i])^2/2)\""
+        .to_owned();
+    let listed = format!("[1{}]", ", 0".repeat(15));
+    let field = "{ \"q[i]\" = \"0\", \"p[i]\" = \"0\", \"q[0]\" = 1 }";
+    for (system, initial) in [(single, listed.as_str()), (families, field)] {
+        for (method, step) in [
+            (
+                "stepper = \"splitting\"\ncomposition = \"sofroniou-spaletta-10\"",
+                0.005,
+            ),
+            ("stepper = \"splitting\"", 0.01),
+            (
+                "realization = \"auto\"\ndynamics = { name = \"hamilton-jacobi\", order = 4 }",
+                0.02,
+            ),
+        ] {
+            let text = |step: f64| {
+                format!(
+                    "[system]\n{system}\n[method]\n{method}\ntime-step = {step:?}\n[run]\ninitial = {initial}\nsteps = 200\n"
+                )
+            };
+            assert_eq!(
+                told_of_kind(&text(step), AdviceKind::CoarseStep),
+                None,
+                "{}",
+                text(step)
+            );
+        }
+        let long = format!(
+            "[system]\n{system}\n[method]\nstepper = \"splitting\"\ntime-step = 0.9\n[run]\ninitial = {initial}\nsteps = 200\n"
+        );
+        assert!(
+            told_of_kind(&long, AdviceKind::CoarseStep).is_some(),
+            "{long}"
+        );
+    }
+}
+
+/// Energies that are right and near 0 where an orbit begins or waits, on lattices without recorded states, and with the
+/// time; the same methods with errors of a hundredth and more are told.
+#[test]
+fn an_energy_is_judged_by_what_it_is_along_the_whole_orbit() {
+    let duffing = |step: f64, steps: u64| {
+        format!(
+            "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = \"1\" }}\nconvention = \"{{x,H}}\"\n\
+             hamiltonian = \"p^2/2 - q^2/2 + q^4/4\"\n\
+             [method]\nrealization = \"auto\"\ndynamics = {{ name = \"hamilton-jacobi\", order = 4 }}\n\
+             time-step = {step:?}\n[run]\ninitial = [1e-6, 0.0]\nsteps = {steps}\n"
+        )
+    };
+    let kicks = "[system]\nvariables = [\"q\", \"p\"]\nbracket = { \"q,p\" = \"1\" }\nconvention = \"{x,H}\"\n\
+                 hamiltonian = \"p^2/2 + 0.5*cos(q)*exp(-(sin(pi*(t-0.5))/0.05)^2)\"\n\
+                 [method]\nstepper = \"dop853\"\ntime-step = 0.1\n[run]\ninitial = [1.0, 0.0]\nsteps = 100\n";
+    let slope = |step: f64, well: &str| {
+        format!(
+            "[system]\nfamilies = {{ q = 100, p = 100 }}\nparameters = {{ h = 0.1 }}\nbracket = {{ \"q[i],p[i]\" = 1 }}\n\
+             convention = \"{{x,H}}\"\nboundary = \"periodic\"\nhamiltonian = \"sum(i, p[i]^2/2 + h*q[i]{well})\"\n\
+             [method]\nstepper = \"splitting\"\ntime-step = {step:?}\n\
+             [run]\ninitial = {{ \"q[i]\" = \"0.3*sin(2*pi*i/N)\", \"p[i]\" = \"0\" }}\nsteps = 200\n"
+        )
+    };
+    for right in [duffing(0.05, 1200), kicks.to_owned(), slope(0.1, "")] {
+        assert_eq!(
+            told_of_kind(&right, AdviceKind::EnergyError),
+            None,
+            "{right}"
+        );
+    }
+    for wrong in [duffing(0.9, 70), slope(0.25, " + 10*q[i]^4 - 0.030375")] {
+        let found = told_of_kind(&wrong, AdviceKind::EnergyError);
+        assert!(found.is_some(), "{wrong}");
+    }
+}
+
+/// A pendulum by constraints, started beside them: the state that is named instead lies on them to round-off, and is the
+/// nearest one to first order. Round-off of a start is no news.
+#[test]
+fn a_start_off_the_constraints_is_told_with_one_on_them() {
+    let text = |initial: &str| {
+        format!(
+            "[system]\nvariables = [\"x\", \"y\", \"px\", \"py\"]\nconvention = \"{{x,H}}\"\n\
+             bracket = {{ \"x,px\" = 1, \"y,py\" = 1 }}\nconstraints = [\"x^2+y^2-1\", \"x*px+y*py\"]\n\
+             hamiltonian = \"(px^2+py^2)/2 + y\"\n\
+             [method]\nrealization = \"auto\"\ndynamics = {{ name = \"hamilton-jacobi\", order = 4 }}\ntime-step = 0.1\n\
+             [run]\ninitial = {initial}\nsteps = 10\n"
+        )
+    };
+    for (off, distance) in [("[1, 0.5, 0, 1]", 0.5), ("[0.6, 0.8001, 0.8, -0.6]", 2e-4)] {
+        let found = told_of_kind(&text(off), AdviceKind::OffConstraint).expect("told");
+        assert!(found.message.contains("x^2+y^2-1 = "), "{}", found.message);
+        let (_, state) = found.change.split_once(" = ").expect("a line");
+        assert_eq!(
+            told_of_kind(&text(state), AdviceKind::OffConstraint),
+            None,
+            "{state}"
+        );
+        let (from, to) = (composed(&text(off)), composed(&text(state)));
+        let apart = from.plan.initial.iter().zip(&to.plan.initial);
+        let apart = apart.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart <= distance, "{apart} {state}");
+    }
+    for on in [
+        "[0.6, 0.8, 0.8, -0.6]",
+        "[1, 0, 0, 1]",
+        // cos 1, sin 1, and half a turn's momentum.
+        "[0.5403023058681398, 0.8414709848078965, -0.8414709848078965, 0.5403023058681398]",
+    ] {
+        assert_eq!(
+            told_of_kind(&text(on), AdviceKind::OffConstraint),
+            None,
+            "{on}"
+        );
+    }
+    // What is 1e-16 of terms of 1 has no relative deviation.
+    let run = composed(&text("[0.6, 0.8, 0.8, -0.6]"));
+    let document = document(&text("[0.6, 0.8, 0.8, -0.6]"), &[]);
+    let recorded = run_in_memory(
+        &document,
+        &run,
+        &Registry::with_builtin(),
+        false,
+        &mut Quiet,
+    );
+    for constraint in &recorded.expect("a run").report.invariants[1..] {
+        assert_eq!(constraint.relative, None, "{constraint:?}");
+    }
+}
+
+/// {a, b} = 1 without a convention: b is the momentum where H is a square of it alone, or by its name. The convention that
+/// is named instead turns the motion round.
+#[test]
+fn backward_time_is_told_whatever_the_names_are() {
+    let text = |names: [&str; 2], hamiltonian: &str, sign: &str, more: &str| {
+        let [a, b] = names;
+        format!(
+            "[system]\nvariables = [\"{a}\", \"{b}\"]\nbracket = {{ \"{a},{b}\" = \"{sign}1\" }}\nhamiltonian = \"{hamiltonian}\"\n\
+             {more}\n[method]\nrealization = \"auto\"\ntime-step = 0.01\n[run]\ninitial = [1, 0.5]\nsteps = 10\n"
+        )
+    };
+    for (names, hamiltonian, position) in [
+        (["theta", "L"], "L^2/2 - cos(theta)", 0),
+        (["phi", "J"], "J^2/3 + cos(phi)", 0),
+        (["x", "v"], "(x^2 + v^2)/2", 0),
+        (["x", "p"], "p^2/2 + x^4", 0),
+        (["q", "v"], "(q^2 + v^2)/2", 0),
+    ] {
+        let found = told_of_kind(&text(names, hamiltonian, "", ""), AdviceKind::BackwardTime);
+        let found = found.unwrap_or_else(|| panic!("{names:?}"));
+        let moved = |text: &str| scene_end(text)[position] - 1.0;
+        let forward = text(names, hamiltonian, "", &found.change);
+        assert!(moved(&text(names, hamiltonian, "", "")) < 0.0, "{names:?}");
+        assert!(moved(&forward) > 0.0, "{names:?}");
+        assert_eq!(told_of_kind(&forward, AdviceKind::BackwardTime), None);
+        let turned = text(names, hamiltonian, "-", "");
+        assert_eq!(told_of_kind(&turned, AdviceKind::BackwardTime), None);
+    }
+    // The momentum first: {L, theta} = −1.
+    let turned = text(["L", "theta"], "L^2/2 - cos(theta)", "-", "");
+    assert!(told_of_kind(&turned, AdviceKind::BackwardTime).is_some());
+    // Neither is a momentum: a vortex, a guiding centre, squares of both.
+    for hamiltonian in [
+        "-ln(x^2 + y^2)/2",
+        "x^2/2 + y^2/3",
+        "x*y",
+        "exp(x) + exp(y)",
+    ] {
+        let text = text(["x", "y"], hamiltonian, "", "");
+        assert_eq!(
+            told_of_kind(&text, AdviceKind::BackwardTime),
+            None,
+            "{hamiltonian}"
+        );
+    }
+}
+
+/// Who follows it pays no more: operations as a run of so many steps counts them, what a first step prepares included once.
+#[test]
+fn an_exact_realization_is_named_where_a_whole_run_of_it_costs_no_more() {
+    let cart = |realization: &str, steps: u64| {
+        format!(
+            "[system]\nvariables = [\"X\", \"x\", \"y\", \"P\", \"px\", \"py\"]\nparameters = {{ M = 2.0, m = 1.0, g = 9.81 }}\n\
+             bracket = {{ \"X,P\" = 1, \"x,px\" = 1, \"y,py\" = 1 }}\nconvention = \"{{x,H}}\"\n\
+             constraints = [\"(x-X)^2 + y^2 - 1\", \"(x-X)*(px/m - P/M) + y*py/m\"]\n\
+             hamiltonian = \"P^2/(2*M) + (px^2+py^2)/(2*m) + m*g*y\"\n\
+             [method]\nrealization = {realization}\ndynamics = {{ name = \"hamilton-jacobi\", order = 4 }}\n\
+             time-step = 0.00125\n[run]\ninitial = [0, 0.8, -0.6, 0, 0, 0]\nsteps = {steps}\n"
+        )
+    };
+    let truncated = "{ name = \"karasev-truncated\", order = 4 }";
+    let operations = |realization: &str, steps: u64| {
+        let mut integrator = composed(&cart(realization, steps)).integrator();
+        integrator.advance(steps).expect("steps");
+        integrator.statistics().operations.expect("counted")
+    };
+    let mut outcomes = [0, 0];
+    for steps in [8, 100, 400] {
+        let is_told = told_of_kind(&cart(truncated, steps), AdviceKind::ExactRealization).is_some();
+        let [own, exact] =
+            [truncated, "\"auto\""].map(|realization| operations(realization, steps));
+        assert!(!is_told || exact <= own, "{steps}: {exact} against {own}");
+        outcomes[usize::from(exact > own)] += 1;
+    }
+    assert!(outcomes.iter().all(|count| *count > 0), "{outcomes:?}");
+}
+
+/// A spinning particle that a scene's own realization throws off its leaves, away from where it begins or by little from
+/// there on. What is told to write instead keeps them.
+#[test]
+fn a_part_that_claims_to_be_exact_is_told_where_an_orbit_belies_it() {
+    let text = |lie: &str| {
+        let axes = ["x", "y", "z"];
+        let alpha: Vec<String> = (0..3)
+            .map(|i| {
+                let [own, next, other] = [0, 1, 2].map(|k| axes[(i + k) % 3]);
+                let lie = if i == 0 { lie } else { "" };
+                format!(
+                    "\"{own} - epsilon*({next}*p_{other} - {other}*p_{next})/2 \
+                     + epsilon^2/4*p_{own}*(p_x*x + p_y*y + p_z*z){lie}\""
+                )
+            })
+            .collect();
+        format!(
+            "[system]\nvariables = [\"x\", \"y\", \"z\"]\nhamiltonian = \"0.5*x^2 + y^2/4 + z^2/6\"\n\
+             bracket = {{ \"x,y\" = \"-z\", \"y,z\" = \"-x\", \"z,x\" = \"-y\" }}\ncasimirs = {{ spin = \"x^2+y^2+z^2\" }}\n\
+             [method]\nrealization = {{ name = \"closed-form\", alpha = [{}] }}\n\
+             dynamics = {{ name = \"hamilton-jacobi\", order = 2 }}\ntime-step = 0.1\n\
+             [run]\ninitial = [1.0, 0.5, -0.7]\nsteps = 500\n",
+            alpha.join(", ")
+        )
+    };
+    let away = "((x-1)^2 + (y-0.5)^2 + (z+0.7)^2)";
+    for lie in [
+        format!(" + epsilon^2*p_x^2*(tanh(500*({away} - 0.5)) + 1)"),
+        format!(" + 1e-9*epsilon^2*p_x^2*{away}^4"),
+        format!(" + 1e-11*epsilon*p_x*y*{away}"),
+    ] {
+        let found = told_of_kind(&text(&lie), AdviceKind::CasimirDrift).expect("told");
+        assert!(found.message.contains("spin"), "{}", found.message);
+        assert_eq!(
+            told_of_kind(&changed(&text(&lie), &found), AdviceKind::CasimirDrift),
+            None
+        );
+    }
+    let lie = format!(" + epsilon^2*p_x^2*(tanh(500*({away} - 0.5)) + 1)");
+    let found = told_of_kind(&text(&lie), AdviceKind::BrokenClaim).expect("told");
+    assert_eq!(
+        told_of_kind(&changed(&text(&lie), &found), AdviceKind::BrokenClaim),
+        None
+    );
+    assert_eq!(told(&text("")), []);
 }

@@ -7,11 +7,15 @@
 
 use std::sync::Arc;
 
+use leafwise::core::diagnostics::{Defect, TensorDefect};
 use leafwise::core::{
-    Integrator, Method, PartParameters, PoissonSystem, Registry, Shadow, StepMap, SystemFormulas,
+    Integrator, Method, PartParameters, PoissonSystem, Registry, Shadow, StepMap, Structure,
+    SystemFormulas,
 };
 use leafwise::expression::{Arithmetic, Expression, Rational, Ring};
+use leafwise::scene::compose::ShadowEnergy;
 use leafwise_tests::orders::{MeasuredOrder, measure};
+use leafwise_tests::scenes::composed;
 use leafwise_tests::systems::from_formulas;
 use leafwise_tests::{Problem, library, method};
 use proptest::prelude::*;
@@ -223,4 +227,49 @@ proptest! {
         let expected = ring.scale(&Rational::new(-1, 24), &sum);
         prop_assert_eq!(third, expected);
     }
+}
+
+/// A charge in a field of degree r in its position: Karasev's series ends at ε^{r+1}, and what is cut off at n is nothing
+/// where n > r. Then a step keeps the tensor to round-off, is declared to, and its shadow has no limit; below, neither.
+#[test]
+fn a_series_that_ends_is_exact_where_nothing_is_cut_off() {
+    let mut exact = 0;
+    for (field, degree) in [
+        ("2", Some(0)),
+        ("x + y/3", Some(1)),
+        ("1 + x*y", Some(2)),
+        ("b*x^2 - y^3", Some(3)),
+        ("sin(x)", None),
+        ("1/(2 + x)", None),
+    ] {
+        for n in 1..=5 {
+            let run = composed(&format!(
+                "[system]\nvariables = [\"x\", \"y\", \"u\", \"v\"]\nparameters = {{ b = 0 }}\n\
+                 bracket = {{ \"x,u\" = \"-1\", \"y,v\" = \"-1\", \"u,v\" = \"{field}\" }}\n\
+                 hamiltonian = \"(u^2 + v^2 + x^2 + y^4)/2\"\n\
+                 [method]\nrealization = {{ name = \"karasev-truncated\", order = {n} }}\n\
+                 dynamics = {{ name = \"hamilton-jacobi\", order = 4 }}\ntime-step = 0.2\n\
+                 [run]\ninitial = [0.7, 0.5, -0.4, 0.9]\nsteps = 1\n"
+            ));
+            let is_whole = degree.is_some_and(|degree| n > degree);
+            let map = run.method.map();
+            let is_declared = map.properties().structure == Structure::Exact;
+            assert_eq!(is_declared, is_whole, "{field} {n}");
+            let (values, t) = (run.system.parameter_values(), 0.2);
+            let instrument = TensorDefect::new(&run.system, map, &values, 1.0, t);
+            let defect = instrument.expect("formulas").measure(&run.plan.initial);
+            let relative = defect.expect("a step").relative().expect("a tensor");
+            // At b = 0 the field of degree 3 is one of y alone, and no lower.
+            let is_kept = relative <= Defect::ROUND_OFF;
+            assert_eq!(is_kept, is_whole, "{field} {n}: {relative:e}");
+            let shadow = ShadowEnergy::of(&run.system, map, t, Some(8)).expect("a shadow");
+            assert_eq!(
+                shadow.limit.is_none(),
+                is_whole || 2 * (n / 2) + 2 >= 8,
+                "{field} {n}"
+            );
+            exact += usize::from(is_whole);
+        }
+    }
+    assert_eq!(exact, 5 + 4 + 3 + 2);
 }

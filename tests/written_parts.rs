@@ -214,6 +214,56 @@ fn mistakes_in_formulas_are_refused_where_they_stand() {
     assert!(message.contains("order = -1"), "{message}");
 }
 
+/// S_1 and H are formulas: what moves the system otherwise is refused, however small, at any value that the algebra
+/// tells from 0; what does not is taken, written in whatever way.
+#[test]
+fn a_first_coefficient_is_the_hamiltonian_up_to_a_casimir() {
+    let outcome = |system: &str, realization: &str, start: &str, s: &str| {
+        let text = format!(
+            "[system]\n{system}\n[method]\nrealization = {realization}\n\
+             dynamics = {{ name = \"generating-function\", S = [\"{s}\"] }}\ntime-step = 0.1\n\
+             [run]\ninitial = {start}\nsteps = 1\n"
+        );
+        let composed = compose(&document(&text, &[]), &Registry::with_builtin());
+        composed
+            .map(drop)
+            .map_err(|refusal| refusal.message.clone())
+    };
+    let pendulum = OSCILLATOR.replace("w*(q^2 + p^2)/2", "p^2/2 + sin(2*q)");
+    for exponent in 2..=20 {
+        for (term, moved) in [
+            ("q^3", "p"),
+            ("p*q", "q"),
+            ("sin(q)", "p"),
+            ("w*exp(p)", "q"),
+        ] {
+            let s = format!("H + 1e-{exponent}*{term}");
+            for system in [OSCILLATOR, &pendulum] {
+                let message = outcome(system, "\"constant\"", "[1.0, 0.0]", &s);
+                let message = message.expect_err(&s);
+                assert!(message.contains("another motion"), "{message}");
+                assert!(
+                    message.contains(&format!("which moves {moved};")),
+                    "{message}"
+                );
+            }
+        }
+    }
+    for s in ["q*q*w/2 + p^2/2*w", "H + 3", "H + w^2"] {
+        let taken = outcome(OSCILLATOR, "\"constant\"", "[1.0, 0.0]", s);
+        assert_eq!(taken, Ok(()), "{s}");
+    }
+    let other = "p^2/2 + 2*sin(q)*cos(q)";
+    assert_eq!(
+        outcome(&pendulum, "\"constant\"", "[1.0, 0.0]", other),
+        Ok(())
+    );
+    for s in ["H + (x^2 + y^2 + z^2)/7", "H + sqrt(x^2 + y^2 + z^2)"] {
+        let exact = closed_form(&cayley("1/4"), "");
+        assert_eq!(outcome(BODY, &exact, BODY_START, s), Ok(()), "{s}");
+    }
+}
+
 /// A chart that ends where `domain` comes to 1, and β written beside α.
 #[test]
 fn the_domain_and_beta_are_the_scenes_too() {

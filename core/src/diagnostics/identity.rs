@@ -189,7 +189,7 @@ type Differentiate<'a, A> = dyn FnMut(
     + 'a;
 
 /// Π_ij in any algebra, `None` where it is structurally zero.
-fn entry<A: Arithmetic>(
+pub(super) fn entry<A: Arithmetic>(
     system: &SystemFormulas,
     arithmetic: &mut A,
     x: &[A::Element],

@@ -6,6 +6,7 @@
 //! - [`identity`]: is the tensor Poisson, is a Casimir one?
 //! - [`order`]: an order with a tolerance derived from the points.
 //! - [`realization_error`]: ε Π(α̂) − {α̂, α̂}_ω, and the dual-pair error {α̂_i, β̂_j}_ω.
+//! - `same_motion`: does a function move a system as its Hamiltonian does?
 //! - [`section`]: α̂∘σ = β̂∘σ = id.
 //! - [`self_adjointness`]: Φ_{−h}∘Φ_h = id.
 //! - [`tensor_defect`]: DΦ Π DΦᵀ − Π∘Φ with the exact tangent map.
@@ -21,6 +22,7 @@ mod one_step;
 pub mod order;
 pub mod realization_error;
 mod round_off;
+pub(crate) mod same_motion;
 pub mod section;
 pub mod self_adjointness;
 pub mod slope;
@@ -29,7 +31,7 @@ pub mod tensor_defect;
 mod verdict;
 
 pub use consistency::{Inconsistency, find_inconsistency};
-pub use drift::{InvariantDrift, measure_drift};
+pub use drift::{InvariantDrift, casimir_round_off, casimir_sizes, measure_drift};
 pub use identity::{check_casimir, check_jacobi};
 pub use order::{FittedOrder, fit_order, least_slope};
 pub use realization_error::RealizationInstrument;

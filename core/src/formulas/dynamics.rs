@@ -5,12 +5,16 @@ use std::sync::Arc;
 use leafwise_expression::{Expression, Polynomial, Ring};
 
 use crate::bisection::LagrangianBisection;
+use crate::diagnostics::same_motion::other_motion;
 use crate::dimensions::Dimensions;
 use crate::dynamics::{Correction, DynamicApproximation, Generating, GeneratingFunction};
 use crate::error::BuildError;
 use crate::graph_bisection::{GraphBisection, OneForm};
 use crate::realization::RealizationData;
 use crate::system::PoissonSystem;
+
+/// The most characters of a difference that a message holds.
+const LONGEST: usize = 80;
 
 /// graph(dŜ), Ŝ_{ε,h} = Σ_{l odd} ε^{l−1} hˡ S_l by formulas of the coordinates and the system's parameters.
 #[derive(Clone, Debug)]
@@ -53,6 +57,30 @@ impl FormulaDynamics {
             gradients,
         }))
     }
+
+    /// S_1 = H in every chart, up to a Casimir: what {S_1, x} and {H, x} differ by is not of an order in h.
+    fn check_first(&self, system: &PoissonSystem) -> Result<(), BuildError> {
+        let (Some(formulas), Some(first)) = (system.expressions(), self.coefficients.first())
+        else {
+            return Ok(());
+        };
+        let Some(other) = other_motion(formulas, first) else {
+            return Ok(());
+        };
+        let parameters = system.parameters().iter();
+        let parameters: Vec<String> = parameters.map(|known| known.name.clone()).collect();
+        let mut difference = other.difference.written(system.variables(), &parameters);
+        if difference.chars().count() > LONGEST {
+            difference = difference.chars().take(LONGEST).chain(['…']).collect();
+        }
+        Err(BuildError::DoesNotFit {
+            part: self.name,
+            reason: format!(
+                "it follows another motion: S_1 - H = {difference}, which moves {}; S_1 is H, up to a Casimir",
+                system.variables()[other.coordinate]
+            ),
+        })
+    }
 }
 
 impl DynamicApproximation for FormulaDynamics {
@@ -78,6 +106,7 @@ impl DynamicApproximation for FormulaDynamics {
         realization: &Arc<dyn RealizationData>,
     ) -> Result<Arc<dyn LagrangianBisection>, BuildError> {
         self.dimensions.check(self.name, system.dimension())?;
+        self.check_first(system)?;
         let form = OneForm::Differential(self.generating(system.dimension())?);
         let parameters = system.parameters().len();
         let graph = GraphBisection::new(form, realization, parameters, &self.describe())?;

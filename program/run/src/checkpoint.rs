@@ -15,6 +15,7 @@ use super::paced::PacedSteps;
 use super::samples;
 use super::sealed::Format;
 use super::snapshots::Snapshots;
+use super::watch::Watch;
 
 /// The file's name in the run directory.
 pub(crate) const FILE: &str = "checkpoint.bin";
@@ -48,6 +49,8 @@ pub(super) struct Checkpoint {
     pub undefined: Vec<u64>,
     /// Invariants over windows.
     pub windows: Windows,
+    /// States that the method is judged at.
+    pub watch: Watch,
     /// Fields of a long lattice.
     pub snapshots: Snapshots,
     /// Steps of a fictitious time.
@@ -99,6 +102,7 @@ impl Checkpoint {
             && windows.times.len() == windows.evaluations.len()
             && self.start.compensation.len() == self.start.state.len()
             && integrator.compensation.len() == integrator.state.len()
+            && self.watch.agrees(integrator.state.len())
             && self.snapshots.every > 0
     }
 }
@@ -157,6 +161,7 @@ mod tests {
             last_sample: Some(4998),
             undefined: vec![0, 3],
             windows,
+            watch: Watch::new(&[0.1, -0.0, 5e-324]),
             snapshots: Snapshots {
                 every: 2,
                 seen: 3,
@@ -193,7 +198,8 @@ mod tests {
 
     #[test]
     fn lists_that_do_not_belong_together_are_refused() {
-        let spoils: [fn(&mut Checkpoint); 6] = [
+        let spoils: [fn(&mut Checkpoint); 7] = [
+            |it| it.watch = Watch::new(&[0.0]),
             |it| it.windows.times.push(0.0),
             |it| it.start.state.push(0.0),
             |it| it.windows.current.push(0.0),

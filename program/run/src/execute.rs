@@ -15,11 +15,12 @@ use super::outcome::{InvariantDrift, RunOutcome, RunReport};
 use super::page::{confirm_page, write_page};
 use super::progress::Progress;
 use super::replaced::{Put, confirm, replace};
+use super::round_off::round_off;
 use super::sampled;
 use super::samples::Samples;
 use super::states::FINAL_STATE;
 use super::summary::{report_data, short};
-use crate::advice::{Advice, AdviceKind, advise, unused_parameters};
+use crate::advice::{Advice, AdviceKind, about_the_scene, advise, casimir_drift};
 use crate::csv::Headings;
 use leafwise_report::{ReportData, render_report};
 use leafwise_scene::compose::{ComposedRun, SceneChecks};
@@ -233,10 +234,15 @@ fn advice(
     session: &Session<'_>,
     report: &RunReport,
 ) -> Result<Vec<Advice>, RunError> {
-    let states = sampled::states(composed, session, report)?;
-    let mut advice = unused_parameters(document);
-    advice.extend(advise(composed, registry, &states));
-    advice.extend(sampled::energy_error(document, composed, session, report)?);
+    let mut advice = about_the_scene(document, composed);
+    advice.extend(advise(composed, registry, &session.judged()));
+    advice.extend(sampled::energy_error(document, composed, session, report));
+    advice.extend(casimir_drift(
+        composed,
+        &report.invariants,
+        &session.along(),
+        report.steps,
+    ));
     let undefined: Vec<_> = session
         .undefined()
         .filter(|(_, samples)| *samples > 0)
@@ -318,7 +324,7 @@ pub(crate) fn describe(
             name: invariant_name(composed, index).to_owned(),
             initial: *initial,
             maximum,
-            relative: (*initial != 0.0).then(|| maximum / initial.abs()),
+            relative: has_size(composed, index, *initial).then(|| maximum / initial.abs()),
         })
         .collect();
     let status = session.status();
@@ -338,6 +344,20 @@ pub(crate) fn describe(
         shadow: None,
         advice: Vec::new(),
     }
+}
+
+/// Whether I(x_0) is more than the round-off of its formula, for a deviation relative to it to mean anything.
+fn has_size(composed: &ComposedRun, index: usize, initial: f64) -> bool {
+    let formulas = composed.system.expressions();
+    let formulas = formulas.filter(|_| composed.method.lattice().is_none());
+    let formula = formulas.and_then(|formulas| match index {
+        0 => composed.pace().is_none().then_some(formulas.hamiltonian()),
+        _ => Some(&formulas.casimirs().get(index - 1)?.expression),
+    });
+    let bounded =
+        formula.and_then(|formula| round_off(composed, formula, &composed.plan.initial, 0.5));
+    let least = bounded.filter(|bounded| bounded.error.is_finite());
+    initial.abs() > least.map_or(0.0, |bounded| bounded.error)
 }
 
 /// The end of each window and the invariants' largest deviations in it.

@@ -25,8 +25,10 @@
 //! - `manifest`: what was run, with what, and how it ended;
 //! - `directory`: start afresh, resume, or refuse;
 //! - `difference`: what changed between two scenes;
-//! - `sampled`: what the samples tell of a method, for warnings;
+//! - `watch`: states that the method is judged at, whatever is recorded;
+//! - `sampled`: what a run tells of its method, for warnings;
 //! - `summary`: `report.html` from what the directory holds;
+//! - `round_off`: values of formulas with a bound on their rounding;
 //! - `progress`: what a program shows meanwhile;
 //! - `outcome`, `error`: how a run ends.
 
@@ -52,6 +54,7 @@ mod page;
 mod progress;
 mod replaced;
 mod room;
+mod round_off;
 mod sampled;
 mod samples;
 mod sealed;
@@ -65,6 +68,7 @@ pub mod sweep;
 #[cfg(test)]
 mod tests;
 mod time;
+mod watch;
 
 pub use advice::{Advice, AdviceKind, advise};
 pub(crate) use appended::{Appended, Vouched};

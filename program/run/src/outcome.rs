@@ -60,7 +60,7 @@ impl Failure {
             && self.message.starts_with("the increment is not finite")
         {
             self.message = "the increment is not finite: in one step a body that is taken whole turns further than its flow \
-                            is formed for, by about one radian and a half, or the state left the formulas' domain"
+                            is formed for, about half a nutation or 64 radians, or the state left the formulas' domain"
                 .to_owned();
             "reduce epsilon*h, or take the axes of bodies one by one: bodies = \"axes\""
                 .clone_into(&mut self.hint);
@@ -144,7 +144,7 @@ pub struct InvariantDrift {
     /// max_k |I(x_k) − I(x_0)|.
     #[serde(serialize_with = "double")]
     pub maximum: f64,
-    /// The same over |I(x_0)|; it has no meaning where that is 0.
+    /// The same over |I(x_0)|; it has no meaning where that is 0, or no more than its round-off.
     #[serde(serialize_with = "optional")]
     pub relative: Option<f64>,
 }

@@ -1,4 +1,4 @@
-//! What the samples of a run that has ended tell of its method: states to judge it at, and how energies were kept.
+//! What a run that has ended tells of its method: how energies were kept, formulas without a value.
 
 use leafwise_core::solver::judge::larger;
 
@@ -6,38 +6,12 @@ use super::drive::Session;
 use super::error::RunError;
 use super::outcome::RunReport;
 use super::shadow::{Changes, ShadowVerdict};
-use crate::advice::{Advice, EnergyError, MOST_STATES, states_ahead};
+use crate::advice::{Advice, EnergyError};
 use leafwise_scene::compose::ComposedRun;
 use leafwise_scene::document::SceneDocument;
 
-/// The most states that tell how far an orbit reaches.
-const MOST_ORBIT_STATES: u64 = 1000;
-
 /// The most samples of a shadow energy that are looked at.
 const MOST_SAMPLES: u64 = 50_000;
-
-/// States of the run to judge its method at: the first, the last, and recorded ones between.
-pub(super) fn states(
-    run: &ComposedRun,
-    session: &Session<'_>,
-    report: &RunReport,
-) -> Result<Vec<Vec<f64>>, RunError> {
-    // Samples and reports hold the scene's own coordinates.
-    if run.is_extended() {
-        return Ok(states_ahead(run));
-    }
-    let d = run.dimension();
-    let mut states = vec![run.plan.initial.clone(), report.final_state.clone()];
-    if run.plan.states.is_whole_in_samples() {
-        let stride = report.samples.div_ceil(MOST_STATES as u64 - 2).max(1);
-        let stride = usize::try_from(stride).unwrap_or(usize::MAX);
-        let rows = session.samples().read(stride)?;
-        states.extend(rows.iter().skip(1).map(|row| row[1..=d].to_vec()));
-    }
-    states.dedup();
-    states.truncate(MOST_STATES);
-    Ok(states)
-}
 
 /// How the energy of the map's shadow was kept at the recorded states, where it is recorded.
 pub(super) fn shadow(
@@ -66,34 +40,24 @@ pub(super) fn shadow(
     Ok(Some(ShadowVerdict::new(recorded, changes, t)))
 }
 
-/// An energy kept badly, judged along the recorded orbit.
+/// An energy kept badly, judged along the run's orbit.
 pub(super) fn energy_error(
     document: &SceneDocument,
     run: &ComposedRun,
     session: &Session<'_>,
     report: &RunReport,
-) -> Result<Option<Advice>, RunError> {
-    let Some(energy) = report.invariants.first() else {
-        return Ok(None);
-    };
+) -> Option<Advice> {
+    let energy = report.invariants.first()?;
     let error = EnergyError {
         parameters: &run.system.parameter_values(),
         initial: energy.initial,
         largest: energy.maximum,
         whose: "",
     };
-    if !error.is_notable() {
-        return Ok(None);
-    }
-    let d = run.dimension();
-    let mut states = Vec::new();
-    if run.plan.states.is_whole_in_samples() && !run.is_extended() {
-        let stride = report.samples.div_ceil(MOST_ORBIT_STATES).max(1);
-        let stride = usize::try_from(stride).unwrap_or(usize::MAX);
-        let rows = session.samples().read(stride)?;
-        states.extend(rows.iter().map(|row| row[1..=d].to_vec()));
-    }
-    Ok(error.advice(document, run, &states))
+    let is_notable = error.is_notable();
+    is_notable
+        .then(|| error.advice(document, run, &session.along()))
+        .flatten()
 }
 
 /// The observables that have no finite value somewhere, each with the first time.

@@ -9,10 +9,12 @@
 //! - [`truncated`]: [`TruncatedKarasev`], R̂_ε = τⁿK_ε (paper, section 3.2).
 //! - [`stages`]: the same over a long lattice, one sweep an order.
 //! - [`collocated`]: [`CollocatedKarasev`], the defining relation solved at Gauss nodes.
+//! - `ends`: where the series ends, so that a truncation is exact.
 //! - [`series`]: α along p(h) in the exact ring, for Hamilton–Jacobi coefficients.
 
 pub mod collocated;
 pub mod curve;
+mod ends;
 pub mod series;
 pub mod stages;
 pub mod truncated;

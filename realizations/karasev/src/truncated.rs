@@ -12,6 +12,7 @@ use leafwise_core::{BuildError, PoissonSystem, SystemFormulas};
 use leafwise_expression::{Arithmetic, Graph, Rational, Term};
 
 use crate::curve::KarasevCurve;
+use crate::ends;
 use crate::series::KarasevSeries;
 
 static INFO: PartInfo = PartInfo {
@@ -51,6 +52,8 @@ pub struct TruncatedKarasev {
     system: SystemFormulas,
     order: usize,
     series: KarasevSeries,
+    /// Whether α_(k) = 0 for all k > n.
+    is_whole: bool,
 }
 
 impl TruncatedKarasev {
@@ -73,6 +76,7 @@ impl TruncatedKarasev {
         let system = system.formulas(INFO.name)?;
         let series = KarasevSeries::new(system.clone());
         Ok(Self {
+            is_whole: ends::is_whole(system, order),
             system: system.clone(),
             order,
             series,
@@ -113,10 +117,9 @@ impl RealizationData for TruncatedKarasev {
         self.system.dimension()
     }
 
-    /// Of a constant tensor α_(k) = 0 for k ≥ 2: nothing is cut off.
+    /// Where the series ends, of a constant tensor after α_(1), nothing is cut off.
     fn accuracy(&self) -> Accuracy {
-        let mut entries = self.system.tensor().values();
-        match entries.all(|entry| entry.variables().is_empty()) {
+        match self.is_whole {
             true => Accuracy::Exact,
             false => Accuracy::Order(self.order),
         }

@@ -4,7 +4,7 @@ use leafwise::core::diagnostics::{IdentityCheck, Verdict};
 use leafwise::core::system::TensorSource;
 use leafwise::core::{PoissonSystem, SystemFormulas};
 use leafwise::run::Advice;
-use leafwise::run::{advice::advise, advice::states_ahead, advice::unused_parameters};
+use leafwise::run::advice::{about_the_scene, advise, states_ahead};
 use leafwise::scene::SceneDocument;
 use leafwise::scene::compose::{Motion, SceneChecks, compose};
 use leafwise::scene::json::{Double, doubles, object};
@@ -96,7 +96,7 @@ pub fn execute(
     if let Some(text) = composed.work_of_forces() {
         rows.push(vec!["  Energy".to_owned(), text]);
     }
-    let mut advice = unused_parameters(&document);
+    let mut advice = about_the_scene(&document, &composed);
     if checks.pass() {
         let states = states_ahead(&composed);
         advice.extend(advise(&composed, &parts.registry, &states));

@@ -264,7 +264,7 @@ fn tune_says_how_long_a_motion_can_be_followed_where_it_cannot() {
     let said = here.leafwise(&tune);
     assert_eq!(said.code, Some(5), "{}{}", said.out, said.err);
     for piece in [
-        "no Poisson map holds it",
+        "whether a Poisson map holds it cannot be told",
         "grows by a factor of",
         "until t = 1000",
         "take --time",
@@ -448,4 +448,73 @@ fn a_search_that_is_terminated_ends_where_it_is() {
     assert!(said.contains("interrupted"), "{said}");
     assert!(here.is_untouched());
     assert!(here.read("scene.toml").contains("steps   = 10000000"));
+}
+
+const PENDULUM: &str = "[system]\nvariables = [\"q\", \"p\"]\nbracket = { \"q,p\" = 1 }\nconvention = \"{x,H}\"\n\
+                        hamiltonian = \"p^2/2 - cos(q)\"\n[method]\nstepper = \"splitting\"\ntime-step = 0.001\n\
+                        [run]\ninitial = [1.0, 0.0]\nsteps = 10000\n";
+
+/// A hundredth of a radian takes fifty steps, and the grid begins at a sixteenth of ten thousand.
+#[test]
+fn tune_goes_on_below_the_first_of_its_steps() {
+    let here = Place::with(PENDULUM);
+    let tune = [
+        "tune",
+        "scene.toml",
+        "--error",
+        "1e-2",
+        "--only",
+        "splitting",
+        "--json",
+    ];
+    let found = here.leafwise(&tune).json();
+    let recommended = &found["recommended"];
+    let steps = recommended["steps"].as_u64().expect("a number");
+    let error = recommended["measured"]["error"].as_f64().expect("a number");
+    // Strang's error falls by the square of the step: no fewer than half as many steps would do.
+    assert!((2.5e-3..=1e-2).contains(&error), "{steps}: {error}");
+    assert!(steps < 625 / 4, "{steps}");
+}
+
+/// Where nothing was judged, nothing is known to hold or not.
+#[test]
+fn a_search_without_time_says_that_nothing_is_known() {
+    let here = Place::with(PENDULUM);
+    let said = here.leafwise(&["tune", "scene.toml", "--error", "1e-8", "--within", "1e-9"]);
+    assert_eq!(said.code, Some(5), "{}{}", said.out, said.err);
+    let known = "no run was judged: whether a Poisson map holds it is not known";
+    assert!(said.out.contains(known), "{}", said.out);
+    assert!(
+        !said.out.contains("no Poisson map holds it"),
+        "{}",
+        said.out
+    );
+    said.says(&["are not interrupted", "--within"]);
+}
+
+/// A truncated realization is a Poisson map where its defect is round-off, and Casimirs say otherwise.
+#[test]
+fn tune_says_to_which_order_a_poisson_map_is_one() {
+    let scene = include_str!("../../../../scenes/heavy_top.toml");
+    let here = Place::with(scene);
+    let only = "karasev-truncated:8+hamilton-jacobi:8";
+    let tune = [
+        "tune",
+        "scene.toml",
+        "--time",
+        "2",
+        "--error",
+        "1e-9",
+        "--only",
+        only,
+    ];
+    let said = here.leafwise(&tune);
+    assert_eq!(said.code, Some(0), "{}{}", said.out, said.err);
+    for piece in [
+        "a Poisson map to order 8",
+        "its tensor defect is",
+        "Casimirs are kept to the same order",
+    ] {
+        assert!(said.out.contains(piece), "{piece}: {}", said.out);
+    }
 }

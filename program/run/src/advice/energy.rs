@@ -1,10 +1,14 @@
 //! An energy that is kept badly.
 //!
-//! Let E be the least of Σ_i |∂H/∂x_i(x)| · (max x_i − min x_i) over the states of an orbit: what H changes by
-//! when the coordinates change as they do on it. It depends neither on units nor on a constant in H. The
-//! energy's scale is |H(x_0)|, but not above E, which a constant would reach, and not below E/10, should
-//! H(x_0) be near 0; where states are not at hand, it is |H(x_0)|. An error of the energy above
-//! [`LARGEST`] of its scale is worth a warning. Forces change the energy by themselves, and nothing is said of it.
+//! Let E be the mean of Σ_i |∂H/∂x_i(x)| · (max x_i − min x_i)/2 over states along an orbit: what H changes by when the
+//! coordinates change by half of what they do on it. It depends neither on units nor on a constant in H, and one state at rest does not
+//! make it small. The time is not among the coordinates. Of a long lattice, whose derivatives are those of its cells, E is the
+//! mean of Σ_f |H(x_0 with the family f of x) − H(x_0)|.
+//!
+//! The energy's scale is |H(x_0)|, but not above E, which a constant would reach, and not below E/10, should H(x_0) be near
+//! 0. Where states are few, or families are compared, E may be too small, and the scale is the larger one of both. An error
+//! of the energy above [`LARGEST`] of its scale is worth a warning. Forces change the energy by themselves, and nothing is
+//! said of it.
 
 use leafwise_core::Evaluator;
 
@@ -22,8 +26,8 @@ const NEGLIGIBLE: f64 = 1e-6;
 /// The part of E that the energy's scale is at least.
 const LEAST_PART: f64 = 0.1;
 
-/// States that tell how far an orbit reaches, at least.
-const LEAST_STATES: usize = 8;
+/// From this number of states on they tell how far an orbit reaches.
+const MANY_STATES: usize = 8;
 
 /// What is known of the energy along an orbit.
 pub(crate) struct EnergyError<'a> {
@@ -53,9 +57,13 @@ impl EnergyError<'_> {
         if run.system.has_forces() || run.method.noise().is_some() {
             return None;
         }
-        let along = scale(run, self.parameters, states);
         let size = self.initial.abs();
-        let scale = along.map_or(size, |along| size.clamp(LEAST_PART * along, along));
+        let scale = match along(run, self.parameters, states) {
+            Some(along) if states.len() >= MANY_STATES && run.method.lattice().is_none() => {
+                size.clamp(LEAST_PART * along, along)
+            }
+            along => size.max(along.unwrap_or(0.0)),
+        };
         if !(self.largest > LARGEST * scale && scale > 0.0) {
             return None;
         }
@@ -77,32 +85,73 @@ impl EnergyError<'_> {
     }
 }
 
-/// The energy's scale along an orbit, `None` where there are too few states or no gradients.
-fn scale(run: &ComposedRun, parameters: &[f64], states: &[Vec<f64>]) -> Option<f64> {
-    let d = run.system.dimension();
-    if states.len() < LEAST_STATES || states.iter().any(|x| x.len() != d) {
+/// E along an orbit, `None` where there are no gradients.
+fn along(run: &ComposedRun, parameters: &[f64], states: &[Vec<f64>]) -> Option<f64> {
+    let sums = match run.method.lattice() {
+        Some(geometry) => of_families(run, &geometry.offsets(), states)?,
+        None => of_coordinates(run, parameters, states)?,
+    };
+    let finite: Vec<f64> = sums.into_iter().filter(|sum| sum.is_finite()).collect();
+    let mean = finite.iter().sum::<f64>() / finite.len() as f64;
+    (mean > 0.0).then_some(mean)
+}
+
+/// Σ_i |∂H/∂x_i| (max x_i − min x_i)/2 at each state.
+fn of_coordinates(run: &ComposedRun, parameters: &[f64], states: &[Vec<f64>]) -> Option<Vec<f64>> {
+    let system = run.in_time().ok()?;
+    let d = system.dimension();
+    if states.iter().any(|x| x.len() != d) {
         return None;
     }
-    let range = |i: usize| {
+    let time = run
+        .extension
+        .as_ref()
+        .map(|extension| extension.coordinates);
+    let half = |i: usize| {
         let values = states.iter().map(|x| x[i]);
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
             (low.min(x), high.max(x))
         });
-        high - low
+        if Some(i) == time {
+            0.0
+        } else {
+            (high - low) / 2.0
+        }
     };
-    let ranges: Vec<f64> = (0..d).map(range).collect();
-    let gradient = run.system.gradient_values().ok()?;
+    let halves: Vec<f64> = (0..d).map(half).collect();
+    let gradient = system.gradient_values().ok()?;
     let mut gradient = gradient.evaluator(parameters, 1.0, 1.0);
     let mut slopes = vec![0.0; d];
-    let mut least = f64::INFINITY;
-    for x in states {
-        if gradient.values(x, &mut slopes).is_ok() {
-            let products = slopes
-                .iter()
-                .zip(&ranges)
-                .map(|(slope, range)| slope.abs() * range);
-            least = least.min(products.sum());
-        }
-    }
-    (least.is_finite() && least > 0.0).then_some(least)
+    let sums = states.iter().filter_map(|x| {
+        gradient.values(x, &mut slopes).ok()?;
+        let products = slopes.iter().zip(&halves);
+        Some(products.map(|(slope, half)| slope.abs() * half).sum())
+    });
+    Some(sums.collect())
+}
+
+/// Σ_f |H(x_0 with the family f of x) − H(x_0)| at each state x.
+fn of_families(run: &ComposedRun, offsets: &[usize], states: &[Vec<f64>]) -> Option<Vec<f64>> {
+    let initial = &run.plan.initial;
+    let mut observer = run.invariants().ok()?;
+    let mut values = vec![0.0; observer.observables()];
+    let mut energy = |x: &[f64]| {
+        observer.evaluate(x, &mut values);
+        values[0]
+    };
+    let at_first = energy(initial);
+    let mut moved = initial.clone();
+    let ends = offsets.iter().skip(1).copied().chain([initial.len()]);
+    let families: Vec<_> = offsets.iter().zip(ends).collect();
+    let sum = |x: &Vec<f64>| {
+        let changes = families.iter().map(|(start, end)| {
+            let family = **start..*end;
+            moved[family.clone()].copy_from_slice(&x[family.clone()]);
+            let change = energy(&moved) - at_first;
+            moved[family.clone()].copy_from_slice(&initial[family]);
+            change.abs()
+        });
+        changes.sum()
+    };
+    Some(states.iter().map(sum).collect())
 }

@@ -20,9 +20,9 @@ pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
     let (exact, choice) = exact_realization(probe.system(), probe.registry, false)?;
     let dynamics = probe.dynamics_again().ok()?;
     let method = Method::compose(probe.system(), exact, dynamics).ok()?;
-    let x = &probe.places.first()?.x;
-    let now = Trial::of(probe.run, probe.method, x)?;
-    let then = Trial::instead(probe.run, &method, x, &now)?;
+    let states = || probe.places.iter().map(|place| place.x.as_slice());
+    let now = Trial::of(probe.run, probe.method, states())?;
+    let then = Trial::instead(probe.run, &method, states(), &now)?;
     then.is_worth_it(&now).then(|| Advice {
         kind: AdviceKind::ExactRealization,
         message: format!(

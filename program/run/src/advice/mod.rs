@@ -16,10 +16,15 @@
 //! - `stepper`: a stepper that is no Poisson map where splitting is one for no more, stages that no step
 //!   feels;
 //! - `unused`: parameters that nothing depends on;
+//! - `constraints`: a start off the constraints;
+//! - `claims`: parts that are not what they say;
 //! - `trial`: what a step map does over the first steps;
-//! - `walk`: trajectories by their increments.
+//! - `walk`: trajectories by their increments;
+//! - `sizes`: what changes of coordinates are measured by.
 
 mod chart;
+mod claims;
+mod constraints;
 mod defect;
 mod direction;
 mod dynamics;
@@ -28,6 +33,7 @@ mod exact;
 mod leaves;
 mod probe;
 mod rounding;
+mod sizes;
 mod solutions;
 mod step;
 mod stepper;
@@ -39,10 +45,12 @@ mod walk;
 use leafwise_core::{Integrator, Registry};
 use serde::Serialize;
 
+pub(crate) use claims::casimir_drift;
+pub(crate) use constraints::off_constraints;
 pub(crate) use energy::EnergyError;
 use leafwise_scene::compose::ComposedRun;
+use leafwise_scene::document::SceneDocument;
 use probe::Probe;
-pub use unused::unused_parameters;
 
 /// One thing to change.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -97,6 +105,12 @@ pub enum AdviceKind {
     UnusedParameter,
     /// Rows of states that are no member's.
     UnusedStates,
+    /// An initial state off the constraints.
+    OffConstraint,
+    /// A part that claims to be exact and is not.
+    BrokenClaim,
+    /// A Casimir that drifts over a map that keeps it.
+    CasimirDrift,
 }
 
 /// The most states that are looked at.
@@ -107,7 +121,7 @@ const MOST_STRIDE: u64 = 64;
 
 /// States of more coordinates than this are not looked at: the alternatives are built and solved
 /// densely.
-const LARGEST: usize = 64;
+pub(crate) const LARGEST: usize = 64;
 
 /// The initial state and some that the run's first steps lead to: where a method is judged before it
 /// has run.
@@ -154,20 +168,26 @@ pub(crate) fn orbit_from(
     states
 }
 
-/// What to change in a scene, judged at `states` of its run; nothing that cannot be measured.
-pub fn advise(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>]) -> Vec<Advice> {
-    let mut advice: Vec<Advice> = direction::advice(run).into_iter().collect();
-    advice.extend(about_the_method(run, registry, states));
+/// What to change in a scene whatever its method: parameters that no formula names, an initial state off the constraints,
+/// Hamilton's equations that run backwards in time.
+pub fn about_the_scene(document: &SceneDocument, run: &ComposedRun) -> Vec<Advice> {
+    let mut advice = unused::unused_parameters(document);
+    advice.extend(off_constraints(document, run, &run.plan.initial, ""));
+    advice.extend(direction::advice(document, run));
     advice
 }
 
-/// What to change about the method; nothing for a long lattice, and with noise, where two steps differ by what they draw.
-fn about_the_method(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>]) -> Vec<Advice> {
+/// What to change about a scene's method, judged at `states` of its run; nothing that cannot be measured, nothing for a long
+/// lattice, and with noise, where two steps differ by what they draw.
+pub fn advise(run: &ComposedRun, registry: &Registry, states: &[Vec<f64>]) -> Vec<Advice> {
     if run.dimension() > LARGEST || run.method.noise().is_some() {
         return Vec::new();
     }
     let coarse = step::advice(run, registry, states);
     let coarse = coarse.or_else(|| rounding::advice(run, states)).into_iter();
+    let coarse = claims::advice(run, registry, states)
+        .into_iter()
+        .chain(coarse);
     if run.method.written().is_none() {
         return coarse
             .chain(stepper::advice(run, registry, states))

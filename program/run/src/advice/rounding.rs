@@ -4,7 +4,8 @@
 use leafwise_core::Evaluator;
 use leafwise_expression::Expression;
 
-use super::walk::{difference, increment};
+use super::sizes::Sizes;
+use super::walk::increment;
 use super::{Advice, AdviceKind, number};
 use leafwise_scene::compose::ComposedRun;
 
@@ -23,11 +24,12 @@ pub(super) fn advice(run: &ComposedRun, states: &[Vec<f64>]) -> Option<Advice> {
 
 /// At the first of the run's states where a step from there and one from its neighbour differ by more.
 fn of_the_step(run: &ComposedRun, states: &[Vec<f64>]) -> Option<Advice> {
+    let sizes = Sizes::of(run, states);
     let message = states.iter().find_map(|x| {
         let map = run.method.map();
         let neighbour: Vec<f64> = x.iter().map(|x| x + x * f64::EPSILON).collect();
         let (here, there) = (increment(run, map, x), increment(run, map, &neighbour));
-        let part = difference(x, &here.ok()?, &there.ok()?);
+        let part = sizes.difference(x, &here.ok()?, &there.ok()?);
         (part > DECIDED).then(|| {
             format!(
                 "the state's round-off decides where a step leads: one unit of it changes a coordinate's motion \

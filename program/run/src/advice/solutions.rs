@@ -10,8 +10,8 @@ const STARTS: usize = 16;
 /// What the search may cost, in operations: about a second.
 const MOST_OPERATIONS: u64 = 1_000_000_000;
 
-/// Solutions further away, in sizes of the state, are out of reach of any start: a solver begins within a step's motion.
-const FAR: f64 = 100.0;
+/// Solutions further away, in motions of the step, are out of reach of any start: a solver begins within one.
+const FAR: f64 = 10.0;
 
 pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
     let (mut several, mut nearest) = (0, f64::INFINITY);
@@ -21,10 +21,12 @@ pub(super) fn advice(probe: &mut Probe<'_>) -> Option<Advice> {
             continue;
         };
         let others = others.iter();
-        let apart = others.map(|other| distance(&other.y, &place.solution.y) / size(&place.x));
+        let apart = others.map(|other| distance(&other.y, &place.solution.y));
         let closest = apart.fold(f64::INFINITY, f64::min);
-        several += usize::from(closest <= FAR);
-        nearest = nearest.min(closest);
+        if closest <= FAR * size(&place.solution.increment) {
+            several += 1;
+            nearest = nearest.min(closest / size(&place.x));
+        }
     }
     (several > 0).then(|| Advice {
         kind: AdviceKind::SeveralSolutions,

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use leafwise_core::{Registry, StepError, StepMap};
 
 use super::probe::given;
-use super::walk::{Walk, difference};
+use super::sizes::Sizes;
+use super::walk::Walk;
 use super::{Advice, AdviceKind, number};
 use leafwise_scene::compose::{ComposedRun, PartChoice};
 
@@ -38,7 +39,7 @@ pub(super) fn advice(
     registry: &Registry,
     states: &[Vec<f64>],
 ) -> Option<Advice> {
-    let finer = Finer::of(run, registry);
+    let finer = Finer::of(run, registry, states);
     let message = states.iter().find_map(|x| finer.over_one_step(x));
     let message = message.or_else(|| finer.over_the_first())?;
     Some(Advice {
@@ -88,10 +89,11 @@ struct Finer<'a> {
     tighter: Option<[Arc<dyn StepMap>; 2]>,
     /// The root of the tolerance, of which errors within it stay far below; infinite without one.
     outgrown: f64,
+    sizes: Sizes,
 }
 
 impl<'a> Finer<'a> {
-    fn of(run: &'a ComposedRun, registry: &Registry) -> Self {
+    fn of(run: &'a ComposedRun, registry: &Registry, states: &[Vec<f64>]) -> Self {
         let tighter = adaptive(run).and_then(|(stepper, tolerance)| {
             let part = registry.stepper(stepper.name).ok()?;
             let with = |tolerance: f64| {
@@ -107,6 +109,7 @@ impl<'a> Finer<'a> {
             run,
             tighter,
             outgrown,
+            sizes: Sizes::of(run, states),
         }
     }
 
@@ -123,14 +126,19 @@ impl<'a> Finer<'a> {
 
     fn over_one_step(&self, x: &[f64]) -> Option<String> {
         let [mut whole, mut finer, _] = self.walks(x);
-        whole.advance().ok()?;
+        if let Err(error) = whole.advance() {
+            // The run itself says that its first step fails.
+            let is_first = *x == self.run.plan.initial;
+            let message = format!("a step that the run took fails where it is taken anew: {error}");
+            return (!is_first).then_some(message);
+        }
         if let Err(error) = finer.advance() {
             return self.refusal(
                 "a step is taken, and two of half its length are not",
                 &error,
             );
         }
-        let part = difference(x, &whole.increment, &finer.increment);
+        let part = self.sizes.difference(x, &whole.increment, &finer.increment);
         (part > self.outgrown.min(COARSE)).then(|| match self.tighter {
             None => format!(
                 "a step is too long for its order: two of half its length change a coordinate's motion by {} of it",
@@ -155,8 +163,11 @@ impl<'a> Finer<'a> {
                 );
                 return self.refusal(&what, &error);
             }
-            let part = difference(x, &whole.increment, &finer.increment);
-            let part = part.max(difference(x, &finer.increment, &finest.increment));
+            let part = self.sizes.difference(x, &whole.increment, &finer.increment);
+            let part = part.max(
+                self.sizes
+                    .difference(x, &finer.increment, &finest.increment),
+            );
             if part > self.outgrown.min(ASTRAY) {
                 let part = number(part);
                 return Some(match self.tighter {

@@ -54,8 +54,9 @@ fn structure(
     if defect.is_some_and(|defect| defect <= Defect::ROUND_OFF) {
         return None;
     }
-    let x = states.first()?;
-    let now = Trial::of(run, map, x)?;
+    let all = || states.iter().map(Vec::as_slice);
+    let first = || all().take(1);
+    let now = Trial::of(run, map, all())?;
     let splits = registry.family(Family::Splitting).first()?.name;
     let part = registry.stepper(splits).ok()?;
     let splitting = part.build(&run.system, &PartParameters::new()).ok()?;
@@ -66,10 +67,10 @@ fn structure(
     let mut maps = std::iter::once((None, Arc::clone(&splitting))).chain(composed);
     let (near, given) = registry.reference(Family::Explicit).ok()?;
     let near = near.build(&run.system, &given.with("tolerance", TOLERANCE));
-    let exact = Trial::of(run, near.ok()?.as_ref(), x)?.state;
+    let exact = Trial::of(run, near.ok()?.as_ref(), first())?.state;
     let error = |trial: &Trial| distance(&trial.state, &exact);
     let (composition, then) = maps.find_map(|(name, map)| {
-        let then = Trial::instead(run, map.as_ref(), x, &now)?;
+        let then = Trial::instead(run, map.as_ref(), all(), &now)?;
         let is_as_good = error(&then) <= error(&now).max(FAR * TOLERANCE * size(&exact));
         (then.is_as_cheap(&now) && is_as_good).then_some((name, then))
     })?;

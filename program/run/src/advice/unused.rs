@@ -7,7 +7,7 @@ use leafwise_scene::document::{
 
 /// A warning of each parameter that stands in no formula of the scene; those of library systems are not
 /// looked at.
-pub fn unused_parameters(document: &SceneDocument) -> Vec<Advice> {
+pub(super) fn unused_parameters(document: &SceneDocument) -> Vec<Advice> {
     let system = &document.system;
     if system.library.is_some() {
         return Vec::new();

@@ -58,21 +58,3 @@ pub(super) fn increment(
     walk.advance()?;
     Ok(walk.increment)
 }
-
-/// What two increments differ by over what they are: the largest of each over the coordinates, relative to these.
-pub(super) fn difference(x: &[f64], whole: &[f64], finer: &[f64]) -> f64 {
-    let (mut apart, mut motion) = (0.0_f64, 0.0_f64);
-    for ((x, whole), finer) in x.iter().zip(whole).zip(finer) {
-        let size = x.abs().max((x + whole).abs()).max((x + finer).abs());
-        if size > 0.0 {
-            apart = apart.max((whole - finer).abs() / size);
-            motion = motion.max(finer.abs() / size);
-        }
-    }
-    // Round-off of a state is no motion.
-    if apart > f64::EPSILON * 64.0 {
-        apart / motion
-    } else {
-        0.0
-    }
-}

@@ -17,6 +17,7 @@ use crate::paced::Paced;
 use crate::samples::{self, Samples};
 use crate::snapshots::Snapshots;
 use crate::states::StateTable;
+use crate::watch::Watch;
 
 impl<'a> Session<'a> {
     /// The first session of a run: its initial state is recorded, and a checkpoint written.
@@ -109,6 +110,7 @@ impl<'a> Session<'a> {
             last.start = checkpoint.start.clone();
         }
         session.windows = checkpoint.windows.clone();
+        session.watch = checkpoint.watch.clone();
         session.snapshots = checkpoint.snapshots.clone();
         session.last_sample = checkpoint.last_sample;
         session.undefined.clone_from(&checkpoint.undefined);
@@ -161,6 +163,7 @@ impl<'a> Session<'a> {
             failure: None,
             end: None,
             windows: Windows::new(invariants.at(&plan.initial)),
+            watch: Watch::new(&plan.initial),
             invariants,
             formulas,
             row: vec![0.0; columns.len()],

@@ -23,6 +23,7 @@ use crate::room::NoRoom;
 use crate::samples::Samples;
 use crate::snapshots::Snapshots;
 use crate::states::StateTable;
+use crate::watch::Watch;
 use leafwise_scene::compose::{ComposedRun, Observable, SampleTimes, WIDEST_STATE};
 
 /// How often waiting samples are handed to the operating system.
@@ -58,6 +59,8 @@ pub(super) struct Session<'a> {
     columns: Vec<Column>,
     row: Vec<f64>,
     windows: Windows,
+    /// States that the method is judged at.
+    watch: Watch,
     samples: Samples,
     /// States that are too wide for samples.
     states: Option<StateTable>,
@@ -213,9 +216,11 @@ impl<'a> Session<'a> {
         if let Some(last) = &mut self.last {
             last.keep(&self.integrator);
         }
+        self.watch.begin(self.integrator.state());
         if let Err(error) = self.integrator.step() {
             return Ok(Some(self.failure_of_step(&error)));
         }
+        self.watch.end(&self.integrator);
         if let (Some(paced), Some(last)) = (&mut self.paced, &self.last)
             && let Some(failure) =
                 paced.take(last, (&self.integrator).into(), self.integrator.steps())
@@ -373,6 +378,7 @@ impl<'a> Session<'a> {
             last_sample: self.last_sample,
             undefined: self.undefined.clone(),
             windows: self.windows.clone(),
+            watch: self.watch.clone(),
             snapshots: self.snapshots.clone(),
             paced: self
                 .paced
@@ -422,6 +428,19 @@ impl<'a> Session<'a> {
     /// The invariants' deviations.
     pub fn windows(&self) -> &Windows {
         &self.windows
+    }
+
+    /// States from which the run has made a step.
+    pub fn judged(&self) -> Vec<Vec<f64>> {
+        self.watch.judged(&self.run.plan.initial)
+    }
+
+    /// States along the run as it is stepped, the last one with them.
+    pub fn along(&self) -> Vec<Vec<f64>> {
+        let last = self.integrator.state();
+        let mut states = self.watch.along(last.len());
+        states.push(last.to_vec());
+        states
     }
 
     /// Fields of a long lattice.

@@ -7,8 +7,8 @@ use super::plan::ComposedEnsemble;
 use super::report::EnsembleReport;
 use super::tables::summaries;
 use crate::advice::{
-    Advice, AdviceKind, EnergyError, MOST_STATES, advise, orbit_from, states_from,
-    unused_parameters,
+    Advice, AdviceKind, EnergyError, MOST_STATES, about_the_scene, advise, off_constraints,
+    orbit_from, states_from,
 };
 use crate::short;
 use leafwise_scene::document::SceneDocument;
@@ -26,7 +26,16 @@ pub(super) fn measured(
     report: &EnsembleReport,
 ) -> Vec<Advice> {
     let all = &report.reductions;
-    let mut advice = unused_parameters(document);
+    let mut advice = about_the_scene(document, &ensemble.run);
+    let is_on = !advice
+        .iter()
+        .any(|found| found.kind == AdviceKind::OffConstraint);
+    let mut judged = (0..JUDGED.min(ensemble.population.members())).filter(|_| is_on);
+    advice.extend(judged.find_map(|member| {
+        let (state, _) = ensemble.population.draw(member).ok()?;
+        let whose = format!(" of member {member}");
+        off_constraints(document, &ensemble.run, &state, &whose)
+    }));
     let (members, left_out) = (
         ensemble.population.members(),
         ensemble.population.left_out(),

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use super::{Prepared, SCENE, StopAfter, attempt, contents, short_scene};
+use crate::checkpoint::Checkpoint;
 use crate::{Quiet, RunError, RunOutcome};
 
 #[test]
@@ -34,6 +35,10 @@ fn an_interrupted_run_resumes_to_the_same_bits() {
     assert_eq!(resumed.final_state, reference.final_state);
     assert_eq!(resumed.statistics, reference.statistics);
     assert_eq!(resumed.invariants, reference.invariants);
+    // What the method is judged at, and what is said of it, are those of the whole run too.
+    let watched = |directory: &Path| Checkpoint::read(directory).expect("a checkpoint").watch;
+    assert_eq!(watched(&pieces), watched(&whole));
+    assert_eq!(resumed.advice, reference.advice);
 }
 
 #[test]

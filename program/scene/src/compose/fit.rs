@@ -59,7 +59,7 @@ pub fn check_tensor(
 }
 
 /// How far brackets off the section may be from those of an exact realization, relative to their terms.
-const EXACT: f64 = 1e-9;
+const EXACT: f64 = 1e-12;
 
 /// Momenta at which formulas that claim to be exact are looked at, in units of the state: coordinate by coordinate they
 /// differ.

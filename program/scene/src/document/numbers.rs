@@ -185,6 +185,7 @@ fn section(id: &Located<String>, system: PoissonSystem, given: PartParameters) -
         bracket: Located::new(BracketSpec::Entries(Vec::new()), id.place()),
         boundary: None,
         convention: Convention::default(),
+        names_convention: false,
         hamiltonian: here(""),
         forces: ForcesSpec::default(),
         noise: Vec::new(),

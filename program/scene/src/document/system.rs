@@ -284,6 +284,7 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
         .map(Some),
         None => Some(None),
     };
+    let names_convention = table.get("convention").is_some();
     let convention = match table.get("convention") {
         Some(item) => choose(
             item,
@@ -320,6 +321,7 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
         constraints: constraints?,
         boundary: boundary?,
         convention: convention?,
+        names_convention,
         hamiltonian: hamiltonian?,
         casimirs: casimirs?,
         forces: forces?,

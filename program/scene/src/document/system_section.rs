@@ -55,6 +55,8 @@ pub struct SystemSection {
     pub boundary: Option<Located<Boundary>>,
     /// The sign convention.
     pub convention: Convention,
+    /// Whether the scene names it.
+    pub names_convention: bool,
     /// The Hamiltonian's formula.
     pub hamiltonian: Located<String>,
     /// Claimed Casimirs by name.

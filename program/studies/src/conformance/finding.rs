@@ -183,3 +183,25 @@ impl Finding {
         )
     }
 }
+
+/// The worst of one thing measured at several states.
+pub(super) fn worst(found: impl IntoIterator<Item = Finding>) -> Option<Finding> {
+    let rank = |finding: &Finding| match finding.judgement {
+        Judgement::NotMet => 3,
+        Judgement::Undecided => 1,
+        Judgement::Open => 0,
+        Judgement::Met => 2,
+    };
+    let excess = |finding: &Finding| {
+        let value = finding.value.unwrap_or(0.0);
+        finding.bound.map_or(value, |bound| value / bound)
+    };
+    let order = |a: &Finding, b: &Finding| {
+        let by_rank = rank(a).cmp(&rank(b));
+        // The first of equals.
+        by_rank
+            .then_with(|| excess(a).total_cmp(&excess(b)))
+            .reverse()
+    };
+    found.into_iter().min_by(order)
+}

@@ -143,6 +143,14 @@ fn examine(
             named("tensor defect"),
             "the map offers nothing to measure it by",
         )),
+        // One step keeps the tensor, and an orbit of them does not.
+        (Structure::Exact, Some(defect))
+            if structure == Judgement::NotMet && measured.structure.exponent.is_none() =>
+        {
+            let worst = defect.max(measured.casimir_drift);
+            let quantity = named("tensor and Casimirs along an orbit");
+            findings.push(place.judged(quantity, worst, structure));
+        }
         (kind, Some(_)) => findings.push(place.order(
             named("order of the tensor defect"),
             &match kind {

@@ -1,8 +1,9 @@
 //! What parts are tried on.
 
+use leafwise_core::part::Family;
 use leafwise_core::registry::SystemPart;
 use leafwise_core::{
-    BuildError, Evaluator, PartKind, PartParameters, PoissonSystem, Registry, StepError,
+    BuildError, Evaluator, Integrator, PartKind, PartParameters, PoissonSystem, Registry, StepError,
 };
 use leafwise_scene::SceneDocument;
 
@@ -94,6 +95,30 @@ pub(super) fn of_part(
         initial,
         time_step,
     }))
+}
+
+/// Steps of an orbit, and states of it that are looked at: a part may be right at its first state and wrong elsewhere.
+const ORBIT: u64 = 512;
+const STATES: u64 = 16;
+
+/// States along an orbit of the problem, by a method that needs no part but the field.
+pub(super) fn along(registry: &Registry, problem: &Problem) -> Vec<Vec<f64>> {
+    let mut states = vec![problem.initial.clone()];
+    let reference = registry.reference(Family::Explicit);
+    let map = reference.and_then(|(part, given)| part.build(&problem.system, &given));
+    let Ok(map) = map else {
+        return states;
+    };
+    let values = problem.system.parameter_values();
+    let (t, initial) = (problem.time_step, &problem.initial);
+    let mut integrator = Integrator::new(map.as_ref(), &values, 1.0, t, initial);
+    for _ in 0..STATES {
+        if integrator.advance(ORBIT / STATES).is_err() {
+            break;
+        }
+        states.push(integrator.state().to_vec());
+    }
+    states
 }
 
 /// States that most domains contain: positive and all different, then of both signs, then small.

@@ -12,7 +12,8 @@ use leafwise_core::{
 
 use leafwise_scene::compose::check_tensor;
 
-use super::finding::{Finding, Place};
+use super::finding::{Finding, Place, worst};
+use super::problems::along;
 use super::{maps, parameters};
 use crate::verify::{Floor, Judgement, MeasuredOrder, Problem};
 
@@ -59,7 +60,7 @@ pub(super) fn examine(
             }
             continue;
         }
-        by_itself(place, problem, &realization, findings);
+        by_itself(registry, place, problem, &realization, findings);
         maps::under_dynamics(registry, place, problem, &realization, findings);
     }
     if others > 0 && findings.len() == before {
@@ -77,6 +78,7 @@ pub(super) fn examine(
 }
 
 fn by_itself(
+    registry: &Registry,
     place: Place<'_>,
     problem: &Problem,
     realization: &Arc<dyn RealizationData>,
@@ -110,7 +112,11 @@ fn by_itself(
     let instrument = RealizationInstrument::new(&problem.system, realization, &values);
     match instrument {
         Ok(mut instrument) => match realization.accuracy() {
-            Accuracy::Exact => exact(place, &mut instrument, x, &p, findings),
+            Accuracy::Exact => {
+                let pair = |x: Vec<f64>| Some((charted.momentum(&x)?, x));
+                let states = along(registry, problem).into_iter().filter_map(pair);
+                exact(place, &mut instrument, states, findings);
+            }
             Accuracy::Order(n) => of_order(place, &mut instrument, (x, &p), n, findings),
         },
         Err(error) => findings.push(place.open("brackets", error.to_string())),
@@ -127,22 +133,25 @@ const ERRORS: [(&str, Of); 3] = [
     ("{alpha, beta} = 0", |error| error.dual_pair),
 ];
 
-/// All three at round-off.
+/// All three at round-off, at every state with its momentum.
 fn exact(
     place: Place<'_>,
     instrument: &mut RealizationInstrument,
-    x: &[f64],
-    p: &[f64],
+    states: impl Iterator<Item = (Vec<f64>, Vec<f64>)>,
     findings: &mut Vec<Finding>,
 ) {
-    match instrument.measure(1.0, x, p) {
-        Ok(error) => {
-            for (quantity, of) in ERRORS {
-                let bound = OF_BRACKET * f64::EPSILON + error.relative_floor;
-                findings.push(place.at_most(quantity, of(&error.relative), bound));
-            }
-        }
-        Err(error) => findings.push(place.failed("brackets", &error)),
+    let measured: Vec<_> = states
+        .map(|(p, x)| instrument.measure(1.0, &x, &p))
+        .collect();
+    if let Some(Err(error)) = measured.iter().find(|measured| measured.is_err()) {
+        return findings.push(place.failed("brackets", error));
+    }
+    for (quantity, of) in ERRORS {
+        let errors = measured.iter().flatten();
+        findings.extend(worst(errors.map(|error| {
+            let bound = OF_BRACKET * f64::EPSILON + error.relative_floor;
+            place.at_most(quantity, of(&error.relative), bound)
+        })));
     }
 }
 

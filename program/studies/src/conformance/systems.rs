@@ -1,15 +1,15 @@
 //! A system by itself.
 
 use leafwise_core::diagnostics::differences::{Differences, jacobian_by_differences};
-use leafwise_core::diagnostics::{check_casimir, check_jacobi};
+use leafwise_core::diagnostics::{IdentityCheck, Verdict, check_casimir, check_jacobi};
 use leafwise_core::part::PartInfo;
 use leafwise_core::solver::judge::larger;
 use leafwise_core::system::SystemEvaluator;
 use leafwise_core::{BuildError, Registry, StepError};
 use nalgebra::DMatrix;
 
-use super::finding::{Finding, Place};
-use super::problems::of_part;
+use super::finding::{Finding, Place, worst};
+use super::problems::{along, of_part};
 use super::{parameters, paths};
 use crate::verify::Problem;
 
@@ -35,7 +35,7 @@ pub(super) fn examine(
         };
         match of_part(&system, &parameters(part, path))? {
             Some(problem) => {
-                alone(place, &problem, findings)?;
+                alone(registry, place, &problem, findings)?;
                 problems.push(problem);
             }
             None => findings.push(place.open("states", "no state that was tried is in its domain")),
@@ -47,20 +47,38 @@ pub(super) fn examine(
     Ok(())
 }
 
-/// Identities, and derivatives of numbers.
+/// Identities, and derivatives of numbers, along an orbit.
 fn alone(
+    registry: &Registry,
     place: Place<'_>,
     problem: &Problem,
     findings: &mut Vec<Finding>,
 ) -> Result<(), BuildError> {
-    let (system, near) = (&problem.system, problem.initial.as_slice());
+    let system = &problem.system;
     let values = system.parameter_values();
     let names = system.variables();
-    let jacobi = check_jacobi(system, &values, near)?;
-    findings.push(place.identity("Jacobi's identity", &jacobi, names));
+    let states = along(registry, problem);
+    let mut identity =
+        |quantity: String, check: &dyn Fn(&[f64]) -> Result<IdentityCheck, BuildError>| {
+            let mut found = Vec::new();
+            for near in &states {
+                let check = check(near)?;
+                let is_everywhere =
+                    matches!(check.verdict, Verdict::Proved | Verdict::ByConstruction);
+                found.push(place.identity(quantity.clone(), &check, names));
+                if is_everywhere {
+                    break;
+                }
+            }
+            findings.extend(worst(found));
+            Ok::<(), BuildError>(())
+        };
+    identity("Jacobi's identity".to_owned(), &|near| {
+        check_jacobi(system, &values, near)
+    })?;
     for (index, name) in system.casimir_names().into_iter().enumerate() {
-        let check = check_casimir(system, index, &values, near)?;
-        findings.push(place.identity(format!("Casimir {name}"), &check, names));
+        let check = |near: &[f64]| check_casimir(system, index, &values, near);
+        identity(format!("Casimir {name}"), &check)?;
     }
     let Some(opaque) = system.opaque() else {
         return Ok(());
@@ -84,10 +102,11 @@ fn alone(
     };
     for (quantity, is_offered, derivative) in checks {
         if is_offered {
-            findings.push(match derivative(&mut counted, near) {
+            let at = |near: &Vec<f64>| match derivative(&mut counted, near) {
                 Ok((own, found)) => compared(place, quantity, &own, &found),
                 Err(error) => place.failed(quantity, &error),
-            });
+            };
+            findings.extend(worst(states.iter().map(at)));
         }
     }
     Ok(())

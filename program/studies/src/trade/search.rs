@@ -2,7 +2,7 @@
 //!
 //! Settings of all candidates are tried in the order of lower bounds of their costs, so that a
 //! setting that was not tried costs more than what was found. Then the steps of the best are
-//! refined between those of the grid.
+//! refined between those of the grid, and below its first.
 
 use leafwise_core::Structure;
 
@@ -84,6 +84,7 @@ impl Search<'_> {
     /// Runs a candidate at a setting and takes in what it did.
     fn try_setting(&mut self, at: usize, setting: Setting, cap: u64) {
         self.runs += 1;
+        self.tracks[at].begin(setting);
         let candidate = self.tracks[at].candidate;
         let time_step = self.bench.extent() / setting.steps as f64;
         let outcome = candidate
@@ -148,10 +149,13 @@ impl Search<'_> {
                 if poisson && !self.tracks[at].is_geometric() {
                     continue;
                 }
-                for _ in 0..REFINEMENTS {
+                let mut refinements = 0;
+                while refinements < REFINEMENTS {
                     let cap = self.cap(poisson);
                     let track = &self.tracks[at];
-                    let Some(setting) = track.between(poisson) else {
+                    let below = track.below(poisson);
+                    refinements += usize::from(below.is_none());
+                    let Some(setting) = below.or_else(|| track.between(poisson)) else {
                         break;
                     };
                     if !pays(track, setting, cap) {

@@ -44,6 +44,8 @@ pub(super) struct Track<'a> {
     pub candidate: &'a Candidate,
     settings: Vec<Setting>,
     next: usize,
+    /// The fewest steps that were tried.
+    fewest: u64,
     /// The least cost of a step, however small.
     floor: f64,
     pub tried: Vec<Tried>,
@@ -67,6 +69,7 @@ impl<'a> Track<'a> {
             candidate,
             settings: Grid::standard(candidate, bench.steps()).settings(),
             next: 0,
+            fewest: u64::MAX,
             floor: 0.0,
             tried: Vec::new(),
             plateau: Plateau::default(),
@@ -97,6 +100,22 @@ impl<'a> Track<'a> {
     /// Passes to the next setting.
     pub fn advance(&mut self) {
         self.next += 1;
+    }
+
+    /// Takes in that a setting is tried.
+    pub fn begin(&mut self, setting: Setting) {
+        self.fewest = self.fewest.min(setting.steps);
+    }
+
+    /// Half the steps, where the cheapest run that meets what is asked has the fewest that were tried: the grid begins
+    /// somewhere, and what is exact takes any step.
+    pub fn below(&self, poisson: bool) -> Option<Setting> {
+        let best = self.cheapest(poisson)?.setting;
+        let is_first = best.tolerance.is_none() && best.steps == self.fewest && best.steps > 1;
+        is_first.then(|| Setting {
+            steps: best.steps / 2,
+            tolerance: None,
+        })
     }
 
     /// A lower bound of what the next setting costs.

@@ -1,6 +1,6 @@
 //! The cheapest method and step that hold what is asked, found by measuring.
 
-use leafwise_core::StepMap;
+use leafwise_core::{StepMap, Structure};
 use leafwise_scene::document::MethodTable;
 use leafwise_scene::{SceneDocument, compose};
 use serde::Serialize;
@@ -58,6 +58,8 @@ pub struct Recommendation {
     pub time_step: f64,
     /// What the runs beside it foretold: error and cost; `None` with fewer than two.
     pub predicted: Option<Predicted>,
+    /// What the method declares to keep.
+    pub structure: Structure,
     /// What was measured, stepped as `leafwise run` will.
     pub measured: Measured,
     /// The scene with this method.
@@ -409,6 +411,7 @@ impl<'a> Tuner<'a> {
             setting,
             time_step,
             predicted: predicted.map(|(error, cost)| Predicted { error, cost }),
+            structure,
             measured,
             scene,
         })

@@ -11,22 +11,22 @@ use super::problem::Problem;
 /// Tensor defects of one step, relative to the tensor.
 pub(super) struct Defects {
     /// A defect for each step at which one could be measured, in units of the step's own round-off.
-    points: Vec<(f64, Measured)>,
+    points: Vec<(f64, StepDefect)>,
     /// n in tⁿ⁺¹.
     pub order: MeasuredOrder,
 }
 
 /// A relative defect.
 #[derive(Clone, Copy, Debug)]
-struct Measured {
-    defect: f64,
+pub(super) struct StepDefect {
+    pub defect: f64,
     /// What of it may be the error of differences; 0 for an exact tangent.
     floor: f64,
 }
 
-impl Measured {
+impl StepDefect {
     /// Whether it can be told from what the differences may be wrong by.
-    fn is_told(self) -> bool {
+    pub fn is_told(self) -> bool {
         self.floor == 0.0 || self.defect > 4.0 * self.floor
     }
 }
@@ -49,7 +49,7 @@ impl Defects {
         let mut untold = 0;
         for k in 0..SIZES {
             let t = problem.time_step * libm::exp2(3.0 - 0.125 * f64::from(k));
-            let Some((defect, measured)) = defect(problem, map, t) else {
+            let Some((defect, measured)) = defect(problem, map, &problem.initial, t) else {
                 points.clear();
                 of_order.clear();
                 largest = None;
@@ -78,7 +78,7 @@ impl Defects {
     /// Whether every defect is round-off, or what differences leave; `None` where none could be
     /// measured.
     pub fn is_round_off(&self) -> Option<bool> {
-        let is_none = |m: &Measured| m.defect <= PLATEAU[1] || !m.is_told();
+        let is_none = |m: &StepDefect| m.defect <= PLATEAU[1] || !m.is_told();
         (!self.points.is_empty()).then(|| self.points.iter().all(|(_, m)| is_none(m)))
     }
 
@@ -94,26 +94,31 @@ impl Defects {
     }
 }
 
-/// The defect of one step of t, and how large it is relative to round-off, by differences where the map offers no tangent
+/// The defect of one step of t from x, and how large it is relative to round-off, by differences where the map offers no tangent
 /// and declares a structure; `None` where the step fails or there is nothing to measure by.
-fn defect(problem: &Problem, map: &dyn StepMap, t: f64) -> Option<(Defect, Measured)> {
+fn defect(problem: &Problem, map: &dyn StepMap, x: &[f64], t: f64) -> Option<(Defect, StepDefect)> {
     let values = problem.system.parameter_values();
     let mut instrument = TensorDefect::new(&problem.system, map, &values, 1.0, t).ok()?;
-    let defect = match instrument.measure(&problem.initial) {
+    let defect = match instrument.measure(x) {
         Err(StepError::NoTangent) if map.properties().structure != Structure::None => {
-            instrument.measure_by_differences(&problem.initial)
+            instrument.measure_by_differences(x)
         }
         measured => measured,
     };
     let defect = defect.ok()?;
-    let measured = Measured {
+    let measured = StepDefect {
         defect: defect.relative()?,
         floor: defect.relative_floor()?,
     };
     Some((defect, measured))
 }
 
-/// The relative defect of one step of t.
-pub(super) fn relative_defect(problem: &Problem, map: &dyn StepMap, t: f64) -> Option<f64> {
-    defect(problem, map, t).map(|(_, measured)| measured.defect)
+/// The relative defect of one step of t from x.
+pub(super) fn step_defect(
+    problem: &Problem,
+    map: &dyn StepMap,
+    x: &[f64],
+    t: f64,
+) -> Option<StepDefect> {
+    defect(problem, map, x, t).map(|(_, measured)| measured)
 }

@@ -3,7 +3,7 @@
 use leafwise_core::solver::judge::larger;
 use std::time::Instant;
 
-use leafwise_core::diagnostics::{InvariantDrift, measure_drift};
+use leafwise_core::diagnostics::{InvariantDrift, casimir_round_off, casimir_sizes, measure_drift};
 use leafwise_core::system::SystemInvariants;
 use leafwise_core::{Integrator, StepError, StepMap};
 
@@ -17,6 +17,10 @@ pub(super) struct Drift {
     pub growth: Option<f64>,
     /// The largest relative deviation of a Casimir.
     pub casimirs: f64,
+    /// Whether every Casimir stays within the round-off of its terms; `None` where there is none.
+    pub keeps_casimirs: Option<bool>,
+    /// States along the orbit.
+    pub states: Vec<Vec<f64>>,
     /// Solver evaluations a step.
     pub evaluations: f64,
     /// Nanoseconds a step, observers apart.
@@ -26,6 +30,9 @@ pub(super) struct Drift {
 /// The number of steps over which drift is measured, and over which time is.
 const STEPS: usize = 1000;
 const TIMED_STEPS: usize = 200;
+
+/// States of them that are looked at.
+const STATES: usize = 16;
 
 impl Drift {
     /// Runs `map` with steps of `t`.
@@ -46,6 +53,15 @@ impl Drift {
             Ok(mut observer) => measure_drift(&mut integrator, &mut observer, STEPS)?,
             Err(_) => Vec::new(),
         };
+        let mut states = vec![problem.initial.clone()];
+        let mut orbit = start();
+        for step in 1..=STEPS {
+            orbit.step()?;
+            if step.is_multiple_of(STEPS / STATES) {
+                states.push(orbit.state().to_vec());
+            }
+        }
+        let sizes = casimir_sizes(&problem.system, &values, &states).unwrap_or_default();
         let (energy, casimirs) = match invariants.split_first() {
             Some((energy, casimirs)) => (Some(energy), casimirs),
             None => (None, invariants.as_slice()),
@@ -53,6 +69,16 @@ impl Drift {
         Ok(Self {
             energy: energy.map_or(f64::NAN, InvariantDrift::relative),
             growth: energy.and_then(|energy| energy.growth),
+            keeps_casimirs: (!casimirs.is_empty()).then(|| {
+                let mut drifts = casimirs
+                    .iter()
+                    .zip(sizes.iter().chain(std::iter::repeat(&0.0)));
+                drifts.all(|(casimir, size)| {
+                    let size = size.max(casimir.initial.abs());
+                    casimir.largest <= casimir_round_off(size, STEPS as u64)
+                })
+            }),
+            states,
             casimirs: casimirs
                 .iter()
                 .map(InvariantDrift::relative)

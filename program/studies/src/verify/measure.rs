@@ -6,7 +6,7 @@ use leafwise_scene::json::{double, optional, points};
 use serde::{Serialize, Serializer};
 
 use super::convergence::Convergence;
-use super::defects::{Defects, relative_defect};
+use super::defects::{Defects, StepDefect, step_defect};
 use super::drift::Drift;
 use super::judgement::Judgement;
 use super::kept_energy::KeptEnergy;
@@ -34,8 +34,8 @@ pub struct Measured {
     pub too_large: Option<String>,
     /// A solve that fails though a larger step succeeds: no declaration is met by a map that fails so.
     pub broken_solve: Option<String>,
-    /// The tensor defect of such a step, relative to the tensor; `None` where the map offers no
-    /// tangent and declares no structure.
+    /// The largest tensor defect of such a step, relative to the tensor, at states along an orbit; `None` where the map
+    /// offers no tangent and declares no structure.
     #[serde(serialize_with = "optional")]
     pub tensor_defect: Option<f64>,
     /// ‖Φ_{−h}(Φ_h(x)) − x‖ relative to x.
@@ -98,6 +98,10 @@ pub fn measure(
         convergence.judge(declared),
         match declared.structure {
             Structure::Leaves => judge_leaves(problem, run.drift.casimirs),
+            Structure::Exact => match defects.judge(declared) {
+                Judgement::Met | Judgement::Open if !run.keeps_structure() => Judgement::NotMet,
+                judgement => judgement,
+            },
             _ => defects.judge(declared),
         },
         judge_symmetry(declared, run.self_adjointness),
@@ -110,7 +114,7 @@ pub fn measure(
         structure: defects.order,
         time_step: run.time_step,
         too_large: run.too_large.map(|error| error.to_string()),
-        tensor_defect: relative_defect(problem, map, run.time_step),
+        tensor_defect: run.tensor_defect.map(|told| told.defect),
         self_adjointness: run.self_adjointness,
         casimir_drift: run.drift.casimirs,
         energy_drift: run.drift.energy,
@@ -146,9 +150,22 @@ struct Run {
     too_large: Option<StepError>,
     self_adjointness: f64,
     drift: Drift,
+    /// The largest of a step along the orbit.
+    tensor_defect: Option<StepDefect>,
 }
 
+/// What a step from any state of an orbit may have of a tensor defect, in units of what the first may: elsewhere solves may
+/// be worse conditioned.
+const ALONG: f64 = 64.0;
+
 impl Run {
+    /// Whether steps keep tensor and Casimirs to round-off along the orbit.
+    fn keeps_structure(&self) -> bool {
+        let is_kept =
+            |told: &StepDefect| told.defect <= ALONG * Defect::ROUND_OFF || !told.is_told();
+        self.tensor_defect.as_ref().is_none_or(is_kept) && self.drift.keeps_casimirs != Some(false)
+    }
+
     /// At the problem's step or the largest of its halves that the map bears: a step too large for
     /// a solve or a chart is not a broken promise.
     fn at_largest_step(problem: &Problem, map: &dyn StepMap) -> Result<Self, StepError> {
@@ -162,10 +179,13 @@ impl Run {
         for halving in 0..=HALVINGS {
             match at(time_step) {
                 Ok((self_adjointness, drift)) => {
+                    let states = drift.states.iter();
+                    let defects = states.filter_map(|x| step_defect(problem, map, x, time_step));
                     return Ok(Self {
                         time_step,
                         too_large,
                         self_adjointness,
+                        tensor_defect: defects.max_by(|a, b| a.defect.total_cmp(&b.defect)),
                         drift,
                     });
                 }

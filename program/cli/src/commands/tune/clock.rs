@@ -9,6 +9,9 @@ use crate::table::duration;
 /// The part of the time that methods may be formed in: one that is not run tells nothing.
 const TO_FORM: f64 = 0.5;
 
+/// A search that takes longer than this many times what it may says so.
+const OVER: f64 = 1.1;
+
 /// Counts the seconds of a search, and which method took the longest to form.
 pub(super) struct Clock {
     within: Option<f64>,
@@ -16,6 +19,8 @@ pub(super) struct Clock {
     /// What is being formed, since when.
     forming: Option<(String, Instant)>,
     longest: Option<(String, Duration)>,
+    /// How long the last one took.
+    last: Duration,
 }
 
 impl Clock {
@@ -26,6 +31,7 @@ impl Clock {
             start: Instant::now(),
             forming: None,
             longest: None,
+            last: Duration::ZERO,
         }
     }
 
@@ -34,19 +40,27 @@ impl Clock {
         let now = Instant::now();
         if let Some((method, since)) = self.forming.take() {
             let took = now - since;
+            self.last = took;
             if self.longest.as_ref().is_none_or(|(_, most)| took > *most) {
                 self.longest = Some((method, took));
             }
         }
-        let part = match stage {
-            Stage::Building { method } => {
-                self.forming = Some((method.to_owned(), now));
-                TO_FORM
-            }
-            Stage::Reference | Stage::Running { .. } => 1.0,
-        };
         let spent = (now - self.start).as_secs_f64();
-        self.within.is_none_or(|within| spent < part * within)
+        let (part, ahead) = match stage {
+            // What is being formed is not interrupted: the next one is taken to last as long as the one before.
+            Stage::Building { .. } => (TO_FORM, self.last.as_secs_f64()),
+            Stage::Reference | Stage::Running { .. } => (1.0, 0.0),
+        };
+        let is_allowed = self
+            .within
+            .is_none_or(|within| spent + ahead < part * within);
+        // What is not allowed is not formed, the scene's own method apart, which comes first.
+        if let Stage::Building { method } = stage
+            && (is_allowed || self.longest.is_none())
+        {
+            self.forming = Some((method.to_owned(), now));
+        }
+        is_allowed
     }
 
     /// What a search that was ended leaves out, in words.
@@ -60,8 +74,16 @@ impl Clock {
                 duration(took.as_secs_f64())
             ),
         };
+        let took = self.start.elapsed().as_secs_f64();
+        let over = match took > OVER * within {
+            true => format!(
+                "; it took {}, for a method that is being formed and the reference are not interrupted",
+                duration(took)
+            ),
+            false => String::new(),
+        };
         Some(format!(
-            "not all methods were tried within {within} seconds{unbuilt}: there may be a cheaper one; raise \
+            "not all methods were tried within {within} seconds{unbuilt}{over}: there may be a cheaper one; raise \
              --within, or name methods with --only"
         ))
     }

@@ -1,5 +1,6 @@
 //! What was found, at the terminal.
 
+use leafwise::core::Structure;
 use leafwise::scene::document::RunSection;
 use leafwise::trade::{Cost, Judged, Limit, Reached, Recommendation, RunnerUp, Tolerances};
 
@@ -81,6 +82,10 @@ fn print_found(found: &Found<'_>, recommended: &Recommendation, console: &mut Co
         console.result(&format!("  {line}"));
     }
     console.result("");
+    if let Some(line) = how_poisson(recommended) {
+        console.result(&line);
+        console.result("");
+    }
     if let Some(any) = tuning
         .any
         .as_ref()
@@ -147,6 +152,26 @@ fn measured(found: &Found<'_>, recommended: &Recommendation) -> Vec<Vec<String>>
     rows
 }
 
+/// What a method that keeps the tensor to an order keeps of it at its step.
+fn how_poisson(recommended: &Recommendation) -> Option<String> {
+    let measured = &recommended.measured;
+    let (Structure::Order(order), Some(defect), true) = (
+        recommended.structure,
+        measured.tensor_defect,
+        measured.is_poisson,
+    ) else {
+        return None;
+    };
+    let casimirs = measured.casimir_drift;
+    let casimirs = casimirs.map_or_else(String::new, |drift| {
+        format!("; Casimirs are kept to the same order at least, here to {drift:.1e}")
+    });
+    Some(format!(
+        "a Poisson map to order {order}, and in doubles at this step: its tensor defect is {defect:.1e}, round-off\
+         {casimirs}"
+    ))
+}
+
 /// The cheapest of all beside the cheapest Poisson map.
 fn beside(recommended: &Recommendation, any: &Recommendation) -> String {
     let ratio = recommended.measured.cost() as f64 / any.measured.cost().max(1) as f64;
@@ -190,10 +215,14 @@ fn print_runners_up(found: &Found<'_>, console: &mut Console<'_>) {
 
 fn print_missed(found: &Found<'_>, console: &mut Console<'_>) {
     let tuning = found.tuning;
-    console.result(if found.any {
-        "no method holds it"
-    } else {
-        "no Poisson map holds it"
+    let kind = if found.any { "method" } else { "Poisson map" };
+    console.result(&match (&tuning.nearest, tuning.limit) {
+        (None, Some(Limit::Ended)) => {
+            format!("no run was judged: whether a {kind} holds it is not known")
+        }
+        (Some(_), Some(Limit::Ended)) => format!("no {kind} that was run holds it"),
+        (None, Some(Limit::Reference)) => format!("whether a {kind} holds it cannot be told"),
+        _ => format!("no {kind} holds it"),
     });
     match (&tuning.nearest, tuning.limit) {
         (Some(reached), _) => {
@@ -213,7 +242,7 @@ fn print_missed(found: &Found<'_>, console: &mut Console<'_>) {
             console.result(&format!("  {}", advice(Limit::Structure)));
         }
         (None, Some(Limit::Ended)) => {
-            console.result(&format!("  no run was judged: {}", advice(Limit::Ended)));
+            console.result(&format!("  {}", advice(Limit::Ended)));
         }
         (None, limit) => console.result(&format!(
             "  no run came to its end within {:.1e} {}: {}",

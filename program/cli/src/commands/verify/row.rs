@@ -70,6 +70,8 @@ fn numbers(row: &Row, measured: &Measured) -> [String; 8] {
     };
     let structure = match shown(measured.structure) {
         Some(order) => order,
+        // Beside a step that is no Poisson map elsewhere, or a Casimir that drifts, one that is says little.
+        None if measured.judgements[1] == Judgement::NotMet => "broken".to_owned(),
         None if measured.tensor_defect.is_some() => "round-off".to_owned(),
         None => "-".to_owned(),
     };

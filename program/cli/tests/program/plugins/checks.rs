@@ -14,6 +14,9 @@ fn a_check_finds_what_a_part_declares_and_is_not() {
         ("still", "order"),
         ("not_poisson", "Jacobi's identity"),
         ("not_exact", "alpha is Poisson"),
+        // Right at the first state, and wrong where an orbit leads.
+        ("wrong_elsewhere", "Jacobi's identity"),
+        ("sloped_elsewhere", "gradient of H by differences"),
     ] {
         let library = workshop.compile(name);
         let path = library.to_str().expect("UTF-8");

@@ -1,0 +1,129 @@
+//! A start off the constraints: Dirac's bracket keeps each at the value that it begins with, and that is meant to be 0.
+
+use leafwise_core::solver::DenseFactors;
+use leafwise_core::system::Casimir;
+use leafwise_core::{Evaluator, PoissonSystem};
+use leafwise_scene::compose::ComposedRun;
+use leafwise_scene::document::{BracketSpec, InitialSpec, SceneDocument};
+
+use super::{Advice, AdviceKind, number};
+use crate::round_off::round_off;
+
+/// Units of round-off in a coordinate that was written with all its digits, or computed.
+const DIGITS: f64 = 4.0;
+
+/// Corrections of a start: each doubles the digits of one that is near the constraints.
+const CORRECTIONS: usize = 50;
+
+/// A warning where a constraint has another value than 0 at `initial`, by more than the round-off of computing it from
+/// coordinates that are rounded; `whose` initial state it is: nothing, or a member of an ensemble.
+pub(crate) fn off_constraints(
+    document: &SceneDocument,
+    run: &ComposedRun,
+    initial: &[f64],
+    whose: &str,
+) -> Option<Advice> {
+    let constraints = constraints(document, run);
+    let off: Vec<String> = (constraints.iter())
+        .filter(|constraint| is_off(run, constraint, initial))
+        .map(|constraint| {
+            let parameters = run.system.parameter_values();
+            let value = constraint.expression.evaluate(initial, &parameters);
+            format!("{} = {}", constraint.name, number(value))
+        })
+        .collect();
+    if off.is_empty() {
+        return None;
+    }
+    let has_one_list =
+        matches!(document.run.initial.value, InitialSpec::Vector(_)) && whose.is_empty();
+    let near = has_one_list
+        .then(|| on(run, &constraints, initial))
+        .flatten();
+    Some(Advice {
+        kind: AdviceKind::OffConstraint,
+        message: format!(
+            "the initial state{whose} is off the constraints, and the motion keeps them where they begin: {}",
+            off.join(", ")
+        ),
+        change: match near {
+            Some(state) => format!("initial = {:?}", run.own(&state)),
+            None => "initial: a state at which every constraint is 0".to_owned(),
+        },
+    })
+}
+
+/// The constraints among the Casimirs.
+fn constraints<'a>(document: &SceneDocument, run: &'a ComposedRun) -> Vec<&'a Casimir> {
+    let mut texts: Vec<&str> = Vec::new();
+    texts.extend(
+        document
+            .system
+            .constraints
+            .iter()
+            .map(|text| text.value.as_str()),
+    );
+    if let BracketSpec::Sum(summands) = &document.system.bracket.value {
+        let constraints = summands.iter().flat_map(|summand| &summand.constraints);
+        texts.extend(constraints.map(|text| text.value.as_str()));
+    }
+    let casimirs = run.system.expressions().map(|formulas| formulas.casimirs());
+    let casimirs = casimirs.unwrap_or_default().iter();
+    casimirs
+        .filter(|casimir| texts.contains(&casimir.name.as_str()))
+        .collect()
+}
+
+fn is_off(run: &ComposedRun, constraint: &Casimir, x: &[f64]) -> bool {
+    let bounded = round_off(run, &constraint.expression, x, DIGITS);
+    bounded.is_some_and(|bounded| bounded.value.abs() > bounded.error)
+}
+
+/// A state near x on all constraints: Gauss and Newton's corrections of the least size.
+fn on(run: &ComposedRun, constraints: &[&Casimir], x: &[f64]) -> Option<Vec<f64>> {
+    let formulas = run.system.expressions()?;
+    let parameters = run.system.parameter_values();
+    let gradients: Option<Vec<_>> = (constraints.iter())
+        .map(|constraint| {
+            let system = formulas.with_hamiltonian(constraint.expression.clone());
+            PoissonSystem::from(system.ok()?).gradient_values().ok()
+        })
+        .collect();
+    let gradients = gradients?;
+    let mut evaluators: Vec<_> = (gradients.iter())
+        .map(|gradient| gradient.evaluator(&parameters, 1.0, 1.0))
+        .collect();
+    let (mut x, count) = (x.to_vec(), constraints.len());
+    for _ in 0..CORRECTIONS {
+        if !constraints
+            .iter()
+            .any(|constraint| is_off(run, constraint, &x))
+        {
+            return Some(x);
+        }
+        let mut slopes = vec![vec![0.0; x.len()]; count];
+        for (evaluator, row) in evaluators.iter_mut().zip(&mut slopes) {
+            evaluator.values(&x, row).ok()?;
+        }
+        // J Jᵀ λ = φ, and x − Jᵀ λ.
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let rows = slopes.iter();
+        let matrix: Vec<f64> = rows
+            .flat_map(|a| slopes.iter().map(move |b| product(a, b)))
+            .collect();
+        let mut factors = DenseFactors::new(count);
+        if !factors.factor(&matrix) {
+            return None;
+        }
+        let values = constraints.iter();
+        let values = values.map(|constraint| constraint.expression.evaluate(&x, &parameters));
+        let mut multipliers: Vec<f64> = values.collect();
+        factors.solve(&mut multipliers);
+        for (row, multiplier) in slopes.iter().zip(&multipliers) {
+            for (x, slope) in x.iter_mut().zip(row) {
+                *x -= multiplier * slope;
+            }
+        }
+    }
+    None
+}

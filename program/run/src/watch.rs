@@ -1,0 +1,259 @@
+//! States of a run that its method is judged at, whatever the scene records.
+
+use leafwise_core::Integrator;
+use serde::{Deserialize, Serialize};
+
+use crate::advice::{LARGEST, MOST_STATES};
+
+/// Evenly spaced states are kept up to this number; then every other one goes.
+const MOST_EVEN: usize = 32;
+
+/// States of more coordinates are not kept evenly: a checkpoint holds them.
+const LONGEST: usize = 4096;
+
+/// States before steps that were taken, the last one always, and states evenly spaced over the run. Where steps are judged,
+/// in [`LARGEST`] coordinates at most, the one with most evaluations is kept too, the first apart, which has none to
+/// begin with, and the one with the largest motion Σ_i |Δx_i|/(max x_i − min x_i).
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Watch {
+    /// Steps between two evenly spaced states.
+    stride: u64,
+    /// x_0, x_stride, x_{2 stride}, …, one after the other.
+    even: Vec<f64>,
+    /// x_{k−1}, where x_k is the present state.
+    before: Vec<f64>,
+    /// The state before the step with most evaluations, and these.
+    dearest: (Vec<f64>, u64),
+    /// The state before the step with the largest motion.
+    fastest: Vec<f64>,
+    /// That motion, and its size.
+    motion: Vec<f64>,
+    size: f64,
+    /// The least and the largest value of each coordinate.
+    low: Vec<f64>,
+    high: Vec<f64>,
+    /// One over the ranges, 0 where there is none yet; formed again in each session.
+    #[serde(skip)]
+    inverse: Vec<f64>,
+    /// The state before the step at hand.
+    #[serde(skip)]
+    from: Vec<f64>,
+    /// Evaluations of this session so far.
+    #[serde(skip)]
+    evaluations: u64,
+}
+
+/// By what a checkpoint keeps.
+impl PartialEq for Watch {
+    fn eq(&self, other: &Self) -> bool {
+        let kept = |watch: &Self| {
+            let Watch {
+                stride,
+                even,
+                before,
+                dearest,
+                fastest,
+                motion,
+                size,
+                low,
+                high,
+                ..
+            } = watch.clone();
+            (
+                stride, even, before, dearest, fastest, motion, size, low, high,
+            )
+        };
+        kept(self) == kept(other)
+    }
+}
+
+impl Watch {
+    /// No step yet.
+    pub fn new(initial: &[f64]) -> Self {
+        let evenly = if initial.len() <= LONGEST {
+            initial
+        } else {
+            &[]
+        };
+        let judged = if initial.len() <= LARGEST {
+            initial
+        } else {
+            &[]
+        };
+        Self {
+            stride: 1,
+            even: evenly.to_vec(),
+            low: judged.to_vec(),
+            high: judged.to_vec(),
+            ..Self::default()
+        }
+    }
+
+    /// Takes in the state before a step.
+    pub fn begin(&mut self, state: &[f64]) {
+        if state.len() == self.low.len() {
+            self.from.clear();
+            self.from.extend_from_slice(state);
+        }
+    }
+
+    /// Takes in the step, which was taken.
+    pub fn end(&mut self, integrator: &Integrator) {
+        let evaluations = match integrator.state().len() == self.low.len() {
+            true => integrator.statistics().evaluations,
+            false => 0,
+        };
+        self.take(integrator.state(), integrator.steps(), evaluations);
+    }
+
+    /// Takes in the state after so many steps, and what the session's took together.
+    fn take(&mut self, state: &[f64], steps: u64, evaluations: u64) {
+        if !self.even.is_empty() && steps.is_multiple_of(self.stride) {
+            self.even.extend_from_slice(state);
+            if self.even.len() > MOST_EVEN * state.len() {
+                self.halve(state.len());
+            }
+        }
+        if state.len() != self.low.len() {
+            return;
+        }
+        let before = std::mem::replace(&mut self.evaluations, evaluations);
+        let evaluations = evaluations - before;
+        if steps > 1 && evaluations > self.dearest.1 {
+            self.dearest.0.clone_from(&self.from);
+            self.dearest.1 = evaluations;
+        }
+        let mut is_wider = self.inverse.is_empty();
+        for (x, (low, high)) in state.iter().zip(self.low.iter_mut().zip(&mut self.high)) {
+            if x < low || x > high {
+                (*low, *high, is_wider) = (x.min(*low), x.max(*high), true);
+            }
+        }
+        if is_wider {
+            let ranges = self
+                .low
+                .iter()
+                .zip(&self.high)
+                .map(|(low, high)| high - low);
+            self.inverse.clear();
+            self.inverse
+                .extend(ranges.map(|range| if range > 0.0 { 1.0 / range } else { 0.0 }));
+            self.size = self.of(self.motion.iter().copied());
+        }
+        let motion = |(x, from): (&f64, &f64)| x - from;
+        let size = self.of(state.iter().zip(&self.from).map(motion));
+        if size > self.size {
+            self.size = size;
+            self.fastest.clone_from(&self.from);
+            self.motion.clear();
+            self.motion.extend(state.iter().zip(&self.from).map(motion));
+        }
+        std::mem::swap(&mut self.before, &mut self.from);
+    }
+
+    /// Σ_i |Δx_i|/(max x_i − min x_i).
+    fn of(&self, motion: impl Iterator<Item = f64>) -> f64 {
+        let parts = motion.zip(&self.inverse);
+        parts.map(|(motion, inverse)| motion.abs() * inverse).sum()
+    }
+
+    /// Keeps every other evenly spaced state.
+    fn halve(&mut self, d: usize) {
+        let kept: Vec<f64> = self
+            .even
+            .chunks_exact(d)
+            .step_by(2)
+            .flatten()
+            .copied()
+            .collect();
+        (self.even, self.stride) = (kept, 2 * self.stride);
+    }
+
+    /// States from which the run has made a step, [`MOST_STATES`] at most: the first, that before the last step, those
+    /// before the steps with most evaluations and the largest motion, and evenly spaced ones. The first alone where no
+    /// step was made.
+    pub fn judged<'a>(&'a self, initial: &'a [f64]) -> Vec<Vec<f64>> {
+        let chosen = [initial, &self.before, &self.dearest.0, &self.fastest];
+        let mut states: Vec<&[f64]> = Vec::new();
+        let even: Vec<&[f64]> = self.even.chunks_exact(initial.len()).collect();
+        let places = MOST_STATES - chosen.len();
+        // Without the first and the last one.
+        let between = (1..=places).map(|k| k * even.len() / (places + 1));
+        let between = between.filter(|at| (1..even.len().saturating_sub(1)).contains(at));
+        for state in chosen.into_iter().chain(between.map(|at| even[at])) {
+            if !state.is_empty() && !states.contains(&state) {
+                states.push(state);
+            }
+        }
+        states.into_iter().map(<[f64]>::to_vec).collect()
+    }
+
+    /// States along the whole run: how far its orbit reaches.
+    pub fn along(&self, d: usize) -> Vec<Vec<f64>> {
+        self.even.chunks_exact(d).map(<[f64]>::to_vec).collect()
+    }
+
+    /// Whether its lists are of `d` coordinates.
+    pub fn agrees(&self, d: usize) -> bool {
+        let is_whole = |list: &Vec<f64>| list.is_empty() || list.len() == d;
+        let lists = [
+            &self.before,
+            &self.dearest.0,
+            &self.fastest,
+            &self.motion,
+            &self.low,
+        ];
+        self.stride > 0
+            && self.even.len().is_multiple_of(d.max(1))
+            && self.high.len() == self.low.len()
+            && lists.into_iter().all(is_whole)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MOST_EVEN, Watch};
+
+    /// A watch over a path of one coordinate and its square, as if by steps that took these evaluations.
+    fn watched(path: &[f64], evaluations: &[u64]) -> Watch {
+        let state = |x: f64| [x, x * x];
+        let mut watch = Watch::new(&state(path[0]));
+        let mut sum = 0;
+        for (k, (pair, evaluations)) in path.windows(2).zip(evaluations).enumerate() {
+            watch.begin(&state(pair[0]));
+            sum += evaluations;
+            watch.take(&state(pair[1]), k as u64 + 1, sum);
+        }
+        watch
+    }
+
+    /// The first, the last, the longest and the dearest step are among what is judged; the rest is spread evenly, and the
+    /// memory does not grow.
+    #[test]
+    fn the_steps_that_matter_are_kept_at_any_length() {
+        for steps in [1_usize, 2, 5, 31, 32, 33, 1000, 4099] {
+            let mut path: Vec<f64> = (0..=steps).map(|k| k as f64 / steps as f64).collect();
+            let (long, dear) = (steps / 3, steps / 2);
+            // One step goes ten times as far as the others.
+            path.iter_mut()
+                .skip(long + 1)
+                .for_each(|x| *x += 9.0 / steps as f64);
+            let mut evaluations = vec![2; steps];
+            evaluations[0] = 9;
+            evaluations[dear] = 5;
+            let watch = watched(&path, &evaluations);
+            let first = [path[0], path[0] * path[0]];
+            let judged = watch.judged(&first);
+            let has = |at: usize| judged.iter().any(|state| state[0] == path[at]);
+            for at in [0, steps - 1, long, if dear > 0 { dear } else { 0 }] {
+                assert!(has(at), "{at} of {steps}: {judged:?}");
+            }
+            assert!(judged.len() <= crate::advice::MOST_STATES);
+            // No step was made from the last one.
+            assert!(!has(steps), "{judged:?}");
+            let along = watch.along(2);
+            assert!(along.len() <= MOST_EVEN && along.len() >= steps.min(MOST_EVEN / 2));
+            assert!(watch.agrees(2) && !watch.agrees(3));
+        }
+    }
+}
