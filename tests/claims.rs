@@ -38,6 +38,7 @@ mod shadow;
 mod sources;
 mod spins;
 mod starts;
+mod stepped_over;
 mod stress;
 mod theorems;
 mod time;

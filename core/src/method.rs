@@ -14,9 +14,9 @@ use crate::realization::{Accuracy, MapCode, RealizationData, RealizationEvaluato
 use crate::shadow::Shadow;
 use crate::solution_series::start_of_solves;
 use crate::solver::{
-    ByTangents, Checked, Differential, KeptSigns, Lanes, MakeCheck, MapProperties, NewtonKernel,
+    ByTangents, Checked, Differential, Lanes, MakeCheck, MapProperties, NewtonKernel,
     NewtonStepper, NumericSolver, Poles, Solved, StepMap, Stepper, Structure, Uncoupled,
-    by_parameters, check_variables, kept_signs,
+    by_parameters, check_variables, keeping_signs, kept_signs,
 };
 use crate::system::{PoissonSystem, SystemFormulas};
 
@@ -437,10 +437,7 @@ impl StepMap for Method {
                 ))
             }
         };
-        let stepper = match self.kept_signs.as_slice() {
-            [] => stepper,
-            signs => Checked::boxed(stepper, Box::new(KeptSigns(signs.to_vec()))),
-        };
+        let stepper = keeping_signs(stepper, &self.kept_signs);
         match &self.poles {
             None => stepper,
             Some(poles) => Checked::boxed(stepper, Arc::clone(poles).make(lanes, parameters)),

@@ -54,6 +54,20 @@ impl BoundedNumbers {
         terms: &[Term],
         x: &[f64],
     ) -> Result<Vec<Bounded>, AlgebraError> {
+        let inputs: Vec<Bounded> = x.iter().map(|x| Bounded::exact(*x)).collect();
+        self.values_at(graph, terms, &inputs)
+    }
+
+    /// [`values`](Self::values) at inputs that are known up to an error.
+    ///
+    /// # Errors
+    /// [`AlgebraError`] as of a formula.
+    pub fn values_at(
+        &mut self,
+        graph: &Graph,
+        terms: &[Term],
+        inputs: &[Bounded],
+    ) -> Result<Vec<Bounded>, AlgebraError> {
         let is_read = graph.read_by(terms);
         // Operands come before their uses.
         let mut known = vec![Bounded::exact(f64::NAN); graph.len()];
@@ -62,7 +76,7 @@ impl BoundedNumbers {
                 Operation::One | Operation::StepSize(_) => Bounded::exact(1.0),
                 Operation::Pi => self.pi(),
                 Operation::Parameter(at) => self.parameter(*at as usize),
-                Operation::Input(at) => Bounded::exact(x[*at as usize]),
+                Operation::Input(at) => inputs[*at as usize],
                 Operation::Sum(terms) => {
                     let of = |(scale, a): &(Rational, Node)| (scale.clone(), known[a.index()]);
                     let terms: Vec<_> = terms.iter().map(of).collect();

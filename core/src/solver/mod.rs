@@ -43,7 +43,7 @@ pub(crate) use numeric::NumericSolver;
 pub use poles::{Poles, WithoutPoles};
 pub use product::ProductStepper;
 pub use properties::{MapProperties, Pieces, Structure};
-pub(crate) use signs::{KeptSigns, kept_signs};
+pub use signs::{keeping_signs, kept_signs};
 pub use statistics::SolverStatistics;
 pub(crate) use stepper::add;
 pub use stepper::{StepCheck, Stepper};

@@ -2,7 +2,8 @@
 
 use leafwise_expression::{Arithmetic, Ring};
 
-use super::stepper::StepCheck;
+use super::checked::Checked;
+use super::stepper::{StepCheck, Stepper};
 use crate::error::StepError;
 use crate::system::PoissonSystem;
 
@@ -16,7 +17,7 @@ const SMALLEST: f64 = 1e-290;
 /// The coordinates x_i for which {x_i, x_j} vanishes at x_i = 0 for all j, as in a Lotka–Volterra
 /// system: the hyperplane consists of leaves, and a Poisson map near the flow does not cross it.
 /// None of a tensor that the exact ring does not hold.
-pub(crate) fn kept_signs(system: &PoissonSystem) -> Vec<usize> {
+pub fn kept_signs(system: &PoissonSystem) -> Vec<usize> {
     let Some(formulas) = system.expressions() else {
         return Vec::new();
     };
@@ -36,8 +37,16 @@ pub(crate) fn kept_signs(system: &PoissonSystem) -> Vec<usize> {
     (0..formulas.dimension()).filter(|i| vanishes(*i)).collect()
 }
 
+/// A stepper that refuses steps in which one of these coordinates loses its sign, or its digits: see [`kept_signs`].
+pub fn keeping_signs(stepper: Box<dyn Stepper>, signs: &[usize]) -> Box<dyn Stepper> {
+    match signs {
+        [] => stepper,
+        signs => Checked::boxed(stepper, Box::new(KeptSigns(signs.to_vec()))),
+    }
+}
+
 /// Each of these coordinates keeps its sign.
-pub(crate) struct KeptSigns(pub(crate) Vec<usize>);
+struct KeptSigns(Vec<usize>);
 
 impl StepCheck for KeptSigns {
     fn reads(&self, coordinate: usize) -> bool {

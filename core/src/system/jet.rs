@@ -6,6 +6,7 @@ use leafwise_expression::{Arithmetic, DifferentialAlgebra, Graph, Kernel, Ration
 
 use super::SystemFormulas;
 use super::agreement::Agreement;
+use super::field::FieldRounding;
 use crate::error::BuildError;
 use crate::runge_kutta::SmoothMap;
 
@@ -15,13 +16,22 @@ const MOST_PRODUCTS: u64 = 1 << 16;
 /// The order at which two forms of the field are compared.
 const TRIED: usize = 4;
 
+/// The motion's Taylor series, and its field in the same form.
+pub struct MotionSeries {
+    /// x ↦ (x_1, …, x_p) with x(t) = Σ x_k (t/h)ᵏ the motion through x, x_k after x_{k−1}; h is the evaluator's.
+    pub jet: SmoothMap,
+    /// x ↦ ẋ.
+    pub field: SmoothMap,
+    /// Its rounding errors.
+    pub rounding: FieldRounding,
+}
+
 impl SystemFormulas {
-    /// x ↦ (x_1, …, x_p) with x(t) = Σ x_k tᵏ the motion through x, x_k after x_{k−1}; the field as written or
-    /// expanded in exact algebra, whichever has the shorter jet.
+    /// The motion's series to order p; the field as written or expanded in exact algebra, whichever has the shorter jet.
     ///
     /// # Errors
     /// [`BuildError::Algebra`] where a formula or a derivative has no code, or the jet is longer than a kernel.
-    pub fn jet_map(&self, order: usize) -> Result<SmoothMap, BuildError> {
+    pub fn motion_series(&self, order: usize) -> Result<MotionSeries, BuildError> {
         let mut graph = Graph::compilable();
         let x: Vec<Term> = (0..self.dimension()).map(|i| graph.input(i)).collect();
         let mut field = self.vector_field(&mut graph, &x)?;
@@ -32,9 +42,16 @@ impl SystemFormulas {
         {
             field = expanded;
         }
-        let jet = jet(&mut graph, &field, order)?.concat();
         let parameters = self.parameters().len();
-        Ok(SmoothMap::compile_values(&graph, &jet, parameters, x.len()))
+        let rounding = FieldRounding::of(&graph, &field);
+        let jet = jet(&mut graph, &field, order)?.concat();
+        let compile =
+            |terms: &[Term]| SmoothMap::compile_values(&graph, terms, parameters, x.len());
+        Ok(MotionSeries {
+            jet: compile(&jet),
+            field: compile(&field),
+            rounding,
+        })
     }
 
     /// The field by way of the exact ring, where it is short enough.

@@ -6,6 +6,7 @@
 //! - [`numbers`]: systems that only compute values, such as those of a loaded library.
 //! - [`forces`]: one-forms beside dH, and damping.
 //! - [`forms`]: tensors by one-forms, two-forms and constraints.
+//! - [`MotionSeries`]: the Taylor coefficients of a motion.
 //! - [`energy_casimir`]: H less multiples of Casimirs, which has the motion of H.
 //! - [`compiled`]: the values of a system of formulas, by kernels.
 //! - [`observables`]: energy, Casimirs and other functions of the state.
@@ -32,9 +33,11 @@ use leafwise_expression::Expression;
 pub use agreement::Agreement;
 pub use builder::SystemBuilder;
 pub use compiled::CompiledNumbers;
+pub use field::FieldRounding;
 pub use forces::{Damping, Forces, Metric};
 pub use forms::FormError;
 pub use formulas::{SystemFormulas, TensorSource};
+pub use jet::MotionSeries;
 pub use numbers::{Derivatives, OpaqueSystem, SystemEvaluator, SystemNumbers};
 pub use observables::{SystemInvariants, SystemObservables};
 pub(crate) use tensor_matrix::TensorMatrix;

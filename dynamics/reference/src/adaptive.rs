@@ -5,10 +5,12 @@ use std::sync::Arc;
 use leafwise_core::part::{ParameterDefault, ParameterInfo, PartInfo, PartParameters};
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
 use leafwise_core::solver::{StepReport, Trajectories};
+use leafwise_core::system::FieldRounding;
 use leafwise_core::{
     BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure,
 };
 
+use crate::allowed::Allowed;
 use crate::reference_map::ReferenceMap;
 
 /// A row of coefficients: (stage, value).
@@ -38,6 +40,11 @@ const SHRINK: f64 = 1.0 / 3.0;
 const GROW: f64 = 6.0;
 const SAFETY: f64 = 0.9;
 
+/// After so many refusals in a row it is asked whether the error is the field's round-off.
+const STUBBORN: u32 = 4;
+/// Errors of so many times the bound on the field's rounding errors are round-off: weights of both signs come to some units.
+const WITHIN: f64 = 4.0;
+
 /// A pair for one trajectory.
 struct AdaptivePair {
     pair: &'static Pair,
@@ -46,6 +53,11 @@ struct AdaptivePair {
     refusal: Option<StepError>,
     time_step: f64,
     tolerance: f64,
+    allowed: Allowed,
+    rounding: Option<Arc<FieldRounding>>,
+    parameters: Vec<f64>,
+    /// Bounds on the rounding errors of the field at the state, once substeps are refused again and again.
+    bounds: Option<Vec<f64>>,
     /// The size of the next substep, 0 when not known.
     proposed: f64,
     state: Vec<f64>,
@@ -69,6 +81,7 @@ impl AdaptivePair {
         parameters: &[f64],
         time_step: f64,
         tolerance: f64,
+        (allowed, rounding): (&Allowed, Option<&Arc<FieldRounding>>),
     ) -> Self {
         let d = field.inputs();
         let rows = pair.matrix.iter().chain([&pair.weights]).chain(pair.errors);
@@ -78,6 +91,10 @@ impl AdaptivePair {
             refusal: None,
             time_step,
             tolerance,
+            allowed: allowed.clone(),
+            rounding: rounding.cloned(),
+            parameters: parameters.to_vec(),
+            bounds: None,
             proposed: 0.0,
             state: vec![0.0; d],
             stage: vec![0.0; d],
@@ -98,12 +115,11 @@ impl AdaptivePair {
         }
     }
 
-    /// What an error in component c is measured against: the component, or its change in a substep
-    /// of size `tau` where that is larger.
-    fn scale(&self, c: usize, tau: f64) -> f64 {
+    /// The size of component c, or of its change in a substep of size `tau` where that is larger.
+    fn size(&self, c: usize, tau: f64) -> f64 {
         let (x, slope) = (self.state[c], self.slopes[0][c]);
         let end = (x + self.change[c]).abs();
-        self.tolerance * x.abs().max(end).max((tau * slope).abs())
+        x.abs().max(end).max((tau * slope).abs())
     }
 
     /// The first substep: a hundredth of the time in which the state changes by its own size.
@@ -129,11 +145,17 @@ impl AdaptivePair {
             self.slope_at(i);
         }
         self.linear += self.sums * self.state.len() as u64;
+        let mut largest = 0.0_f64;
+        for c in 0..self.state.len() {
+            self.change[c] = tau * combine(pair.weights, &self.slopes, c);
+            largest = largest.max(self.size(c, tau));
+        }
         // Σ (error / scale)² of each embedded method.
         let mut squares = [0.0; 2];
         for c in 0..self.state.len() {
-            self.change[c] = tau * combine(pair.weights, &self.slopes, c);
-            let scale = self.scale(c, tau);
+            let scale = self.allowed.error(c, self.size(c, tau), largest);
+            let rounded = self.bounds.as_ref().map_or(0.0, |bounds| bounds[c]);
+            let scale = scale.max(WITHIN * rounded * tau.abs());
             for (square, row) in squares.iter_mut().zip(pair.errors) {
                 let error = combine(row, &self.slopes, c);
                 *square += if error == 0.0 {
@@ -155,6 +177,23 @@ impl AdaptivePair {
         tau.abs() * first / libm::sqrt((first + 0.01 * second) * count)
     }
 
+    /// Forms the bounds on the field's rounding errors at the state and at stages of a substep of size `tau`, which the
+    /// errors of slopes have moved.
+    fn bound(&mut self, tau: f64) {
+        let Some(rounding) = &self.rounding else {
+            return;
+        };
+        let mut errors: Vec<f64> = self.state.iter().map(|x| f64::EPSILON * x.abs()).collect();
+        let mut bounds = vec![0.0; errors.len()];
+        for _ in 0..2 {
+            rounding.bounds(&self.parameters, &self.state, &errors, &mut bounds);
+            for (error, bound) in errors.iter_mut().zip(&bounds) {
+                *error += tau * bound;
+            }
+        }
+        self.bounds = Some(bounds);
+    }
+
     /// The slope at the state that a substep has reached.
     fn slope_at_new_state(&mut self) {
         if self.pair.first_same_as_last {
@@ -171,6 +210,7 @@ impl AdaptivePair {
         self.state.copy_from_slice(x);
         increment.fill(0.0);
         self.refusal = None;
+        self.bounds = None;
         self.change.fill(0.0);
         self.slope_at(0);
         let whole = self.time_step.abs();
@@ -180,7 +220,7 @@ impl AdaptivePair {
             self.first()
         };
         let mut done = 0.0;
-        let mut rejected = false;
+        let mut rejected = 0;
         for count in 1..=MOST_SUBSTEPS {
             let rest = whole - done;
             // Of a rest of less than two substeps the half is taken: no sliver is left over.
@@ -201,21 +241,31 @@ impl AdaptivePair {
                     self.state[c] = x[c] + increment[c];
                 }
                 done += size;
-                let growth = if rejected { factor.min(1.0) } else { factor };
+                let growth = if rejected > 0 {
+                    factor.min(1.0)
+                } else {
+                    factor
+                };
                 tau = if last {
                     tau.max(size * growth)
                 } else {
                     size * growth
                 };
-                rejected = false;
+                rejected = 0;
                 if last {
                     self.proposed = tau;
                     return Ok(count);
                 }
                 self.slope_at_new_state();
+                if self.bounds.is_some() {
+                    self.bound(tau);
+                }
             } else {
-                rejected = true;
+                rejected += 1;
                 tau = size * factor;
+                if rejected == STUBBORN {
+                    self.bound(tau);
+                }
                 if tau <= 16.0 * f64::EPSILON * whole {
                     return Err(if error.is_finite() {
                         StepError::NoConvergence {
@@ -299,7 +349,9 @@ pub(crate) fn adaptive_map(
     parameters: &PartParameters,
 ) -> Result<Arc<dyn StepMap>, BuildError> {
     let tolerance = tolerance_of(info, parameters, 1e-14)?;
-    let field = system.field_values()?;
+    let (field, rounding) = system.field_and_rounding()?;
+    let rounding = rounding.map(Arc::new);
+    let allowed = Allowed::new(system, tolerance);
     Ok(Arc::new(ReferenceMap {
         dimension: system.dimension(),
         properties: MapProperties {
@@ -309,9 +361,15 @@ pub(crate) fn adaptive_map(
         },
         description: format!("{} tolerance = {tolerance:e}", info.name),
         together: 1,
+        kept_signs: allowed.kept(),
         make: Box::new(move |parameters, time_step, _| {
             Box::new(AdaptivePair::new(
-                pair, &field, parameters, time_step, tolerance,
+                pair,
+                &field,
+                parameters,
+                time_step,
+                tolerance,
+                (&allowed, rounding.as_ref()),
             ))
         }),
     }))

@@ -424,6 +424,7 @@ fn build(
         },
         description: format!("{} order = {order}", INFO.name),
         together: 1,
+        kept_signs: Vec::new(),
         make: Box::new(move |parameters, time_step, _| {
             let stages = AveragedStages::new(&maps, stages, parameters, time_step);
             let solve = StepSolve::new(stages.slopes.len(), stages.is_exact);

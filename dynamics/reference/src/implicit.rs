@@ -89,6 +89,7 @@ pub(crate) fn gauss_map(
         },
         description,
         together: usize::MAX,
+        kept_signs: Vec::new(),
         make: Box::new(move |parameters, time_step, count| {
             let tableau = tableau.clone();
             Box::new(ImplicitRungeKutta::new(

@@ -13,11 +13,13 @@
 //! - [`projection`]: a method followed by projection onto energy and Casimirs.
 //!
 //! - `reference_map`: a method as a step map.
+//! - `allowed`: what the error of a coordinate may be, of those with a tolerance.
 //! - `adaptive`: what the embedded pairs share.
 //! - `implicit`: what the implicit Runge–Kutta methods share.
 //! - `step_equation`: the solve of the other implicit methods.
 
 mod adaptive;
+mod allowed;
 pub mod dop853;
 mod dop853_coefficients;
 pub mod dormand_prince45;

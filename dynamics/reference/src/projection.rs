@@ -213,6 +213,7 @@ fn build(
             Some(_) => format!("{} of {base} s = {stages}", INFO.name),
         },
         together: 1,
+        kept_signs: Vec::new(),
         make: Box::new(move |parameters, time_step, _| {
             let base: Box<dyn Trajectories> = match tableau.clone() {
                 None => Box::new(Rk4::new(&field, parameters, time_step, 1)),

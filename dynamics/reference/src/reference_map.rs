@@ -1,6 +1,6 @@
 //! A method as a step map.
 
-use leafwise_core::solver::{Lanes, Trajectories};
+use leafwise_core::solver::{Lanes, Trajectories, keeping_signs};
 use leafwise_core::{MapProperties, StepMap, Stepper};
 use nalgebra::DMatrix;
 
@@ -17,6 +17,8 @@ pub(crate) struct ReferenceMap {
     pub(crate) description: String,
     /// The most trajectories that one evaluator takes.
     pub(crate) together: usize,
+    /// The coordinates of which a step that loses the sign is refused.
+    pub(crate) kept_signs: Vec<usize>,
     pub(crate) make: Box<Make>,
 }
 
@@ -36,7 +38,8 @@ impl StepMap for ReferenceMap {
     fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
         let make = |parameters: &[f64], count| (self.make)(parameters, epsilon * h, count);
         let (most, d) = (self.together, self.dimension);
-        Box::new(Lanes::together(lanes, most, d, parameters, make))
+        let stepper = Box::new(Lanes::together(lanes, most, d, parameters, make));
+        keeping_signs(stepper, &self.kept_signs)
     }
 }
 

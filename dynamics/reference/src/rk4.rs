@@ -202,6 +202,7 @@ fn build(
         properties: PROPERTIES,
         description: INFO.name.to_owned(),
         together: usize::MAX,
+        kept_signs: Vec::new(),
         make: Box::new(move |parameters, time_step, count| {
             Box::new(Rk4::new(&field, parameters, time_step, count))
         }),

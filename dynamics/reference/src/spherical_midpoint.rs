@@ -306,6 +306,7 @@ fn build(
         properties: PROPERTIES,
         description: INFO.name.to_owned(),
         together: 1,
+        kept_signs: Vec::new(),
         make: Box::new(move |parameters, time_step, _| {
             Box::new(SphericalMidpoint {
                 midpoint: Midpoint::new(&field, &triples, parameters, time_step),

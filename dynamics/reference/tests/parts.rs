@@ -220,3 +220,80 @@ fn rk4_is_one_kernel_or_calls() {
         }
     }
 }
+
+/// A chain of unit masses and springs with free ends, of which the first is displaced: q_j = Σ_k c_k φ_k(j) cos(ω_k t) with
+/// φ_k(j) = cos(π k (j + 1/2)/n) and ω_k = 2 sin(π k/(2n)). The j-th begins as t²ʲ: to a pair its error is as large as its motion.
+#[test]
+fn what_rests_begins_to_move() {
+    for n in [4_usize, 11, 50, 200] {
+        let kinetic = (1..=n).map(|j| format!("x{}^2/2", n + j));
+        let springs = (1..n).map(|j| format!("(x{} - x{j})^2/2", j + 1));
+        let energy = kinetic.chain(springs).collect::<Vec<_>>().join(" + ");
+        let pairs: Vec<_> = (1..=n).map(|j| ((j, n + j), "-1")).collect();
+        let chain = system(2 * n, &pairs, &energy, &[], Convention::HamiltonianFirst);
+        let mut start = vec![0.0; 2 * n];
+        start[0] = 1.0;
+        let time = 5.0;
+        let angle = std::f64::consts::PI / n as f64;
+        let mode = |k: usize, j: usize| libm::cos(angle * k as f64 * (j as f64 + 0.5));
+        let expected = |j: usize| -> f64 {
+            let of_mode = |k: usize| {
+                let share = if k == 0 { 1.0 } else { 2.0 } / n as f64;
+                let frequency = 2.0 * libm::sin(0.5 * angle * k as f64);
+                share * mode(k, 0) * mode(k, j) * libm::cos(frequency * time)
+            };
+            (0..n).map(of_mode).sum()
+        };
+        for (part, tolerance) in [
+            ("dop853", 1e-13),
+            ("dop853", 1e-6),
+            ("dormand-prince45", 1e-8),
+            ("dormand-prince45", 1e-4),
+            ("taylor", 1e-15),
+            ("taylor", 1e-6),
+        ] {
+            let map = map(part, &chain, &none().with("tolerance", tolerance));
+            let mut integrator = Integrator::new(map.as_ref(), &[], 1.0, 0.1, &start);
+            for _ in 0..50 {
+                let outcome = integrator.step();
+                assert_eq!(outcome, Ok(()), "{part} {tolerance:e}, {n}");
+            }
+            let state = &integrator.state()[..n];
+            let errors = state
+                .iter()
+                .enumerate()
+                .map(|(j, q)| (q - expected(j)).abs());
+            let error = errors.fold(0.0, f64::max);
+            // Of some tens of substeps; the closed form is a sum of n cosines.
+            let allowed = 50.0 * tolerance + f64::EPSILON * n as f64;
+            assert!(error < allowed, "{part} {tolerance:e}, {n}: {error:e}");
+        }
+    }
+}
+
+/// ẍ = −x + t² from rest: x = t² − 2 + 2 cos t begins as t⁴.
+#[test]
+fn what_is_driven_from_rest_begins_to_move() {
+    let ramp = system(
+        4,
+        &[((1, 2), "-1"), ((3, 4), "-1")],
+        "x2^2/2 + x1^2/2 - x1*x3^2 + x4",
+        &[],
+        Convention::HamiltonianFirst,
+    );
+    for part in ["dop853", "dormand-prince45"] {
+        for tolerance in [1e-4, 1e-8, 1e-12] {
+            let map = map(part, &ramp, &none().with("tolerance", tolerance));
+            let mut integrator = Integrator::new(map.as_ref(), &[], 1.0, 0.1, &[0.0; 4]);
+            for _ in 0..200 {
+                assert_eq!(integrator.step(), Ok(()), "{part} {tolerance:e}");
+            }
+            let expected = 400.0 - 2.0 + 2.0 * libm::cos(20.0);
+            let error = (integrator.state()[0] / expected - 1.0).abs();
+            assert!(
+                error < 100.0 * tolerance + 1e-14,
+                "{part} {tolerance:e}: {error:e}"
+            );
+        }
+    }
+}

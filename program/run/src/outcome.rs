@@ -50,7 +50,7 @@ impl Failure {
             return;
         };
         let instead = match stepper.tolerance() {
-            Some(_) => "reduce its tolerance or epsilon*h",
+            Some(_) => "raise its tolerance or reduce epsilon*h",
             None => "reduce epsilon*h",
         };
         let of_a_realization = "reduce epsilon*h or raise the realization's order";

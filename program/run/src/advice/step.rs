@@ -32,8 +32,8 @@ const LEAST: f64 = 1e-14;
 
 /// Where one step and a finer one, at the run's states, or its first steps and finer ones of two kinds differ by
 /// more, or the finer ones fail. Finer are two of half a step's length and four of a quarter; of a stepper with
-/// a tolerance, which chooses its substeps itself, tolerances of a hundredth, twice. Its errors may not exceed
-/// the root of the tolerance either.
+/// a tolerance, which chooses its substeps itself, tolerances of a hundredth, twice, and then the steps of half the length,
+/// at whose ends it looks for what it has stepped over. Its errors may not exceed the root of the tolerance either.
 pub(super) fn advice(
     run: &ComposedRun,
     registry: &Registry,
@@ -41,11 +41,15 @@ pub(super) fn advice(
 ) -> Option<Advice> {
     let finer = Finer::of(run, registry, states);
     let message = states.iter().find_map(|x| finer.over_one_step(x));
-    let message = message.or_else(|| finer.over_the_first())?;
+    let message = message.or_else(|| finer.over_the_first());
+    let (message, change) = match message {
+        Some(message) => (message, tighten(run).unwrap_or_else(|| half_the_step(run))),
+        None => (finer.stepped_over(states)?, half_the_step(run)),
+    };
     Some(Advice {
         kind: AdviceKind::CoarseStep,
         message,
-        change: tighten(run).unwrap_or_else(|| half_the_step(run)),
+        change,
     })
 }
 
@@ -57,7 +61,7 @@ pub(super) fn half_the_step(run: &ComposedRun) -> String {
     format!("time-step = {short:?}")
 }
 
-/// The line with a hundredth of the stepper's tolerance, where it has one.
+/// The line with a hundredth of the stepper's tolerance, where it has one and takes that.
 pub(super) fn tighten(run: &ComposedRun) -> Option<String> {
     let (stepper, tolerance) = adaptive(run)?;
     let tighter = tighter(tolerance);
@@ -67,9 +71,11 @@ pub(super) fn tighten(run: &ComposedRun) -> Option<String> {
             "stepper = {{ name = \"{name}\", tolerance = {tighter:?} }}"
         ));
     }
-    // No finer one is to be had: another method, which errs otherwise.
+    // No finer one is to be had: another method, which errs otherwise, at the least tolerance that it takes.
     let other = ADAPTIVE.iter().find(|other| **other != name)?;
-    Some(format!("stepper = \"{other}\""))
+    Some(format!(
+        "stepper = {{ name = \"{other}\", tolerance = {LEAST:?} }}"
+    ))
 }
 
 fn tighter(tolerance: f64) -> f64 {
@@ -183,6 +189,24 @@ impl<'a> Finer<'a> {
             }
         }
         None
+    }
+
+    /// Of a stepper that chooses its substeps, where two steps of half the length lead elsewhere.
+    fn stepped_over(&self, states: &[Vec<f64>]) -> Option<String> {
+        self.tighter.as_ref()?;
+        let (run, own) = (self.run, self.run.method.map());
+        states.iter().find_map(|x| {
+            let [mut whole, mut halves] = [1, 2].map(|parts| Walk::new(run, own, x, parts));
+            whole.advance().and_then(|()| halves.advance()).ok()?;
+            let part = self.sizes.difference(x, &whole.increment, &halves.increment);
+            (part > self.outgrown.min(COARSE)).then(|| {
+                format!(
+                    "the stepper steps over something shorter than a step: two of half its length change a coordinate's \
+                     motion by {} of it",
+                    number(part)
+                )
+            })
+        })
     }
 
     /// Shorter steps that fail say something of the step; substeps of a smaller tolerance may be too many.

@@ -127,7 +127,8 @@ impl Session<'_> {
         let time = plan.samples.time(self.samples.count(), forward)?;
         // The end itself is recorded as the end.
         let ends = [self.end.as_ref().map(|(end, _)| *end), plan.until];
-        let is_ahead = |end: f64| (end - time) * forward > 0.0 && !is_same_time(time, end);
+        let is_end = |end: f64| plan.samples.is_end(time, end, plan.until);
+        let is_ahead = |end: f64| (end - time) * forward > 0.0 && !is_end(end);
         if !ends.into_iter().flatten().all(is_ahead) {
             return None;
         }

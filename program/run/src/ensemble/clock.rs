@@ -1,6 +1,6 @@
 //! When members are looked at.
 
-use leafwise_scene::compose::{ComposedRun, SampleTimes, is_same_time};
+use leafwise_scene::compose::{ComposedRun, SampleTimes};
 
 /// Marks on the way of every member: numbers of steps where all members make the same, |t| where samples lie at times or
 /// steps differ in length. All begin at 0.
@@ -35,7 +35,8 @@ impl Clock {
         let mut samples = vec![0.0];
         let given = (1..).map_while(|number| plan.samples.time(number, 1.0));
         let given = given.map(f64::abs);
-        samples.extend(given.take_while(|time| *time < end && !is_same_time(*time, end)));
+        let is_end = |time: f64| plan.samples.is_end(time, end, plan.until);
+        samples.extend(given.take_while(|time| *time < end && !is_end(*time)));
         samples.push(end);
         Self {
             unit: 1.0_f64.copysign(step),

@@ -31,6 +31,13 @@ impl SampleTimes {
         }
     }
 
+    /// Whether a time before the run's end is the end but for rounding. Times that are given beside an end that is given, as with a
+    /// pace, are as they are written: each has its own sample.
+    pub fn is_end(&self, time: f64, end: f64, until: Option<f64>) -> bool {
+        let is_as_written = matches!(self, Self::Given(_)) && until.is_some();
+        !is_as_written && is_same_time(time, end)
+    }
+
     /// Whether they are steps.
     pub fn are_steps(&self) -> bool {
         matches!(self, Self::Every(_))

@@ -59,7 +59,8 @@ impl Grid {
     }
 
     /// The grid of a reference solution: steps halved from twice the scene's on, tolerances lowered
-    /// tenfold from 10⁻¹¹ on, as far as the method takes them.
+    /// tenfold from 10⁻¹¹ on, as far as the method takes them, within the scene's steps: what an adaptive method looks at
+    /// in each of them it does not step over.
     pub(super) fn of_reference(candidate: &Candidate, steps: u64) -> Self {
         match candidate.knob {
             Knob::Steps => Self::Geometric {
@@ -71,7 +72,7 @@ impl Grid {
                 first: 11.0,
                 per_decade: 1.0,
                 count: 6,
-                steps: libm::ceil(steps as f64 / ADAPTIVE).max(1.0) as u64,
+                steps: steps.max(1),
             },
         }
     }

@@ -31,6 +31,9 @@ pub struct Horizon {
     /// `None` where it cannot be followed.
     #[serde(serialize_with = "optional")]
     pub growth: Option<f64>,
+    /// The two methods of the reference and how far they are apart, where that is more than grown round-off.
+    #[serde(skip)]
+    pub parted: Option<(String, f64)>,
     /// The longest time, among sixteenths of the end time, to which the state is known ten times
     /// better than is wanted; `None` where there is none.
     pub known: Option<Known>,
@@ -53,6 +56,9 @@ const PARTS: u32 = 16;
 /// Pieces of the time after each of which a small change is made small again.
 const SEGMENTS: u64 = 256;
 
+/// Two methods may be so many times further apart than round-off that has grown as a small change does: each step adds its own.
+const MORE: f64 = 1e4;
+
 /// A small change, relative to the state.
 const SMALL_CHANGE: f64 = 1e-8;
 
@@ -61,11 +67,15 @@ impl Horizon {
     fn measure(bench: &Bench<'_>, reference: &Reference, wanted: f64) -> Self {
         let round_off = ROUND_OFF * f64::EPSILON * reference.norm();
         let can_be_held = wanted > round_off;
+        let growth = growth(bench, reference);
+        let grown = MORE * round_off * growth.unwrap_or(1.0).max(1.0);
+        let parted = || (reference.methods.join(" and "), reference.apart);
         Self {
             time: bench.time(),
             wanted,
             round_off,
-            growth: growth(bench, reference),
+            growth,
+            parted: (reference.apart > grown).then(parted),
             known: can_be_held
                 .then(|| known(bench, reference.judged(), wanted))
                 .flatten(),
@@ -159,6 +169,21 @@ impl fmt::Display for Horizon {
                 "the round-off of a double of that size is {:.0e}: ask for less",
                 self.round_off
             );
+        }
+        if let Some((methods, apart)) = &self.parted {
+            write!(
+                f,
+                "{methods} are {apart:.0e} apart, which is no round-off: one of them steps over something shorter than a step, as a \
+                 pulse or a wall; take a smaller time-step; ",
+            )?;
+            return match self.known {
+                Some(known) => write!(
+                    f,
+                    "to t = {} the state is known to {:.1e}",
+                    known.time, known.error
+                ),
+                None => write!(f, "or ask for --energy and --casimir alone"),
+            };
         }
         match self.growth {
             Some(growth) => write!(

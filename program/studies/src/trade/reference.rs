@@ -53,6 +53,8 @@ pub struct Reference {
     pub error: f64,
     /// The methods that agree, the better one first, with their settings.
     pub methods: Vec<String>,
+    /// How far their states are from each other where runs are judged; 0 of one alone.
+    pub(super) apart: f64,
     /// The better one.
     best: (MethodTable, Setting),
     /// x*(t), where runs are judged at every step.
@@ -73,7 +75,8 @@ pub(super) const ROUND_OFF: f64 = 4.0;
 
 impl Reference {
     /// Computes the reference: two methods of different families, each refined until it no longer
-    /// changes at the end.
+    /// changes at the end. Where they come to different ends all the same, one of them has stepped over something: the
+    /// two of three that are nearest to each other are taken then.
     ///
     /// # Errors
     /// [`TradeError::NoReference`] when no method reaches the end.
@@ -85,10 +88,11 @@ impl Reference {
                 Ok(refined) => found.push(refined),
                 Err(reason) => reasons.push(format!("{method}: {reason}")),
             }
-            if found.len() == 2 {
+            if found.len() > 2 || found.len() == 2 && !is_parted(&found[0], &found[1]) {
                 break;
             }
         }
+        keep_nearest(&mut found);
         found.sort_by(|a, b| a.change.total_cmp(&b.change));
         let Some(best) = found.first() else {
             return Err(TradeError::NoReference { reasons });
@@ -96,7 +100,8 @@ impl Reference {
         let other = found
             .get(1)
             .map(|other| distance(&best.state, &other.state));
-        let mut error = best.change.max(other.unwrap_or(0.0));
+        let mut apart = other.unwrap_or(0.0);
+        let mut error = best.change.max(apart);
         let curve = match judged {
             Judged::AtTheEnd => None,
             Judged::AtEveryStep => {
@@ -104,10 +109,11 @@ impl Reference {
                     let reasons = vec![format!("{}: {reason}", best.name)];
                     TradeError::NoReference { reasons }
                 })?;
-                let apart = found
+                let largest = found
                     .get(1)
                     .and_then(|other| other.largest_distance(bench, &curve));
-                error = error.max(curve.error).max(apart.unwrap_or(0.0));
+                apart = apart.max(largest.unwrap_or(0.0) - curve.error);
+                error = error.max(curve.error).max(largest.unwrap_or(0.0));
                 Some(curve)
             }
         };
@@ -115,6 +121,7 @@ impl Reference {
             state: best.state.clone(),
             error,
             methods: found.iter().map(|refined| refined.name.clone()).collect(),
+            apart,
             best: (best.method.clone(), best.setting),
             curve,
         })
@@ -165,6 +172,32 @@ struct Refined {
     name: String,
     method: MethodTable,
     setting: Setting,
+}
+
+/// Two methods that no longer change by this part of their distance have come to different ends.
+const PARTED: f64 = 1e-3;
+
+/// Whether two methods that no longer change differ all the same.
+fn is_parted(a: &Refined, b: &Refined) -> bool {
+    let apart = distance(&a.state, &b.state);
+    let rounded = ROUND_OFF * f64::EPSILON * norm(&a.state);
+    a.change.max(b.change).max(rounded) < PARTED * apart
+}
+
+/// Of three methods the two that are nearest to each other.
+fn keep_nearest(found: &mut Vec<Refined>) {
+    if found.len() < 3 {
+        return;
+    }
+    let apart = |left_out: usize| {
+        let [a, b] = [(left_out + 1) % 3, (left_out + 2) % 3];
+        distance(&found[a].state, &found[b].state)
+    };
+    // The third is taken before one of the first two where it does not tell them apart.
+    let nearest = [2, 0, 1]
+        .into_iter()
+        .min_by(|a, b| apart(*a).total_cmp(&apart(*b)));
+    found.remove(nearest.unwrap_or(2));
 }
 
 /// A method that chooses its own steps is compared with the other at no more instants than these.
