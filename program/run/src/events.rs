@@ -84,16 +84,19 @@ pub(super) struct Crossings<'a> {
 impl<'a> Crossings<'a> {
     /// `None` where a run has none.
     pub fn of(run: &'a ComposedRun) -> Result<Option<Self>, BuildError> {
-        let Some(section) = &run.plan.events.section else {
-            return Ok(None);
-        };
+        let section = run.plan.events.section.as_ref();
+        section.map(|section| Self::with(run, section)).transpose()
+    }
+
+    /// Those of any section.
+    fn with(run: &ComposedRun, section: &'a Section) -> Result<Self, BuildError> {
         let mut difference = Functions::compile(run, &[&section.difference])?;
         let side = sign(difference.at(&run.plan.initial)[0], 0.0);
-        Ok(Some(Self {
+        Ok(Self {
             section,
             difference,
             side,
-        }))
+        })
     }
 
     /// As [`crossing`], with the side after the step.
@@ -106,6 +109,64 @@ impl<'a> Crossings<'a> {
         let value = difference.at(after)[0];
         let difference = &mut |state: &[f64]| difference.at(state)[0];
         crossing(self.section, difference, last, after, (self.side, value))
+    }
+}
+
+/// A surface that a run in memory looks for, beside its scene's own section.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// The surface, and which crossings count.
+    pub section: Section,
+    /// The crossing that ends the run, counted from 1, where one does.
+    pub last: Option<u64>,
+}
+
+/// Where a run crosses a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Crossing {
+    /// The time.
+    pub time: f64,
+    /// The scene's own coordinates.
+    pub state: Vec<f64>,
+}
+
+/// An event that is looked for, with what was found.
+pub(super) struct EventWatch<'a> {
+    event: &'a Event,
+    crossings: Crossings<'a>,
+    pub found: Vec<Crossing>,
+}
+
+impl<'a> EventWatch<'a> {
+    /// Nothing found yet.
+    pub fn new(run: &ComposedRun, event: &'a Event) -> Result<Self, BuildError> {
+        Ok(Self {
+            event,
+            crossings: Crossings::with(run, &event.section)?,
+            found: Vec::new(),
+        })
+    }
+
+    /// The surface in words.
+    pub fn text(&self) -> &'a str {
+        &self.event.section.text
+    }
+
+    /// Where the last step crosses it.
+    pub fn crossing(
+        &mut self,
+        last: &mut LastStep<'_>,
+        after: &[f64],
+    ) -> Result<Option<Between>, Lost<'a>> {
+        let (side, found) = self.crossings.crossing(last, after)?;
+        self.crossings.side = side;
+        Ok(found)
+    }
+
+    /// Takes in a crossing; whether the run ends there.
+    pub fn take(&mut self, crossing: Crossing) -> bool {
+        self.found.push(crossing);
+        self.event.last == Some(self.found.len() as u64)
     }
 }
 

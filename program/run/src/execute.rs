@@ -10,6 +10,7 @@ use super::columns::{header, headings, invariant_name, windows_headings};
 use super::directory::{REPORT, RunDirectory, RunRequest, SCENE, WINDOWS};
 use super::drive::Session;
 use super::error::RunError;
+use super::events::{Crossing, Event};
 use super::manifest::{Beginning, Kind, files, plugins};
 use super::outcome::{InvariantDrift, RunOutcome, RunReport};
 use super::progress::Progress;
@@ -64,8 +65,23 @@ pub struct Recorded {
     pub windows_columns: Vec<String>,
     /// The invariants' largest deviations in each window of steps, one row after the other.
     pub windows: Vec<f64>,
+    /// The crossings of each of the events that were looked for.
+    pub events: Vec<Vec<Crossing>>,
+    /// Which of these ended the run, where one did.
+    pub ended_by: Option<usize>,
     /// Figures and facts.
     pub page: ReportData,
+}
+
+/// What a run in memory is asked for.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Asked<'a> {
+    /// Integrates a tensor that violates the Jacobi identity.
+    pub allow_non_poisson: bool,
+    /// What is looked for beside the scene's own section.
+    pub events: &'a [Event],
+    /// Does not look for what to change in the scene, which may take as long as building the method.
+    pub is_silent: bool,
 }
 
 /// Checks the scene as [`run`] does and steps it, with everything recorded in memory, to the same numbers.
@@ -76,19 +92,20 @@ pub fn run_in_memory(
     document: &SceneDocument,
     composed: &ComposedRun,
     registry: &Registry,
-    allow_non_poisson: bool,
+    asked: Asked<'_>,
     progress: &mut dyn Progress,
 ) -> Result<Recorded, RunError> {
-    check(document, composed, allow_non_poisson)?;
-    let mut session = Session::in_memory(composed)?;
+    check(document, composed, asked.allow_non_poisson)?;
+    let mut session = Session::in_memory(composed, asked.events)?;
     let outcome = session.drive(progress)?;
     let mut report = describe(composed, &session, outcome, None);
-    if report.outcome != RunOutcome::Interrupted {
+    if report.outcome != RunOutcome::Interrupted && !asked.is_silent {
         report.advice = advice(document, composed, registry, &session, &report)?;
         report.shadow = sampled::shadow(composed, &session, &report)?;
     }
     let page = report_data(document, composed, &session, &report, "")?;
     let (windows_columns, windows) = windows_of(composed, &session);
+    let (events, ended_by) = session.events_found();
     let (samples, crossings) = session.into_values();
     Ok(Recorded {
         report,
@@ -97,6 +114,8 @@ pub fn run_in_memory(
         crossings,
         windows_columns: windows_columns.into_names(),
         windows: windows.concat(),
+        events,
+        ended_by,
         page,
     })
 }

@@ -17,6 +17,7 @@
 //! - `appended`: a file that only grows, with a digest;
 //! - `states`: recorded states too wide for `samples.csv`;
 //! - `snapshots`: fields of long lattices, thinned out for the report;
+//! - `retraced`: states at any times, from the nearest one that was kept;
 //! - `replaced`: a file that is replaced as a whole;
 //! - `sealed`: files that are read back to every bit, or refused;
 //! - `shadow`: what the energy of a map's shadow says of its step; `shadow_step`: the step that keeps it as well as asked;
@@ -49,6 +50,7 @@ mod outcome;
 mod paced;
 mod progress;
 mod replaced;
+mod retraced;
 mod sampled;
 mod samples;
 mod sealed;
@@ -71,12 +73,14 @@ pub(crate) use directory::{
     FAILURES, LOSSES, REPORT, RunDirectory, RunRequest, SCENE, STATISTICS, SWEEP, WINDOWS, stem,
 };
 pub use error::RunError;
-pub use execute::{Recorded, RunOptions, run, run_in_memory};
+pub use events::{Crossing, Event};
+pub use execute::{Asked, Recorded, RunOptions, run, run_in_memory};
 pub(crate) use manifest::{Beginning, files, plugins};
 pub use manifest::{FilesRecord, Kind, Manifest, PROGRAM_VERSION, PluginRecord, ShardRecord};
 pub use outcome::{Failure, InvariantDrift, RunOutcome, RunReport, SolverFields};
 pub use progress::{Progress, Quiet, Status};
 pub(crate) use replaced::replace;
+pub use retraced::{Retrace, Retraced};
 pub(crate) use sealed::Format;
 pub use shadow::ShadowVerdict;
 pub use shadow_step::{NoShadowStep, ShadowStep};

@@ -2,7 +2,7 @@
 
 use super::Session;
 use crate::error::RunError;
-use crate::events::Lost;
+use crate::events::{Crossing, Lost};
 use crate::last_step::Between;
 use crate::outcome::Failure;
 use leafwise_scene::compose::is_same_time;
@@ -21,6 +21,35 @@ impl Session<'_> {
         if self.is_on_the_way(time) {
             self.is_stopped = true;
             self.end = Some((time, found.state));
+        }
+        None
+    }
+
+    /// Takes in the events of the last step in the order in which they come, up to one that ends the run; why one is not known.
+    pub(super) fn find_events(&mut self) -> Option<Failure> {
+        let mut found = Vec::new();
+        for at in 0..self.events.len() {
+            let last = self.last.as_mut()?;
+            match self.events[at].crossing(last, self.integrator.state()) {
+                Ok(None) => {}
+                Ok(Some(between)) => found.push((self.time_of(&between), at, between.state)),
+                Err(lost) => return Some(self.failure_of(lost)),
+            }
+        }
+        let forward = self.run.plan.epsilon * self.run.plan.h;
+        found.sort_by(|(one, ..), (other, ..)| (one * forward).total_cmp(&(other * forward)));
+        for (time, at, state) in found {
+            if !self.is_on_the_way(time) {
+                break;
+            }
+            let crossing = Crossing {
+                time,
+                state: self.run.own(&state).to_vec(),
+            };
+            if self.events[at].take(crossing) {
+                (self.is_stopped, self.ended_by) = (true, Some(at));
+                self.end = Some((time, state));
+            }
         }
         None
     }
