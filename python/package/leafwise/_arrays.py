@@ -32,3 +32,14 @@ def reals(name: str, values: Any, *shape: int | None) -> Array:
         place = ", ".join(str(at) for at in odd[0])
         raise ValueError(f"{name}[{place}] is {found[tuple(odd[0])]}, not a finite number")
     return found
+
+
+def number(name: str, value: Any) -> float:
+    """A finite real number.
+
+    Raises:
+        TypeError, ValueError: it is none.
+    """
+    if np.ndim(value):
+        raise ValueError(f"{name} has the shape {np.shape(value)}, and one number is needed")
+    return float(reals(name, np.reshape(value, 1), 1)[0])
