@@ -113,3 +113,9 @@ fn beside<T: Send + 'static>(
         )),
     }
 }
+
+/// The version of the package.
+#[pyfunction]
+pub(crate) fn version() -> &'static str {
+    env!("CARGO_PKG_VERSION")
+}

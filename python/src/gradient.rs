@@ -3,6 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use leafwise::core::gradient::times;
 use leafwise::core::gradient::{self, GradientError, Plan, Pushed, Reached, Way};
 use leafwise::run::with_room;
 use leafwise::scene::ComposedRun;
@@ -34,6 +35,9 @@ type Gradient<'py> = (
     Growth,
     bool,
 );
+
+/// States (n, d) and their tangents (n, k, d).
+type Moved<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>);
 
 /// How fast derivatives grew, and how many of their digits that leaves.
 #[pyclass(frozen, module = "leafwise")]
@@ -254,6 +258,52 @@ impl Map {
         Ok((
             samples.reshape([plan.samples(), self.dimension()])?,
             kept.reshape([plan.pieces(), 2, initial.len()])?,
+        ))
+    }
+
+    /// How many of a plan's steps can be taken.
+    fn reach<'py>(
+        &self,
+        py: Python<'py>,
+        initial: PyReadonlyArray1<'py, f64>,
+        parameters: PyReadonlyArray1<'py, f64>,
+        steps: u64,
+    ) -> PyResult<u64> {
+        let initial = self.whole(initial.as_slice()?);
+        let plan = Plan {
+            steps,
+            every: steps.max(1),
+        };
+        self.at(py, parameters.as_slice()?, |at| {
+            match at.run(&initial, plan) {
+                Ok(_) => Ok(steps),
+                Err(GradientError::Step { step, .. }) => Ok(step),
+                Err(other) => Err(other),
+            }
+        })
+    }
+
+    /// States at times on the way of the run, ends of shorter steps, and their tangents in k directions, which may be none.
+    fn push_to<'py>(
+        &self,
+        py: Python<'py>,
+        initial: PyReadonlyArray1<'py, f64>,
+        parameters: PyReadonlyArray1<'py, f64>,
+        tangents: PyReadonlyArray2<'py, f64>,
+        by_parameters: PyReadonlyArray2<'py, f64>,
+        times: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Moved<'py>> {
+        let initial = self.whole(initial.as_slice()?);
+        let tangents = self.padded(tangents.as_slice()?);
+        let (by_parameters, times) = (by_parameters.as_slice()?, times.as_slice()?);
+        let (n, k) = (times.len(), tangents.len() / initial.len());
+        let (states, moved) = self.at(py, parameters.as_slice()?, |at| {
+            times::push(&at, (initial, tangents), by_parameters, times)
+        })?;
+        let d = self.dimension();
+        Ok((
+            PyArray1::from_vec(py, self.own(&states)).reshape([n, d])?,
+            PyArray1::from_vec(py, self.own(&moved)).reshape([n, k, d])?,
         ))
     }
 

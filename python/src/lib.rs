@@ -6,6 +6,8 @@
 //! - [`sweep`]: what a sweep leaves;
 //! - [`functions`]: a system whose values functions of Python compute;
 //! - [`progress`]: what a function of Python sees of a run, and what ends it;
+//! - [`kept`]: a composed scene that is kept for others with the same method;
+//! - [`retraced`]: the states of a run at any times;
 //! - [`integrator`]: one trajectory, step by step;
 //! - [`gradient`]: trajectories with their derivatives;
 //! - [`command`]: the program, in this process;
@@ -18,8 +20,10 @@ mod error;
 mod functions;
 mod gradient;
 mod integrator;
+mod kept;
 mod progress;
 mod recorded;
+mod retraced;
 mod scene;
 mod sweep;
 mod text;
@@ -28,7 +32,7 @@ mod text;
 #[pyo3::pymodule]
 mod _leafwise {
     #[pymodule_export]
-    use super::command::{command, load_plugin, program, start_again_by};
+    use super::command::{command, load_plugin, program, start_again_by, version};
     #[pymodule_export]
     use super::ensemble::Ensemble;
     #[pymodule_export]
@@ -38,11 +42,15 @@ mod _leafwise {
     #[pymodule_export]
     use super::integrator::Integrator;
     #[pymodule_export]
+    use super::kept::compositions;
+    #[pymodule_export]
     use super::recorded::Recorded;
+    #[pymodule_export]
+    use super::retraced::Retraced;
     #[pymodule_export]
     use super::scene::Scene;
     #[pymodule_export]
     use super::sweep::Sweep;
     #[pymodule_export]
-    use super::text::{text_of, text_of_value};
+    use super::text::{table_of_text, text_of, text_of_value};
 }

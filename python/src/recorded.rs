@@ -55,6 +55,18 @@ pub(crate) struct Recorded {
     /// Name, initial value and largest deviation of each invariant.
     #[pyo3(get)]
     invariants: Vec<(String, f64, f64)>,
+    /// Times and states of the crossings of each event that was looked for.
+    #[pyo3(get)]
+    events: Vec<(Py<PyArray1<f64>>, Py<PyArray2<f64>>)>,
+    /// The scene's text.
+    #[pyo3(get)]
+    scene: String,
+    /// The method in words.
+    #[pyo3(get)]
+    method: Vec<String>,
+    /// Which of the events ended the run, where one did.
+    #[pyo3(get)]
+    ended_by: Option<usize>,
     /// What to change in the scene.
     #[pyo3(get)]
     advice: Vec<String>,
@@ -62,7 +74,13 @@ pub(crate) struct Recorded {
 }
 
 impl Recorded {
-    pub fn new(py: Python<'_>, coordinates: usize, recorded: run::Recorded) -> PyResult<Self> {
+    /// What a run leaves that records so many coordinates, of a scene with this text and method.
+    pub fn new(
+        py: Python<'_>,
+        coordinates: usize,
+        (scene, method): (String, Vec<String>),
+        recorded: run::Recorded,
+    ) -> PyResult<Self> {
         let run::Recorded {
             report,
             columns,
@@ -71,14 +89,30 @@ impl Recorded {
             windows_columns,
             windows,
             has_no_room,
+            events,
+            ended_by,
             page,
         } = recorded;
+        let dimension = report.final_state.len();
+        let events = events.into_iter().map(|found| {
+            let times = found.iter().map(|crossing| crossing.time).collect();
+            let states: Vec<f64> = found
+                .into_iter()
+                .flat_map(|crossing| crossing.state)
+                .collect();
+            let times = PyArray1::from_vec(py, times).unbind();
+            PyResult::Ok((times, table(py, states, dimension)?))
+        });
         let width = columns.len();
         let crossings = crossings.map(|rows| table(py, rows, width)).transpose()?;
         Ok(Self {
             samples: table(py, samples, width)?,
             crossings,
             windows: table(py, windows, windows_columns.len())?,
+            events: events.collect::<PyResult<_>>()?,
+            ended_by,
+            scene,
+            method,
             columns,
             coordinates,
             windows_columns,

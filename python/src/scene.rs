@@ -11,9 +11,10 @@ use leafwise::run::ensemble::{
     merge_shards, run_ensemble, run_shard,
 };
 use leafwise::run::shards::{MergeError, Shard, Shards, Whole};
-use leafwise::run::{RunOptions, RunOutcome, run_in_memory};
-use leafwise::scene::document::{Located, ObservableSpec, Place, Source};
-use leafwise::scene::{ComposedRun, SceneChecks, SceneDocument, compose};
+use leafwise::run::{Asked, Event, Retraced as States, RunOptions, RunOutcome, run_in_memory};
+use leafwise::scene::compose::Section;
+use leafwise::scene::document::{Direction, Located, ObservableSpec, Place, Source};
+use leafwise::scene::{ComposedRun, SceneChecks, SceneDocument};
 use leafwise_cli::failure::Failure;
 use leafwise_cli::scene::SceneText;
 use numpy::PyReadonlyArray2;
@@ -26,11 +27,19 @@ use crate::error::{LeafwiseError, exception, of_scene};
 use crate::functions::Functions;
 use crate::gradient::Map;
 use crate::integrator::Integrator;
+use crate::kept::{Kept, are_values, compose};
 use crate::progress::{PythonProgress, is_interruption};
 use crate::recorded::Recorded;
+use crate::retraced::Retraced;
 use crate::sweep::{AskedSweep, Sweep, sweep_shard};
 
 type Overrides = Vec<(String, String)>;
+
+/// A parameter's name with its value.
+type Parameters = Vec<(String, f64)>;
+
+/// A surface, the direction in which it is crossed, and the number of the crossing that ends the run.
+type AskedEvent = (String, String, Option<u64>);
 
 /// Coordinates, Casimirs, parameters with their values, and the method in words.
 type Description = (Vec<String>, Vec<String>, Vec<(String, f64)>, Vec<String>);
@@ -44,6 +53,8 @@ pub(crate) struct Scene {
     overrides: Overrides,
     /// `leafwise.System`, where the scene's system is functions of Python.
     system: Option<Arc<Py<PyAny>>>,
+    /// The method, which scenes share that were made from this one with other values.
+    kept: Kept,
 }
 
 /// A scene with the parts that it names.
@@ -79,11 +90,26 @@ impl Read {
         })
     }
 
-    /// The system and the method, where the invariants are recorded.
-    fn composed(&mut self) -> PyResult<ComposedRun> {
-        record_invariants(&mut self.document);
+    /// The system and the method.
+    fn composed(&self) -> PyResult<ComposedRun> {
         let composed = compose(&self.document, &self.registry);
         self.unless_raised(composed.map_err(|refusal| exception(&Failure::from(refusal))))
+    }
+
+    /// What is looked for beside the scene's own section.
+    fn events(&self, run: &ComposedRun, asked: &[AskedEvent]) -> PyResult<Vec<Event>> {
+        let events = asked.iter().map(|(text, direction, last)| {
+            let direction = match direction.as_str() {
+                "up" => Direction::Up,
+                "down" => Direction::Down,
+                _ => Direction::Both,
+            };
+            let section = Section::of(&self.document, run, text, direction);
+            let section = section.map_err(|refusal| exception(&Failure::from(refusal)))?;
+            let last = *last;
+            Ok(Event { section, last })
+        });
+        events.collect()
     }
 
     /// The ensemble with these members, or those of its own table.
@@ -116,6 +142,54 @@ impl Read {
 }
 
 impl Scene {
+    /// The scene with more overrides and its run, where the invariants are recorded. The method is composed once for all that differs in
+    /// values alone; `at` other parameters it is the one of the scene's own, as those of members of an ensemble are.
+    fn composed(&self, more: &Overrides, at: &Parameters) -> PyResult<(Read, ComposedRun)> {
+        let mut read = self.with(&[more.clone(), self.chosen_at(at)].concat())?;
+        record_invariants(&mut read.document);
+        if read.functions.is_none() && are_values(more) {
+            let own = || {
+                let mut document = self.document.clone();
+                record_invariants(&mut document);
+                let run = compose(&document, &self.registry).ok()?;
+                Some((document.text, run))
+            };
+            let found = self.kept.at(&read.document, own);
+            let found = found.map_err(|refusal| exception(&Failure::from(refusal)))?;
+            if let Some(run) = found {
+                return Ok((read, run));
+            }
+        }
+        let run = read.composed()?;
+        Ok((read, run))
+    }
+
+    /// Overrides that set parameters and leave the method that of the scene's own.
+    fn chosen_at(&self, parameters: &Parameters) -> Overrides {
+        if parameters.is_empty() {
+            return Vec::new();
+        }
+        let mut overrides: Overrides = parameters
+            .iter()
+            .map(|(name, value)| (format!("system.parameters.{name}"), format!("{value:?}")))
+            .collect();
+        if self.document.system.numbers.is_none() {
+            let mut chosen = self.document.method.chosen_at.clone();
+            for (name, value) in &self.document.system.parameters {
+                let is_given = parameters.iter().any(|(given, _)| *given == name.value);
+                if is_given && chosen.iter().all(|(known, _)| known.value != name.value) {
+                    chosen.push((name.clone(), value.clone()));
+                }
+            }
+            let chosen = chosen.iter();
+            let chosen =
+                chosen.map(|(name, value)| format!("{} = {}", name.value, value.value.literal));
+            let table = chosen.collect::<Vec<_>>().join(", ");
+            overrides.push(("method.chosen-at".to_owned(), format!("{{ {table} }}")));
+        }
+        overrides
+    }
+
     /// The scene with more overrides.
     fn with(&self, more: &Overrides) -> PyResult<Read> {
         if self.system.is_some() {
@@ -186,6 +260,25 @@ impl Scene {
             source,
             overrides,
             system,
+            kept: Kept::default(),
+        })
+    }
+
+    /// The same scene with more overrides, and with the same method where these are values.
+    fn set(&self, py: Python<'_>, overrides: Overrides) -> PyResult<Self> {
+        if !are_values(&overrides) || self.system.is_some() {
+            let system = self.system.as_ref().map(|system| system.clone_ref(py));
+            let source = self.document.text.clone();
+            return Self::new(py, source, &self.document.name, overrides, system);
+        }
+        let read = py.detach(|| self.with(&overrides))?;
+        Ok(Self {
+            document: read.document,
+            registry: read.registry,
+            source: self.document.text.clone(),
+            overrides,
+            system: None,
+            kept: self.kept.clone(),
         })
     }
 
@@ -220,35 +313,46 @@ impl Scene {
     /// What it composes to.
     fn describe(&self, py: Python<'_>) -> PyResult<Description> {
         py.detach(|| {
-            let run = self.with(&Vec::new())?.composed()?;
+            let (_, run) = self.composed(&Vec::new(), &Vec::new())?;
             let casimirs = run.system.casimir_names();
             let parameters = run.system.parameters().iter();
             Ok((
                 run.names(),
                 casimirs.iter().map(|name| (*name).to_owned()).collect(),
                 parameters.map(|p| (p.name.clone(), p.value)).collect(),
-                (run.method.parts().into_iter())
-                    .map(|(label, text)| format!("{label}: {text}"))
-                    .collect(),
+                method_lines(&run),
             ))
         })
     }
 
-    /// Steps the scene with more overrides; `progress` is called with the steps made and their number.
+    /// Steps the scene with more overrides, at other parameters, and looks for events; `progress` is called with the steps made and
+    /// their number.
+    #[allow(clippy::too_many_arguments)]
     fn run(
         &self,
         py: Python<'_>,
         overrides: Overrides,
+        parameters: Parameters,
+        events: Vec<AskedEvent>,
+        is_silent: bool,
         allow_non_poisson: bool,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Recorded> {
-        let (coordinates, recorded) = py.detach(|| {
-            let mut read = self.with(&overrides)?;
-            let composed = read.composed()?;
+        let (coordinates, of, recorded) = py.detach(|| {
+            let (read, composed) = self.composed(&overrides, &parameters)?;
+            let events = read.events(&composed, &events)?;
             let mut told = PythonProgress::new(progress, read.functions.as_ref());
-            let (document, registry) = (&read.document, &read.registry);
-            let recorded =
-                run_in_memory(document, &composed, registry, allow_non_poisson, &mut told);
+            let recorded = run_in_memory(
+                &read.document,
+                &composed,
+                &read.registry,
+                Asked {
+                    allow_non_poisson,
+                    events: &events,
+                    is_silent,
+                },
+                &mut told,
+            );
             let recorded = recorded.map_err(|error| exception(&Failure::from(error)));
             let recorded = match told.into_raised() {
                 None => recorded?,
@@ -260,9 +364,10 @@ impl Scene {
                 }
                 Some(error) => return Err(error),
             };
-            PyResult::Ok((composed.plan.states.width(), recorded))
+            let of = (read.document.text.clone(), method_lines(&composed));
+            PyResult::Ok((composed.plan.states.width(), of, recorded))
         })?;
-        Recorded::new(py, coordinates, recorded)
+        Recorded::new(py, coordinates, of, recorded)
     }
 
     /// Steps an ensemble of the scene with more overrides into the directory `out`: members with these states (n, d) and
@@ -446,25 +551,55 @@ impl Scene {
         Ensemble::new(py, &composed, &report, left)
     }
 
-    /// The method's steps from the initial state.
-    fn integrator(&self, py: Python<'_>, allow_non_poisson: bool) -> PyResult<Integrator> {
+    /// The method's steps from the initial state, with more overrides and at other parameters.
+    fn integrator(
+        &self,
+        py: Python<'_>,
+        overrides: Overrides,
+        parameters: Parameters,
+        allow_non_poisson: bool,
+    ) -> PyResult<Integrator> {
         py.detach(|| {
-            let mut read = self.with(&Vec::new())?;
-            let composed = read.composed()?;
-            read.check(&composed, allow_non_poisson)?;
-            Ok(Integrator::new(&composed, read.functions))
+            let (read, run) = self.composed(&overrides, &parameters)?;
+            read.check(&run, allow_non_poisson)?;
+            Ok(Integrator::new(&run, read.functions))
+        })
+    }
+
+    /// The states of the run at any times; None where these are not known from its steps, as with a pace, and of functions of Python.
+    fn retraced(&self, py: Python<'_>) -> PyResult<Option<Retraced>> {
+        py.detach(|| {
+            let (read, run) = self.composed(&Vec::new(), &Vec::new())?;
+            let dimension = run.plan.coordinates;
+            let states = States::of(run).filter(|_| read.functions.is_none());
+            Ok(states.map(|states| Retraced::new(states, dimension)))
+        })
+    }
+
+    /// A lower bound of the method's order, 0 where its error does not depend on the step.
+    fn order(&self, py: Python<'_>) -> PyResult<usize> {
+        py.detach(|| {
+            let (_, run) = self.composed(&Vec::new(), &Vec::new())?;
+            Ok(run.method.map().properties().order)
         })
     }
 
     /// The method, to be stepped and differentiated from any state with any parameters.
     fn map(&self, py: Python<'_>, allow_non_poisson: bool) -> PyResult<Map> {
         py.detach(|| {
-            let mut read = self.with(&Vec::new())?;
-            let composed = read.composed()?;
-            read.check(&composed, allow_non_poisson)?;
-            Map::new(composed, read.functions)
+            let (read, run) = self.composed(&Vec::new(), &Vec::new())?;
+            read.check(&run, allow_non_poisson)?;
+            Map::new(run, read.functions)
         })
     }
+}
+
+/// The method in words.
+fn method_lines(run: &ComposedRun) -> Vec<String> {
+    let parts = run.method.parts().into_iter();
+    parts
+        .map(|(label, text)| format!("{label}: {text}"))
+        .collect()
 }
 
 /// Members as arrays.

@@ -110,3 +110,40 @@ fn list_of(value: &Bound<'_, PyAny>, path: &str, depth: usize) -> PyResult<Value
     let items = items.map(|(at, item)| value_of(&item?, &format!("{path}[{at}]"), depth));
     items.collect::<PyResult<_>>().map(Value::Array)
 }
+
+/// The table `name` of a text in TOML, with or without its heading, as Python's.
+#[pyfunction]
+pub(crate) fn table_of_text<'py>(
+    py: Python<'py>,
+    name: &str,
+    text: &str,
+) -> PyResult<Bound<'py, PyAny>> {
+    let table = text.parse::<Table>();
+    let table = table.map_err(|error| PyValueError::new_err(format!("{name}: {error}")))?;
+    let own = match table.get(name) {
+        Some(Value::Table(own)) => own.clone(),
+        _ => table,
+    };
+    python_of(py, &Value::Table(own))
+}
+
+fn python_of<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
+    Ok(match value {
+        Value::Table(table) => {
+            let found = PyDict::new(py);
+            for (key, value) in table {
+                found.set_item(key, python_of(py, value)?)?;
+            }
+            found.into_any()
+        }
+        Value::Array(items) => {
+            let items = items.iter().map(|item| python_of(py, item));
+            PyList::new(py, items.collect::<PyResult<Vec<_>>>()?)?.into_any()
+        }
+        Value::Boolean(value) => PyBool::new(py, *value).to_owned().into_any(),
+        Value::Integer(value) => value.into_pyobject(py)?.into_any(),
+        Value::Float(value) => value.into_pyobject(py)?.into_any(),
+        Value::String(value) => value.into_pyobject(py)?.into_any(),
+        Value::Datetime(value) => value.to_string().into_pyobject(py)?.into_any(),
+    })
+}

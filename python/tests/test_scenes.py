@@ -150,10 +150,14 @@ def test_tables_of_other_libraries() -> None:
 
 def test_figures() -> None:
     run = lw.Scene(RIGID_BODY).run(steps=10)
-    ax = run.plot("x1", "energy")
-    assert [line.get_label() for line in ax.lines] == ["x1", "energy"]
-    np.testing.assert_array_equal(ax.lines[1].get_ydata(), run.energy)
+    ax = run.plot("x1", "x3", "energy")
+    assert [line.get_label() for line in ax.lines] == ["x1", "x3"]
+    # Energy has an axis of its own, and the legend names all.
+    (other,) = (one for one in ax.figure.axes if one is not ax)
+    np.testing.assert_array_equal(other.lines[0].get_ydata(), run.energy)
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["x1", "x3", "energy"]
     assert len(run.plot(ax=ax).lines) == 5
+    assert len(run.plot("energy", "spin").lines) == 2
     with pytest.raises(KeyError, match="'x9' was not recorded; there are x1, x2, x3, energy, spin"):
         run.plot("x9", ax=ax)
 

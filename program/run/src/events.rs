@@ -150,16 +150,19 @@ pub(super) struct Crossings<'a> {
 impl<'a> Crossings<'a> {
     /// `None` where a run has none.
     pub fn of(run: &'a ComposedRun) -> Result<Option<Self>, BuildError> {
-        let Some(section) = &run.plan.events.section else {
-            return Ok(None);
-        };
+        let section = run.plan.events.section.as_ref();
+        section.map(|section| Self::with(run, section)).transpose()
+    }
+
+    /// Those of any section.
+    fn with(run: &ComposedRun, section: &'a Section) -> Result<Self, BuildError> {
         let mut difference = Functions::compile(run, &[&section.difference])?;
         let side = Side::begin(difference.at(&run.plan.initial)[0]);
-        Ok(Some(Self {
+        Ok(Self {
             section,
             difference,
             side,
-        }))
+        })
     }
 
     /// As [`crossing`], with the side after the step.
@@ -185,6 +188,73 @@ impl<'a> Crossings<'a> {
     pub fn ends_there(&mut self, state: &[f64], steps: u64) -> bool {
         let value = self.difference.at(state)[0];
         self.side.ends_there(self.section, value, steps)
+    }
+}
+
+/// A surface that a run in memory looks for, beside its scene's own section.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// The surface, and which crossings count.
+    pub section: Section,
+    /// The crossing that ends the run, counted from 1, where one does.
+    pub last: Option<u64>,
+}
+
+/// Where a run crosses a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Crossing {
+    /// The time.
+    pub time: f64,
+    /// The scene's own coordinates.
+    pub state: Vec<f64>,
+}
+
+/// An event that is looked for, with what was found.
+pub(super) struct EventWatch<'a> {
+    event: &'a Event,
+    crossings: Crossings<'a>,
+    pub found: Vec<Crossing>,
+}
+
+impl<'a> EventWatch<'a> {
+    /// Nothing found yet.
+    pub fn new(run: &ComposedRun, event: &'a Event) -> Result<Self, BuildError> {
+        Ok(Self {
+            event,
+            crossings: Crossings::with(run, &event.section)?,
+            found: Vec::new(),
+        })
+    }
+
+    /// The surface in words.
+    pub fn text(&self) -> &'a str {
+        &self.event.section.text
+    }
+
+    /// The side after the last step, and where the step crosses it.
+    pub fn crossing(
+        &mut self,
+        last: &mut LastStep<'_>,
+        after: &[f64],
+        steps: u64,
+    ) -> Result<(Side, Option<Between>), Lost<'a>> {
+        self.crossings.crossing(last, after, steps)
+    }
+
+    /// Takes in on which side the run goes on.
+    pub fn go_on(&mut self, side: Side) {
+        self.crossings.side = side;
+    }
+
+    /// Takes in a crossing; whether the run ends there.
+    pub fn take(&mut self, crossing: Crossing) -> bool {
+        self.found.push(crossing);
+        self.event.last == Some(self.found.len() as u64)
+    }
+
+    /// Whether the run ends on the surface, which it crosses there.
+    pub fn ends_there(&mut self, state: &[f64], steps: u64) -> bool {
+        self.crossings.ends_there(state, steps)
     }
 }
 

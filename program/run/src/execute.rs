@@ -10,6 +10,7 @@ use super::columns::{header, headings, invariant_name, windows_headings};
 use super::directory::{REPORT, RunDirectory, RunRequest, SCENE, WINDOWS};
 use super::drive::Session;
 use super::error::RunError;
+use super::events::{Crossing, Event};
 use super::manifest::{Beginning, Kind, files, plugins};
 use super::outcome::{InvariantDrift, RunOutcome, RunReport};
 use super::page::{confirm_page, write_page};
@@ -68,8 +69,23 @@ pub struct Recorded {
     pub windows: Vec<f64>,
     /// Whether it failed for want of memory for more samples.
     pub has_no_room: bool,
+    /// The crossings of each of the events that were looked for.
+    pub events: Vec<Vec<Crossing>>,
+    /// Which of these ended the run, where one did.
+    pub ended_by: Option<usize>,
     /// Figures and facts.
     pub page: ReportData,
+}
+
+/// What a run in memory is asked for.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Asked<'a> {
+    /// Integrates a tensor that violates the Jacobi identity.
+    pub allow_non_poisson: bool,
+    /// What is looked for beside the scene's own section.
+    pub events: &'a [Event],
+    /// Does not look for what to change in the scene, which may take as long as building the method.
+    pub is_silent: bool,
 }
 
 /// Checks the scene as [`run`] does and steps it, with everything recorded in memory, to the same numbers.
@@ -80,11 +96,11 @@ pub fn run_in_memory(
     document: &SceneDocument,
     composed: &ComposedRun,
     registry: &Registry,
-    allow_non_poisson: bool,
+    asked: Asked<'_>,
     progress: &mut dyn Progress,
 ) -> Result<Recorded, RunError> {
-    check(document, composed, allow_non_poisson)?;
-    let mut session = Session::in_memory(composed)?;
+    check(document, composed, asked.allow_non_poisson)?;
+    let mut session = Session::in_memory(composed, asked.events)?;
     let (outcome, has_no_room) = match session.drive(progress) {
         // What was kept before stays.
         Err(RunError::NoRoom(no_room)) => (
@@ -94,12 +110,13 @@ pub fn run_in_memory(
         outcome => (outcome?, false),
     };
     let mut report = describe(composed, &session, outcome, None);
-    if report.outcome != RunOutcome::Interrupted {
+    if report.outcome != RunOutcome::Interrupted && !asked.is_silent {
         report.advice = advice(document, composed, registry, &session, &report)?;
         report.shadow = sampled::shadow(composed, &session, &report)?;
     }
     let page = report_data(document, composed, &session, &report, "")?;
     let (windows_columns, windows) = windows_of(composed, &session);
+    let (events, ended_by) = session.events_found();
     let (samples, crossings) = session.into_values();
     Ok(Recorded {
         report,
@@ -109,6 +126,8 @@ pub fn run_in_memory(
         windows_columns: windows_columns.into_names(),
         windows: windows.concat(),
         has_no_room,
+        events,
+        ended_by,
         page,
     })
 }

@@ -18,6 +18,7 @@
 //! - `states`: recorded states too wide for `samples.csv`;
 //! - `snapshots`: fields of long lattices, thinned out for the report;
 //! - `room`: memory for what is kept, or its want as an error;
+//! - `retraced`: states at any times, from the nearest one that was kept;
 //! - `replaced`: a file that is replaced as a whole;
 //! - `sealed`: files that are read back to every bit, or refused;
 //! - `shadow`: what the energy of a map's shadow says of its step; `shadow_step`: the step that keeps it as well as asked;
@@ -53,6 +54,7 @@ mod paced;
 mod page;
 mod progress;
 mod replaced;
+mod retraced;
 mod room;
 mod round_off;
 mod sampled;
@@ -78,13 +80,15 @@ pub(crate) use directory::{
     FAILURES, LOSSES, REPORT, RunDirectory, RunRequest, SCENE, STATISTICS, SWEEP, WINDOWS, stem,
 };
 pub use error::RunError;
-pub use execute::{Recorded, RunOptions, run, run_in_memory};
+pub use events::{Crossing, Event};
+pub use execute::{Asked, Recorded, RunOptions, run, run_in_memory};
 pub(crate) use manifest::{Beginning, files, plugins};
 pub use manifest::{FilesRecord, Kind, Manifest, PROGRAM_VERSION, PluginRecord, ShardRecord};
 pub use outcome::{Failure, InvariantDrift, RunOutcome, RunReport, SolverFields};
 pub(crate) use page::{confirm_page, write_page};
 pub use progress::{Progress, Quiet, Status};
 pub(crate) use replaced::{Put, confirm, replace};
+pub use retraced::{Retrace, Retraced};
 pub use room::{NoRoom, with_room};
 pub(crate) use sealed::Format;
 pub use shadow::ShadowVerdict;

@@ -11,7 +11,8 @@
         bracket={"q,p": "1"}, convention="{x,H}", hamiltonian="p^2/2 - cos(q)", x0=[0, 1], t_span=(0, 20)
     )
 
-Units are those of the scene. States have the shape (d,), recorded ones (samples, d).
+Units are those of the scene. States have the shape (d,), recorded ones (samples, d). ``from leafwise import *`` leaves the builtin ``list``:
+parts and systems are ``lw.list()``.
 """
 
 from ._commands import command, describe, list_parts as list, load_plugin
@@ -20,13 +21,15 @@ from ._ensemble import Ensemble
 from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning, SceneError
 from ._fit import Fit
 from ._functions import System
-from ._gradient import Gradient, Tangents, Trajectory
-from ._leafwise import Growth, Integrator
+from ._gradient import Gradient, Tangents, Trajectory, Tried
+from ._leafwise import Growth, Integrator, version as _version
 from ._parts import closed_form, generating_function
 from ._run import Run
 from ._scene import Scene
 from ._solve import Solution, solve
 from ._sweep import Sweep
+
+__version__ = _version()
 
 __all__ = [
     "Comparison",
@@ -44,13 +47,13 @@ __all__ = [
     "Sweep",
     "Tangents",
     "Trajectory",
+    "Tried",
     "Solution",
     "System",
     "closed_form",
     "command",
     "describe",
     "generating_function",
-    "list",
     "load_plugin",
     "solve",
 ]

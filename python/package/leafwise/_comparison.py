@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ._plots import axes
+from ._views import table
 
 if TYPE_CHECKING:
     import matplotlib.axes
@@ -36,14 +37,34 @@ class Comparison(dict[str, Any]):
         return frame.sort_values("operations", ignore_index=True, kind="stable")
 
     def plot(self, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
-        """Error against operations: the front of all methods, and that of Poisson maps. Needs matplotlib."""
+        """Error against operations: the front of all methods, and that of Poisson maps, with the methods' names. Needs matplotlib."""
         ax = axes(ax)
-        for front, label in (("all", "any method"), ("poisson", "Poisson maps")):
-            points = sorted((p["operations"], p["error"]) for p in self._ran if p["front"][front])
-            ax.loglog([at for at, _ in points], [error for _, error in points], "o-", label=label)
+        named: set[tuple[str, float]] = set()
+        for front, label, style in (("all", "any method", "o-"), ("poisson", "Poisson maps", "D--")):
+            points = sorted((p["operations"], p["error"], p["method"]) for p in self._ran if p["front"][front])
+            across, up, methods = ([point[part] for point in points] for part in range(3))
+            # Both are seen where they are the same.
+            ax.loglog(across, up, style, markersize=4 if front == "all" else 9, markerfacecolor="none", label=label)
+            for at, (method, before) in enumerate(zip(methods, [None, *methods], strict=False)):
+                if method != before and (method, across[at]) not in named:
+                    named.add((method, across[at]))
+                    ax.annotate(method, (across[at], up[at]), (5, 5), textcoords="offset points", fontsize="small")
         ax.set(xlabel="operations", ylabel="largest error", title=f"t = {self['time']:g}")
         ax.legend()
         return ax
+
+    def _repr_html_(self) -> str:
+        best = sorted((p for p in self._ran if p["front"]["all"] or p["front"]["poisson"]), key=lambda p: float(p["operations"]))
+        heads = ["method", "time step", "operations", "error", "Poisson"]
+        rows = [
+            (p["method"], p.get("time_step"), p["operations"], float(p["error"]), "yes" if p["poisson"] else "no") for p in best
+        ]
+        return table(f"{self}: nothing is both cheaper and more accurate than these", heads, rows)
+
+    def __repr__(self) -> str:
+        return f"<leafwise.Comparison of {len(self['methods'])} methods to t = {self['time']:g}: {len(self._ran)} runs>"
+
+    __str__ = __repr__
 
     @property
     def _ran(self) -> list[dict[str, Any]]:

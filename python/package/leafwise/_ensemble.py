@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import html
 import json
+from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _leafwise
-from ._run import unlike
+from ._labelled import of_ensemble, unlike
+from ._plots import axes
 from ._stored import reduced
 
 if TYPE_CHECKING:
+    import matplotlib.axes
     import pandas
+    import xarray
 
 Array = NDArray[np.float64]
 
@@ -159,6 +164,36 @@ class Ensemble:
     def report(self) -> str:
         """The report as a page that needs nothing else."""
         return self._left.page
+
+    def save_report(self, file: str | PathLike[str]) -> None:
+        """Write the report to a file to open in a browser."""
+        Path(file).write_text(self.report(), encoding="utf-8")
+
+    def plot(self, x: str | None = None, y: str | None = None, *, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
+        """The members' last states, one column against another, in a colour for each outcome: coordinates, parameters, observables and
+        ``t``; the first two coordinates where none are named. Needs matplotlib.
+
+        Raises:
+            KeyError: there is no such column.
+        """
+        columns = {"t": self.t, **self.parameters, **dict(zip(self.names, self.x.T, strict=True)), **self.observables}
+        first, second = (self.names * 2)[:2]
+        asked = (x or first, y or second)
+        for name in asked:
+            if name not in columns:
+                raise KeyError(f"{name!r} is no column; there are {', '.join(columns)}")
+        ax = axes(ax)
+        for end in _OUTCOMES:
+            of_end = self.outcomes == end
+            if of_end.any():
+                ax.plot(columns[asked[0]][of_end], columns[asked[1]][of_end], ".", label=f"{end}: {np.count_nonzero(of_end)}")
+        ax.set(xlabel=asked[0], ylabel=asked[1])
+        ax.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, frameon=False)
+        return ax
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Last and initial states as ``x`` and ``x0`` over members and the coordinates' names, all else over members. Needs xarray."""
+        return of_ensemble(self)
 
     def to_pandas(self) -> pandas.DataFrame:
         """A row for each member. Needs pandas."""

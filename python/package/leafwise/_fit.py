@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Sequence
-from copy import copy
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ._arrays import Array, count, in_order, labels, reals, with_gaps
 from ._arrays import names as list_of_names
+from ._bounded import bounds_of, corrections, priors_of
 from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning
 from ._gradient import Trajectory
+from ._times import AtTimes, times_of
+from ._views import table
 
 if TYPE_CHECKING:
     from ._scene import Scene
@@ -47,22 +49,30 @@ class Fit:
     values: dict[str, float]
     """The values found, by name."""
     errors: dict[str, float]
-    """Their standard deviations, by name."""
+    """Their standard deviations, by name; NaN for one that lies on its bound."""
     covariance: Array
     """Their covariance, in the order of ``names``: shape (k, k)."""
     residuals: Array
     """(data - model)/sigma: shape (n, m); 0 where the data is NaN."""
     chi2: float
-    """The sum of their squares: about ``freedom`` where sigma is right."""
+    """The sum of their squares, with those of priors: about ``freedom`` where sigma is right."""
     freedom: int
-    """Data less values fitted."""
+    """Data and priors less values fitted."""
     iterations: int
     """Linear problems solved."""
     is_converged: bool
     """Whether the last correction was a small part of the uncertainties."""
+    at_bounds: list[str] = field(default_factory=list)
+    """What lies on one of its bounds."""
+
+    def _repr_html_(self) -> str:
+        rows = [(name, self.values[name], f"{self.errors[name]:.2g}") for name in self.names]
+        title = f"chi2 {self.chi2:.4g} of {self.freedom}, {self.iterations} iterations"
+        return table(title, ["", "value", "standard deviation"], rows)
 
     def __repr__(self) -> str:
-        found = ", ".join(f"{name} = {self.values[name]:.6g} ± {self.errors[name]:.1g}" for name in self.names)
+        errors = {name: "at its bound" if name in self.at_bounds else f"± {self.errors[name]:.1g}" for name in self.names}
+        found = ", ".join(f"{name} = {self.values[name]:.6g} {errors[name]}" for name in self.names)
         return f"<leafwise.Fit {found}; chi2 {self.chi2:.4g} of {self.freedom}, {self.iterations} iterations>"
 
 
@@ -76,6 +86,9 @@ def fit(
     record: int | None,
     initial: bool,
     iterations: int,
+    times: ArrayLike | None = None,
+    bounds: Mapping[str, object] | None = None,
+    priors: Mapping[str, object] | None = None,
 ) -> Fit:
     """See :meth:`Scene.fit`."""
     names = labels(data)
@@ -93,18 +106,28 @@ def fit(
     if np.isinf(given).any():
         raise ValueError("data is infinite somewhere; write NaN for what was not observed")
     weight = _weight(sigma, given.shape) * is_there
-    every = Trajectory(scene, parameters, record=record).record
-    model = Trajectory(scene, parameters, record=every, steps=every * (len(given) - 1))
+    along = Trajectory(scene, parameters, record=record)
+    model: Trajectory | AtTimes
+    if times is None:
+        model = Trajectory(scene, parameters, record=along.record, steps=along.record * (len(given) - 1))
+    elif record is not None:
+        raise ValueError("give times or record, not both")
+    else:
+        model = AtTimes(along, times_of(reals("times", times, len(given)), along._map.time_step))
     names = [*model.parameters, *(f"{name}(0)" for name in scene.variables if initial)]
     if not names:
         raise ValueError("nothing to fit: name parameters, or ask for initial=True")
     chosen, freedom = len(model.parameters), int(is_there.sum()) - len(names)
-    if freedom < 0:
-        raise ValueError(f"{int(is_there.sum())} numbers do not determine {len(names)} values")
 
-    whole = _Problem(model, np.where(is_there, given, 0.0), weight, columns, initial)
     # Where a run fails at the values that fewer data gave, it may not at those from which they came.
     begins = [np.concatenate([model.values, model.x0 if initial else []])]
+    if priors and sigma is None:
+        raise ValueError("priors are weighed against the data: give sigma too")
+    known = _Known(*priors_of(priors, names), *bounds_of(bounds, names, begins[0]))
+    freedom += int(np.count_nonzero(known.weights))
+    if freedom < 0:
+        raise ValueError(f"{int(is_there.sum())} numbers do not determine {len(names)} values")
+    whole = _Problem(model, np.where(is_there, given, 0.0), weight, columns, initial, known)
     made = 0
     for part in _PARTS:
         first = whole.first(-(-len(given) // part))
@@ -128,6 +151,7 @@ def fit(
         message = f"the sum of squares is {found.chi2:.3g}, where noise of sigma makes {freedom}: another minimum, another model"
         warnings.warn(f"{message}, or a sigma that is too small; begin nearer", LeafwiseWarning, stacklevel=3)
     covariance = found.inverse * scale
+    covariance[~found.free] = covariance[:, ~found.free] = np.nan
     changed: dict[str, object] = {
         f"system__parameters__{name}": float(value) for name, value in zip(model.parameters, at[:chosen], strict=True)
     }
@@ -144,29 +168,49 @@ def fit(
         freedom=freedom,
         iterations=made,
         is_converged=found.is_converged,
+        at_bounds=[name for name, is_free in zip(names, found.free, strict=True) if not is_free],
     )
+
+
+class _Known(NamedTuple):
+    """What is known of the values beside the data."""
+
+    means: Array
+    weights: Array
+    """One over standard deviations, 0 where nothing is known."""
+    low: Array
+    high: Array
 
 
 @dataclass(frozen=True)
 class _Problem:
     """Data beside a trajectory."""
 
-    model: Trajectory
+    model: Trajectory | AtTimes
     known: Array
     weight: Array
     columns: list[int]
     initial: bool
+    beside: _Known
 
     @property
     def numbers(self) -> int:
-        """How many data there are."""
-        return int(np.count_nonzero(self.weight))
+        """How many data and priors there are."""
+        return int(np.count_nonzero(self.weight) + np.count_nonzero(self.beside.weights))
 
     def first(self, rows: int) -> _Problem:
         """The same with the first rows of the data alone."""
-        model = copy(self.model)
-        model.steps = model.record * (rows - 1)
-        return _Problem(model, self.known[:rows], self.weight[:rows], self.columns, self.initial)
+        model = self.model._part(rows)
+        return _Problem(model, self.known[:rows], self.weight[:rows], self.columns, self.initial, self.beside)
+
+    def priors(self, at: Array) -> Array:
+        """The residuals of the priors."""
+        off: Array = (self.beside.means - at) * self.beside.weights
+        return off
+
+    def chi2(self, at: Array) -> float:
+        """The sum of squares."""
+        return float((self.left(at) ** 2).sum() + (self.priors(at) ** 2).sum())
 
     def left(self, at: Array) -> Array:
         """The residuals."""
@@ -194,6 +238,8 @@ class _Found(NamedTuple):
     left: Array
     chi2: float
     inverse: Array
+    free: NDArray[np.bool_]
+    """Which of the values lie on no bound."""
     size: float
     """The last correction in standard deviations."""
     iterations: int
@@ -205,19 +251,23 @@ def _descend(problem: _Problem, at: Array, small: float, most: int, names: list[
     made = 0
     while True:
         left, slopes = problem.linear(at)
-        correction, inverse = _solve(slopes, left.ravel(), names)
-        chi2 = float((left**2).sum())
+        whole = left.ravel()
+        if problem.beside.weights.any():
+            whole = np.concatenate([whole, problem.priors(at)])
+            slopes = np.concatenate([slopes, np.diag(problem.beside.weights)])
+        correction, inverse, free = _within(slopes, whole, names, problem.beside.low - at, problem.beside.high - at)
+        chi2 = float((whole**2).sum())
         # Uncertainties by the noise that the residuals show.
         scale = chi2 / max(problem.numbers - len(names), 1)
         size = float(np.linalg.norm(slopes @ correction)) / max(scale, np.finfo(float).tiny) ** 0.5
         is_rounding = bool((np.abs(correction) <= _ROUNDING * np.abs(at)).all())
         is_converged = size <= small or is_rounding
         if is_converged or made >= most:
-            return _Found(at, left, chi2, inverse, size, made, is_converged)
-        shorter = _shorter(at, correction, chi2, problem.left)
+            return _Found(at, left, chi2, inverse, free, size, made, is_converged)
+        shorter = _shorter(at, correction, chi2, problem.chi2)
         if shorter is None:
             # No correction however short makes the sum smaller: round-off, where the correction is one.
-            return _Found(at, left, chi2, inverse, size, made, size <= 1.0)
+            return _Found(at, left, chi2, inverse, free, size, made, size <= 1.0)
         at, made = shorter, made + 1
 
 
@@ -257,6 +307,24 @@ def _weight(sigma: ArrayLike | None, shape: tuple[int, ...]) -> Array:
     return np.broadcast_to(1.0 / given, shape).copy()
 
 
+def _within(
+    slopes: Array, left: Array, names: list[str], low: Array, high: Array
+) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """The correction within bounds, (slopesᵀ slopes)⁻¹ of the values that lie on none of them, and which these are."""
+
+    def solve(some: Array, rest: Array, columns: list[int]) -> Array:
+        return _solve(some, rest, [names[at] for at in columns])[0]
+
+    if np.isinf(low).all() and np.isinf(high).all():
+        return *_solve(slopes, left, names), np.ones(len(names), dtype=bool)
+    correction, free = corrections(slopes, left, low, high, solve)
+    inverse = np.zeros((len(names), len(names)))
+    if free.any():
+        own = _solve(slopes[:, free], left, [name for name, is_free in zip(names, free, strict=True) if is_free])[1]
+        inverse[np.ix_(free, free)] = own
+    return correction, inverse, free
+
+
 def _solve(slopes: Array, left: Array, names: list[str]) -> tuple[Array, Array]:
     """The correction with the least ‖left − slopes·correction‖, and (slopesᵀ slopes)⁻¹."""
     scales = np.linalg.norm(slopes, axis=0)
@@ -274,12 +342,12 @@ def _solve(slopes: Array, left: Array, names: list[str]) -> tuple[Array, Array]:
     return correction, half @ half.T
 
 
-def _shorter(at: Array, correction: Array, chi2: float, residuals: Callable[[Array], Array]) -> Array | None:
+def _shorter(at: Array, correction: Array, chi2: float, sum_of: Callable[[Array], float]) -> Array | None:
     """The first of at + correction, at + correction/2, … with a smaller sum of squares."""
     for halving in range(_HALVINGS):
         trial = at + correction * 0.5**halving
         try:
-            found = float((residuals(trial) ** 2).sum())
+            found = sum_of(trial)
         except IntegrationError:
             continue
         if found < chi2:

@@ -4,17 +4,25 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from copy import copy
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arrays import Array, count, in_order, names, reals
-from ._errors import LeafwiseError, LeafwiseWarning
+from ._arrays import Array, count, in_order, names, real_numbers, reals
+from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning
 from ._leafwise import Growth
 
 if TYPE_CHECKING:
     from ._scene import Scene
+
+
+#: Why JAX and PyTorch are refused the derivatives of derivatives.
+NO_SECOND = (
+    "second derivatives of a trajectory are not known: take differences of gradients, or where a sum of squares is made small J'J "
+    "with J from trajectory.jvp, as scene.fit does"
+)
 
 
 class Gradient(NamedTuple):
@@ -39,6 +47,17 @@ class Tangents(NamedTuple):
     """Their tangents: shape (n, d), or (n, k, d) for k directions."""
     growth: Growth
     """How they grew on their way, and how many digits that leaves."""
+
+
+class Tried(NamedTuple):
+    """Samples of a run that may have failed: arrays of the kind that was asked with, one entry of each for a member of a batch."""
+
+    x: Any
+    """The samples: shape (n, d); NaN behind the step that could not be taken."""
+    samples: Any
+    """How many there are before it."""
+    is_done: Any
+    """Whether all steps could be taken."""
 
 
 class Trajectory:
@@ -102,14 +121,89 @@ class Trajectory:
         """The scene's values of the parameters: shape (p,)."""
         return self._all[self._at]
 
-    def __call__(self, x0: ArrayLike | None = None, values: ArrayLike | None = None) -> Array:
+    @property
+    def samples(self) -> int:
+        """The number n of samples."""
+        return self.steps // self.record + 1
+
+    @overload
+    def __call__(
+        self, x0: ArrayLike | None = None, values: ArrayLike | None = None, *, throw: Literal[True] = True
+    ) -> Array: ...
+
+    @overload
+    def __call__(self, x0: ArrayLike | None = None, values: ArrayLike | None = None, *, throw: Literal[False]) -> Tried: ...
+
+    def __call__(
+        self, x0: ArrayLike | None = None, values: ArrayLike | None = None, *, throw: bool = True
+    ) -> Array | Tried:
         """The samples: shape (n, d), the program's to the bit.
+
+        With ``throw=False`` a step that cannot be taken, or an x0 or values that are not finite, are an outcome, for optimizers that go
+        on from there: a :class:`Tried`, whose samples behind that step are NaN.
 
         Raises:
             IntegrationError: a step could not be taken.
             MemoryError: the samples take more memory than there is.
         """
-        return self._run(x0, values)[0]
+        if throw:
+            return self._run(x0, values)[0]
+        x, _, there = self._try(x0, values)
+        return Tried(x, there, there == self.samples)
+
+    def _try(self, x0: ArrayLike | None, values: ArrayLike | None) -> tuple[Array, Array, int]:
+        """As :meth:`_run`, with the number of samples before a step that fails: behind them are NaN, and nothing is kept."""
+        x = np.full((self.samples, len(self.x0)), np.nan)
+        none = np.zeros((self._map.pieces((self.steps, self.record)), 2, self._map.width))
+        if not self._are_finite(x0, values):
+            return x, none, 0
+        try:
+            return *self._run(x0, values), self.samples
+        except IntegrationError:
+            made = self._map.reach(self._initial(x0), self._whole(values), self.steps)
+            part = self._part(made // self.record + 1)
+            x[: part.samples] = part._run(x0, values)[0]
+            return x, none, part.samples
+
+    def _are_finite(self, x0: ArrayLike | None, values: ArrayLike | None) -> bool:
+        """Whether the numbers are; of other types and shapes an exception tells."""
+        are_finite = True
+        for name, of, columns in (("x0", x0, self.scene.variables), ("values", values, self.parameters)):
+            if of is not None:
+                found = real_numbers(name, in_order(name, of, columns))
+                is_there = np.isfinite(found)
+                reals(name, np.where(is_there, found, 0.0), len(columns))
+                are_finite &= bool(is_there.all())
+        return are_finite
+
+    def _part(self, samples: int) -> Trajectory:
+        """The same with the first samples alone."""
+        part = copy(self)
+        part.steps = self.record * (samples - 1)
+        return part
+
+    def _try_pull(self, x0: Array, values: Array, kept: Array, w: Array) -> tuple[Array, Array]:
+        """As :meth:`_pull` by x0 and values, of the samples that are there; NaN where others count."""
+        there = self._try(x0, values)[2] if np.isfinite(w).all() else 0
+        if there == 0 or (w[there:] != 0).any():
+            return np.full(len(x0), np.nan), np.full(len(values), np.nan)
+        if there < self.samples:
+            part = self._part(there)
+            return part._pull(x0, values, part._run(x0, values)[1], w[:there])[:2]
+        return self._pull(x0, values, kept, w)[:2]
+
+    def _push(self, x0: Array, values: Array, dx0: Array, dvalues: Array) -> Array:
+        """Tangents of the samples in k directions: shape (n, k, d)."""
+        by_values = dvalues if self.parameters else None
+        return self.jvp(dx0, by_values, x0=x0, values=values).dx
+
+    def _try_push(self, x0: Array, values: Array, dx0: Array, dvalues: Array) -> Array:
+        """As :meth:`_push`, of the samples that are there; NaN behind them."""
+        dx = np.full((self.samples, len(dx0), len(x0)), np.nan)
+        there = self._try(x0, values)[2] if np.isfinite(dx0).all() and np.isfinite(dvalues).all() else 0
+        if there:
+            dx[:there] = self._part(there)._push(x0, values, dx0, dvalues)
+        return dx
 
     def _run(self, x0: ArrayLike | None, values: ArrayLike | None) -> tuple[Array, Array]:
         """Samples, and the states kept for the way back: shape (pieces, 2, stepped coordinates)."""
@@ -172,12 +266,11 @@ class Trajectory:
 
     def _pull(self, x0: ArrayLike, values: ArrayLike, kept: Array, w: ArrayLike) -> Gradient:
         """The gradient of a function with the derivatives w, of the run that kept these states."""
-        samples = self.steps // self.record + 1
         of_state, of_values, growth, again = self._map.pull(
             self._initial(x0),
             self._whole(values),
             kept,
-            reals("w", w, samples, len(self.x0)),
+            reals("w", w, self.samples, len(self.x0)),
             bool(self.parameters),
             (self.steps, self.record),
         )
@@ -201,7 +294,7 @@ class Trajectory:
 
     def __repr__(self) -> str:
         names = ", ".join(["x0", *self.parameters])
-        return f"<leafwise.Trajectory of {names}: {self.steps} steps, {self.steps // self.record + 1} samples>"
+        return f"<leafwise.Trajectory of {names}: {self.steps} steps, {self.samples} samples>"
 
 
 def _again(scene: Scene, parameters: list[str], steps: int, record: int, allow_non_poisson: bool) -> Trajectory:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Collection
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ._labelled import attributes, beside
 from ._leafwise import Recorded
-from ._plots import axes
+from ._plots import axes, chosen, lines
 from ._stored import reduced
 
 if TYPE_CHECKING:
@@ -21,13 +21,6 @@ if TYPE_CHECKING:
     import xarray
 
 Array = NDArray[np.float64]
-
-
-def unlike(name: str, taken: Collection[str]) -> str:
-    """The name of an observable, or another where that is taken."""
-    while name in taken:
-        name += " (observable)"
-    return name
 
 
 class Run:
@@ -138,19 +131,16 @@ class Run:
         Path(file).write_text(self.report(), encoding="utf-8")
 
     def plot(self, *names: str, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
-        """Coordinates and observables against time, all coordinates where none are named. Needs matplotlib.
+        """Coordinates and observables against time, all coordinates where none are named; energy and Casimirs beside others have an axis
+        of their own on the right. Needs matplotlib.
 
         Raises:
             KeyError: nothing of this name was recorded.
         """
-        ax, table = axes(ax), self._recorded.samples
-        for name in names or self.names:
-            if name not in self._recorded.columns:
-                raise KeyError(f"{name!r} was not recorded; there are {', '.join(self._recorded.columns[1:])}")
-            ax.plot(self.t, table[:, self._recorded.columns.index(name)], label=name)
-        ax.set_xlabel("t")
-        ax.legend()
-        return ax
+        columns, table = self._recorded.columns, self._recorded.samples
+        asked = chosen(names, self.names, columns[1:])
+        drawn = {name: table[:, columns.index(name)] for name in asked}
+        return lines(axes(ax), self.t, drawn, self.drift)
 
     def to_pandas(self) -> pandas.DataFrame:
         """A column for each coordinate and observable over the index t. Needs pandas."""
@@ -161,16 +151,16 @@ class Run:
         return pandas.DataFrame(table[:, 1:], pandas.Index(self.t, name=columns[0]), columns[1:])
 
     def to_xarray(self) -> xarray.Dataset:
-        """The states as ``x`` over t and the coordinates' names, the observables over t. Needs xarray.
+        """The states as ``x`` over t and the coordinates' names, the observables over t. Its ``attrs`` hold the method, the scene, the
+        program's version and the drift of each invariant. Needs xarray.
 
         An observable called x, t or coordinate is ``x (observable)`` there.
         """
         import xarray
 
         variables: dict[str, Any] = {"x": (("t", "coordinate"), self.x)}
-        for name, values in self.observables.items():
-            variables[unlike(name, {*variables, "t", "coordinate"})] = ("t", values)
-        return xarray.Dataset(variables, {"t": self.t, "coordinate": self.names})
+        variables |= beside({"x", "t", "coordinate"}, self.observables, "t", "observable")
+        return xarray.Dataset(variables, {"t": self.t, "coordinate": self.names}, attributes(self._recorded))
 
     def _repr_html_(self) -> str:
         page = html.escape(self.report())

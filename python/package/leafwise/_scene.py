@@ -22,13 +22,15 @@ from ._errors import IntegrationError, LeafwiseError, LeafwiseWarning, SceneErro
 from ._fit import Fit, fit
 from ._gradient import Trajectory
 from ._functions import System
-from ._leafwise import Integrator, text_of, text_of_value
+from ._keys import key_of
+from ._leafwise import Integrator, table_of_text, text_of, text_of_value
 from ._progress import shown
 from ._run import Run
 from ._shards import AskedEnsemble, AskedSweep
 from ._shards import ensemble as ensemble_of_shards
 from ._shards import sweep as sweep_of_shards
 from ._sweep import Sweep
+from ._views import text_of_scene
 
 #: More threads than any machine of these years has.
 _MOST_THREADS = 1024
@@ -60,6 +62,7 @@ class Scene:
 
     def _hold(self, scene: _leafwise.Scene) -> None:
         self._scene = scene
+        self._retraced: _leafwise.Retraced | None = None
         self._described: tuple[list[str], list[str], list[tuple[str, float]], list[str]] | None = None
 
     @classmethod
@@ -91,10 +94,13 @@ class Scene:
     def set(self, **values: Any) -> Scene:
         """The same scene with other values: ``scene.set(run__steps=100, method={"stepper": "rk4", "time-step": 0.1})``.
 
-        Two underscores stand for a dot; a table takes the place of the whole table.
+        Two underscores stand for a dot, and ``method__time_step`` for ``method.time-step``; a table, or its text in TOML, takes the place
+        of the whole table. Where initial state, step, number of steps and samples are all that differs, both scenes share their method.
         """
-        pairs = {key.replace("__", "."): value for key, value in values.items()}
-        return self._of(self.text, self.name, _overrides(pairs), self._scene.origin[3])
+        pairs = {key_of(key): _section(key, value) for key, value in values.items()}
+        scene = Scene.__new__(Scene)
+        scene._hold(self._scene.set(_overrides(pairs)))
+        return scene
 
     @property
     def name(self) -> str:
@@ -105,6 +111,18 @@ class Scene:
     def text(self) -> str:
         """The scene as TOML."""
         return self._scene.text
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Scene):
+            return NotImplemented
+        return self._identity() == other._identity()
+
+    def __hash__(self) -> int:
+        return hash(self._identity())
+
+    def _identity(self) -> tuple[str, Path, int]:
+        """What it says, where the files are that it may name, and which functions it has."""
+        return self.text, Path(self.name).parent, id(self._scene.origin[3])
 
     def _description(self) -> tuple[list[str], list[str], list[tuple[str, float]], list[str]]:
         if self._described is None:
@@ -138,6 +156,8 @@ class Scene:
         until: float | None = None,
         record: int | None = None,
         initial: Any = None,
+        parameters: Mapping[str, float] | None = None,
+        advice: bool = True,
         allow_non_poisson: bool = False,
         progress: bool | Callable[[int, int], object] | None = None,
     ) -> Run:
@@ -148,6 +168,9 @@ class Scene:
             until: the time at the end, in place of steps, where the scene has a pace.
             record: every how many steps a sample is kept.
             initial: the initial state, shape (d,).
+            parameters: parameters by name. The method is that of the scene's own values, as members of an ensemble have it: it is composed
+                once for all calls.
+            advice: look for what to change in the scene and warn of it. It builds other methods to compare with: leave it out in loops.
             allow_non_poisson: step a tensor that violates the Jacobi identity.
             progress: a function of the steps made and their number; True for a bar on standard error, False for none, and on
                 terminals alone, in long runs, where not given.
@@ -169,13 +192,24 @@ class Scene:
                 "run.initial": initial,
             }
         )
+        return self._run(overrides, _values(parameters), [], advice, allow_non_poisson, progress)
+
+    def _run(
+        self,
+        overrides: list[tuple[str, str]],
+        parameters: list[tuple[str, float]],
+        events: Sequence[tuple[str, str, int | None]],
+        advice: bool,
+        allow_non_poisson: bool,
+        progress: bool | Callable[[int, int], object] | None,
+    ) -> Run:
         with shown(progress) as told:
-            recorded = self._scene.run(overrides, allow_non_poisson, told)
+            recorded = self._scene.run(overrides, parameters, list(events), not advice, allow_non_poisson, told)
         run = Run(recorded)
-        for advice in run.warnings:
-            warnings.warn(advice, LeafwiseWarning, stacklevel=2)
+        for line in run.warnings:
+            warnings.warn(line, LeafwiseWarning, stacklevel=3)
         if run.outcome == "interrupted":
-            warnings.warn(run.message, LeafwiseWarning, stacklevel=2)
+            warnings.warn(run.message, LeafwiseWarning, stacklevel=3)
         if recorded.has_no_room:
             lost = MemoryError(run.message)
             lost.run = run  # type: ignore[attr-defined]
@@ -336,13 +370,21 @@ class Scene:
             warnings.warn(f"interrupted after {len(sweep)} settings", LeafwiseWarning, stacklevel=2)
         return sweep
 
-    def integrator(self, *, allow_non_poisson: bool = False) -> Integrator:
-        """The method's steps from the initial state, for a loop of one's own.
+    def integrator(
+        self, *, initial: Any = None, parameters: Mapping[str, float] | None = None, allow_non_poisson: bool = False
+    ) -> Integrator:
+        """The method's steps from the initial state, for a loop of one's own; ``initial`` and ``parameters`` are those of :meth:`run`.
 
         Raises:
             SceneError: the scene is not valid, or its bracket is not Poisson and ``allow_non_poisson`` is not given.
         """
-        return self._scene.integrator(allow_non_poisson)
+        return self._scene.integrator(_overrides({"run.initial": initial}), _values(parameters), allow_non_poisson)
+
+    def _states(self) -> _leafwise.Retraced | None:
+        """The states of its run at any times, where they are known from its steps."""
+        if self._retraced is None:
+            self._retraced = self._scene.retraced()
+        return self._retraced
 
     def trajectory(
         self,
@@ -365,6 +407,9 @@ class Scene:
         record: int | None = None,
         initial: bool = False,
         iterations: int = 50,
+        times: ArrayLike | None = None,
+        bounds: Mapping[str, tuple[float | None, float | None]] | None = None,
+        priors: Mapping[str, tuple[float, float]] | None = None,
     ) -> Fit:
         """Parameters from noisy observations, by Gauss and Newton's method with exact derivatives.
 
@@ -377,6 +422,11 @@ class Scene:
             record: every how many steps there is an observation; the scene's own where not given.
             initial: find the initial state too, from the scene's own on.
             iterations: at most so many.
+            times: the times of the rows, shape (n,), in their order from t = 0 on, where these are no steps: states there are ends of
+                shorter steps of the method. ``record`` and the scene's number of steps then say nothing.
+            bounds: the least and the largest value of what is fitted, by name: ``{"k": (0, None), "q(0)": (-1, 1)}``. A value that ends
+                on its bound has no standard deviation.
+            priors: what was known before, by name: the mean of a normal distribution and its standard deviation. Needs sigma.
 
         Raises:
             LeafwiseError: the data do not determine what is to be found, or the method's derivatives are not known.
@@ -391,6 +441,9 @@ class Scene:
             record=record,
             initial=initial,
             iterations=iterations,
+            times=times,
+            bounds=bounds,
+            priors=priors,
         )
 
     def command(self, name: str, *arguments: str, accept: tuple[int, ...] = (0,)) -> Any:
@@ -425,6 +478,16 @@ class Scene:
         found: dict[str, Any] = self.command("tune", "--error", repr(number("error", error)), *arguments)
         return found
 
+    def tuned(self, error: float, *arguments: str) -> Scene:
+        """The same scene with the cheapest method and step for an error, which :meth:`tune` finds."""
+        best = self.tune(error, *arguments)["recommended"]
+        if best is None:
+            raise LeafwiseError(f"no method is known that errs by at most {error:g}: see scene.tune({error:g})")
+        return self.set(method=best["method"], run__steps=best["steps"])
+
+    def _repr_html_(self) -> str:
+        return text_of_scene(self)
+
     def __repr__(self) -> str:
         return f"<leafwise.Scene {self.name}>"
 
@@ -437,6 +500,16 @@ def _shards(asked: int | None) -> int:
 def _threads(asked: int | None) -> int | None:
     """How many threads; more than a machine has take turns, and no result depends on them."""
     return None if asked is None else min(count("threads", asked, 1), _MOST_THREADS)
+
+
+def _values(parameters: Mapping[str, float] | None) -> list[tuple[str, float]]:
+    """Parameters by name as doubles."""
+    return [(name, number(name, value)) for name, value in of_names("parameters", parameters).items()]
+
+
+def _section(name: str, value: Any) -> Any:
+    """A table of a scene, where its text stands for it."""
+    return table_of_text(name, value) if isinstance(value, str) and "=" in value and "__" not in name else value
 
 
 def _overrides(values: Mapping[str, Any]) -> list[tuple[str, str]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,9 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._arrays import count, in_order, labels, names, number, real_numbers, reals, table
 from ._errors import IntegrationError, LeafwiseWarning
+from ._events import Event, events_of
 from ._functions import System
+from ._refine import FIRST, refined
 from ._run import Run
-from ._scene import Scene
+from ._scene import Scene, _overrides
+from ._scipy import Fields, by_name
 
 Array = NDArray[np.float64]
 
@@ -28,15 +31,12 @@ _METHOD_OF_NUMBERS: dict[str, Any] = {
     "composition": "suzuki-4",
 }
 
-#: The steps that the search for an accuracy begins with.
-_FIRST = 64
 
-
-class Solution:
+class Solution(Fields):
     """A solution: the fields of SciPy's ``OdeResult``, also by ``solution["t"]``; d coordinates, m points.
 
-    Called with times, shape () or (k,) within the span, it steps again and gives the method's own states there, shape (d,) or
-    (d, k).
+    Called with times, shape () or (k,) within the span, it gives the method's own states there, shape (d,) or (d, k): ends of a step
+    from the nearest state that it keeps, about a thousand along the span, or that it was asked for last.
     """
 
     #: Times of the points: shape (m,).
@@ -51,7 +51,7 @@ class Solution:
     drift: dict[str, float]
     #: Evaluations of the step equations, those of trial runs included.
     nfev: int
-    #: 0 at the end of the span, -1 where a step failed, the accuracy was not met or Ctrl-C ended it.
+    #: 0 at the end of the span, 1 where an event ended it, -1 where a step failed, the accuracy was not met or Ctrl-C ended it.
     status: int
     #: What that means.
     message: str
@@ -62,15 +62,26 @@ class Solution:
     #: The run; its own times count from the beginning of the span.
     run: Run
 
-    #: As in SciPy, where events are not asked for.
-    t_events = None
-    y_events = None
+    #: The times of each event's crossings, shape (k,), and the states there, shape (k, d); None where no events are asked for.
+    t_events: list[Array] | None = None
+    y_events: list[Array] | None = None
+    #: The steps of the runs that were made: those of ``rtol``, the last one's the solution's.
+    trials: list[int]
     #: Nothing else is counted.
     njev = 0
     nlu = 0
 
-    def __init__(self, scene: Scene, run: Run, span: tuple[float, float], points: Array | None, step: float) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        run: Run,
+        span: tuple[float, float],
+        points: Array | None,
+        step: float,
+        has_events: bool = False,
+    ) -> None:
         self.scene, self.run, self.step, self._span = scene, run, step, span
+        self._points = points
         kept = slice(None)
         times = run.t + span[0]
         if points is not None:
@@ -85,12 +96,26 @@ class Solution:
             times[kept] = points
         elif run.outcome == "done":
             times[-1] = span[1]
+        recorded = run._recorded
+        if has_events:
+            self.t_events = [found + span[0] for found, _ in recorded.events]
+            self.y_events = [states for _, states in recorded.events]
+        if run.outcome == "stopped":
+            self._span = (span[0], span[0] + run.final_time)
         self.t, self.y, self.energy = times[kept], run.x[kept].T, run.energy[kept]
         self.casimirs = {name: values[kept] for name, values in run.casimirs.items()}
         self.drift = run.drift
         self.nfev = run.evaluations
-        self.status = 0 if run.outcome == "done" else -1
+        self.status = {"done": 0, "stopped": 1}.get(run.outcome, -1)
         self.message = run.message or "the end of the span was reached"
+        if run.outcome == "stopped":
+            self.message = f"the event {run.message} ended it at t = {self._span[1]:.6g}"
+        self.trials = [run.steps]
+
+    @property
+    def is_interrupted(self) -> bool:
+        """Whether Ctrl-C ended it."""
+        return self.run.outcome == "interrupted"
 
     @property
     def success(self) -> bool:
@@ -108,20 +133,22 @@ class Solution:
         if self._span[1] < self._span[0]:
             points, order = points[::-1], len(points) - 1 - order
         points = _points(points, self._span)
+        states = self.scene._states() if len(self.run.names) == len(self.scene.variables) else None
+        if states is not None:
+            own = states.at(points - self._span[0])[order].T
+            return own.reshape(len(own), *times.shape)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", LeafwiseWarning)
             run = _at(self.scene, points, self._span).run()
         found = Solution(self.scene, run, self._span, points, self.step).y[:, order]
         return found.reshape(len(found), *times.shape)
 
-    def __getitem__(self, field: str) -> Any:
-        return getattr(self, field)
-
     def __repr__(self) -> str:
         drift = ", ".join(f"{name} {value:.1e}" for name, value in self.drift.items())
         return f"<leafwise.Solution {self.message}: {self.y.shape[1]} points, step {self.step:g}, drift: {drift}>"
 
 
+@by_name
 def solve(
     *,
     x0: ArrayLike,
@@ -140,6 +167,7 @@ def solve(
     step: float | None = None,
     rtol: float | None = None,
     max_steps: int = 10_000_000,
+    events: Any = None,
 ) -> Solution:
     """Solve ẋ = {H, x} from x0 over a span of time; the result has the fields of ``scipy.integrate.solve_ivp``.
 
@@ -161,9 +189,15 @@ def solve(
             of functions five stages of Hamilton-Jacobi of order 2 over Karasev's realization by collocation.
             A method with a ``pace`` takes steps of a time of its own; points are in t all the same.
         step: the longest step: the span has a whole number of steps. With a pace, the step of its time.
-        rtol: in place of a step. Steps are halved until two runs agree at all points within ``rtol`` times the largest
-            coordinate; the finer one is the result. 1e-6 where neither is given.
+        rtol: in place of a step: the result errs at all points by at most ``rtol`` times the largest coordinate. Runs with fewer
+            steps, less than half as many together, foresee by the method's order how many are enough; where errors do not fall
+            by that order, the last two runs agree within ``rtol`` themselves. 1e-6 where neither is given.
         max_steps: where that search ends.
+        events: surfaces whose crossings are ``t_events`` and ``y_events``: formulas as ``"q = 0"``, or tables
+            ``{"at": "q = 0", "direction": "up", "terminal": True}`` with the direction in which left - right goes, "up", "down" or
+            "both", and whether the solution ends there; a number is that of the crossing that ends it. A crossing is the end of a
+            shorter step of the method, on the surface to round-off; two within one step are not seen, and a solution that begins on
+            the surface does not cross it there.
 
     Raises:
         SceneError: the system is not valid.
@@ -208,6 +242,8 @@ def solve(
     usual = _METHOD if system is None else _METHOD_OF_NUMBERS
     how = {"stepper": method} if isinstance(method, str) else dict(usual if method is None else method)
 
+    looked_for = [] if events is None else events_of(events)
+
     has_pace = how.get("pace") is not None
     plan: dict[str, Any] = {"initial": reals("x0", x0, None)}
     if start != 0:
@@ -228,67 +264,91 @@ def solve(
     if labels(x0) is not None:
         plan["initial"] = reals("x0", in_order("x0", x0, composed(1).variables), None)
 
-    def attempt(steps: int, points: Array | None) -> Solution:
-        scene = composed(steps)
+    def solution_of(scene: Scene, steps: int, points: Array | None, advice: bool = True) -> Solution:
         try:
-            run = (scene if points is None else _at(scene, points, span)).run()
+            run = _run(scene, points, span, looked_for, advice)
         except IntegrationError as failure:
             if failure.run is None:
                 raise
             run = failure.run
-        return Solution(scene, run, span, points, (end - start) / steps)
+        return Solution(scene, run, span, points, (end - start) / steps, events is not None)
 
     if step is not None:
         # A quotient that is whole but for its rounding is whole.
         quotient = abs(end - start) / abs(step) * (1 - 4e-16)
         if quotient > 2.0**62:
             raise ValueError(f"step is {step}, of which t_span {_shown(t_span)} has more than can be counted")
-        return attempt(max(1, math.ceil(quotient)), points)
+        steps = max(1, math.ceil(quotient))
+        return solution_of(composed(steps), steps, points)
+    # Its method is that of all runs.
+    first = composed(FIRST)
+
+    def attempt(steps: int, points: Array | None) -> Solution:
+        length = {} if has_pace else {"run__steps": steps}
+        # The first run is never the result.
+        return solution_of(first.set(method__time_step=(end - start) / steps, **length), steps, points, steps > FIRST)
+
     wanted = 1e-6 if rtol is None else rtol
     if has_pace and points is None:
         # Steps of different lengths end at different times: two runs are compared at given ones.
-        found = _refined(attempt, np.linspace(start, end, _FIRST + 1), wanted, max_steps)
+        compared = np.linspace(start, end, FIRST + 1)
+        found = _refined(first, lambda steps: attempt(steps, compared), wanted, max_steps)
         if not found.success:
             return found
         whole = attempt(round((end - start) / found.step), None)
         whole.nfev += found.nfev
+        whole.trials = [*found.trials, *whole.trials]
         return whole
-    return _refined(attempt, points, wanted, max_steps)
+    return _refined(first, lambda steps: attempt(steps, points), wanted, max_steps)
 
 
-def _refined(attempt: Callable[[int, Array | None], Solution], points: Array | None, rtol: float, max_steps: int) -> Solution:
-    """The finer of two runs that agree at the points, or at all steps of the coarser one."""
-    coarse: Solution | None = None
-    steps, evaluations, difference = _FIRST, 0, math.inf
+def _refined(first: Scene, attempt: Callable[[int], Solution], rtol: float, max_steps: int) -> Solution:
+    """The solution that errs by at most rtol."""
+    tried: list[Solution] = []
+
+    def counted(steps: int) -> Solution:
+        tried.append(attempt(steps))
+        return tried[-1]
+
     with warnings.catch_warnings():
         # Of the step that is found alone.
         warnings.simplefilter("ignore", LeafwiseWarning)
-        while True:
-            fine = attempt(steps, points)
-            evaluations += fine.nfev
-            if fine.run.outcome == "interrupted":
-                break
-            if coarse is not None and coarse.success and fine.success:
-                finer = fine.y[:, ::2] if points is None else fine.y
-                difference = _difference(finer, coarse.y)
-                if difference <= rtol:
-                    break
-            if 2 * steps > max_steps:
-                if fine.success:
-                    fine.status = -1
-                    fine.message = f"with {steps} steps two runs still differ by {difference:.1e}: rtol {rtol:g} is not met"
-                break
-            coarse, steps = fine, 2 * steps
+        fine, found = refined(counted, _difference, first._scene.order(), rtol, max_steps)
+    if not found.is_met and fine.success:
+        fine.status = -1
+        fine.message = f"with {found.steps[-1]} steps two runs still differ by {found.difference:.1e}: rtol {rtol:g} is not met"
     for advice in fine.run.warnings:
-        warnings.warn(advice, LeafwiseWarning, stacklevel=3)
-    fine.nfev = evaluations
+        warnings.warn(advice, LeafwiseWarning, stacklevel=4)
+    fine.nfev = sum(one.nfev for one in tried)
+    fine.trials = [one.run.steps for one in tried]
     return fine
 
 
-def _difference(finer: Array, coarser: Array) -> float:
-    """The largest difference over the largest coordinate; 0 where there are no points, or where all are 0."""
-    largest = float(np.abs(finer).max(initial=0.0))
-    return float(np.abs(finer - coarser).max(initial=0.0)) / largest if largest else 0.0
+def _difference(fine: Solution, coarse: Solution) -> float:
+    """The largest difference at points that both have, and of the ends where there are events or no points, in parts of the largest
+    coordinate."""
+    if fine.status != coarse.status:
+        return math.inf
+    is_all, is_stopped = fine._points is None, fine.status == 1
+    y, other = fine.y, coarse.y
+    if is_all:
+        # The last of both is an event where one ended them.
+        last = -1 if is_stopped else None
+        y, other = y[:, :last:round(coarse.step / fine.step)], other[:, :last]
+    both = min(y.shape[1], other.shape[1])
+    off = np.abs(y[:, :both] - other[:, :both]).max(initial=0.0)
+    size = np.abs(y).max(initial=0.0)
+    if fine.t_events is not None or both == 0:
+        ends = fine.run.final_state, coarse.run.final_state
+        off, size = max(off, np.abs(ends[0] - ends[1]).max()), max(size, np.abs(ends[0]).max())
+        start, end = fine._span
+        off = max(off, size * abs(end - coarse._span[1]) / abs(end - start))
+    return float(off / size) if size > 0 else float(off)
+
+
+def _run(scene: Scene, points: Array | None, span: tuple[float, float], events: Sequence[Event], advice: bool) -> Run:
+    overrides = {} if points is None else {"run.record.times": points - span[0]}
+    return scene._run(_overrides(overrides), [], events, advice, False, None)
 
 
 def _span(t_span: Any) -> tuple[float, float]:

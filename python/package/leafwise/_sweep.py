@@ -6,16 +6,22 @@ import csv
 import html
 import io
 import json
+from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _leafwise
+from ._labelled import of_sweep
+from ._plots import axes
 from ._stored import reduced
 
 if TYPE_CHECKING:
+    import matplotlib.axes
     import pandas
+    import xarray
 
 Array = NDArray[np.float64]
 
@@ -99,6 +105,41 @@ class Sweep:
     def report(self) -> str:
         """The report as a page that needs nothing else."""
         return self._left.page
+
+    def save_report(self, file: str | PathLike[str]) -> None:
+        """Write the report to a file to open in a browser."""
+        Path(file).write_text(self.report(), encoding="utf-8")
+
+    def plot(self, y: str | None = None, x: str | None = None, *, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
+        """A column against a swept key, with a line for each combination of the others: the first drift against the first key where none
+        are named. Needs matplotlib.
+
+        Raises:
+            KeyError: there is no such column.
+        """
+        keys = self._named("settings")
+        asked = (x or keys[0], y or self._named("drifts")[0])
+        for name in asked:
+            if name not in self._cells:
+                raise KeyError(f"{name!r} is no column; there are {', '.join(self._cells)}")
+        others = [key for key in keys if key != asked[0]]
+        groups: dict[tuple[str, ...], list[int]] = {}
+        for at in range(len(self)):
+            groups.setdefault(tuple(self._cells[key][at] for key in others), []).append(at)
+        ax = axes(ax)
+        across, up = self[asked[0]], self._numbers(asked[1])
+        for values, rows in groups.items():
+            label = ", ".join(f"{key} = {value}" for key, value in zip(others, values, strict=True))
+            order = sorted(rows, key=lambda at: across[at])
+            ax.plot(across[order], up[order], "o-", label=label or None)
+        ax.set(xlabel=asked[0], ylabel=asked[1])
+        if others:
+            ax.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2, frameon=False)
+        return ax
+
+    def to_xarray(self) -> xarray.Dataset:
+        """What was measured over the swept keys, where settings are all combinations of their values; else over settings. Needs xarray."""
+        return of_sweep(self)
 
     def to_pandas(self) -> pandas.DataFrame:
         """A row for each setting. Needs pandas."""

@@ -10,7 +10,7 @@ use crate::checkpoint::{Checkpoint, FILE};
 use crate::columns::header;
 use crate::directory::RunDirectory;
 use crate::error::RunError;
-use crate::events::{Crossings, StopWatch};
+use crate::events::{Crossings, Event, EventWatch, StopWatch};
 use crate::invariants::{Functions, Windows};
 use crate::last_step::LastStep;
 use crate::paced::Paced;
@@ -42,11 +42,15 @@ impl<'a> Session<'a> {
         Ok(session)
     }
 
-    /// A run in memory: its initial state is recorded.
-    pub fn in_memory(run: &'a ComposedRun) -> Result<Self, RunError> {
+    /// A run in memory that looks for events: its initial state is recorded.
+    pub fn in_memory(run: &'a ComposedRun, events: &'a [Event]) -> Result<Self, RunError> {
         let width = 1 + run.plan.states.width() + run.plan.observables.len();
         let samples = Samples::in_memory(width, rows(run))?;
         let mut session = Self::new(run, None, Duration::MAX, samples)?;
+        for event in events {
+            session.events.push(EventWatch::new(run, event)?);
+            session.last.get_or_insert_with(|| LastStep::new(run));
+        }
         if session.section.is_some() {
             session.crossings = Some(Samples::in_memory(width, 0)?);
         }
@@ -157,6 +161,8 @@ impl<'a> Session<'a> {
             paced,
             last: is_between.then(|| LastStep::new(run)),
             stop,
+            events: Vec::new(),
+            ended_by: None,
             is_stopped: false,
             section,
             crossings: None,

@@ -2,7 +2,7 @@
 
 use super::Session;
 use crate::error::RunError;
-use crate::events::Lost;
+use crate::events::{Crossing, Lost};
 use crate::last_step::Between;
 use crate::outcome::Failure;
 use leafwise_scene::compose::is_same_time;
@@ -23,6 +23,62 @@ impl Session<'_> {
             self.end = Some((time, found.state));
         }
         None
+    }
+
+    /// Takes in the events of the last step in the order in which they come, up to one that ends the run; why one is not known.
+    pub(super) fn find_events(&mut self) -> Option<Failure> {
+        let (mut found, steps) = (Vec::new(), self.integrator.steps());
+        for at in 0..self.events.len() {
+            let last = self.last.as_mut()?;
+            match self.events[at].crossing(last, self.integrator.state(), steps) {
+                Ok((side, None)) => self.events[at].go_on(side),
+                Ok((side, Some(between))) => {
+                    found.push((self.time_of(&between), at, between.state, side));
+                }
+                Err(lost) => return Some(self.failure_of(lost)),
+            }
+        }
+        let forward = self.run.plan.epsilon * self.run.plan.h;
+        found.sort_by(|(one, ..), (other, ..)| (one * forward).total_cmp(&(other * forward)));
+        for (time, at, state, side) in found {
+            if !self.is_on_the_way(time) {
+                break;
+            }
+            self.events[at].go_on(side);
+            if self.take_event(at, time, &state) {
+                self.end = Some((time, state));
+            }
+        }
+        None
+    }
+
+    /// Takes in the events on whose surfaces the run ends.
+    pub(super) fn find_events_at_end(&mut self) {
+        if self.events.is_empty() {
+            return;
+        }
+        let (steps, (time, state)) = (self.integrator.steps(), self.last_state());
+        for at in 0..self.events.len() {
+            if self.events[at].ends_there(&state, steps) {
+                self.take_event(at, time, &state);
+            }
+        }
+    }
+
+    /// The time and the state at which the run ends.
+    fn last_state(&self) -> (f64, Vec<f64>) {
+        let present = || (self.time(), self.integrator.state().to_vec());
+        self.end.clone().unwrap_or_else(present)
+    }
+
+    /// Takes in a crossing of an event's surface; whether the run ends there.
+    fn take_event(&mut self, at: usize, time: f64, state: &[f64]) -> bool {
+        let state = self.run.own(state).to_vec();
+        let is_last = self.events[at].take(Crossing { time, state });
+        if is_last && self.ended_by.is_none() {
+            (self.is_stopped, self.ended_by) = (true, Some(at));
+        }
+        is_last
     }
 
     /// Records where the last step crosses the section; why that is not known.
@@ -50,9 +106,7 @@ impl Session<'_> {
 
     /// Records the state at the end where that lies on the section.
     pub(super) fn record_end_on_section(&mut self) -> Result<(), RunError> {
-        let (steps, time) = (self.integrator.steps(), self.time());
-        let present = || (time, self.integrator.state().to_vec());
-        let (time, state) = self.end.clone().unwrap_or_else(present);
+        let (steps, (time, state)) = (self.integrator.steps(), self.last_state());
         let section = self.section.as_mut();
         match section.is_some_and(|section| section.ends_there(&state, steps)) {
             true => self.push_crossing(time, &state),

@@ -13,7 +13,7 @@ use crate::checkpoint::Checkpoint;
 use crate::columns::invariant_name;
 use crate::directory::RunDirectory;
 use crate::error::RunError;
-use crate::events::{Crossings, Side, StopWatch};
+use crate::events::{Crossing, Crossings, EventWatch, Side, StopWatch};
 use crate::invariants::{Functions, Windows};
 use crate::last_step::LastStep;
 use crate::outcome::{Failure, RunOutcome};
@@ -45,6 +45,9 @@ pub(super) struct Session<'a> {
     last: Option<LastStep<'a>>,
     /// Where a condition ends the run.
     stop: Option<StopWatch<'a>>,
+    /// What else is looked for, and which of these has ended the run.
+    events: Vec<EventWatch<'a>>,
+    ended_by: Option<usize>,
     /// Whether it has.
     is_stopped: bool,
     /// Where crossings of a section are recorded, and their rows.
@@ -101,10 +104,18 @@ impl<'a> Session<'a> {
 
     /// How the run ended, which is at its end.
     pub fn end_reached(&self) -> RunOutcome {
-        match &self.stop {
-            Some(stop) if self.is_stopped => RunOutcome::Stopped(stop.text().to_owned()),
+        let event = self.ended_by.map(|at| self.events[at].text());
+        match event.or(self.stop.as_ref().map(StopWatch::text)) {
+            Some(text) if self.is_stopped => RunOutcome::Stopped(text.to_owned()),
             _ => RunOutcome::Done,
         }
+    }
+
+    /// The crossings of each event, and which of these has ended the run.
+    pub fn events_found(&mut self) -> (Vec<Vec<Crossing>>, Option<usize>) {
+        let events = self.events.iter_mut();
+        let found = events.map(|event| std::mem::take(&mut event.found));
+        (found.collect(), self.ended_by)
     }
 
     /// The time of the present state.
@@ -173,7 +184,10 @@ impl<'a> Session<'a> {
             }
             if self.is_at_end() {
                 break match self.reach_end() {
-                    None => self.end_reached(),
+                    None => {
+                        self.find_events_at_end();
+                        self.end_reached()
+                    }
                     Some(failure) => RunOutcome::Failed(failure),
                 };
             }
@@ -231,7 +245,7 @@ impl<'a> Session<'a> {
             self.is_end_recorded = self.last_sample == Some(before);
             return Ok(Some(failure));
         }
-        if let Some(failure) = self.find_stop() {
+        if let Some(failure) = self.find_stop().or_else(|| self.find_events()) {
             return Ok(Some(failure));
         }
         let time = self.time();

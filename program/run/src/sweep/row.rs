@@ -55,7 +55,7 @@ impl Row {
         run: &ComposedRun,
         signals: &Signals,
     ) -> Result<Option<Self>, RunError> {
-        let mut session = Session::in_memory(run)?;
+        let mut session = Session::in_memory(run, &[])?;
         let mut watched = Watched { signals, steps: 0 };
         let outcome = session.drive(&mut watched)?;
         if outcome == RunOutcome::Interrupted {

@@ -4,7 +4,7 @@ use leafwise_report::render_report;
 
 use super::{Prepared, SCENE, StopAfter};
 use crate::csv::numbers;
-use crate::{Recorded, RunError, RunOutcome, run_in_memory};
+use crate::{Asked, Recorded, RunError, RunOutcome, run_in_memory};
 
 /// An oscillator in paced steps, with a section and states between steps; q never becomes 2.
 const PACED: &str = r#"
@@ -48,7 +48,13 @@ fn recorded(text: &str, looks: u32) -> Result<Recorded, RunError> {
         composed,
     } = Prepared::new(text);
     let mut progress = StopAfter(looks);
-    run_in_memory(&document, &composed, &registry, false, &mut progress)
+    run_in_memory(
+        &document,
+        &composed,
+        &registry,
+        Asked::default(),
+        &mut progress,
+    )
 }
 
 /// The rows of a file in a run directory.

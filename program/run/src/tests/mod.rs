@@ -1,5 +1,6 @@
 //! Runs in directories.
 
+mod between;
 mod damage;
 mod directories;
 mod in_memory;

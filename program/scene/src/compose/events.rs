@@ -4,11 +4,14 @@ use leafwise_expression::Expression;
 use leafwise_expression::syntax::Scope;
 
 use super::Refusal;
+use super::definitions::scope;
 use super::dense::DENSE_LIMIT;
+use super::extended::Extension;
 use super::names::function;
 use super::observables::Observable;
+use super::run::ComposedRun;
 use super::states::RecordedStates;
-use crate::document::{Direction, Located, SceneDocument, nearest};
+use crate::document::{Direction, Located, Place, SceneDocument, Source, nearest};
 
 /// Where a run ends before its last step: left > right, or another comparison.
 #[derive(Clone, Debug, PartialEq)]
@@ -129,6 +132,56 @@ impl Section {
             Direction::Down => "downwards",
             Direction::Both => "in both directions",
         }
+    }
+}
+
+impl Section {
+    /// A surface of a scene, `left = right`, beside the one that it may have itself.
+    ///
+    /// # Errors
+    /// A formula that is none, one that has no value where the run begins, and a long lattice.
+    pub fn of(
+        document: &SceneDocument,
+        run: &ComposedRun,
+        text: &str,
+        direction: Direction,
+    ) -> Result<Self, Refusal> {
+        let families = &document.system.families;
+        let lengths: Vec<usize> = families.iter().map(|(_, length)| length.value).collect();
+        let given = format!("events = \"{text}\"");
+        let place = Place {
+            span: given.len() - text.len() - 2..given.len(),
+            source: Source::Override(given.into()),
+        };
+        let text = Located::new(text.to_owned(), place);
+        if run.method.lattice().is_some() {
+            return Err(refuse(
+                document,
+                &text,
+                format!(
+                    "events are not offered on a lattice of more than {DENSE_LIMIT} coordinates"
+                ),
+                "of this run",
+                "shorten the lattice, or record the formula as an observable",
+            ));
+        }
+        let mut scope = scope(document, &lengths, None)?;
+        Extension::of(document, &lengths, &mut scope)?;
+        let section = Self {
+            text: text.value.trim().to_owned(),
+            difference: difference(document, &scope, &text, &["="])?.0,
+            direction,
+            axes: None,
+        };
+        let parameters = run.system.parameter_values();
+        defined(
+            document,
+            &text,
+            &section.difference,
+            &run.plan.initial,
+            &parameters,
+        )?;
+        Ok(section)
     }
 }
 

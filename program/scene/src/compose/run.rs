@@ -230,7 +230,7 @@ fn stepped<'a>(noise: Option<&'a NoisySteps>, composed: &'a ComposedSystem) -> &
 }
 
 /// Times stand in place of numbers of steps beside a pace alone, and ahead.
-fn check_times(document: &SceneDocument) -> Result<(), Refusal> {
+pub(super) fn check_times(document: &SceneDocument) -> Result<(), Refusal> {
     let refuse = |number: &Located<Number>, message: String, help: &str| {
         let help = Some(help.to_owned());
         Err(Box::new(document.diagnostic(

@@ -3,17 +3,19 @@
 use super::Refusal;
 use super::forces::check_damping;
 use super::initial::initial_state;
-use super::run::ComposedRun;
+use super::run::{ComposedRun, check_times};
+use super::sample_times::SampleTimes;
 use crate::document::SceneDocument;
 
 impl ComposedRun {
     /// The same run at the values of a scene that differs from its own in what
-    /// [`assign`](SceneDocument::assign) sets: its method, whose kernels take parameters and steps when they run, is shared.
+    /// [`assign`](SceneDocument::assign) sets, and in when samples are kept: its method, whose kernels take parameters and steps when
+    /// they run, is shared.
     /// `None` where a part of it holds values: a long lattice, a system of numbers, a recorded shadow energy; and with noise,
     /// whose strengths are checked when it is composed.
     ///
     /// # Errors
-    /// An initial state that is none.
+    /// An initial state that is none, and times that the run does not come to.
     pub fn at(&self, document: &SceneDocument) -> Result<Option<Self>, Refusal> {
         let has_values = self.method.lattice().is_some()
             || self.plan.shadow.is_some()
@@ -27,6 +29,7 @@ impl ComposedRun {
         let Ok(system) = self.system.with_parameter_values(&parameters) else {
             return Ok(None);
         };
+        check_times(document)?;
         let own = initial_state(document)?;
         let initial = match &self.extension {
             Some(extension) => extension.state(document, &own, &parameters)?,
@@ -40,6 +43,7 @@ impl ComposedRun {
         let step = &document.method.step;
         (run.plan.epsilon, run.plan.h) = (step.epsilon(), step.h());
         run.plan.steps = document.run.steps.value;
+        run.plan.samples = SampleTimes::of(document);
         run.plan.initial = initial;
         Ok(Some(run))
     }
