@@ -1,10 +1,15 @@
 //! Instruments on systems of numbers: by the derivatives they offer, else by differences, with a floor.
 
-use leafwise::core::diagnostics::{TensorDefect, Verdict, check_casimir, check_jacobi};
+use leafwise::core::diagnostics::{
+    Inconsistency, TensorDefect, Verdict, check_casimir, check_jacobi, find_inconsistency,
+};
+use leafwise::core::system::{Derivatives, OpaqueSystem, SystemEvaluator, SystemNumbers};
 use leafwise::core::{PartParameters, PoissonSystem, Registry, StepError, StepMap};
 use leafwise::systems::all;
 use leafwise_tests::systems::from_formulas;
 use leafwise_tests::{library, opaque};
+use proptest::prelude::*;
+use std::cell::Cell;
 use std::sync::Arc;
 
 /// The same system with derivatives and without.
@@ -24,6 +29,8 @@ fn library_systems_as_numbers_pass_every_check() {
         let problem = library(entry.id);
         let values = problem.system.parameter_values();
         for (system, by_differences) in as_numbers(&problem.system).iter().zip([false, true]) {
+            let found = find_inconsistency(system, &values, &problem.initial);
+            assert_eq!(found, None, "{}", entry.id);
             let casimirs = 0..system.casimir_names().len();
             let casimirs = casimirs.map(|at| check_casimir(system, at, &values, &problem.initial));
             let checks = casimirs.chain([check_jacobi(system, &values, &problem.initial)]);
@@ -68,6 +75,147 @@ fn a_tensor_that_is_not_poisson_is_found_and_traced_to_a_triple() {
         assert_eq!(wrong.verdict, Verdict::Violated, "{wrong:?}");
         assert_eq!(wrong.worst.len(), 1);
     }
+}
+
+/// What is wrong with the values of a system.
+#[derive(Clone, Copy, Debug)]
+enum Wrong {
+    /// (1 + a)∇H.
+    Gradient,
+    /// ∇H with one derivative off by a part of all of them.
+    OneDerivative(usize),
+    /// Π + a s 1.
+    Symmetric,
+    /// (1 + a ln |p|) Πp.
+    Nonlinear,
+}
+
+/// The values of another system, of which some are wrong by a part.
+#[derive(Debug)]
+struct WrongNumbers {
+    right: Arc<dyn SystemNumbers>,
+    wrong: Wrong,
+    part: f64,
+    /// The size of Π.
+    size: f64,
+}
+
+impl SystemNumbers for WrongNumbers {
+    fn derivatives(&self) -> Derivatives {
+        Derivatives::default()
+    }
+
+    fn evaluator(&self, parameters: &[f64]) -> Box<dyn SystemEvaluator> {
+        Box::new(WrongEvaluator {
+            right: self.right.evaluator(parameters),
+            wrong: self.wrong,
+            part: self.part,
+            size: self.size,
+        })
+    }
+}
+
+struct WrongEvaluator {
+    right: Box<dyn SystemEvaluator>,
+    wrong: Wrong,
+    part: f64,
+    size: f64,
+}
+
+fn magnitude(x: f64) -> f64 {
+    if x == 0.0 { 1.0 } else { x.abs() }
+}
+
+impl SystemEvaluator for WrongEvaluator {
+    fn tensor(&mut self, y: &[f64], v: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.right.tensor(y, v, out)?;
+        match self.wrong {
+            Wrong::Symmetric => {
+                for (out, v) in out.iter_mut().zip(v) {
+                    *out += self.part * self.size * v;
+                }
+            }
+            Wrong::Nonlinear => {
+                let norm = v.iter().map(|v| v * v).sum::<f64>().sqrt();
+                let factor = 1.0 + self.part * libm::log(norm);
+                out.iter_mut().for_each(|out| *out *= factor);
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn hamiltonian(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.right.hamiltonian(y, out)
+    }
+
+    fn gradient(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.right.gradient(y, out)?;
+        match self.wrong {
+            Wrong::Gradient => out.iter_mut().for_each(|g| *g *= 1.0 + self.part),
+            Wrong::OneDerivative(at) => {
+                let at = at % out.len();
+                let all: f64 = out
+                    .iter()
+                    .zip(y)
+                    .map(|(g, y)| (g * magnitude(*y)).abs())
+                    .sum();
+                out[at] += self.part * all / magnitude(y[at]);
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn casimirs(&mut self, y: &[f64], out: &mut [f64]) -> Result<(), StepError> {
+        self.right.casimirs(y, out)
+    }
+}
+
+/// Of whatever is wrong by a hundredth or more, in whatever system of the library, it is said which function it is.
+#[test]
+fn values_of_no_poisson_system_are_found() {
+    let ids: Vec<&str> = all().iter().map(|entry| entry.id).collect();
+    let found = Cell::new(0);
+    let wrongs = prop_oneof![
+        Just(Wrong::Gradient),
+        (0_usize..64).prop_map(Wrong::OneDerivative),
+        Just(Wrong::Symmetric),
+        Just(Wrong::Nonlinear),
+    ];
+    let config = ProptestConfig::with_cases(200);
+    proptest!(config, |(id in 0..ids.len(), wrong in wrongs, part in 0.01_f64..1.0)| {
+        let problem = library(ids[id]);
+        let values = problem.system.parameter_values();
+        let all = opaque::values_only(&problem.system);
+        let right = all.opaque().expect("a system of numbers");
+        let ones = vec![1.0; problem.initial.len()];
+        let mut image = ones.clone();
+        right.numbers.evaluator(&values).tensor(&problem.initial, &ones, &mut image).expect("values");
+        let size = image.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
+        let system: PoissonSystem = OpaqueSystem {
+            numbers: Arc::new(WrongNumbers {
+                right: Arc::clone(&right.numbers),
+                wrong,
+                part,
+                size: if size == 0.0 { 1.0 } else { size },
+            }),
+            ..right.clone()
+        }
+        .into();
+        let told = find_inconsistency(&system, &values, &problem.initial);
+        let is_it = match (wrong, &told) {
+            (Wrong::Gradient | Wrong::OneDerivative(_), Some(Inconsistency::Gradient { .. })) => true,
+            (Wrong::Symmetric, Some(Inconsistency::Symmetric { .. })) => true,
+            (Wrong::Nonlinear, Some(Inconsistency::Nonlinear { .. })) => true,
+            _ => false,
+        };
+        prop_assert!(is_it, "{}: {wrong:?} by {part}, and {told:?}", ids[id]);
+        let words = told.as_ref().map(|told| told.told(system.variables())).unwrap_or_default();
+        prop_assert!(words.contains(" = "), "{words}");
+        found.set(found.get() + 1);
+    });
+    assert!(found.get() >= 200, "{} cases", found.get());
 }
 
 #[test]

@@ -363,3 +363,20 @@ def test_nothing_names_a_folder_that_is_gone() -> None:
     pages = [scene.ensemble(np.ones((2, 2))).report(), scene.sweep({"method.time-step": [0.1, 0.2]}).report()]
     assert not any("/tmp" in page or "Temp" in page or ">Data<" in page for page in pages)
     assert scene.tune(1e-4)["scene"] == "scene.toml"
+
+
+def test_an_invariant_may_have_a_coordinates_name() -> None:
+    scene = lw.Scene(
+        system={
+            "variables": ["energy", "y", "z"],
+            "bracket": {"energy,y": "1"},
+            "convention": "{x,H}",
+            "hamiltonian": "energy^2 + y^2*z",
+            "casimirs": {"z": "z^2"},
+        },
+        method={"stepper": "splitting", "time-step": 0.1},
+        run={"initial": [1, 2, 3], "steps": 3},
+    )
+    run = scene.run()
+    np.testing.assert_array_equal(run.casimirs["z"], np.full(4, 9.0))
+    np.testing.assert_allclose(run.energy, run.x[:, 0] ** 2 + run.x[:, 1] ** 2 * 3, rtol=1e-14)

@@ -57,13 +57,18 @@ class Run:
     @property
     def energy(self) -> Array:
         """The Hamiltonian at the samples: shape (n,)."""
-        return self.observables["energy"]
+        return self._invariant("energy", "Hamiltonian")
 
     @property
     def casimirs(self) -> dict[str, Array]:
         """The Casimirs at the samples by their names: shape (n,) each."""
+        return {name: self._invariant(name, "Casimir") for name, _, _ in self._recorded.invariants[1:]}
+
+    def _invariant(self, name: str, kind: str) -> Array:
+        """An invariant at the samples, whose column is called otherwise where a coordinate has its name."""
         observables = self.observables
-        return {name: observables[name] for name, _, _ in self._recorded.invariants[1:]}
+        column = f"{name} ({kind})"
+        return observables[column if column in observables else name]
 
     @property
     def drift(self) -> dict[str, float]:

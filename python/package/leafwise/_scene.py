@@ -167,7 +167,7 @@ class Scene:
             steps: the number of steps.
             until: the time at the end, in place of steps, where the scene has a pace.
             record: every how many steps a sample is kept.
-            initial: the initial state, shape (d,).
+            initial: the initial state, shape (d,), or a number for each name.
             parameters: parameters by name. The method is that of the scene's own values, as members of an ensemble have it: it is composed
                 once for all calls.
             advice: look for what to change in the scene and warn of it. It builds other methods to compare with: leave it out in loops.
@@ -237,7 +237,7 @@ class Scene:
         """Step many members side by side on all threads, without a trajectory in memory: the same numbers as the program's.
 
         Args:
-            x0: the members' initial states, shape (n, d); the scene's own where not given.
+            x0: the members' initial states, shape (n, d), the columns of a frame by their names; the scene's own where not given.
             parameters: parameters by name with a value for each member, shape (n,) each. Where neither is given, members are
                 those of the scene's ``[ensemble]``.
             steps: the number of steps.
@@ -414,7 +414,8 @@ class Scene:
         """Parameters from noisy observations, by Gauss and Newton's method with exact derivatives.
 
         Args:
-            data: the observations, shape (n, m): a row for each sample, the first at t = 0; NaN where nothing was observed.
+            data: the observations, shape (n, m): a row for each sample, the first at t = 0; NaN or masked where nothing was observed.
+                Columns of a frame go by their names where these are coordinates.
             parameters: the parameters to find, from the scene's own values on.
             sigma: the standard deviation of the noise: a number, or shape (m,) or (n, m). Where it is not given it is
                 taken from the residuals, the same for all data.

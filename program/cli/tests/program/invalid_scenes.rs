@@ -309,6 +309,18 @@ fn a_tensor_that_violates_jacobi_fails_its_check_and_does_not_run_unless_told() 
     said.says(&["scene.toml:4:15", "the Jacobi identity fails for"]);
     assert!(here.is_untouched(), "something was written");
 
+    // What is about Poisson systems alone refuses it too, without a flag that these commands do not have.
+    for command in [
+        &["shadow"] as &[&str],
+        &["compare"],
+        &["tune", "--error", "1e-3"],
+    ] {
+        let said = here.leafwise(&[command, &["scene.toml"]].concat());
+        assert_eq!(said.code, Some(3), "{}", said.err);
+        said.says(&["the Jacobi identity fails for", "correct the bracket"]);
+        assert!(!said.err.contains("--allow"), "{}", said.err);
+    }
+
     // Told to, it runs, whatever the Casimirs are then.
     let scene = broken().replace(
         "casimirs    = {}",
