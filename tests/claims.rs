@@ -22,6 +22,7 @@ mod lockstep;
 mod module_cycles;
 mod noise;
 mod numbers;
+mod offsets;
 mod opaque_checks;
 mod opaque_methods;
 mod opaque_steppers;

@@ -94,25 +94,29 @@ pub enum BuildError {
         /// The greatest number.
         most: usize,
     },
-    /// A lattice function that couples distant sites.
+    /// Formulas of a lattice that look too far for the lattice that they would be written out on.
     #[error(
-        "a formula of this lattice reaches {reach} sites away, too far for a template; shorten the \
-         lattice or write a Hamiltonian that couples neighbours"
+        "the code of a site of this lattice looks {reach} sites away, and for that {coordinates} coordinates would be \
+         written out, of {most} at most; couple nearer sites, or take a method of lower order"
     )]
     NotLocal {
         /// The distance in sites.
         reach: usize,
+        /// The coordinates of the lattice that would be written out.
+        coordinates: usize,
+        /// The greatest number of them.
+        most: usize,
     },
-    /// A tensor that is not the same at every interior site of a long lattice.
+    /// Code of a lattice's site that looks further than was foreseen when it was written.
     #[error(
-        "the bracket of {first} with {second} does not repeat from site to site; a long lattice is \
-         written with a free index, as in \"x[i],x[i+1]\""
+        "code of this lattice looks {reach} sites away, and {foreseen} were foreseen; this is a defect of the method: take \
+         another one, and tell its author"
     )]
-    NotHomogeneous {
-        /// One coordinate of the entry.
-        first: String,
-        /// The other.
-        second: String,
+    LooksFurther {
+        /// The distance.
+        reach: usize,
+        /// What the lattice that it was written on has room for.
+        foreseen: usize,
     },
     /// A scene's formula that does not fit the lattice it is written out on.
     #[error("{message}")]

@@ -1,6 +1,6 @@
 //! Lattices of templates.
 
-use leafwise::core::lattice::{LatticeGeometry, LatticeSource, observables::SiteDensity};
+use leafwise::core::lattice::{LatticeGeometry, LatticeSource, TemplateReach, observables::SiteDensity};
 use leafwise::core::{BuildError, Convention, PoissonSystem};
 use leafwise::expression::Expression;
 use leafwise::expression::syntax::{Boundary, Formula, Scope, VariablePattern};
@@ -8,8 +8,8 @@ use leafwise::expression::syntax::{Boundary, Formula, Scope, VariablePattern};
 /// A bracket of templates, a Hamiltonian that is a sum over sites.
 pub struct Chain {
     pub geometry: LatticeGeometry,
-    pub bracket: Vec<(&'static str, &'static str)>,
-    pub hamiltonian: &'static str,
+    pub bracket: Vec<(String, String)>,
+    pub hamiltonian: String,
 }
 
 impl Chain {
@@ -17,8 +17,8 @@ impl Chain {
     pub fn new(
         families: &[(&str, usize)],
         periodic: bool,
-        bracket: &[(&'static str, &'static str)],
-        hamiltonian: &'static str,
+        bracket: &[(&str, &str)],
+        hamiltonian: &str,
     ) -> Self {
         let families = families.iter().map(|(name, n)| ((*name).to_owned(), *n));
         Self {
@@ -26,8 +26,8 @@ impl Chain {
                 families: families.collect(),
                 periodic,
             },
-            bracket: bracket.to_vec(),
-            hamiltonian,
+            bracket: (bracket.iter()).map(|(pair, entry)| ((*pair).to_owned(), (*entry).to_owned())).collect(),
+            hamiltonian: hamiltonian.to_owned(),
         }
     }
 
@@ -57,6 +57,19 @@ impl LatticeSource for Chain {
         &self.geometry
     }
 
+    fn reach(&self) -> Result<TemplateReach, BuildError> {
+        let read = |text: &str| Formula::parse(text).expect("a formula");
+        let bracket = self.bracket.iter().try_fold(TemplateReach::default(), |reach, (pair, entry)| {
+            let (a, b) = VariablePattern::parse_pair(pair).expect("a pair");
+            reach.with_entry([&a, &b], &read(entry))
+        });
+        let hamiltonian = read(&self.hamiltonian);
+        let reach = bracket.and_then(|reach| reach.with_hamiltonian(&hamiltonian));
+        reach.map_err(|error| BuildError::Lattice {
+            message: error.to_string(),
+        })
+    }
+
     fn write_out(&self, geometry: &LatticeGeometry) -> Result<PoissonSystem, BuildError> {
         let scope = self.scope(geometry);
         let mut entries = std::collections::BTreeMap::new();
@@ -69,10 +82,10 @@ impl LatticeSource for Chain {
                 let (Ok(Some(a)), Ok(Some(b))) = ends else {
                     continue;
                 };
-                let value = entry
-                    .resolve(&scope, at)
-                    .expect("known names")
-                    .expect("inside");
+                // An entry that reaches outside is absent.
+                let Some(value) = entry.resolve(&scope, at).expect("known names") else {
+                    continue;
+                };
                 let value = if a < b {
                     value
                 } else {
@@ -81,7 +94,7 @@ impl LatticeSource for Chain {
                 entries.insert((a.min(b), a.max(b)), value);
             }
         }
-        let hamiltonian = Formula::parse(self.hamiltonian).expect("a formula");
+        let hamiltonian = Formula::parse(&self.hamiltonian).expect("a formula");
         let hamiltonian = hamiltonian
             .resolve(&scope, None)
             .expect("names")
@@ -104,7 +117,7 @@ impl LatticeSource for Chain {
         geometry: &LatticeGeometry,
         site: usize,
     ) -> Result<Vec<SiteDensity>, BuildError> {
-        let formula = Formula::parse(self.hamiltonian).expect("a formula");
+        let formula = Formula::parse(&self.hamiltonian).expect("a formula");
         let density = formula
             .density(&self.scope(geometry), site)
             .map_err(|error| BuildError::Lattice {

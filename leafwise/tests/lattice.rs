@@ -6,6 +6,7 @@ use crate::chain::Chain;
 use leafwise::core::lattice::{LatticeMap, LatticeMethod, LatticeObservables};
 use leafwise::core::{BuildError, Integrator, Method, PartParameters, Registry};
 use leafwise::core::{Observe, StepMap};
+use proptest::prelude::{Just, ProptestConfig, Strategy, any, prop_assert, prop_oneof, proptest};
 
 /// {x[i], x[i+1]} = x[i] x[i+1] on the first family, {x[i], y[i+1]} = 1 + x[i] y[i+1] where there
 /// is a second: a tensor for comparing codes, Poisson or not.
@@ -116,11 +117,83 @@ fn families_of_different_lengths_share_an_open_chain() {
 
 #[test]
 fn a_hamiltonian_that_couples_all_sites_is_refused() {
-    let chain = volterra(&[100], true, "sum(i, x[i])^2");
+    for hamiltonian in ["sum(i, x[i])^2", "sum(i<j, x[i]*x[j])", "sum(i, x[i]*x[0])"] {
+        let chain = volterra(&[100], true, hamiltonian);
+        assert!(matches!(
+            compose(&chain, 2, 2),
+            Err(BuildError::Lattice { .. })
+        ));
+    }
+}
+
+/// The right number, of lattices that would take too much memory.
+#[test]
+fn a_lattice_that_looks_too_far_is_refused_with_its_distance() {
+    let chain = volterra(&[1_000_000], true, "sum(i, x[i]*x[i+5000])");
     assert!(matches!(
         compose(&chain, 2, 2),
-        Err(BuildError::NotLocal { .. })
+        Err(BuildError::NotLocal { reach: 5001, .. })
     ));
+}
+
+/// Where an index of a template stands, how far it names sites, and how long the lattice is.
+#[derive(Clone, Debug)]
+struct Far {
+    pair: [i64; 2],
+    in_entry: i64,
+    coupled: [i64; 2],
+    order: i64,
+    extra: usize,
+    periodic: bool,
+}
+
+impl Far {
+    fn chain(&self) -> Chain {
+        let at = |offset: i64| format!("x[i{offset:+}]");
+        let [a, b] = self.pair.map(at);
+        let entry = format!("{a}*{b} + 0.1*{}", at(self.in_entry));
+        let [c, d] = self.coupled.map(at);
+        let hamiltonian = format!("sum(i, x[i]) + 0.1*sum(i, {c}^2*{d})");
+        let named = [self.pair[0], self.pair[1], self.in_entry];
+        let apart = named.iter().max().zip(named.iter().min()).map_or(0, |(a, b)| a - b);
+        let each = apart + (self.coupled[0] - self.coupled[1]).abs();
+        let beside = self.pair.iter().chain(&self.coupled).map(|offset| offset.abs()).max();
+        let width = each * (self.order - 1) + beside.unwrap_or(0);
+        // So long that the templates are of a shorter lattice.
+        let sites = 2 * width as usize + 4 + self.extra;
+        Chain::new(&[("x", sites)], self.periodic, &[(&format!("{a},{b}"), &entry)], &hamiltonian)
+    }
+}
+
+/// A tensor of any entries, Poisson or not, moves by templates as it does written out.
+fn far() -> impl Strategy<Value = Far> {
+    let near_or_far = || prop_oneof![-2..3_i64, -8..9_i64];
+    (1..9_i64, near_or_far(), near_or_far(), near_or_far(), 0..10_usize, any::<bool>()).prop_flat_map(
+        |(apart, start, in_entry, coupled, extra, periodic)| {
+            // Long series take short distances.
+            let order = if apart + in_entry.abs() + start.abs() + coupled.abs() <= 8 { 4 } else { 2 };
+            Just(Far {
+                pair: [start, start + apart],
+                in_entry,
+                coupled: [start, start + coupled],
+                order,
+                extra,
+                periodic,
+            })
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn far_templates_equal_their_written_out_form(far in far()) {
+        let chain = far.chain();
+        let lattice = compose(&chain, 2, far.order).expect("a lattice method");
+        prop_assert!(lattice.proxy_geometry().length() < chain.geometry.length());
+        assert_agrees(&chain, 2, far.order);
+    }
 }
 
 #[test]

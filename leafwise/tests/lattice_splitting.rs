@@ -50,6 +50,20 @@ fn spins(sites: usize, periodic: bool) -> Chain {
     )
 }
 
+/// {x[i], x[i+k]} = x[i] x[i+k], H = Σ x[i].
+fn far_volterra(sites: usize, periodic: bool, offset: usize) -> Chain {
+    let pair = format!("x[i],x[i+{offset}]");
+    let entry = format!("x[i]*x[i+{offset}]");
+    Chain::new(&[("x", sites)], periodic, &[(&pair, &entry)], "sum(i, x[i])")
+}
+
+/// s moves r moves u, each so many sites away.
+fn far_relay(sites: usize, periodic: bool, offset: usize) -> Chain {
+    let mut chain = relay(sites, periodic);
+    chain.hamiltonian = format!("sum(i, q[i]*s[i+{offset}] + r[i]*v[i+{offset}])");
+    chain
+}
+
 /// Three canonical pairs a site; s moves r moves u along the chain in one piece, so that a flow
 /// reads at another site what it moves.
 fn relay(sites: usize, periodic: bool) -> Chain {
@@ -117,12 +131,51 @@ fn sweeps_take_the_steps_of_the_splitting_written_out() {
     }
 }
 
+/// What stands k sites away is moved by what stands 2k away, and pieces repeat after two sites, after 2k, or nowhere but on the whole
+/// lattice: at every length the sweeps are those of the splitting written out.
+#[test]
+fn sweeps_that_look_far_take_the_steps_of_the_splitting_written_out() {
+    let mut far_periods = 0;
+    for offset in [1, 2, 3, 5, 6, 7, 12, 20] {
+        for periodic in [true, false] {
+            for sites in [41, 4 * offset + 17, 10 * offset + 2, 12 * offset] {
+                let chains = [far_volterra(sites, periodic, offset), far_relay(sites, periodic, offset)];
+                for chain in chains {
+                    let sweeps = match LatticeSplitting::new(&chain) {
+                        Ok(sweeps) => sweeps,
+                        // A ring that the pieces do not fit.
+                        Err(BuildError::DoesNotFit { .. }) if periodic => continue,
+                        Err(error) => panic!("{}, {sites} sites: {error}", chain.hamiltonian),
+                    };
+                    far_periods += usize::from(sweeps.period() > 4);
+                    let written = Splitting::new(&chain.whole()).expect("a system that splits");
+                    if written.pieces().len() != sweeps.pieces() {
+                        continue;
+                    }
+                    let x = initial(chain.geometry.dimension());
+                    let a = increment(sweeps.stepper(1, &[], 0.5, 0.2), &x);
+                    let b = increment(written.stepper(1, &[], 0.5, 0.2), &x);
+                    let error = difference(&a, &b);
+                    assert!(
+                        error <= 16.0 * f64::EPSILON,
+                        "{:?}, {}, {sites} sites, ring {periodic}: {error:e}",
+                        chain.bracket[0],
+                        chain.hamiltonian
+                    );
+                }
+            }
+        }
+    }
+    assert!(far_periods >= 10, "{far_periods} lattices had pieces that repeat after twice their reach");
+}
+
 /// One sum a site, kinetic and potential energy in turn: the terms of all sites go together
 /// nevertheless.
 #[test]
 fn terms_of_one_sum_are_told_apart_up_to_translation() {
     let mut chain = springs(50, true);
-    chain.hamiltonian = "2*sum(i, p[i]^2/2 + (q[i+1] - q[i])^2/2 - cos(q[i]))/2";
+    chain.hamiltonian =
+        "2*sum(i, p[i]^2/2 + (q[i+1] - q[i])^2/2 - cos(q[i]))/2".to_owned();
     let sweeps = LatticeSplitting::new(&chain).expect("a lattice that splits");
     assert_eq!((sweeps.pieces(), sweeps.period()), (2, 1));
 }
@@ -234,7 +287,7 @@ fn a_ring_that_the_pieces_do_not_fit_is_refused() {
     assert!(reason.contains("multiple of 2"), "{reason}");
     LatticeSplitting::new(&volterra(101, false)).expect("an open chain of any length");
     let mut logistic = volterra(40, true);
-    logistic.hamiltonian = "sum(i, exp(x[i] + x[i+1]))";
+    logistic.hamiltonian = "sum(i, exp(x[i] + x[i+1]))".to_owned();
     let error = LatticeSplitting::new(&logistic).expect_err("no exact flow");
     assert!(error.to_string().contains("does not split"), "{error}");
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use leafwise_core::lattice::observables::SiteDensity;
-use leafwise_core::lattice::{LatticeGeometry, LatticeMethod, LatticeSource};
+use leafwise_core::lattice::{LatticeGeometry, LatticeMethod, LatticeSource, TemplateReach};
 use leafwise_core::{BuildError, Convention, Integrator, PoissonSystem, RealizationData, StepMap};
 use leafwise_expression::Expression;
 use leafwise_expression::syntax::{Boundary, Formula, Scope, VariablePattern};
@@ -42,6 +42,17 @@ impl Chain {
 impl LatticeSource for Chain {
     fn geometry(&self) -> &LatticeGeometry {
         &self.geometry
+    }
+
+    fn reach(&self) -> Result<TemplateReach, BuildError> {
+        let (a, b) = VariablePattern::parse_pair(self.pair).expect("a pair");
+        let entry = Formula::parse(self.entry).expect("a formula");
+        let hamiltonian = Formula::parse(self.hamiltonian).expect("a formula");
+        let bracket = TemplateReach::default().with_entry([&a, &b], &entry);
+        let reach = bracket.and_then(|reach| reach.with_hamiltonian(&hamiltonian));
+        reach.map_err(|error| BuildError::Lattice {
+            message: error.to_string(),
+        })
     }
 
     fn write_out(&self, geometry: &LatticeGeometry) -> Result<PoissonSystem, BuildError> {

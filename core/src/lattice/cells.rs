@@ -2,7 +2,9 @@
 
 use std::ops::Range;
 
-use super::geometry::LatticeGeometry;
+use super::geometry::{LatticeGeometry, SHORTEST};
+use super::locality::check_room;
+use crate::error::BuildError;
 
 /// A lattice whose code repeats every `period` sites: site s is the s mod period-th site of cell
 /// ⌊s/period⌋.
@@ -68,12 +70,26 @@ impl Cells {
 
     /// The same with a longest row of `cells` cells, the ends as they are; `None` where a family
     /// has no cell left.
-    pub fn resized(&self, cells: usize) -> Option<Self> {
+    fn resized(&self, cells: usize) -> Option<Self> {
         let removed = self.rows.length().checked_sub(cells)? * self.period;
         let sites = self
             .sites
             .resized(self.sites.length().checked_sub(removed)?);
         Self::new(sites, self.period)
+    }
+
+    /// The cells on which code is written that looks at most so many cells away, and how many of them at an open end have code of
+    /// their own there: all where there are no more.
+    ///
+    /// # Errors
+    /// [`BuildError::NotLocal`] where that takes too much memory.
+    pub fn proxy(&self, looks: usize) -> Result<(Self, usize), BuildError> {
+        let is_long = self.sites.length() > SHORTEST;
+        let short = is_long.then(|| self.rows.proxy(looks)).flatten();
+        let short = short.and_then(|(rows, width)| Some((self.resized(rows.length())?, width)));
+        let (proxy, width) = short.unwrap_or_else(|| (self.clone(), 0));
+        check_room(&proxy.sites, looks.saturating_mul(self.period), 1)?;
+        Ok((proxy, width))
     }
 
     /// Where a coordinate of the sites stands among those of the rows.

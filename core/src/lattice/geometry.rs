@@ -1,5 +1,8 @@
 //! Families of sites, proxies, and the classes that share code.
 
+/// Lattices of no more sites are written out as they are.
+pub(super) const SHORTEST: usize = 9;
+
 /// Families `x[0]` … `x[N-1]`, `a[0]` …, stored one after the other.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LatticeGeometry {
@@ -45,6 +48,23 @@ impl LatticeGeometry {
             families,
             periodic: self.periodic,
         }
+    }
+
+    /// How many sites the shortest family lacks.
+    fn lacking(&self) -> usize {
+        let lengths = self.families.iter().map(|family| family.1);
+        self.length() - lengths.min().unwrap_or(0)
+    }
+
+    /// The lattice on which code is written that looks at most `reach` sites away, and how many sites at an open end
+    /// have code of their own there; `None` where this lattice is no longer than that.
+    ///
+    /// The interior code at a site looks at none beyond the end of a family.
+    pub fn proxy(&self, reach: usize) -> Option<(Self, usize)> {
+        let lacking = self.lacking();
+        let width = reach.max(lacking).saturating_add(lacking);
+        let length = width.saturating_mul(2).saturating_add(3);
+        (length < self.length()).then(|| (self.resized(length), width))
     }
 
     /// Family and site of a coordinate.

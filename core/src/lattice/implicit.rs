@@ -5,7 +5,7 @@ use std::sync::Arc;
 use leafwise_expression::{Kernel, StepSize, Term};
 
 use super::geometry::{LatticeGeometry, Proxy};
-use super::locality::local_reach;
+use super::locality::proxy_of;
 use super::map::LatticeMap;
 use super::program::LatticeProgram;
 use super::source::LatticeSource;
@@ -44,7 +44,7 @@ impl ImplicitSweeps {
     /// than a Hamilton–Jacobi series of this `order`, and says what the map declares and is called.
     ///
     /// # Errors
-    /// [`BuildError::NotLocal`] when the Hamiltonian couples distant sites; those of `write`.
+    /// [`BuildError::NotLocal`] when the formulas look too far; those of `write`.
     pub fn compose(
         source: &dyn LatticeSource,
         order: usize,
@@ -54,7 +54,8 @@ impl ImplicitSweeps {
         ) -> Result<(StageEnds, MapProperties, String), BuildError>,
     ) -> Result<Self, BuildError> {
         let geometry = source.geometry();
-        let (proxy, width) = proxy_geometry(source, order)?;
+        // S_l takes l − 1 times the reach of the tensor and of dH to either side, and dS_l once more.
+        let (proxy, width) = proxy_of(source, order.saturating_sub(1).max(1))?;
         let system = source.write_out(&proxy)?;
         system.without_forces("a long lattice")?;
         let mut builder = StageBuilder::new(system.dimension());
@@ -146,30 +147,4 @@ impl StepMap for ImplicitSweeps {
             LatticeTrajectory::new(&self.program, self.fields, parameters, epsilon, h)
         }))
     }
-}
-
-/// A proxy lattice on which every site class of a method of order `order` can be told apart, and
-/// the number of boundary sites with code of their own; the true lattice itself when that is
-/// short.
-fn proxy_geometry(
-    source: &dyn LatticeSource,
-    order: usize,
-) -> Result<(LatticeGeometry, usize), BuildError> {
-    let geometry = source.geometry();
-    let Some(reach) = local_reach(source)? else {
-        return Ok((geometry.clone(), 0));
-    };
-    // S_l takes l − 1 times the reach of the tensor and of dH to either side, and dS_l once more.
-    let shorter = geometry
-        .families
-        .iter()
-        .map(|f| geometry.length() - f.1)
-        .max()
-        .unwrap_or(0);
-    let width = (reach * order.saturating_sub(1).max(1)).max(shorter) + shorter;
-    let length = 2 * width + 3;
-    if geometry.length() <= length {
-        return Ok((geometry.clone(), 0));
-    }
-    Ok((geometry.resized(length), width))
 }

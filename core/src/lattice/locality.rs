@@ -1,115 +1,47 @@
-//! How far the formulas of a lattice look.
+//! Which lattice is written out in the place of a long one.
 
-use leafwise_expression::{Arithmetic, Graph, Kernel, Term};
-
-use super::geometry::LatticeGeometry;
+use super::geometry::{LatticeGeometry, SHORTEST};
 use super::source::LatticeSource;
 use crate::error::BuildError;
-use crate::system::SystemFormulas;
 
-/// The longest reach that is looked for.
-const LONGEST_REACH: usize = 16;
+/// The most coordinates of a lattice that is written out in the place of a longer one, or whole where it is no longer, for code that
+/// goes through tensor and dH once: it takes minutes to form. Of code that goes through them more often every coordinate takes more.
+const MOST_COORDINATES: usize = 8192;
 
-/// How many sites the tensor and dH together look to either side, at least 1; `None` for a lattice
-/// that is too short to tell, of which every site is written out.
+/// The lattice that code is written on which goes through tensor and dH so many times, and how many sites at an open end have code
+/// of their own there: the true lattice where it is no longer.
 ///
 /// # Errors
-/// [`BuildError::NotLocal`] when the Hamiltonian couples distant sites,
-/// [`BuildError::NotHomogeneous`] when the tensor does not repeat from site to site.
-pub fn local_reach(source: &dyn LatticeSource) -> Result<Option<usize>, BuildError> {
+/// [`BuildError::NotLocal`] where that takes too much memory; those of [`LatticeSource::reach`].
+pub fn proxy_of(
+    source: &dyn LatticeSource,
+    times: usize,
+) -> Result<(LatticeGeometry, usize), BuildError> {
     let geometry = source.geometry();
-    let mut trial = 9;
-    loop {
-        if geometry.length() <= trial {
-            return Ok(None);
-        }
-        let proxy = geometry.resized(trial);
-        let system = source.write_out(&proxy)?;
-        system.without_forces("a long lattice")?;
-        let formulas = system.formulas("a long lattice")?;
-        check_homogeneous(formulas, &proxy)?;
-        let reach = reach(formulas, &proxy)?;
-        if 2 * reach + 1 < trial {
-            return Ok(Some(reach));
-        }
-        if reach > LONGEST_REACH {
-            return Err(BuildError::NotLocal { reach });
-        }
-        trial = 2 * trial + 1;
-    }
+    let reach = source.reach()?;
+    let looks = reach.of_times(times, !geometry.periodic);
+    let short = (geometry.length() > SHORTEST).then(|| geometry.proxy(looks));
+    let (proxy, width) = short.flatten().unwrap_or_else(|| (geometry.clone(), 0));
+    check_room(&proxy, looks, times)?;
+    Ok((proxy, width))
 }
 
-/// Refuses a tensor whose entries change from one interior site to the next: one with a fixed site
-/// such as `x[0],x[5]`, of which a template would make many.
-fn check_homogeneous(
-    system: &SystemFormulas,
-    geometry: &LatticeGeometry,
+/// Refuses to write out too long a lattice for code that looks `reach` sites away, through tensor and dH so many times.
+///
+/// # Errors
+/// [`BuildError::NotLocal`].
+pub(super) fn check_room(
+    written: &LatticeGeometry,
+    reach: usize,
+    times: usize,
 ) -> Result<(), BuildError> {
-    let offsets = geometry.offsets();
-    let length = geometry.length();
-    let is_interior = |site: usize| geometry.periodic || (2..length - 3).contains(&site);
-    let moved = |coordinate: usize| {
-        let (family, site) = geometry.locate(coordinate);
-        let next = (site + 1) % length;
-        (next < geometry.families[family].1).then(|| offsets[family] + next)
-    };
-    let mut graph = Graph::new();
-    for (&(a, b), entry) in system.tensor() {
-        if !is_interior(geometry.locate(a).1) || !is_interior(geometry.locate(b).1) {
-            continue;
-        }
-        let not_homogeneous = || BuildError::NotHomogeneous {
-            first: geometry.name(a),
-            second: geometry.name(b),
-        };
-        let (Some(c), Some(d)) = (moved(a), moved(b)) else {
-            continue;
-        };
-        let here = entry.evaluate_in(&mut graph, &mut |graph, at| {
-            Ok(graph.input(moved(at).unwrap_or(at)))
-        })?;
-        let there = system
-            .tensor()
-            .get(&(c.min(d), c.max(d)))
-            .ok_or_else(not_homogeneous)?;
-        let there = there.evaluate_in(&mut graph, &mut |graph, at| Ok(graph.input(at)))?;
-        let there = if c < d { there } else { graph.negate(&there) };
-        let difference = graph.subtract(&here, &there);
-        if !graph.is_zero(&difference) {
-            return Err(not_homogeneous());
-        }
+    let (coordinates, most) = (written.dimension(), MOST_COORDINATES / times.max(1));
+    if coordinates <= most {
+        return Ok(());
     }
-    Ok(())
-}
-
-/// How far dH and the tensor's rows at the centre of a written-out lattice look.
-fn reach(system: &SystemFormulas, geometry: &LatticeGeometry) -> Result<usize, BuildError> {
-    let d = system.dimension();
-    let centre = geometry.length() / 2;
-    let offsets = geometry.offsets();
-    let mut graph = Graph::new();
-    let x: Vec<Term> = (0..d).map(|i| graph.input(i)).collect();
-    let v: Vec<Term> = (d..2 * d).map(|i| graph.input(i)).collect();
-    let energy = system
-        .hamiltonian()
-        .evaluate_in(&mut graph, &mut |_, at| Ok(x[at].clone()))?;
-    let rows = system.apply_tensor(&mut graph, &x, &v)?;
-    let mut reach = [0, 0];
-    for (family, (_, length)) in geometry.families.iter().enumerate() {
-        if centre >= *length {
-            continue;
-        }
-        let coordinate = offsets[family] + centre;
-        let slope = graph.derivative(&energy, coordinate)?;
-        for (which, term) in [slope, rows[coordinate].clone()].into_iter().enumerate() {
-            if graph.is_zero(&term) {
-                continue;
-            }
-            for input in Kernel::compile_used(&graph, &[term], 0).1 {
-                let (_, site) = geometry.locate(input % d);
-                reach[which] = reach[which].max(geometry.shift(centre, site).unsigned_abs());
-            }
-        }
-    }
-    Ok((reach[0] + reach[1]).max(1))
+    Err(BuildError::NotLocal {
+        reach,
+        coordinates,
+        most,
+    })
 }

@@ -31,7 +31,7 @@ impl LatticeMethod {
     /// `realize` builds the realization for the proxy system.
     ///
     /// # Errors
-    /// [`BuildError::NotLocal`] when the Hamiltonian couples distant sites,
+    /// [`BuildError::NotLocal`] when the formulas look too far,
     /// [`BuildError::Incompatible`] when the realization cannot be written as stages.
     pub fn compose(
         source: &dyn LatticeSource,

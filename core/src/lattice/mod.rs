@@ -9,7 +9,8 @@
 //! - [`geometry`]: families, boundary, proxies, classes of sites.
 //! - [`cells`]: lattices whose code repeats every few sites.
 //! - `source`: lattice systems that can be written out at any length.
-//! - [`locality`]: how far formulas look.
+//! - [`reach`]: how far templates look, as they are written.
+//! - [`locality`]: which lattice is written out in the place of a long one.
 //! - [`stages`]: how a realization writes its maps as stages.
 //! - `stencil`: the code of one class of sites in one stage, and its sweep over them.
 //! - [`program`]: stages compiled to stencils.
@@ -30,6 +31,7 @@ pub mod method;
 pub mod observables;
 mod poles;
 pub mod program;
+pub mod reach;
 mod sites;
 mod source;
 pub mod stages;
@@ -39,10 +41,11 @@ mod stepper;
 pub use cells::Cells;
 pub use geometry::{LatticeGeometry, Proxy};
 pub use implicit::{ImplicitSweeps, ProxyCode};
-pub use locality::local_reach;
+pub use locality::proxy_of;
 pub use map::LatticeMap;
 pub use method::LatticeMethod;
 pub use observables::LatticeObservables;
 pub use program::{Fields, LatticeProgram, Prepared};
+pub use reach::TemplateReach;
 pub use source::LatticeSource;
 pub use stages::{Field, StageBuilder, StageCode, StageEnds};

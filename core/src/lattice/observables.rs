@@ -23,8 +23,8 @@ impl LatticeObservables {
     /// Compiles the densities of `source` whose places lie in `selection`.
     ///
     /// # Errors
-    /// [`BuildError::NotLocal`] when a density reaches further than 8 sites, and those of
-    /// [`LatticeSource::densities`].
+    /// [`BuildError::NotLocal`] when a density looks too far; those of [`LatticeSource::densities`] and
+    /// [`LatticeSource::reach`].
     pub fn new(
         source: &dyn LatticeSource,
         parameters: &[f64],
@@ -47,7 +47,11 @@ impl LatticeObservables {
                 Ok(terms)
             })
         };
-        let densities = SiteNumbers::compile(source.geometry(), parameters.len(), &mut of_site)?;
+        let densities = SiteNumbers::compile(
+            (source.geometry(), source.reach()?.terms),
+            parameters.len(),
+            &mut of_site,
+        )?;
         Ok(Self {
             evaluator: densities.evaluator(parameters),
             densities,

@@ -10,7 +10,7 @@ use leafwise_expression::{Graph, Term};
 use super::geometry::{LatticeGeometry, SiteClass, site_classes};
 use super::observables::code;
 use super::program::LatticeEvaluator;
-use super::sites::{SiteNumbers, proxy_of};
+use super::sites::{SiteNumbers, proxy_of_numbers};
 use super::source::LatticeSource;
 use crate::error::{BuildError, StepError};
 use crate::solver::{Crossing, MakeCheck, StepCheck, StepMap, WithoutPoles, looks};
@@ -42,8 +42,19 @@ impl LatticePoles {
     /// [`BuildError`] where the energy is no sum over sites, or has no code.
     fn of(source: &dyn LatticeSource) -> Result<Option<Self>, BuildError> {
         let geometry = source.geometry().clone();
-        let (proxy, width) = proxy_of(&geometry);
+        // The sites of a denominator, and those that move by it.
+        let reach = source.reach()?.of_times(1, true);
+        let (proxy, width) = proxy_of_numbers(&geometry, reach)?;
         let system = source.write_out(&proxy)?;
+        let mut graph = Graph::compilable();
+        let x: Vec<Term> = (0..proxy.dimension()).map(|i| graph.input(i)).collect();
+        let mut all = Vec::new();
+        for site in 0..proxy.length() {
+            all.extend(functions_of_site(source, &system, &proxy, site, (&mut graph, &x))?);
+        }
+        if graph.denominators(&all)?.is_empty() {
+            return Ok(None);
+        }
         let mut graph = Graph::compilable();
         let x: Vec<Term> = (0..proxy.dimension()).map(|i| graph.input(i)).collect();
         let mut denominators = Vec::with_capacity(proxy.length());
@@ -52,15 +63,12 @@ impl LatticePoles {
             denominators.push(graph.denominators(&functions)?);
         }
         let all: Vec<Term> = denominators.iter().flatten().cloned().collect();
-        if all.is_empty() {
-            return Ok(None);
-        }
         let parameters = system.parameters().iter().map(|p| p.name.clone());
         let parameters: Vec<String> = parameters.collect();
         let mut of_site = |_: &_, site: usize, own: &mut Graph, x: &[Term]| {
             Ok(own.import(&graph, &denominators[site], x)?)
         };
-        let numbers = SiteNumbers::compile(&geometry, parameters.len(), &mut of_site)?;
+        let numbers = SiteNumbers::compile((&geometry, reach), parameters.len(), &mut of_site)?;
         let field = match system.expressions() {
             Some(formulas) => formulas.vector_field(&mut graph, &x)?,
             None => Vec::new(),

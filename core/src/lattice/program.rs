@@ -29,7 +29,7 @@ impl LatticeProgram {
     /// Compiles the stages of `builder`, written on `proxy`, for the lattice `geometry`.
     ///
     /// # Errors
-    /// [`BuildError::NotLocal`] when code looks further than the proxy's width.
+    /// [`BuildError::LooksFurther`] when code looks further than the proxy's width.
     pub fn compile(
         geometry: &LatticeGeometry,
         proxy: Proxy<'_>,

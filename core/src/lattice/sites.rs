@@ -3,27 +3,30 @@
 use leafwise_expression::{Arithmetic, Graph, Term};
 
 use super::geometry::{LatticeGeometry, Proxy};
+use super::locality::check_room;
 use super::program::{LatticeEvaluator, LatticeProgram};
 use super::stages::{Field, StageBuilder};
 use crate::error::BuildError;
 
-/// The longest reach of a number.
+/// How far numbers may look at least.
 const REACH: usize = 8;
 
 /// Writes the numbers of a site of a lattice from the lattice's coordinates.
 pub(super) type OfSite<'a> =
     dyn FnMut(&LatticeGeometry, usize, &mut Graph, &[Term]) -> Result<Vec<Term>, BuildError> + 'a;
 
-/// The proxy on which numbers of sites are written, and its width.
-pub(super) fn proxy_of(geometry: &LatticeGeometry) -> (LatticeGeometry, usize) {
-    let families = geometry.families.iter();
-    let shorter = families.map(|f| geometry.length() - f.1).max().unwrap_or(0);
-    let width = REACH + shorter;
-    let length = 2 * width + 3;
-    match geometry.length() <= length {
-        true => (geometry.clone(), 0),
-        false => (geometry.resized(length), width),
-    }
+/// The proxy on which numbers of sites that look so far are written, and its width.
+///
+/// # Errors
+/// [`BuildError::NotLocal`] where it is too long.
+pub(super) fn proxy_of_numbers(
+    geometry: &LatticeGeometry,
+    reach: usize,
+) -> Result<(LatticeGeometry, usize), BuildError> {
+    let proxy = geometry.proxy(reach.max(REACH));
+    let (proxy, width) = proxy.unwrap_or_else(|| (geometry.clone(), 0));
+    check_room(&proxy, reach, 1)?;
+    Ok((proxy, width))
 }
 
 /// Functions of the state around a site, evaluated at every site in O(N).
@@ -37,16 +40,17 @@ pub(super) struct SiteNumbers {
 
 impl SiteNumbers {
     /// Compiles what `numbers` writes for each site of a proxy lattice from the proxy's coordinates, which
-    /// are the graph's first inputs. Sites with fewer numbers than others have 1 for those that they lack.
+    /// are the graph's first inputs. They look at most `reach` sites away. Sites with fewer numbers than others have 1
+    /// for those that they lack.
     ///
     /// # Errors
-    /// [`BuildError::NotLocal`] when a number reaches further than 8 sites; those of `numbers`.
+    /// [`BuildError::NotLocal`] when that is too far; those of `numbers`.
     pub(super) fn compile(
-        geometry: &LatticeGeometry,
+        (geometry, reach): (&LatticeGeometry, usize),
         parameters: usize,
         numbers: &mut OfSite<'_>,
     ) -> Result<Self, BuildError> {
-        let (proxy, width) = proxy_of(geometry);
+        let (proxy, width) = proxy_of_numbers(geometry, reach)?;
         let mut builder = StageBuilder::new(proxy.dimension());
         let (state, x) = builder.unwritten();
         let mut columns: Vec<Vec<Term>> = Vec::new();

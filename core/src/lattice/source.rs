@@ -3,6 +3,7 @@
 use leafwise_expression::Expression;
 
 use super::geometry::LatticeGeometry;
+use super::reach::TemplateReach;
 use crate::error::BuildError;
 use crate::system::PoissonSystem;
 
@@ -10,6 +11,11 @@ use crate::system::PoissonSystem;
 pub trait LatticeSource {
     /// The true lattice.
     fn geometry(&self) -> &LatticeGeometry;
+    /// How far its templates look, as their indices are written.
+    ///
+    /// # Errors
+    /// [`BuildError::Lattice`] where one couples sites however far they are from each other.
+    fn reach(&self) -> Result<TemplateReach, BuildError>;
     /// The system written out on a lattice of another length.
     ///
     /// # Errors

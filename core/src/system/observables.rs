@@ -25,7 +25,7 @@ pub(super) fn kernel(
 }
 
 /// Formulas in a system's variables, compiled for one set of parameters.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct SystemObservables {
     kernel: Arc<Kernel>,
     workspace: Workspace,
@@ -41,7 +41,19 @@ impl SystemObservables {
         formulas: &[&Expression],
         parameters: &[f64],
     ) -> Result<Self, BuildError> {
-        let kernel = kernel(formulas, system.dimension(), system.parameters().len())?;
+        Self::over(system.dimension(), formulas, parameters)
+    }
+
+    /// Compiles `formulas` of so many variables.
+    ///
+    /// # Errors
+    /// As [`SystemObservables::new`].
+    pub fn over(
+        dimension: usize,
+        formulas: &[&Expression],
+        parameters: &[f64],
+    ) -> Result<Self, BuildError> {
+        let kernel = kernel(formulas, dimension, parameters.len())?;
         Ok(Self::of(Arc::new(kernel), parameters))
     }
 

@@ -99,6 +99,11 @@ impl Piece {
         ring.combine(&terms)
     }
 
+    /// X_K, the components that are not zero.
+    pub(crate) fn field(&self) -> &Field {
+        &self.field
+    }
+
     /// The terms of K as they are written.
     pub(crate) fn formulas(&self) -> &[Expression] {
         &self.formulas

@@ -26,11 +26,7 @@ impl Formula {
     /// [`SyntaxErrorKind::NotASumOverSites`] for any other form, and those of
     /// [`Formula::resolve`].
     pub fn density(&self, scope: &Scope, site: usize) -> Result<Density, SyntaxError> {
-        let mut parts = Parts::default();
-        split(self.root(), Vec::new(), &mut parts);
-        if let Some(span) = parts.misfit {
-            return Err(SyntaxError::new(span, SyntaxErrorKind::NotASumOverSites));
-        }
+        let parts = Parts::of(self.root())?;
         let mut resolver = Resolver::new(self.text(), scope);
         let unboxed = |stop| match stop {
             Stop::Error(error) => *error,
@@ -46,7 +42,8 @@ impl Formula {
         for (factors, index, body) in parts.sums {
             let mut inner = inner_index(self.text(), index, None)?;
             inner.value = site;
-            if let Some(body) = resolver.inside(body, &inner).map_err(unboxed)? {
+            let level = inner.level;
+            if let Some(body) = resolver.inside(body, &inner, level).map_err(unboxed)? {
                 let mut product = vec![body];
                 for factor in &factors {
                     product.push(factor.resolve(&mut resolver).map_err(unboxed)?);
@@ -61,9 +58,30 @@ impl Formula {
     }
 }
 
+impl Formula {
+    /// The terms of the sums at one site that reach outside an open boundary and are left out, as they are written.
+    ///
+    /// # Errors
+    /// As [`Formula::density`].
+    pub fn left_out(&self, scope: &Scope, site: usize) -> Result<Vec<&str>, SyntaxError> {
+        let parts = Parts::of(self.root())?;
+        let mut resolver = Resolver::new(self.text(), scope);
+        for (_, index, body) in parts.sums {
+            let mut inner = inner_index(self.text(), index, None)?;
+            inner.value = site;
+            let level = inner.level;
+            if let Err(Stop::Error(error)) = resolver.inside(body, &inner, level) {
+                return Err(*error);
+            }
+        }
+        let dropped = resolver.dropped.iter();
+        Ok(dropped.map(|span| span.of(self.text())).collect())
+    }
+}
+
 /// A factor in front of a sum.
 #[derive(Clone, Copy)]
-enum Factor<'a> {
+pub(super) enum Factor<'a> {
     Minus,
     Times(&'a Node),
     Over(&'a Node),
@@ -83,11 +101,25 @@ impl Factor<'_> {
     }
 }
 
+/// A combination of sums over sites.
 #[derive(Default)]
-struct Parts<'a> {
-    sums: Vec<(Vec<Factor<'a>>, Span, &'a Node)>,
+pub(super) struct Parts<'a> {
+    /// The factors of each sum, its index and its body.
+    pub(super) sums: Vec<(Vec<Factor<'a>>, Span, &'a Node)>,
     constants: Vec<(Vec<Factor<'a>>, &'a Node)>,
     misfit: Option<Span>,
+}
+
+impl<'a> Parts<'a> {
+    /// The sums that a formula is combined of.
+    pub(super) fn of(root: &'a Node) -> Result<Self, SyntaxError> {
+        let mut parts = Self::default();
+        split(root, Vec::new(), &mut parts);
+        match parts.misfit {
+            Some(span) => Err(SyntaxError::new(span, SyntaxErrorKind::NotASumOverSites)),
+            None => Ok(parts),
+        }
+    }
 }
 
 fn split<'a>(node: &'a Node, factors: Vec<Factor<'a>>, parts: &mut Parts<'a>) {

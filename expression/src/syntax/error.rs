@@ -181,11 +181,17 @@ pub enum SyntaxErrorKind {
         limit: usize,
     },
     /// A lattice's function that is not one term a site.
-    #[error(
-        "on a lattice of this length a function is a combination of sums over sites, such as \
-         `sum(i, x[i]^2)/2`"
-    )]
+    #[error("this is no combination of sums over sites, such as `sum(i, x[i]^2)/2`")]
     NotASumOverSites,
+    /// A sum within a template, which couples every site with all others.
+    #[error("a sum within a sum, or within an entry of a bracket, couples every site with all others")]
+    SumInATemplate,
+    /// A member of a family by its number within a template.
+    #[error("`{name}` is one site, and a template repeats from site to site")]
+    SiteInATemplate {
+        /// The member as it is written.
+        name: String,
+    },
     /// A state variable where only parameters, the index and numbers may stand.
     #[error("`{name}` depends on the state; only parameters, indices and numbers may stand here")]
     NotAFunctionOfParameters {

@@ -6,7 +6,7 @@ use super::display::print_reference;
 use super::error::{SyntaxError, SyntaxErrorKind};
 use super::parser::Parser;
 use super::scope::{Bound, Place, Scope};
-use super::tree::{Anchor, Reference};
+use super::tree::{Anchor, Reference, Span};
 
 /// A variable, or the member of a family at a fixed site or near an index.
 ///
@@ -71,6 +71,11 @@ impl VariablePattern {
             Anchor::Name(_) => self.reference.site.map(|site| site.offset),
             Anchor::Start | Anchor::End => None,
         }
+    }
+
+    /// The place of the brackets' text, if any.
+    pub(super) fn site(&self) -> Option<Span> {
+        self.reference.site.map(|site| site.span)
     }
 
     /// The index in the state of the variable; `None` outside an open boundary.

@@ -17,10 +17,10 @@ pub const TERM_LIMIT: usize = 1 << 20;
 impl Formula {
     /// The expression that the formula is at one site.
     ///
-    /// `index` is the name and the value of the free index. At an open boundary a summand of
-    /// `sum(i, …)`, each of its additive terms, that reaches outside by way of `i` is dropped; a formula that reaches outside
-    /// by way of the free index is absent: `Ok(None)`. Quotients and signs of numbers are carried
-    /// out.
+    /// `index` is the name and the value of the free index. At an open boundary each additive term of a summand of
+    /// `sum(i, …)` that reaches outside by way of `i` is dropped. Terms are those of (a + b)c and (a + b)/c too, where c
+    /// stays inside; a power, a function, and a product of which two factors reach outside, are one term. A formula that
+    /// reaches outside by way of the free index is absent: `Ok(None)`. Quotients and signs of numbers are carried out.
     ///
     /// # Errors
     /// [`SyntaxError`] when a name is unknown or misused, a fixed site does not exist, an index
@@ -66,6 +66,8 @@ pub(super) struct Resolver<'a> {
     text: &'a str,
     scope: &'a Scope,
     terms: usize,
+    /// The terms of summands that reach outside.
+    pub(super) dropped: Vec<Span>,
 }
 
 impl<'a> Resolver<'a> {
@@ -74,6 +76,7 @@ impl<'a> Resolver<'a> {
             text,
             scope,
             terms: 0,
+            dropped: Vec::new(),
         }
     }
 
@@ -167,10 +170,23 @@ impl<'a> Resolver<'a> {
     fn sum_over(
         &mut self,
         span: Span,
-        (index, above): (Span, Option<Span>),
+        indices: (Span, Option<Span>),
         body: &Node,
         bound: Option<&Bound<'_>>,
     ) -> Result<Expression, Stop> {
+        let level = bound.map_or(0, |outer| outer.level) + 1;
+        let terms = self.terms_of_sum(span, indices, body, (bound, level))?;
+        Ok(Expression::Sum(terms))
+    }
+
+    /// The summands, without what reaches outside by way of an index of this level or an inner one.
+    fn terms_of_sum(
+        &mut self,
+        span: Span,
+        (index, above): (Span, Option<Span>),
+        body: &Node,
+        (bound, level): (Option<&Bound<'_>>, usize),
+    ) -> Result<Vec<Expression>, Stop> {
         let length = length(self.scope.longest(), span, SUM)?;
         let mut inner = inner_index(self.text, index, bound)?;
         let mut terms = Vec::new();
@@ -178,61 +194,116 @@ impl<'a> Resolver<'a> {
             self.terms += 1;
             check_terms(self.terms, span)?;
             inner.value = value;
-            terms.extend(self.inside(body, &inner)?);
+            terms.extend(self.inside(body, &inner, level)?);
         }
-        Ok(Expression::Sum(terms))
+        Ok(terms)
     }
 
-    /// A summand without its additive terms that reach outside by way of the index `inner`; `None`
-    /// when nothing is left. Constant factors and divisors are carried to the terms.
+    /// A summand without its additive terms that reach outside by way of an index of `level` or an inner one; `None`
+    /// when nothing is left. Factors and divisors that stay inside are carried to the terms.
     pub(super) fn inside(
         &mut self,
         node: &Node,
-        inner: &Bound<'_>,
+        bound: &Bound<'_>,
+        level: usize,
     ) -> Result<Option<Expression>, Stop> {
         match &node.kind {
             Kind::Sum(terms) => {
                 let mut kept = Vec::with_capacity(terms.len());
                 for term in terms {
-                    kept.extend(self.inside(term, inner)?);
+                    kept.extend(self.inside(term, bound, level)?);
                 }
-                Ok(if kept.is_empty() {
-                    None
-                } else {
-                    Some(Expression::Sum(kept))
-                })
+                Ok(some_sum(kept))
             }
-            Kind::Negate(operand) => Ok(self.inside(operand, inner)?.map(negated)),
-            Kind::Quotient(pair) if pair[1].is_constant() => {
-                let Some(above) = self.inside(&pair[0], inner)? else {
+            Kind::SumOver { index, above, body } => {
+                let within = (Some(bound), level);
+                let kept = self.terms_of_sum(node.span, (*index, *above), body, within)?;
+                Ok(some_sum(kept))
+            }
+            Kind::Negate(operand) => Ok(self.inside(operand, bound, level)?.map(negated)),
+            Kind::Quotient(pair) => {
+                let Some(below) = self.whole(&pair[1], bound, level)? else {
+                    self.dropped.push(node.span);
                     return Ok(None);
                 };
-                let below = self.expression(&pair[1], Some(inner))?;
-                Ok(Some(quotient(above, below)))
+                let above = self.inside_of(node.span, &pair[0], bound, level)?;
+                Ok(above.map(|above| quotient(above, below)))
             }
-            Kind::Product(factors)
-                if factors
-                    .iter()
-                    .filter(|factor| !factor.is_constant())
-                    .count()
-                    == 1 =>
-            {
+            Kind::Product(factors) => {
                 let mut product = Vec::with_capacity(factors.len());
-                for factor in factors {
-                    let Some(factor) = self.inside(factor, inner)? else {
+                let mut outside = Vec::new();
+                for (at, factor) in factors.iter().enumerate() {
+                    let whole = self.whole(factor, bound, level)?;
+                    if whole.is_none() {
+                        outside.push(at);
+                    }
+                    product.push(whole.unwrap_or_else(|| Expression::Sum(Vec::new())));
+                }
+                match outside[..] {
+                    [] => {}
+                    [at] => match self.inside_of(node.span, &factors[at], bound, level)? {
+                        Some(factor) => product[at] = factor,
+                        None => return Ok(None),
+                    },
+                    _ => {
+                        self.dropped.push(node.span);
                         return Ok(None);
-                    };
-                    product.push(factor);
+                    }
                 }
                 Ok(Some(Expression::Product(product)))
             }
-            _ => match self.expression(node, Some(inner)) {
-                Ok(term) => Ok(Some(term)),
-                Err(Stop::Outside { level }) if level == inner.level => Ok(None),
-                Err(stop) => Err(stop),
-            },
+            // What is raised to the power 1 is itself.
+            Kind::Power(pair) if matches!(&pair[1].kind, Kind::Number { exact, .. } if *exact == Rational::one()) =>
+            {
+                let base = self.inside(&pair[0], bound, level)?;
+                let one = || Box::new(Expression::Constant(Rational::one()));
+                Ok(base.map(|base| Expression::Power(Box::new(base), one())))
+            }
+            _ => {
+                let whole = self.whole(node, bound, level)?;
+                if whole.is_none() {
+                    self.dropped.push(node.span);
+                }
+                Ok(whole)
+            }
         }
     }
+
+    /// [`Self::inside`] of a part of what stands at `span`, which is dropped as a whole where nothing is left of the part.
+    fn inside_of(
+        &mut self,
+        span: Span,
+        part: &Node,
+        bound: &Bound<'_>,
+        level: usize,
+    ) -> Result<Option<Expression>, Stop> {
+        let before = self.dropped.len();
+        let left = self.inside(part, bound, level)?;
+        if left.is_none() {
+            self.dropped.truncate(before);
+            self.dropped.push(span);
+        }
+        Ok(left)
+    }
+
+    /// A part as a whole; `None` where it reaches outside by way of an index of `level` or an inner one.
+    fn whole(
+        &mut self,
+        node: &Node,
+        bound: &Bound<'_>,
+        level: usize,
+    ) -> Result<Option<Expression>, Stop> {
+        match self.expression(node, Some(bound)) {
+            Ok(whole) => Ok(Some(whole)),
+            Err(Stop::Outside { level: own }) if own >= level => Ok(None),
+            Err(stop) => Err(stop),
+        }
+    }
+}
+
+/// A sum of what is left, if anything is.
+fn some_sum(terms: Vec<Expression>) -> Option<Expression> {
+    (!terms.is_empty()).then_some(Expression::Sum(terms))
 }
 
 /// The index of a sum, inside `bound`.

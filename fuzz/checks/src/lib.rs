@@ -6,7 +6,7 @@
 //! - [`kernels`]: interpreter, machine code and lanes, to the bit;
 //! - [`documents`]: scene texts, arbitrary and mutated;
 //! - [`scenes`]: random scenes take a few steps;
-//! - [`lattices`]: the same on long lattices;
+//! - [`lattices`]: long lattices, against the same written out site by site;
 //! - [`states`]: files of initial states;
 //! - [`resumed`]: an interrupted run with one file changed.
 //!

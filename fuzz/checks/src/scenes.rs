@@ -37,8 +37,16 @@ pub fn same_bits(text: &str, steps: usize) -> Result<Reached, String> {
     let Ok(run) = compose(&document, &registry) else {
         return Ok(Reached::Refusal);
     };
+    same_bits_of(&run, steps)
+}
+
+/// Whether a run steps to the same bits by both kernels.
+///
+/// # Errors
+/// What is wrong.
+pub fn same_bits_of(run: &ComposedRun, steps: usize) -> Result<Reached, String> {
     let [interpreted, compiled] =
-        [Execution::Interpreted, Execution::Compiled].map(|how| states(&run, how, steps));
+        [Execution::Interpreted, Execution::Compiled].map(|how| states(run, how, steps));
     if interpreted
         .iter()
         .flatten()

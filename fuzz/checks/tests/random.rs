@@ -1,6 +1,7 @@
 //! The checks on random inputs of a fixed seed. `LEAFWISE_FUZZ_SEED` draws others, `LEAFWISE_FUZZ_CASES`
 //! so many times as many.
 
+use leafwise_fuzz_checks::lattices::Drawn;
 use leafwise_fuzz_checks::source::random_bytes;
 use leafwise_fuzz_checks::{
     Reached, documents, formulas, kernels, lattices, resumed, scenes, states,
@@ -34,7 +35,10 @@ fn holds(
     let cases = cases * from_environment("LEAFWISE_FUZZ_CASES", 1);
     let mut compared = 0;
     for index in 0..cases {
-        match check(&random_bytes(seed, index, length)) {
+        let begun = std::time::Instant::now();
+        let got = check(&random_bytes(seed, index, length));
+        if name == "lattices" { let d = lattices::only_drawn(&random_bytes(seed, index, length)); eprintln!("{index} {:?} {:.2} N {} far {} ring {} {}", got.as_ref().map(|_|()).is_ok(), begun.elapsed().as_secs_f64(), d.lattice.length(), d.lattice.farthest(), d.lattice.is_ring, d.method); eprintln!("{:?}", got); }
+        match got {
             Ok(Reached::Comparison) => compared += 1,
             Ok(Reached::Refusal) => {}
             Err(failure) => panic!("seed {seed}, input {index}: {failure}"),
@@ -62,8 +66,34 @@ fn scenes_step_to_finite_states_or_say_why_not() {
 }
 
 #[test]
-fn lattices_step_to_the_same_bits_however_they_run() {
-    holds("lattices", lattices::check, 100, 100, 50);
+fn lattices_step_as_they_do_written_out_to_the_same_bits_however_they_run() {
+    holds("lattices", lattices::check, 60, 100, 70);
+}
+
+/// What the lattices of a seed are: near and far, of every remainder, ring and open, by templates and written out, by each method.
+#[test]
+fn lattices_are_drawn_of_every_kind() {
+    let mut drawn: Vec<Drawn> = Vec::new();
+    for index in 0..200 {
+        let bytes = random_bytes(7, index, 100);
+        drawn.push(lattices::only_drawn(&bytes));
+    }
+    let count = |is: &dyn Fn(&Drawn) -> bool| drawn.iter().filter(|drawn| is(drawn)).count();
+    for (least, most) in [(0, 2), (3, 5), (6, 12), (13, 25), (26, 80)] {
+        let found = count(&|d| (least..=most).contains(&d.lattice.farthest()));
+        assert!(found >= 10, "{found} lattices name sites {least} to {most} apart");
+    }
+    for period in 2..=4 {
+        for remainder in 0..period {
+            let found = count(&|d| !d.lattice.is_ring && d.lattice.length() % period == remainder);
+            assert!(found >= 10, "{found} open ones of remainder {remainder} modulo {period}");
+        }
+    }
+    for name in ["splitting", "hamilton-jacobi", "karasev-truncated", "spherical-midpoint", "rk4", "gauss"] {
+        let found = count(&|d| d.method == name);
+        assert!(found >= 2, "{found} by {name}");
+    }
+    assert!(count(&|d| d.lattice.is_ring) >= 50);
 }
 
 #[test]

@@ -4,16 +4,17 @@ use std::sync::Arc;
 
 use leafwise_core::lattice::{
     Cells, Field, LatticeGeometry, LatticeMap, LatticeProgram, LatticeSource, Proxy, StageBuilder,
-    local_reach,
+    TemplateReach,
 };
 use leafwise_core::solver::{MapProperties, StepMap, Stepper, Structure};
 use leafwise_core::{BuildError, PoissonSystem};
 use leafwise_expression::{Arithmetic, Ring, StepSize};
 
 use super::sweeps::{Shared, Sweeps};
-use super::units::find_repeating_pieces;
+use super::units::{find_repeating_pieces, looks};
 use crate::code::flow_increment;
 use crate::piece::{NAME, Piece};
+use crate::probe::LONGEST;
 use crate::product::{Product, Splits};
 use crate::rounding::settled;
 use crate::schedule::{Flow, STRANG, passes};
@@ -21,8 +22,11 @@ use crate::schedule::{Flow, STRANG, passes};
 /// The most sites of a cell that are tried.
 const LONGEST_PERIOD: usize = 4;
 
-/// A splitting looks this many times further than its tensor and dH at most.
-const FARTHEST: usize = 4;
+/// The same of one of twice the reach, where every term has its own place.
+const FARTHEST_PERIOD: usize = 80;
+
+/// A flow looks this many times further than its tensor and dH at most: its Lie series ends.
+const FARTHEST: usize = LONGEST + 1;
 
 /// [`Splitting`](crate::Splitting) of a lattice of any length: explicit, exactly Poisson, O(N) time
 /// and memory a step. Each piece repeats every few sites (even and odd ones, say) and its flow is one
@@ -37,19 +41,22 @@ impl LatticeSplitting {
     ///
     /// # Errors
     /// [`BuildError::DoesNotFit`] where the Hamiltonian does not split into pieces that repeat every
-    /// four sites or fewer, or a ring's length is no multiple of their period;
-    /// [`BuildError::NotLocal`] and [`BuildError::NotHomogeneous`] as for any long lattice;
+    /// four sites or fewer, or after twice their reach, or a ring's length is no multiple of their period;
+    /// [`BuildError::NotLocal`] as for any long lattice;
     /// [`BuildError::Algebra`] where a formula is outside the algebra.
     pub fn new(source: &dyn LatticeSource) -> Result<Self, BuildError> {
         let geometry = source.geometry();
-        let reach = local_reach(source)?;
+        let reach = source.reach()?;
         let mut misfit = None;
-        for period in 1..=LONGEST_PERIOD {
+        // Terms that stand twice the reach apart have nothing to do with each other.
+        let far = Some(reach.each().saturating_mul(2));
+        let far = far.filter(|period| (LONGEST_PERIOD + 1..=FARTHEST_PERIOD).contains(period));
+        for period in (1..=LONGEST_PERIOD).chain(far) {
             let Some(cells) = Cells::new(geometry.clone(), period) else {
                 misfit = misfit.or(Some(period));
                 continue;
             };
-            if let Some(splitting) = Self::with_cells(source, cells, reach)? {
+            if let Some(splitting) = Self::with_cells(source, cells, &reach)? {
                 return Ok(splitting);
             }
         }
@@ -60,8 +67,8 @@ impl LatticeSplitting {
                 geometry.length()
             ),
             None => format!(
-                "its Hamiltonian does not split into pieces that repeat every {LONGEST_PERIOD} \
-                 sites or fewer"
+                "its Hamiltonian does not split into pieces that repeat every {LONGEST_PERIOD} sites or fewer, \
+                 or after twice the distance that it couples"
             ),
         };
         Err(BuildError::DoesNotFit { part: NAME, reason })
@@ -71,33 +78,47 @@ impl LatticeSplitting {
     fn with_cells(
         source: &dyn LatticeSource,
         cells: Cells,
-        reach: Option<usize>,
+        reach: &TemplateReach,
     ) -> Result<Option<Self>, BuildError> {
-        let mut factor = 1;
+        let is_open = !cells.sites().periodic;
+        let [once, beside] = [
+            reach.of_times(1, is_open),
+            if is_open { reach.beside } else { 0 },
+        ]
+        .map(|sites| sites.div_ceil(cells.period()));
+        let mut looks = once;
         loop {
-            let width = reach.map(|sites| factor * sites.div_ceil(cells.period()));
-            match Self::on_proxy(source, &cells, width) {
-                Err(BuildError::NotLocal { .. }) if factor < FARTHEST => factor *= 2,
-                result => return result,
+            match Self::on_proxy(source, &cells, cells.proxy(looks)?, (looks, beside))? {
+                Found::Splitting(splitting) => return Ok(Some(*splitting)),
+                Found::LooksFurther(cells) if cells <= FARTHEST * once => looks = cells,
+                Found::None | Found::LooksFurther(_) => return Ok(None),
             }
         }
     }
 
-    /// The splitting by code that looks at most `width` cells far.
+    /// The splitting by code that is written on a proxy that has room for what it looks far, and at an open end for what templates
+    /// stand beside what they name.
     fn on_proxy(
         source: &dyn LatticeSource,
         cells: &Cells,
-        width: Option<usize>,
-    ) -> Result<Option<Self>, BuildError> {
-        let short = width.and_then(|width| Some((cells.resized(2 * width + 3)?, width)));
-        let (proxy_cells, width) = short.unwrap_or_else(|| (cells.clone(), 0));
+        (proxy_cells, width): (Cells, usize),
+        (room, beside): (usize, usize),
+    ) -> Result<Found, BuildError> {
         let proxy = source.write_out(proxy_cells.sites())?;
         proxy.without_forces(NAME)?;
         let system = proxy.formulas(NAME)?;
         let mut ring = Ring::new(system.dimension());
         let Some(pieces) = find_repeating_pieces(source, &proxy_cells, system, &mut ring)? else {
-            return Ok(None);
+            return Ok(Found::None);
         };
+        if proxy_cells != *cells {
+            let most = FARTHEST * room;
+            let looks = (pieces.iter()).map(|piece| looks(piece, &proxy_cells, &ring, most));
+            let looks = looks.max().unwrap_or(0) + beside;
+            if looks > room {
+                return Ok(Found::LooksFurther(looks));
+            }
+        }
         let pieces = settled(system, &ring, pieces)?;
         let (builder, [state, sum]) = write_flows(&proxy_cells, &ring, &pieces)?;
         let program = LatticeProgram::compile(
@@ -111,7 +132,7 @@ impl LatticeSplitting {
         )?;
         let mut order: Vec<usize> = (0..program.stages()).collect();
         order.sort_by_key(|stage| program.stage_work(*stage));
-        Ok(Some(Self {
+        Ok(Found::Splitting(Box::new(Self {
             shared: Arc::new(Shared {
                 cells: cells.clone(),
                 proxy,
@@ -121,7 +142,7 @@ impl LatticeSplitting {
                 sum,
                 order,
             }),
-        }))
+        })))
     }
 
     /// The same with the pieces in this order.
@@ -139,6 +160,16 @@ impl LatticeSplitting {
     pub fn period(&self) -> usize {
         self.shared.cells.period()
     }
+}
+
+/// What was found on a proxy.
+enum Found {
+    /// Pieces that repeat.
+    Splitting(Box<LatticeSplitting>),
+    /// None.
+    None,
+    /// Pieces with flows that look so many cells far, further than the proxy has room for.
+    LooksFurther(usize),
 }
 
 /// One stage for each piece: x ← x + δ and Σδ ← Σδ + δ, where the piece moves x.

@@ -1,5 +1,6 @@
 //! Pieces that repeat along a lattice.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use leafwise_core::lattice::{Cells, LatticeSource};
@@ -7,6 +8,7 @@ use leafwise_core::{BuildError, SystemFormulas};
 use leafwise_expression::algebra::{Generator, Symbol};
 use leafwise_expression::{Expression, Polynomial, Ring};
 
+use crate::field::variables;
 use crate::piece::{Atom, Piece};
 use crate::pieces::{atoms, summands};
 use crate::probe::Probe;
@@ -52,6 +54,36 @@ pub fn find_repeating_pieces(
         }
     }
     Ok(Some(pieces))
+}
+
+/// How many cells the flow of a piece looks away, `most` + 1 for more than `most`: what a coordinate is moved by is moved itself, by
+/// what stands as far from it, and so on. Looked at in the middle of the cells, whose field is that of every cell.
+pub(super) fn looks(piece: &Piece, cells: &Cells, ring: &Ring, most: usize) -> usize {
+    let rows = cells.rows();
+    let (middle, offsets) = (rows.length() / 2, rows.offsets());
+    let mut read_by: Vec<Vec<(usize, isize)>> = vec![Vec::new(); offsets.len()];
+    for (&moved, velocity) in piece.field() {
+        let (row, cell) = rows.locate(cells.place(moved));
+        if cell == middle {
+            let places = variables(ring, velocity).into_iter().map(|v| rows.locate(cells.place(v)));
+            read_by[row] = places.map(|(row, cell)| (row, rows.shift(middle, cell))).collect();
+        }
+    }
+    let mut farthest = 0;
+    for start in 0..offsets.len() {
+        let mut seen = BTreeSet::new();
+        let mut open = vec![(start, 0_isize)];
+        while let Some((row, shift)) = open.pop() {
+            farthest = farthest.max(shift.unsigned_abs());
+            if farthest > most {
+                return most + 1;
+            }
+            if seen.insert((row, shift)) {
+                open.extend(read_by[row].iter().map(|(row, further)| (*row, shift + further)));
+            }
+        }
+    }
+    farthest
 }
 
 /// The rows and names of all terms: those of the middle cell first, in the order of its formulas;

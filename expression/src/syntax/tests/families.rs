@@ -56,6 +56,61 @@ fn a_sum_drops_the_summands_that_its_own_index_takes_outside() {
     assert_eq!(open("sum(j, u[j+7])"), Some(0.0));
 }
 
+/// What a summand is multiplied or divided by is carried to its terms, whatever it is, as long as it stays inside.
+#[test]
+fn equal_products_lose_the_same_terms_at_an_open_end() {
+    let open = |text: &str| at(text, Boundary::Open, None).expect("a value");
+    let inner: f64 = (1..=5).map(|u| f64::from(u * u)).sum();
+    let ahead: f64 = (2..=5).map(|u| f64::from(u * u)).sum();
+    for text in [
+        "sum(j, 3*(u[j]^2 + u[j+1]^2))",
+        "sum(j, (u[j]^2 + u[j+1]^2)*3)",
+        "sum(j, 6*(u[j]^2 + u[j+1]^2)/2)",
+        "3*sum(j, (u[j]^2 + u[j+1]^2)^1)",
+        "3*sum(j, u[j]^2) + 3*sum(j, u[j+1]^2)",
+        "sum(j, -3*(-(u[j]^2) - u[j+1]^2))",
+    ] {
+        assert_eq!(open(text), 3.0 * (inner + ahead), "{text}");
+    }
+    let products: f64 = (1..=5).map(|u| f64::from(u * u)).sum::<f64>() + 2.0 + 6.0 + 12.0 + 20.0;
+    for text in [
+        "sum(j, u[j]*(u[j] + u[j+1]))",
+        "sum(j, (u[j] + u[j+1])*u[j])",
+        "sum(j, u[j]^2 + u[j]*u[j+1])",
+        "sum(j, (u[j]^3 + u[j]^2*u[j+1])/u[j])",
+        "sum(j, u[j]*(-(-u[j] - u[j+1])/1))",
+    ] {
+        assert_eq!(open(text), products, "{text}");
+    }
+    // A power, a function, a product of two that reach outside, and what is divided by it, are one term.
+    let springs = 4.0;
+    for text in [
+        "sum(j, (u[j+1] - u[j])^2)",
+        "sum(j, (u[j+1] - u[j])*(u[j+1] - u[j]))",
+        "sum(j, sqrt((u[j+1] - u[j])^2))",
+        "sum(j, (u[j+1] - u[j] + 0*u[j])/(u[j+1] - u[j]))",
+    ] {
+        assert_eq!(open(text), springs, "{text}");
+    }
+    // By way of an outer index too.
+    assert_eq!(open("sum(j, sum(k, u[k] + u[j+1]))"), 5.0 * 15.0 + 5.0 * 14.0);
+    assert_eq!(open("sum(j, sum(k, u[k]*u[j+1]))"), 14.0 * 15.0);
+    // On a ring nothing is outside.
+    let ring = at("sum(j, u[j]*(u[j] + u[j+1]))", Boundary::Periodic, None);
+    assert_eq!(ring, Some(products + 5.0));
+}
+
+#[test]
+fn what_is_left_out_is_told_as_it_is_written() {
+    let formula = parse("sum(j, u[j]^2 + 3*(v[j]^2 + (u[j+1] - u[j])^2)/2) + sum(j, u[j]*(u[j-1] + u[j+2]))");
+    let left_out = |boundary, site| formula.left_out(&lattice(boundary), site).expect("sums");
+    assert_eq!(left_out(Boundary::Open, 0), ["u[j-1]"]);
+    assert_eq!(left_out(Boundary::Open, 1), [""; 0]);
+    assert_eq!(left_out(Boundary::Open, 3), ["u[j+2]"]);
+    assert_eq!(left_out(Boundary::Open, 4), ["3*(v[j]^2 + (u[j+1] - u[j])^2)/2", "u[j+2]"]);
+    assert_eq!(left_out(Boundary::Periodic, 4), [""; 0]);
+}
+
 #[test]
 fn fixed_sites_are_counted_from_both_ends() {
     for boundary in [Boundary::Periodic, Boundary::Open] {

@@ -4,6 +4,7 @@
 #![allow(clippy::print_stdout, reason = "a program that prints a table")]
 
 use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::ExitCode;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -12,6 +13,7 @@ use std::time::Instant;
 use leafwise::core::Registry;
 use leafwise_fuzz_checks::judge::{Verdict, judge};
 use leafwise_fuzz_checks::scene::RandomScene;
+use leafwise_fuzz_checks::{Reached, lattices};
 use leafwise_fuzz_checks::source::{Source, random_bytes};
 
 /// Enough for every choice of a scene.
@@ -61,6 +63,23 @@ fn arguments() -> Result<Arguments, String> {
 
 fn scene(seed: u64, index: u64) -> RandomScene {
     RandomScene::drawn(&mut Source::new(&random_bytes(seed, index, BYTES)))
+}
+
+/// Every so many scenes one is a long lattice.
+const LATTICES: u64 = 16;
+
+/// The verdict on a scene; a long lattice is compared with itself written out.
+fn verdict(seed: u64, index: u64, registry: &Registry) -> Verdict {
+    if index % LATTICES != LATTICES - 1 {
+        return judge(&scene(seed, index), registry);
+    }
+    let checked = catch_unwind(AssertUnwindSafe(|| lattices::check(&random_bytes(seed, index, BYTES))));
+    match checked {
+        Ok(Ok(Reached::Comparison)) => Verdict::Confirmed,
+        Ok(Ok(Reached::Refusal)) => Verdict::Refused("a lattice".to_owned()),
+        Ok(Err(what)) => Verdict::Suspicious(format!("a lattice: {what}")),
+        Err(_) => Verdict::Suspicious("a lattice panics".to_owned()),
+    }
 }
 
 /// How many scenes came to each verdict, and the first of each kind.
@@ -118,9 +137,10 @@ fn main() -> ExitCode {
     };
     let registry = Registry::with_builtin();
     if let Some((seed, index)) = given.replay {
-        let scene = scene(seed, index);
-        println!("{}", scene.text);
-        println!("{:?}", judge(&scene, &registry));
+        if index % LATTICES != LATTICES - 1 {
+            println!("{}", scene(seed, index).text);
+        }
+        println!("{:?}", verdict(seed, index, &registry));
         return ExitCode::SUCCESS;
     }
     let (next, tally, started) = (
@@ -134,7 +154,7 @@ fn main() -> ExitCode {
             return;
         }
         let begun = Instant::now();
-        let verdict = judge(&scene(given.seed, index), &registry);
+        let verdict = verdict(given.seed, index, &registry);
         let mut tally = tally
             .lock()
             .unwrap_or_else(std::sync::PoisonError::into_inner);

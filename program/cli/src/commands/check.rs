@@ -120,7 +120,8 @@ pub fn execute(
             warnings: &advice,
         });
     } else {
-        let motion = motion::lines(&composed);
+        let mut motion = motion::lines(&composed);
+        motion.extend(motion::ends(&document)?);
         let gap = (!motion.is_empty()).then(String::new);
         for line in words(&rows).into_iter().chain(gap).chain(motion) {
             console.result(&line);

@@ -1,7 +1,8 @@
 //! ẋ as text: what `check` and `run --explain` print of a system.
 
 use leafwise::core::system::Convention;
-use leafwise::scene::compose::{ComposedRun, Motion};
+use leafwise::scene::SceneDocument;
+use leafwise::scene::compose::{ComposedRun, LeftOut, Motion, Refusal, left_out};
 use leafwise::scene::json::{Double, object};
 use serde::Serialize;
 
@@ -39,6 +40,40 @@ pub(super) fn lines(run: &ComposedRun) -> Vec<String> {
         lines.extend(block(&format!("Noise of {text}"), ", o dW", field));
     }
     lines
+}
+
+/// The terms of H that are left out at the ends of an open lattice, a line each.
+///
+/// # Errors
+/// A formula that cannot be read.
+pub(super) fn ends(document: &SceneDocument) -> Result<Vec<String>, Refusal> {
+    let left_out = left_out(document)?;
+    let rows: Vec<Vec<String>> = (left_out.iter())
+        .map(|LeftOut { term, sites }| {
+            let term = match term.chars().count() > WIDTH {
+                true => cut(term),
+                false => term.clone(),
+            };
+            vec![format!("    {term}"), format!("of {}", ranges(sites))]
+        })
+        .collect();
+    if rows.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut lines = vec!["  Left out of H, beyond the open ends:".to_owned()];
+    lines.extend(words(&rows));
+    Ok(lines)
+}
+
+/// Sites in order, those that follow each other as `sites 3 … 7`.
+fn ranges(sites: &[usize]) -> String {
+    let runs = sites.chunk_by(|a, b| a + 1 == *b);
+    let runs = runs.map(|run| match run {
+        [first, .., last] => format!("{first} … {last}"),
+        _ => run[0].to_string(),
+    });
+    let noun = if sites.len() == 1 { "site" } else { "sites" };
+    format!("{noun} {}", runs.collect::<Vec<_>>().join(", "))
 }
 
 /// The rows of a field under a heading.

@@ -74,7 +74,15 @@ pub fn instantiate(document: &SceneDocument, lengths: &[usize]) -> Result<Instan
     let is_shortened = (whole.families.iter())
         .zip(lengths)
         .any(|((_, whole), length)| whole != length);
-    let observables = observables(document, &scope, is_shortened.then_some(&whole))?;
+    let lattice = match is_shortened {
+        true => {
+            let lengths: Vec<usize> = whole.families.iter().map(|family| family.1).collect();
+            Some(self::scope(document, &lengths, None)?)
+        }
+        false => None,
+    };
+    let lattice = lattice.as_ref().map(|names| (&whole, names));
+    let observables = observables(document, &scope, lattice)?;
     let events = events(document, &scope)?;
     if let Some(extension) = &mut extension {
         let convention = system.convention;

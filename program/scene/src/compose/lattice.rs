@@ -1,16 +1,20 @@
 //! A scene's families as a lattice of any length.
 
 use leafwise_core::lattice::observables::SiteDensity;
-use leafwise_core::lattice::{LatticeGeometry, LatticeSource};
+use leafwise_core::lattice::{
+    LatticeGeometry, LatticeObservables, LatticeSource, TemplateReach, proxy_of,
+};
 use leafwise_core::{BuildError, PoissonSystem};
-use leafwise_expression::syntax::Formula;
+use leafwise_expression::syntax::{Formula, VariablePattern};
 
 use super::Refusal;
 use super::definitions::scope;
 use super::dense::DENSE_LIMIT;
 use super::instantiate::{geometry, instantiate};
-use super::names::{parse, refusal};
+use super::lattice_functions::LatticeFunctions;
+use super::names::{function, parse, refusal};
 use super::observables::{Observable, coordinate};
+use super::sum::summands;
 use super::time::wants_time;
 use crate::document::{BracketSpec, Located, SceneDocument};
 
@@ -18,10 +22,11 @@ use crate::document::{BracketSpec, Located, SceneDocument};
 pub(super) struct SceneLattice<'a> {
     document: &'a SceneDocument,
     geometry: LatticeGeometry,
+    reach: TemplateReach,
 }
 
-/// The largest dimension of a lattice that is written out for a stepper without sweeps.
-pub(super) const STEPPER_LIMIT: usize = 1024;
+/// The most coordinates of a lattice that is written out where its formulas are no templates, or its stepper has no sweeps.
+pub(super) const WRITTEN_LIMIT: usize = 1024;
 
 /// The numbers a coordinate that a run keeps for a method of so many fields, at its first checkpoint: the states
 /// of the run and of the file, and of each field what the next step begins with. Two million coordinates take
@@ -30,15 +35,17 @@ fn numbers_a_coordinate(fields: usize) -> usize {
     29 + 3 * fields
 }
 
-/// A lattice that every formula of a scene is tried on before anything is built.
+/// The shortest lattice that every formula of a scene is tried on before anything is built.
 const TRIAL_LENGTH: usize = 9;
 
 impl<'a> SceneLattice<'a> {
     /// The lattice of a scene with more than [`DENSE_LIMIT`] coordinates in families, `None` for
-    /// one that is written out.
+    /// one that is written out: a shorter one, or one of at most [`WRITTEN_LIMIT`] coordinates where the bracket, H or a
+    /// Casimir couples sites however far they are from each other.
     ///
     /// # Errors
-    /// A scene that has single variables beside such families, or the time as a coordinate.
+    /// A scene that has single variables beside such families, or the time as a coordinate; a formula that couples
+    /// too many.
     pub fn of(document: &'a SceneDocument) -> Result<Option<Self>, Refusal> {
         let system = &document.system;
         if system.families.is_empty() || system.coordinates() <= DENSE_LIMIT {
@@ -87,8 +94,22 @@ impl<'a> SceneLattice<'a> {
             )));
         }
         let geometry = geometry(document);
+        let reach = match reach(document, TemplateReach::default()) {
+            Ok(reach) => reach,
+            Err(_) if system.coordinates() <= WRITTEN_LIMIT => return Ok(None),
+            Err(refusal) => return Err(refusal),
+        };
         has_room(document, geometry.dimension(), 1)?;
-        Ok(Some(Self { document, geometry }))
+        let mut lattice = Self {
+            document,
+            geometry,
+            reach,
+        };
+        for formula in lattice.sums()? {
+            let observed = lattice.reach.with_observable(&parse(document, formula)?);
+            lattice.reach = observed.map_err(|error| refusal(document, formula, &error))?;
+        }
+        Ok(Some(lattice))
     }
 
     /// The number of coordinates.
@@ -96,25 +117,79 @@ impl<'a> SceneLattice<'a> {
         self.geometry.dimension()
     }
 
+    /// A site of a shorter lattice, or of the whole, that moves as all sites do that are away from open ends.
+    pub fn interior(&self, written: &LatticeGeometry) -> Option<usize> {
+        let (site, looks) = (written.length() / 2, self.reach.of_times(1, true));
+        let shortest = written.families.iter().map(|family| family.1).min();
+        let is_inside = site >= looks && shortest.is_some_and(|shortest| site + looks < shortest);
+        (written.periodic || is_inside).then_some(site)
+    }
+
     /// The system on a short lattice with what the run records, errors underlined in the scene.
     pub fn trial(&self) -> Result<(PoissonSystem, LatticeGeometry, Vec<Observable>), Refusal> {
-        let geometry = self
-            .geometry
-            .resized(TRIAL_LENGTH.min(self.geometry.length()));
-        let mut written = instantiate(self.document, &lengths(&geometry))?;
+        let document = self.document;
+        let bracket = &document.system.bracket;
+        let refused = |error: BuildError| {
+            document.diagnostic(&bracket.place(), error.to_string(), "here", None)
+        };
+        let (mut geometry, _) = proxy_of(self, 1).map_err(refused)?;
+        if geometry.length() < TRIAL_LENGTH {
+            geometry = self.geometry.resized(TRIAL_LENGTH.min(self.geometry.length()));
+        }
+        let mut written = instantiate(document, &lengths(&geometry))?;
         let observables = std::mem::take(&mut written.observables);
-        let bracket = &self.document.system.bracket;
-        let system = written.system(self.document).map_err(|error| {
-            self.document
-                .diagnostic(&bracket.place(), error.to_string(), "here", None)
-        })?;
-        let scope = scope(self.document, &lengths(&geometry), None)?;
-        for formula in self.formulas() {
-            parse(self.document, formula)?
+        let system = written.system(document).map_err(refused)?;
+        let scope = scope(document, &lengths(&geometry), None)?;
+        for formula in self.sums()? {
+            parse(document, formula)?
                 .density(&scope, geometry.length() / 2)
-                .map_err(|error| refusal(self.document, formula, &error))?;
+                .map_err(|error| refusal(document, formula, &error))?;
         }
         Ok((system, geometry, observables))
+    }
+
+    /// Energy and Casimirs, and formulas of the state that the scene records.
+    ///
+    /// # Errors
+    /// [`BuildError`] where one has no code, or looks too far.
+    pub fn functions(&self, parameters: &[f64]) -> Result<[LatticeFunctions; 2], BuildError> {
+        let invariants = 1 + self.document.system.casimirs.len();
+        let of_lattice = |refusal: Refusal| BuildError::Lattice {
+            message: refusal.message.clone(),
+        };
+        let whole = scope(self.document, &lengths(&self.geometry), None).map_err(of_lattice)?;
+        let mut written = Vec::new();
+        for (place, formula) in self.formulas().into_iter().enumerate().skip(invariants) {
+            if !is_a_sum(self.document, formula).map_err(of_lattice)? {
+                let formula = function(self.document, &whole, formula).map_err(of_lattice)?;
+                written.push((place - invariants, formula));
+            }
+        }
+        let sums = |selection| LatticeObservables::new(self, parameters, selection);
+        Ok([
+            LatticeFunctions::new(sums(0..invariants)?, self.geometry.dimension(), &[], parameters)?,
+            LatticeFunctions::new(
+                sums(invariants..usize::MAX)?,
+                self.geometry.dimension(),
+                &written,
+                parameters,
+            )?,
+        ])
+    }
+
+    /// What the run watches and is a sum over sites.
+    fn sums(&self) -> Result<Vec<&'a Located<String>>, Refusal> {
+        let mut sums = Vec::new();
+        for formula in self.formulas() {
+            if is_a_sum(self.document, formula)? {
+                sums.push(formula);
+            } else if self.geometry.dimension() > WRITTEN_LIMIT {
+                parse(self.document, formula)?
+                    .offsets_of_sums()
+                    .map_err(|error| refusal(self.document, formula, &error))?;
+            }
+        }
+        Ok(sums)
     }
 
     /// What the run watches: the energy, the Casimirs, then formulas of the state.
@@ -138,6 +213,71 @@ impl<'a> SceneLattice<'a> {
             .chain(system.casimirs.iter().map(|(_, formula)| formula))
             .chain(recorded)
             .collect()
+    }
+}
+
+/// Whether a formula is a combination of sums over sites, each the same at every site.
+pub(super) fn is_a_sum(document: &SceneDocument, formula: &Located<String>) -> Result<bool, Refusal> {
+    Ok(parse(document, formula)?.offsets_of_sums().is_ok())
+}
+
+/// How far the templates of a scene look: of its bracket, H and its Casimirs.
+///
+/// # Errors
+/// The first that couples sites however far they are from each other, and what cannot be read.
+fn reach(document: &SceneDocument, known: TemplateReach) -> Result<TemplateReach, Refusal> {
+    let system = &document.system;
+    let mut reach = bracket_reach(document, known)?;
+    let refused = |formula, error| refusal(document, formula, &error);
+    let hamiltonian = &system.hamiltonian;
+    reach = reach
+        .with_hamiltonian(&parse(document, hamiltonian)?)
+        .map_err(|error| refused(hamiltonian, error))?;
+    for (_, casimir) in &system.casimirs {
+        reach = reach
+            .with_casimir(&parse(document, casimir)?)
+            .map_err(|error| refused(casimir, error))?;
+    }
+    Ok(reach)
+}
+
+/// The same of the bracket alone, or of a summand's.
+fn bracket_reach(
+    document: &SceneDocument,
+    mut reach: TemplateReach,
+) -> Result<TemplateReach, Refusal> {
+    let bracket = &document.system.bracket;
+    match &bracket.value {
+        BracketSpec::Entries(written) => {
+            for (key, formula) in written {
+                let (a, b) = VariablePattern::parse_pair(&key.value)
+                    .map_err(|error| refusal(document, key, &error))?;
+                let of_pair = a.offsets().and_then(|_| b.offsets());
+                of_pair.map_err(|error| refusal(document, key, &error))?;
+                reach = reach
+                    .with_entry([&a, &b], &parse(document, formula)?)
+                    .map_err(|error| refusal(document, formula, &error))?;
+            }
+            Ok(reach)
+        }
+        // The same at every site.
+        BracketSpec::LieAlgebra(_) if !document.system.vectors.is_empty() => Ok(reach),
+        BracketSpec::Sum(_) => {
+            let whole = lengths(&geometry(document));
+            for summand in summands(document, &whole)? {
+                reach = bracket_reach(&summand.document, reach)?;
+            }
+            Ok(reach)
+        }
+        _ => Err(Box::new(document.diagnostic(
+            &bracket.place(),
+            format!(
+                "on a lattice of more than {WRITTEN_LIMIT} coordinates a bracket repeats from site to site, and this one names \
+                 its coordinates one by one"
+            ),
+            "this bracket",
+            Some("write its entries with an index, as in \"x[i],x[i+1]\", or shorten the lattice".to_owned()),
+        ))),
     }
 }
 
@@ -214,6 +354,10 @@ impl LatticeSource for SceneLattice<'_> {
         &self.geometry
     }
 
+    fn reach(&self) -> Result<TemplateReach, BuildError> {
+        Ok(self.reach)
+    }
+
     fn write_out(&self, geometry: &LatticeGeometry) -> Result<PoissonSystem, BuildError> {
         instantiate(self.document, &lengths(geometry))
             .map_err(|refusal| BuildError::Lattice {
@@ -235,7 +379,13 @@ impl LatticeSource for SceneLattice<'_> {
         self.formulas()
             .into_iter()
             .map(|formula| {
-                let density = Formula::parse(&formula.value)
+                let parsed = Formula::parse(&formula.value);
+                // What is no sum over sites is evaluated as a whole.
+                let parsed = parsed.and_then(|parsed| match parsed.offsets_of_sums() {
+                    Ok(_) => Ok(parsed),
+                    Err(_) => Formula::parse("0"),
+                });
+                let density = parsed
                     .and_then(|parsed| parsed.density(&scope, site))
                     .map_err(|error| BuildError::Lattice {
                         message: error.to_string(),

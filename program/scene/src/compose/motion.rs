@@ -57,14 +57,17 @@ impl Motion {
             let names = in_time.variables().iter().cloned();
             return Some(Self::Values(names.zip(code).collect()));
         };
-        let Stepping::Lattice(lattice) = &run.method else {
+        let lattice = match &run.method {
+            Stepping::Lattice(lattice) => lattice.interior.map(|site| (lattice, site)),
+            _ => None,
+        };
+        let Some((lattice, site)) = lattice else {
             let coordinates: Vec<usize> = (0..run.plan.coordinates).collect();
             let names = system.variables().to_vec();
             let formulas = formulas(system, &run.near, &code, &coordinates, &names);
             return Some(Self::Formulas(formulas));
         };
         let geometry = lattice.base.map().proxy_geometry();
-        let site = geometry.length() / 2;
         let offsets = geometry.offsets();
         let moving = run.plan.families.len();
         let families = offsets.iter().zip(&geometry.families[..moving]);

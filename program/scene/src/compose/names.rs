@@ -4,6 +4,7 @@ use leafwise_expression::syntax::{self, Formula, Scope, SyntaxError, SyntaxError
 use leafwise_expression::{AlgebraError, Expression, Graph, Rational};
 
 use super::Refusal;
+use super::lattice::WRITTEN_LIMIT;
 use super::time::{about_time, is_time};
 use crate::document::{Boundary, Located, Number, SceneDocument, nearest};
 
@@ -120,7 +121,7 @@ pub(super) fn refusal(
     error: &SyntaxError,
 ) -> Refusal {
     let place = document.place_in_formula(formula, error.span.clone());
-    if let Some((message, help)) = about_a_long_lattice(document, &error.kind) {
+    if let Some((message, help)) = about_a_long_lattice(document, formula, &error.kind) {
         return Box::new(document.diagnostic(&place, message, "here", help));
     }
     if matches!(&error.kind, SyntaxErrorKind::UnknownName { name } if is_time(document, name))
@@ -145,6 +146,10 @@ pub(super) fn refusal(
         (None, SyntaxErrorKind::UnexpectedCharacter { character: '=' }) => {
             Some("a formula has no `=`: write what stands on the right of it alone".to_owned())
         }
+        (None, SyntaxErrorKind::IndexAsNumber { name }) => Some(format!(
+            "what differs from site to site is a parameter of sites: w[{name}] in the formula, and \"w[{name}]\" = \"…\" in \
+             [system.parameters], a formula of {name}"
+        )),
         (None, SyntaxErrorKind::UnknownFunction { .. }) => Some(format!(
             "functions: {}",
             leafwise_expression::Function::NAMES.join(", ")
@@ -175,6 +180,7 @@ fn about_vectors(document: &SceneDocument, kind: &SyntaxErrorKind) -> Option<Str
 /// A single site of a long lattice, whose formulas are tried on a shorter one.
 fn about_a_long_lattice(
     document: &SceneDocument,
+    formula: &Located<String>,
     kind: &SyntaxErrorKind,
 ) -> Option<(String, Option<String>)> {
     const RECORDED: &str = "single coordinates are recorded by their names, one as observables = [\"q[500]\"], \
@@ -208,7 +214,26 @@ fn about_a_long_lattice(
                 ),
             })
         }
-        SyntaxErrorKind::NotASumOverSites => Some((kind.to_string(), Some(RECORDED.to_owned()))),
+        SyntaxErrorKind::NotASumOverSites
+        | SyntaxErrorKind::SumInATemplate
+        | SyntaxErrorKind::SiteInATemplate { .. } => {
+            let mut recorded = document.run.record.observables.iter();
+            let is_recorded = recorded.any(|observable| observable.formula == *formula);
+            let coordinates = document.system.coordinates();
+            let message = format!(
+                "{kind}; such formulas are written out on lattices of at most {WRITTEN_LIMIT} coordinates, and this one has \
+                 {coordinates}"
+            );
+            let help = match kind {
+                _ if is_recorded => RECORDED,
+                SyntaxErrorKind::SumInATemplate => "shorten the lattice, or couple sites at fixed distances, as q[i+5]",
+                _ => {
+                    "what one site has of its own is a parameter of sites: a[i] in the formula, \"a[i]\" = 0 and \"a[3]\" = 1 in \
+                     [system.parameters]"
+                }
+            };
+            Some((message, Some(help.to_owned())))
+        }
         _ => None,
     }
 }

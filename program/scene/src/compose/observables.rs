@@ -5,6 +5,7 @@ use leafwise_expression::Expression;
 use leafwise_expression::syntax::{Formula, Scope};
 
 use super::Refusal;
+use super::lattice::is_a_sum;
 use super::names::{function, refusal};
 use super::time::TIME;
 use crate::document::{Located, SceneDocument, nearest};
@@ -49,12 +50,12 @@ impl Observable {
     }
 }
 
-/// The observables the scene asks for; with the lattice's true lengths in `lattice` where `scope` is that
+/// The observables the scene asks for; with the lattice at its true length and its names in `lattice` where `scope` is that
 /// of a shorter one.
 pub(super) fn observables(
     document: &SceneDocument,
     scope: &Scope,
-    lattice: Option<&LatticeGeometry>,
+    lattice: Option<(&LatticeGeometry, &Scope)>,
 ) -> Result<Vec<Observable>, Refusal> {
     let mut known = vec!["energy"];
     known.extend(
@@ -84,19 +85,30 @@ pub(super) fn observables(
             chosen.push(Observable::Invariant { name, index: 0 });
             continue;
         }
-        let coordinate = lattice.and_then(|lattice| coordinate(lattice, &formula.value));
+        let coordinate = lattice.and_then(|(lattice, _)| coordinate(lattice, &formula.value));
         chosen.push(match known.iter().position(|name| *name == formula.value) {
             Some(index) => Observable::Invariant { name, index },
             None => match coordinate {
                 Some(index) => Observable::Coordinate { name, index },
                 None => Observable::Formula {
                     name,
-                    expression: expression(document, scope, formula, &known)?,
+                    expression: match lattice {
+                        // Where a single site is named, the short lattice may have none.
+                        Some((_, whole)) if is_written_out(document, formula) => {
+                            expression(document, whole, formula, &known)?
+                        }
+                        _ => expression(document, scope, formula, &known)?,
+                    },
                 },
             },
         });
     }
     Ok(chosen)
+}
+
+/// Whether a formula is no sum over sites.
+fn is_written_out(document: &SceneDocument, formula: &Located<String>) -> bool {
+    matches!(is_a_sum(document, formula), Ok(false))
 }
 
 /// The coordinate that a text such as `q[500]` names.

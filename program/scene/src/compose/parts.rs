@@ -12,7 +12,7 @@ use leafwise_core::{
 
 use super::Refusal;
 use super::dense::DENSE_LIMIT;
-use super::lattice::{STEPPER_LIMIT, SceneLattice};
+use super::lattice::{SceneLattice, WRITTEN_LIMIT};
 use super::part_choice::PartChoice;
 use super::request::{Request, registry_names};
 use super::system::{ComposedSystem, written_out};
@@ -76,7 +76,7 @@ pub(super) fn parts(
             let request = Request::new(document, Some(spec), "", 0);
             stepper(&request, system, lattice, registry, &mut choices)?
         }
-        None => pair(document, system, registry, &mut choices)?,
+        None => pair(document, system, lattice.is_some(), registry, &mut choices)?,
     };
     let composition = match &document.method.composition {
         None => None,
@@ -159,7 +159,7 @@ fn stepper(
         })?),
         Some(lattice) => match part.build_on_lattice(lattice, &given) {
             Ok(map) => Base::Sweeps(map),
-            Err(BuildError::DoesNotFit { .. }) if lattice.dimension() <= STEPPER_LIMIT => {
+            Err(BuildError::DoesNotFit { .. }) if lattice.dimension() <= WRITTEN_LIMIT => {
                 let composed = written_out(request.document)?;
                 let map = part.build(&composed.system, &given).map_err(refused)?;
                 Base::WrittenOut(map, Box::new(composed))
@@ -168,7 +168,7 @@ fn stepper(
                 let mut refusal = request.refused(&error);
                 if matches!(error, BuildError::DoesNotFit { .. }) {
                     refusal.help = Some(format!(
-                        "a lattice of at most {STEPPER_LIMIT} coordinates is written out for any \
+                        "a lattice of at most {WRITTEN_LIMIT} coordinates is written out for any \
                          stepper; for longer ones name one that sweeps, or a realization and dynamics"
                     ));
                 }
@@ -183,6 +183,7 @@ fn stepper(
 fn pair(
     document: &SceneDocument,
     system: &PoissonSystem,
+    is_lattice: bool,
     registry: &Registry,
     choices: &mut Vec<PartChoice>,
 ) -> Result<Base, Refusal> {
@@ -230,7 +231,6 @@ fn pair(
     let realization = part.build(system, &given).map_err(|error| {
         let mut refusal = request.refused(&error);
         if matches!(error, BuildError::DoesNotFit { .. }) {
-            let is_lattice = is_long && !document.system.families.is_empty();
             refusal.help = Some(what_fits(system, registry, dynamics.as_ref(), is_lattice));
         }
         refusal

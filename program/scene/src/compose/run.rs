@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use leafwise_core::lattice::{LatticeMethod, LatticeObservables};
+use leafwise_core::lattice::LatticeMethod;
 use leafwise_core::system::{SystemInvariants, SystemObservables};
 use leafwise_core::{
     BuildError, Integrator, Method, Observe, Origin, PartKind, PoissonSystem, Registry, StepMap,
@@ -359,11 +359,11 @@ fn compose_lattice(
         None => base.shared(),
         Some((part, given)) => part.build(base.shared(), &given)?,
     };
-    let values = trial.parameter_values();
-    let invariants = trial.casimir_names().len() + 1;
+    let [invariants, formulas] = lattice.functions(&trial.parameter_values())?;
     Ok(LatticeStepping {
-        invariants: LatticeObservables::new(lattice, &values, 0..invariants)?,
-        formulas: LatticeObservables::new(lattice, &values, invariants..usize::MAX)?,
+        interior: lattice.interior(base.map().proxy_geometry()),
+        invariants,
+        formulas,
         stepped: WithoutPoles::of_lattice(lattice, map)?,
         is_composed,
         base,

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use leafwise_core::lattice::{LatticeGeometry, LatticeMap, LatticeMethod, LatticeObservables};
+use leafwise_core::lattice::{LatticeGeometry, LatticeMap, LatticeMethod};
 use leafwise_core::noise::NoisyMap;
 use leafwise_core::{Method, StepMap, Structure};
 
 use super::channels::RunNoise;
+use super::lattice_functions::LatticeFunctions;
 
 /// How a scene's steps are taken.
 #[derive(Clone)]
@@ -76,10 +77,13 @@ pub struct LatticeStepping {
     pub stepped: Arc<dyn StepMap>,
     /// Whether it is a composition.
     pub is_composed: bool,
+    /// A site of the lattice that is written out for it which moves as all sites do that are away from open ends; `None`
+    /// where no site is.
+    pub interior: Option<usize>,
     /// Energy and Casimirs.
-    pub invariants: LatticeObservables,
+    pub invariants: LatticeFunctions,
     /// Formulas of the state that the scene records.
-    pub formulas: LatticeObservables,
+    pub formulas: LatticeFunctions,
 }
 
 impl Stepping {
