@@ -303,7 +303,7 @@ pub enum StepError {
     /// A value that is not finite.
     #[error(
         "{what} is not finite: the state left the formulas' domain (ln of a negative number, a \
-         division by zero) or overflowed; check `initial` or reduce epsilon*h"
+         division by zero, a power without derivatives at 0) or overflowed; check `initial` or reduce epsilon*h"
     )]
     NonFinite {
         /// What was being computed.

@@ -100,6 +100,11 @@ pub trait Arithmetic {
     fn combine(&mut self, terms: &[(Rational, Self::Element)]) -> Self::Element;
     /// a·b.
     fn multiply(&mut self, a: &Self::Element, b: &Self::Element) -> Self::Element;
+    /// a·b, where factors of a that stand below in terms of b, or the reverse, cancel: the same value wherever a·b has one,
+    /// and its limit where it is 0·∞. Normal forms cancel in any product.
+    fn multiply_reduced(&mut self, a: &Self::Element, b: &Self::Element) -> Self::Element {
+        self.multiply(a, b)
+    }
     /// Σ cᵢ aᵢ bᵢ.
     fn sum_of_products(
         &mut self,

@@ -24,6 +24,7 @@ pub mod bounded;
 pub mod differential;
 pub mod elementary;
 mod evaluate;
+mod even_powers;
 pub mod expression;
 pub mod graph;
 pub mod kernel;

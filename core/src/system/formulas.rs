@@ -324,8 +324,9 @@ impl SystemFormulas {
             if arithmetic.is_zero(&entry) {
                 continue;
             }
-            rows[i].push((one.clone(), arithmetic.multiply(&entry, &v[j])));
-            rows[j].push((-&one, arithmetic.multiply(&entry, &v[i])));
+            // {x_i, x_j} may have a factor that stands below in ∂H, as x in x·∂(ln x): nothing is divided by it.
+            rows[i].push((one.clone(), arithmetic.multiply_reduced(&entry, &v[j])));
+            rows[j].push((-&one, arithmetic.multiply_reduced(&entry, &v[i])));
         }
         Ok(rows
             .into_iter()

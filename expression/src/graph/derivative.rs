@@ -2,6 +2,7 @@
 
 use super::node::{Graph, Node, Operation, Term, Tier};
 use crate::arithmetic::{AlgebraError, Arithmetic, function_derivative};
+use crate::expression::Function;
 use crate::rational::Rational;
 use crate::reach::{Reach, SumReach};
 
@@ -132,6 +133,14 @@ impl Graph {
     /// f′(a) of a node f(a): a reciprocal, a function or a power.
     pub(super) fn outer_derivative(&mut self, node: Node) -> Result<Term, AlgebraError> {
         Ok(match *self.operation(node) {
+            // 1/(2 √(f²)) is wanted times f: 0 where f is.
+            Operation::Function(Function::Sqrt, a) if self.is_square(a) => {
+                let above_zero = self.above_zero(a);
+                let root = self.apply(Function::Sqrt, &above_zero)?;
+                let twice = self.scale(&Rational::from_integer(2), &root);
+                let one = self.one();
+                self.divide(&one, &twice)?
+            }
             Operation::Function(function, a) => {
                 function_derivative(self, function, &Term::of(a), &Term::of(node))?
             }
@@ -147,9 +156,21 @@ impl Graph {
             },
             Operation::Power(a, exponent) => {
                 // a^(b−1), not a^b/a: finite at a = 0 for b ≥ 1.
-                let (a, exponent) = (Term::of(a), Term::of(exponent));
+                let exponent = match self.operation(exponent) {
+                    Operation::Scale(number, Self::ONE) => Self::number(number.clone()),
+                    _ => Term::of(exponent),
+                };
+                let a = Term::of(a);
                 let one = self.one();
                 let lower = self.subtract(&exponent, &one);
+                // u^(b−1) is wanted times u′, which is of the size of √u: their product tends to 0 where b > 1/2.
+                let vanishes = self
+                    .as_rational(&exponent)
+                    .is_some_and(|b| b > Rational::new(1, 2) && b < Rational::one());
+                let a = match vanishes && self.is_sum_of_squares(a.node) {
+                    true => self.above_zero(a.node),
+                    false => a,
+                };
                 let power = match self.as_rational(&lower).and_then(|r| r.to_i64()) {
                     Some(integer) => self.integer_power(&a, integer)?,
                     None => self.power(&a, &lower)?,
@@ -162,5 +183,36 @@ impl Graph {
                 self.negate(&square)
             }
         })
+    }
+
+    /// u + 2^−1000, the bits of u but where that is next to 0: negative powers of it are finite.
+    fn above_zero(&mut self, node: Node) -> Term {
+        let half = Rational::new(1, 2);
+        let tiny = (0..1000).fold(Rational::one(), |tiny, _| &tiny * &half);
+        let one = self.one();
+        self.combine(&[(Rational::one(), Term::of(node)), (tiny, one)])
+    }
+
+    /// Whether a node is c f², c > 0.
+    fn is_square(&self, node: Node) -> bool {
+        match self.operation(node) {
+            Operation::Product(a, b) => a == b,
+            Operation::Scale(scale, inner) => !scale.is_negative() && self.is_square(*inner),
+            _ => false,
+        }
+    }
+
+    /// Whether a node is Σ cᵢ fᵢ², each c_i > 0: where it is 0 all f_i are.
+    fn is_sum_of_squares(&self, node: Node) -> bool {
+        match self.operation(node) {
+            Operation::Scale(scale, inner) => {
+                !scale.is_negative() && self.is_sum_of_squares(*inner)
+            }
+            Operation::Sum(terms) => terms.iter().all(|(scale, term)| {
+                let is_square = *term == Self::ONE || self.is_square(*term);
+                is_square && !scale.is_negative()
+            }),
+            _ => self.is_square(node),
+        }
     }
 }

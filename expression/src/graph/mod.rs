@@ -1,5 +1,6 @@
 //! Straight-line code as a graph: shared nodes, exact constants, exact derivatives.
 
+mod cancel;
 mod coupled;
 mod denominators;
 mod derivative;

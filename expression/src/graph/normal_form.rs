@@ -283,6 +283,11 @@ impl Arithmetic for Graph {
         }
     }
 
+    fn multiply_reduced(&mut self, a: &Term, b: &Term) -> Term {
+        let reduced = self.reduced_product(a, b);
+        reduced.unwrap_or_else(|| self.multiply(a, b))
+    }
+
     fn divide(&mut self, a: &Term, b: &Term) -> Result<Term, AlgebraError> {
         if b.scale.is_zero() {
             return Err(AlgebraError::DivisionByZero);

@@ -4,6 +4,7 @@ use super::error::{SyntaxError, SyntaxErrorKind};
 use super::formula::Formula;
 use super::scope::{Bound, LENGTH, Place, SUM, Scope, find};
 use super::tree::{Kind, Node, Reference, Span};
+use crate::even_powers;
 use crate::expression::Expression;
 use crate::operators::{negated, quotient};
 use crate::rational::Rational;
@@ -91,30 +92,26 @@ impl<'a> Resolver<'a> {
             Kind::Length => self.length(node.span),
             Kind::Reference(reference) => self.reference(reference, bound),
             Kind::Call(function, argument) => {
-                let argument = self.boxed(argument, bound)?;
-                Ok(Expression::Apply(*function, argument))
+                let argument = self.expression(argument, bound)?;
+                Ok(even_powers::apply(*function, argument))
             }
             Kind::SumOver { index, above, body } => {
                 self.sum_over(node.span, (*index, *above), body, bound)
             }
             Kind::Sum(terms) => self.expressions(terms, bound).map(Expression::Sum),
-            Kind::Product(factors) => self.expressions(factors, bound).map(Expression::Product),
+            Kind::Product(factors) => self.expressions(factors, bound).map(even_powers::product),
             Kind::Negate(operand) => self.expression(operand, bound).map(negated),
             Kind::Quotient(pair) => {
                 let numerator = self.expression(&pair[0], bound)?;
                 Ok(quotient(numerator, self.expression(&pair[1], bound)?))
             }
             Kind::Power(pair) => {
-                let base = self.boxed(&pair[0], bound)?;
-                let exponent = self.boxed(&pair[1], bound)?;
+                let base = self.expression(&pair[0], bound)?;
+                let exponent = self.expression(&pair[1], bound)?;
                 self.check_exponent(&exponent, pair[1].span)?;
-                Ok(Expression::Power(base, exponent))
+                Ok(even_powers::power(base, exponent))
             }
         }
-    }
-
-    fn boxed(&mut self, node: &Node, bound: Option<&Bound<'_>>) -> Result<Box<Expression>, Stop> {
-        self.expression(node, bound).map(Box::new)
     }
 
     fn length(&self, span: Span) -> Result<Expression, Stop> {

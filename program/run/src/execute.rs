@@ -19,6 +19,7 @@ use super::replaced::{Put, confirm, replace};
 use super::round_off::round_off;
 use super::sampled;
 use super::samples::Samples;
+use super::start;
 use super::states::FINAL_STATE;
 use super::summary::{report_data, short};
 use crate::advice::{Advice, AdviceKind, about_the_scene, advise, casimir_drift};
@@ -111,7 +112,7 @@ pub fn run_in_memory(
     };
     let mut report = describe(composed, &session, outcome, None);
     if report.outcome != RunOutcome::Interrupted && !asked.is_silent {
-        report.advice = advice(document, composed, registry, &session, &report)?;
+        report.advice = advice(document, composed, registry, &mut session, &report)?;
         report.shadow = sampled::shadow(composed, &session, &report)?;
     }
     let page = report_data(document, composed, &session, &report, "")?;
@@ -139,7 +140,11 @@ fn check(
     allow_non_poisson: bool,
 ) -> Result<SceneChecks, RunError> {
     let checks = SceneChecks::of(&composed.system, &composed.near)?;
-    match checks.refusal(document, &composed.system, allow_non_poisson) {
+    let refusal = match checks.refusal(document, &composed.system, allow_non_poisson) {
+        Some(refusal) => Some(refusal),
+        None => start::refusal(document, composed)?,
+    };
+    match refusal {
         Some(refusal) => Err(RunError::Refused(refusal)),
         None => Ok(checks),
     }
@@ -232,7 +237,7 @@ pub fn run(
         let mut report = describe(composed, &session, outcome, resumed_at);
         // Who interrupts a run wants it to end.
         if report.outcome != RunOutcome::Interrupted {
-            report.advice = advice(document, composed, registry, &session, &report)?;
+            report.advice = advice(document, composed, registry, &mut session, &report)?;
             report.shadow = sampled::shadow(composed, &session, &report)?;
         }
         let path = &directory.path;
@@ -250,7 +255,7 @@ fn advice(
     document: &SceneDocument,
     composed: &ComposedRun,
     registry: &Registry,
-    session: &Session<'_>,
+    session: &mut Session<'_>,
     report: &RunReport,
 ) -> Result<Vec<Advice>, RunError> {
     let mut advice = about_the_scene(document, composed);
@@ -262,6 +267,12 @@ fn advice(
         &session.along(),
         report.steps,
     ));
+    advice.extend(
+        session
+            .undefined_invariants()
+            .into_iter()
+            .map(start::unwatched),
+    );
     let undefined: Vec<_> = session
         .undefined()
         .filter(|(_, samples)| *samples > 0)

@@ -7,6 +7,7 @@
 //! - [`csv`]: tables as CSV;
 //! - `ordered`: numbered tasks on several threads;
 //! - `columns`: the columns of `samples.csv` and `windows.csv`;
+//! - `start`: whether a run can begin at its initial state;
 //! - `execute`: [`run`], from a composed scene to a complete directory, or in memory: [`run_in_memory`];
 //! - `drive`: the step loop, and the states it records between two steps;
 //! - `last_step`: states between the last two, by shorter steps;
@@ -64,6 +65,7 @@ mod shadow;
 mod shadow_step;
 pub mod shards;
 mod snapshots;
+mod start;
 mod states;
 mod summary;
 pub mod sweep;

@@ -62,7 +62,8 @@ impl LogCanonical {
         factor: &Rational,
     ) -> Vec<A::Element> {
         let pairs = at.x.iter().zip(at.p);
-        let y: Vec<_> = pairs.map(|(x, p)| algebra.multiply(x, p)).collect();
+        // p = ∂S holds 1/x where H holds ln x, and x p does not.
+        let y: Vec<_> = pairs.map(|(x, p)| algebra.multiply_reduced(x, p)).collect();
         let half = &Rational::new(1, 2) * factor;
         let mut rows = vec![Vec::new(); y.len()];
         for ((i, j), a) in self.system.tensor().keys().zip(at.functions) {

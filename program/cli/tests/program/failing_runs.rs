@@ -58,19 +58,35 @@ fn the_logarithm_of_a_negative_number_ends_the_run() {
     );
     let steps = json["steps"].as_u64().expect("a count");
     assert!((10..20).contains(&steps), "{steps} steps");
-    let initially = fails(
-        &particle("q + ln(q)", "[-1, 0]", "0.1"),
-        &["at the initial state"],
-    );
-    assert_eq!(initially.1["steps"], 0);
 }
 
+/// Where no step can be taken nothing is integrated and nothing written.
 #[test]
-fn a_division_by_zero_ends_the_run() {
-    fails(
-        &particle("1/q", "[0, 1]", "0.1"),
-        &["check `initial` and the parameters"],
-    );
+fn a_start_without_a_motion_is_refused_where_it_stands() {
+    let zero = particle("k*q^2/m", "[1, 0]", "0.1")
+        .replace("[method]", "parameters = { k = 1, m = 0 }\n[method]");
+    let starts = [
+        (
+            particle("q + ln(q)", "[-1, 0]", "0.1"),
+            "the energy has no value",
+        ),
+        (particle("1/q", "[0, 1]", "0.1"), "dp/dt is"),
+        (particle("sqrt(q)", "[0, 1]", "0.1"), "dp/dt is"),
+        (zero, "dp/dt is"),
+    ];
+    for (scene, message) in starts {
+        let here = Place::with(&scene);
+        let said = here.leafwise(&["run", "scene.toml"]);
+        assert_eq!(said.code, Some(3), "{scene}{}", said.err);
+        said.says(&[
+            "scene.toml:",
+            "at the initial state",
+            message,
+            "check `initial` and the parameters",
+        ]);
+        assert!(!said.err.contains("step 1"), "{}", said.err);
+        assert!(here.is_untouched(), "something was written");
+    }
 }
 
 #[test]
@@ -96,7 +112,7 @@ fn a_solve_that_does_not_converge_ends_the_run() {
 
 #[test]
 fn a_failed_run_is_not_overwritten_by_accident() {
-    let (here, _) = fails(&particle("1/q", "[0, 1]", "0.1"), &[]);
+    let (here, _) = fails(&particle("q + 1e-9*ln(q)", "[1, 0]", "0.1"), &[]);
     let said = here.leafwise(&["run", "scene.toml"]);
     assert_eq!(said.code, Some(2));
     said.says(&["has failed", "--force"]);

@@ -94,3 +94,40 @@ fn a_parameter_that_nothing_depends_on_is_reported() {
         assert!(!said.err.contains("`I3`"), "{}", said.err);
     }
 }
+
+/// Flaschka's open chain, an empty site: Σ ln a has no value, the motion has. What is advised silences the warning.
+#[test]
+fn a_casimir_without_a_value_at_the_start_is_a_warning() {
+    let scene = |casimirs: &str| {
+        format!(
+            "[system]\nlibrary = \"toda\"\n{casimirs}[method]\nrealization = \"auto\"\n\
+             dynamics = {{ name = \"hamilton-jacobi\", order = 4 }}\ntime-step = 0.02\n[run]\n\
+             initial = {{ \"a[i]\" = \"0.5\", \"b[i]\" = \"0.1*cos(i)\", \"a[15]\" = 0 }}\nsteps = 50\n"
+        )
+    };
+    let here = Place::with(&scene(""));
+    let said = here.leafwise(&["run", "scene.toml"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    said.says(&[
+        "`logarithm` has no finite value at the initial state",
+        "change: casimirs = {} in [system]",
+    ]);
+    here.write("scene.toml", &scene("casimirs = {}\n"));
+    let said = here.leafwise(&["run", "scene.toml", "--out", "other"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(!said.err.contains("no finite value"), "{}", said.err);
+}
+
+/// Predators without prey: ln x has no value at x = 0, where y falls as e^(-3t).
+#[test]
+fn an_energy_without_a_value_at_the_start_is_a_warning() {
+    let here = Place::with(
+        "[system]\nvariables = [\"x\", \"y\"]\nbracket = { \"x,y\" = \"x*y\" }\nconvention = \"{x,H}\"\n\
+         hamiltonian = \"x - 3*ln(x) + y - ln(y)\"\n[method]\nrealization = \"auto\"\n\
+         dynamics = { name = \"hamilton-jacobi\", order = 4 }\ntime-step = 0.05\n[run]\n\
+         initial = [0, 1]\nsteps = 20\n",
+    );
+    let said = here.leafwise(&["run", "scene.toml"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    said.says(&["`energy` has no finite value at the initial state"]);
+}

@@ -251,16 +251,17 @@ impl<'a> Session<'a> {
         let time = self.time();
         let values = self.invariants.at(self.integrator.state());
         let is_finite = values.iter().all(|value| value.is_finite());
-        if is_finite {
+        let outside = if is_finite { None } else { self.check_values() };
+        if outside.is_none() {
             let (before, integrator) = (&self.before, &self.integrator);
-            self.windows.push(values, time, || {
+            self.windows.push(self.invariants.values(), time, || {
                 before.evaluations + integrator.statistics().evaluations
             });
         }
         let failure = self.record_step()?;
-        Ok(match is_finite || self.is_stopped {
+        Ok(match outside.is_none() || self.is_stopped {
             true => failure,
-            false => self.check_values(),
+            false => outside,
         })
     }
 
@@ -305,18 +306,30 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// A failure where the energy or a Casimir has no finite value.
+    /// A failure where the state is outside the energy's domain. Where the energy is infinite, or a Casimir has no value, the
+    /// motion may be regular: it goes on, and a warning says so.
     fn check_values(&mut self) -> Option<Failure> {
-        let values = self.invariants.at(self.integrator.state());
-        let at = values.iter().position(|value| !value.is_finite())?;
-        let name = invariant_name(self.run, at);
+        let state = self.integrator.state();
+        if self.invariants.at(state).iter().all(|v| v.is_finite()) {
+            return None;
+        }
+        let is_outside = self.invariants.is_outside(state);
+        self.invariants.at(state);
         let (steps, time) = (self.integrator.steps(), self.time());
-        Some(Failure::of_observable(
-            name,
-            steps,
-            time,
-            self.run.own(self.integrator.state()),
-        ))
+        let own = self.run.own(state);
+        let name = invariant_name(self.run, 0);
+        is_outside.then(|| Failure::of_observable(name, steps, time, own))
+    }
+
+    /// The invariants without a finite value at the start or at the end, each with whether that is so at the start.
+    pub fn undefined_invariants(&mut self) -> Vec<(&'a str, bool)> {
+        let end = self.invariants.at(self.integrator.state());
+        let pairs = self.windows.initial.iter().zip(end).enumerate();
+        let undefined = pairs.filter(|(_, (start, end))| !(start.is_finite() && end.is_finite()));
+        let named = undefined.map(|(at, (start, _))| (at, !start.is_finite()));
+        named
+            .map(|(at, at_start)| (invariant_name(self.run, at), at_start))
+            .collect()
     }
 
     /// Records the present state, once.

@@ -13,6 +13,7 @@ use super::record::Record;
 use super::section::MemberCrossings;
 use super::statistics::MemberFailure;
 use super::watch::{Found, MemberSample, MemberStop, Watch, column};
+use crate::invariants::outside;
 use crate::{Failure, RunError};
 
 /// Coordinates stepped between two looks at the flag: about a millisecond's work.
@@ -356,24 +357,27 @@ impl<'a> Block<'a> {
         }
     }
 
-    /// Ends the members whose energy or a Casimir has no finite value.
+    /// Ends the members that have left the energy's domain.
     fn check_invariants(&mut self, steps: u64) {
         let names = self.ensemble.invariant_names();
-        let values = self.invariants.at(self.integrator.state());
         let lanes = self.record.lanes;
-        for lane in 0..lanes {
-            let mut own = values.iter().skip(lane).step_by(lanes);
-            let Some(at) = own.position(|value| !value.is_finite()) else {
-                continue;
-            };
-            if !self.integrator.lives(lane) {
+        let energies = |state: &[f64], is_nan: &mut Vec<bool>| {
+            is_nan.extend(
+                self.invariants.at(state)[..lanes]
+                    .iter()
+                    .map(|v| v.is_nan()),
+            );
+        };
+        let outside = outside(self.integrator.state(), lanes, energies);
+        for (lane, is_outside) in outside.into_iter().enumerate() {
+            if !is_outside || !self.integrator.lives(lane) {
                 continue;
             }
             self.integrator.rest(lane);
             let (_, state) = self.integrator.last(lane);
             let time = self.ensemble.time(steps, &state);
             let state = self.ensemble.run.own(&state);
-            let failure = Failure::of_observable(names[at], steps, time, state);
+            let failure = Failure::of_observable(names[0], steps, time, state);
             let member = self.record.first + lane as u64;
             self.record.failures[lane] = Some(told(member, failure));
         }

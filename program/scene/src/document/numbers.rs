@@ -65,7 +65,7 @@ pub(super) fn read_numbers(
         );
         return None;
     }
-    for key in ["forces", "damping", "noise"] {
+    for key in ["casimirs", "forces", "damping", "noise"] {
         if let Some(item) = table.get(key) {
             problems.push(
                 SceneProblemCause::Conflict {

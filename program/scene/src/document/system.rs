@@ -21,10 +21,11 @@ use super::system_schema::{SYSTEM, VECTORS};
 use super::system_section::{Boundary, Convention, SystemSection, VectorFamily};
 
 /// What may stand beside `library`, and it.
-const BESIDE_LIBRARY: [&str; 6] = [
+const BESIDE_LIBRARY: [&str; 7] = [
     "library",
     "parameters",
     "families",
+    "casimirs",
     "forces",
     "damping",
     "noise",
@@ -50,8 +51,8 @@ pub(super) fn read_system(
                 SceneProblemCause::Conflict {
                     first: "library".to_owned(),
                     second: key.to_owned(),
-                    advice: "beside `library` only `parameters`, `families`, `forces`, `damping` and `noise` may stand; \
-                             remove it, or write the system out without `library`"
+                    advice: "beside `library` only `parameters`, `families`, `casimirs`, `forces`, `damping` and `noise` may \
+                             stand; remove it, or write the system out without `library`"
                         .to_owned(),
                 },
                 other.key.place(),
@@ -78,11 +79,24 @@ pub(super) fn read_system(
     };
     *fragment = Some((id.value.clone(), text.to_string()));
     let mut system = read_fragment(&id.value, text, problems)?;
+    system.casimirs = read_casimirs(table, std::mem::take(&mut system.casimirs), problems)?;
     system.forces = read_forces(table, std::mem::take(&mut system.forces), problems)?;
     system.noise = read_noise(table, std::mem::take(&mut system.noise), problems)?;
     override_values(table, &mut system, part.has_numbers(), problems);
     system.library = Some(id);
     Some(system)
+}
+
+/// The Casimirs of a `[system]` table; those of a library system that are not given anew stay.
+fn read_casimirs(
+    table: &Table<'_>,
+    known: Vec<(Located<String>, Located<String>)>,
+    problems: &mut Problems,
+) -> Option<Vec<(Located<String>, Located<String>)>> {
+    match table.get("casimirs") {
+        Some(item) => item.pairs("a table of formulas", problems, Item::formula),
+        None => Some(known),
+    }
 }
 
 /// The systems of a registry, those of plugins first.
@@ -301,10 +315,7 @@ fn read_inline(table: &Table<'_>, problems: &mut Problems) -> Option<SystemSecti
     let hamiltonian = table
         .require("hamiltonian", "hamiltonian = \"x1^2/2 + x2^2/2\"", problems)
         .and_then(|item| item.formula(problems));
-    let casimirs = match table.get("casimirs") {
-        Some(item) => item.pairs("a table of formulas", problems, Item::formula),
-        None => Some(Vec::new()),
-    };
+    let casimirs = read_casimirs(table, Vec::new(), problems);
     let forces = read_forces(table, ForcesSpec::default(), problems);
     let noise = read_noise(table, Vec::new(), problems);
     let Families { scalars, vectors } = families?;

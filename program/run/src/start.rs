@@ -1,0 +1,80 @@
+//! Whether a run can begin: the energy and the motion at the initial state.
+
+use leafwise_core::{BuildError, Evaluator};
+
+use super::invariants::Functions;
+use crate::advice::{Advice, AdviceKind};
+use leafwise_scene::compose::{ComposedRun, Refusal};
+use leafwise_scene::document::SceneDocument;
+
+/// Why no step can be taken from the initial state, if none can: it is outside the energy's domain, or the motion has no
+/// finite value there and the method takes no step.
+///
+/// # Errors
+/// [`BuildError::Algebra`] where the energy has no code.
+pub(super) fn refusal(
+    document: &SceneDocument,
+    composed: &ComposedRun,
+) -> Result<Option<Refusal>, BuildError> {
+    let initial = &composed.plan.initial;
+    let mut invariants = Functions::invariants(composed)?;
+    let is_outside = invariants.is_outside(initial);
+    let energy = invariants.at(initial)[0];
+    let message = if is_outside {
+        "the energy has no value at the initial state".to_owned()
+    } else {
+        let Some(message) = without_motion(composed, energy) else {
+            return Ok(None);
+        };
+        if composed.integrator().step().is_ok() {
+            return Ok(None);
+        }
+        message
+    };
+    let help = "check `initial` and the parameters: no ln or root of a negative number, no division by zero";
+    Ok(Some(Box::new(document.diagnostic(
+        &document.run.initial.place(),
+        message,
+        "no step can be taken from here",
+        Some(help.to_owned()),
+    ))))
+}
+
+/// What has no finite value of the motion; on long lattices, of the energy.
+fn without_motion(composed: &ComposedRun, energy: f64) -> Option<String> {
+    if composed.method.lattice().is_some() {
+        let message = "the energy has no finite value at the initial state";
+        return (!energy.is_finite()).then(|| message.to_owned());
+    }
+    let (system, initial) = (&composed.system, &composed.plan.initial);
+    let mut field = vec![0.0_f64; initial.len()];
+    let map = system.field_values().ok()?;
+    let values = system.parameter_values();
+    map.evaluator(&values, 1.0, 1.0)
+        .values(initial, &mut field)
+        .ok()?;
+    let at = field.iter().position(|v| !v.is_finite())?;
+    let name = &system.variables()[at];
+    Some(format!(
+        "the motion has no finite value at the initial state: d{name}/dt is {}",
+        field[at]
+    ))
+}
+
+/// What to say of an invariant without a finite value, at the start or from some time on.
+pub(super) fn unwatched((name, at_start): (&str, bool)) -> Advice {
+    let place = if at_start { "initial" } else { "last" };
+    let change = match name {
+        "energy" => {
+            "initial = [a state where H has a value], or leave the coordinates that are 0 out of the system"
+        }
+        _ => "casimirs = {} in [system], or those that have values there",
+    };
+    Advice {
+        kind: AdviceKind::UndefinedObservable,
+        message: format!(
+            "`{name}` has no finite value at the {place} state, where the motion has one: its drift says nothing"
+        ),
+        change: change.to_owned(),
+    }
+}
