@@ -1,7 +1,6 @@
 //! Lattices whose templates look far: every offset means the site that it names, at every length, by every method.
 
 use leafwise::core::Registry;
-use leafwise::core::lattice::LatticeMap;
 use leafwise::scene::compose::{Motion, Stepping, compose};
 use leafwise_tests::scenes::{composed, document, end, until};
 use nalgebra::{DMatrix, DVector};
@@ -54,9 +53,19 @@ const RUNGE_KUTTA: &str = "stepper = \"rk4\"";
 
 /// A step of size h errs by less than |ωh|^{p+1} of each mode, ω ≤ 2, so that the end is off by less than 2 (2h)ᵖ of the state after
 /// t = 1, and by the round-off of 20 steps.
-fn check_springs(sites: usize, offset: usize, boundary: &str, (method, order): (&str, i32)) -> bool {
+fn check_springs(
+    sites: usize,
+    offset: usize,
+    boundary: &str,
+    (method, order): (&str, i32),
+) -> bool {
     let (time, steps) = (1.0, 20);
-    let run = until(&springs(sites, offset, boundary), method, START, (time, steps));
+    let run = until(
+        &springs(sites, offset, boundary),
+        method,
+        START,
+        (time, steps),
+    );
     let (q, p) = run.plan.initial.split_at(sites);
     let expected = exact(sites, offset, boundary == "periodic", (q, p), time);
     let state = end(&run);
@@ -142,7 +151,8 @@ fn far_sites_in_brackets_and_parameters_are_those_that_are_named() {
              boundary = \"{boundary}\"\n\
              hamiltonian = \"sum(i, a*s.x[i]*s.x[i+17] + b*s.y[i-6]*s.y[i+2] + c*s.z[i] + w[i+9]*s.z[i-3])\""
         );
-        let start = "{ \"s.x[i]\" = \"0.6*cos(i)\", \"s.y[i]\" = \"0.6*sin(i)\", \"s.z[i]\" = 0.8 }";
+        let start =
+            "{ \"s.x[i]\" = \"0.6*cos(i)\", \"s.y[i]\" = \"0.6*sin(i)\", \"s.z[i]\" = 0.8 }";
         for method in [SPLITTING, SECOND, "stepper = \"spherical-midpoint\""] {
             agrees_with_every_site_written_out(&spins, start, method, 4e-3);
         }
@@ -151,7 +161,10 @@ fn far_sites_in_brackets_and_parameters_are_those_that_are_named() {
              bracket = {{ \"x[i+3],x[i+16]\" = \"w[i-5]*x[i+3]*x[i+16]\" }}\nhamiltonian = \"sum(i, x[i] + 0.1*x[i]*x[i+7])\""
         );
         let start = "{ \"x[i]\" = \"1 + 0.3*sin(1.3*i)\" }";
-        let karasev = TRUNCATED.replace("realization = { name = \"karasev-truncated\", order = 2 }", "realization = { name = \"karasev-truncated\", order = 3 }");
+        let karasev = TRUNCATED.replace(
+            "realization = { name = \"karasev-truncated\", order = 2 }",
+            "realization = { name = \"karasev-truncated\", order = 3 }",
+        );
         agrees_with_every_site_written_out(&populations, start, &karasev, 4e-3);
     }
 }
@@ -171,12 +184,25 @@ fn what_is_recorded_is_that_of_the_state() {
                 panic!("it is stepped by templates");
             };
             let mut values = [0.0; 6];
-            leafwise::core::Observe::evaluate(&mut lattice.formulas.clone(), &run.plan.initial, &mut values);
+            leafwise::core::Observe::evaluate(
+                &mut lattice.formulas.clone(),
+                &run.plan.initial,
+                &mut values,
+            );
             let q = |i: i64| -> Option<f64> {
-                let i = if boundary == "periodic" { i.rem_euclid(90) } else { i };
-                usize::try_from(i).ok().filter(|i| *i < 90).map(|i| run.plan.initial[i])
+                let i = if boundary == "periodic" {
+                    i.rem_euclid(90)
+                } else {
+                    i
+                };
+                usize::try_from(i)
+                    .ok()
+                    .filter(|i| *i < 90)
+                    .map(|i| run.plan.initial[i])
             };
-            let product = |a: i64, b: i64| -> f64 { (0..90).filter_map(|i| Some(q(i + a)? * q(i + b)?)).sum() };
+            let product = |a: i64, b: i64| -> f64 {
+                (0..90).filter_map(|i| Some(q(i + a)? * q(i + b)?)).sum()
+            };
             let sum: f64 = (0..90).filter_map(q).sum();
             let squares = product(0, 0);
             let expected = [
@@ -189,7 +215,10 @@ fn what_is_recorded_is_that_of_the_state() {
             ];
             for (value, expected) in values.iter().zip(expected) {
                 // At most 4005 products of size 1.44.
-                assert!((value - expected).abs() <= 1e-11, "{boundary}, {method}: {values:?} {expected}");
+                assert!(
+                    (value - expected).abs() <= 1e-11,
+                    "{boundary}, {method}: {values:?} {expected}"
+                );
             }
         }
     }
@@ -199,25 +228,42 @@ fn what_is_recorded_is_that_of_the_state() {
 #[test]
 fn the_motion_is_told_with_the_offsets_that_are_written() {
     let motion = |sites: usize, boundary: &str, method: &str| {
-        Motion::of(&until(&springs(sites, 20, boundary), method, START, (0.1, 1))).expect("a motion")
+        Motion::of(&until(
+            &springs(sites, 20, boundary),
+            method,
+            START,
+            (0.1, 1),
+        ))
+        .expect("a motion")
     };
     for (sites, boundary) in [(64, "periodic"), (30, "periodic"), (64, "open")] {
         for method in [SPLITTING, SECOND] {
             let Motion::Site(rows) = motion(sites, boundary, method) else {
                 panic!("one site stands for all");
             };
-            let force = rows.iter().find(|row| row.0 == "p[i]").and_then(|row| row.1.clone());
+            let force = rows
+                .iter()
+                .find(|row| row.0 == "p[i]")
+                .and_then(|row| row.1.clone());
             let named = match sites {
                 // Twenty sites ahead are ten behind.
                 30 => "-2*q[i] + q[i+10] + q[i-10]",
                 _ => "q[i-20] - 2*q[i] + q[i+20]",
             };
             let sorted = |text: &str| {
-                let mut parts: Vec<String> = text.replace("- ", "+ -").split(" + ").map(str::to_owned).collect();
+                let mut parts: Vec<String> = text
+                    .replace("- ", "+ -")
+                    .split(" + ")
+                    .map(str::to_owned)
+                    .collect();
                 parts.sort();
                 parts
             };
-            assert_eq!(sorted(&force.expect("a formula")), sorted(named), "{sites} {boundary} {method}");
+            assert_eq!(
+                sorted(&force.expect("a formula")),
+                sorted(named),
+                "{sites} {boundary} {method}"
+            );
         }
     }
     let Motion::Formulas(rows) = motion(30, "open", SPLITTING) else {
@@ -238,10 +284,16 @@ fn pairs_mean_fields_and_single_sites_are_written_out() {
     let pairs = "sum(i<j, 1 - cos(q[i] - q[j]))/N";
     let field = "(N^2 - sum(i, cos(q[i]))^2 - sum(i, sin(q[i]))^2)/(2*N)";
     for method in [SPLITTING, GAUSS, SECOND] {
-        let [by_pairs, by_field] = [pairs, field].map(|potential| end(&until(&rotors(20, potential), method, START, (1.0, 20))));
+        let [by_pairs, by_field] = [pairs, field]
+            .map(|potential| end(&until(&rotors(20, potential), method, START, (1.0, 20))));
         let apart = by_pairs.iter().zip(&by_field).map(|(a, b)| (a - b).abs());
         assert!(apart.fold(0.0, f64::max) <= 1e-12, "{method}");
-        agrees_with_every_site_written_out(&rotors(20, "q[3]^2 + sum(i, q[i]*q[0])/9"), START, method, 4e-3);
+        agrees_with_every_site_written_out(
+            &rotors(20, "q[3]^2 + sum(i, q[i]*q[0])/9"),
+            START,
+            method,
+            4e-3,
+        );
     }
     for (sites, potential, said) in [
         (513, pairs, "a sum within a sum"),
@@ -270,5 +322,8 @@ fn what_looks_too_far_is_refused_with_its_distance() {
     );
     let refusal = compose(&document(&text, &[]), &Registry::with_builtin());
     let message = refusal.map(|_| ()).expect_err("too far").message.clone();
-    assert!(message.contains("3000 sites away") || message.contains("9000 sites away"), "{message}");
+    assert!(
+        message.contains("3000 sites away") || message.contains("9000 sites away"),
+        "{message}"
+    );
 }

@@ -202,6 +202,25 @@ fn records_at_given_times_do_not_disturb_the_steps() {
     assert!(between <= 2.0 * at_steps, "{between:e} {at_steps:e}");
 }
 
+/// Times that are written have their samples, however near to the end that is written too; multiples of an interval that come to
+/// the end but for rounding are the end.
+#[test]
+fn given_times_next_to_the_end_have_samples_of_their_own() {
+    let times = |run: &str| {
+        let run = format!("until = 2\nrecord = {{ {run} }}");
+        let (_, table) = ran(&scene(KEPLER, &kepler(4, 0.1), &pericentre(0.5), &run), &[]);
+        table("samples.csv")["t"].clone()
+    };
+    let near = 2.0 - 9e-15;
+    let found = times(&format!("times = [1, {near:?}, 2]"));
+    assert_eq!(found, [0.0, 1.0, near, 2.0]);
+    let found = times(&format!("times = [1, {near:?}]"));
+    assert_eq!(found, [0.0, 1.0, near, 2.0]);
+    let third = 2.0 / 3.0 - 1e-16;
+    let found = times(&format!("interval = {third:?}"));
+    assert_eq!((found.len(), found[3]), (4, 2.0));
+}
+
 /// x″ = −x − 0.1 cos t at a pace that names both the state and the time: g = 1/(1 + q² + sin²t).
 #[test]
 fn a_pace_and_a_hamiltonian_may_both_name_the_time() {

@@ -1,7 +1,10 @@
 //! Pulses, switches, hills and walls that lie ahead of a motion at rest or in free flight: no stepper with a tolerance
 //! steps over what is there for the time of a step, against closed forms.
 
-use leafwise_tests::scenes::{end, until};
+use leafwise::core::Registry;
+use leafwise::run::advice::{Advice, AdviceKind, advise, states_ahead};
+use leafwise::trade::{Bench, Judged, Reference, Tolerances, TuneOptions, Tuner, parse_method};
+use leafwise_tests::scenes::{composed, document, end, until};
 use proptest::prelude::*;
 
 /// What lies ahead, with its width in time, when it comes and how strong it is.
@@ -242,5 +245,105 @@ fn each_kind_is_met_at_each_tolerance() {
             check("dop853", ahead, chosen, 1e-12, step);
             check("dormand-prince45", ahead, chosen, 1e-8, step);
         }
+    }
+}
+
+/// The motion of [`each_kind_is_met_at_each_tolerance`], to be tuned.
+fn scene(ahead: Ahead, stepper: &str, step: f64) -> (String, Motion) {
+    let chosen = Choice {
+        width: 0.3,
+        distance: 10.0,
+        strength: 1.0,
+        before: [0.0, 0.0],
+    };
+    let motion = ahead.motion(chosen);
+    let steps = libm::ceil(motion.time / step);
+    let text = format!(
+        "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = \"1\" }}\nconvention = \"{{x,H}}\"\n\
+         hamiltonian = \"{}\"\n[method]\nstepper = {stepper}\ntime-step = {:?}\n[run]\ninitial = {:?}\nsteps = {steps}\n",
+        motion.hamiltonian,
+        motion.time / steps,
+        motion.initial,
+    );
+    (text, motion)
+}
+
+/// Two methods agree on the motion past each of them, and `tune` finds a Poisson map for it.
+#[test]
+fn references_and_tuning_see_what_lies_ahead() {
+    let registry = Registry::with_builtin();
+    for ahead in Ahead::ALL {
+        for step in [0.1, 0.03] {
+            let (text, motion) = scene(ahead, "\"splitting\"", step);
+            let document = document(&text, &[]);
+            let bench = Bench::new(&document, &registry, None).expect("a bench");
+            let reference = Reference::compute(&bench, Judged::AtTheEnd).expect("a reference");
+            for (found, expected) in reference.state.iter().zip(&motion.end) {
+                // Sums of thousands of steps.
+                let error = (found - expected).abs() / expected.abs().max(1.0);
+                assert!(
+                    error < 1e-11,
+                    "{ahead:?}, {step}: {:?}, {motion:?}",
+                    reference.state
+                );
+            }
+            assert!(
+                reference.error < 1e-9,
+                "{ahead:?}, {step}: {:e}",
+                reference.error
+            );
+            let only = ["kahan-li-8/splitting", "taylor"]
+                .map(|method| parse_method(method, &registry).expect("a method"));
+            let options = TuneOptions {
+                only: only.to_vec(),
+                ..TuneOptions::default()
+            };
+            let tuner = Tuner::new(&bench, &options, &mut |_| true).expect("methods");
+            let asked = Tolerances {
+                error: Some(1e-4),
+                ..Tolerances::default()
+            };
+            let tuning = tuner.tune(&asked, &mut |_| true).expect("a search");
+            assert!(
+                tuning.poisson.is_some(),
+                "{ahead:?}, {step}: {:?}",
+                tuning.limit
+            );
+            assert_eq!(tuning.horizon, None);
+        }
+    }
+}
+
+/// A hill that is passed within a fiftieth of a step: `taylor` misses it, is told so at any tolerance, and no more once the
+/// line that is told has been followed.
+#[test]
+fn what_is_stepped_over_is_told_and_mended_by_shorter_steps() {
+    let text = |stepper: &str, step: f64| {
+        format!(
+            "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = \"1\" }}\nconvention = \"{{x,H}}\"\n\
+             hamiltonian = \"p^2/2 + 0.3/cosh(50*q)^2\"\n[method]\nstepper = {stepper}\ntime-step = {step:?}\n\
+             [run]\ninitial = [-0.48, 1]\nsteps = {}\n",
+            libm::round(2.0 / step)
+        )
+    };
+    let told = |text: &str| -> Option<Advice> {
+        let run = composed(text);
+        let advice = advise(&run, &Registry::with_builtin(), &states_ahead(&run));
+        let mut advice = advice.into_iter();
+        advice.find(|advice| advice.kind == AdviceKind::CoarseStep)
+    };
+    let right = end(&composed(&text("\"taylor\"", 1.0 / 128.0)));
+    for stepper in ["\"taylor\"", "{ name = \"taylor\", tolerance = 1e-8 }"] {
+        let mut step = 1.0;
+        let missed = end(&composed(&text(stepper, step)));
+        assert!((missed[0] - right[0]).abs() > 1e-3, "{missed:?} {right:?}");
+        while let Some(advice) = told(&text(stepper, step)) {
+            step *= 0.5;
+            assert!(step > 0.01, "{advice:?}");
+            assert_eq!(advice.change, format!("time-step = {step:?}"));
+        }
+        assert!(step < 1.0, "it was told");
+        let found = end(&composed(&text(stepper, step)));
+        assert!((found[0] - right[0]).abs() < 1e-5, "{found:?} {right:?}");
     }
 }

@@ -315,85 +315,12 @@ fn compared(base: f64, largest: i32, steps: Vec<f64>, cases: u32) -> u32 {
 
 #[test]
 fn units_that_are_powers_of_two_change_no_bit() {
-    let compared = compared(2.0, 60, vec![0.5, 1.0, 2.0], 300);
-    assert!(compared > 150, "{compared}");
+    let compared = compared(2.0, 60, vec![0.5, 1.0, 2.0], 100);
+    assert!(compared > 75, "{compared}");
 }
 
 #[test]
 fn units_change_nothing_but_round_off() {
-    let compared = compared(10.0, 30, vec![0.5, 1.0, 2.0], 200);
-    assert!(compared > 100, "{compared}");
-}
-
-#[test]
-fn zz_matrix() {
-    let mut seed = 12345_u64;
-    let mut draw = |n: i32| {
-        seed = seed
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        ((seed >> 33) % (2 * n as u64 + 1)) as i32 - n
-    };
-    for (base, largest) in [(2.0, 60), (10.0, 30)] {
-        for (at, problem) in PROBLEMS.iter().enumerate() {
-            for (m, method) in problem.methods.iter().enumerate() {
-                let (mut bits, mut close, mut off, mut mismatch, mut refused) = (0, 0, 0, 0, 0);
-                let mut note = String::new();
-                let mut worst = 0.0_f64;
-                for case in 0..12 {
-                    let units = Units {
-                        base,
-                        coordinates: (0..problem.variables.len())
-                            .map(|_| draw(largest))
-                            .collect(),
-                        time: draw(largest),
-                        energy: draw(largest),
-                    };
-                    let step = [1.0, 2.0, 0.5, 8.0][case % 4];
-                    let own = Units {
-                        base,
-                        coordinates: vec![0; problem.variables.len()],
-                        time: 0,
-                        energy: 0,
-                    };
-                    match (
-                        run(problem, method, &own, step),
-                        run(problem, method, &units, step),
-                    ) {
-                        (Ok(a), Ok(b)) => {
-                            let mut e = 0.0_f64;
-                            for c in 0..problem.variables.len() {
-                                let size = a.iter().fold(0.0_f64, |m, r| m.max(r[c].abs()));
-                                for (x, y) in a.iter().zip(&b) {
-                                    if size > 0.0 {
-                                        e = e.max((x[c] - y[c]).abs() / size);
-                                    }
-                                }
-                            }
-                            worst = worst.max(e);
-                            if a == b {
-                                bits += 1
-                            } else if e < 1e-12 {
-                                close += 1
-                            } else {
-                                off += 1
-                            }
-                        }
-                        (Err(a), Err(b)) if a == b => {
-                            refused += 1;
-                            note = a;
-                        }
-                        (a, b) => {
-                            mismatch += 1;
-                            note = format!("{:?} / {:?}", a.err(), b.err());
-                        }
-                    }
-                }
-                println!(
-                    "{base} problem {at} method {m}: bits {bits} close {close} off {off} ({worst:.0e}) refused {refused} mismatch {mismatch} {}",
-                    note.chars().take(200).collect::<String>()
-                );
-            }
-        }
-    }
+    let compared = compared(10.0, 30, vec![0.5, 1.0, 2.0], 80);
+    assert!(compared > 60, "{compared}");
 }

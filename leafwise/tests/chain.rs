@@ -1,6 +1,8 @@
 //! Lattices of templates.
 
-use leafwise::core::lattice::{LatticeGeometry, LatticeSource, TemplateReach, observables::SiteDensity};
+use leafwise::core::lattice::{
+    LatticeGeometry, LatticeSource, TemplateReach, observables::SiteDensity,
+};
 use leafwise::core::{BuildError, Convention, PoissonSystem};
 use leafwise::expression::Expression;
 use leafwise::expression::syntax::{Boundary, Formula, Scope, VariablePattern};
@@ -26,7 +28,9 @@ impl Chain {
                 families: families.collect(),
                 periodic,
             },
-            bracket: (bracket.iter()).map(|(pair, entry)| ((*pair).to_owned(), (*entry).to_owned())).collect(),
+            bracket: (bracket.iter())
+                .map(|(pair, entry)| ((*pair).to_owned(), (*entry).to_owned()))
+                .collect(),
             hamiltonian: hamiltonian.to_owned(),
         }
     }
@@ -59,10 +63,13 @@ impl LatticeSource for Chain {
 
     fn reach(&self) -> Result<TemplateReach, BuildError> {
         let read = |text: &str| Formula::parse(text).expect("a formula");
-        let bracket = self.bracket.iter().try_fold(TemplateReach::default(), |reach, (pair, entry)| {
-            let (a, b) = VariablePattern::parse_pair(pair).expect("a pair");
-            reach.with_entry([&a, &b], &read(entry))
-        });
+        let bracket =
+            self.bracket
+                .iter()
+                .try_fold(TemplateReach::default(), |reach, (pair, entry)| {
+                    let (a, b) = VariablePattern::parse_pair(pair).expect("a pair");
+                    reach.with_entry([&a, &b], &read(entry))
+                });
         let hamiltonian = read(&self.hamiltonian);
         let reach = bracket.and_then(|reach| reach.with_hamiltonian(&hamiltonian));
         reach.map_err(|error| BuildError::Lattice {

@@ -155,23 +155,48 @@ impl Far {
         let [c, d] = self.coupled.map(at);
         let hamiltonian = format!("sum(i, x[i]) + 0.1*sum(i, {c}^2*{d})");
         let named = [self.pair[0], self.pair[1], self.in_entry];
-        let apart = named.iter().max().zip(named.iter().min()).map_or(0, |(a, b)| a - b);
+        let apart = named
+            .iter()
+            .max()
+            .zip(named.iter().min())
+            .map_or(0, |(a, b)| a - b);
         let each = apart + (self.coupled[0] - self.coupled[1]).abs();
-        let beside = self.pair.iter().chain(&self.coupled).map(|offset| offset.abs()).max();
+        let beside = self
+            .pair
+            .iter()
+            .chain(&self.coupled)
+            .map(|offset| offset.abs())
+            .max();
         let width = each * (self.order - 1) + beside.unwrap_or(0);
         // So long that the templates are of a shorter lattice.
         let sites = 2 * width as usize + 4 + self.extra;
-        Chain::new(&[("x", sites)], self.periodic, &[(&format!("{a},{b}"), &entry)], &hamiltonian)
+        Chain::new(
+            &[("x", sites)],
+            self.periodic,
+            &[(&format!("{a},{b}"), &entry)],
+            &hamiltonian,
+        )
     }
 }
 
 /// A tensor of any entries, Poisson or not, moves by templates as it does written out.
 fn far() -> impl Strategy<Value = Far> {
     let near_or_far = || prop_oneof![-2..3_i64, -8..9_i64];
-    (1..9_i64, near_or_far(), near_or_far(), near_or_far(), 0..10_usize, any::<bool>()).prop_flat_map(
-        |(apart, start, in_entry, coupled, extra, periodic)| {
+    (
+        1..9_i64,
+        near_or_far(),
+        near_or_far(),
+        near_or_far(),
+        0..10_usize,
+        any::<bool>(),
+    )
+        .prop_flat_map(|(apart, start, in_entry, coupled, extra, periodic)| {
             // Long series take short distances.
-            let order = if apart + in_entry.abs() + start.abs() + coupled.abs() <= 8 { 4 } else { 2 };
+            let order = if apart + in_entry.abs() + start.abs() + coupled.abs() <= 8 {
+                4
+            } else {
+                2
+            };
             Just(Far {
                 pair: [start, start + apart],
                 in_entry,
@@ -180,8 +205,7 @@ fn far() -> impl Strategy<Value = Far> {
                 extra,
                 periodic,
             })
-        },
-    )
+        })
 }
 
 proptest! {

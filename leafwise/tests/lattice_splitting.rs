@@ -54,7 +54,12 @@ fn spins(sites: usize, periodic: bool) -> Chain {
 fn far_volterra(sites: usize, periodic: bool, offset: usize) -> Chain {
     let pair = format!("x[i],x[i+{offset}]");
     let entry = format!("x[i]*x[i+{offset}]");
-    Chain::new(&[("x", sites)], periodic, &[(&pair, &entry)], "sum(i, x[i])")
+    Chain::new(
+        &[("x", sites)],
+        periodic,
+        &[(&pair, &entry)],
+        "sum(i, x[i])",
+    )
 }
 
 /// s moves r moves u, each so many sites away.
@@ -139,7 +144,10 @@ fn sweeps_that_look_far_take_the_steps_of_the_splitting_written_out() {
     for offset in [1, 2, 3, 5, 6, 7, 12, 20] {
         for periodic in [true, false] {
             for sites in [41, 4 * offset + 17, 10 * offset + 2, 12 * offset] {
-                let chains = [far_volterra(sites, periodic, offset), far_relay(sites, periodic, offset)];
+                let chains = [
+                    far_volterra(sites, periodic, offset),
+                    far_relay(sites, periodic, offset),
+                ];
                 for chain in chains {
                     let sweeps = match LatticeSplitting::new(&chain) {
                         Ok(sweeps) => sweeps,
@@ -166,7 +174,10 @@ fn sweeps_that_look_far_take_the_steps_of_the_splitting_written_out() {
             }
         }
     }
-    assert!(far_periods >= 10, "{far_periods} lattices had pieces that repeat after twice their reach");
+    assert!(
+        far_periods >= 10,
+        "{far_periods} lattices had pieces that repeat after twice their reach"
+    );
 }
 
 /// One sum a site, kinetic and potential energy in turn: the terms of all sites go together
@@ -174,8 +185,7 @@ fn sweeps_that_look_far_take_the_steps_of_the_splitting_written_out() {
 #[test]
 fn terms_of_one_sum_are_told_apart_up_to_translation() {
     let mut chain = springs(50, true);
-    chain.hamiltonian =
-        "2*sum(i, p[i]^2/2 + (q[i+1] - q[i])^2/2 - cos(q[i]))/2".to_owned();
+    chain.hamiltonian = "2*sum(i, p[i]^2/2 + (q[i+1] - q[i])^2/2 - cos(q[i]))/2".to_owned();
     let sweeps = LatticeSplitting::new(&chain).expect("a lattice that splits");
     assert_eq!((sweeps.pieces(), sweeps.period()), (2, 1));
 }

@@ -50,7 +50,13 @@ impl LatticePoles {
         let x: Vec<Term> = (0..proxy.dimension()).map(|i| graph.input(i)).collect();
         let mut all = Vec::new();
         for site in 0..proxy.length() {
-            all.extend(functions_of_site(source, &system, &proxy, site, (&mut graph, &x))?);
+            all.extend(functions_of_site(
+                source,
+                &system,
+                &proxy,
+                site,
+                (&mut graph, &x),
+            )?);
         }
         if graph.denominators(&all)?.is_empty() {
             return Ok(None);

@@ -48,7 +48,10 @@ impl TemplateReach {
         let index = pair.iter().find_map(|pattern| pattern.index_name());
         let own = entry.offsets_from(index.unwrap_or_default())?;
         let named = [pair[0].offsets()?, pair[1].offsets()?, own];
-        let all = named.into_iter().flatten().reduce(|all, own| joined(&all, &own));
+        let all = named
+            .into_iter()
+            .flatten()
+            .reduce(|all, own| joined(&all, &own));
         self.bracket = self.bracket.max(self.apart(all));
         Ok(self)
     }
@@ -79,7 +82,10 @@ impl TemplateReach {
     /// Those of [`Formula::offsets_of_sums`].
     pub fn with_observable(mut self, formula: &Formula) -> Result<Self, SyntaxError> {
         for offsets in formula.offsets_of_sums()? {
-            let farthest = offsets.start().unsigned_abs().max(offsets.end().unsigned_abs());
+            let farthest = offsets
+                .start()
+                .unsigned_abs()
+                .max(offsets.end().unsigned_abs());
             self.terms = self.terms.max(sites(farthest));
         }
         Ok(self)
@@ -118,7 +124,9 @@ mod tests {
         let (a, b) = pair("x[i-2],x[i+5]");
         let reach = TemplateReach::default()
             .with_entry([&a, &b], &formula("x[i+1]*x[i-4]"))
-            .and_then(|reach| reach.with_hamiltonian(&formula("sum(i, x[i+30]*x[i+31]) + sum(i, x[i]^2)")))
+            .and_then(|reach| {
+                reach.with_hamiltonian(&formula("sum(i, x[i+30]*x[i+31]) + sum(i, x[i]^2)"))
+            })
             .and_then(|reach| reach.with_observable(&formula("sum(k, x[k]*x[k-40])/2")));
         let expected = TemplateReach {
             bracket: 9,

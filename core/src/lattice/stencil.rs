@@ -64,9 +64,11 @@ impl Stencil {
             let (field, coordinate) = (input / dimension, input % dimension);
             let (family, site) = proxy.geometry.locate(coordinate);
             let shift = proxy.geometry.shift(class.proxy, site);
-            let [first, last] = [class.start, class.end - 1].map(|site| site.wrapping_add_signed(shift));
+            let [first, last] =
+                [class.start, class.end - 1].map(|site| site.wrapping_add_signed(shift));
             let is_there = |site| geometry.periodic || site < geometry.families[family].1;
-            let is_foreseen = shift.unsigned_abs() <= proxy.width && is_there(first) && is_there(last);
+            let is_foreseen =
+                shift.unsigned_abs() <= proxy.width && is_there(first) && is_there(last);
             if translated && !is_foreseen {
                 return Err(BuildError::LooksFurther {
                     reach: shift.unsigned_abs(),

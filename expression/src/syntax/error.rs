@@ -184,7 +184,9 @@ pub enum SyntaxErrorKind {
     #[error("this is no combination of sums over sites, such as `sum(i, x[i]^2)/2`")]
     NotASumOverSites,
     /// A sum within a template, which couples every site with all others.
-    #[error("a sum within a sum, or within an entry of a bracket, couples every site with all others")]
+    #[error(
+        "a sum within a sum, or within an entry of a bracket, couples every site with all others"
+    )]
     SumInATemplate,
     /// A member of a family by its number within a template.
     #[error("`{name}` is one site, and a template repeats from site to site")]

@@ -85,7 +85,10 @@ impl VariablePattern {
             (None, None) => Ok(None),
             (None, Some(span)) => {
                 let name = self.to_string();
-                Err(SyntaxError::new(span, SyntaxErrorKind::SiteInATemplate { name }))
+                Err(SyntaxError::new(
+                    span,
+                    SyntaxErrorKind::SiteInATemplate { name },
+                ))
             }
         }
     }

@@ -82,7 +82,11 @@ pub fn solution(
 }
 
 /// One step, of order 14, and its error.
-pub fn extrapolated(field: &dyn Fn(&[f64]) -> Vec<f64>, x: &[f64], step: f64) -> (Vec<f64>, Vec<f64>) {
+pub fn extrapolated(
+    field: &dyn Fn(&[f64]) -> Vec<f64>,
+    x: &[f64],
+    step: f64,
+) -> (Vec<f64>, Vec<f64>) {
     let slope = field(x);
     let mut columns: Vec<Vec<f64>> = Vec::new();
     let mut change = vec![f64::NAN; x.len()];

@@ -210,7 +210,7 @@ fn hamiltonian(source: &mut Source<'_>, tensor: &Tensor) -> Tree {
     h
 }
 
-/// Quotients, roots, shifted powers, products and functions.
+/// Quotients, roots, shifted powers, products and functions; pulses and switches that lie ahead.
 fn hard_term(source: &mut Source<'_>, d: usize) -> Tree {
     let x = Tree::Variable(source.below(d));
     let y = Tree::Variable(source.below(d));
@@ -219,7 +219,8 @@ fn hard_term(source: &mut Source<'_>, d: usize) -> Tree {
         _ => source.decimal(-3.0, 3.0),
     };
     let positive = source.decimal(0.5, 4.0);
-    match source.below(16) {
+    let narrow = source.pick(&[1.0, 3.0, 10.0, 30.0]);
+    match source.below(18) {
         0 => x.shifted(shift).inverse(),
         1 => x.to(2).shifted(positive).inverse(),
         2 => Tree::Quotient(y.into(), x.shifted(shift).into()),
@@ -247,6 +248,18 @@ fn hard_term(source: &mut Source<'_>, d: usize) -> Tree {
             Function::Cosh,
             Function::Sin,
         ])),
+        // exp(−(n(x + c))²) and tanh(n(x + c)), about a place that the motion may come to.
+        15 => Tree::Negate(
+            x.shifted(source.decimal(-3.0, 3.0))
+                .times(narrow)
+                .to(2)
+                .into(),
+        )
+        .under(Function::Exp),
+        16 => x
+            .shifted(source.decimal(-3.0, 3.0))
+            .times(narrow)
+            .under(Function::Tanh),
         _ => Tree::drawn(source, 2, d),
     }
 }

@@ -37,7 +37,19 @@ fn holds(
     for index in 0..cases {
         let begun = std::time::Instant::now();
         let got = check(&random_bytes(seed, index, length));
-        if name == "lattices" { let d = lattices::only_drawn(&random_bytes(seed, index, length)); eprintln!("{index} {:?} {:.2} N {} far {} ring {} {}", got.as_ref().map(|_|()).is_ok(), begun.elapsed().as_secs_f64(), d.lattice.length(), d.lattice.farthest(), d.lattice.is_ring, d.method); eprintln!("{:?}", got); }
+        if name == "lattices" {
+            let d = lattices::only_drawn(&random_bytes(seed, index, length));
+            eprintln!(
+                "{index} {:?} {:.2} N {} far {} ring {} {}",
+                got.as_ref().map(|_| ()).is_ok(),
+                begun.elapsed().as_secs_f64(),
+                d.lattice.length(),
+                d.lattice.farthest(),
+                d.lattice.is_ring,
+                d.method
+            );
+            eprintln!("{:?}", got);
+        }
         match got {
             Ok(Reached::Comparison) => compared += 1,
             Ok(Reached::Refusal) => {}
@@ -81,15 +93,28 @@ fn lattices_are_drawn_of_every_kind() {
     let count = |is: &dyn Fn(&Drawn) -> bool| drawn.iter().filter(|drawn| is(drawn)).count();
     for (least, most) in [(0, 2), (3, 5), (6, 12), (13, 25), (26, 80)] {
         let found = count(&|d| (least..=most).contains(&d.lattice.farthest()));
-        assert!(found >= 10, "{found} lattices name sites {least} to {most} apart");
+        assert!(
+            found >= 10,
+            "{found} lattices name sites {least} to {most} apart"
+        );
     }
     for period in 2..=4 {
         for remainder in 0..period {
             let found = count(&|d| !d.lattice.is_ring && d.lattice.length() % period == remainder);
-            assert!(found >= 10, "{found} open ones of remainder {remainder} modulo {period}");
+            assert!(
+                found >= 10,
+                "{found} open ones of remainder {remainder} modulo {period}"
+            );
         }
     }
-    for name in ["splitting", "hamilton-jacobi", "karasev-truncated", "spherical-midpoint", "rk4", "gauss"] {
+    for name in [
+        "splitting",
+        "hamilton-jacobi",
+        "karasev-truncated",
+        "spherical-midpoint",
+        "rk4",
+        "gauss",
+    ] {
         let found = count(&|d| d.method == name);
         assert!(found >= 2, "{found} by {name}");
     }

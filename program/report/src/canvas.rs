@@ -136,10 +136,15 @@ impl Canvas {
         }
     }
 
+    /// Whether so many samples over a width are drawn one by one.
+    pub fn are_sparse(&self, samples: usize, over: f64) -> bool {
+        samples as f64 <= over / SPARSE
+    }
+
     /// A polyline through samples over a width; few of them are dots, with a faint line that leads from one to the next: nothing is
     /// known between them.
     pub fn samples(&mut self, points: &[(f64, f64)], over: f64, ink: Ink, width: f64) {
-        if points.len() as f64 > over / SPARSE {
+        if !self.are_sparse(points.len(), over) {
             return self.path(points, ink, width);
         }
         self.path(points, FAINT, 1.0);

@@ -238,8 +238,12 @@ fn band_figure(band: &Band, parts: &[f64]) -> Result<Figure, ReportError> {
         let line: Vec<_> = (0..band.times.len()).filter_map(quantile).collect();
         canvas.path(&line, SERIES[1], 1.0);
     }
+    canvas.path(&line, SERIES[0], 1.6);
     let [left, _, right, _] = frame.edges;
-    canvas.samples(&line, right - left, SERIES[0], 1.6);
+    if canvas.are_sparse(line.len(), right - left) {
+        line.iter()
+            .for_each(|place| canvas.disc(*place, 2.4, SERIES[0]));
+    }
     let percentages: Vec<String> = parts
         .iter()
         .map(|p| format!("{}%", number(100.0 * p, 4)))

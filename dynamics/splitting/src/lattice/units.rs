@@ -65,8 +65,12 @@ pub(super) fn looks(piece: &Piece, cells: &Cells, ring: &Ring, most: usize) -> u
     for (&moved, velocity) in piece.field() {
         let (row, cell) = rows.locate(cells.place(moved));
         if cell == middle {
-            let places = variables(ring, velocity).into_iter().map(|v| rows.locate(cells.place(v)));
-            read_by[row] = places.map(|(row, cell)| (row, rows.shift(middle, cell))).collect();
+            let places = variables(ring, velocity)
+                .into_iter()
+                .map(|v| rows.locate(cells.place(v)));
+            read_by[row] = places
+                .map(|(row, cell)| (row, rows.shift(middle, cell)))
+                .collect();
         }
     }
     let mut farthest = 0;
@@ -79,7 +83,11 @@ pub(super) fn looks(piece: &Piece, cells: &Cells, ring: &Ring, most: usize) -> u
                 return most + 1;
             }
             if seen.insert((row, shift)) {
-                open.extend(read_by[row].iter().map(|(row, further)| (*row, shift + further)));
+                open.extend(
+                    read_by[row]
+                        .iter()
+                        .map(|(row, further)| (*row, shift + further)),
+                );
             }
         }
     }

@@ -93,7 +93,10 @@ fn equal_products_lose_the_same_terms_at_an_open_end() {
         assert_eq!(open(text), springs, "{text}");
     }
     // By way of an outer index too.
-    assert_eq!(open("sum(j, sum(k, u[k] + u[j+1]))"), 5.0 * 15.0 + 5.0 * 14.0);
+    assert_eq!(
+        open("sum(j, sum(k, u[k] + u[j+1]))"),
+        5.0 * 15.0 + 5.0 * 14.0
+    );
     assert_eq!(open("sum(j, sum(k, u[k]*u[j+1]))"), 14.0 * 15.0);
     // On a ring nothing is outside.
     let ring = at("sum(j, u[j]*(u[j] + u[j+1]))", Boundary::Periodic, None);
@@ -102,12 +105,16 @@ fn equal_products_lose_the_same_terms_at_an_open_end() {
 
 #[test]
 fn what_is_left_out_is_told_as_it_is_written() {
-    let formula = parse("sum(j, u[j]^2 + 3*(v[j]^2 + (u[j+1] - u[j])^2)/2) + sum(j, u[j]*(u[j-1] + u[j+2]))");
+    let formula =
+        parse("sum(j, u[j]^2 + 3*(v[j]^2 + (u[j+1] - u[j])^2)/2) + sum(j, u[j]*(u[j-1] + u[j+2]))");
     let left_out = |boundary, site| formula.left_out(&lattice(boundary), site).expect("sums");
     assert_eq!(left_out(Boundary::Open, 0), ["u[j-1]"]);
     assert_eq!(left_out(Boundary::Open, 1), [""; 0]);
     assert_eq!(left_out(Boundary::Open, 3), ["u[j+2]"]);
-    assert_eq!(left_out(Boundary::Open, 4), ["3*(v[j]^2 + (u[j+1] - u[j])^2)/2", "u[j+2]"]);
+    assert_eq!(
+        left_out(Boundary::Open, 4),
+        ["3*(v[j]^2 + (u[j+1] - u[j])^2)/2", "u[j+2]"]
+    );
     assert_eq!(left_out(Boundary::Periodic, 4), [""; 0]);
 }
 

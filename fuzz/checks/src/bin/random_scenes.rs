@@ -13,8 +13,8 @@ use std::time::Instant;
 use leafwise::core::Registry;
 use leafwise_fuzz_checks::judge::{Verdict, judge};
 use leafwise_fuzz_checks::scene::RandomScene;
-use leafwise_fuzz_checks::{Reached, lattices};
 use leafwise_fuzz_checks::source::{Source, random_bytes};
+use leafwise_fuzz_checks::{Reached, lattices};
 
 /// Enough for every choice of a scene.
 const BYTES: usize = 1024;
@@ -73,7 +73,9 @@ fn verdict(seed: u64, index: u64, registry: &Registry) -> Verdict {
     if index % LATTICES != LATTICES - 1 {
         return judge(&scene(seed, index), registry);
     }
-    let checked = catch_unwind(AssertUnwindSafe(|| lattices::check(&random_bytes(seed, index, BYTES))));
+    let checked = catch_unwind(AssertUnwindSafe(|| {
+        lattices::check(&random_bytes(seed, index, BYTES))
+    }));
     match checked {
         Ok(Ok(Reached::Comparison)) => Verdict::Confirmed,
         Ok(Ok(Reached::Refusal)) => Verdict::Refused("a lattice".to_owned()),

@@ -56,7 +56,13 @@ impl RandomLattice {
             0 => 25 + source.below(176),
             _ => 25 + source.below(76),
         };
-        let kind = source.pick(&[Kind::Canonical, Kind::Canonical, Kind::LogCanonical, Kind::Toda, Kind::Spins]);
+        let kind = source.pick(&[
+            Kind::Canonical,
+            Kind::Canonical,
+            Kind::LogCanonical,
+            Kind::Toda,
+            Kind::Spins,
+        ]);
         let shorter = length - usize::from(!is_ring && source.chance(128));
         let (mut families, moving) = match kind {
             Kind::Canonical => (vec![("q", length), ("p", length)], 2),
@@ -74,7 +80,10 @@ impl RandomLattice {
             is_ring,
             entries: Vec::new(),
             terms: Vec::new(),
-            observable: Template { slots: Vec::new(), formula: Tree::Number(0.0) },
+            observable: Template {
+                slots: Vec::new(),
+                formula: Tree::Number(0.0),
+            },
             initial: Vec::new(),
             is_positive: matches!(kind, Kind::LogCanonical),
             kind,
@@ -82,17 +91,29 @@ impl RandomLattice {
         lattice.entries = lattice.bracket(source);
         lattice.terms = lattice.hamiltonian(source);
         lattice.observable = lattice.coupling(source);
-        lattice.initial = (lattice.families.iter()).map(|_| Start::drawn(source, lattice.is_positive)).collect();
+        lattice.initial = (lattice.families.iter())
+            .map(|_| Start::drawn(source, lattice.is_positive))
+            .collect();
         lattice
     }
 
     fn bracket(&self, source: &mut Source<'_>) -> Vec<Entry> {
         let x = |at: usize| Tree::Variable(at);
-        let entry = |a: Slot, b: Slot, value: Template| Entry { pair: [a, b], value };
-        let constant = |value: f64| Template { slots: Vec::new(), formula: Tree::Number(value) };
+        let entry = |a: Slot, b: Slot, value: Template| Entry {
+            pair: [a, b],
+            value,
+        };
+        let constant = |value: f64| Template {
+            slots: Vec::new(),
+            formula: Tree::Number(value),
+        };
         let product = |slots: &[Slot], factor: f64| Template {
             slots: slots.to_vec(),
-            formula: (0..slots.len()).map(x).fold(Tree::Number(factor), |product, slot| Tree::Product(vec![product, slot])),
+            formula: (0..slots.len())
+                .map(x)
+                .fold(Tree::Number(factor), |product, slot| {
+                    Tree::Product(vec![product, slot])
+                }),
         };
         match self.kind {
             Kind::Canonical => {
@@ -107,13 +128,21 @@ impl RandomLattice {
                     let (start, apart) = (offset(source) / 2, positive_offset(source));
                     let length = self.length() as i64;
                     // An entry that meets itself on the ring is none, and two of a pair contradict each other.
-                    let is_free = |k: i64| known.iter().all(|other: &i64| *other != k && (*other + k) % length != 0);
+                    let is_free = |k: i64| {
+                        known
+                            .iter()
+                            .all(|other: &i64| *other != k && (*other + k) % length != 0)
+                    };
                     if apart % length == 0 || 2 * apart % length == 0 || !is_free(apart % length) {
                         continue;
                     }
                     known.push(apart % length);
                     let ends = [(0, start), (0, start + apart)];
-                    entries.push(entry(ends[0], ends[1], product(&ends, source.decimal(0.2, 1.0).max(0.2))));
+                    entries.push(entry(
+                        ends[0],
+                        ends[1],
+                        product(&ends, source.decimal(0.2, 1.0).max(0.2)),
+                    ));
                 }
                 entries
             }
@@ -134,7 +163,10 @@ impl RandomLattice {
     }
 
     fn hamiltonian(&self, source: &mut Source<'_>) -> Vec<Template> {
-        let alone = |family: usize, formula: Tree| Template { slots: vec![(family, 0)], formula };
+        let alone = |family: usize, formula: Tree| Template {
+            slots: vec![(family, 0)],
+            formula,
+        };
         let x = || Tree::Variable(0);
         let mut terms = match self.kind {
             Kind::Canonical => vec![alone(1, x().to(2).times(0.5))],
@@ -149,7 +181,11 @@ impl RandomLattice {
             let (own, field) = (source.below(self.moving), offset(source));
             terms.push(Template {
                 slots: vec![(own, 0), (self.moving, field)],
-                formula: Tree::Product(vec![Tree::Variable(0).to(1 + source.below(2) as i32), Tree::Variable(1)]).times(0.3),
+                formula: Tree::Product(vec![
+                    Tree::Variable(0).to(1 + source.below(2) as i32),
+                    Tree::Variable(1),
+                ])
+                .times(0.3),
             });
         }
         terms
@@ -176,7 +212,10 @@ impl RandomLattice {
             (_, 2 | 3) => apart().to(2),
             (_, 4) => apart().to(4).times(0.25),
             (_, 5) => apart().under(leafwise::expression::Function::Cos),
-            (_, 6) => apart().to(2).shifted(1.0).under(leafwise::expression::Function::Sqrt),
+            (_, 6) => apart()
+                .to(2)
+                .shifted(1.0)
+                .under(leafwise::expression::Function::Sqrt),
             _ => {
                 let far = (family, offset(source));
                 let slots = vec![slots[0], slots[1], far];
@@ -184,39 +223,69 @@ impl RandomLattice {
                 return Template { slots, formula };
             }
         };
-        Template { slots, formula: formula.times(c) }
+        Template {
+            slots,
+            formula: formula.times(c),
+        }
     }
 
     /// N.
     pub fn length(&self) -> usize {
-        self.families.iter().map(|family| family.1).max().unwrap_or(0)
+        self.families
+            .iter()
+            .map(|family| family.1)
+            .max()
+            .unwrap_or(0)
     }
 
     /// The largest distance between two sites that a template names.
     pub fn farthest(&self) -> u64 {
-        let of_entries = self.entries.iter().map(|e| e.pair.iter().chain(&e.value.slots).map(|s| s.1).collect());
-        let of_terms = self.terms.iter().map(|t| t.slots.iter().map(|s| s.1).collect());
+        let of_entries = self
+            .entries
+            .iter()
+            .map(|e| e.pair.iter().chain(&e.value.slots).map(|s| s.1).collect());
+        let of_terms = self
+            .terms
+            .iter()
+            .map(|t| t.slots.iter().map(|s| s.1).collect());
         let all = of_entries.chain(of_terms);
         let apart = all.map(|all: Vec<i64>| {
             let (least, most) = (all.iter().min(), all.iter().max());
-            most.zip(least).map_or(0, |(most, least)| most.abs_diff(*least))
+            most.zip(least)
+                .map_or(0, |(most, least)| most.abs_diff(*least))
         });
         apart.max().unwrap_or(0)
     }
 
     /// The lines of `[system]` and of the initial state; the observable is called C.
     pub fn system(&self) -> String {
-        let families: Vec<String> = (self.families[..self.moving].iter()).map(|(name, n)| format!("{name} = {n}")).collect();
+        let families: Vec<String> = (self.families[..self.moving].iter())
+            .map(|(name, n)| format!("{name} = {n}"))
+            .collect();
         let entries: Vec<String> = (self.entries.iter())
-            .map(|e| format!("\"{},{}\" = \"{}\"", self.name(e.pair[0]), self.name(e.pair[1]), self.text(&e.value)))
+            .map(|e| {
+                format!(
+                    "\"{},{}\" = \"{}\"",
+                    self.name(e.pair[0]),
+                    self.name(e.pair[1]),
+                    self.text(&e.value)
+                )
+            })
             .collect();
         // Some in one sum, others in sums of their own.
         let (together, apart) = self.terms.split_at(self.terms.len().div_ceil(2));
         let together: Vec<String> = together.iter().map(|term| self.text(term)).collect();
         let mut sums = vec![format!("sum(i, {})", together.join(" + "))];
-        sums.extend(apart.iter().map(|term| format!("sum(i, {})", self.text(term))));
+        sums.extend(
+            apart
+                .iter()
+                .map(|term| format!("sum(i, {})", self.text(term))),
+        );
         let parameters = match self.families.len() > self.moving {
-            true => format!("parameters = {{ \"w[i]\" = \"{}\" }}\n", self.initial[self.moving].text()),
+            true => format!(
+                "parameters = {{ \"w[i]\" = \"{}\" }}\n",
+                self.initial[self.moving].text()
+            ),
             false => String::new(),
         };
         format!(
@@ -264,8 +333,15 @@ impl RandomLattice {
         let start: usize = self.families[..family].iter().map(|family| family.1).sum();
         let length = self.families[family].1;
         let at = site as i64 + offset;
-        let at = if self.is_ring { at.rem_euclid(length as i64) } else { at };
-        usize::try_from(at).ok().filter(|at| *at < length).map(|at| start + at)
+        let at = if self.is_ring {
+            at.rem_euclid(length as i64)
+        } else {
+            at
+        };
+        usize::try_from(at)
+            .ok()
+            .filter(|at| *at < length)
+            .map(|at| start + at)
     }
 
     /// The coordinates of a template at a site, `None` where one is beyond an open end.
@@ -300,7 +376,8 @@ impl RandomLattice {
         for entry in &self.entries {
             for site in 0..self.length() {
                 let pair = self.places(&entry.pair, site);
-                let (Some(pair), Some(places)) = (pair, self.places(&entry.value.slots, site)) else {
+                let (Some(pair), Some(places)) = (pair, self.places(&entry.value.slots, site))
+                else {
                     continue;
                 };
                 let own: Vec<f64> = places.iter().map(|at| x[*at]).collect();
@@ -315,13 +392,19 @@ impl RandomLattice {
     /// The state at the start, parameters of sites behind the coordinates.
     pub fn state(&self) -> Vec<f64> {
         let families = self.families.iter().zip(&self.initial);
-        families.flat_map(|((_, length), start)| (0..*length).map(|site| start.at(site))).collect()
+        families
+            .flat_map(|((_, length), start)| (0..*length).map(|site| start.at(site)))
+            .collect()
     }
 
     /// H and the observable.
     pub fn values(&self, x: &[f64]) -> [f64; 2] {
         let mut slopes = vec![0.0; x.len()];
-        let energy = self.terms.iter().map(|term| self.sum(term, x, &mut slopes)).sum();
+        let energy = self
+            .terms
+            .iter()
+            .map(|term| self.sum(term, x, &mut slopes))
+            .sum();
         [energy, self.sum(&self.observable, x, &mut slopes)]
     }
 
@@ -375,7 +458,12 @@ impl Start {
     }
 
     fn text(&self) -> String {
-        let Self { mean, width, rate, phase } = self;
+        let Self {
+            mean,
+            width,
+            rate,
+            phase,
+        } = self;
         format!("{mean:?} + {width:?}*sin({rate:?}*i + {phase:?})")
     }
 

@@ -47,7 +47,10 @@ pub struct Drawn {
 impl Drawn {
     fn text(&self, time_step: f64) -> String {
         let (system, run) = (self.lattice.system(), self.lattice.run(STEPS));
-        format!("{system}[method]\n{}time-step = {time_step:?}\n{run}", self.lines)
+        format!(
+            "{system}[method]\n{}time-step = {time_step:?}\n{run}",
+            self.lines
+        )
     }
 }
 
@@ -114,7 +117,13 @@ fn rate(x: &[f64], field: &[f64]) -> f64 {
 }
 
 fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most, x| if x.abs() > most || x.is_nan() { x.abs() } else { most })
+    values.iter().fold(0.0, |most, x| {
+        if x.abs() > most || x.is_nan() {
+            x.abs()
+        } else {
+            most
+        }
+    })
 }
 
 fn distance(a: &[f64], b: &[f64]) -> f64 {
@@ -129,12 +138,19 @@ fn observes_the_same(lattice: &RandomLattice, run: &ComposedRun) -> Result<(), S
     let mut observed = match &run.method {
         Stepping::Lattice(own) => Box::new(own.formulas.clone()) as Box<dyn Observe>,
         _ => {
-            let formulas = run.plan.observables.iter().filter_map(|observable| match observable {
-                Observable::Formula { expression, .. } => Some(expression),
-                _ => None,
-            });
+            let formulas = run
+                .plan
+                .observables
+                .iter()
+                .filter_map(|observable| match observable {
+                    Observable::Formula { expression, .. } => Some(expression),
+                    _ => None,
+                });
             let formulas: Vec<_> = formulas.collect();
-            Box::new(run.observables(&formulas).map_err(|error| error.to_string())?)
+            Box::new(
+                run.observables(&formulas)
+                    .map_err(|error| error.to_string())?,
+            )
         }
     };
     let mut own = [0.0; 2];
@@ -144,7 +160,9 @@ fn observes_the_same(lattice: &RandomLattice, run: &ComposedRun) -> Result<(), S
     // Sums of a few hundred terms.
     match distance(&own, &expected) <= 1e-13 * (1.0 + lattice.size(x)) {
         true => Ok(()),
-        false => Err(format!("energy and observable are {own:?}, and written out {expected:?}")),
+        false => Err(format!(
+            "energy and observable are {own:?}, and written out {expected:?}"
+        )),
     }
 }
 
@@ -168,7 +186,9 @@ fn moves_the_same(lattice: &RandomLattice, run: &ComposedRun) -> Result<(), Stri
             let velocity = (after[at] - before[at]) / (2.0 * fine);
             let is_right = (velocity - expected).abs() <= OF_VELOCITY * speed;
             if !is_right {
-                return Err(format!("coordinate {at} begins to move by {velocity}, and written out by {expected}"));
+                return Err(format!(
+                    "coordinate {at} begins to move by {velocity}, and written out by {expected}"
+                ));
             }
         }
     }
@@ -188,7 +208,9 @@ fn moves_the_same(lattice: &RandomLattice, run: &ComposedRun) -> Result<(), Stri
             return Ok(());
         }
     }
-    Err(format!("of order {order} by its method, it is off by {errors:?} as steps are halved"))
+    Err(format!(
+        "of order {order} by its method, it is off by {errors:?} as steps are halved"
+    ))
 }
 
 /// The name of a method that serves lattices, and its lines.
@@ -204,16 +226,24 @@ fn method(source: &mut Source<'_>, lattice: &RandomLattice) -> (&'static str, St
                 2 * (1 + source.below(2))
             ),
         ),
-        4 if lattice.has_spins() => ("spherical-midpoint", "stepper = \"spherical-midpoint\"\n".to_owned()),
+        4 if lattice.has_spins() => (
+            "spherical-midpoint",
+            "stepper = \"spherical-midpoint\"\n".to_owned(),
+        ),
         5 => ("rk4", "stepper = \"rk4\"\n".to_owned()),
-        6 if lattice.length() < 60 => ("gauss", "stepper = { name = \"gauss\", stages = 2 }\n".to_owned()),
+        6 if lattice.length() < 60 => (
+            "gauss",
+            "stepper = { name = \"gauss\", stages = 2 }\n".to_owned(),
+        ),
         _ => {
             // Long series over far sites take long to form.
             let most = if lattice.farthest() <= 12 { 3 } else { 2 };
             let order = 2 * (1 + source.below(most));
             (
                 "hamilton-jacobi",
-                format!("realization = \"auto\"\ndynamics = {{ name = \"hamilton-jacobi\", order = {order} }}\n"),
+                format!(
+                    "realization = \"auto\"\ndynamics = {{ name = \"hamilton-jacobi\", order = {order} }}\n"
+                ),
             )
         }
     };

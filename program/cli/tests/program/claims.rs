@@ -94,3 +94,19 @@ fn extremes_are_listed_and_unknown_ones_refused() {
         .json();
     assert_eq!(listed["cases"].as_array().map(Vec::len), Some(2));
 }
+
+#[test]
+fn figures_are_listed_and_have_a_number_and_a_name() {
+    let here = Place::new();
+    let said = here.leafwise(&["reproduce", "--list", "--json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert_eq!(said.json()["figures"].as_array().map(Vec::len), Some(9));
+    for name in ["1", "figure-1", "so3-realization-10"] {
+        let said = here.leafwise(&["reproduce", name, "--list"]);
+        assert!(
+            said.out.starts_with("1  so3-realization-10"),
+            "{}",
+            said.out
+        );
+    }
+}

@@ -361,3 +361,93 @@ fn quantiles_are_drawn() {
     let page = here.read("runs/scene-ensemble/report.html");
     assert!(page.contains("Thin lines, from below: the quantiles 5%, 95%."));
 }
+
+/// Of more members than a sketch keeps whole, each output tells how far a quantile's rank may be off.
+#[test]
+fn errors_of_ranks_stand_beside_quantiles() {
+    let here = Place::with(
+        "[system]\nvariables = [\"q\", \"p\"]\nbracket = { \"q,p\" = \"1\" }\nconvention = \"{x,H}\"\n\
+         hamiltonian = \"p^2/2\"\n[method]\nstepper = \"splitting\"\ntime-step = 0.1\n\
+         [run]\ninitial = [1, 0]\nsteps = 1\n[ensemble]\nmembers = 20000\ninitial = { normal = 1.0 }\n\
+         record = { every = 1, observables = [\"q\"], quantiles = [0.001, 0.5] }\nfinal-states = \"csv\"\n",
+    );
+    let said = here.leafwise(&["ensemble", "scene.toml", "--out", "out", "--json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let told = said.json()["statistics"][1]["q"].clone();
+    let errors = ["0.001", "0.5"].map(|p| told["rank_errors"][p].as_f64().expect("an error"));
+    assert!(
+        errors[0] < 5e-4 && errors[1] < 3e-3 && errors[1] > 0.0,
+        "{errors:?}"
+    );
+    assert_eq!(told["rank_error"], errors[1]);
+    let table = here.read("out/statistics.csv");
+    let rows: Vec<&str> = table.lines().collect();
+    assert!(rows[0].ends_with(",q0.001,q0.5,q0.001_rank_error,q0.5_rank_error"));
+    let cells: Vec<f64> = rows[2]
+        .split(',')
+        .filter_map(|cell| cell.parse().ok())
+        .collect();
+    let [.., low, median, of_low, of_median] = cells[..] else {
+        panic!("{cells:?}");
+    };
+    assert_eq!([of_low, of_median], errors);
+    // Against the members themselves.
+    let states = here.read("out/final_states.csv");
+    let mut rows = states.lines().map(|line| line.split(','));
+    let column = rows.next().expect("headings").position(|name| name == "q");
+    let column = column.expect("the coordinate");
+    let mut members: Vec<f64> = rows
+        .map(|mut row| row.nth(column).expect("a cell").parse().expect("q"))
+        .collect();
+    members.sort_by(f64::total_cmp);
+    for (p, value, error) in [(0.001, low, of_low), (0.5, median, of_median)] {
+        let rank = members.partition_point(|member| *member <= value) as f64 / 20_000.0;
+        assert!(
+            (rank - p).abs() <= error + f64::EPSILON,
+            "{p} {rank} {error}"
+        );
+    }
+    said.says(&["ranks", "0.1 ± ", "50 ± "]);
+    assert!(
+        here.read("out/report.html")
+            .contains("of a sketch, their ranks 0.1 ± ")
+    );
+}
+
+#[test]
+fn rows_of_states_beyond_the_members_are_told() {
+    let here = with("[ensemble]\nmembers = 2\ninitial = { file = \"states.csv\" }\n");
+    here.write("states.csv", "1,3,3\n1,2,3\n1,1,3\n");
+    let said = here.leafwise(&["ensemble", "scene.toml", "--out", "out", "--json"]);
+    assert_eq!(said.json()["warnings"][0]["kind"], "unused-states");
+    said.says(&[
+        "1 row of states are given beyond those of the 2 members",
+        "no `members`",
+    ]);
+    let all = here.leafwise(&[
+        "ensemble",
+        "scene.toml",
+        "--out",
+        "all",
+        "--json",
+        "--set",
+        "ensemble.members=3",
+    ]);
+    let warnings = all.json()["warnings"].clone();
+    assert!(
+        warnings
+            .as_array()
+            .is_some_and(|all| all.iter().all(|one| one["kind"] != "unused-states"))
+    );
+}
+
+#[test]
+fn shards_that_are_not_there_are_told_as_such() {
+    let here = with("[ensemble]\nmembers = 2\ninitial = { ball = 0.1 }\n");
+    let said = here.leafwise(&["merge", "nothing", "--out", "out"]);
+    assert_eq!(said.code, Some(1));
+    said.says(&["cannot read nothing"]);
+    let said = here.leafwise(&["ensemble", "scene.toml", "--shard", "1/0"]);
+    assert_eq!(said.code, Some(2));
+    said.says(&["there is no shard 1 of 0: there is at least one"]);
+}

@@ -62,7 +62,7 @@ fn what_is_no_shard_is_refused() {
         (["--shard", "4/3"], "shards are counted from 1 to 3"),
         (["--shard", "0/3"], "shards are counted from 1 to 3"),
         (["--shard", "three"], "`three` is no shard"),
-        (["--shard", "1/0"], "shards are counted from 1 to 0"),
+        (["--shard", "1/0"], "there is at least one"),
         (["--members", "0..65"], "both bounds are multiples of 64"),
         (["--members", "0-64"], "`0-64` is no range of members"),
         (["--members", "64..256"], "both bounds are multiples of 64"),

@@ -312,8 +312,8 @@ fn ends_and_intervals_are_times_of_a_pace() {
     refused_pace(
         pace,
         "",
-        "8:11",
-        &["steps are all alike without a pace", "write `steps`"],
+        "9:24",
+        &["steps are all alike without a pace", "write `every`"],
     );
     let counted = PACED.replace("until   = 6", "steps = 6").replace(pace, "");
     let here = Place::with(&counted);

@@ -32,14 +32,29 @@ pub fn left_out(document: &SceneDocument) -> Result<Vec<LeftOut>, Refusal> {
     };
     let lengths: Vec<usize> = geometry.families.iter().map(|family| family.1).collect();
     let scope = scope(document, &lengths, None)?;
-    let (longest, shortest) = (geometry.length() as i64, lengths.iter().copied().min().unwrap_or(0) as i64);
-    let least = offsets.iter().map(|offsets| *offsets.start()).min().unwrap_or(0);
-    let greatest = offsets.iter().map(|offsets| *offsets.end()).max().unwrap_or(0);
+    let (longest, shortest) = (
+        geometry.length() as i64,
+        lengths.iter().copied().min().unwrap_or(0) as i64,
+    );
+    let least = offsets
+        .iter()
+        .map(|offsets| *offsets.start())
+        .min()
+        .unwrap_or(0);
+    let greatest = offsets
+        .iter()
+        .map(|offsets| *offsets.end())
+        .max()
+        .unwrap_or(0);
     let first = longest.min(least.saturating_neg()).max(0);
-    let last = shortest.saturating_sub(greatest.max(0)).clamp(first, longest);
+    let last = shortest
+        .saturating_sub(greatest.max(0))
+        .clamp(first, longest);
     for site in (0..first).chain(last..longest) {
         let site = site as usize;
-        let terms = parsed.left_out(&scope, site).map_err(|error| refusal(document, hamiltonian, &error))?;
+        let terms = parsed
+            .left_out(&scope, site)
+            .map_err(|error| refusal(document, hamiltonian, &error))?;
         for term in terms {
             match found.iter_mut().find(|known| known.term == term) {
                 Some(known) if known.sites.last() == Some(&site) => {}

@@ -134,7 +134,9 @@ impl<'a> SceneLattice<'a> {
         };
         let (mut geometry, _) = proxy_of(self, 1).map_err(refused)?;
         if geometry.length() < TRIAL_LENGTH {
-            geometry = self.geometry.resized(TRIAL_LENGTH.min(self.geometry.length()));
+            geometry = self
+                .geometry
+                .resized(TRIAL_LENGTH.min(self.geometry.length()));
         }
         let mut written = instantiate(document, &lengths(&geometry))?;
         let observables = std::mem::take(&mut written.observables);
@@ -167,7 +169,12 @@ impl<'a> SceneLattice<'a> {
         }
         let sums = |selection| LatticeObservables::new(self, parameters, selection);
         Ok([
-            LatticeFunctions::new(sums(0..invariants)?, self.geometry.dimension(), &[], parameters)?,
+            LatticeFunctions::new(
+                sums(0..invariants)?,
+                self.geometry.dimension(),
+                &[],
+                parameters,
+            )?,
             LatticeFunctions::new(
                 sums(invariants..usize::MAX)?,
                 self.geometry.dimension(),
@@ -217,7 +224,10 @@ impl<'a> SceneLattice<'a> {
 }
 
 /// Whether a formula is a combination of sums over sites, each the same at every site.
-pub(super) fn is_a_sum(document: &SceneDocument, formula: &Located<String>) -> Result<bool, Refusal> {
+pub(super) fn is_a_sum(
+    document: &SceneDocument,
+    formula: &Located<String>,
+) -> Result<bool, Refusal> {
     Ok(parse(document, formula)?.offsets_of_sums().is_ok())
 }
 

@@ -226,7 +226,9 @@ fn about_a_long_lattice(
             );
             let help = match kind {
                 _ if is_recorded => RECORDED,
-                SyntaxErrorKind::SumInATemplate => "shorten the lattice, or couple sites at fixed distances, as q[i+5]",
+                SyntaxErrorKind::SumInATemplate => {
+                    "shorten the lattice, or couple sites at fixed distances, as q[i+5]"
+                }
                 _ => {
                     "what one site has of its own is a parameter of sites: a[i] in the formula, \"a[i]\" = 0 and \"a[3]\" = 1 in \
                      [system.parameters]"

@@ -183,7 +183,7 @@ pub(super) fn count_steps(run: &mut RunSection, method: &MethodSection, problems
     let step = method.step.time_step();
     let steps = until.value.value / step;
     // A time that is never come to is refused where others are.
-    if !(steps > 0.0) {
+    if steps <= 0.0 {
         return;
     }
     let whole = libm::round(steps);

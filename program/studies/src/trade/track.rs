@@ -112,7 +112,7 @@ impl<'a> Track<'a> {
     pub fn below(&self, poisson: bool) -> Option<Setting> {
         let best = self.cheapest(poisson)?.setting;
         let is_first = best.tolerance.is_none() && best.steps == self.fewest && best.steps > 1;
-        is_first.then(|| Setting {
+        is_first.then_some(Setting {
             steps: best.steps / 2,
             tolerance: None,
         })

@@ -300,7 +300,11 @@ fn a_run_makes_few_instances() {
         fs::write(&file, "").expect("writable");
         let run = command(&here, arguments).env("INSTANCES", &file).output();
         let run = run.expect("a run");
-        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+        assert!(
+            run.status.success(),
+            "{}",
+            String::from_utf8_lossy(&run.stderr)
+        );
         fs::read(&file).expect("a file").len()
     };
     // What the library is tried by, in another process.
