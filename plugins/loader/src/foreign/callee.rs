@@ -29,10 +29,13 @@ pub(super) struct Callee {
     calls: u8,
 }
 
+/// An instance, behind the bits of the parameters that it was made for.
+type Kept = (Vec<u64>, Instance);
+
 /// Instances that no evaluator uses at present, each with the values of the parameters that it was made for. Making one may take long, and
 /// a run asks for some seventy evaluators, one after the other; results do not depend on what an instance was called for before.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Idle(Arc<Mutex<Vec<(Vec<u64>, Instance)>>>);
+pub(super) struct Idle(Arc<Mutex<Vec<Kept>>>);
 
 /// Idle instances that are kept at most.
 const MOST_IDLE: usize = 8;
