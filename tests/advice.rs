@@ -5,7 +5,7 @@ use leafwise::core::Structure;
 use leafwise::core::diagnostics::StepEquation;
 use leafwise::prelude::*;
 use leafwise::run::advice::{Advice, AdviceKind, about_the_scene, advise, states_ahead};
-use leafwise::run::{Quiet, run_in_memory};
+use leafwise::run::{Asked, Quiet, run_in_memory};
 use leafwise_tests::scenes::{composed, document};
 
 /// A system of the library from a state, with a method.
@@ -414,7 +414,7 @@ fn the_scenes_of_the_gallery_deserve_no_warning() {
 fn told(text: &str) -> Vec<Advice> {
     let registry = Registry::with_builtin();
     let (document, run) = (document(text, &[]), composed(text));
-    let recorded = run_in_memory(&document, &run, &registry, false, &mut Quiet);
+    let recorded = run_in_memory(&document, &run, &registry, Asked::default(), &mut Quiet);
     recorded.expect("a run").report.advice
 }
 
@@ -632,7 +632,7 @@ fn a_start_off_the_constraints_is_told_with_one_on_them() {
         &document,
         &run,
         &Registry::with_builtin(),
-        false,
+        Asked::default(),
         &mut Quiet,
     );
     for constraint in &recorded.expect("a run").report.invariants[1..] {

@@ -5,7 +5,7 @@ use std::cell::Cell;
 use std::fmt::Write as _;
 
 use leafwise::core::Registry;
-use leafwise::run::{Quiet, RunOutcome, run_in_memory};
+use leafwise::run::{Asked, Quiet, RunOutcome, run_in_memory};
 use leafwise::scene::compose;
 use leafwise_tests::numbers::UNIT_ROUNDOFF;
 use leafwise_tests::scenes::document;
@@ -207,8 +207,14 @@ fn run(problem: &Problem, method: &str, units: &Units, step: f64) -> Result<Vec<
     };
     let refused = |text: String| format!("refused: {}", without_numbers(&text));
     let composed = compose(&document, &registry).map_err(|error| refused(error.to_string()))?;
-    let recorded = run_in_memory(&document, &composed, &registry, false, &mut Quiet)
-        .map_err(|error| refused(error.to_string()))?;
+    let recorded = run_in_memory(
+        &document,
+        &composed,
+        &registry,
+        Asked::default(),
+        &mut Quiet,
+    )
+    .map_err(|error| refused(error.to_string()))?;
     if let RunOutcome::Failed(failure) = &recorded.report.outcome {
         let why = without_numbers(&failure.message);
         return Err(format!(
