@@ -35,22 +35,7 @@ fn holds(
     let cases = cases * from_environment("LEAFWISE_FUZZ_CASES", 1);
     let mut compared = 0;
     for index in 0..cases {
-        let begun = std::time::Instant::now();
-        let got = check(&random_bytes(seed, index, length));
-        if name == "lattices" {
-            let d = lattices::only_drawn(&random_bytes(seed, index, length));
-            eprintln!(
-                "{index} {:?} {:.2} N {} far {} ring {} {}",
-                got.as_ref().map(|_| ()).is_ok(),
-                begun.elapsed().as_secs_f64(),
-                d.lattice.length(),
-                d.lattice.farthest(),
-                d.lattice.is_ring,
-                d.method
-            );
-            eprintln!("{:?}", got);
-        }
-        match got {
+        match check(&random_bytes(seed, index, length)) {
             Ok(Reached::Comparison) => compared += 1,
             Ok(Reached::Refusal) => {}
             Err(failure) => panic!("seed {seed}, input {index}: {failure}"),

@@ -94,12 +94,12 @@ impl<'a> SceneLattice<'a> {
             )));
         }
         let geometry = geometry(document);
+        has_room(document, geometry.dimension(), 1)?;
         let reach = match reach(document, TemplateReach::default()) {
             Ok(reach) => reach,
             Err(_) if system.coordinates() <= WRITTEN_LIMIT => return Ok(None),
             Err(refusal) => return Err(refusal),
         };
-        has_room(document, geometry.dimension(), 1)?;
         let mut lattice = Self {
             document,
             geometry,
@@ -273,8 +273,8 @@ fn bracket_reach(
         // The same at every site.
         BracketSpec::LieAlgebra(_) if !document.system.vectors.is_empty() => Ok(reach),
         BracketSpec::Sum(_) => {
-            let whole = lengths(&geometry(document));
-            for summand in summands(document, &whole)? {
+            let one_site = vec![1; document.system.families.len()];
+            for summand in summands(document, &one_site)? {
                 reach = bracket_reach(&summand.document, reach)?;
             }
             Ok(reach)
