@@ -137,9 +137,9 @@ fn sweeps_take_the_steps_of_the_splitting_written_out() {
 }
 
 /// What stands k sites away is moved by what stands 2k away, and pieces repeat after two sites, after 2k, or nowhere but on the whole
-/// lattice: at every length the sweeps are those of the splitting written out.
+/// lattice: at every length the sweeps move as the splitting written out, into the same pieces or into others.
 #[test]
-fn sweeps_that_look_far_take_the_steps_of_the_splitting_written_out() {
+fn sweeps_that_look_far_move_as_the_splitting_written_out() {
     let mut far_periods = 0;
     for offset in [1, 2, 3, 5, 6, 7, 12, 20] {
         for periodic in [true, false] {
@@ -157,16 +157,17 @@ fn sweeps_that_look_far_take_the_steps_of_the_splitting_written_out() {
                     };
                     far_periods += usize::from(sweeps.period() > 4);
                     let written = Splitting::new(&chain.whole()).expect("a system that splits");
-                    if written.pieces().len() != sweeps.pieces() {
-                        continue;
-                    }
                     let x = initial(chain.geometry.dimension());
-                    let a = increment(sweeps.stepper(1, &[], 0.5, 0.2), &x);
-                    let b = increment(written.stepper(1, &[], 0.5, 0.2), &x);
-                    let error = difference(&a, &b);
+                    let apart = |h: f64| {
+                        let a = increment(sweeps.stepper(1, &[], 0.5, h), &x);
+                        let b = increment(written.stepper(1, &[], 0.5, h), &x);
+                        difference(&a, &b)
+                    };
+                    // Two splittings of one system into other pieces differ by the third power of the step, of two systems by the first.
+                    let (whole, half) = (apart(0.02), apart(0.01));
                     assert!(
-                        error <= 16.0 * f64::EPSILON,
-                        "{:?}, {}, {sites} sites, ring {periodic}: {error:e}",
+                        whole <= 16.0 * f64::EPSILON || half <= whole / 7.0,
+                        "{:?}, {}, {sites} sites, ring {periodic}: {whole:e}, {half:e}",
                         chain.bracket[0],
                         chain.hamiltonian
                     );

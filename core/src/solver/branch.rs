@@ -1,7 +1,7 @@
 //! The solution that is connected with the state before the step.
 
 use super::DenseFactors;
-use super::judge::{larger, reach};
+use super::judge::{SMALLEST_SCALE, larger, reach};
 use crate::error::StepError;
 
 /// A part of the way is taken where Newton's corrections fall by this factor: by Kantorovich's theorem
@@ -256,10 +256,11 @@ impl Branch {
                 continue;
             }
             if self.begins[i] && own.is_finite() {
-                moves |= own > SAME * larger(self.scale[i], self.least[i]);
+                moves |= own > SAME * (larger(self.scale[i], self.least[i]) + SMALLEST_SCALE);
                 self.scale[i] = larger(self.scale[i], own);
             } else {
-                size = larger(size, own / larger(self.scale[i], self.least[i]));
+                let scale = larger(self.scale[i], self.least[i]) + SMALLEST_SCALE;
+                size = larger(size, own / scale);
             }
         }
         (size, moves)
@@ -274,7 +275,9 @@ impl Branch {
     fn ends_at(&self, point: &[f64]) -> bool {
         let scales = self.scale.iter().zip(&self.least);
         let mut pairs = self.point.iter().zip(point).zip(scales);
-        pairs.all(|((a, b), (scale, least))| (a - b).abs() <= SAME * larger(*scale, *least))
+        pairs.all(|((a, b), (scale, least))| {
+            (a - b).abs() <= SAME * (larger(*scale, *least) + SMALLEST_SCALE)
+        })
     }
 }
 

@@ -56,10 +56,10 @@ impl Watch {
     }
 
     /// Takes in a correction. It leaves open to which solution it leads where it is no round-off, and
-    /// not half of the one before in its largest component, each over its own scale.
+    /// not half of the one before in its largest component.
     pub fn take_correction(&mut self, correction: &CorrectionSize) {
         let size = correction.component();
-        let falls = size < 0.5 * self.last || size <= WANDERING;
+        let falls = size < 0.5 * self.last || size <= WANDERING || correction.norm() <= WANDERING;
         self.take(!falls);
         if self.first.is_infinite() {
             self.first = size;

@@ -34,6 +34,9 @@ const MOST_EVALUATIONS: u32 = 100;
 /// others' round-off into it in proportion to that.
 const HALVED: f64 = 0.5;
 
+/// Over so many components at most a motion is followed to where it reaches.
+const MOST_HANDS: usize = 8;
+
 /// A component that moves by less than this part of its scale is noise, not smaller.
 const NOISE: f64 = 1e-6;
 
@@ -437,18 +440,18 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
     ) -> Result<Next, StepError> {
         let d = dimension::<D>(self.dimension);
         let (scale, slope) = (&self.scale.as_ref()[..d], &self.slope.as_ref()[..d * d]);
-        let lane = &mut self.lanes[w];
-        // Beside what the scales of the others put into each component.
-        let norm = || {
-            (0..d).fold(0.0, |norm, i| {
-                let others = (0..d).map(|j| slope[i * d + j][w] * scale[j][w]);
-                let whole = scale[i][w] + others.sum::<f64>();
-                larger(norm, relative(correction[i][w], whole))
-            })
+        let rows = [correction, scale, slope];
+        let (room, lane) = ([&mut self.from, &mut self.found], &mut self.lanes[w]);
+        let [reached, next] = room;
+        // One that moves at a high order in the step need not halve beside a whole that hardly moves.
+        let as_a_whole = || {
+            let largest = |rows: &[Row<W>]| rows.iter().fold(0.0_f64, |m, row| m.max(row[w].abs()));
+            largest(correction) / largest(scale)
         };
-        if size >= 0.5 * lane.convergence.last && size > WANDERING && norm() > WANDERING {
+        if size >= 0.5 * lane.convergence.last && size > WANDERING && as_a_whole() > WANDERING {
             lane.watch.take(true);
         }
+        let norm = || size_in_all(rows, w, [reached, next]);
         let next = if size.is_finite() && lane.anchored {
             lane.convergence
                 .judge(size, norm, is_newton, self.most_chords)
@@ -515,6 +518,31 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             own.learn(&self.lanes[0], self.outcome[0].is_ok());
         }
     }
+}
+
+/// The size of a lane's correction, each component beside what the scales of all that it is coupled with, at first hand and at
+/// second, put into it: Σ_k |D − 1|ᵏ s. One that begins to move at a high order in the step has the size of that motion.
+#[cold]
+fn size_in_all<const W: usize>(
+    [correction, scale, slope]: [&[Row<W>]; 3],
+    w: usize,
+    [reached, next]: [&mut Vec<f64>; 2],
+) -> f64 {
+    let d = scale.len();
+    for (reached, scale) in reached.iter_mut().zip(scale) {
+        *reached = scale[w];
+    }
+    for _ in 0..d.min(MOST_HANDS) {
+        for (i, next) in next.iter_mut().enumerate() {
+            let others = (0..d).map(|j| slope[i * d + j][w] * reached[j]);
+            *next = scale[i][w] + others.sum::<f64>();
+        }
+        reached.copy_from_slice(next);
+    }
+    let sizes = correction.iter().zip(&*reached);
+    sizes.fold(0.0, |size, (correction, whole)| {
+        larger(size, relative(correction[w], *whole))
+    })
 }
 
 /// −(β̂ − x) and the increment from base, or y in its place, and the other ends, in the lanes of `mask`.

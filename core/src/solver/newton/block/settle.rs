@@ -17,6 +17,10 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         let d = self.dimension;
         // A series that does not converge may have led out of the chart.
         let may_be_astray = !self.start.is_known(w);
+        let left = match &self.outcome[w] {
+            Err(left @ StepError::LeftChart { .. }) => Some(left.clone()),
+            _ => None,
+        };
         if let Err(error) = &self.outcome[w]
             && !error.is_of_a_solve()
             && !(may_be_astray && matches!(error, StepError::LeftChart { .. }))
@@ -115,7 +119,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                     self.outcome[w] = self.branch.confirm_end(&self.found);
                 }
             }
-            Err(error) => self.outcome[w] = Err(error),
+            Err(error) => self.outcome[w] = Err(left.unwrap_or(error)),
         }
         self.lanes[w].convergence.evaluations += u32::try_from(spent).unwrap_or(u32::MAX);
     }
