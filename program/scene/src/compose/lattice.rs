@@ -191,6 +191,11 @@ impl<'a> SceneLattice<'a> {
             if is_a_sum(self.document, formula)? {
                 sums.push(formula);
             } else if self.geometry.dimension() > WRITTEN_LIMIT {
+                // A site that is not there is said first.
+                if !formula.value.contains("sum") {
+                    let whole = scope(self.document, &lengths(&self.geometry), None)?;
+                    function(self.document, &whole, formula)?;
+                }
                 parse(self.document, formula)?
                     .offsets_of_sums()
                     .map_err(|error| refusal(self.document, formula, &error))?;
