@@ -72,7 +72,7 @@ fn check_springs(
     let norm = |v: &[f64]| libm::sqrt(v.iter().map(|x| x * x).sum::<f64>());
     let apart: Vec<f64> = state.iter().zip(&expected).map(|(a, b)| a - b).collect();
     let h = time / steps as f64;
-    let bound = (2.0 * (2.0 * h).powi(order) + 1e-12) * norm(&run.plan.initial);
+    let bound = (2.0 * libm::pow(2.0 * h, f64::from(order)) + 1e-12) * norm(&run.plan.initial);
     let error = norm(&apart);
     assert!(
         error <= bound,

@@ -136,7 +136,7 @@ impl SystemEvaluator for WrongEvaluator {
                 }
             }
             Wrong::Nonlinear => {
-                let norm = v.iter().map(|v| v * v).sum::<f64>().sqrt();
+                let norm = libm::sqrt(v.iter().map(|v| v * v).sum::<f64>());
                 let factor = 1.0 + self.part * libm::log(norm);
                 out.iter_mut().for_each(|out| *out *= factor);
             }
@@ -204,12 +204,12 @@ fn values_of_no_poisson_system_are_found() {
         }
         .into();
         let told = find_inconsistency(&system, &values, &problem.initial);
-        let is_it = match (wrong, &told) {
-            (Wrong::Gradient | Wrong::OneDerivative(_), Some(Inconsistency::Gradient { .. })) => true,
-            (Wrong::Symmetric, Some(Inconsistency::Symmetric { .. })) => true,
-            (Wrong::Nonlinear, Some(Inconsistency::Nonlinear { .. })) => true,
-            _ => false,
-        };
+        let is_it = matches!(
+            (wrong, &told),
+            (Wrong::Gradient | Wrong::OneDerivative(_), Some(Inconsistency::Gradient { .. }))
+                | (Wrong::Symmetric, Some(Inconsistency::Symmetric { .. }))
+                | (Wrong::Nonlinear, Some(Inconsistency::Nonlinear { .. }))
+        );
         prop_assert!(is_it, "{}: {wrong:?} by {part}, and {told:?}", ids[id]);
         let words = told.as_ref().map(|told| told.told(system.variables())).unwrap_or_default();
         prop_assert!(words.contains(" = "), "{words}");

@@ -106,7 +106,8 @@ impl Ahead {
                 let time = centre + EXPONENTIAL * w;
                 let since = time - centre;
                 // ∫ (w/2) ln(1 + exp(2x/w)) dx = x²/2 + π² w²/24 far behind.
-                let way = 0.5 * since * since + std::f64::consts::PI.powi(2) / 24.0 * w * w;
+                let way = 0.5 * since * since
+                    + std::f64::consts::PI * std::f64::consts::PI / 24.0 * w * w;
                 let end = [q + p * time + a * way, p + a * since];
                 Motion {
                     hamiltonian: format!("p^2/2 - {a:?}*q*(1 + tanh((t-{centre:?})/{w:?}))/2"),
