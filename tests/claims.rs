@@ -45,5 +45,4 @@ mod stress;
 mod theorems;
 mod time;
 mod truncation_high;
-mod units;
 mod written_parts;

@@ -322,7 +322,7 @@ fn what_is_stepped_over_is_told_and_mended_by_shorter_steps() {
     let text = |stepper: &str, step: f64| {
         format!(
             "[system]\nvariables = [\"q\", \"p\"]\nbracket = {{ \"q,p\" = \"1\" }}\nconvention = \"{{x,H}}\"\n\
-             hamiltonian = \"p^2/2 + 0.3/cosh(50*q)^2\"\n[method]\nstepper = {stepper}\ntime-step = {step:?}\n\
+             hamiltonian = \"p^2/2 + 0.3*exp(-(50*q)^2)\"\n[method]\nstepper = {stepper}\ntime-step = {step:?}\n\
              [run]\ninitial = [-0.48, 1]\nsteps = {}\n",
             libm::round(2.0 / step)
         )

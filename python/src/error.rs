@@ -4,9 +4,9 @@ use leafwise::run::{NoRoom, RunError};
 use leafwise::scene::{SceneDiagnostic, SceneErrors};
 use leafwise_cli::console::Console;
 use leafwise_cli::failure::{Failure, exit};
-use pyo3::PyErr;
 use pyo3::create_exception;
-use pyo3::exceptions::{PyException, PyMemoryError};
+use pyo3::exceptions::{PyException, PyKeyboardInterrupt, PyMemoryError};
+use pyo3::{PyErr, Python};
 
 create_exception!(
     leafwise,
@@ -83,4 +83,9 @@ pub(crate) fn of_code(code: u8, text: &str) -> PyErr {
         exit::INVALID_SCENE => SceneError::new_err(text),
         _ => LeafwiseError::new_err(text),
     }
+}
+
+/// Whether it is Ctrl-C.
+pub(crate) fn is_interruption(error: &PyErr) -> bool {
+    Python::attach(|py| error.is_instance_of::<PyKeyboardInterrupt>(py))
 }

@@ -15,8 +15,7 @@ use leafwise::core::{Origin, PoissonSystem, Registry, StepError};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 
-use crate::error::LeafwiseError;
-use crate::progress::is_interruption;
+use crate::error::{LeafwiseError, is_interruption};
 
 /// The id under which a scene names the one system of this kind that it has.
 const NAME: &str = "python/functions";

@@ -3,9 +3,9 @@
 use std::time::{Duration, Instant};
 
 use leafwise::run::{Progress, Status};
-use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
+use crate::error::is_interruption;
 use crate::functions::Functions;
 
 /// How often signals are looked for and progress is reported.
@@ -43,11 +43,6 @@ impl<'a> PythonProgress<'a> {
         let of_system = self.functions.and_then(Functions::raised);
         self.raised.or(of_system)
     }
-}
-
-/// Whether it is Ctrl-C.
-pub(crate) fn is_interruption(error: &PyErr) -> bool {
-    Python::attach(|py| error.is_instance_of::<PyKeyboardInterrupt>(py))
 }
 
 impl Progress for PythonProgress<'_> {

@@ -23,12 +23,12 @@ use pyo3::prelude::*;
 
 use crate::command::with_plugins;
 use crate::ensemble::{Ensemble, Left};
-use crate::error::{LeafwiseError, exception, of_scene};
+use crate::error::{LeafwiseError, exception, is_interruption, of_scene};
 use crate::functions::Functions;
 use crate::gradient::Map;
 use crate::integrator::Integrator;
 use crate::kept::{Kept, are_values, compose};
-use crate::progress::{PythonProgress, is_interruption};
+use crate::progress::PythonProgress;
 use crate::recorded::Recorded;
 use crate::retraced::Retraced;
 use crate::sweep::{AskedSweep, Sweep, sweep_shard};

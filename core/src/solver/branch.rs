@@ -1,7 +1,7 @@
 //! The solution that is connected with the state before the step.
 
 use super::DenseFactors;
-use super::judge::{SMALLEST_SCALE, larger, reach};
+use super::judge::{larger, largest};
 use crate::error::StepError;
 
 /// A part of the way is taken where Newton's corrections fall by this factor: by Kantorovich's theorem
@@ -41,11 +41,7 @@ pub struct Branch {
     /// −F at the trial, then Newton's correction; DF there.
     residual: Vec<f64>,
     jacobian: Vec<f64>,
-    /// What the unknowns are measured against, and the least of it: what the others put into them.
     scale: Vec<f64>,
-    least: Vec<f64>,
-    /// Whether an unknown had no size, and does not move yet.
-    begins: Vec<bool>,
     factors: DenseFactors,
 }
 
@@ -60,8 +56,6 @@ impl Branch {
             residual: vec![0.0; n],
             jacobian: vec![0.0; n * n],
             scale: vec![0.0; n],
-            least: vec![0.0; n],
-            begins: vec![false; n],
             factors: DenseFactors::new(n),
         }
     }
@@ -202,14 +196,16 @@ impl Branch {
         let mut last = f64::INFINITY;
         for _ in 0..MOST_CORRECTIONS {
             evaluate(s, &self.trial, &mut self.residual, &mut self.jacobian).map_err(Some)?;
-            let is_regular = self.factors.factor_of_sizes(&self.jacobian, &self.scale);
-            if !is_regular || !self.factors.has_positive_determinant() {
+            if !self.factors.factor(&self.jacobian) || !self.factors.has_positive_determinant() {
                 return Err(None);
             }
             self.factors.solve(&mut self.residual);
-            self.take_least();
-            let (size, moves) = self.measure();
-            let is_near = size <= SAME && !moves;
+            // From 0 on, where no unknown has a size, the first correction is one for all of them.
+            if largest(&self.scale) == 0.0 {
+                self.scale.fill(largest(&self.residual));
+            }
+            let size = norm(&self.residual, &self.scale);
+            let is_near = size <= SAME;
             if !is_near && (size.is_nan() || size > CONTRACTS * last) {
                 return Err(None);
             }
@@ -220,9 +216,7 @@ impl Branch {
                 self.point.copy_from_slice(&self.trial);
                 return Ok(());
             }
-            if size > SAME {
-                last = size;
-            }
+            last = size;
         }
         Err(None)
     }
@@ -230,40 +224,12 @@ impl Branch {
     /// What the unknowns are measured against: `sizes` and how far they came.
     fn take_scale(&mut self, start: &[f64], sizes: &[f64]) {
         let own = sizes.iter().zip(self.point.iter().zip(start));
-        for (i, (size, (point, start))) in own.enumerate() {
-            self.scale[i] = size.abs() + (point - start).abs();
-            self.begins[i] = self.scale[i] == 0.0;
+        for (scale, (size, (point, start))) in self.scale.iter_mut().zip(own) {
+            *scale = size.abs() + (point - start).abs();
         }
-    }
-
-    /// A component may be the round-off of what the others put into it, Σ_j |DF − 1|_ij s_j.
-    fn take_least(&mut self) {
-        let n = self.scale.len();
-        for (i, least) in self.least.iter_mut().enumerate() {
-            let row = &self.jacobian[i * n..][..n];
-            let put_in = reach(row, &self.scale) - (row[i] * self.scale[i]).abs();
-            *least = SAME * (put_in + ((row[i] - 1.0) * self.scale[i]).abs());
-        }
-    }
-
-    /// The largest relative correction of the unknowns with a size, and whether one without is still on its way. That has the
-    /// size of its largest correction, and need not fall with each.
-    fn measure(&mut self) -> (f64, bool) {
-        let (mut size, mut moves) = (0.0, false);
-        for (i, correction) in self.residual.iter().enumerate() {
-            let own = correction.abs();
-            if own == 0.0 {
-                continue;
-            }
-            if self.begins[i] && own.is_finite() {
-                moves |= own > SAME * (larger(self.scale[i], self.least[i]) + SMALLEST_SCALE);
-                self.scale[i] = larger(self.scale[i], own);
-            } else {
-                let scale = larger(self.scale[i], self.least[i]) + SMALLEST_SCALE;
-                size = larger(size, own / scale);
-            }
-        }
-        (size, moves)
+        // A component may be the round-off of larger ones.
+        let least = SAME * largest(&self.scale);
+        self.scale.iter_mut().for_each(|s| *s = larger(*s, least));
     }
 
     /// Where the last path ended.
@@ -273,12 +239,16 @@ impl Branch {
 
     /// Whether a point is the end of the last path, and not another solution.
     fn ends_at(&self, point: &[f64]) -> bool {
-        let scales = self.scale.iter().zip(&self.least);
-        let mut pairs = self.point.iter().zip(point).zip(scales);
-        pairs.all(|((a, b), (scale, least))| {
-            (a - b).abs() <= SAME * (larger(*scale, *least) + SMALLEST_SCALE)
-        })
+        let mut pairs = self.point.iter().zip(point).zip(&self.scale);
+        pairs.all(|((a, b), scale)| (a - b).abs() <= SAME * scale)
     }
+}
+
+/// max |v_i|/s_i; all are 0 where no component has a scale.
+fn norm(values: &[f64], scale: &[f64]) -> f64 {
+    let sizes = values.iter().zip(scale);
+    let sizes = sizes.filter(|(_, scale)| **scale > 0.0);
+    sizes.fold(0.0, |m: f64, (v, s)| larger(m, v.abs() / s))
 }
 
 #[cfg(test)]

@@ -21,15 +21,14 @@ pub enum CorrectionMethod {
 /// u ← u + δ, until what a further correction would add is negligible.
 ///
 /// The caller forms δ from its equation: the residual, by Newton's method with the Jacobian. Row i of δ is measured
-/// against |state| + |change|, the change [as far as it serves](Allowed) as a scale, row by row: units of rows change
-/// nothing. [`LinearIteration`] judges the measured sizes. Newton's method also keeps a [`Watch`] on whether its solution
-/// is plainly on the branch that begins at the state.
+/// against |state| + |change|, the change [as far as it serves](Allowed) as a scale; [`LinearIteration`] judges the
+/// measured sizes. Newton's method also keeps a [`Watch`] on whether its solution is plainly on the branch that begins
+/// at the state.
 #[derive(Clone, Debug)]
 pub struct Iteration {
     method: CorrectionMethod,
     corrections: LinearIteration,
-    /// Of each row; one for all of them where there are as many as lattices have.
-    allowed: Vec<Allowed>,
+    allowed: Allowed,
     watch: Watch,
     size: CorrectionSize,
     scales: Vec<f64>,
@@ -42,7 +41,7 @@ impl Iteration {
         Self {
             method,
             corrections: LinearIteration::new(0),
-            allowed: vec![Allowed::new(0.0); n.max(1)],
+            allowed: Allowed::new(0.0),
             watch: Watch::NEW,
             size: CorrectionSize::default(),
             scales: vec![0.0; n],
@@ -58,7 +57,6 @@ impl Iteration {
     /// The same for n unknowns.
     pub fn resize(&mut self, n: usize) {
         self.scales = vec![0.0; n];
-        self.allowed = vec![Allowed::new(0.0); n.max(1)];
         if let Some(anderson) = &mut self.anderson {
             anderson.resize(n);
         }
@@ -74,13 +72,10 @@ impl Iteration {
         self.watch.begin();
     }
 
-    /// Begins a solve with a budget of evaluations; `size` is that of the state and of the change that it starts from, in a
-    /// row.
-    pub fn begin(&mut self, most: usize, size: impl Fn(usize) -> f64) {
+    /// Begins a solve with a budget of evaluations; `size` is that of the state and of the change that it starts from.
+    pub fn begin(&mut self, most: usize, size: f64) {
         self.corrections = LinearIteration::new(most);
-        for (row, allowed) in self.allowed.iter_mut().enumerate() {
-            *allowed = Allowed::new(size(row));
-        }
+        self.allowed = Allowed::new(size);
         self.size = CorrectionSize::default();
         self.watch.begin_solve();
         if let Some(anderson) = &mut self.anderson {
@@ -88,11 +83,9 @@ impl Iteration {
         }
     }
 
-    /// Takes in the change of the state in each row at the present iterate.
-    pub fn take_changes(&mut self, change: impl Fn(usize) -> f64) {
-        for (row, allowed) in self.allowed.iter_mut().enumerate() {
-            allowed.take(change(row).abs());
-        }
+    /// Takes in the largest change of the state at the present iterate.
+    pub fn take_change(&mut self, change: f64) {
+        self.allowed.take(change);
     }
 
     /// Takes in the factors of a new Jacobian.
@@ -100,10 +93,10 @@ impl Iteration {
         self.watch.take(!factors.is_near_identity());
     }
 
-    /// What a row is measured against: |state| + |change| + `put_in`, what the round-off of the others puts into it.
+    /// What a row is measured against.
     #[inline(always)]
-    pub fn scale(&self, row: usize, state: f64, change: f64, put_in: f64) -> f64 {
-        state.abs() + self.allowed[row].scale(change) + put_in
+    pub fn scale(&self, state: f64, change: f64) -> f64 {
+        state.abs() + self.allowed.scale(change)
     }
 
     /// Takes in one row of a correction.
@@ -135,11 +128,7 @@ impl Iteration {
         if is_newton {
             self.watch.take_correction(&size);
         }
-        let verdict = match is_newton {
-            // Rows are measured with what the others put into them: a row is the round-off of no more.
-            true => self.corrections.judge(size.component())?,
-            false => self.corrections.judge_correction(&size)?,
-        };
+        let verdict = self.corrections.judge_correction(&size)?;
         if is_newton && verdict == Verdict::Converged {
             self.watch.take_end(&size);
         }
@@ -147,8 +136,8 @@ impl Iteration {
     }
 
     /// Adds the corrections, accelerated where the method says so, to the unknowns, and judges them. `measure(i, u, δ)`
-    /// is (state, change, what the others put in) of a row, and `way(i, u)` how far it has come with the unknown u; a
-    /// correction counts `unit` times in the state.
+    /// is (state, change) of a row, and `way(i, u)` how far it has come with the unknown u; a correction counts `unit`
+    /// times in the state.
     ///
     /// # Errors
     /// Those of [`judge`](Self::judge).
@@ -157,12 +146,12 @@ impl Iteration {
         corrections: &mut [f64],
         unknowns: &mut [f64],
         unit: f64,
-        measure: impl Fn(usize, f64, f64) -> (f64, f64, f64),
+        measure: impl Fn(usize, f64, f64) -> (f64, f64),
         way: impl Fn(usize, f64) -> f64,
     ) -> Result<Verdict, StepError> {
         for (i, correction) in corrections.iter().enumerate() {
-            let (state, change, put_in) = measure(i, unknowns[i], *correction);
-            self.scales[i] = self.scale(i, state, change, put_in);
+            let (state, change) = measure(i, unknowns[i], *correction);
+            self.scales[i] = self.scale(state, change);
             self.size.take(unit * correction, self.scales[i]);
         }
         if let (CorrectionMethod::Acceleration, Some(anderson)) = (self.method, &mut self.anderson)

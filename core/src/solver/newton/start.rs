@@ -6,6 +6,7 @@ use leafwise_expression::{Kernel, Workspace, kernel::apart};
 
 use crate::solver::elimination::dimension;
 use crate::solver::extrapolation::{DEPTH, Extrapolation};
+use crate::solver::judge::larger;
 
 /// One number of each lane.
 type Row<const W: usize> = [f64; W];
@@ -26,16 +27,15 @@ pub(super) enum Start<const W: usize> {
     Extrapolated(Extrapolation<W>),
 }
 
-/// Half of the odd part that moves every coordinate farther than by this part of it may be a series that does not
-/// converge: what it leads to, an end outside the chart also, says nothing of the solution that begins at x.
+/// Half of the odd part that moves x farther than by this part of it may be a series that does not converge: what it leads
+/// to, an end outside the chart also, says nothing of the solution that begins at x.
 const NEAR: f64 = 0.25;
 
 /// The displacement of a lane without a solution before it.
 #[cold]
 fn begin<const W: usize>(x: &[Row<W>], odd: &[Row<W>], displacement: &mut [Row<W>], w: usize) {
-    let mut pairs = x.iter().zip(odd);
-    let is_near = pairs.any(|(x, odd)| x[w] != 0.0 && 0.5 * odd[w].abs() <= NEAR * x[w].abs());
-    let is_near = is_near && odd.iter().all(|odd| odd[w].is_finite());
+    let largest = |rows: &[Row<W>]| rows.iter().fold(0.0, |m, row| larger(m, row[w].abs()));
+    let is_near = 0.5 * largest(odd) <= NEAR * largest(x);
     for (row, odd) in displacement.iter_mut().zip(odd) {
         row[w] = if is_near { 0.5 * odd[w] } else { 0.0 };
     }
@@ -113,14 +113,6 @@ impl<const W: usize> Start<W> {
                 }
                 *is_known = *took;
             }
-        }
-    }
-
-    /// Whether a lane's start follows a solution before it.
-    pub(super) fn is_known(&self, lane: usize) -> bool {
-        match self {
-            Self::Extrapolated(_) => true,
-            Self::Series { is_known, .. } => is_known[lane],
         }
     }
 

@@ -5,12 +5,12 @@ use std::io;
 use leafwise_expression::words::counted;
 
 use super::plan::ComposedEnsemble;
-use super::report::EnsembleReport;
+use super::report::{EnsembleReport, percent};
 use super::section::{columns, heading};
 use super::tables::summaries;
 use crate::advice::lines;
 use crate::samples::{self, SECTION};
-use crate::summary::{MOST_ROWS, rounded, section_points, spread};
+use crate::summary::{MOST_ROWS, section_points, spread};
 use crate::{PROGRAM_VERSION, RunOutcome, file_name, method_lines, short, title};
 use leafwise_report::{Band, EnsembleData, InvariantSeries, Losses, Outcome, SectionPoints};
 use leafwise_scene::document::SceneDocument;
@@ -172,11 +172,6 @@ pub(super) fn data(
         drift_every: ensemble.drift_every,
         failures: failures.collect(),
     })
-}
-
-/// A part as a percentage of three digits.
-pub(super) fn percent(part: f64) -> String {
-    rounded(100.0 * part, 3)
 }
 
 /// The crossings of all members, to draw.

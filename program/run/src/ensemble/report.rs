@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use super::page::percent;
 use super::plan::ComposedEnsemble;
 use super::statistics::Reductions;
 use crate::advice::Advice;
+use crate::summary::rounded;
 use crate::{REPORT, RunOutcome};
 
 /// An ensemble that has ended and left its directory complete.
@@ -79,4 +79,9 @@ impl EnsembleReport {
     pub fn rate(&self) -> f64 {
         self.reductions.members as f64 / self.wall_seconds.max(1e-9)
     }
+}
+
+/// A part as a percentage of three digits.
+pub(super) fn percent(part: f64) -> String {
+    rounded(100.0 * part, 3)
 }

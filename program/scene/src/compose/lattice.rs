@@ -9,10 +9,10 @@ use leafwise_expression::syntax::{Formula, VariablePattern};
 
 use super::Refusal;
 use super::definitions::scope;
-use super::dense::DENSE_LIMIT;
+use super::dense::{DENSE_LIMIT, WRITTEN_LIMIT};
 use super::instantiate::{geometry, instantiate};
 use super::lattice_functions::LatticeFunctions;
-use super::names::{function, parse, refusal};
+use super::names::{function, is_a_sum, parse, refusal};
 use super::observables::{Observable, coordinate};
 use super::sum::summands;
 use super::time::wants_time;
@@ -24,9 +24,6 @@ pub(super) struct SceneLattice<'a> {
     geometry: LatticeGeometry,
     reach: TemplateReach,
 }
-
-/// The most coordinates of a lattice that is written out where its formulas are no templates, or its stepper has no sweeps.
-pub(super) const WRITTEN_LIMIT: usize = 1024;
 
 /// The numbers a coordinate that a run keeps for a method of so many fields, at its first checkpoint: the states
 /// of the run and of the file, and of each field what the next step begins with. Two million coordinates take
@@ -226,14 +223,6 @@ impl<'a> SceneLattice<'a> {
             .chain(recorded)
             .collect()
     }
-}
-
-/// Whether a formula is a combination of sums over sites, each the same at every site.
-pub(super) fn is_a_sum(
-    document: &SceneDocument,
-    formula: &Located<String>,
-) -> Result<bool, Refusal> {
-    Ok(parse(document, formula)?.offsets_of_sums().is_ok())
 }
 
 /// How far the templates of a scene look: of its bracket, H and its Casimirs.

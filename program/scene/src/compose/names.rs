@@ -4,7 +4,7 @@ use leafwise_expression::syntax::{self, Formula, Scope, SyntaxError, SyntaxError
 use leafwise_expression::{AlgebraError, Expression, Graph, Rational};
 
 use super::Refusal;
-use super::lattice::WRITTEN_LIMIT;
+use super::dense::WRITTEN_LIMIT;
 use super::time::{about_time, is_time};
 use crate::document::{Boundary, Located, Number, SceneDocument, nearest};
 
@@ -112,6 +112,14 @@ pub(super) fn function(
         .evaluate_in(&mut graph, &mut |graph, at| Ok(graph.input(at)))
         .map_err(|error| algebra_refusal(document, formula, &error))?;
     Ok(expression)
+}
+
+/// Whether a formula is a combination of sums over sites, each the same at every site.
+pub(super) fn is_a_sum(
+    document: &SceneDocument,
+    formula: &Located<String>,
+) -> Result<bool, Refusal> {
+    Ok(parse(document, formula)?.offsets_of_sums().is_ok())
 }
 
 /// An error of a formula, with the piece it is about underlined in the file.

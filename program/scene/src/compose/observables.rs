@@ -5,8 +5,7 @@ use leafwise_expression::Expression;
 use leafwise_expression::syntax::{Formula, Scope};
 
 use super::Refusal;
-use super::lattice::is_a_sum;
-use super::names::{function, refusal};
+use super::names::{function, is_a_sum, refusal};
 use super::time::TIME;
 use crate::document::{Located, SceneDocument, nearest};
 

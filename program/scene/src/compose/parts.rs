@@ -12,7 +12,8 @@ use leafwise_core::{
 
 use super::Refusal;
 use super::dense::DENSE_LIMIT;
-use super::lattice::{SceneLattice, WRITTEN_LIMIT};
+use super::dense::WRITTEN_LIMIT;
+use super::lattice::SceneLattice;
 use super::part_choice::PartChoice;
 use super::request::{Request, registry_names};
 use super::system::{ComposedSystem, written_out};

@@ -4,9 +4,8 @@ use leafwise_expression::Workspace;
 
 use super::Block;
 use super::masks::{guard_ratio, take_guard};
-use crate::error::StepError;
 use crate::solver::elimination::Rows;
-use crate::solver::judge::{all_finite, inside_chart};
+use crate::solver::judge::{Allowed, all_finite, inside_chart, larger};
 use crate::solver::newton::convergence::Convergence;
 
 impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
@@ -15,15 +14,8 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
     #[cold]
     pub(super) fn settle(&mut self, w: usize) {
         let d = self.dimension;
-        // A series that does not converge may have led out of the chart.
-        let may_be_astray = !self.start.is_known(w);
-        let left = match &self.outcome[w] {
-            Err(left @ StepError::LeftChart { .. }) => Some(left.clone()),
-            _ => None,
-        };
         if let Err(error) = &self.outcome[w]
             && !error.is_of_a_solve()
-            && !(may_be_astray && matches!(error, StepError::LeftChart { .. }))
         {
             return;
         }
@@ -103,11 +95,11 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                 let before = lane.convergence.evaluations;
                 lane.convergence = Convergence::new();
                 lane.next = lane.convergence.start(None, 0);
-                for (i, end) in self.branch.end().iter().enumerate() {
-                    let from = self.from[i];
-                    self.allowed.as_mut()[i][w] = from.abs() + (end - from).abs();
-                    self.smallest.as_mut()[i][w] = f64::INFINITY;
-                }
+                let change = |x: &[f64], end: &[f64]| {
+                    let pairs = x.iter().zip(end);
+                    pairs.fold(0.0, |m, (x, y)| larger(m, x.abs() + (y - x).abs()))
+                };
+                lane.allowed = Allowed::new(change(&self.from, self.branch.end()));
                 let mut y = self.y.take();
                 self.iterate(y.as_mut());
                 self.y = y;
@@ -119,7 +111,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                     self.outcome[w] = self.branch.confirm_end(&self.found);
                 }
             }
-            Err(error) => self.outcome[w] = Err(left.unwrap_or(error)),
+            Err(error) => self.outcome[w] = Err(error),
         }
         self.lanes[w].convergence.evaluations += u32::try_from(spent).unwrap_or(u32::MAX);
     }
