@@ -309,7 +309,7 @@ def test_every_public_function_is_drawn_for() -> None:
     drawn = " ".join(FUNCTIONS)
     methods = [name for name in vars(lw.Scene) if not name.startswith("_") and callable(getattr(lw.Scene, name))]
     # Without arguments, or with those of the command.
-    others = {"Scene": {"check", "verify", "compare", "tune"}}
+    others = {"Scene": {"check", "verify", "compare", "tune", "tuned"}}
     for name in methods:
         assert name in drawn or name in others["Scene"], name
     functions = [name for name in lw.__all__ if callable(getattr(lw, name)) and not isinstance(getattr(lw, name), type)]
