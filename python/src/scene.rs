@@ -12,7 +12,6 @@ use leafwise::run::ensemble::{
 };
 use leafwise::run::shards::{MergeError, Shard, Shards, Whole};
 use leafwise::run::{Asked, Event, Retraced as States, RunOptions, RunOutcome, run_in_memory};
-use leafwise::scene::compose::Section;
 use leafwise::scene::document::{Direction, Located, ObservableSpec, Place, Source};
 use leafwise::scene::{ComposedRun, SceneChecks, SceneDocument};
 use leafwise_cli::failure::Failure;
@@ -104,7 +103,7 @@ impl Read {
                 "down" => Direction::Down,
                 _ => Direction::Both,
             };
-            let section = Section::of(&self.document, run, text, direction);
+            let section = run.section(&self.document, text, direction);
             let section = section.map_err(|refusal| exception(&Failure::from(refusal)))?;
             let last = *last;
             Ok(Event { section, last })

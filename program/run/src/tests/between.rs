@@ -1,6 +1,5 @@
 //! States at any times and events, against samples and sections of the same run.
 
-use leafwise_scene::compose::Section;
 use leafwise_scene::document::Direction;
 use proptest::prelude::*;
 
@@ -67,7 +66,7 @@ proptest! {
     #[test]
     fn events_are_crossings_of_a_section(last in prop::option::of(1_u64..4), step in prop_oneof![Just(0.02), Just(-0.03)]) {
         let Prepared { document, registry, composed } = Prepared::new(&scene(step, &[step * 700.0]));
-        let section = |text, direction| Section::of(&document, &composed, text, direction).expect("a surface");
+        let section = |text, direction| composed.section(&document, text, direction).expect("a surface");
         let events = [
             Event { section: section("q = 0.25*p", Direction::Down), last },
             Event { section: section("q = p/4", Direction::Both), last: None },

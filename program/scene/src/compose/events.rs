@@ -9,7 +9,6 @@ use super::dense::DENSE_LIMIT;
 use super::extended::Extension;
 use super::names::function;
 use super::observables::Observable;
-use super::run::ComposedRun;
 use super::states::RecordedStates;
 use crate::document::{Direction, Located, Place, SceneDocument, Source, nearest};
 
@@ -136,13 +135,15 @@ impl Section {
 }
 
 impl Section {
-    /// A surface of a scene, `left = right`, beside the one that it may have itself.
+    /// A surface of a scene, `left = right`, beside the one that it may have itself; the run begins at `initial` with these
+    /// `parameters`, on a long lattice or not.
     ///
     /// # Errors
     /// A formula that is none, one that has no value where the run begins, and a long lattice.
     pub fn of(
         document: &SceneDocument,
-        run: &ComposedRun,
+        is_long: bool,
+        (initial, parameters): (&[f64], &[f64]),
         text: &str,
         direction: Direction,
     ) -> Result<Self, Refusal> {
@@ -154,7 +155,7 @@ impl Section {
             source: Source::Override(given.into()),
         };
         let text = Located::new(text.to_owned(), place);
-        if run.method.lattice().is_some() {
+        if is_long {
             return Err(refuse(
                 document,
                 &text,
@@ -173,14 +174,7 @@ impl Section {
             direction,
             axes: None,
         };
-        let parameters = run.system.parameter_values();
-        defined(
-            document,
-            &text,
-            &section.difference,
-            &run.plan.initial,
-            &parameters,
-        )?;
+        defined(document, &text, &section.difference, initial, parameters)?;
         Ok(section)
     }
 }

@@ -12,7 +12,7 @@ use leafwise_core::{
 use leafwise_expression::Expression;
 
 use super::Refusal;
-use super::events::{Events, check_axes};
+use super::events::{Events, Section, check_axes};
 use super::extended::{Balance, Extension, Pace};
 use super::fit::{check_exactness, check_first_order, check_tensor};
 use super::functions::CompiledFunctions;
@@ -27,7 +27,7 @@ use super::shadow::{RecordedShadow, with_shadows};
 use super::states::{RecordedStates, recorded_states};
 use super::stepping::{LatticeBase, LatticeStepping, MapStepping, Stepping};
 use super::system::{ComposedSystem, compose_system};
-use crate::document::{Located, Number, PartSpec, SceneDocument};
+use crate::document::{Direction, Located, Number, PartSpec, SceneDocument};
 
 /// What a run does.
 #[derive(Clone, Debug)]
@@ -384,6 +384,22 @@ impl ComposedRun {
     /// Whether the state that is stepped holds more than the scene's own coordinates.
     pub fn is_extended(&self) -> bool {
         self.dimension() > self.plan.coordinates
+    }
+
+    /// A surface of its scene, `left = right`, beside the one that it may have itself.
+    ///
+    /// # Errors
+    /// Those of [`Section::of`].
+    pub fn section(
+        &self,
+        document: &SceneDocument,
+        text: &str,
+        direction: Direction,
+    ) -> Result<Section, Refusal> {
+        let parameters = self.system.parameter_values();
+        let is_long = self.method.lattice().is_some();
+        let start = (self.plan.initial.as_slice(), parameters.as_slice());
+        Section::of(document, is_long, start, text, direction)
     }
 
     /// dt/dτ, where steps are of a fictitious time τ.
