@@ -45,4 +45,5 @@ mod stress;
 mod theorems;
 mod time;
 mod truncation_high;
+mod units;
 mod written_parts;

@@ -127,7 +127,8 @@ impl LatticeTrajectory {
             fields,
             ..
         } = self;
-        iteration.begin(MOST_EVALUATIONS, largest(x) + largest(displacement));
+        let size = largest(x) + largest(displacement);
+        iteration.begin(MOST_EVALUATIONS, |_| size);
         let (mut last, mut smallest) = ([f64::INFINITY; IN_A_ROW], f64::INFINITY);
         loop {
             let y = evaluator.field_mut(fields.y);
@@ -142,7 +143,8 @@ impl LatticeTrajectory {
             );
             let y = evaluator.field(fields.y);
             let mut finite = true;
-            iteration.take_change(largest(change));
+            let largest_change = largest(change);
+            iteration.take_changes(|_| largest_change);
             for start in (0..displacement.len()).step_by(ROWS) {
                 let end = displacement.len().min(start + ROWS);
                 let (x, y, low) = (&x[start..end], &y[start..end], &low[start..end]);
@@ -155,7 +157,7 @@ impl LatticeTrajectory {
                     displacement[i] = (y[i] - x[i]) + correction;
                     finite &= correction.is_finite() && change[i].is_finite();
                     corrections[i] = correction;
-                    scales[i] = iteration.scale(x[i], change[i]);
+                    scales[i] = iteration.scale(0, x[i], change[i], 0.0);
                 }
                 let rows = ..displacement.len();
                 iteration.take_rows(&corrections[rows], &scales[rows]);

@@ -2,7 +2,7 @@
 
 use super::tableau::PartitionedTableau;
 use crate::error::StepError;
-use crate::solver::judge::{Verdict, largest, reach};
+use crate::solver::judge::{Verdict, reach};
 use crate::solver::{
     CorrectionMethod, DenseFactors, Iteration, elimination_operations, substitution_operations,
 };
@@ -122,7 +122,8 @@ impl StageSolve {
             true => MOST_EVALUATIONS,
             false => MOST_ACCELERATED,
         };
-        let size = largest(&self.start) + largest(&self.displacements);
+        let (start, displacements) = (&self.start, &self.displacements);
+        let size = |row: usize| start[row % start.len()].abs() + displacements[row].abs();
         self.iteration.begin(most, size);
     }
 
@@ -210,7 +211,7 @@ impl StageSolve {
         self.residual(coefficients);
         let start = &self.start;
         let measure = |row: usize, displacement: f64, correction: f64| {
-            (start[row % n], displacement.abs() + correction.abs())
+            (start[row % n], displacement.abs() + correction.abs(), 0.0)
         };
         let (correction, displacements) = (&mut self.correction, &mut self.displacements);
         let way = |_, displacement| displacement;
@@ -224,8 +225,9 @@ impl StageSolve {
 
     /// Takes in how far the slopes reach in a step.
     fn take_change(&mut self, coefficients: &Coefficients) {
-        let reach = coefficients.time_step.abs() * largest(&self.slopes);
-        self.iteration.take_change(reach);
+        let slopes = &self.slopes;
+        let change = |row: usize| coefficients.time_step * slopes[row];
+        self.iteration.take_changes(change);
     }
 
     /// τ Σ_j b_j F(Z_j).
@@ -247,8 +249,13 @@ impl StageSolve {
         matrix: &mut [f64],
     ) -> bool {
         self.jacobians.copy_from_slice(jacobians);
-        coefficients.matrix(1.0, jacobians, self.start.len(), matrix);
-        self.factors.factor(matrix)
+        let n = self.start.len();
+        coefficients.matrix(1.0, jacobians, n, matrix);
+        // Room for the sizes of the unknowns.
+        for (row, size) in self.correction.iter_mut().enumerate() {
+            *size = self.start[row % n].abs() + self.displacements[row].abs();
+        }
+        self.factors.factor_of_sizes(matrix, &self.correction)
     }
 
     /// A correction of the displacements for the residual in `correction`.
@@ -281,11 +288,11 @@ impl StageSolve {
                 let terms = row.iter().zip(correction);
                 self.slopes[i * n + c] += terms.map(|(slope, change)| slope * change).sum::<f64>();
                 let round_off = coefficients.time_step * reach(row, &self.stage);
-                let change = self.displacements[i * n + c].abs() + round_off.abs();
-                let scale = self.iteration.scale(self.start[c], change);
+                let displacement = self.displacements[i * n + c];
+                let scale =
+                    (self.iteration).scale(i * n + c, self.start[c], displacement, round_off.abs());
                 self.iteration.take(correction[c], scale);
-                self.iteration
-                    .take_way(self.displacements[i * n + c], scale);
+                self.iteration.take_way(displacement, scale);
             }
         }
     }

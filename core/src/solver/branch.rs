@@ -1,7 +1,7 @@
 //! The solution that is connected with the state before the step.
 
 use super::DenseFactors;
-use super::judge::{larger, largest};
+use super::judge::{SMALLEST_SCALE, larger, reach};
 use crate::error::StepError;
 
 /// A part of the way is taken where Newton's corrections fall by this factor: by Kantorovich's theorem
@@ -38,10 +38,16 @@ pub struct Branch {
     /// Where a part began, and where it ends when it is taken at once.
     before: Vec<f64>,
     at_once: Vec<f64>,
-    /// −F at the trial, then Newton's correction; DF there.
+    /// −F at the trial, then Newton's correction; DF there, then DF − 1.
     residual: Vec<f64>,
     jacobian: Vec<f64>,
+    /// What the unknowns are measured against, and the least of it: what the others put into them.
     scale: Vec<f64>,
+    least: Vec<f64>,
+    /// What they put in at first hand.
+    hand: Vec<f64>,
+    /// Which of them have begun to move.
+    begins: Vec<bool>,
     factors: DenseFactors,
 }
 
@@ -56,6 +62,9 @@ impl Branch {
             residual: vec![0.0; n],
             jacobian: vec![0.0; n * n],
             scale: vec![0.0; n],
+            least: vec![0.0; n],
+            hand: vec![0.0; n],
+            begins: vec![false; n],
             factors: DenseFactors::new(n),
         }
     }
@@ -110,6 +119,7 @@ impl Branch {
         evaluations: &mut u64,
         mut evaluate: impl FnMut(f64, &[f64], &mut [f64], &mut [f64]) -> Result<(), StepError>,
     ) -> Result<(), StepError> {
+        let begin = [start, sizes];
         self.point.copy_from_slice(start);
         let most = *evaluations + MOST_EVALUATIONS;
         let mut counted = |s: f64, u: &[f64], residual: &mut [f64], jacobian: &mut [f64]| {
@@ -119,17 +129,15 @@ impl Branch {
             *evaluations += 1;
             evaluate(s, u, residual, jacobian)
         };
-        self.take_scale(start, sizes);
         if let Some(found) = found
-            && self.confirm(start, found, &mut counted).is_ok()
+            && self.confirm(begin, found, &mut counted).is_ok()
         {
             return Ok(());
         }
         let (mut reached, mut part) = (0.0, 1.0);
         loop {
             let goal = reached + part;
-            self.take_scale(start, sizes);
-            match self.advance(reached, goal, &mut counted) {
+            match self.advance(begin, reached, goal, &mut counted) {
                 Ok(()) if goal >= 1.0 => return Ok(()),
                 Ok(()) => {
                     reached = goal;
@@ -142,23 +150,23 @@ impl Branch {
         }
     }
 
-    /// From the start to the solution that was found at s = 1, by that at s = 1/2.
+    /// From the start, and its sizes, to the solution that was found at s = 1, by that at s = 1/2.
     fn confirm(
         &mut self,
-        start: &[f64],
+        begin: [&[f64]; 2],
         found: &[f64],
         evaluate: &mut impl FnMut(f64, &[f64], &mut [f64], &mut [f64]) -> Result<(), StepError>,
     ) -> Result<(), Option<StepError>> {
-        let confirmed = self.correct(0.5, evaluate).and_then(|()| {
-            for (u, start) in self.point.iter_mut().zip(start) {
+        let confirmed = self.correct(begin, 0.5, evaluate).and_then(|()| {
+            for (u, start) in self.point.iter_mut().zip(begin[0]) {
                 *u += *u - start;
             }
-            self.correct(1.0, evaluate)
+            self.correct(begin, 1.0, evaluate)
         });
         if confirmed.is_ok() && self.ends_at(found) {
             return Ok(());
         }
-        self.point.copy_from_slice(start);
+        self.point.copy_from_slice(begin[0]);
         confirmed.and(Err(None))
     }
 
@@ -167,17 +175,18 @@ impl Branch {
     /// towards the same one by both ways.
     fn advance(
         &mut self,
+        begin: [&[f64]; 2],
         reached: f64,
         goal: f64,
         evaluate: &mut impl FnMut(f64, &[f64], &mut [f64], &mut [f64]) -> Result<(), StepError>,
     ) -> Result<(), Option<StepError>> {
         self.before.copy_from_slice(&self.point);
-        self.correct(goal, evaluate)?;
+        self.correct(begin, goal, evaluate)?;
         std::mem::swap(&mut self.point, &mut self.at_once);
         self.point.copy_from_slice(&self.before);
         let by_way = self
-            .correct(0.5 * (reached + goal), evaluate)
-            .and_then(|()| self.correct(goal, evaluate));
+            .correct(begin, 0.5 * (reached + goal), evaluate)
+            .and_then(|()| self.correct(begin, goal, evaluate));
         if by_way.is_ok() && self.ends_at(&self.at_once) {
             return Ok(());
         }
@@ -189,47 +198,87 @@ impl Branch {
     /// has no value, where corrections do not fall or the determinant is not positive.
     fn correct(
         &mut self,
+        begin: [&[f64]; 2],
         s: f64,
         evaluate: &mut impl FnMut(f64, &[f64], &mut [f64], &mut [f64]) -> Result<(), StepError>,
     ) -> Result<(), Option<StepError>> {
+        self.take_scale(begin);
         self.trial.copy_from_slice(&self.point);
         let mut last = f64::INFINITY;
         for _ in 0..MOST_CORRECTIONS {
             evaluate(s, &self.trial, &mut self.residual, &mut self.jacobian).map_err(Some)?;
-            if !self.factors.factor(&self.jacobian) || !self.factors.has_positive_determinant() {
+            let is_regular = self.factors.factor_of_sizes(&self.jacobian, &self.scale);
+            if !is_regular || !self.factors.has_positive_determinant() {
                 return Err(None);
             }
             self.factors.solve(&mut self.residual);
-            // From 0 on, where no unknown has a size, the first correction is one for all of them.
-            if largest(&self.scale) == 0.0 {
-                self.scale.fill(largest(&self.residual));
-            }
-            let size = norm(&self.residual, &self.scale);
-            let is_near = size <= SAME;
-            if !is_near && (size.is_nan() || size > CONTRACTS * last) {
+            self.take_least();
+            let (size, next, settled) = self.measure();
+            if size.is_nan() || size > SAME && size > CONTRACTS * last {
                 return Err(None);
             }
             for (u, correction) in self.trial.iter_mut().zip(&self.residual) {
                 *u += correction;
             }
-            if is_near {
+            if size <= SAME && settled {
                 self.point.copy_from_slice(&self.trial);
                 return Ok(());
             }
-            last = size;
+            last = next;
         }
         Err(None)
     }
 
     /// What the unknowns are measured against: `sizes` and how far they came.
-    fn take_scale(&mut self, start: &[f64], sizes: &[f64]) {
+    fn take_scale(&mut self, [start, sizes]: [&[f64]; 2]) {
         let own = sizes.iter().zip(self.point.iter().zip(start));
         for (scale, (size, (point, start))) in self.scale.iter_mut().zip(own) {
             *scale = size.abs() + (point - start).abs();
         }
-        // A component may be the round-off of larger ones.
-        let least = SAME * largest(&self.scale);
-        self.scale.iter_mut().for_each(|s| *s = larger(*s, least));
+        self.begins.fill(false);
+    }
+
+    /// A component may be the round-off of what the others put into it, at first hand and, by the elimination, at second:
+    /// |N|s + |N|²s with N = DF − 1.
+    fn take_least(&mut self) {
+        let n = self.scale.len();
+        for (i, row) in self.jacobian.chunks_exact_mut(n).enumerate() {
+            row[i] -= 1.0;
+        }
+        let rows = || self.jacobian.chunks_exact(n);
+        for (hand, row) in self.hand.iter_mut().zip(rows()) {
+            *hand = reach(row, &self.scale);
+        }
+        for (least, (hand, row)) in (self.least.iter_mut()).zip(self.hand.iter().zip(rows())) {
+            *least = SAME * (hand + reach(row, &self.hand));
+        }
+    }
+
+    /// The largest relative correction of the unknowns that corrections must fall in, that which the next ones are compared
+    /// with, and whether the others are settled.
+    ///
+    /// One that moves farther than by its size begins to move, from 0 or from the little that it came, as the others drive
+    /// it: its corrections fall when theirs have, and count, from the next one on, where there are no others.
+    fn measure(&mut self) -> (f64, f64, bool) {
+        let (mut moving, mut begun) = (0.0, 0.0);
+        let (mut others, mut begins) = (false, false);
+        for (i, correction) in self.residual.iter().enumerate() {
+            let own = correction.abs();
+            let size = own / (larger(self.scale[i], self.least[i]) + SMALLEST_SCALE);
+            if size > 1.0 && size.is_finite() {
+                (begins, self.begins[i]) = (true, true);
+                self.scale[i] += own;
+            } else if self.begins[i] {
+                begun = larger(begun, size);
+            } else {
+                others |= own > 0.0;
+                moving = larger(moving, size);
+            }
+        }
+        if others {
+            return (moving, moving, begun <= SAME && !begins);
+        }
+        (begun, if begins { 1.0 } else { begun }, !begins)
     }
 
     /// Where the last path ended.
@@ -239,16 +288,12 @@ impl Branch {
 
     /// Whether a point is the end of the last path, and not another solution.
     fn ends_at(&self, point: &[f64]) -> bool {
-        let mut pairs = self.point.iter().zip(point).zip(&self.scale);
-        pairs.all(|((a, b), scale)| (a - b).abs() <= SAME * scale)
+        let scales = self.scale.iter().zip(&self.least);
+        let mut pairs = self.point.iter().zip(point).zip(scales);
+        pairs.all(|((a, b), (scale, least))| {
+            (a - b).abs() <= SAME * (larger(*scale, *least) + SMALLEST_SCALE)
+        })
     }
-}
-
-/// max |v_i|/s_i; all are 0 where no component has a scale.
-fn norm(values: &[f64], scale: &[f64]) -> f64 {
-    let sizes = values.iter().zip(scale);
-    let sizes = sizes.filter(|(_, scale)| **scale > 0.0);
-    sizes.fold(0.0, |m: f64, (v, s)| larger(m, v.abs() / s))
 }
 
 #[cfg(test)]

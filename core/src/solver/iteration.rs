@@ -1,6 +1,8 @@
 //! The corrections of one solve, whatever equation it is of.
 
-use super::judge::{Allowed, CorrectionSize, LinearIteration, Verdict, Watch};
+use super::judge::{
+    Allowed, CorrectionSize, LinearIteration, MOST_GROWTH, Verdict, Watch, at_most,
+};
 use super::{Anderson, DenseFactors};
 use crate::error::StepError;
 
@@ -21,14 +23,17 @@ pub enum CorrectionMethod {
 /// u ← u + δ, until what a further correction would add is negligible.
 ///
 /// The caller forms δ from its equation: the residual, by Newton's method with the Jacobian. Row i of δ is measured
-/// against |state| + |change|, the change [as far as it serves](Allowed) as a scale; [`LinearIteration`] judges the
-/// measured sizes. Newton's method also keeps a [`Watch`] on whether its solution is plainly on the branch that begins
-/// at the state.
+/// against |state| + |change|, the change [as far as it serves](Allowed) as a scale, row by row: units of rows change
+/// nothing. [`LinearIteration`] judges the measured sizes. Newton's method also keeps a [`Watch`] on whether its solution
+/// is plainly on the branch that begins at the state.
 #[derive(Clone, Debug)]
 pub struct Iteration {
     method: CorrectionMethod,
     corrections: LinearIteration,
-    allowed: Allowed,
+    /// Of each row; one for all of them where there are as many as lattices have.
+    allowed: Vec<Allowed>,
+    /// The least that the others put into a row at an iterate.
+    put_in: Vec<f64>,
     watch: Watch,
     size: CorrectionSize,
     scales: Vec<f64>,
@@ -41,7 +46,8 @@ impl Iteration {
         Self {
             method,
             corrections: LinearIteration::new(0),
-            allowed: Allowed::new(0.0),
+            allowed: vec![Allowed::new(0.0); n.max(1)],
+            put_in: vec![f64::INFINITY; n.max(1)],
             watch: Watch::NEW,
             size: CorrectionSize::default(),
             scales: vec![0.0; n],
@@ -57,6 +63,8 @@ impl Iteration {
     /// The same for n unknowns.
     pub fn resize(&mut self, n: usize) {
         self.scales = vec![0.0; n];
+        self.allowed = vec![Allowed::new(0.0); n.max(1)];
+        self.put_in = vec![f64::INFINITY; n.max(1)];
         if let Some(anderson) = &mut self.anderson {
             anderson.resize(n);
         }
@@ -72,10 +80,14 @@ impl Iteration {
         self.watch.begin();
     }
 
-    /// Begins a solve with a budget of evaluations; `size` is that of the state and of the change that it starts from.
-    pub fn begin(&mut self, most: usize, size: f64) {
+    /// Begins a solve with a budget of evaluations; `size` is that of the state and of the change that it starts from, in a
+    /// row.
+    pub fn begin(&mut self, most: usize, size: impl Fn(usize) -> f64) {
         self.corrections = LinearIteration::new(most);
-        self.allowed = Allowed::new(size);
+        for (row, allowed) in self.allowed.iter_mut().enumerate() {
+            *allowed = Allowed::new(size(row));
+        }
+        self.put_in.fill(f64::INFINITY);
         self.size = CorrectionSize::default();
         self.watch.begin_solve();
         if let Some(anderson) = &mut self.anderson {
@@ -83,9 +95,11 @@ impl Iteration {
         }
     }
 
-    /// Takes in the largest change of the state at the present iterate.
-    pub fn take_change(&mut self, change: f64) {
-        self.allowed.take(change);
+    /// Takes in the change of the state in each row at the present iterate.
+    pub fn take_changes(&mut self, change: impl Fn(usize) -> f64) {
+        for (row, allowed) in self.allowed.iter_mut().enumerate() {
+            allowed.take(change(row).abs());
+        }
     }
 
     /// Takes in the factors of a new Jacobian.
@@ -93,10 +107,14 @@ impl Iteration {
         self.watch.take(!factors.is_near_identity());
     }
 
-    /// What a row is measured against.
+    /// What a row is measured against: |state| + |change| + `put_in`, what the round-off of the others puts into it. That
+    /// may be far larger than the row where an iterate is far off: it counts up to a multiple of the least so far.
     #[inline(always)]
-    pub fn scale(&self, state: f64, change: f64) -> f64 {
-        state.abs() + self.allowed.scale(change)
+    pub fn scale(&mut self, row: usize, state: f64, change: f64, put_in: f64) -> f64 {
+        let (allowed, least) = (self.allowed[row], &mut self.put_in[row]);
+        *least = at_most(*least, put_in);
+        let most = MOST_GROWTH * (*least + allowed.size());
+        state.abs() + allowed.scale(change) + at_most(put_in, most)
     }
 
     /// Takes in one row of a correction.
@@ -128,7 +146,11 @@ impl Iteration {
         if is_newton {
             self.watch.take_correction(&size);
         }
-        let verdict = self.corrections.judge_correction(&size)?;
+        let verdict = match is_newton {
+            // Rows are measured with what the others put into them: a row is the round-off of no more.
+            true => self.corrections.judge(size.component())?,
+            false => self.corrections.judge_correction(&size)?,
+        };
         if is_newton && verdict == Verdict::Converged {
             self.watch.take_end(&size);
         }
@@ -136,8 +158,8 @@ impl Iteration {
     }
 
     /// Adds the corrections, accelerated where the method says so, to the unknowns, and judges them. `measure(i, u, δ)`
-    /// is (state, change) of a row, and `way(i, u)` how far it has come with the unknown u; a correction counts `unit`
-    /// times in the state.
+    /// is (state, change, what the others put in) of a row, and `way(i, u)` how far it has come with the unknown u; a
+    /// correction counts `unit` times in the state.
     ///
     /// # Errors
     /// Those of [`judge`](Self::judge).
@@ -146,12 +168,12 @@ impl Iteration {
         corrections: &mut [f64],
         unknowns: &mut [f64],
         unit: f64,
-        measure: impl Fn(usize, f64, f64) -> (f64, f64),
+        measure: impl Fn(usize, f64, f64) -> (f64, f64, f64),
         way: impl Fn(usize, f64) -> f64,
     ) -> Result<Verdict, StepError> {
         for (i, correction) in corrections.iter().enumerate() {
-            let (state, change) = measure(i, unknowns[i], *correction);
-            self.scales[i] = self.scale(state, change);
+            let (state, change, put_in) = measure(i, unknowns[i], *correction);
+            self.scales[i] = self.scale(i, state, change, put_in);
             self.size.take(unit * correction, self.scales[i]);
         }
         if let (CorrectionMethod::Acceleration, Some(anderson)) = (self.method, &mut self.anderson)

@@ -52,8 +52,8 @@ pub fn substitution_operations(n: usize) -> u64 {
     n * (2 * n).saturating_sub(1)
 }
 
-/// P A = L U of a dense matrix by partial pivoting, in memory of its own: neither factoring nor
-/// solving allocates.
+/// P A = L U of a dense matrix, in memory of its own: neither factoring nor solving allocates. Rows stay where they
+/// stand as long as every pivot lies between 1/2 and 2; elsewhere they are chosen by partial pivoting.
 #[derive(Clone, Debug)]
 pub struct DenseFactors {
     factors: Factors<1>,
@@ -72,13 +72,22 @@ impl DenseFactors {
     /// # Panics
     /// When `matrix` is not n × n.
     pub fn factor(&mut self, matrix: &[f64]) -> bool {
-        let [singular] = self.factors.factor::<ANY>(matrix.as_chunks().0, &[true]);
+        self.factor_of_sizes(matrix, &[])
+    }
+
+    /// The same for unknowns of these sizes: pivots are then chosen as independently of the unknowns' units.
+    ///
+    /// # Panics
+    /// When `matrix` is not n × n.
+    pub fn factor_of_sizes(&mut self, matrix: &[f64], sizes: &[f64]) -> bool {
+        let (matrix, sizes) = (matrix.as_chunks().0, sizes.as_chunks().0);
+        let [singular] = self.factors.factor::<ANY>(matrix, sizes, &[true]);
         !singular
     }
 
     /// Whether every pivot lies between 1/2 and 2, rows as they stand, in any units.
     pub fn is_near_identity(&self) -> bool {
-        self.factors.is_near_identity::<ANY>(0)
+        self.factors.is_near_identity(0)
     }
 
     /// Whether the determinant of the matrix is positive.

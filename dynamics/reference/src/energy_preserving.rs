@@ -8,7 +8,7 @@ use leafwise_core::part::{
 use leafwise_core::quadrature::{GaussLegendre, legendre};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator, Tableau};
-use leafwise_core::solver::judge::{largest, reach};
+use leafwise_core::solver::judge::reach;
 use leafwise_core::solver::{StepReport, Trajectories, check_equations};
 use leafwise_core::{
     BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure,
@@ -295,21 +295,16 @@ impl StepEquation for AveragedStages {
         Ok(())
     }
 
-    fn change(&self) -> f64 {
-        let reaches = match self.is_exact {
-            true => &self.reaches,
-            false => &self.values,
-        };
-        self.unit() * largest(reaches)
+    fn change(&self, row: usize) -> f64 {
+        self.unit() * self.values[row]
     }
 
-    fn measure(&self, row: usize) -> (f64, f64) {
-        let reaches = match self.is_exact {
-            true => &self.reaches,
-            false => &self.values,
-        };
+    fn measure(&self, row: usize) -> (f64, f64, f64) {
         let state = self.start[row % self.start.len()];
-        (state, self.unit() * reaches[row])
+        match self.is_exact {
+            true => (state, 0.0, self.unit() * self.reaches[row]),
+            false => (state, self.unit() * self.values[row], 0.0),
+        }
     }
 
     fn unit(&self) -> f64 {

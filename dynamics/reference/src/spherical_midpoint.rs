@@ -8,7 +8,7 @@ use leafwise_core::lattice::{
 use leafwise_core::part::{Compared, Family, PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::StepperPart;
 use leafwise_core::runge_kutta::{SmoothMap, SmoothMapEvaluator};
-use leafwise_core::solver::judge::{largest, reach};
+use leafwise_core::solver::judge::reach;
 use leafwise_core::solver::{StepReport, Trajectories};
 use leafwise_core::{
     BuildError, Evaluator, MapProperties, PoissonSystem, StepError, StepMap, Structure,
@@ -160,14 +160,15 @@ impl StepEquation for Midpoint {
         Ok(())
     }
 
-    fn change(&self) -> f64 {
-        largest(&self.values) * self.time_step.abs()
+    fn change(&self, row: usize) -> f64 {
+        self.time_step * self.values[row]
     }
 
-    fn measure(&self, row: usize) -> (f64, f64) {
+    fn measure(&self, row: usize) -> (f64, f64, f64) {
         let d = self.start.len();
         let sensitivity = reach(&self.jacobian[row * d..][..d], &self.middle);
-        (self.start[row], self.time_step * sensitivity)
+        let put_in = self.time_step.abs() * sensitivity;
+        (self.start[row], 0.0, put_in)
     }
 
     fn unit(&self) -> f64 {

@@ -1,7 +1,7 @@
 //! The equation of an implicit step, solved on the branch that begins at a step of size 0.
 
 use leafwise_core::StepError;
-use leafwise_core::solver::judge::{Verdict, all_finite, largest};
+use leafwise_core::solver::judge::{Verdict, all_finite};
 use leafwise_core::solver::{
     Branch, CorrectionMethod, DenseFactors, Iteration, elimination_operations,
     substitution_operations,
@@ -22,10 +22,11 @@ pub(crate) trait StepEquation {
         residual: &mut [f64],
         matrix: &mut [f64],
     ) -> Result<(), StepError>;
-    /// The largest change of the state, for the last u.
-    fn change(&self) -> f64;
-    /// What a row of a correction is measured against: the state and its change, for the last u.
-    fn measure(&self, row: usize) -> (f64, f64);
+    /// The change of the state in a row, for the last u.
+    fn change(&self, row: usize) -> f64;
+    /// What a row of a correction is measured against, for the last u: the state, its change, and what the round-off of the
+    /// others puts into it.
+    fn measure(&self, row: usize) -> (f64, f64, f64);
     /// How much an unknown counts in the state.
     fn unit(&self) -> f64;
 }
@@ -91,14 +92,16 @@ impl StepSolve {
             true => MOST_EVALUATIONS,
             false => MOST_ACCELERATED,
         };
-        let size = largest(x) + unit * largest(&self.unknowns);
+        let unknowns = &self.unknowns;
+        let size = |row: usize| x[row % x.len()].abs() + unit * unknowns[row].abs();
         self.iteration.begin(most, size);
         loop {
             equation.linearize(&self.unknowns, &mut self.residual, &mut self.matrix)?;
-            self.iteration.take_change(equation.change());
+            self.iteration.take_changes(|row| equation.change(row));
             if self.has_jacobian() {
                 self.linear += elimination_operations(n) + substitution_operations(n);
-                if !self.factors.factor(&self.matrix) {
+                self.take_sizes(equation);
+                if !(self.factors).factor_of_sizes(&self.matrix, &self.sizes) {
                     return Err(StepError::NonFinite {
                         what: "a correction of the step's equation",
                     });
@@ -119,6 +122,14 @@ impl StepSolve {
         }
     }
 
+    /// The state in units of the unknowns.
+    fn take_sizes(&mut self, equation: &impl StepEquation) {
+        let unit = equation.unit();
+        for (row, size) in self.sizes.iter_mut().enumerate() {
+            *size = equation.measure(row).0.abs() / unit;
+        }
+    }
+
     /// Makes sure that what was `solved` is the solution that begins at 0, and takes that where another or none was
     /// found.
     #[cold]
@@ -128,10 +139,7 @@ impl StepSolve {
         equation: &mut impl StepEquation,
         x: &[f64],
     ) -> Result<usize, StepError> {
-        let unit = equation.unit();
-        for (row, size) in self.sizes.iter_mut().enumerate() {
-            *size = equation.measure(row).0.abs() / unit;
-        }
+        self.take_sizes(equation);
         let whole = *equation.time_step();
         let mut spent = 0;
         let settled = self.branch.settle(
@@ -160,7 +168,11 @@ impl StepSolve {
     pub(crate) fn factor(&mut self, equation: &mut impl StepEquation) -> bool {
         let (residual, matrix) = (&mut self.residual, &mut self.matrix);
         let is_defined = equation.linearize(&self.unknowns, residual, matrix);
-        is_defined.is_ok() && self.has_jacobian() && self.factors.factor(&self.matrix)
+        if is_defined.is_err() || !self.has_jacobian() {
+            return false;
+        }
+        self.take_sizes(equation);
+        (self.factors).factor_of_sizes(&self.matrix, &self.sizes)
     }
 
     pub(crate) fn operations(&self) -> u64 {

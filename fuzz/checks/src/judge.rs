@@ -89,7 +89,7 @@ fn judged(scene: &RandomScene, registry: &Registry) -> Verdict {
     if let Some(refusal) = checks.refusal(&document, &composed.system, false) {
         return Verdict::Suspicious(format!("a true tensor is refused: {}", refusal.message));
     }
-    let end = match end(&composed, STEPS) {
+    let end = match end(scene, &composed, STEPS) {
         Ok(end) => end,
         Err(error) => return Verdict::Failed(failure(&error).to_owned()),
     };
@@ -147,8 +147,8 @@ fn reported(
     }
 }
 
-/// The state after the scene's time in so many steps.
-fn end(run: &ComposedRun, steps: usize) -> Result<Vec<f64>, StepError> {
+/// The state after the scene's time in so many steps, in the units of its meaning.
+fn end(scene: &RandomScene, run: &ComposedRun, steps: usize) -> Result<Vec<f64>, StepError> {
     let values = run.system.parameter_values();
     let (plan, map) = (&run.plan, run.method.map());
     let h = plan.h * STEPS as f64 / steps as f64;
@@ -156,7 +156,8 @@ fn end(run: &ComposedRun, steps: usize) -> Result<Vec<f64>, StepError> {
     for _ in 0..steps {
         integrator.step()?;
     }
-    Ok(integrator.state().to_vec())
+    let own = integrator.state().iter().zip(&scene.units);
+    Ok(own.map(|(x, unit)| x / unit).collect())
 }
 
 /// Why a result is not confirmed.
@@ -202,8 +203,8 @@ fn doubt(
     };
     // Steps halved; of an adaptive stepper, whose step is its own, tolerances of a hundredth.
     let refined = |times: u32| match scene.tolerance > 0.0 {
-        true => tightened(scene, registry, times).and_then(|run| end(&run, STEPS).ok()),
-        false => end(run, STEPS << times).ok(),
+        true => tightened(scene, registry, times).and_then(|run| end(scene, &run, STEPS).ok()),
+        false => end(scene, run, STEPS << times).ok(),
     };
     let Some(Solution {
         states,
@@ -214,7 +215,7 @@ fn doubt(
         // Too stiff for the independent solution: the refined ones are to confirm it.
         let (Some(half), Some(quarter)) = (refined(1), refined(2)) else {
             // Nor can tolerances be tightened: two of half a step are to agree.
-            let half = end(run, STEPS << 1).ok();
+            let half = end(scene, run, STEPS << 1).ok();
             let is_near = half.is_some_and(|half| largest(end_state, &half) <= UNRESOLVED);
             return Some(match is_near {
                 true => Doubt::Unresolved,
@@ -252,7 +253,7 @@ fn doubt(
         }
         if errors[1..].iter().all(|error| error.is_nan()) {
             // Shorter steps are refused, as those that end beside 0/0: longer ones are to show the order.
-            let longer = end(run, STEPS / 2).map_or(f64::NAN, |end| largest(&end, last));
+            let longer = end(scene, run, STEPS / 2).map_or(f64::NAN, |end| largest(&end, last));
             if error <= FALLS * longer {
                 return None;
             }

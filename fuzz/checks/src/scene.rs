@@ -4,7 +4,7 @@ use leafwise::expression::Function;
 
 use crate::method::method;
 use crate::source::Source;
-use crate::tensor::{Tensor, tensor};
+use crate::tensor::{Family, Tensor, tensor};
 use crate::tree::Tree;
 
 /// A scene with what it means, apart from the program's own reading.
@@ -22,6 +22,10 @@ pub struct RandomScene {
     pub time_step: f64,
     /// The tolerance of its stepper, 0 where it has none.
     pub tolerance: f64,
+    /// What the coordinates of the text are in units of those here, as its time is in units of `second`: powers of two.
+    pub units: Vec<f64>,
+    /// The unit of the text's time.
+    pub second: f64,
 }
 
 /// How many steps a scene takes.
@@ -44,7 +48,10 @@ impl RandomScene {
             initial,
             time_step: 0.0,
             tolerance: 0.0,
+            units: Vec::new(),
+            second: 1.0,
         };
+        scene.units = vec![1.0; scene.initial.len()];
         let tame = libm::log(EXTREME / TAME);
         let relative = EXTREME * libm::exp(-tame * source.between(0.0, 1.0));
         let step = relative / scene.rate();
@@ -52,8 +59,28 @@ impl RandomScene {
         scene.time_step = format!("{step:.2e}").parse().unwrap_or(0.1);
         let method = method(source, &scene.tensor);
         scene.tolerance = method.tolerance;
+        // A projection is orthogonal in the coordinates as they are written.
+        if !method.text.contains("projection") && source.chance(64) {
+            scene.draw_units(source);
+        }
         scene.text = scene.written(&method.text);
         scene
+    }
+
+    /// Other units of coordinates and time in the text; that of the energy is such that the tensor keeps its form.
+    fn draw_units(&mut self, source: &mut Source<'_>) {
+        let mut unit = || libm::exp2((source.below(121) as f64) - 60.0);
+        self.second = unit();
+        match self.tensor.family {
+            // Structure constants stay in units of the energy times the time.
+            Family::Rotations | Family::Linear => {
+                let unit = unit();
+                self.units.fill(unit);
+            }
+            // Velocities are changes of positions.
+            Family::Magnetic => self.second = 1.0,
+            _ => self.units.iter_mut().for_each(|own| *own = unit()),
+        }
     }
 
     fn written(&self, method: &str) -> String {
@@ -64,21 +91,49 @@ impl RandomScene {
             .map(|name| format!("{name:?}"))
             .collect();
         let convention = if tensor.is_textbook { "{x,H}" } else { "{H,x}" };
+        // Coordinates in the units of the text, by those that formulas are of.
+        let power = |unit: f64| format!("2^({})", libm::log2(unit));
+        let own: Vec<String> = (tensor.names.iter().zip(&self.units))
+            .map(|(name, unit)| match *unit {
+                1.0 => (*name).to_owned(),
+                unit => format!("({name}*{})", power(1.0 / unit)),
+            })
+            .collect();
+        let own: Vec<&str> = own.iter().map(String::as_str).collect();
         let casimirs: Vec<String> = tensor
             .casimirs
             .iter()
             .enumerate()
-            .map(|(at, casimir)| format!("C{at} = \"{}\"", casimir.text(&tensor.names)))
+            .map(|(at, casimir)| format!("C{at} = \"{}\"", casimir.text(&own)))
             .collect();
+        let is_of_structure = matches!(tensor.family, Family::Rotations | Family::Linear);
+        let action = if is_of_structure { self.units[0] } else { 1.0 };
+        let energy = action / self.second;
+        let hamiltonian = self.hamiltonian.text(&own);
+        let hamiltonian = match energy {
+            1.0 => hamiltonian,
+            energy => format!("{}*({hamiltonian})", power(energy)),
+        };
+        let has_entries = matches!(tensor.family, Family::Constant | Family::General);
+        let bracket = match has_entries && self.units.iter().any(|unit| *unit != 1.0) {
+            false => tensor.written.clone(),
+            true => {
+                let entries = tensor.entries.iter().map(|(i, j, entry)| {
+                    let (a, b) = (tensor.names[*i], tensor.names[*j]);
+                    let factor = power(self.units[*i] * self.units[*j]);
+                    format!("\"{a},{b}\" = \"{factor}*({})\"", entry.text(&own))
+                });
+                format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "))
+            }
+        };
+        let initial = self.initial.iter().zip(&self.units);
+        let initial: Vec<f64> = initial.map(|(x, unit)| x * unit).collect();
         format!(
-            "[system]\nvariables = [{}]\nconvention = \"{convention}\"\nbracket = {}\nhamiltonian = \"{}\"\n\
-             casimirs = {{ {} }}\n[method]\n{method}time-step = {:?}\n[run]\ninitial = {:?}\nsteps = {STEPS}\n",
+            "[system]\nvariables = [{}]\nconvention = \"{convention}\"\nbracket = {bracket}\nhamiltonian = \"{hamiltonian}\"\n\
+             casimirs = {{ {} }}\n[method]\n{method}time-step = {:?}\n[run]\ninitial = {initial:?}\nsteps = {STEPS}\n",
             names.join(", "),
-            tensor.written,
-            self.hamiltonian.text(&tensor.names),
             casimirs.join(", "),
-            self.time_step,
-            self.initial,
+            self.time_step * self.second,
         )
     }
 

@@ -1,14 +1,14 @@
 //! α, β and their tangents as numbers.
 
-use leafwise_core::solver::judge::larger;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use leafwise_core::StepError;
 use leafwise_core::evaluator::{Evaluator, is_same, one_by_one};
 use leafwise_core::realization::RealizationEvaluator;
-use leafwise_core::solver::{elimination_operations, substitution_operations};
-use nalgebra::{DMatrix, DVector, Dyn, LU, Schur};
+use leafwise_core::solver::judge::larger;
+use leafwise_core::solver::{DenseFactors, elimination_operations, substitution_operations};
+use nalgebra::{DMatrix, DVector, Schur};
 
 use crate::even_part::{Fraction, LARGEST, fractions, needed};
 use crate::structure::LieAlgebra;
@@ -49,8 +49,33 @@ struct Point {
 struct Resolvent {
     weight: f64,
     shift: f64,
-    factors: LU<f64, Dyn, Dyn>,
+    factors: Factors,
     solution: DVector<f64>,
+}
+
+/// Factors of a matrix over the algebra's dual, pivots chosen whatever the units of its coordinates.
+struct Factors(DenseFactors);
+
+impl Factors {
+    /// Those of a matrix that is solved for unknowns of about these sizes; `None` where it is singular.
+    fn of(matrix: &DMatrix<f64>, sizes: &DVector<f64>) -> Option<Self> {
+        let mut factors = DenseFactors::new(matrix.nrows());
+        let rows = matrix.transpose();
+        let is_regular = factors.factor_of_sizes(rows.as_slice(), sizes.as_slice());
+        is_regular.then_some(Self(factors))
+    }
+
+    fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
+        let mut solution = right.clone();
+        self.0.solve(solution.as_mut_slice());
+        solution
+    }
+
+    fn solve_columns(&self, right: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut rows = right.transpose();
+        self.0.solve_columns(rows.as_mut_slice(), right.ncols());
+        rows.transpose()
+    }
 }
 
 impl LiePoissonEvaluator {
@@ -84,7 +109,7 @@ impl LiePoissonEvaluator {
         let x = DVector::from_column_slice(x);
         let map = self.algebra.coadjoint(p) * self.epsilon;
         let quarter_square = &map * &map * 0.25;
-        let bound = norm(&quarter_square);
+        let bound = spectral_bound(&quarter_square);
         check_chart(&map, bound)?;
         let d = x.len();
         let square = (d * d) as u64;
@@ -92,8 +117,8 @@ impl LiePoissonEvaluator {
         let mut resolvents = Vec::new();
         for fraction in self.fractions(bound).iter() {
             let matrix = DMatrix::identity(d, d) + &quarter_square * fraction.shift;
-            let factors = matrix.lu();
-            let solution = factors.solve(&x).ok_or(SINGULAR)?;
+            let factors = Factors::of(&matrix, &x).ok_or(SINGULAR)?;
+            let solution = factors.solve(&x);
             resolvents.push(Resolvent {
                 weight: fraction.weight,
                 shift: fraction.shift,
@@ -122,9 +147,42 @@ impl LiePoissonEvaluator {
     }
 }
 
+/// After so many sweeps rows and columns of matrices of any units are alike.
+const MOST_SWEEPS: usize = 16;
+
 const SINGULAR: StepError = StepError::NonFinite {
     what: "the inverse of a function of the coadjoint map",
 };
+
+/// A bound of every eigenvalue, whatever the units of the coordinates: the norm, and where that is large the norm in units
+/// that make rows and columns alike.
+fn spectral_bound(matrix: &DMatrix<f64>) -> f64 {
+    use std::f64::consts::PI;
+    let plain = norm(matrix);
+    if plain < PI * PI || !plain.is_finite() {
+        return plain;
+    }
+    plain.min(norm(&balanced(matrix)))
+}
+
+/// S⁻¹AS with a diagonal S for which the off-diagonal sums of each row and of its column are about the same (E. Osborne, *On
+/// pre-conditioning of matrices*, J. ACM 7 (1960)).
+fn balanced(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    let (mut a, d) = (matrix.clone(), matrix.nrows());
+    for _ in 0..MOST_SWEEPS {
+        for i in 0..d {
+            let others = (0..d).filter(|j| *j != i);
+            let sums = others.map(|j| (a[(i, j)].abs(), a[(j, i)].abs()));
+            let (row, column) = sums.fold((0.0, 0.0), |(r, c), (x, y)| (r + x, c + y));
+            let factor = libm::sqrt(row / column);
+            if factor.is_finite() && factor > 0.0 {
+                a.row_mut(i).iter_mut().for_each(|v| *v /= factor);
+                a.column_mut(i).iter_mut().for_each(|v| *v *= factor);
+            }
+        }
+    }
+    a
+}
 
 /// The smaller of the row sum and the column sum norm: a bound of every eigenvalue.
 fn norm(matrix: &DMatrix<f64>) -> f64 {
@@ -159,7 +217,7 @@ fn check_chart(map: &DMatrix<f64>, bound: f64) -> Result<(), StepError> {
     if bound < PI * PI {
         return Ok(());
     }
-    let widest = widest_frequency(map).ok_or(SINGULAR)?;
+    let widest = widest_frequency(&balanced(map)).ok_or(SINGULAR)?;
     if widest < 2.0 * PI {
         return Ok(());
     }
@@ -217,9 +275,8 @@ impl LiePoissonEvaluator {
         for resolvent in &point.resolvents {
             let y = &resolvent.solution;
             let change = self.square_tangent(&point, y);
-            let solve = |right: &DMatrix<f64>| resolvent.factors.solve(right).ok_or(SINGULAR);
-            by_p += solve(&change)? * resolvent.weight;
-            by_x += solve(&point.quarter_square)? * resolvent.weight;
+            by_p += resolvent.factors.solve_columns(&change) * resolvent.weight;
+            by_x += resolvent.factors.solve_columns(&point.quarter_square) * resolvent.weight;
         }
         let (n, resolvents) = (d as u64, point.resolvents.len() as u64);
         let each = 2 * n * n * n + 8 * n * n + 2 * n * substitution_operations(d);
@@ -284,7 +341,7 @@ impl RealizationEvaluator for LiePoissonEvaluator {
         let mut by_pp = DMatrix::zeros(d, d);
         for resolvent in &point.resolvents {
             let (r, s, y) = (resolvent.weight, resolvent.shift, &resolvent.solution);
-            let inverse = resolvent.factors.try_inverse().ok_or(SINGULAR)?;
+            let inverse = resolvent.factors.solve_columns(&DMatrix::identity(d, d));
             let mu = inverse.transpose() * &lambda;
             let along = coadjoint(&mu);
             let slope = (&along * &point.map + coadjoint(&(point.map.transpose() * &mu)))

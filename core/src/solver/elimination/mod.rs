@@ -53,21 +53,27 @@ impl<const W: usize> Rows<W> for Vec<[f64; W]> {
     }
 }
 
-/// P A = L U of W matrices by partial pivoting; the reciprocals of the pivots stand on the diagonal. Of 2 × 2 and
+/// P A = L U of W matrices; the reciprocals of the pivots stand on the diagonal. Of 2 × 2 and
 /// 3 × 3 matrices the inverses themselves: a solve then does not wait for one quotient after the other.
 ///
-/// Near the identity every pivot is the largest of its column where it stands: all lanes are then
-/// eliminated at once, without a search. A lane where one is not is eliminated alone.
+/// Near the identity, where every pivot lies between 1/2 and 2, rows stay as they stand, and all lanes are
+/// eliminated at once, without a search: a change of units, S⁻¹AS with S diagonal, changes no pivot. A lane that is
+/// not near is eliminated alone, by partial pivoting of its rows over Σ_j |a_rj| s_j, the sizes s of the unknowns,
+/// which is as independent of units (R. Skeel, *Scaling for numerical stability in Gaussian elimination*, J. ACM 26
+/// (1979)).
 #[derive(Clone, Debug)]
 pub(crate) struct Factors<const W: usize, M = Vec<[f64; W]>> {
     entries: M,
     /// The row that was exchanged with row k before column k was eliminated.
     exchanges: Vec<[usize; W]>,
+    /// Whether a lane is eliminated alone, with exchanges.
     exchanged: [bool; W],
-    /// Of a lane with exchanges: whether it would be near the identity without them.
     near: [bool; W],
     kept: Vec<[f64; W]>,
     single: Vec<f64>,
+    /// What a row's entries are multiplied by where pivots are chosen, and the sizes of the unknowns.
+    weights: Vec<f64>,
+    sizes: Vec<f64>,
 }
 
 impl<const W: usize, M: Rows<W>> Factors<W, M> {
@@ -80,19 +86,22 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
             near: [false; W],
             kept: vec![[0.0; W]; if W > 1 { d * d } else { 0 }],
             single: vec![0.0; d * d],
+            weights: vec![1.0; d],
+            sizes: vec![1.0; d],
         }
     }
 
-    /// Factors `matrix`, row-major, in the lanes of `wanted`; the others keep their factors. Returns
-    /// where a wanted matrix is singular or not finite.
+    /// Factors `matrix`, row-major, in the lanes of `wanted`; the others keep their factors. `sizes` are those of the
+    /// unknowns; none where all are of one size. Returns where a wanted matrix is singular or not finite.
     #[inline(always)]
     pub(crate) fn factor<const D: usize>(
         &mut self,
         matrix: &[[f64; W]],
+        sizes: &[[f64; W]],
         wanted: &[bool; W],
     ) -> [bool; W] {
         if is_inverted::<D>() {
-            return self.invert::<D>(matrix, wanted);
+            return self.invert::<D>(matrix, sizes, wanted);
         }
         let d = dimension::<D>(self.exchanges.len());
         let (entries, matrix) = (&mut self.entries.as_mut()[..d * d], &matrix[..d * d]);
@@ -108,7 +117,7 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
                 apart::<W>();
             }
         }
-        let in_place = eliminate::<D, W>(entries, d);
+        let near = eliminate::<D, W>(entries, d);
         if !all {
             for (entry, kept) in entries.iter_mut().zip(&self.kept) {
                 for w in 0..W {
@@ -119,31 +128,17 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
         let mut singular = [false; W];
         for w in 0..W {
             if wanted[w] {
-                self.exchanged[w] = !in_place[w];
-                singular[w] = !in_place[w] && !self.factor_alone(matrix, w);
+                (self.near[w], self.exchanged[w]) = (near[w], !near[w]);
+                singular[w] = !near[w] && !self.factor_alone(matrix, sizes, w);
             }
         }
         singular
     }
 
-    /// Whether every pivot of a lane lies between 1/2 and 2, rows as they stand. A change of units,
-    /// S⁻¹AS with S diagonal, does not change the pivots.
+    /// Whether every pivot of a lane lies between 1/2 and 2, rows as they stand.
     #[inline(always)]
-    pub(crate) fn is_near_identity<const D: usize>(&self, lane: usize) -> bool {
-        if is_inverted::<D>() {
-            return self.near[lane];
-        }
-        let d = dimension::<D>(self.exchanges.len());
-        let entries = &self.entries.as_ref()[..d * d];
-        let mut near = true;
-        for k in 0..d {
-            near &= is_near_one(entries[k * (d + 1)][lane]);
-        }
-        if self.exchanged[lane] {
-            self.near[lane]
-        } else {
-            near
-        }
+    pub(crate) fn is_near_identity(&self, lane: usize) -> bool {
+        self.near[lane]
     }
 
     /// Whether the determinant of a lane's matrix is positive: its pivots' and exchanges' signs.
@@ -158,21 +153,17 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
 
     /// One lane with exchanges of rows; `false` where a pivot is zero or not finite.
     #[cold]
-    fn factor_alone(&mut self, matrix: &[[f64; W]], lane: usize) -> bool {
+    fn factor_alone(&mut self, matrix: &[[f64; W]], sizes: &[[f64; W]], lane: usize) -> bool {
         let d = self.exchanges.len();
-        let a = &mut self.single;
-        let load = |a: &mut Vec<f64>| {
-            for (value, entry) in a.iter_mut().zip(matrix) {
-                *value = entry[lane] + 0.0;
-            }
-        };
-        load(a);
-        eliminate::<ANY, 1>(a.as_chunks_mut().0, d);
-        self.near[lane] = (0..d).all(|k| is_near_one(a[k * (d + 1)]));
-        load(a);
+        for (value, entry) in self.single.iter_mut().zip(matrix) {
+            *value = entry[lane] + 0.0;
+        }
+        self.weigh(sizes, lane);
+        let (a, weights) = (&mut self.single, &mut self.weights);
         for k in 0..d {
+            let weighted = |row: usize| a[row * d + k].abs() * weights[row];
             let largest = |best: usize, row: usize| {
-                if a[row * d + k].abs() > a[best * d + k].abs() {
+                if weighted(row) > weighted(best) {
                     row
                 } else {
                     best
@@ -180,6 +171,7 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
             };
             let pivot = (k + 1..d).fold(k, largest);
             self.exchanges[k][lane] = pivot;
+            weights.swap(pivot, k);
             // Whole rows, the multipliers in them too: as one permutation from the start.
             for column in 0..d {
                 a.swap(pivot * d + column, k * d + column);
@@ -207,6 +199,38 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
             entry[lane] = *value;
         }
         true
+    }
+
+    /// The weights of the rows: 1/Σ_j |a_rj| s_j. An unknown without a size has that of what the others put into it,
+    /// Σ_k |a_jk| s_k.
+    fn weigh(&mut self, sizes: &[[f64; W]], lane: usize) {
+        let d = self.exchanges.len();
+        self.weights.fill(1.0);
+        if sizes.is_empty() {
+            return;
+        }
+        let (a, own, weights) = (&self.single, &mut self.sizes, &mut self.weights);
+        let sum = |row: usize, sizes: &[f64]| {
+            let entries = a[row * d..][..d].iter().zip(sizes);
+            entries
+                .map(|(entry, size)| (entry * size).abs())
+                .sum::<f64>()
+        };
+        for (own, size) in own.iter_mut().zip(sizes) {
+            *own = size[lane].abs();
+        }
+        for (row, weight) in weights.iter_mut().enumerate() {
+            *weight = if own[row] == 0.0 {
+                sum(row, own)
+            } else {
+                own[row]
+            };
+        }
+        own.copy_from_slice(weights);
+        for (row, weight) in weights.iter_mut().enumerate() {
+            let inverse = 1.0 / sum(row, own);
+            *weight = if inverse.is_finite() { inverse } else { 1.0 };
+        }
     }
 
     /// A⁻¹ r in place of r, in every lane.
@@ -255,7 +279,12 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
     /// The inverse of a small matrix: by cofactors where it is near the identity, by elimination of a lane
     /// alone elsewhere.
     #[inline(always)]
-    fn invert<const D: usize>(&mut self, matrix: &[[f64; W]], wanted: &[bool; W]) -> [bool; W] {
+    fn invert<const D: usize>(
+        &mut self,
+        matrix: &[[f64; W]],
+        sizes: &[[f64; W]],
+        wanted: &[bool; W],
+    ) -> [bool; W] {
         let matrix = &matrix[..D * D];
         let (inverse, near) = by_cofactors::<D, W>(matrix);
         let entries = &mut self.entries.as_mut()[..D * D];
@@ -268,7 +297,7 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
         for w in 0..W {
             if wanted[w] {
                 self.near[w] = near[w];
-                singular[w] = !near[w] && !self.invert_alone::<D>(matrix, w);
+                singular[w] = !near[w] && !self.invert_alone::<D>(matrix, sizes, w);
             }
         }
         singular
@@ -276,8 +305,13 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
 
     /// One lane's inverse by elimination with exchanges; `false` where a pivot is zero or not finite.
     #[cold]
-    fn invert_alone<const D: usize>(&mut self, matrix: &[[f64; W]], lane: usize) -> bool {
-        if !self.factor_alone(matrix, lane) {
+    fn invert_alone<const D: usize>(
+        &mut self,
+        matrix: &[[f64; W]],
+        sizes: &[[f64; W]],
+        lane: usize,
+    ) -> bool {
+        if !self.factor_alone(matrix, sizes, lane) {
             return false;
         }
         let mut factors = Factors::<1>::new(D);
@@ -296,7 +330,6 @@ impl<const W: usize, M: Rows<W>> Factors<W, M> {
                 self.entries.as_mut()[row * D + column][lane] = *value;
             }
         }
-        self.near[lane] = false;
         true
     }
 }
@@ -361,7 +394,7 @@ fn is_finite<const W: usize>(row: &[[f64; W]]) -> bool {
     row.iter().flatten().all(|entry| entry.is_finite())
 }
 
-/// Elimination without exchanges; `true` where partial pivoting would have made none either.
+/// Elimination without exchanges; `true` where every pivot lies between 1/2 and 2.
 ///
 /// Rows that a column does not reach are left as they are: of long systems that couple few coordinates
 /// most are such.
@@ -369,12 +402,12 @@ fn is_finite<const W: usize>(row: &[[f64; W]]) -> bool {
 fn eliminate<const D: usize, const W: usize>(a: &mut [[f64; W]], d: usize) -> [bool; W] {
     let d = dimension::<D>(d);
     let a = &mut a[..d * d];
-    let mut in_place = [true; W];
+    let mut near = [true; W];
     for k in 0..d {
         let pivot = a[k * d + k];
         let reciprocal = pivot.map(|pivot| 1.0 / pivot);
         for w in 0..W {
-            in_place[w] &= reciprocal[w].is_finite() && reciprocal[w] != 0.0;
+            near[w] &= is_near_one(pivot[w]);
         }
         a[k * d + k] = reciprocal;
         let (above, below) = a.split_at_mut((k + 1) * d);
@@ -383,7 +416,6 @@ fn eliminate<const D: usize, const W: usize>(a: &mut [[f64; W]], d: usize) -> [b
         for row in below.chunks_exact_mut(d) {
             let mut factor = row[k];
             for w in 0..W {
-                in_place[w] &= factor[w].abs() <= pivot[w].abs();
                 factor[w] *= reciprocal[w];
             }
             row[k] = factor;
@@ -395,5 +427,5 @@ fn eliminate<const D: usize, const W: usize>(a: &mut [[f64; W]], d: usize) -> [b
             }
         }
     }
-    in_place
+    near
 }

@@ -102,17 +102,25 @@ impl Allowed {
     }
 }
 
-/// Whether y and the increment Δ are of one step from x: |y − x − Δ/2| ≤ |Δ|, but for round-off.
-/// β̂(L(y)) and α̂(L(y)) lie to both sides of y, or the first at y, but for an even part of second
-/// order: a solution farther off is not the one that begins at y = x.
+/// Whether y and the increment Δ are of one step from x: |y − x − Δ/2| ≤ |Δ|, but for round-off, as a whole or each
+/// coordinate in units of what it is and moves by. β̂(L(y)) and α̂(L(y)) lie to both sides of y, or the first at y, but for
+/// an even part of second order: a solution farther off is not the one that begins at y = x.
 pub fn is_between(x: &[f64], y: &[f64], increment: &[f64]) -> bool {
-    let (mut away, mut moved, mut state) = (0.0, 0.0, 0.0);
+    let (mut away, mut moved, mut state) = ([0.0; 2], [0.0; 2], 0.0);
     for ((x, y), change) in x.iter().zip(y).zip(increment) {
-        away = larger(away, (y - x - 0.5 * change).abs());
-        moved = larger(moved, change.abs());
+        let (way, off) = ((y - x).abs(), (y - x - 0.5 * change).abs());
+        let own = x.abs() + way + change.abs();
+        for (at, unit) in [1.0, own].into_iter().enumerate() {
+            if unit > 0.0 {
+                moved[at] = larger(moved[at], change.abs() / unit);
+            }
+            if unit != 0.0 {
+                away[at] = larger(away[at], off / unit);
+            }
+        }
         state = larger(state, x.abs());
     }
-    away <= moved + ROUND_OFF * state
+    away[0] <= moved[0] + ROUND_OFF * state || away[1] <= moved[1] + ROUND_OFF
 }
 
 /// The size of a correction, component by component and as a whole.

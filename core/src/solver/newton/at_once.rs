@@ -25,8 +25,7 @@ pub(super) fn at_once(start: &Kernel, full: &Kernel, further: &[&Kernel], bases:
     let away = own.each([&last, &x], Sequence::subtract);
     let displacement = own.each([&away, &odd], Sequence::add);
     let y = own.each([&x, &displacement], Sequence::add);
-    let sizes = own.sums_of_sizes(&x, &displacement);
-    let mut allowed = own.largest(&sizes);
+    let mut allowed = own.sums_of_sizes(&x, &displacement);
 
     let ends = own.0.evaluate(full, &y);
     let (ends, jacobians) = ends.split_at(bases + 2 * d);
@@ -37,7 +36,7 @@ pub(super) fn at_once(start: &Kernel, full: &Kernel, further: &[&Kernel], bases:
     let mut outputs = vec![near];
 
     let (mut y, mut ends, mut guard) = (y, ends.to_vec(), guard.to_vec());
-    let mut grown: Option<Value> = None;
+    let mut before: Option<[Vec<Value>; 2]> = None;
     for evaluation in 0..=further.len() {
         if evaluation > 0 {
             ends = own.0.evaluate(further[evaluation - 1], &y);
@@ -51,13 +50,15 @@ pub(super) fn at_once(start: &Kernel, full: &Kernel, further: &[&Kernel], bases:
         let residual = own.each([&away, &low], Sequence::add);
         let correction = own.product(&inverse, &residual);
         let sizes = own.sizes(increment);
-        let own_grown = own.largest(&sizes);
-        if let Some(before) = grown {
-            let smallest = own.0.smaller(before, own_grown);
-            allowed = own.0.larger(allowed, smallest);
+        let sums = own.sums_of_sizes(&y, &correction);
+        let mut reached = own.product(&slope, &sums);
+        if let Some([grown, least]) = before {
+            let smallest = own.each([&grown, &sizes], Sequence::smaller);
+            allowed = own.each([&allowed, &smallest], Sequence::larger);
+            reached = own.each([&reached, &least], Sequence::smaller);
         }
-        grown = Some(own_grown);
-        let scale = own.scale([&x, &y, &correction, increment], &slope, allowed);
+        let scale = own.scale([&x, &sizes, &allowed, &reached]);
+        before = Some([sizes, reached]);
         let size = own.relative(&correction, &scale);
         let solution = own.each([&y, &correction], Sequence::add);
         let first_order = own.product(change, &correction);
@@ -174,22 +175,13 @@ impl Writer {
     }
 
     /// What corrections are judged against.
-    fn scale(
-        &mut self,
-        [x, y, correction, increment]: [&[Value]; 4],
-        slope: &[Value],
-        allowed: Value,
-    ) -> Vec<Value> {
-        let sums = self.sums_of_sizes(y, correction);
-        let reach = self.product(slope, &sums);
-        let growth = self.0.number(MOST_GROWTH);
-        let most = self.0.multiply(growth, allowed);
-        let (x, increment) = (self.sizes(x), self.sizes(increment));
-        let [allowed, most] = [allowed, most].map(|value| vec![value; x.len()]);
-        let changes = self.each([&increment, &most], Sequence::smaller);
+    fn scale(&mut self, [x, changes, allowed, reached]: [&[Value]; 4]) -> Vec<Value> {
+        let growth = vec![self.0.number(MOST_GROWTH); x.len()];
+        let most = self.each([&growth, allowed], Sequence::multiply);
+        let x = self.sizes(x);
+        let changes = self.each([&most, changes], Sequence::smaller);
         let own = self.each([&x, &changes], Sequence::add);
-        let reach = self.each([&reach, &allowed], Sequence::smaller);
-        self.each([&own, &reach], Sequence::add)
+        self.each([&own, reached], Sequence::add)
     }
 
     /// Σ 0·v: 0 where all are finite.

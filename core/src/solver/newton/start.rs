@@ -6,7 +6,6 @@ use leafwise_expression::{Kernel, Workspace, kernel::apart};
 
 use crate::solver::elimination::dimension;
 use crate::solver::extrapolation::{DEPTH, Extrapolation};
-use crate::solver::judge::larger;
 
 /// One number of each lane.
 type Row<const W: usize> = [f64; W];
@@ -27,15 +26,18 @@ pub(super) enum Start<const W: usize> {
     Extrapolated(Extrapolation<W>),
 }
 
-/// Half of the odd part that moves x farther than by this part of it may be a series that does not converge: what it leads
-/// to, an end outside the chart also, says nothing of the solution that begins at x.
+/// Half of the odd part that moves a coordinate farther than by this part of it may be a series that does not
+/// converge: what it leads to, an end outside the chart also, says nothing of the solution that begins at x.
 const NEAR: f64 = 0.25;
 
 /// The displacement of a lane without a solution before it.
 #[cold]
 fn begin<const W: usize>(x: &[Row<W>], odd: &[Row<W>], displacement: &mut [Row<W>], w: usize) {
-    let largest = |rows: &[Row<W>]| rows.iter().fold(0.0, |m, row| larger(m, row[w].abs()));
-    let is_near = 0.5 * largest(odd) <= NEAR * largest(x);
+    let mut pairs = x.iter().zip(odd);
+    let is_near = pairs.all(|(x, odd)| {
+        let (size, half) = (x[w].abs(), 0.5 * odd[w].abs());
+        half <= NEAR * size || size == 0.0 && half.is_finite()
+    });
     for (row, odd) in displacement.iter_mut().zip(odd) {
         row[w] = if is_near { 0.5 * odd[w] } else { 0.0 };
     }

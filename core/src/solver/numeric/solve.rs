@@ -2,7 +2,7 @@
 
 use crate::error::StepError;
 use crate::solver::extrapolation::DEPTH;
-use crate::solver::judge::{Verdict, is_between, largest};
+use crate::solver::judge::{Verdict, is_between};
 use crate::solver::linear::{DenseFactors, elimination_operations, substitution_operations};
 use crate::solver::{CorrectionMethod, Extrapolation, Iteration};
 
@@ -27,6 +27,8 @@ pub(super) struct Solve {
     displacement: Vec<f64>,
     residual: Vec<f64>,
     factors: DenseFactors,
+    /// |D(β̂∘L) − 1||y|: what the round-off of all coordinates puts into each.
+    put_in: Vec<f64>,
     pub(super) iteration: Iteration,
     /// Operations of the products and solves.
     pub(super) linear: u64,
@@ -42,6 +44,7 @@ impl Solve {
             displacement: vec![0.0; d],
             residual: vec![0.0; d],
             factors: DenseFactors::new(d),
+            put_in: vec![0.0; d],
             iteration: Iteration::new(method, d),
             linear: 0,
         }
@@ -67,7 +70,8 @@ impl Solve {
         for (i, y) in self.y.iter_mut().enumerate() {
             *y = x[i] + self.displacement[i];
         }
-        let size = largest(x) + largest(&self.displacement);
+        let displacement = &self.displacement;
+        let size = |row: usize| x[row].abs() + displacement[row].abs();
         self.iteration.begin(MOST_EVALUATIONS, size);
         self.is_last = false;
     }
@@ -96,17 +100,30 @@ impl Solve {
         }
         if self.is_newton() {
             self.linear += elimination_operations(d) + substitution_operations(d);
-            if !self.factors.factor(target) {
+            if !self.factors.factor_of_sizes(target, &self.y) {
                 return Err(StepError::NonFinite {
                     what: "a Newton correction",
                 });
             }
             self.iteration.take_factors(&self.factors);
             self.factors.solve(&mut self.residual);
+            for (i, (put_in, row)) in self
+                .put_in
+                .iter_mut()
+                .zip(target.chunks_exact(d))
+                .enumerate()
+            {
+                let unit = |j: usize| if i == j { 1.0 } else { 0.0 };
+                let terms = row.iter().zip(&self.y).enumerate();
+                *put_in = terms
+                    .map(|(j, (entry, y))| ((entry - unit(j)) * y).abs())
+                    .sum();
+            }
         }
         let change = &ends[2 * d..];
-        self.iteration.take_change(largest(change));
-        let measure = |i: usize, _, _| (x[i], change[i]);
+        self.iteration.take_changes(|row| change[row]);
+        let put_in = &self.put_in;
+        let measure = |i: usize, _, _| (x[i], change[i], put_in[i]);
         let way = |i: usize, y: f64| y - x[i];
         let (residual, y) = (&mut self.residual, &mut self.y);
         let verdict = self.iteration.correct(residual, y, 1.0, measure, way)?;

@@ -1,7 +1,7 @@
 //! The nodal values Y_j = x + ε Σ_k A_jk Π(Y_k) p at fixed (x, p).
 
 use leafwise_core::StepError;
-use leafwise_core::solver::judge::{Verdict, larger, largest};
+use leafwise_core::solver::judge::{Verdict, larger, largest, reach};
 use leafwise_core::solver::{
     CorrectionMethod, DenseFactors, Iteration, elimination_operations, substitution_operations,
 };
@@ -19,7 +19,8 @@ const MOST_NEWTON: usize = 30;
 /// The trailing Legendre coefficient, relative, whose square is round-off.
 const SHORT_TAIL: f64 = 1e-9;
 
-/// A component of V smaller than this part of the largest is measured as if it were as large.
+/// A component of εV smaller than this part of its coordinate and of what the others put into it is measured as if it were as
+/// large; where that is not known, one of V smaller than this part of the largest.
 const LEAST_COMPONENT: f64 = 1e-5;
 
 /// The curve at q nodes, and V there.
@@ -149,18 +150,26 @@ impl Curve {
     /// square is below round-off, more nodes change nothing.
     ///
     /// By symmetry it may vanish where the next does not: with c_m like ρᵐ, c_{q−2}^((q−1)/(q−2)) is as
-    /// large. A component counts at least as a part of the largest, whose round-off it may be.
-    fn tail(&self) -> f64 {
+    /// large. A component may be round-off of its coordinate at `x` and of others.
+    fn tail(&self, epsilon: f64, x: &[f64]) -> f64 {
         let (d, q) = (self.dimension, self.rule.points());
         let size = |i: usize| {
             let own = self.values.iter().skip(i).step_by(d);
             own.fold(0.0, |m, v| larger(m, v.abs()))
         };
         let whole = largest(&self.values);
+        let put_in = &self.simplified.put_in;
+        let least = |i: usize| match self.method() {
+            CorrectionMethod::Newton => (x[i].abs() + put_in[i]) / epsilon.abs(),
+            _ => whole,
+        };
         let coefficient = |m: usize| {
             let of = |i: usize| {
-                let scale = larger(size(i), LEAST_COMPONENT * whole);
-                self.velocity[m * d + i].abs() / scale
+                let scale = larger(size(i), LEAST_COMPONENT * least(i));
+                match self.velocity[m * d + i].abs() {
+                    0.0 => 0.0,
+                    velocity => velocity / scale,
+                }
             };
             (0..d).map(of).fold(0.0, larger)
         };
@@ -175,9 +184,14 @@ impl Curve {
     ///
     /// # Errors
     /// [`StepError::LeftChart`] where there are no more.
-    pub(super) fn refine(&mut self, most: Option<usize>) -> Result<bool, StepError> {
+    pub(super) fn refine(
+        &mut self,
+        epsilon: f64,
+        x: &[f64],
+        most: Option<usize>,
+    ) -> Result<bool, StepError> {
         let Some(most) = most else { return Ok(false) };
-        let (points, tail) = (self.rule.points(), self.tail());
+        let (points, tail) = (self.rule.points(), self.tail(epsilon, x));
         // A tail that is no number is not short.
         if tail <= SHORT_TAIL {
             return Ok(false);
@@ -211,8 +225,13 @@ impl Curve {
     pub(super) fn begin(&mut self, x: &[f64], (method, most): (CorrectionMethod, usize)) {
         self.place(x);
         self.iteration.set_method(method);
-        self.iteration
-            .begin(most, largest(x) + largest(&self.shape));
+        // High coefficients are round-off of the first two.
+        let (mean, slope) = self.shape.split_at(x.len());
+        let size = |row: usize| {
+            let c = row % x.len();
+            x[c].abs() + mean[c].abs() + slope.get(c).unwrap_or(&0.0).abs()
+        };
+        self.iteration.begin(most, size);
     }
 
     /// Y_j = x + Σ_m a_m P_m(ξ_j).
@@ -243,19 +262,26 @@ impl Curve {
         for (correction, (goal, known)) in self.corrections.iter_mut().zip(pairs) {
             *correction = goal - known;
         }
-        self.iteration.take_change(largest(&self.goal));
+        // High coefficients are round-off of the first two.
+        let (mean, slope) = self.goal.split_at(d);
+        let way = |i: usize| mean[i].abs() + slope.get(i).unwrap_or(&0.0).abs();
+        self.iteration.take_changes(|row| way(row % d));
         let is_newton = self.iteration.method() == CorrectionMethod::Newton;
         if is_newton {
             self.simplified.correct(&mut self.corrections);
         }
-        // High coefficients are round-off of the first two.
-        let (mean, slope) = self.goal.split_at(d);
-        let way = |i: usize| mean[i].abs() + slope.get(i).unwrap_or(&0.0).abs();
+        let put_in = |i: usize| {
+            if is_newton {
+                self.simplified.put_in[i]
+            } else {
+                0.0
+            }
+        };
         let verdict = self.iteration.correct(
             &mut self.corrections,
             &mut self.shape,
             1.0,
-            |at, _, _| (x[at % d], way(at % d)),
+            |at, _, _| (x[at % d], way(at % d), put_in(at % d)),
             |_, coefficient| coefficient,
         )?;
         self.place(x);
@@ -331,14 +357,15 @@ impl Curve {
                     what: "a Newton correction of the curve",
                 });
             }
-            let offsets = self.nodes.iter().enumerate();
-            let reached = offsets.fold(0.0, |m, (at, y)| larger(m, (y - x[at % d]).abs()));
-            self.iteration.take_change(reached);
+            let nodes = &self.nodes;
+            self.iteration.take_changes(|at| nodes[at] - x[at % d]);
+            let by_y = self.linearization.as_ref().map_or(&[][..], |own| &own.by_y);
+            let put_in = |at: usize| epsilon.abs() * reach(&by_y[at * d..][..d], x);
             let verdict = self.iteration.correct(
                 &mut self.corrections,
                 &mut self.nodes,
                 1.0,
-                |at, node, correction| (x[at % d], node + correction - x[at % d]),
+                |at, node, correction| (x[at % d], node + correction - x[at % d], put_in(at)),
                 |at, node| node - x[at % d],
             )?;
             if verdict == Verdict::Converged {

@@ -38,7 +38,7 @@ impl CollocatedEvaluator {
         let (x, p) = z.split_at(z.len() / 2);
         loop {
             self.curve.solve(self.epsilon, x, p)?;
-            if !self.curve.refine(self.most_points)? {
+            if !self.curve.refine(self.epsilon, x, self.most_points)? {
                 break;
             }
         }

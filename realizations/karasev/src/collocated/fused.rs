@@ -235,7 +235,7 @@ impl FusedTrajectory {
     ) -> Result<(), StepError> {
         loop {
             self.solve(x, low, evaluations)?;
-            if !self.curve.refine(self.most_points)? {
+            if !self.curve.refine(self.epsilon, x, self.most_points)? {
                 break;
             }
             self.forget();

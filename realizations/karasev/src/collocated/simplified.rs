@@ -32,6 +32,8 @@ pub(super) struct Simplified {
     by_mean: Slope,
     is_mean_fixed: bool,
     factors: DenseFactors,
+    /// (|N| + |K|)|y|: what the round-off of all coordinates puts into each.
+    pub(super) put_in: Vec<f64>,
     /// Room for 1 + N + K N/3, V_y, Π and V_y + Π Dθ.
     matrices: [Vec<f64>; 4],
     /// Operations of the products and solves.
@@ -47,6 +49,7 @@ impl Simplified {
             by_mean: Slope::new(dimension),
             is_mean_fixed: true,
             factors: DenseFactors::new(dimension),
+            put_in: vec![0.0; dimension],
             matrices: std::array::from_fn(|_| vec![0.0; dimension * dimension]),
             operations: 0,
         }
@@ -74,6 +77,12 @@ impl Simplified {
             self.operations += add_product(by_p, slope, by_mean, d);
         }
         self.by_mean.take(by_mean, d);
+        self.put_in.fill(0.0);
+        for slope in [&self.by_y, &self.by_mean] {
+            for (row, column, entry) in &slope.entries {
+                self.put_in[*row] += (self.half * entry * y[*column]).abs();
+            }
+        }
         if self.is_mean_fixed {
             return Ok(());
         }
@@ -84,7 +93,7 @@ impl Simplified {
         matrix.iter_mut().for_each(|entry| *entry *= self.half);
         (0..d).for_each(|i| matrix[i * d + i] += 1.0);
         self.operations += (2 * d * d) as u64 + elimination_operations(d);
-        match self.factors.factor(matrix) {
+        match self.factors.factor_of_sizes(matrix, y) {
             true => Ok(()),
             false => Err(StepError::NonFinite {
                 what: "a correction of the curve",

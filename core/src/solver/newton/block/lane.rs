@@ -1,6 +1,6 @@
 //! One lane of a block.
 
-use crate::solver::judge::{Allowed, Watch};
+use crate::solver::judge::Watch;
 use crate::solver::newton::convergence::{Convergence, Next};
 
 /// What a lane's solve is about.
@@ -16,8 +16,6 @@ pub(super) struct Lane {
     /// Whether the Jacobian that is there is far from the identity.
     pub(super) is_anchor_far: bool,
     pub(super) watch: Watch,
-    /// What an increment may be to serve as a scale.
-    pub(super) allowed: Allowed,
 }
 
 impl Lane {
@@ -29,6 +27,5 @@ impl Lane {
         jacobians: 0,
         is_anchor_far: false,
         watch: Watch::NEW,
-        allowed: Allowed::new(0.0),
     };
 }

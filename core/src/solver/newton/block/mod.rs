@@ -20,7 +20,9 @@ use super::start::Start;
 use crate::error::StepError;
 use crate::solver::Branch;
 use crate::solver::elimination::{Factors, Rows, dimension};
-use crate::solver::judge::{Allowed, WANDERING, at_least, at_most, inside_chart, larger, relative};
+use crate::solver::judge::{
+    MOST_GROWTH, WANDERING, at_least, at_most, inside_chart, larger, relative,
+};
 
 /// Evaluations of one step. A smooth orbit takes 1 to 4, a cold start at a large step a dozen, one at a
 /// thousand times the size of a chart fifty.
@@ -31,6 +33,9 @@ const MOST_EVALUATIONS: u32 = 100;
 /// Lotka–Volterra system; an old Jacobian then judges the component by what it was, and puts the
 /// others' round-off into it in proportion to that.
 const HALVED: f64 = 0.5;
+
+/// Over so many components at most a motion is followed to where it reaches.
+const MOST_HANDS: usize = 8;
 
 /// A component that moves by less than this part of its scale is noise, not smaller.
 const NOISE: f64 = 1e-6;
@@ -63,6 +68,11 @@ pub(super) struct Block<const W: usize, const D: usize, V, M> {
     change: M,
     /// What a correction of each component is judged against.
     scale: V,
+    /// How much of each component's change serves as a scale, and the smallest change of an iterate.
+    allowed: V,
+    smallest: V,
+    /// The least that the others put into a component at an iterate, Σ_j |D − 1|_ij |y_j|.
+    reached: V,
     /// The largest entries of the guard's two sides where the maps were last evaluated.
     guard: [Row<W>; 2],
     start: Start<W>,
@@ -100,6 +110,9 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             slope: M::zeros(d * d),
             change: M::zeros(d * d),
             scale: V::zeros(d),
+            allowed: V::zeros(d),
+            smallest: V::zeros(d),
+            reached: V::zeros(d),
             guard: [[0.0; W]; 2],
             start: Start::new(kernel.start.as_ref(), d),
             at_once: (W == 1).then(|| AtOnce::new(kernel)).flatten(),
@@ -229,11 +242,17 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         let (anchor, scale) = (&self.anchor.as_ref()[..d], &self.scale.as_ref()[..d]);
         let mut distance = [0.0_f64; W];
         let mut outgrown = [false; W];
-        let mut allowed = [0.0_f64; W];
+        let (allowed, smallest, reached) = (
+            &mut self.allowed.as_mut()[..d],
+            &mut self.smallest.as_mut()[..d],
+            &mut self.reached.as_mut()[..d],
+        );
         for i in 0..d {
             for w in 0..W {
                 y[i][w] = x[i][w] + correction[i][w];
-                allowed[w] = at_least(allowed[w], x[i][w].abs() + correction[i][w].abs());
+                allowed[i][w] = x[i][w].abs() + correction[i][w].abs();
+                smallest[i][w] = f64::INFINITY;
+                reached[i][w] = f64::INFINITY;
                 let (y, anchor, scale) = (y[i][w], anchor[i][w], scale[i][w]);
                 let away = (y - anchor).abs();
                 distance[w] = larger(distance[w], relative(away, scale));
@@ -245,7 +264,6 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             let distance = (lane.anchored && !outgrown[w]).then_some(distance[w]);
             lane.next = lane.convergence.start(distance, self.most_chords);
             lane.jacobians = 0;
-            lane.allowed = Allowed::new(allowed[w]);
             lane.watch.begin();
             lane.watch
                 .take(lane.next == Next::Chord && lane.is_anchor_far);
@@ -303,13 +321,13 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         if !guard.is_empty() {
             take_guard(newton, &mut self.guard, guard);
         }
-        let singular = self.factors.factor::<D>(target, newton);
+        let singular = self.factors.factor::<D>(target, y, newton);
         for w in 0..W {
             if newton[w] {
                 let lane = &mut self.lanes[w];
                 lane.jacobians += 1;
                 lane.anchored = !singular[w];
-                lane.is_anchor_far = !self.factors.is_near_identity::<D>(w);
+                lane.is_anchor_far = !self.factors.is_near_identity(w);
                 lane.watch.take(lane.is_anchor_far);
             }
         }
@@ -328,23 +346,15 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         let (x, y) = (&self.x.as_ref()[..d], &y[..d]);
         let (correction, increment) = (&mut correction[..d], &increment[..d]);
         let (slope, scale) = (&self.slope.as_ref()[..d * d], &mut self.scale.as_mut()[..d]);
-        let mut grown = [0.0_f64; W];
-        for row in increment {
-            for w in 0..W {
-                grown[w] = at_least(grown[w], row[w].abs());
-            }
-        }
         self.factors.solve::<D>(correction);
-        // A component may be the round-off of what the others put into it, Σ_j |D − 1|_ij |y_j|;
-        // never that of more than the state, however large a step is tried. Its increment may be far
-        // larger than the state where the iterate is far off: beside it every correction is small.
-        let mut allowed = [Allowed::new(0.0); W];
-        for (w, lane) in self.lanes.iter_mut().enumerate() {
-            if active[w] {
-                lane.allowed.take(grown[w]);
-            }
-            allowed[w] = lane.allowed;
-        }
+        let (allowed, smallest, reached) = (
+            &mut self.allowed.as_mut()[..d],
+            &mut self.smallest.as_mut()[..d],
+            &mut self.reached.as_mut()[..d],
+        );
+        // A component may be the round-off of what the others put into it, Σ_j |D − 1|_ij |y_j|. That, and its increment,
+        // may be far larger than itself where the iterate is far off: beside them every correction is small. The increment
+        // counts as far as two iterates agree on it, the others at the iterate where they put in least.
         for i in 0..d {
             let mut reach = [0.0_f64; W];
             for j in 0..d {
@@ -352,10 +362,21 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                     reach[w] += slope[i * d + j][w] * (y[j][w].abs() + correction[j][w].abs());
                 }
             }
-            let judged = std::array::from_fn(|w| {
-                let own = x[i][w].abs() + allowed[w].scale(increment[i][w]);
-                own + at_most(allowed[w].size(), reach[w])
-            });
+            let mut judged = [0.0; W];
+            for w in 0..W {
+                let change = increment[i][w].abs();
+                if active[w] {
+                    let (known, least) = (&mut allowed[i][w], &mut smallest[i][w]);
+                    let has_begun = *least < f64::INFINITY;
+                    *least = at_most(*least, change);
+                    if has_begun {
+                        *known = at_least(*known, *least);
+                    }
+                    reached[i][w] = at_most(reached[i][w], reach[w]);
+                }
+                let change = at_most(MOST_GROWTH * allowed[i][w], change);
+                judged[w] = x[i][w].abs() + change + reached[i][w];
+            }
             select(active, &mut scale[i], &judged);
         }
     }
@@ -425,15 +446,20 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         size: f64,
         is_newton: bool,
     ) -> Result<Next, StepError> {
-        let scale = self.scale.as_ref();
-        let lane = &mut self.lanes[w];
-        let norm = || {
+        let d = dimension::<D>(self.dimension);
+        let (scale, slope) = (&self.scale.as_ref()[..d], &self.slope.as_ref()[..d * d]);
+        let rows = [correction, scale, slope];
+        let (room, lane) = ([&mut self.from, &mut self.found], &mut self.lanes[w]);
+        let [reached, next] = room;
+        // One that moves at a high order in the step need not halve beside a whole that hardly moves.
+        let as_a_whole = || {
             let largest = |rows: &[Row<W>]| rows.iter().fold(0.0_f64, |m, row| m.max(row[w].abs()));
             largest(correction) / largest(scale)
         };
-        if size >= 0.5 * lane.convergence.last && size > WANDERING && norm() > WANDERING {
+        if size >= 0.5 * lane.convergence.last && size > WANDERING && as_a_whole() > WANDERING {
             lane.watch.take(true);
         }
+        let norm = || size_in_all(rows, w, [reached, next]);
         let next = if size.is_finite() && lane.anchored {
             lane.convergence
                 .judge(size, norm, is_newton, self.most_chords)
@@ -500,6 +526,31 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             own.learn(&self.lanes[0], self.outcome[0].is_ok());
         }
     }
+}
+
+/// The size of a lane's correction, each component beside what the scales of all that it is coupled with, at first hand and at
+/// second, put into it: Σ_k |D − 1|ᵏ s. One that begins to move at a high order in the step has the size of that motion.
+#[cold]
+fn size_in_all<const W: usize>(
+    [correction, scale, slope]: [&[Row<W>]; 3],
+    w: usize,
+    [reached, next]: [&mut Vec<f64>; 2],
+) -> f64 {
+    let d = scale.len();
+    for (reached, scale) in reached.iter_mut().zip(scale) {
+        *reached = scale[w];
+    }
+    for _ in 0..d.min(MOST_HANDS) {
+        for (i, next) in next.iter_mut().enumerate() {
+            let others = (0..d).map(|j| slope[i * d + j][w] * reached[j]);
+            *next = scale[i][w] + others.sum::<f64>();
+        }
+        reached.copy_from_slice(next);
+    }
+    let sizes = correction.iter().zip(&*reached);
+    sizes.fold(0.0, |size, (correction, whole)| {
+        larger(size, relative(correction[w], *whole))
+    })
 }
 
 /// −(β̂ − x) and the increment from base, or y in its place, and the other ends, in the lanes of `mask`.

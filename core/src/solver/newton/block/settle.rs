@@ -4,8 +4,9 @@ use leafwise_expression::Workspace;
 
 use super::Block;
 use super::masks::{guard_ratio, take_guard};
+use crate::error::StepError;
 use crate::solver::elimination::Rows;
-use crate::solver::judge::{Allowed, all_finite, inside_chart, larger};
+use crate::solver::judge::{all_finite, inside_chart};
 use crate::solver::newton::convergence::Convergence;
 
 impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
@@ -14,8 +15,10 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
     #[cold]
     pub(super) fn settle(&mut self, w: usize) {
         let d = self.dimension;
+        // Iterates that lead out of the chart say nothing of the solution that begins at the state.
         if let Err(error) = &self.outcome[w]
             && !error.is_of_a_solve()
+            && !matches!(error, StepError::LeftChart { .. })
         {
             return;
         }
@@ -95,11 +98,12 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                 let before = lane.convergence.evaluations;
                 lane.convergence = Convergence::new();
                 lane.next = lane.convergence.start(None, 0);
-                let change = |x: &[f64], end: &[f64]| {
-                    let pairs = x.iter().zip(end);
-                    pairs.fold(0.0, |m, (x, y)| larger(m, x.abs() + (y - x).abs()))
-                };
-                lane.allowed = Allowed::new(change(&self.from, self.branch.end()));
+                for (i, end) in self.branch.end().iter().enumerate() {
+                    let from = self.from[i];
+                    self.allowed.as_mut()[i][w] = from.abs() + (end - from).abs();
+                    self.smallest.as_mut()[i][w] = f64::INFINITY;
+                    self.reached.as_mut()[i][w] = f64::INFINITY;
+                }
                 let mut y = self.y.take();
                 self.iterate(y.as_mut());
                 self.y = y;

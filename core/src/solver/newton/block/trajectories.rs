@@ -93,7 +93,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> LaneBlock for Block
             }
             self.step();
             jacobians += self.report(std::slice::from_mut(&mut outcome), work);
-            if let Some(check) = &mut check {
+            if let Some(check) = check.as_mut().filter(|_| outcome.is_ok()) {
                 let (x, increment) = (self.x.as_ref(), self.increment.as_ref());
                 let outcome = std::slice::from_mut(&mut outcome);
                 check.check(x.as_flattened(), increment.as_flattened(), outcome);
