@@ -8,8 +8,8 @@ use crate::bisection::PointCode;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::{Evaluator, is_same, one_by_one};
 use crate::point_kernel::PointKernel;
-use crate::realization::{MapCode, RealizationData, RealizationEvaluator};
-use crate::solver::judge::{inside_chart, larger};
+use crate::realization::{Accuracy, MapCode, RealizationData, RealizationEvaluator};
+use crate::solver::judge::{at_most, inside_chart, larger, ratio_in_own_units};
 
 /// An evaluator of any realization's maps: one compiled from its code, or its own evaluator.
 ///
@@ -35,7 +35,8 @@ fn compiled(
 ) -> Result<Option<CodeRealization>, BuildError> {
     let (d, space) = (realization.dimension(), realization.space_dimension());
     let code = realization.code();
-    code.map(|code| CodeRealization::compile(&code, d, space, parameters))
+    let of_series = matches!(realization.accuracy(), Accuracy::Order(_));
+    code.map(|code| CodeRealization::compile(&code, [d, space], parameters, of_series))
         .transpose()
 }
 
@@ -94,14 +95,16 @@ pub(crate) struct CodeRealization {
     ends: Arc<Kernel>,
     tangents: Arc<Kernel>,
     dimension: usize,
+    /// Whether the guard is of a series, term by term of each coordinate.
+    guards_series: bool,
 }
 
 impl CodeRealization {
     pub(crate) fn compile(
         code: &MapCode<'_>,
-        d: usize,
-        space: usize,
+        [d, space]: [usize; 2],
         parameters: usize,
+        guards_series: bool,
     ) -> Result<Self, BuildError> {
         let mut graph = Graph::compilable();
         let z: Vec<Term> = (0..space).map(|i| graph.input(i)).collect();
@@ -136,6 +139,7 @@ impl CodeRealization {
             ends: Arc::new(ends),
             tangents: Arc::new(tangents),
             dimension: d,
+            guards_series,
         })
     }
 
@@ -154,6 +158,7 @@ impl CodeRealization {
         Box::new(CodeRealizationEvaluator {
             ends: prepared(&self.ends, parameters, epsilon, 1.0),
             tangents: PointKernel::new(&self.tangents, parameters, epsilon, 1.0),
+            x: vec![0.0; self.dimension],
             work: self.ends.step_operations().work(),
             operations: 0,
             code: self.clone(),
@@ -177,6 +182,8 @@ struct CodeRealizationEvaluator {
     code: CodeRealization,
     ends: Workspace,
     tangents: PointKernel,
+    /// The base of the last point.
+    x: Vec<f64>,
     /// Operations of one evaluation of the ends, and of all so far.
     work: u64,
     operations: u64,
@@ -186,6 +193,8 @@ impl Evaluator for CodeRealizationEvaluator {
     fn values(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
         one_by_one(self.code.ends.inputs(), z, ends, |z, ends| {
             write_input(&mut self.ends, z);
+            let d = self.x.len();
+            self.x.copy_from_slice(&z[..d]);
             let kernel = &self.code.ends;
             kernel.evaluate_in_place(&mut self.ends);
             self.operations += self.work;
@@ -222,10 +231,16 @@ impl RealizationEvaluator for CodeRealizationEvaluator {
         let half = (self.code.ends.outputs() - from) / 2;
         let output = |index: usize| self.code.ends.output(&self.ends, index)[0];
         let size = |from: usize| (from..from + half).fold(0.0, |m, i| larger(m, output(i).abs()));
-        (half > 0).then(|| match (size(from), size(from + half)) {
+        let ratio = match (size(from), size(from + half)) {
+            _ if half == 0 => return None,
             (_, 0.0) => 0.0,
             (first, last) => last / first,
-        })
+        };
+        if ratio < 1.0 || !self.code.guards_series || half != self.x.len() {
+            return Some(ratio);
+        }
+        let pairs = (0..half).map(|i| [output(from + i), output(from + half + i)]);
+        Some(at_most(ratio, ratio_in_own_units(&self.x, pairs)))
     }
 }
 
@@ -357,7 +372,7 @@ mod tests {
     #[test]
     fn a_guard_of_code_that_is_no_number_is_outside_the_chart() {
         let code: MapCode<'_> = Box::new(guarded);
-        let code = CodeRealization::compile(&code, 2, 4, 0).expect("a kernel");
+        let code = CodeRealization::compile(&code, [2, 4], 0, false).expect("a kernel");
         let mut evaluator = code.evaluator(&[], 1.0);
         let mut ends = [0.0; 6];
         let mut at = |reach: f64, radius: f64| {

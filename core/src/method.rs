@@ -154,7 +154,10 @@ impl Method {
                     parameters,
                     kernel.worth_of_start(),
                 )?;
-                let uncoupled = Uncoupled::compile(&mut graph, &ends, start.as_ref(), parameters)?;
+                let of_series = matches!(realization.accuracy(), Accuracy::Order(_));
+                let kernel = kernel.guarding_series(of_series);
+                let uncoupled = Uncoupled::compile(&mut graph, &ends, start.as_ref(), parameters)?
+                    .map(|uncoupled| uncoupled.guarding_series(of_series));
                 let start = start.map(|start| start.kernel(parameters));
                 Path::Code(kernel.starting_from(start), uncoupled)
             }
@@ -170,7 +173,15 @@ impl Method {
                 let maps = realization.evaluator(&probe, 1.0);
                 let code = match code.filter(|_| maps.is_none()) {
                     None => None,
-                    Some(code) => Some(CodeRealization::compile(&code, d, space, parameters)?),
+                    Some(code) => {
+                        let of_series = matches!(realization.accuracy(), Accuracy::Order(_));
+                        Some(CodeRealization::compile(
+                            &code,
+                            [d, space],
+                            parameters,
+                            of_series,
+                        )?)
+                    }
                 };
                 let embedding = bisection.evaluator(&probe, 1.0, 1.0);
                 let points = match points.filter(|_| embedding.is_none()) {

@@ -46,8 +46,9 @@ pub struct Branch {
     least: Vec<f64>,
     /// What they put in at first hand.
     hand: Vec<f64>,
-    /// Which of them have begun to move.
+    /// Which of them have begun to move, and whether others have moved.
     begins: Vec<bool>,
+    has_others: bool,
     factors: DenseFactors,
 }
 
@@ -65,6 +66,7 @@ impl Branch {
             least: vec![0.0; n],
             hand: vec![0.0; n],
             begins: vec![false; n],
+            has_others: false,
             factors: DenseFactors::new(n),
         }
     }
@@ -236,6 +238,7 @@ impl Branch {
             *scale = size.abs() + (point - start).abs();
         }
         self.begins.fill(false);
+        self.has_others = false;
     }
 
     /// A component may be the round-off of what the others put into it, at first hand and, by the elimination, at second:
@@ -258,10 +261,9 @@ impl Branch {
     /// with, and whether the others are settled.
     ///
     /// One that moves farther than by its size begins to move, from 0 or from the little that it came, as the others drive
-    /// it: its corrections fall when theirs have, and count, from the next one on, where there are no others.
+    /// it: its corrections fall when theirs have, and count, from the next one on, where no others have moved.
     fn measure(&mut self) -> (f64, f64, bool) {
-        let (mut moving, mut begun) = (0.0, 0.0);
-        let (mut others, mut begins) = (false, false);
+        let (mut moving, mut begun, mut begins) = (0.0, 0.0, false);
         for (i, correction) in self.residual.iter().enumerate() {
             let own = correction.abs();
             let size = own / (larger(self.scale[i], self.least[i]) + SMALLEST_SCALE);
@@ -271,11 +273,11 @@ impl Branch {
             } else if self.begins[i] {
                 begun = larger(begun, size);
             } else {
-                others |= own > 0.0;
+                self.has_others |= own > 0.0;
                 moving = larger(moving, size);
             }
         }
-        if others {
+        if self.has_others {
             return (moving, moving, begun <= SAME && !begins);
         }
         (begun, if begins { 1.0 } else { begun }, !begins)
@@ -339,6 +341,43 @@ mod tests {
 
     /// y − a y² = x has the branch y = (1 − √(1 − 4ax))/(2a) up to its fold at 4ax = 1.
     /// y + a sin y = f, z = y² from y = z = 0: no unknown has a size, and z none in the first correction.
+    /// u' = 1 and chains v' = u⁴, w' = v² of implicit steps: the driven ones begin at 1e-12 and 1e-25 of the first, and grow
+    /// by more than their size from one correction to the next. A way of few evaluations, whatever their units.
+    #[test]
+    fn what_is_driven_at_a_high_order_settles_after_what_drives_it() {
+        for unit in [1.0, 1e-30, 1e30] {
+            let mut branch = Branch::new(3);
+            let start = [1e-3, 1e-14, 1e-28 * unit];
+            let mut evaluations = 0;
+            let found = branch.follow(
+                &start,
+                &start,
+                None,
+                &mut evaluations,
+                |s, y, residual, jacobian| {
+                    let ([u, v, w], h) = ([y[0], y[1], y[2]], s * 0.05);
+                    let fields = [1.0, libm::pow(u, 4.0), unit * v * v];
+                    for (i, (y, field)) in [u, v, w].into_iter().zip(fields).enumerate() {
+                        residual[i] = start[i] + h * field - y;
+                    }
+                    let slopes = [-4.0 * h * u * u * u, -2.0 * h * unit * v];
+                    jacobian.copy_from_slice(&[
+                        1.0, 0.0, 0.0, slopes[0], 1.0, 0.0, 0.0, slopes[1], 1.0,
+                    ]);
+                    Ok(())
+                },
+            );
+            found.expect("the branch does not fold");
+            let u = 1e-3 + 0.05;
+            let v = 1e-14 + 0.05 * libm::pow(u, 4.0);
+            let w = (1e-28 + 0.05 * v * v) * unit;
+            for (found, exact) in branch.end().iter().zip([u, v, w]) {
+                assert!((found - exact).abs() <= 1e-9 * exact, "{found} for {exact}");
+            }
+            assert!(evaluations <= 16, "{evaluations}");
+        }
+    }
+
     #[test]
     fn a_path_may_begin_at_zero() {
         for (a, f) in [(0.2, 0.1), (1.5, 0.3), (1.5, 1e-12)] {

@@ -1,5 +1,7 @@
 //! Random small scenes: a tensor of every family, a Hamiltonian, a state, a step and a method.
 
+use std::collections::BTreeMap;
+
 use leafwise::expression::Function;
 
 use crate::method::method;
@@ -79,7 +81,13 @@ impl RandomScene {
             }
             // Velocities are changes of positions.
             Family::Magnetic => self.second = 1.0,
-            _ => self.units.iter_mut().for_each(|own| *own = unit()),
+            // What is of one letter is of one kind, by which advice judges what hardly moves.
+            _ => {
+                let mut kinds: BTreeMap<Option<char>, f64> = BTreeMap::new();
+                for (own, name) in self.units.iter_mut().zip(&self.tensor.names) {
+                    *own = *(kinds.entry(name.chars().next())).or_insert_with(&mut unit);
+                }
+            }
         }
     }
 

@@ -31,6 +31,23 @@ pub fn relative(size: f64, scale: f64) -> f64 {
     size / (scale + size + SMALLEST_SCALE)
 }
 
+/// max_i |b_i|/s_i over max_i |a_i|/s_i with the size s_i = |x_i| + |a_i| of each coordinate, for pairs of the first and the last term of
+/// its series: the same in any units, also where a coordinate turns. 0 where every b_i is, no number where one is none,
+/// infinite where a coordinate with b_i ≠ 0 has no size.
+pub fn ratio_in_own_units(x: &[f64], pairs: impl Iterator<Item = [f64; 2]>) -> f64 {
+    let (mut first, mut last) = (0.0, 0.0);
+    for (x, [a, b]) in x.iter().zip(pairs) {
+        let size = x.abs() + a.abs();
+        if size != 0.0 {
+            first = larger(first, a.abs() / size);
+            last = larger(last, b.abs() / size);
+        } else if b != 0.0 {
+            return f64::INFINITY;
+        }
+    }
+    if last == 0.0 { 0.0 } else { last / first }
+}
+
 /// Σ_k |m_k v_k|: what a row of a Jacobian makes of a state's round-off.
 pub fn reach(row: &[f64], values: &[f64]) -> f64 {
     row.iter().zip(values).map(|(m, v)| (m * v).abs()).sum()

@@ -11,7 +11,8 @@ mod watch;
 
 pub use linear::{LinearIteration, Verdict};
 pub use measures::{
-    Allowed, CorrectionSize, at_least, at_most, is_between, larger, largest, reach, relative,
+    Allowed, CorrectionSize, at_least, at_most, is_between, larger, largest, ratio_in_own_units,
+    reach, relative,
 };
 pub(super) use measures::{MOST_GROWTH, SMALLEST_SCALE};
 pub(super) use watch::WANDERING;

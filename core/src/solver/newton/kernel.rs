@@ -21,6 +21,8 @@ pub struct NewtonKernel {
     pub(super) dimension: usize,
     /// The outputs of base, d or none where it is y.
     pub(super) bases: usize,
+    /// Whether the guard is of a series, term by term of each coordinate.
+    pub(super) guards_series: bool,
     /// Where a solve starts, beside the solution before it.
     pub(super) start: Option<Arc<Kernel>>,
     /// Whole steps of one and of two evaluations from there, where there is a start, in 2 or 3 coordinates.
@@ -104,9 +106,18 @@ impl NewtonKernel {
             residual: Arc::new(residual),
             dimension: d,
             bases,
+            guards_series: false,
             start: None,
             at_once: None,
         })
+    }
+
+    /// The same where the guard may be of a series, whose terms of each coordinate have the unit of that.
+    pub(crate) fn guarding_series(self, guards_series: bool) -> Self {
+        Self {
+            guards_series,
+            ..self
+        }
     }
 
     /// The same with solves that start from the solution before them and the odd part of the solution's series. In 2 or 3

@@ -105,6 +105,18 @@ impl Uncoupled {
         }))
     }
 
+    /// The same where guards may be of series.
+    pub(crate) fn guarding_series(self, guards_series: bool) -> Self {
+        let parts = self.parts.iter().map(|part| Part {
+            places: part.places.clone(),
+            kernel: part.kernel.clone().guarding_series(guards_series),
+        });
+        Self {
+            parts: parts.collect(),
+            ..self
+        }
+    }
+
     /// The code of each part's iteration.
     pub(crate) fn kernels(&self) -> impl Iterator<Item = &NewtonKernel> {
         self.parts.iter().map(|part| &part.kernel)

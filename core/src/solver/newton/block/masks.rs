@@ -2,7 +2,7 @@
 
 use leafwise_expression::kernel::apart;
 
-use crate::solver::judge::larger;
+use crate::solver::judge::{self, larger};
 
 /// One number of each lane.
 pub(super) type Row<const W: usize> = [f64; W];
@@ -103,9 +103,17 @@ pub(super) fn guard_ratio<const W: usize>(guard: &[Row<W>; 2], w: usize) -> f64 
     }
 }
 
+/// [`ratio_in_own_units`](judge::ratio_in_own_units) of a lane.
+pub(super) fn ratio_in_own_units<const W: usize>(x: &[Row<W>], guard: &[Row<W>], w: usize) -> f64 {
+    let (first, last) = guard.split_at(guard.len() / 2);
+    let x: Vec<f64> = x.iter().map(|x| x[w]).collect();
+    let pairs = first.iter().zip(last);
+    judge::ratio_in_own_units(&x, pairs.map(|(first, last)| [first[w], last[w]]))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{add_where, guard_ratio, is_inside, take_guard};
+    use super::{add_where, guard_ratio, is_inside, ratio_in_own_units, take_guard};
     use crate::solver::judge::inside_chart;
 
     /// A lane that is not added to keeps its bits, −0 too, and one that is has the bits that it has alone.
@@ -159,5 +167,38 @@ mod tests {
         }
         assert!(!guard([f64::NAN, 2.0], [0.5, 0.5]));
         assert!(!guard([2.0, f64::NAN], [0.5, 0.5]));
+    }
+
+    /// A series of a coordinate that turns, in units in which it is the largest; the same in any others.
+    #[test]
+    fn own_units_tell_how_a_series_decays_where_a_large_coordinate_turns() {
+        let ratio = |units: [f64; 2], x: [f64; 2], first: [f64; 2], last: [f64; 2]| {
+            let rows = |values: [f64; 2]| [[values[0] * units[0]], [values[1] * units[1]]];
+            let guard = [rows(first), rows(last)].concat();
+            let mut whole = [[0.0]; 2];
+            take_guard(&[true], &mut whole, &guard);
+            (
+                guard_ratio(&whole, 0),
+                ratio_in_own_units(&rows(x), &guard, 0),
+            )
+        };
+        const POWER: f64 = 1e30;
+        for units in [[1.0, 1.0], [1.0, POWER], [1.0 / POWER, POWER]] {
+            let (_, own) = ratio(units, [1.0, 2.0], [0.5, 0.0], [0.125, 0.25]);
+            assert!((own / 0.375 - 1.0).abs() <= 4.0 * f64::EPSILON, "{own}");
+            let (_, outside) = ratio(units, [1.0, 2.0], [0.5, 0.25], [0.25, 4.0]);
+            assert!(outside > 1.0);
+            let (_, of_no_size) = ratio(units, [1.0, 0.0], [0.5, 0.0], [0.125, 0.25]);
+            assert_eq!(of_no_size, f64::INFINITY);
+            let (_, at_rest) = ratio(units, [1.0, 0.0], [0.0, 0.0], [0.0, 0.0]);
+            assert_eq!(at_rest, 0.0);
+            assert!(
+                ratio(units, [1.0, 1.0], [0.5, 0.5], [f64::NAN, 0.0])
+                    .1
+                    .is_nan()
+            );
+        }
+        let (whole, own) = ratio([1.0, 1e9], [1.0, 2.0], [0.5, 0.0], [0.125, 0.25]);
+        assert!(whole > 1e8 && own < 1.0);
     }
 }

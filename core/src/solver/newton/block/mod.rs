@@ -13,7 +13,9 @@ use leafwise_expression::{Kernel, Workspace, kernel::apart};
 
 use self::at_once::AtOnce;
 use self::lane::Lane;
-use self::masks::{Row, add_where, any, guard_ratio, is_inside, keep, select, take_guard};
+use self::masks::{
+    Row, add_where, any, guard_ratio, is_inside, keep, ratio_in_own_units, select, take_guard,
+};
 use super::convergence::Next;
 use super::kernel::NewtonKernel;
 use super::start::Start;
@@ -409,7 +411,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         let (mut done, mut applied) = ([false; W], [false; W]);
         for w in 0..W {
             if active[w] {
-                let next = self.judge_lane(w, correction, size[w], newton[w]);
+                let next = self.judge_lane(w, y, correction, size[w], newton[w]);
                 self.lanes[w].next = next.unwrap_or_else(|error| {
                     self.outcome[w] = Err(error);
                     Next::Done
@@ -442,6 +444,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
     fn judge_lane(
         &mut self,
         w: usize,
+        y: &[Row<W>],
         correction: &[Row<W>],
         size: f64,
         is_newton: bool,
@@ -476,10 +479,13 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             lane.convergence.evaluations += 1;
             Next::Newton
         };
+        let evaluations = lane.convergence.evaluations;
         match next {
-            Next::Done if is_inside(&self.guard, w) => Ok(Next::Done),
+            Next::Done if is_inside(&self.guard, w) || self.decays_in_own_units(y, w) => {
+                Ok(Next::Done)
+            }
             Next::Done => inside_chart(guard_ratio(&self.guard, w)).map(|()| Next::Done),
-            Next::Newton | Next::Chord if lane.convergence.evaluations >= MOST_EVALUATIONS => {
+            Next::Newton | Next::Chord if evaluations >= MOST_EVALUATIONS => {
                 Err(StepError::NoConvergence {
                     evaluations: MOST_EVALUATIONS as usize,
                     correction: size,
@@ -487,6 +493,18 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             }
             next => Ok(next),
         }
+    }
+
+    /// Whether a lane's guard is of a series that decays at y where each coordinate is compared in units of its own.
+    #[cold]
+    fn decays_in_own_units(&mut self, y: &[Row<W>], w: usize) -> bool {
+        let d = dimension::<D>(self.dimension);
+        if !self.kernel.guards_series {
+            return false;
+        }
+        let rows = self.kernel.residual.evaluate_rows(&mut self.residual, y);
+        let guard = &rows[self.kernel.bases + 2 * d..];
+        guard.len() == 2 * d && ratio_in_own_units(&self.x.as_ref()[..d], guard, w) < 1.0
     }
 
     /// Records the steps that were taken; a lane that failed forgets its history.

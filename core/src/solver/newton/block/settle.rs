@@ -3,7 +3,7 @@
 use leafwise_expression::Workspace;
 
 use super::Block;
-use super::masks::{guard_ratio, take_guard};
+use super::masks::{guard_ratio, ratio_in_own_units, take_guard};
 use crate::error::StepError;
 use crate::solver::elimination::Rows;
 use crate::solver::judge::{all_finite, inside_chart};
@@ -75,8 +75,12 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                 }
                 all_finite(residual, jacobian, "a Newton correction")?;
                 let mut guard = [[0.0; W]; 2];
-                take_guard(&[true; W], &mut guard, &rest[2 * d * d..]);
-                inside_chart(guard_ratio(&guard, w))
+                let rows = &rest[2 * d * d..];
+                take_guard(&[true; W], &mut guard, rows);
+                match self.kernel.guards_series && rows.len() == 2 * d {
+                    true if ratio_in_own_units(self.x.as_ref(), rows, w) < 1.0 => Ok(()),
+                    _ => inside_chart(guard_ratio(&guard, w)),
+                }
             },
         );
         if prepared != 1.0 {
