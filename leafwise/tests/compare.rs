@@ -124,7 +124,7 @@ fn the_standard_methods_of_a_rigid_body_are_compared_and_the_front_is_theirs() {
         if method.structure == Structure::Exact {
             let drift = a.casimir_drift.expect("a Casimir");
             assert!(drift < 1e-12, "{}: {drift:e}", method.name);
-            assert!(a.is_poisson);
+            assert!(a.is_poisson, "{}, {} operations: {a:?}", method.name, cost);
         }
         if method.structure == Structure::None {
             assert!(!a.is_poisson, "{}", method.name);

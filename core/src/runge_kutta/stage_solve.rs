@@ -287,7 +287,8 @@ impl StageSolve {
             for (c, row) in jacobian.chunks(n).enumerate() {
                 let terms = row.iter().zip(correction);
                 self.slopes[i * n + c] += terms.map(|(slope, change)| slope * change).sum::<f64>();
-                let round_off = coefficients.time_step * reach(row, &self.stage);
+                let left = self.factors.left(i * n + c);
+                let round_off = left * coefficients.time_step * reach(row, &self.stage);
                 let displacement = self.displacements[i * n + c];
                 let scale =
                     (self.iteration).scale(i * n + c, self.start[c], displacement, round_off.abs());

@@ -1,7 +1,7 @@
 //! The solution that is connected with the state before the step.
 
 use super::DenseFactors;
-use super::judge::{SMALLEST_SCALE, larger, reach};
+use super::judge::{SMALLEST_SCALE, larger, reach, settled};
 use crate::error::StepError;
 
 /// A part of the way is taken where Newton's corrections fall by this factor: by Kantorovich's theorem
@@ -44,8 +44,8 @@ pub struct Branch {
     /// What the unknowns are measured against, and the least of it: what the others put into them.
     scale: Vec<f64>,
     least: Vec<f64>,
-    /// What they put in at first hand.
-    hand: Vec<f64>,
+    /// What they put in at first hand, and with that at second.
+    hands: [Vec<f64>; 2],
     /// Which of them have begun to move, and whether others have moved.
     begins: Vec<bool>,
     has_others: bool,
@@ -64,7 +64,7 @@ impl Branch {
             jacobian: vec![0.0; n * n],
             scale: vec![0.0; n],
             least: vec![0.0; n],
-            hand: vec![0.0; n],
+            hands: [vec![0.0; n], vec![0.0; n]],
             begins: vec![false; n],
             has_others: false,
             factors: DenseFactors::new(n),
@@ -242,18 +242,24 @@ impl Branch {
     }
 
     /// A component may be the round-off of what the others put into it, at first hand and, by the elimination, at second:
-    /// |N|s + |N|²s with N = DF − 1.
+    /// N s + N² s with N = |DF − 1|, as far as DF⁻¹ does not take it back.
     fn take_least(&mut self) {
         let n = self.scale.len();
         for (i, row) in self.jacobian.chunks_exact_mut(n).enumerate() {
             row[i] -= 1.0;
         }
         let rows = || self.jacobian.chunks_exact(n);
-        for (hand, row) in self.hand.iter_mut().zip(rows()) {
-            *hand = reach(row, &self.scale);
+        let [first, both] = &mut self.hands;
+        for (first, row) in first.iter_mut().zip(rows()) {
+            *first = reach(row, &self.scale);
         }
-        for (least, (hand, row)) in (self.least.iter_mut()).zip(self.hand.iter().zip(rows())) {
-            *least = SAME * (hand + reach(row, &self.hand));
+        for ((both, first_hand), row) in both.iter_mut().zip(&*first).zip(rows()) {
+            *both = first_hand + reach(row, first);
+        }
+        for ((least, own), row) in self.least.iter_mut().zip(&*both).zip(rows()) {
+            // Of hands that grow by g each, g s + g² s at most s is left.
+            let own_again = reach(row, both);
+            *least = SAME * settled(settled(*own, own_again), own_again);
         }
     }
 

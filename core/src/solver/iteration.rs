@@ -1,8 +1,6 @@
 //! The corrections of one solve, whatever equation it is of.
 
-use super::judge::{
-    Allowed, CorrectionSize, LinearIteration, MOST_GROWTH, Verdict, Watch, at_most,
-};
+use super::judge::{Allowed, CorrectionSize, LinearIteration, Verdict, Watch};
 use super::{Anderson, DenseFactors};
 use crate::error::StepError;
 
@@ -32,8 +30,6 @@ pub struct Iteration {
     corrections: LinearIteration,
     /// Of each row; one for all of them where there are as many as lattices have.
     allowed: Vec<Allowed>,
-    /// The least that the others put into a row at an iterate.
-    put_in: Vec<f64>,
     watch: Watch,
     size: CorrectionSize,
     scales: Vec<f64>,
@@ -47,7 +43,6 @@ impl Iteration {
             method,
             corrections: LinearIteration::new(0),
             allowed: vec![Allowed::new(0.0); n.max(1)],
-            put_in: vec![f64::INFINITY; n.max(1)],
             watch: Watch::NEW,
             size: CorrectionSize::default(),
             scales: vec![0.0; n],
@@ -64,7 +59,6 @@ impl Iteration {
     pub fn resize(&mut self, n: usize) {
         self.scales = vec![0.0; n];
         self.allowed = vec![Allowed::new(0.0); n.max(1)];
-        self.put_in = vec![f64::INFINITY; n.max(1)];
         if let Some(anderson) = &mut self.anderson {
             anderson.resize(n);
         }
@@ -87,7 +81,6 @@ impl Iteration {
         for (row, allowed) in self.allowed.iter_mut().enumerate() {
             *allowed = Allowed::new(size(row));
         }
-        self.put_in.fill(f64::INFINITY);
         self.size = CorrectionSize::default();
         self.watch.begin_solve();
         if let Some(anderson) = &mut self.anderson {
@@ -107,14 +100,10 @@ impl Iteration {
         self.watch.take(!factors.is_near_identity());
     }
 
-    /// What a row is measured against: |state| + |change| + `put_in`, what the round-off of the others puts into it. That
-    /// may be far larger than the row where an iterate is far off: it counts up to a multiple of the least so far.
+    /// What a row is measured against: |state| + |change| + `put_in`, what the round-off of the others [leaves](super::judge::settled) in it.
     #[inline(always)]
-    pub fn scale(&mut self, row: usize, state: f64, change: f64, put_in: f64) -> f64 {
-        let (allowed, least) = (self.allowed[row], &mut self.put_in[row]);
-        *least = at_most(*least, put_in);
-        let most = MOST_GROWTH * (*least + allowed.size());
-        state.abs() + allowed.scale(change) + at_most(put_in, most)
+    pub fn scale(&self, row: usize, state: f64, change: f64, put_in: f64) -> f64 {
+        state.abs() + self.allowed[row].scale(change) + put_in
     }
 
     /// Takes in one row of a correction.

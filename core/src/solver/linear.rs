@@ -1,6 +1,7 @@
 //! Dense linear solves for one right-hand side at a time, and what they cost.
 
 use super::elimination::{ANY, Factors};
+use super::judge::{reach, settled};
 use crate::error::BuildError;
 
 /// The most equations that a step solves together: matrices of 128 megabytes each, and 5·10¹⁰ operations an
@@ -57,6 +58,9 @@ pub fn substitution_operations(n: usize) -> u64 {
 #[derive(Clone, Debug)]
 pub struct DenseFactors {
     factors: Factors<1>,
+    /// What A⁻¹ leaves of the round-off that is put into each unknown, as a part of it; room for N s.
+    left: Vec<f64>,
+    first_hand: Vec<f64>,
 }
 
 impl DenseFactors {
@@ -64,6 +68,8 @@ impl DenseFactors {
     pub fn new(n: usize) -> Self {
         Self {
             factors: Factors::new(n),
+            left: vec![1.0; n],
+            first_hand: vec![0.0; n],
         }
     }
 
@@ -80,9 +86,36 @@ impl DenseFactors {
     /// # Panics
     /// When `matrix` is not n × n.
     pub fn factor_of_sizes(&mut self, matrix: &[f64], sizes: &[f64]) -> bool {
-        let (matrix, sizes) = (matrix.as_chunks().0, sizes.as_chunks().0);
-        let [singular] = self.factors.factor::<ANY>(matrix, sizes, &[true]);
+        let (rows, own) = (matrix.as_chunks().0, sizes.as_chunks().0);
+        let [singular] = self.factors.factor::<ANY>(rows, own, &[true]);
+        self.take_left(matrix, sizes);
         !singular
+    }
+
+    fn take_left(&mut self, matrix: &[f64], sizes: &[f64]) {
+        if sizes.is_empty() || self.is_near_identity() {
+            self.left.fill(1.0);
+            return;
+        }
+        let n = sizes.len();
+        let put_in = |row: &[f64], i: usize, sizes: &[f64]| {
+            reach(row, sizes) - (row[i] * sizes[i]).abs() + ((row[i] - 1.0) * sizes[i]).abs()
+        };
+        let rows = || matrix.chunks_exact(n).enumerate();
+        for (first, (i, row)) in self.first_hand.iter_mut().zip(rows()) {
+            *first = put_in(row, i, sizes);
+        }
+        for (left, (i, row)) in self.left.iter_mut().zip(rows()) {
+            let first = self.first_hand[i];
+            let kept = settled(first, put_in(row, i, &self.first_hand));
+            *left = if first > 0.0 { kept / first } else { 1.0 };
+        }
+    }
+
+    /// The part of the round-off put into an unknown at first hand, N s with N = |A − 1| and the sizes s of the last
+    /// [`factor_of_sizes`](Self::factor_of_sizes), that A⁻¹ leaves: 1 near the identity.
+    pub fn left(&self, unknown: usize) -> f64 {
+        self.left[unknown]
     }
 
     /// Whether every pivot lies between 1/2 and 2, rows as they stand, in any units.

@@ -109,11 +109,15 @@ impl StepSolve {
                 self.iteration.take_factors(&self.factors);
                 self.factors.solve(&mut self.residual);
             }
+            let factors = &self.factors;
             let verdict = self.iteration.correct(
                 &mut self.residual,
                 &mut self.unknowns,
                 unit,
-                |row, _, _| equation.measure(row),
+                |row, _, _| {
+                    let (state, change, put_in) = equation.measure(row);
+                    (state, change, factors.left(row) * put_in)
+                },
                 |_, unknown| unit * unknown,
             )?;
             if verdict == Verdict::Converged {

@@ -48,6 +48,17 @@ pub fn ratio_in_own_units(x: &[f64], pairs: impl Iterator<Item = [f64; 2]>) -> f
     if last == 0.0 { 0.0 } else { last / first }
 }
 
+/// What round-off of the others leaves in a component of the solution of D δ = r, where they put N s into the components at first
+/// hand and N² s at second, N = |D − 1|: all of N s where the others are calm, N s · N s/N² s where D − 1 is large, and D⁻¹ as
+/// small. In any units.
+pub fn settled(first_hand: f64, second_hand: f64) -> f64 {
+    if second_hand > first_hand {
+        first_hand * (first_hand / second_hand)
+    } else {
+        first_hand
+    }
+}
+
 /// Σ_k |m_k v_k|: what a row of a Jacobian makes of a state's round-off.
 pub fn reach(row: &[f64], values: &[f64]) -> f64 {
     row.iter().zip(values).map(|(m, v)| (m * v).abs()).sum()

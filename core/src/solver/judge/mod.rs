@@ -12,7 +12,7 @@ mod watch;
 pub use linear::{LinearIteration, Verdict};
 pub use measures::{
     Allowed, CorrectionSize, at_least, at_most, is_between, larger, largest, ratio_in_own_units,
-    reach, relative,
+    reach, relative, settled,
 };
 pub(super) use measures::{MOST_GROWTH, SMALLEST_SCALE};
 pub(super) use watch::WANDERING;
@@ -30,7 +30,7 @@ pub(super) const LARGEST_REMAINDER: f64 = f64::EPSILON / 1024.0;
 pub(super) const NORMWISE_ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 
 /// Corrections up to this size are round-off where two in a row are not the smallest so far.
-pub(super) const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
+pub(in crate::solver) const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
 
 /// Corrections up to this size are round-off where one is not the smallest so far.
 pub(super) const ULPS: f64 = 4.0 * f64::EPSILON;

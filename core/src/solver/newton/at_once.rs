@@ -36,7 +36,7 @@ pub(super) fn at_once(start: &Kernel, full: &Kernel, further: &[&Kernel], bases:
     let mut outputs = vec![near];
 
     let (mut y, mut ends, mut guard) = (y, ends.to_vec(), guard.to_vec());
-    let mut before: Option<[Vec<Value>; 2]> = None;
+    let mut before: Option<Vec<Value>> = None;
     for evaluation in 0..=further.len() {
         if evaluation > 0 {
             ends = own.0.evaluate(further[evaluation - 1], &y);
@@ -51,14 +51,13 @@ pub(super) fn at_once(start: &Kernel, full: &Kernel, further: &[&Kernel], bases:
         let correction = own.product(&inverse, &residual);
         let sizes = own.sizes(increment);
         let sums = own.sums_of_sizes(&y, &correction);
-        let mut reached = own.product(&slope, &sums);
-        if let Some([grown, least]) = before {
+        let reached = own.product(&slope, &sums);
+        if let Some(grown) = before {
             let smallest = own.each([&grown, &sizes], Sequence::smaller);
             allowed = own.each([&allowed, &smallest], Sequence::larger);
-            reached = own.each([&reached, &least], Sequence::smaller);
         }
         let scale = own.scale([&x, &sizes, &allowed, &reached]);
-        before = Some([sizes, reached]);
+        before = Some(sizes);
         let size = own.relative(&correction, &scale);
         let solution = own.each([&y, &correction], Sequence::add);
         let first_order = own.product(change, &correction);

@@ -26,18 +26,23 @@ pub(super) enum Start<const W: usize> {
     Extrapolated(Extrapolation<W>),
 }
 
-/// Half of the odd part that moves a coordinate farther than by this part of it may be a series that does not
-/// converge: what it leads to, an end outside the chart also, says nothing of the solution that begins at x.
+/// Half of the odd part that moves coordinates, on average over those that are not 0, farther than by this part of them may be a
+/// series that does not converge: what it leads to, an end outside the chart also, says nothing of the solution that begins
+/// at x.
 const NEAR: f64 = 0.25;
 
 /// The displacement of a lane without a solution before it.
 #[cold]
 fn begin<const W: usize>(x: &[Row<W>], odd: &[Row<W>], displacement: &mut [Row<W>], w: usize) {
-    let mut pairs = x.iter().zip(odd);
-    let is_near = pairs.all(|(x, odd)| {
+    let (mut moved, mut coordinates) = (0.0, 0.0);
+    for (x, odd) in x.iter().zip(odd) {
         let (size, half) = (x[w].abs(), 0.5 * odd[w].abs());
-        half <= NEAR * size || size == 0.0 && half.is_finite()
-    });
+        if size != 0.0 {
+            moved += if half < size { half / size } else { 1.0 };
+            coordinates += 1.0;
+        }
+    }
+    let is_near = moved <= NEAR * coordinates && odd.iter().all(|odd| odd[w].is_finite());
     for (row, odd) in displacement.iter_mut().zip(odd) {
         row[w] = if is_near { 0.5 * odd[w] } else { 0.0 };
     }
@@ -115,6 +120,14 @@ impl<const W: usize> Start<W> {
                 }
                 *is_known = *took;
             }
+        }
+    }
+
+    /// Whether a lane's start follows a solution before it.
+    pub(super) fn is_known(&self, lane: usize) -> bool {
+        match self {
+            Self::Extrapolated(_) => true,
+            Self::Series { is_known, .. } => is_known[lane],
         }
     }
 

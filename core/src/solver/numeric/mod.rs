@@ -226,8 +226,6 @@ impl Trajectories for NumericSolver {
                     self.corrections == CorrectionMethod::Newton
                         && self.trajectories[at].iteration.wanders()
                 }
-                // An iterate outside the chart is no solution outside.
-                Err(StepError::LeftChart { .. }) => self.corrections == CorrectionMethod::Newton,
                 Err(error) => {
                     error.is_of_a_solve() || matches!(error, StepError::OtherBranch { .. })
                 }

@@ -27,7 +27,7 @@ pub(super) struct Solve {
     displacement: Vec<f64>,
     residual: Vec<f64>,
     factors: DenseFactors,
-    /// |D(β̂∘L) − 1||y|: what the round-off of all coordinates puts into each.
+    /// What the round-off of all coordinates leaves in each.
     put_in: Vec<f64>,
     pub(super) iteration: Iteration,
     /// Operations of the products and solves.
@@ -107,17 +107,13 @@ impl Solve {
             }
             self.iteration.take_factors(&self.factors);
             self.factors.solve(&mut self.residual);
-            for (i, (put_in, row)) in self
-                .put_in
-                .iter_mut()
-                .zip(target.chunks_exact(d))
-                .enumerate()
-            {
+            for (i, row) in target.chunks_exact(d).enumerate() {
                 let unit = |j: usize| if i == j { 1.0 } else { 0.0 };
                 let terms = row.iter().zip(&self.y).enumerate();
-                *put_in = terms
+                let put_in: f64 = terms
                     .map(|(j, (entry, y))| ((entry - unit(j)) * y).abs())
                     .sum();
+                self.put_in[i] = put_in * self.factors.left(i);
             }
         }
         let change = &ends[2 * d..];

@@ -93,7 +93,11 @@ impl Simplified {
         matrix.iter_mut().for_each(|entry| *entry *= self.half);
         (0..d).for_each(|i| matrix[i * d + i] += 1.0);
         self.operations += (2 * d * d) as u64 + elimination_operations(d);
-        match self.factors.factor_of_sizes(matrix, y) {
+        let is_regular = self.factors.factor_of_sizes(matrix, y);
+        for (at, put_in) in self.put_in.iter_mut().enumerate() {
+            *put_in *= self.factors.left(at);
+        }
+        match is_regular {
             true => Ok(()),
             false => Err(StepError::NonFinite {
                 what: "a correction of the curve",

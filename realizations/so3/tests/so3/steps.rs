@@ -265,6 +265,7 @@ fn a_fast_body_never_gets_a_number_from_outside_the_chart() {
             "{}: {steps} steps, {left} left the chart, {other} did not converge",
             map.describe()
         );
-        assert!(left > 0);
+        // The others are refused: beyond the chart, or because the solution that begins at the state ends inside.
+        assert!(steps > 0 && left + other > 0);
     }
 }

@@ -15,6 +15,8 @@ pub(super) struct Lane {
     pub(super) jacobians: u32,
     /// Whether the Jacobian that is there is far from the identity.
     pub(super) is_anchor_far: bool,
+    /// Whether an iterate outside the chart has ended the solve.
+    pub(super) is_astray: bool,
     pub(super) watch: Watch,
 }
 
@@ -26,6 +28,7 @@ impl Lane {
         anchored: false,
         jacobians: 0,
         is_anchor_far: false,
+        is_astray: false,
         watch: Watch::NEW,
     };
 }

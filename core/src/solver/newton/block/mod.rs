@@ -23,7 +23,7 @@ use crate::error::StepError;
 use crate::solver::Branch;
 use crate::solver::elimination::{Factors, Rows, dimension};
 use crate::solver::judge::{
-    MOST_GROWTH, WANDERING, at_least, at_most, inside_chart, larger, relative,
+    MOST_GROWTH, ROUND_OFF, WANDERING, at_least, at_most, inside_chart, larger, relative, settled,
 };
 
 /// Evaluations of one step. A smooth orbit takes 1 to 4, a cold start at a large step a dozen, one at a
@@ -73,7 +73,7 @@ pub(super) struct Block<const W: usize, const D: usize, V, M> {
     /// How much of each component's change serves as a scale, and the smallest change of an iterate.
     allowed: V,
     smallest: V,
-    /// The least that the others put into a component at an iterate, Σ_j |D − 1|_ij |y_j|.
+    /// What the others put into a component, Σ_j |D − 1|_ij |y_j|.
     reached: V,
     /// The largest entries of the guard's two sides where the maps were last evaluated.
     guard: [Row<W>; 2],
@@ -244,17 +244,15 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         let (anchor, scale) = (&self.anchor.as_ref()[..d], &self.scale.as_ref()[..d]);
         let mut distance = [0.0_f64; W];
         let mut outgrown = [false; W];
-        let (allowed, smallest, reached) = (
+        let (allowed, smallest) = (
             &mut self.allowed.as_mut()[..d],
             &mut self.smallest.as_mut()[..d],
-            &mut self.reached.as_mut()[..d],
         );
         for i in 0..d {
             for w in 0..W {
                 y[i][w] = x[i][w] + correction[i][w];
                 allowed[i][w] = x[i][w].abs() + correction[i][w].abs();
                 smallest[i][w] = f64::INFINITY;
-                reached[i][w] = f64::INFINITY;
                 let (y, anchor, scale) = (y[i][w], anchor[i][w], scale[i][w]);
                 let away = (y - anchor).abs();
                 distance[w] = larger(distance[w], relative(away, scale));
@@ -266,6 +264,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             let distance = (lane.anchored && !outgrown[w]).then_some(distance[w]);
             lane.next = lane.convergence.start(distance, self.most_chords);
             lane.jacobians = 0;
+            lane.is_astray = false;
             lane.watch.begin();
             lane.watch
                 .take(lane.next == Next::Chord && lane.is_anchor_far);
@@ -354,9 +353,9 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
             &mut self.smallest.as_mut()[..d],
             &mut self.reached.as_mut()[..d],
         );
-        // A component may be the round-off of what the others put into it, Σ_j |D − 1|_ij |y_j|. That, and its increment,
-        // may be far larger than itself where the iterate is far off: beside them every correction is small. The increment
-        // counts as far as two iterates agree on it, the others at the iterate where they put in least.
+        // A component may be the round-off of what the others put into it, Σ_j |D − 1|_ij |y_j|. Its increment may be far larger
+        // than itself where the iterate is far off: beside it every correction is small. It counts as far as two iterates agree
+        // on it.
         for i in 0..d {
             let mut reach = [0.0_f64; W];
             for j in 0..d {
@@ -374,12 +373,29 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                     if has_begun {
                         *known = at_least(*known, *least);
                     }
-                    reached[i][w] = at_most(reached[i][w], reach[w]);
                 }
                 let change = at_most(MOST_GROWTH * allowed[i][w], change);
-                judged[w] = x[i][w].abs() + change + reached[i][w];
+                judged[w] = x[i][w].abs() + change + reach[w];
             }
             select(active, &mut scale[i], &judged);
+            reached[i] = reach;
+        }
+        for w in 0..W {
+            if active[w] && self.lanes[w].is_anchor_far {
+                self.take_back(w);
+            }
+        }
+    }
+
+    /// Takes from a lane's scales what D⁻¹ takes back of the round-off that components put into one another.
+    #[cold]
+    fn take_back(&mut self, w: usize) {
+        let d = dimension::<D>(self.dimension);
+        let (slope, reached) = (self.slope.as_ref(), self.reached.as_ref());
+        for i in 0..d {
+            let own = reached[i][w];
+            let again = (0..d).map(|j| slope[i * d + j][w] * reached[j][w]).sum();
+            self.scale.as_mut()[i][w] -= own - settled(own, again);
         }
     }
 
@@ -469,6 +485,7 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
         } else if is_newton {
             lane.convergence.evaluations += 1;
             // An iterate outside the chart has no value: the guard tells the cause.
+            lane.is_astray = true;
             return Err(match guard_ratio(&self.guard, w) {
                 ratio if (1.0..f64::INFINITY).contains(&ratio) => StepError::LeftChart { ratio },
                 _ => StepError::NonFinite {
@@ -546,8 +563,9 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
     }
 }
 
-/// The size of a lane's correction, each component beside what the scales of all that it is coupled with, at first hand and at
-/// second, put into it: Σ_k |D − 1|ᵏ s. One that begins to move at a high order in the step has the size of that motion.
+/// The size of a lane's correction, each component beside what the scales of all that are settled and that it is coupled with, at
+/// first hand and at later ones, put into it: Σ_k |D − 1|ᵏ s. One that begins to move at a high order in the step has the size of
+/// that motion.
 #[cold]
 fn size_in_all<const W: usize>(
     [correction, scale, slope]: [&[Row<W>]; 3],
@@ -555,13 +573,17 @@ fn size_in_all<const W: usize>(
     [reached, next]: [&mut Vec<f64>; 2],
 ) -> f64 {
     let d = scale.len();
-    for (reached, scale) in reached.iter_mut().zip(scale) {
-        *reached = scale[w];
+    let settled = |i: usize| match relative(correction[i][w], scale[i][w]) <= ROUND_OFF {
+        true => scale[i][w],
+        false => 0.0,
+    };
+    for (i, reached) in reached.iter_mut().enumerate() {
+        *reached = settled(i);
     }
     for _ in 0..d.min(MOST_HANDS) {
         for (i, next) in next.iter_mut().enumerate() {
             let others = (0..d).map(|j| slope[i * d + j][w] * reached[j]);
-            *next = scale[i][w] + others.sum::<f64>();
+            *next = settled(i) + others.sum::<f64>();
         }
         reached.copy_from_slice(next);
     }

@@ -15,10 +15,12 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
     #[cold]
     pub(super) fn settle(&mut self, w: usize) {
         let d = self.dimension;
-        // Iterates that lead out of the chart say nothing of the solution that begins at the state.
+        // An iterate that led out of the chart says nothing of the solution that begins at the state, nor does one found outside
+        // from a series that need not converge.
+        let may_be_inside = self.lanes[w].is_astray || !self.start.is_known(w);
         if let Err(error) = &self.outcome[w]
             && !error.is_of_a_solve()
-            && !matches!(error, StepError::LeftChart { .. })
+            && !(may_be_inside && matches!(error, StepError::LeftChart { .. }))
         {
             return;
         }
@@ -106,7 +108,6 @@ impl<const W: usize, const D: usize, V: Rows<W>, M: Rows<W>> Block<W, D, V, M> {
                     let from = self.from[i];
                     self.allowed.as_mut()[i][w] = from.abs() + (end - from).abs();
                     self.smallest.as_mut()[i][w] = f64::INFINITY;
-                    self.reached.as_mut()[i][w] = f64::INFINITY;
                 }
                 let mut y = self.y.take();
                 self.iterate(y.as_mut());
