@@ -109,14 +109,18 @@ impl StepSolve {
                 self.iteration.take_factors(&self.factors);
                 self.factors.solve(&mut self.residual);
             }
-            let factors = &self.factors;
+            let factors = match self.iteration.method() {
+                CorrectionMethod::Newton => Some(&self.factors),
+                _ => None,
+            };
             let verdict = self.iteration.correct(
                 &mut self.residual,
                 &mut self.unknowns,
                 unit,
                 |row, _, _| {
                     let (state, change, put_in) = equation.measure(row);
-                    (state, change, factors.left(row) * put_in)
+                    let left = factors.map_or(1.0, |factors| factors.left(row));
+                    (state, change, left * put_in)
                 },
                 |_, unknown| unit * unknown,
             )?;
