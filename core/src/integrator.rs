@@ -65,6 +65,11 @@ impl Integrator {
         self.stepper.statistics()
     }
 
+    /// Evaluations so far, those of [`statistics`](Self::statistics).
+    pub fn evaluations(&self) -> u64 {
+        self.stepper.evaluations()
+    }
+
     /// x_k ↦ x_{k+1}.
     ///
     /// # Errors

@@ -96,6 +96,10 @@ impl Stepper for Checked {
         self.stepper.set_parameters(parameters)
     }
 
+    fn evaluations(&self) -> u64 {
+        self.stepper.evaluations()
+    }
+
     fn statistics(&self) -> SolverStatistics {
         let statistics = self.stepper.statistics();
         SolverStatistics {

@@ -65,6 +65,10 @@ pub trait Stepper: Send {
     }
     /// Work done so far.
     fn statistics(&self) -> SolverStatistics;
+    /// Their evaluations, which an observer of every step asks for.
+    fn evaluations(&self) -> u64 {
+        self.statistics().evaluations
+    }
     /// Everything that later steps depend on beyond the state, for a checkpoint.
     fn memory(&self) -> Vec<f64>;
     /// Restores [`Stepper::memory`].

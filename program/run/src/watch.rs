@@ -41,6 +41,9 @@ pub(super) struct Watch {
     /// Evaluations of this session so far.
     #[serde(skip)]
     evaluations: u64,
+    /// The steps after which the next evenly spaced state is kept, 0 where that is to be found.
+    #[serde(skip)]
+    next: u64,
 }
 
 /// By what a checkpoint keeps.
@@ -100,7 +103,7 @@ impl Watch {
     /// Takes in the step, which was taken.
     pub fn end(&mut self, integrator: &Integrator) {
         let evaluations = match integrator.state().len() == self.low.len() {
-            true => integrator.statistics().evaluations,
+            true => integrator.evaluations(),
             false => 0,
         };
         self.take(integrator.state(), integrator.steps(), evaluations);
@@ -108,11 +111,8 @@ impl Watch {
 
     /// Takes in the state after so many steps, and what the session's took together.
     fn take(&mut self, state: &[f64], steps: u64, evaluations: u64) {
-        if !self.even.is_empty() && steps.is_multiple_of(self.stride) {
-            self.even.extend_from_slice(state);
-            if self.even.len() > MOST_EVEN * state.len() {
-                self.halve(state.len());
-            }
+        if steps >= self.next && !self.even.is_empty() {
+            self.keep_evenly(state, steps);
         }
         if state.len() != self.low.len() {
             return;
@@ -123,32 +123,52 @@ impl Watch {
             self.dearest.0.clone_from(&self.from);
             self.dearest.1 = evaluations;
         }
-        let mut is_wider = self.inverse.is_empty();
-        for (x, (low, high)) in state.iter().zip(self.low.iter_mut().zip(&mut self.high)) {
-            if x < low || x > high {
-                (*low, *high, is_wider) = (x.min(*low), x.max(*high), true);
-            }
+        let d = self.low.len();
+        let (low, high, from) = (&self.low[..d], &self.high[..d], &self.from[..d]);
+        let mut is_wider = self.inverse.len() != d;
+        let mut size = 0.0;
+        for (i, inverse) in self.inverse.iter().enumerate() {
+            is_wider |= state[i] < low[i] || state[i] > high[i];
+            size += (state[i] - from[i]).abs() * inverse;
         }
         if is_wider {
-            let ranges = self
-                .low
-                .iter()
-                .zip(&self.high)
-                .map(|(low, high)| high - low);
-            self.inverse.clear();
-            self.inverse
-                .extend(ranges.map(|range| if range > 0.0 { 1.0 / range } else { 0.0 }));
-            self.size = self.of(self.motion.iter().copied());
+            size = self.widen(state);
         }
-        let motion = |(x, from): (&f64, &f64)| x - from;
-        let size = self.of(state.iter().zip(&self.from).map(motion));
         if size > self.size {
             self.size = size;
             self.fastest.clone_from(&self.from);
             self.motion.clear();
-            self.motion.extend(state.iter().zip(&self.from).map(motion));
+            let motion = state.iter().zip(&self.from).map(|(x, from)| x - from);
+            self.motion.extend(motion);
         }
         std::mem::swap(&mut self.before, &mut self.from);
+    }
+
+    /// Takes a state beyond the ranges into them, and returns the size of the step at hand in the new ones.
+    #[cold]
+    fn widen(&mut self, state: &[f64]) -> f64 {
+        for (x, (low, high)) in state.iter().zip(self.low.iter_mut().zip(&mut self.high)) {
+            (*low, *high) = (x.min(*low), x.max(*high));
+        }
+        let ranges = self.low.iter().zip(&self.high);
+        let ranges = ranges.map(|(low, high)| high - low);
+        self.inverse.clear();
+        self.inverse
+            .extend(ranges.map(|range| if range > 0.0 { 1.0 / range } else { 0.0 }));
+        self.size = self.of(self.motion.iter().copied());
+        self.of(state.iter().zip(&self.from).map(|(x, from)| x - from))
+    }
+
+    /// Keeps a state that is evenly spaced.
+    #[cold]
+    fn keep_evenly(&mut self, state: &[f64], steps: u64) {
+        if steps.is_multiple_of(self.stride) {
+            self.even.extend_from_slice(state);
+            if self.even.len() > MOST_EVEN * state.len() {
+                self.halve(state.len());
+            }
+        }
+        self.next = (steps / self.stride + 1) * self.stride;
     }
 
     /// Σ_i |Δx_i|/(max x_i − min x_i).

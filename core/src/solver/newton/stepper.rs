@@ -212,6 +212,10 @@ impl Stepper for NewtonStepper {
         }
     }
 
+    fn evaluations(&self) -> u64 {
+        self.statistics.evaluations
+    }
+
     fn memory(&self) -> Vec<f64> {
         let mut memory = Vec::with_capacity(self.lanes * self.memory_of_each());
         for block in &self.wide {

@@ -27,6 +27,9 @@ impl Session<'_> {
 
     /// Takes in the events of the last step in the order in which they come, up to one that ends the run; why one is not known.
     pub(super) fn find_events(&mut self) -> Option<Failure> {
+        if self.events.is_empty() {
+            return None;
+        }
         let (mut found, steps) = (Vec::new(), self.integrator.steps());
         for at in 0..self.events.len() {
             let last = self.last.as_mut()?;

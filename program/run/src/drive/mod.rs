@@ -255,7 +255,7 @@ impl<'a> Session<'a> {
         if outside.is_none() {
             let (before, integrator) = (&self.before, &self.integrator);
             self.windows.push(self.invariants.values(), time, || {
-                before.evaluations + integrator.statistics().evaluations
+                before.evaluations + integrator.evaluations()
             });
         }
         let failure = self.record_step()?;
