@@ -35,9 +35,14 @@ fn compiled(
 ) -> Result<Option<CodeRealization>, BuildError> {
     let (d, space) = (realization.dimension(), realization.space_dimension());
     let code = realization.code();
-    let of_series = matches!(realization.accuracy(), Accuracy::Order(_));
+    let of_series = guards_series(realization);
     code.map(|code| CodeRealization::compile(&code, [d, space], parameters, of_series))
         .transpose()
+}
+
+/// Whether a realization's guard is of a series that is cut off, and not a radius.
+pub(crate) fn guards_series(realization: &dyn RealizationData) -> bool {
+    matches!(realization.accuracy(), Accuracy::Order(_))
 }
 
 fn no_maps(realization: &dyn RealizationData) -> BuildError {

@@ -5,7 +5,9 @@ use std::sync::{Arc, OnceLock};
 use leafwise_expression::{AlgebraError, Graph, Kernel, StepSize, Term};
 
 use crate::bisection::{LagrangianBisection, PointCode};
-use crate::code_evaluators::{CodeBisection, CodeRealization, realization_evaluator};
+use crate::code_evaluators::{
+    CodeBisection, CodeRealization, guards_series, realization_evaluator,
+};
 use crate::dynamics::{Correction, DynamicApproximation};
 use crate::error::BuildError;
 use crate::evaluator::Evaluator;
@@ -154,7 +156,7 @@ impl Method {
                     parameters,
                     kernel.worth_of_start(),
                 )?;
-                let of_series = matches!(realization.accuracy(), Accuracy::Order(_));
+                let of_series = guards_series(realization.as_ref());
                 let kernel = kernel.guarding_series(of_series);
                 let uncoupled = Uncoupled::compile(&mut graph, &ends, start.as_ref(), parameters)?
                     .map(|uncoupled| uncoupled.guarding_series(of_series));
@@ -174,7 +176,7 @@ impl Method {
                 let code = match code.filter(|_| maps.is_none()) {
                     None => None,
                     Some(code) => {
-                        let of_series = matches!(realization.accuracy(), Accuracy::Order(_));
+                        let of_series = guards_series(realization.as_ref());
                         Some(CodeRealization::compile(
                             &code,
                             [d, space],

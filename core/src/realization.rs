@@ -119,7 +119,8 @@ pub struct SourceTarget {
     pub increment: Vec<Term>,
     /// First and last term of a truncated series, or the radius of a closed form's chart and how
     /// far the point reaches in it: where the last is not the smaller one, the point is outside the
-    /// chart. Lists of equal lengths, compared by their largest entries. `None` for closed forms that hold
+    /// chart. Lists of equal lengths, compared by their largest entries; terms of series also coordinate by coordinate in
+    /// units of their own, where the largest say outside. `None` for closed forms that hold
     /// everywhere.
     pub guard: Option<(Vec<Term>, Vec<Term>)>,
 }
