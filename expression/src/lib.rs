@@ -15,6 +15,7 @@
 //! - [`graph`]: straight-line code with shared nodes and exact derivatives.
 //! - [`kernel`]: coefficient kernel and step kernel, evaluated W lanes at a time.
 //! - [`pairs`]: functions that are computed two at a time.
+//! - [`vector`]: loops with the widest registers of a machine.
 //! - [`words`]: numbers of things in words.
 
 pub mod algebra;
@@ -35,7 +36,7 @@ mod reach;
 pub mod series;
 pub mod shared;
 pub mod syntax;
-mod vector;
+pub mod vector;
 pub mod words;
 mod written;
 

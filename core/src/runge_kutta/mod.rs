@@ -7,6 +7,7 @@
 
 pub(crate) mod batch;
 pub mod smooth_map;
+mod stage_lanes;
 mod stage_solve;
 pub mod stages;
 pub mod tableau;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use leafwise_expression::{Graph, Kernel, Term};
+use leafwise_expression::{Graph, Kernel, Term, Workspace};
 
 use super::batch::batch;
 use crate::error::{BuildError, StepError};
@@ -150,6 +150,8 @@ impl SmoothMap {
         SmoothMapEvaluator {
             map: self.clone(),
             evaluator,
+            parameters: parameters.to_vec(),
+            steps: [epsilon, h],
         }
     }
 }
@@ -187,12 +189,28 @@ impl Evaluator for KernelEvaluator {
 pub struct SmoothMapEvaluator {
     map: SmoothMap,
     evaluator: Box<dyn Evaluator>,
+    parameters: Vec<f64>,
+    /// ε and h.
+    steps: [f64; 2],
 }
 
 impl SmoothMapEvaluator {
     /// The map.
     pub fn map(&self) -> &SmoothMap {
         &self.map
+    }
+
+    /// The kernel of F, and a workspace of it for so many points side by side; none of a map of numbers.
+    pub(super) fn side_by_side(&self, points: usize) -> Option<(Arc<Kernel>, Workspace)> {
+        let Source::Kernels { value, .. } = &self.map.source else {
+            return None;
+        };
+        let mut workspace = value.workspace(points);
+        let own = |value: &f64| std::iter::repeat_n(*value, points);
+        let parameters: Vec<f64> = self.parameters.iter().flat_map(own).collect();
+        let [epsilon, h] = self.steps.map(|step| vec![step; points]);
+        value.prepare(&mut workspace, &parameters, &epsilon, &h);
+        Some((Arc::clone(value), workspace))
     }
 
     /// F at several points in one call; where that fails, one by one: the points that fail are handed over,

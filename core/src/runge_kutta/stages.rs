@@ -3,12 +3,16 @@
 use nalgebra::DMatrix;
 
 use super::smooth_map::SmoothMapEvaluator;
+use super::stage_lanes::{StageLanes, stage_lanes};
 use super::stage_solve::{Coefficients, StageSolve};
 use super::tableau::PartitionedTableau;
 use crate::error::StepError;
 use crate::evaluator::Evaluator;
 use crate::solver::judge::all_finite;
 use crate::solver::{Branch, StepReport};
+
+/// So many steps are taken by Newton's iteration after the plain one has failed.
+const UNTIL_LANES: u32 = 15;
 
 /// Solves Z_i = z + τ Σ_j a_ij F(Z_j) and returns τ Σ_j b_j F(Z_j), for ż = F(z) and a step τ, of one
 /// trajectory or of several in lockstep: F is evaluated at once at all stages of all that iterate.
@@ -20,10 +24,18 @@ use crate::solver::{Branch, StepReport};
 /// Where F has no Jacobian the iteration is Z_i ← z + τ Σ_j a_ij F(Z_j) with Anderson's acceleration,
 /// until corrections and residuals are negligible against |Z_i| and |Z_i − z|: a shorter step is then
 /// asked for than with Newton's iteration.
+///
+/// [`by_lanes`](Self::by_lanes) first tries the plain iteration Z_i ← z + τ Σ_j a_ij F(Z_j), all stages at once in
+/// the lanes of vectors. Where its corrections halve at least, its solution is the only one near; elsewhere Newton's
+/// iteration takes the step, and the next few.
 pub struct StageSolver {
     field: SmoothMapEvaluator,
     coefficients: Coefficients,
     trajectories: Vec<StageSolve>,
+    lanes: Option<Box<dyn StageLanes>>,
+    /// Steps of each trajectory until that is tried, and whether the last one was taken so.
+    until_lanes: Vec<u32>,
+    is_by_lanes: Vec<bool>,
     /// Those that iterate.
     active: Vec<usize>,
     /// Z_i and F(Z_i) of those, one trajectory behind the other; those that want DF, their Z_i and
@@ -64,6 +76,9 @@ impl StageSolver {
         let trajectories = (0..count).map(|_| StageSolve::new(n, s, has_jacobian));
         Self {
             trajectories: trajectories.collect(),
+            lanes: None,
+            until_lanes: vec![0; count],
+            is_by_lanes: vec![false; count],
             active: Vec::with_capacity(count),
             stages: vec![0.0; count * s * n],
             slopes: vec![0.0; count * s * n],
@@ -78,6 +93,17 @@ impl StageSolver {
             coefficients: Coefficients { tableau, time_step },
             field,
         }
+    }
+
+    /// The same, trying the plain iteration with the stages in lanes first: for Gauss methods whose F has a kernel.
+    #[must_use]
+    pub fn by_lanes(mut self) -> Self {
+        let Coefficients { tableau, time_step } = &self.coefficients;
+        if tableau.split == 0 {
+            let count = self.trajectories.len();
+            self.lanes = stage_lanes(&self.field, &tableau.second, *time_step, count);
+        }
+        self
     }
 
     /// The number of coordinates of z.
@@ -145,22 +171,64 @@ impl StageSolver {
     /// unspecified and its next solve starts cold.
     pub fn solve_all(&mut self, starts: &[f64], changes: &mut [f64], taken: &mut [StepReport]) {
         let n = self.dimension();
-        for (trajectory, start) in self.trajectories.iter_mut().zip(starts.chunks_exact(n)) {
-            trajectory.begin(start);
-        }
         self.active.clear();
-        self.active.extend(0..self.trajectories.len());
+        for (at, start) in starts.chunks_exact(n).enumerate() {
+            if self.is_solved_by_lanes(at, start, &mut changes[at * n..][..n], &mut taken[at]) {
+                continue;
+            }
+            self.trajectories[at].begin(start);
+            self.active.push(at);
+        }
+        if self.active.is_empty() {
+            return;
+        }
         self.iterate(changes, taken);
         if !self.has_tangent() {
             return;
         }
         for at in 0..self.trajectories.len() {
+            if self.is_by_lanes[at] {
+                continue;
+            }
             let is_open = match &taken[at].outcome {
                 Ok(()) => self.trajectories[at].iteration.wanders(),
                 Err(error) => error.is_of_a_solve(),
             };
             if is_open {
                 self.settle(at, changes, taken);
+            }
+        }
+    }
+
+    /// Tries the plain iteration where it is offered and its turn; it writes the change where it succeeds.
+    fn is_solved_by_lanes(
+        &mut self,
+        at: usize,
+        start: &[f64],
+        change: &mut [f64],
+        taken: &mut StepReport,
+    ) -> bool {
+        self.is_by_lanes[at] = false;
+        let Some(lanes) = &mut self.lanes else {
+            return false;
+        };
+        if self.until_lanes[at] > 0 {
+            self.until_lanes[at] -= 1;
+            return false;
+        }
+        match lanes.solve(at, start, change) {
+            Ok(solved) => {
+                taken.evaluations += solved.evaluations;
+                taken.is_rounded = solved.is_rounded;
+                self.is_by_lanes[at] = true;
+                self.trajectories[at].move_to(start);
+                true
+            }
+            Err(spent) => {
+                taken.evaluations += spent;
+                self.until_lanes[at] = UNTIL_LANES;
+                self.trajectories[at].clear();
+                false
             }
         }
     }
@@ -318,6 +386,11 @@ impl StageSolver {
         }
         let (s, n) = (self.coefficients.tableau.stages(), self.dimension());
         let trajectory = &mut self.trajectories[at];
+        if self.is_by_lanes[at]
+            && let Some(lanes) = &self.lanes
+        {
+            lanes.displacements(at, trajectory.displacements_mut());
+        }
         let (stages, jacobians) = (&mut self.stages[..s * n], &mut self.jacobians[..s * n * n]);
         trajectory.place(stages);
         let mut is_defined = true;
@@ -348,21 +421,34 @@ impl StageSolver {
     /// Weighted operations of all solves so far; `None` for a field that does not count.
     pub fn operations(&self) -> Option<u64> {
         let linear: u64 = self.trajectories.iter().map(|solve| solve.linear).sum();
-        Some(self.field.operations()? + linear)
+        let lanes = self.lanes.as_ref().map_or(0, |lanes| lanes.operations());
+        Some(self.field.operations()? + linear + lanes)
     }
 
     /// Forgets a trajectory's earlier solves.
     pub fn clear(&mut self, at: usize) {
         self.trajectories[at].clear();
         self.field.restart();
+        self.until_lanes[at] = 0;
+        if let Some(lanes) = &mut self.lanes {
+            lanes.clear(at);
+        }
     }
 
-    /// What a trajectory's next solve depends on: the displacements of the last one, and the field's
-    /// memory.
+    /// What a trajectory's next solve depends on: the displacements of the last one, its slopes in lanes, and the
+    /// field's memory.
     pub fn memory(&self, at: usize) -> Vec<f64> {
         let own = &self.trajectories[at];
-        let watch = [own.iteration.memory()];
-        [&watch[..], own.displacements(), &self.field.memory()].concat()
+        let watch = [own.iteration.memory(), f64::from(self.until_lanes[at])];
+        let lanes = self.lanes.as_ref().map(|lanes| lanes.memory(at));
+        let lanes = lanes.unwrap_or_default();
+        [
+            &watch[..],
+            own.displacements(),
+            &lanes,
+            &self.field.memory(),
+        ]
+        .concat()
     }
 
     /// Restores [`memory`](Self::memory).
@@ -372,8 +458,14 @@ impl StageSolver {
     pub fn restore(&mut self, at: usize, memory: &[f64]) {
         let own = &mut self.trajectories[at];
         own.iteration.restore(memory[0]);
-        let (displacements, field) = memory[1..].split_at(own.displacements().len());
+        self.until_lanes[at] = memory[1] as u32;
+        let (displacements, mut field) = memory[2..].split_at(own.displacements().len());
         own.restore(displacements);
+        if let Some(lanes) = &mut self.lanes {
+            let own = lanes.memory(at).len();
+            lanes.restore(at, &field[..own]);
+            field = &field[own..];
+        }
         self.field.restore(field);
     }
 }

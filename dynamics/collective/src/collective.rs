@@ -6,7 +6,7 @@ use leafwise_core::part::{
     Compared, ParameterDefault, ParameterInfo, PartInfo, PartKind, PartParameters, ServesNumbers,
 };
 use leafwise_core::registry::DynamicsPart;
-use leafwise_core::runge_kutta::PartitionedTableau;
+use leafwise_core::runge_kutta::{PartitionedTableau, Tableau};
 use leafwise_core::solver::check_equations;
 use leafwise_core::{
     BuildError, ChartMaps, Correction, DynamicApproximation, LagrangianBisection, PoissonSystem,
@@ -14,7 +14,7 @@ use leafwise_core::{
 };
 
 use crate::bisection::ImageOfSection;
-use crate::gauss::{MOST_STAGES, gauss};
+use crate::gauss::gauss;
 use crate::hamiltonian::collective_field;
 use crate::implicit_midpoint::implicit_midpoint;
 use crate::numbers::collective_numbers;
@@ -40,7 +40,7 @@ static INFO: PartInfo = PartInfo {
         },
         ParameterInfo {
             name: "stages",
-            summary: "the stages of gauss, 1 to 8",
+            summary: "the stages of gauss, 1 to 16",
             default: ParameterDefault::Integer(2),
         },
         ParameterInfo {
@@ -152,13 +152,13 @@ impl Collective {
     /// The approximation by Σ_h; [`Correction::None`] is the paper's.
     ///
     /// # Errors
-    /// [`BuildError::Parameter`] for Gauss with 0 or more than eight stages.
+    /// [`BuildError::Parameter`] for Gauss with 0 or more than sixteen stages.
     pub fn new(
         integrator: SymplecticIntegrator,
         correction: Correction,
     ) -> Result<Self, BuildError> {
         if let SymplecticIntegrator::Gauss(stages) = integrator
-            && !(1..=MOST_STAGES).contains(&stages)
+            && !(1..=Tableau::MOST_STAGES).contains(&stages)
         {
             return Err(stages_out_of_range(&stages.to_string()));
         }
@@ -260,7 +260,7 @@ fn stages_out_of_range(value: &str) -> BuildError {
         part: INFO.name,
         parameter: "stages".to_owned(),
         value: value.to_owned(),
-        expected: format!("the number of stages lies in 1 to {MOST_STAGES}"),
+        expected: format!("the number of stages lies in 1 to {}", Tableau::MOST_STAGES),
     }
 }
 
@@ -269,7 +269,7 @@ fn build(parameters: &PartParameters) -> Result<Arc<dyn DynamicApproximation>, B
     let stages = parameters.get(&INFO, "stages")?;
     let stages = usize::try_from(stages)
         .ok()
-        .filter(|stages| (1..=MOST_STAGES).contains(stages))
+        .filter(|stages| (1..=Tableau::MOST_STAGES).contains(stages))
         .ok_or_else(|| stages_out_of_range(&stages.to_string()))?;
     let integrator = match parameters.word(&INFO, "integrator", &names)? {
         "stormer-verlet" => SymplecticIntegrator::StormerVerlet,

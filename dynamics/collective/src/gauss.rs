@@ -2,9 +2,6 @@
 
 use leafwise_core::runge_kutta::{PartitionedTableau, Tableau};
 
-/// The most stages offered: order 16, beyond which round-off hides what a stage adds.
-pub const MOST_STAGES: usize = 8;
-
 /// Collocation at s Gauss nodes, symplectic, symmetric, of order 2s (Hairer, Lubich, Wanner,
 /// *Geometric Numerical Integration*, sections II.1.3 and VI.4).
 pub fn gauss(stages: usize) -> PartitionedTableau {

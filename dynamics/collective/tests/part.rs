@@ -46,7 +46,7 @@ fn parameters_out_of_range_are_refused() {
     let none = PartParameters::new();
     for refused in [
         none.clone().with("stages", 0),
-        none.clone().with("stages", 9),
+        none.clone().with("stages", 17),
         none.clone().with("stages", -1),
         none.clone().with("integrator", "euler"),
         none.clone().with("correction", "some"),
@@ -58,7 +58,7 @@ fn parameters_out_of_range_are_refused() {
         build(&none.with("order", 2)),
         Err(BuildError::UnknownParameter { .. })
     ));
-    assert!(Collective::new(SymplecticIntegrator::Gauss(9), Correction::None).is_err());
+    assert!(Collective::new(SymplecticIntegrator::Gauss(17), Correction::None).is_err());
 }
 
 /// Points of five coordinates and no chart.

@@ -45,14 +45,14 @@ static INFO: PartInfo = PartInfo {
 /// The parameter `stages`.
 pub(crate) const STAGES: ParameterInfo = ParameterInfo {
     name: "stages",
-    summary: "the stages s of a Gauss method, 1 to 8",
+    summary: "the stages s of a Gauss method, 1 to 16",
     default: ParameterDefault::Integer(2),
 };
 
 /// The stages asked for.
 ///
 /// # Errors
-/// [`BuildError::Parameter`] outside 1 to 8.
+/// [`BuildError::Parameter`] outside 1 to 16.
 pub(crate) fn stages(
     info: &'static PartInfo,
     parameters: &PartParameters,
@@ -60,12 +60,12 @@ pub(crate) fn stages(
     let stages = parameters.get(info, STAGES.name)?;
     usize::try_from(stages)
         .ok()
-        .filter(|stages| (1..=8).contains(stages))
+        .filter(|stages| (1..=Tableau::MOST_STAGES).contains(stages))
         .ok_or_else(|| BuildError::Parameter {
             part: info.name,
             parameter: STAGES.name.to_owned(),
             value: stages.to_string(),
-            expected: "the number of stages lies in 1 to 8".to_owned(),
+            expected: format!("the number of stages lies in 1 to {}", Tableau::MOST_STAGES),
         })
 }
 

@@ -23,7 +23,8 @@ mod traced;
 use fused::Hardware;
 pub(crate) use fused::{Baseline, Fused};
 pub(crate) use one::One;
-pub(crate) use register::{Register, SIGN};
+pub use register::Register;
+pub(crate) use register::SIGN;
 pub(crate) use traced::{Number, Tape, Traceable};
 
 /// Loops over lanes, written once.
@@ -33,11 +34,43 @@ pub(crate) trait Work {
 }
 
 /// Code over registers, written once.
-pub(crate) trait RegisterWork {
+pub trait RegisterWork: Sized {
     /// Runs it on registers R. Implementations are `#[inline(always)]`.
     fn run<R: Register>(self);
     /// Does the same without registers.
-    fn run_alone(self);
+    #[inline(always)]
+    fn run_alone(self) {
+        self.run::<One<Baseline>>();
+    }
+}
+
+/// Runs code over rows of `lanes` numbers, 1, 4 or a multiple of 8, on the widest registers of this machine of which they
+/// are a whole number. Results have the same bits on any.
+///
+/// ```
+/// use leafwise_expression::vector::{Register, RegisterWork, run_on_registers};
+///
+/// struct Double<'a>(&'a mut [f64]);
+/// impl RegisterWork for Double<'_> {
+///     #[inline(always)]
+///     fn run<R: Register>(self) {
+///         for row in self.0.chunks_exact_mut(R::LANES) {
+///             (R::load(row) * R::splat(2.0)).store(row);
+///         }
+///     }
+/// }
+/// let mut values = [1.0, 2.5, 3.0, 4.0];
+/// run_on_registers(4, Double(&mut values));
+/// assert_eq!(values, [2.0, 5.0, 6.0, 8.0]);
+/// ```
+#[inline]
+pub fn run_on_registers<W: RegisterWork>(lanes: usize, work: W) {
+    let set = match lanes {
+        _ if lanes.is_multiple_of(8) => InstructionSet::best(),
+        _ if lanes.is_multiple_of(4) => InstructionSet::best_of_256_bits(),
+        _ => InstructionSet(Kind::Baseline),
+    };
+    set.run_registers(work);
 }
 
 /// Code over one number, written once.

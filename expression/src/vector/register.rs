@@ -6,9 +6,8 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 /// no lane knows of the others.
 ///
 /// An implementation belongs to an instruction set. Its values are made and used only inside of
-/// functions of that set, to which [`InstructionSet::run_registers`](super::InstructionSet::run_registers)
-/// hands the type.
-pub(crate) trait Register:
+/// functions of that set, to which [`run_on_registers`](super::run_on_registers) hands the type.
+pub trait Register:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
     /// A truth value for each lane.

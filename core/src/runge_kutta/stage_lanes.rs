@@ -1,0 +1,385 @@
+//! Stage equations by fixed-point iteration, the stages side by side in the lanes of vectors.
+
+use std::sync::Arc;
+
+use leafwise_expression::vector::{Register, RegisterWork, run_on_registers};
+use leafwise_expression::{Kernel, Workspace};
+
+use super::smooth_map::SmoothMapEvaluator;
+use super::tableau::Tableau;
+
+/// Budget of one solve.
+const MOST_EVALUATIONS: u64 = 60;
+
+/// A stage is known where its correction is below this part of its coordinate.
+const SETTLED: f64 = f64::EPSILON;
+
+/// Corrections below this part that fall by less than [`SLOW`] are round-off.
+const ROUND_OFF: f64 = 64.0 * SETTLED;
+
+/// Corrections that fall by less do not certify the solution: one that contracts by 1/2 is the only one in its ball.
+const SLOW: f64 = 0.5;
+
+/// Corrections before these may have a start with errors of another kind, or coordinates that begin to move.
+const FIRST_JUDGED: u64 = 4;
+
+/// What later corrections would add is forgotten below this part of a coordinate: 1/64 of a unit roundoff.
+const NEGLIGIBLE: f64 = f64::EPSILON / 128.0;
+
+/// How a solve ended.
+pub(super) struct FixedPoint {
+    /// Evaluations of all stages.
+    pub evaluations: u64,
+    /// Whether corrections stopped to fall before they were negligible.
+    pub is_rounded: bool,
+}
+
+/// Solves Z_i = z + τ Σ_j a_ij F(Z_j) by Z_i ← z + τ Σ_j a_ij F(Z_j) for several trajectories, each by itself.
+pub(super) trait StageLanes: Send {
+    /// Writes τ Σ_j b_j F(Z_j) for a trajectory's step from z. Where corrections do not fall by [`SLOW`] there is no
+    /// solution, and the error is the number of evaluations spent.
+    fn solve(&mut self, at: usize, start: &[f64], change: &mut [f64]) -> Result<FixedPoint, u64>;
+    /// Z_i − z of a trajectory's last solve, one stage after the other.
+    fn displacements(&self, at: usize, out: &mut [f64]);
+    /// Forgets a trajectory's earlier solves.
+    fn clear(&mut self, at: usize);
+    /// What a trajectory's next solve depends on; always of the same length.
+    fn memory(&self, at: usize) -> Vec<f64>;
+    /// Restores [`memory`](Self::memory).
+    fn restore(&mut self, at: usize, memory: &[f64]);
+    /// Operations of all solves so far.
+    fn operations(&self) -> u64;
+}
+
+/// Solves of `count` trajectories with a Gauss method; none where F has no kernel.
+pub(super) fn stage_lanes(
+    field: &SmoothMapEvaluator,
+    tableau: &Tableau,
+    time_step: f64,
+    count: usize,
+) -> Option<Box<dyn StageLanes>> {
+    let shape = (field, tableau, time_step, count);
+    Some(match tableau.stages() {
+        1 => Box::new(Lanes::<1>::new(shape)?),
+        2 => Box::new(Lanes::<2>::new(shape)?),
+        3..=4 => Box::new(Lanes::<4>::new(shape)?),
+        5..=8 => Box::new(Lanes::<8>::new(shape)?),
+        9..=16 => Box::new(Lanes::<16>::new(shape)?),
+        _ => return None,
+    })
+}
+
+/// W lanes, the first s of which are stages; the others stay at z.
+struct Lanes<const W: usize> {
+    kernel: Arc<Kernel>,
+    workspace: Workspace,
+    /// s.
+    stages: usize,
+    /// Column j over lanes i: τ a_ij, and τ ∫₁^{1+c_i} ℓ_j; 0 beyond s.
+    matrix: Box<[[f64; W]; W]>,
+    onward: Box<[[f64; W]; W]>,
+    /// τ b_j.
+    weights: [f64; W],
+    /// F(Z_j) of each trajectory's last solve, a row a coordinate, and whether there was one.
+    slopes: Vec<[f64; W]>,
+    is_known: Vec<bool>,
+    /// 1/(|z_c| + max_i |Z_i − z|_c), of the solve at hand.
+    inverse_sizes: Vec<f64>,
+    evaluations: u64,
+    /// Operations of one evaluation and its sums.
+    work: u64,
+}
+
+impl<const W: usize> Lanes<W> {
+    fn new(
+        (field, tableau, time_step, count): (&SmoothMapEvaluator, &Tableau, f64, usize),
+    ) -> Option<Self> {
+        let (s, n) = (tableau.stages(), field.map().inputs());
+        let (kernel, workspace) = field.side_by_side(W)?;
+        let columns = |matrix: &[f64]| -> Box<[[f64; W]; W]> {
+            let mut columns = Box::new([[0.0; W]; W]);
+            for (i, row) in matrix.chunks_exact(s).enumerate() {
+                for (column, entry) in columns.iter_mut().zip(row) {
+                    column[i] = time_step * entry;
+                }
+            }
+            columns
+        };
+        let mut weights = [0.0; W];
+        for (weight, b) in weights.iter_mut().zip(&tableau.weights) {
+            *weight = time_step * b;
+        }
+        Some(Self {
+            stages: s,
+            matrix: columns(&tableau.matrix),
+            onward: columns(&Tableau::gauss_onward(s)),
+            weights,
+            slopes: vec![[0.0; W]; count * n],
+            is_known: vec![false; count],
+            inverse_sizes: vec![0.0; n],
+            evaluations: 0,
+            work: s as u64 * kernel.step_operations().work() + (2 * s * s * n + 6 * s * n) as u64,
+            kernel,
+            workspace,
+        })
+    }
+}
+
+/// z + Σ_j m_j f_j over a register of lanes from the first on, in two sums that do not wait for one another.
+///
+/// Loops alone here and below: closures and iterators are compiled for the baseline where they are not inlined.
+#[inline(always)]
+fn add_sums<R: Register, const W: usize>(
+    z: f64,
+    columns: &[[f64; W]; W],
+    slopes: &[f64; W],
+    first: usize,
+) -> R {
+    let (mut even, mut odd) = (R::splat(0.0), R::splat(0.0));
+    for j in 0..W {
+        let (column, slope) = (R::load(&columns[j][first..]), R::splat(slopes[j]));
+        match j % 2 {
+            0 => even = column.times_plus(slope, even),
+            _ => odd = column.times_plus(slope, odd),
+        }
+    }
+    R::splat(z) + (even + odd)
+}
+
+/// The larger of two; a where one is no number.
+#[inline(always)]
+fn larger<R: Register>(a: R, b: R) -> R {
+    R::select(a.less(b), b, a)
+}
+
+/// max over the lanes of what is a number.
+#[inline(always)]
+fn largest<const W: usize>(lanes: &[f64; W]) -> f64 {
+    let mut most = *lanes;
+    let mut count = W;
+    while count > 1 {
+        count /= 2;
+        for lane in 0..count {
+            let other = most[lane + count];
+            most[lane] = if other > most[lane] {
+                other
+            } else {
+                most[lane]
+            };
+        }
+    }
+    most[0]
+}
+
+/// The sum over the lanes, of halves first.
+#[inline(always)]
+fn sum<const W: usize>(lanes: &[f64; W]) -> f64 {
+    let mut sums = *lanes;
+    let mut count = W;
+    while count > 1 {
+        count /= 2;
+        for lane in 0..count {
+            sums[lane] += sums[lane + count];
+        }
+    }
+    sums[0]
+}
+
+struct Solve<'own, const W: usize> {
+    lanes: &'own mut Lanes<W>,
+    at: usize,
+    start: &'own [f64],
+    change: &'own mut [f64],
+    outcome: &'own mut Result<FixedPoint, u64>,
+}
+
+impl<const W: usize> RegisterWork for Solve<'_, W> {
+    #[inline(always)]
+    fn run<R: Register>(self) {
+        let Self {
+            lanes,
+            at,
+            start,
+            change,
+            outcome,
+        } = self;
+        let n = start.len();
+        lanes.begin::<R>(at, start);
+        // No rate is known of the first correction.
+        let mut last = f64::NAN;
+        let mut has_been_slow = false;
+        let mut evaluations = 0;
+        let is_rounded = loop {
+            evaluations += 1;
+            lanes.kernel.evaluate_own_rows::<W>(&mut lanes.workspace);
+            let is_measured = evaluations == 1 || evaluations == 4 || evaluations == 16;
+            let size = match is_measured {
+                true => lanes.correct_measuring::<R>(start),
+                false => lanes.correct::<R>(start),
+            };
+            // With δ_k = r δ_{k−1} and r ≤ 1/2 the rest is δ_k r/(1 − r) ≤ 2 δ_k²/δ_{k−1}.
+            let is_slow = size > SLOW * last;
+            if size <= SETTLED || !is_slow && size * size <= 0.5 * NEGLIGIBLE * last {
+                break false;
+            }
+            if is_slow && evaluations > FIRST_JUDGED {
+                if size <= ROUND_OFF {
+                    break true;
+                }
+                if has_been_slow {
+                    *outcome = Err(evaluations);
+                    return;
+                }
+                has_been_slow = true;
+            }
+            if !size.is_finite() || evaluations == MOST_EVALUATIONS {
+                *outcome = Err(evaluations);
+                return;
+            }
+            last = size;
+        };
+        let slopes = lanes.kernel.evaluate_own_rows::<W>(&mut lanes.workspace);
+        let (slopes, change) = (&slopes[..n], &mut change[..n]);
+        let own = &mut lanes.slopes[at * n..][..n];
+        let mut zero = 0.0;
+        for c in 0..n {
+            own[c] = slopes[c];
+            let mut products = lanes.weights;
+            for lane in 0..W {
+                products[lane] *= slopes[c][lane];
+            }
+            change[c] = sum(&products);
+            zero += 0.0 * change[c];
+        }
+        evaluations += 1;
+        // 0·v is 0 where v is finite, and no number elsewhere.
+        *outcome = match zero == 0.0 {
+            true => Ok(FixedPoint {
+                evaluations,
+                is_rounded,
+            }),
+            false => Err(evaluations),
+        };
+    }
+}
+
+impl<const W: usize> Lanes<W> {
+    /// Writes the stages that a solve begins at: by the polynomial of the last step, at z where there was none.
+    #[inline(always)]
+    fn begin<R: Register>(&mut self, at: usize, start: &[f64]) {
+        let slopes = &self.slopes[at * start.len()..][..start.len()];
+        let (stages, _) = self.kernel.rows_mut::<W>(&mut self.workspace);
+        let (stages, is_known) = (&mut stages[..start.len()], self.is_known[at]);
+        for c in 0..start.len() {
+            if !is_known {
+                stages[c] = [start[c]; W];
+                continue;
+            }
+            for first in (0..W).step_by(R::LANES) {
+                let stage: R = add_sums(start[c], &self.onward, &slopes[c], first);
+                stage.store(&mut stages[c][first..]);
+            }
+        }
+    }
+
+    /// One correction; returns its largest component in units of its coordinate.
+    #[inline(always)]
+    fn correct<R: Register>(&mut self, start: &[f64]) -> f64 {
+        let (stages, slopes) = self.kernel.rows_mut::<W>(&mut self.workspace);
+        let mut most = [0.0; W];
+        let n = start.len();
+        let (stages, slopes, inverse) = (&mut stages[..n], &slopes[..n], &self.inverse_sizes[..n]);
+        for first in (0..W).step_by(R::LANES) {
+            let mut size = R::splat(0.0);
+            for c in 0..n {
+                let next: R = add_sums(start[c], &self.matrix, &slopes[c], first);
+                let correction = next - R::load(&stages[c][first..]);
+                size = larger(size, correction.abs() * R::splat(inverse[c]));
+                next.store(&mut stages[c][first..]);
+            }
+            size.store(&mut most[first..]);
+        }
+        largest(&most)
+    }
+
+    /// The same, and measures the coordinates anew.
+    #[inline(always)]
+    fn correct_measuring<R: Register>(&mut self, start: &[f64]) -> f64 {
+        let (stages, slopes) = self.kernel.rows_mut::<W>(&mut self.workspace);
+        let mut most = 0.0;
+        let n = start.len();
+        let (stages, slopes) = (&mut stages[..n], &slopes[..n]);
+        let inverse = &mut self.inverse_sizes[..n];
+        for c in 0..n {
+            let (z, before) = (start[c], stages[c]);
+            let (mut way, mut correction) = ([0.0; W], [0.0; W]);
+            for first in (0..W).step_by(R::LANES) {
+                let next: R = add_sums(z, &self.matrix, &slopes[c], first);
+                (next - R::splat(z)).abs().store(&mut way[first..]);
+                (next - R::load(&before[first..]))
+                    .abs()
+                    .store(&mut correction[first..]);
+                next.store(&mut stages[c][first..]);
+            }
+            inverse[c] = 1.0 / (z.abs() + largest(&way) + f64::MIN_POSITIVE);
+            let correction = largest(&correction) * inverse[c];
+            most = if correction > most { correction } else { most };
+        }
+        most
+    }
+}
+
+impl<const W: usize> StageLanes for Lanes<W> {
+    fn solve(&mut self, at: usize, start: &[f64], change: &mut [f64]) -> Result<FixedPoint, u64> {
+        let mut outcome = Err(0);
+        let solve = Solve {
+            lanes: self,
+            at,
+            start,
+            change,
+            outcome: &mut outcome,
+        };
+        run_on_registers(W, solve);
+        self.is_known[at] = outcome.is_ok();
+        self.evaluations += match &outcome {
+            Ok(solved) => solved.evaluations,
+            Err(spent) => *spent,
+        };
+        outcome
+    }
+
+    fn displacements(&self, at: usize, out: &mut [f64]) {
+        let n = self.inverse_sizes.len();
+        for (c, slopes) in self.slopes[at * n..][..n].iter().enumerate() {
+            for (lane, stage) in out.chunks_exact_mut(n).enumerate() {
+                let columns = self.matrix.iter().zip(slopes);
+                stage[c] = columns.map(|(column, slope)| column[lane] * slope).sum();
+            }
+        }
+    }
+
+    fn clear(&mut self, at: usize) {
+        self.is_known[at] = false;
+    }
+
+    fn memory(&self, at: usize) -> Vec<f64> {
+        let (n, s) = (self.inverse_sizes.len(), self.stages);
+        let is_known = f64::from(u8::from(self.is_known[at]));
+        let slopes = self.slopes[at * n..][..n].iter();
+        let slopes = slopes.flat_map(|row| row[..s].iter().copied());
+        std::iter::once(is_known).chain(slopes).collect()
+    }
+
+    fn restore(&mut self, at: usize, memory: &[f64]) {
+        let (n, s) = (self.inverse_sizes.len(), self.stages);
+        self.is_known[at] = memory[0] != 0.0;
+        let rows = self.slopes[at * n..][..n].iter_mut();
+        for (row, kept) in rows.zip(memory[1..].chunks_exact(s)) {
+            row[..s].copy_from_slice(kept);
+        }
+    }
+
+    fn operations(&self) -> u64 {
+        self.evaluations * self.work
+    }
+}
