@@ -21,6 +21,7 @@
 //! - [`shadow`]: the Hamiltonians whose flows step maps are.
 //! - [`solver`]: the step solver, one Newton iteration a lane.
 //! - [`integrator`]: the compensated step loop.
+//! - [`lift`]: coordinates with a constant tensor, in which collective integrators step.
 //! - [`lattice`]: long lattices in O(N) time and memory a step.
 //! - [`part`], [`part_description`], [`origin`], [`registry`]: parts by name, built in or loaded.
 //! - [`diagnostics`]: realization error, tensor defect, fitted slopes, Jacobi and Casimir checks.
@@ -44,6 +45,7 @@ pub mod gradient;
 pub mod graph_bisection;
 pub mod integrator;
 pub mod lattice;
+pub mod lift;
 pub mod method;
 pub mod noise;
 mod observe;
@@ -75,6 +77,7 @@ pub use evaluator::Evaluator;
 pub use graph_bisection::{GraphBisection, OneForm};
 pub use integrator::Integrator;
 pub use lattice::LatticeMethod;
+pub use lift::Lift;
 pub use method::{Method, MethodEvaluators};
 pub use observe::Observe;
 pub use one_form::{CodeOneForm, GraphOfOneForm};

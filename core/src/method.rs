@@ -136,6 +136,11 @@ impl Method {
             realization: realization.describe(),
             reason: reason.to_owned(),
         };
+        if realization.lift().is_some() && realization.code().is_none() {
+            return Err(missing(
+                "it is coordinates in which the tensor is constant, for the dynamics collective",
+            ));
+        }
         let path = match (realization.code(), bisection.code()) {
             (Some(ends), Some(points)) if dynamics.correction() == Correction::Bisection => {
                 let (mut graph, ends) = code_along(d, &ends, &points)?;
@@ -364,7 +369,10 @@ impl StepMap for Method {
     }
 
     fn properties(&self) -> MapProperties {
-        properties_of(self.realization.as_ref(), self.dynamics.as_ref())
+        match &self.path {
+            Path::Fused(map) => map.properties(),
+            _ => properties_of(self.realization.as_ref(), self.dynamics.as_ref()),
+        }
     }
 
     fn describe(&self) -> String {

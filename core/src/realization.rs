@@ -8,6 +8,7 @@ use crate::bisection::LagrangianBisection;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
 use crate::lattice::StageCode;
+use crate::lift::{Lift, LiftedMap};
 use crate::solver::{MapProperties, StepMap};
 use crate::system::PoissonSystem;
 
@@ -70,7 +71,12 @@ pub trait RealizationData: Send + Sync + std::fmt::Debug {
     fn is_reversible(&self) -> bool {
         true
     }
-    /// A self-contained step map that solves for the realization and the bisection in one go.
+    /// Coordinates with a constant tensor, in which collective integrators step.
+    fn lift(&self) -> Option<Arc<dyn Lift>> {
+        None
+    }
+    /// A self-contained step map that solves for the realization and the bisection in one go: that of its
+    /// [`lift`](Self::lift), where it has one.
     ///
     /// # Errors
     /// [`BuildError`] when the bisection cannot be fused.
@@ -80,8 +86,14 @@ pub trait RealizationData: Send + Sync + std::fmt::Debug {
         bisection: Arc<dyn LagrangianBisection>,
         properties: MapProperties,
     ) -> Option<Result<Box<dyn StepMap>, BuildError>> {
-        let _ = (system, bisection, properties);
-        None
+        let lifted = LiftedMap::of(
+            self.lift()?,
+            &self.describe(),
+            system,
+            &bisection,
+            properties,
+        );
+        lifted.map(|map| map.map(|map| Box::new(map) as Box<dyn StepMap>))
     }
     /// α̂ and β̂ as sweeps over a lattice.
     fn stages(&self) -> Option<StageCode<'_>> {

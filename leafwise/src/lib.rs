@@ -30,6 +30,7 @@ pub use leafwise_hamilton_jacobi as hamilton_jacobi;
 pub use leafwise_karasev as karasev;
 pub use leafwise_lie_poisson as lie_poisson;
 pub use leafwise_log_canonical as log_canonical;
+pub use leafwise_logarithms as logarithms;
 pub use leafwise_one_form as one_form;
 pub use leafwise_plugin_loader as plugins;
 pub use leafwise_reference as reference;

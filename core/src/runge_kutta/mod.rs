@@ -2,12 +2,13 @@
 //!
 //! - [`tableau`]: nodes, weights and matrices, those of Gauss for any number of stages.
 //! - [`smooth_map`]: maps and their Jacobians, as kernels or as numbers.
+//! - `stage_lanes`: the stage equations of Gauss methods by fixed-point iteration, the stages in the lanes of vectors.
 //! - [`stages`]: the stage equations of a partitioned method by Newton's iteration, or without Jacobians,
 //!   of several trajectories in lockstep.
 
 pub(crate) mod batch;
 pub mod smooth_map;
-mod stage_lanes;
+pub(crate) mod stage_lanes;
 mod stage_solve;
 pub mod stages;
 pub mod tableau;

@@ -17,28 +17,56 @@ const SETTLED: f64 = f64::EPSILON;
 /// Corrections below this part that fall by less than [`SLOW`] are round-off.
 const ROUND_OFF: f64 = 64.0 * SETTLED;
 
-/// Corrections that fall by less do not certify the solution: one that contracts by 1/2 is the only one in its ball.
+/// Corrections that fall by less, from one to the one after the next by its square, do not certify the solution: a map that
+/// contracts by 1/2 has no other in the ball where it does.
 const SLOW: f64 = 0.5;
 
-/// Corrections before these may have a start with errors of another kind, or coordinates that begin to move.
-const FIRST_JUDGED: u64 = 4;
+/// The first corrections tell nothing: the start has errors of another kind, and coordinates begin to move.
+const FIRST_JUDGED: u64 = 6;
 
 /// What later corrections would add is forgotten below this part of a coordinate: 1/64 of a unit roundoff.
 const NEGLIGIBLE: f64 = f64::EPSILON / 128.0;
 
-/// How a solve ended.
-pub(super) struct FixedPoint {
+/// A solve that ended.
+pub(crate) struct FixedPoint {
     /// Evaluations of all stages.
     pub evaluations: u64,
     /// Whether corrections stopped to fall before they were negligible.
     pub is_rounded: bool,
 }
 
+/// A solve whose corrections did not fall by [`SLOW`].
+pub(crate) struct Unsettled {
+    /// Evaluations of all stages.
+    pub evaluations: u64,
+    /// The last correction, in units of the coordinates.
+    pub correction: f64,
+}
+
+/// Where a step begins.
+#[derive(Clone, Copy)]
+pub(crate) struct Start<'a> {
+    /// z.
+    pub point: &'a [f64],
+    /// What corrections are measured against beside |Z_i − z|.
+    pub sizes: &'a [f64],
+    /// What F reads beside Z.
+    pub beside: &'a [f64],
+}
+
 /// Solves Z_i = z + τ Σ_j a_ij F(Z_j) by Z_i ← z + τ Σ_j a_ij F(Z_j) for several trajectories, each by itself.
-pub(super) trait StageLanes: Send {
-    /// Writes τ Σ_j b_j F(Z_j) for a trajectory's step from z. Where corrections do not fall by [`SLOW`] there is no
-    /// solution, and the error is the number of evaluations spent.
-    fn solve(&mut self, at: usize, start: &[f64], change: &mut [f64]) -> Result<FixedPoint, u64>;
+pub(crate) trait StageLanes: Send {
+    /// Writes τ Σ_j b_j F(Z_j) for a trajectory's step from z. The stages start from the polynomial of its last step, and
+    /// where that does not lead to a solution, from z.
+    ///
+    /// # Errors
+    /// [`Unsettled`] where there is none.
+    fn solve(
+        &mut self,
+        at: usize,
+        start: Start<'_>,
+        change: &mut [f64],
+    ) -> Result<FixedPoint, Unsettled>;
     /// Z_i − z of a trajectory's last solve, one stage after the other.
     fn displacements(&self, at: usize, out: &mut [f64]);
     /// Forgets a trajectory's earlier solves.
@@ -51,8 +79,8 @@ pub(super) trait StageLanes: Send {
     fn operations(&self) -> u64;
 }
 
-/// Solves of `count` trajectories with a Gauss method; none where F has no kernel.
-pub(super) fn stage_lanes(
+/// Solves of `count` trajectories with a Gauss method; none where F has no kernel. F reads Z, then what it reads beside.
+pub(crate) fn stage_lanes(
     field: &SmoothMapEvaluator,
     tableau: &Tableau,
     time_step: f64,
@@ -94,7 +122,7 @@ impl<const W: usize> Lanes<W> {
     fn new(
         (field, tableau, time_step, count): (&SmoothMapEvaluator, &Tableau, f64, usize),
     ) -> Option<Self> {
-        let (s, n) = (tableau.stages(), field.map().inputs());
+        let (s, n) = (tableau.stages(), field.map().outputs());
         let (kernel, workspace) = field.side_by_side(W)?;
         let columns = |matrix: &[f64]| -> Box<[[f64; W]; W]> {
             let mut columns = Box::new([[0.0; W]; W]);
@@ -188,9 +216,9 @@ fn sum<const W: usize>(lanes: &[f64; W]) -> f64 {
 struct Solve<'own, const W: usize> {
     lanes: &'own mut Lanes<W>,
     at: usize,
-    start: &'own [f64],
+    start: Start<'own>,
     change: &'own mut [f64],
-    outcome: &'own mut Result<FixedPoint, u64>,
+    outcome: &'own mut Result<FixedPoint, Unsettled>,
 }
 
 impl<const W: usize> RegisterWork for Solve<'_, W> {
@@ -203,10 +231,9 @@ impl<const W: usize> RegisterWork for Solve<'_, W> {
             change,
             outcome,
         } = self;
-        let n = start.len();
         lanes.begin::<R>(at, start);
-        // No rate is known of the first correction.
-        let mut last = f64::NAN;
+        // The last two corrections; no rate is known of the first.
+        let [mut before, mut last] = [f64::NAN; 2];
         let mut has_been_slow = false;
         let mut evaluations = 0;
         let is_rounded = loop {
@@ -215,50 +242,42 @@ impl<const W: usize> RegisterWork for Solve<'_, W> {
             let is_measured = evaluations == 1 || evaluations == 4 || evaluations == 16;
             let size = match is_measured {
                 true => lanes.correct_measuring::<R>(start),
-                false => lanes.correct::<R>(start),
+                false => lanes.correct::<R>(start.point),
             };
-            // With δ_k = r δ_{k−1} and r ≤ 1/2 the rest is δ_k r/(1 − r) ≤ 2 δ_k²/δ_{k−1}.
-            let is_slow = size > SLOW * last;
-            if size <= SETTLED || !is_slow && size * size <= 0.5 * NEGLIGIBLE * last {
+            // With δ_k = r δ_{k−1} and r ≤ 1/2 the rest is δ_k r/(1 − r) ≤ 2 δ_k²/δ_{k−1}. Rates may alternate.
+            let rest = [
+                size * size <= 0.5 * NEGLIGIBLE * last,
+                size * last <= 0.5 * NEGLIGIBLE * before,
+            ];
+            if size <= SETTLED || rest == [true; 2] {
                 break false;
             }
-            if is_slow && evaluations > FIRST_JUDGED {
-                if size <= ROUND_OFF {
-                    break true;
-                }
-                if has_been_slow {
-                    *outcome = Err(evaluations);
-                    return;
-                }
-                has_been_slow = true;
+            if size <= ROUND_OFF && size > SLOW * last {
+                break true;
             }
-            if !size.is_finite() || evaluations == MOST_EVALUATIONS {
-                *outcome = Err(evaluations);
+            let is_slow = size > SLOW * SLOW * before && evaluations > FIRST_JUDGED;
+            let is_lost = is_slow && has_been_slow;
+            if is_lost || !size.is_finite() || evaluations == MOST_EVALUATIONS {
+                *outcome = Err(Unsettled {
+                    evaluations,
+                    correction: size,
+                });
                 return;
             }
-            last = size;
+            has_been_slow |= is_slow;
+            [before, last] = [last, size];
         };
-        let slopes = lanes.kernel.evaluate_own_rows::<W>(&mut lanes.workspace);
-        let (slopes, change) = (&slopes[..n], &mut change[..n]);
-        let own = &mut lanes.slopes[at * n..][..n];
-        let mut zero = 0.0;
-        for c in 0..n {
-            own[c] = slopes[c];
-            let mut products = lanes.weights;
-            for lane in 0..W {
-                products[lane] *= slopes[c][lane];
-            }
-            change[c] = sum(&products);
-            zero += 0.0 * change[c];
-        }
         evaluations += 1;
-        // 0·v is 0 where v is finite, and no number elsewhere.
-        *outcome = match zero == 0.0 {
+        let is_finite = lanes.end(at, change);
+        *outcome = match is_finite {
             true => Ok(FixedPoint {
                 evaluations,
                 is_rounded,
             }),
-            false => Err(evaluations),
+            false => Err(Unsettled {
+                evaluations,
+                correction: f64::NAN,
+            }),
         };
     }
 }
@@ -266,20 +285,45 @@ impl<const W: usize> RegisterWork for Solve<'_, W> {
 impl<const W: usize> Lanes<W> {
     /// Writes the stages that a solve begins at: by the polynomial of the last step, at z where there was none.
     #[inline(always)]
-    fn begin<R: Register>(&mut self, at: usize, start: &[f64]) {
-        let slopes = &self.slopes[at * start.len()..][..start.len()];
-        let (stages, _) = self.kernel.rows_mut::<W>(&mut self.workspace);
-        let (stages, is_known) = (&mut stages[..start.len()], self.is_known[at]);
-        for c in 0..start.len() {
+    fn begin<R: Register>(&mut self, at: usize, start: Start<'_>) {
+        let (z, n) = (start.point, start.point.len());
+        let slopes = &self.slopes[at * n..][..n];
+        let (rows, _) = self.kernel.rows_mut::<W>(&mut self.workspace);
+        let (stages, beside) = rows.split_at_mut(n);
+        let is_known = self.is_known[at];
+        for c in 0..n {
             if !is_known {
-                stages[c] = [start[c]; W];
+                stages[c] = [z[c]; W];
                 continue;
             }
             for first in (0..W).step_by(R::LANES) {
-                let stage: R = add_sums(start[c], &self.onward, &slopes[c], first);
+                let stage: R = add_sums(z[c], &self.onward, &slopes[c], first);
                 stage.store(&mut stages[c][first..]);
             }
         }
+        for c in 0..beside.len() {
+            beside[c] = [start.beside[c]; W];
+        }
+    }
+
+    /// Evaluates the slopes once more, keeps them and writes their sum; whether it is finite.
+    #[inline(always)]
+    fn end(&mut self, at: usize, change: &mut [f64]) -> bool {
+        let n = change.len();
+        let slopes = self.kernel.evaluate_own_rows::<W>(&mut self.workspace);
+        let (slopes, own) = (&slopes[..n], &mut self.slopes[at * n..][..n]);
+        let mut zero = 0.0;
+        for c in 0..n {
+            own[c] = slopes[c];
+            let mut products = self.weights;
+            for lane in 0..W {
+                products[lane] *= slopes[c][lane];
+            }
+            change[c] = sum(&products);
+            // 0·v is 0 where v is finite, and no number elsewhere.
+            zero += 0.0 * change[c];
+        }
+        zero == 0.0
     }
 
     /// One correction; returns its largest component in units of its coordinate.
@@ -304,14 +348,14 @@ impl<const W: usize> Lanes<W> {
 
     /// The same, and measures the coordinates anew.
     #[inline(always)]
-    fn correct_measuring<R: Register>(&mut self, start: &[f64]) -> f64 {
+    fn correct_measuring<R: Register>(&mut self, start: Start<'_>) -> f64 {
         let (stages, slopes) = self.kernel.rows_mut::<W>(&mut self.workspace);
         let mut most = 0.0;
-        let n = start.len();
+        let n = start.point.len();
         let (stages, slopes) = (&mut stages[..n], &slopes[..n]);
         let inverse = &mut self.inverse_sizes[..n];
         for c in 0..n {
-            let (z, before) = (start[c], stages[c]);
+            let (z, before) = (start.point[c], stages[c]);
             let (mut way, mut correction) = ([0.0; W], [0.0; W]);
             for first in (0..W).step_by(R::LANES) {
                 let next: R = add_sums(z, &self.matrix, &slopes[c], first);
@@ -321,7 +365,7 @@ impl<const W: usize> Lanes<W> {
                     .store(&mut correction[first..]);
                 next.store(&mut stages[c][first..]);
             }
-            inverse[c] = 1.0 / (z.abs() + largest(&way) + f64::MIN_POSITIVE);
+            inverse[c] = 1.0 / (start.sizes[c].abs() + largest(&way) + f64::MIN_POSITIVE);
             let correction = largest(&correction) * inverse[c];
             most = if correction > most { correction } else { most };
         }
@@ -330,21 +374,41 @@ impl<const W: usize> Lanes<W> {
 }
 
 impl<const W: usize> StageLanes for Lanes<W> {
-    fn solve(&mut self, at: usize, start: &[f64], change: &mut [f64]) -> Result<FixedPoint, u64> {
-        let mut outcome = Err(0);
-        let solve = Solve {
-            lanes: self,
-            at,
-            start,
-            change,
-            outcome: &mut outcome,
+    fn solve(
+        &mut self,
+        at: usize,
+        start: Start<'_>,
+        change: &mut [f64],
+    ) -> Result<FixedPoint, Unsettled> {
+        let nothing = Unsettled {
+            evaluations: 0,
+            correction: f64::NAN,
         };
-        run_on_registers(W, solve);
+        let mut outcome = Err(nothing);
+        let mut spent = 0;
+        loop {
+            let outcome = &mut outcome;
+            let solve = Solve {
+                lanes: self,
+                at,
+                start,
+                change,
+                outcome,
+            };
+            run_on_registers(W, solve);
+            let evaluations = match outcome {
+                Ok(solved) => &mut solved.evaluations,
+                Err(unsettled) => &mut unsettled.evaluations,
+            };
+            *evaluations += spent;
+            spent = *evaluations;
+            if outcome.is_ok() || !self.is_known[at] {
+                break;
+            }
+            self.is_known[at] = false;
+        }
         self.is_known[at] = outcome.is_ok();
-        self.evaluations += match &outcome {
-            Ok(solved) => solved.evaluations,
-            Err(spent) => *spent,
-        };
+        self.evaluations += spent;
         outcome
     }
 

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::smooth_map::SmoothMapEvaluator;
-use super::stage_lanes::{StageLanes, stage_lanes};
+use super::stage_lanes::{StageLanes, Start, stage_lanes};
 use super::stage_solve::{Coefficients, StageSolve};
 use super::tableau::PartitionedTableau;
 use crate::error::StepError;
@@ -216,7 +216,12 @@ impl StageSolver {
             self.until_lanes[at] -= 1;
             return false;
         }
-        match lanes.solve(at, start, change) {
+        let begin = Start {
+            point: start,
+            sizes: start,
+            beside: &[],
+        };
+        match lanes.solve(at, begin, change) {
             Ok(solved) => {
                 taken.evaluations += solved.evaluations;
                 taken.is_rounded = solved.is_rounded;
@@ -224,8 +229,8 @@ impl StageSolver {
                 self.trajectories[at].move_to(start);
                 true
             }
-            Err(spent) => {
-                taken.evaluations += spent;
+            Err(unsettled) => {
+                taken.evaluations += unsettled.evaluations;
                 self.until_lanes[at] = UNTIL_LANES;
                 self.trajectories[at].clear();
                 false

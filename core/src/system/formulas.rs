@@ -396,6 +396,17 @@ impl SystemFormulas {
         Ok(gradient)
     }
 
+    /// ∇H at any `x` of the graph.
+    ///
+    /// # Errors
+    /// [`BuildError::Algebra`] where H or its derivative has no code.
+    pub fn gradient_at(&self, graph: &mut Graph, x: &[Term]) -> Result<Vec<Term>, BuildError> {
+        let mut own = Graph::new();
+        let inputs: Vec<Term> = (0..x.len()).map(|i| own.input(i)).collect();
+        let gradient = self.gradient(&mut own, &inputs)?;
+        Ok(graph.import(&own, &gradient, x)?)
+    }
+
     /// (dH + η)(x) as code, the one-form that moves the system; `x` are the graph's first inputs.
     ///
     /// # Errors

@@ -17,6 +17,7 @@ use crate::bisection::ImageOfSection;
 use crate::gauss::gauss;
 use crate::hamiltonian::collective_field;
 use crate::implicit_midpoint::implicit_midpoint;
+use crate::lifted::LiftedFlow;
 use crate::numbers::collective_numbers;
 use crate::stormer_verlet::stormer_verlet;
 
@@ -26,8 +27,8 @@ static INFO: PartInfo = PartInfo {
     declares: "order 2 (stormer-verlet, implicit-midpoint) or 2s (gauss); corrected: exactly \
                Poisson over an exact realization; uncorrected: Poisson to the integrator's order; \
                not self-adjoint, except the corrected implicit midpoint over some realizations",
-    domain: "realizations with code or tangents, on T*M or with a symplectic chart; steps for which \
-             the stage equations converge",
+    domain: "realizations with code or tangents, on T*M or with a symplectic chart, and coordinates with \
+             a constant tensor; steps for which the stage equations converge",
     literature: "Cabrera, Martin de Diego, Vaquero, Approximating Symplectic Realizations, \
                  section 4.3 and Algorithm 2; McLachlan, Modin, Verdier, Collective symplectic \
                  integrators, Nonlinearity 27 (2014); Hairer, Lubich, Wanner, Geometric Numerical \
@@ -118,6 +119,15 @@ impl SymplecticIntegrator {
         match self {
             Self::StormerVerlet | Self::ImplicitMidpoint => 2,
             Self::Gauss(stages) => 2 * stages,
+        }
+    }
+
+    /// The coefficients for coordinates of any kind with a constant tensor; none of a partitioned integrator.
+    fn of_lift(self) -> Option<Tableau> {
+        match self {
+            Self::StormerVerlet => None,
+            Self::ImplicitMidpoint => Some(Tableau::gauss(1)),
+            Self::Gauss(stages) => Some(Tableau::gauss(stages)),
         }
     }
 
@@ -212,6 +222,15 @@ impl DynamicApproximation for Collective {
             realization: realization.describe(),
             reason: reason.to_owned(),
         };
+        if realization.lift().is_some() {
+            let tableau = self.integrator.of_lift();
+            let tableau = tableau.ok_or_else(|| {
+                missing(
+                    "its coordinates are no positions and momenta; take gauss or implicit-midpoint",
+                )
+            })?;
+            return Ok(Arc::new(LiftedFlow(tableau)));
+        }
         let (d, parameters) = (system.dimension(), system.parameter_values());
         let chart = ChartMaps::of(realization, parameters.len())?.ok_or_else(|| {
             missing(

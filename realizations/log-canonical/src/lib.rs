@@ -54,6 +54,18 @@ impl LogCanonical {
         ClosedRealization::new(INFO.name, Self { system })
     }
 
+    /// The a_ij of a system's tensor as polynomials without variables, in the order of its entries.
+    ///
+    /// # Errors
+    /// Those of [`realize`](Self::realize).
+    pub fn coefficients(
+        system: &SystemFormulas,
+        ring: &mut Ring,
+    ) -> Result<Vec<Polynomial>, BuildError> {
+        let system = system.clone();
+        Self { system }.functions(ring)
+    }
+
     /// `factor`·u_i.
     fn exponents<A: Arithmetic>(
         &self,

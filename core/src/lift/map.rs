@@ -1,0 +1,287 @@
+//! Gauss steps in the coordinates of a lift.
+
+use std::sync::{Arc, OnceLock};
+
+use leafwise_expression::{Graph, Kernel, Term};
+use nalgebra::DMatrix;
+
+use super::Lift;
+use crate::bisection::LagrangianBisection;
+use crate::error::{BuildError, StepError};
+use crate::evaluator::Evaluator;
+use crate::runge_kutta::stage_lanes::{StageLanes, Start, stage_lanes};
+use crate::runge_kutta::{SmoothMap, SmoothMapEvaluator, Tableau};
+use crate::solver::{
+    Lanes, MapProperties, StepMap, StepReport, Stepper, Trajectories, check_equations,
+};
+use crate::system::PoissonSystem;
+
+/// x ↦ x + J(z) − J(0), z the step of a Gauss method from 0 for ż = −Ω∇(H∘J).
+pub(crate) struct LiftedMap {
+    lift: Arc<dyn Lift>,
+    code: Arc<Code>,
+    tableau: Tableau,
+    dimension: usize,
+    properties: MapProperties,
+    description: String,
+}
+
+/// ż and J(z) − J(0) of (z, base point), and their Jacobians, compiled when the first tangent is asked for.
+struct Code {
+    field: SmoothMap,
+    increment: SmoothMap,
+    graph: Graph,
+    terms: [Vec<Term>; 2],
+    parameters: usize,
+    jacobians: OnceLock<Option<[SmoothMap; 2]>>,
+}
+
+impl LiftedMap {
+    /// The map of a bisection that a Gauss method gives; `None` for another.
+    pub(crate) fn of(
+        lift: Arc<dyn Lift>,
+        realization: &str,
+        system: &PoissonSystem,
+        bisection: &Arc<dyn LagrangianBisection>,
+        properties: MapProperties,
+    ) -> Option<Result<Self, BuildError>> {
+        let tableau = bisection.lifted_by()?.clone();
+        let description = format!("{realization} + collective gauss s = {}", tableau.stages());
+        let built = Code::of(lift.as_ref(), system).map(|code| Self {
+            lift,
+            code: Arc::new(code),
+            dimension: system.dimension(),
+            // Gauss methods are symmetric, in any coordinates.
+            properties: MapProperties {
+                self_adjoint: Some(true),
+                ..properties
+            },
+            tableau,
+            description,
+        });
+        Some(built)
+    }
+}
+
+impl Code {
+    fn of(lift: &dyn Lift, system: &PoissonSystem) -> Result<Self, BuildError> {
+        let system = system.formulas("a lift")?;
+        let (n, m) = (lift.dimension(), lift.base_dimension());
+        let mut graph = Graph::compilable();
+        let inputs: Vec<Term> = (0..n + m).map(|i| graph.input(i)).collect();
+        let (z, base) = inputs.split_at(n);
+        let field = lift.field(system, &mut graph, z, base)?;
+        let increment = lift.increment(&mut graph, z, base)?;
+        graph.unless_refused(())?;
+        let parameters = system.parameters().len();
+        let compile = |terms| SmoothMap::compile_values(&graph, terms, parameters, n + m);
+        Ok(Self {
+            field: compile(&field),
+            increment: compile(&increment),
+            terms: [field, increment],
+            parameters,
+            graph,
+            jacobians: OnceLock::new(),
+        })
+    }
+
+    /// The maps with their Jacobians; `None` where one does not exist or is too long.
+    fn with_jacobians(&self) -> Option<&[SmoothMap; 2]> {
+        let compile = || {
+            let inputs = self.field.inputs();
+            let [field, increment] = self.terms.each_ref().map(|terms| {
+                let mut graph = self.graph.clone();
+                SmoothMap::compile(&mut graph, terms, self.parameters, inputs).ok()
+            });
+            Some([field?, increment?])
+        };
+        self.jacobians.get_or_init(compile).as_ref()
+    }
+}
+
+impl StepMap for LiftedMap {
+    fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    fn properties(&self) -> MapProperties {
+        self.properties
+    }
+
+    fn describe(&self) -> String {
+        self.description.clone()
+    }
+
+    fn kernels(&self) -> Vec<(&'static str, &Kernel)> {
+        let named = |map: &'static str| move |(_, kernel)| (map, kernel);
+        let field = self.code.field.kernels();
+        let increment = self.code.increment.kernels();
+        field
+            .into_iter()
+            .map(named("the lifted motion"))
+            .chain(increment.into_iter().map(named("the change of x")))
+            .collect()
+    }
+
+    fn stepper(&self, lanes: usize, parameters: &[f64], epsilon: f64, h: f64) -> Box<dyn Stepper> {
+        let make =
+            |parameters: &[f64], count| LiftedSteps::new(self, parameters, epsilon * h, count);
+        let d = self.dimension;
+        Box::new(Lanes::together(lanes, usize::MAX, d, parameters, make))
+    }
+}
+
+/// Steps of several trajectories.
+struct LiftedSteps {
+    lift: Arc<dyn Lift>,
+    code: Arc<Code>,
+    parameters: Vec<f64>,
+    tableau: Tableau,
+    time_step: f64,
+    stages: Box<dyn StageLanes>,
+    increment: SmoothMapEvaluator,
+    /// 0, and z at the end of a step, behind it the base point.
+    nothing: Vec<f64>,
+    end: Vec<f64>,
+    sizes: Vec<f64>,
+    /// z and base point of each trajectory's last step.
+    ends: Vec<f64>,
+}
+
+impl LiftedSteps {
+    fn new(map: &LiftedMap, parameters: &[f64], time_step: f64, count: usize) -> Self {
+        let (n, all) = (map.lift.dimension(), map.code.field.inputs());
+        let field = map.code.field.evaluator(parameters, 1.0, 1.0);
+        let stages = stage_lanes(&field, &map.tableau, time_step, count);
+        Self {
+            lift: Arc::clone(&map.lift),
+            code: Arc::clone(&map.code),
+            parameters: parameters.to_vec(),
+            tableau: map.tableau.clone(),
+            time_step,
+            stages: stages.expect("a field of formulas, of a Gauss method"),
+            increment: map.code.increment.evaluator(parameters, 1.0, 1.0),
+            nothing: vec![0.0; n],
+            end: vec![0.0; all],
+            sizes: vec![0.0; n],
+            ends: vec![0.0; count * all],
+        }
+    }
+
+    fn advance(
+        &mut self,
+        at: usize,
+        x: &[f64],
+        increment: &mut [f64],
+    ) -> Result<(u64, bool), StepError> {
+        let n = self.nothing.len();
+        let (z, base) = self.end.split_at_mut(n);
+        self.lift.place(x, base)?;
+        self.lift.sizes(base, &mut self.sizes);
+        let start = Start {
+            point: &self.nothing,
+            sizes: &self.sizes,
+            beside: base,
+        };
+        let solved = match self.stages.solve(at, start, z) {
+            Ok(solved) => solved,
+            Err(unsettled) if unsettled.correction.is_nan() => {
+                return Err(StepError::NonFinite {
+                    what: "a stage of the lifted motion",
+                });
+            }
+            Err(unsettled) => {
+                return Err(StepError::NoConvergence {
+                    evaluations: unsettled.evaluations as usize,
+                    correction: unsettled.correction,
+                });
+            }
+        };
+        let all = self.end.len();
+        self.ends[at * all..][..all].copy_from_slice(&self.end);
+        self.increment.values(&self.end, increment)?;
+        Ok((solved.evaluations, solved.is_rounded))
+    }
+}
+
+impl Trajectories for LiftedSteps {
+    fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [StepReport]) {
+        let d = x.len() / taken.len();
+        for (at, taken) in taken.iter_mut().enumerate() {
+            let own = at * d..(at + 1) * d;
+            let step = self.advance(at, &x[own.clone()], &mut increment[own]);
+            let is_rounded = step.as_ref().is_ok_and(|(_, is_rounded)| *is_rounded);
+            taken.take(
+                step.map(|(evaluations, _)| evaluations as usize),
+                is_rounded,
+            );
+        }
+    }
+
+    fn operations(&self) -> Option<u64> {
+        Some(self.stages.operations() + self.increment.operations()?)
+    }
+
+    /// 1 + ∂_z(ΔJ) dz/dx + ∂_x(ΔJ), where the base point is x: by the derivatives of the stage equations, which are linear.
+    fn tangent(&mut self, at: usize) -> Option<Vec<f64>> {
+        let [field, increment] = self.code.with_jacobians()?;
+        let (n, s, all) = (self.nothing.len(), self.tableau.stages(), self.end.len());
+        let m = all - n;
+        check_equations(s * n).ok()?;
+        let mut field = field.evaluator(&self.parameters, 1.0, 1.0);
+        let mut increment = increment.evaluator(&self.parameters, 1.0, 1.0);
+        let end = &self.ends[at * all..][..all];
+        let mut displacements = vec![0.0; s * n];
+        self.stages.displacements(at, &mut displacements);
+        // dZ_i = τ Σ_j a_ij (F_z dZ_j + F_x dx).
+        let mut by_z = vec![DMatrix::zeros(n, n); s];
+        let mut by_base = vec![DMatrix::zeros(n, m); s];
+        for (j, stage) in displacements.chunks_exact(n).enumerate() {
+            let mut entries = vec![0.0; n * all];
+            let place = [stage, &end[n..]].concat();
+            field.jacobians(&place, &mut entries).ok()?;
+            let jacobian = DMatrix::from_row_slice(n, all, &entries);
+            by_z[j].copy_from(&jacobian.columns(0, n));
+            by_base[j].copy_from(&jacobian.columns(n, m));
+        }
+        let mut matrix = DMatrix::identity(s * n, s * n);
+        let mut right = DMatrix::zeros(s * n, m);
+        for i in 0..s {
+            for j in 0..s {
+                let factor = self.time_step * self.tableau.matrix[i * s + j];
+                let mut block = matrix.view_mut((i * n, j * n), (n, n));
+                block -= &by_z[j] * factor;
+                let mut row = right.rows_mut(i * n, n);
+                row += &by_base[j] * factor;
+            }
+        }
+        let stages = matrix.lu().solve(&right)?;
+        let mut of_z = DMatrix::zeros(n, m);
+        for (j, b) in self.tableau.weights.iter().enumerate() {
+            let own = &by_z[j] * stages.rows(j * n, n) + &by_base[j];
+            of_z += own * (self.time_step * b);
+        }
+        let d = self.increment.map().outputs();
+        let mut entries = vec![0.0; d * all];
+        increment.jacobians(end, &mut entries).ok()?;
+        let jacobian = DMatrix::from_row_slice(d, all, &entries);
+        let mut tangent = jacobian.columns(0, n) * of_z + jacobian.columns(n, m);
+        for i in 0..d {
+            tangent[(i, i)] += 1.0;
+        }
+        let is_finite = tangent.iter().all(|v| v.is_finite());
+        is_finite.then(|| tangent.transpose().as_slice().to_vec())
+    }
+
+    fn restart(&mut self, at: usize) {
+        self.stages.clear(at);
+    }
+
+    fn memory(&self, at: usize) -> Vec<f64> {
+        self.stages.memory(at)
+    }
+
+    fn restore(&mut self, at: usize, memory: &[f64]) {
+        self.stages.restore(at, memory);
+    }
+}

@@ -1,0 +1,162 @@
+//! Logarithms as coordinates of a log-canonical Poisson tensor.
+//!
+//! Where {x_i, x_j} = a_ij x_i x_j, every Lotka–Volterra system among them, y_i = ln |x_i| have the constant tensor a:
+//! {y_i, y_j} = a_ij. A Gauss method steps them by a Poisson map. About a state x the coordinates are z_i = y_i − ln |x_i|,
+//! and x_i eᶻ is as good for a coordinate that is negative, and stays 0 for one that is.
+
+use std::sync::Arc;
+
+use leafwise_core::lift::Lift;
+use leafwise_core::part::{PartInfo, PartKind, PartParameters};
+use leafwise_core::registry::RealizationPart;
+use leafwise_core::{
+    Accuracy, BuildError, PoissonSystem, RealizationData, StepError, SystemFormulas,
+};
+use leafwise_expression::graph::lift;
+use leafwise_expression::pairs::EXPONENTIAL_MINUS_1;
+use leafwise_expression::{Arithmetic, Graph, Polynomial, Rational, Ring, Term};
+use leafwise_log_canonical::LogCanonical;
+
+static INFO: PartInfo = PartInfo {
+    name: "logarithms",
+    summary: "ln |x_i| as coordinates of constant brackets a_ij, for {x_i, x_j} = a_ij x_i x_j",
+    declares: "exact; self-adjoint",
+    domain: "all points, with the dynamics `collective`; a_ij of numbers and parameters",
+    literature: "R. McLachlan, K. Modin, O. Verdier, Collective symplectic integrators, Nonlinearity 27 (2014); \
+                 Hairer, Lubich, Wanner, Geometric Numerical Integration, section VII.2 and theorem VI.4.3",
+    ..PartInfo::of(PartKind::Realization)
+};
+
+/// z_i = ln(x_i/x_i⁰), with {z_i, z_j} = a_ij (Hairer, Lubich, Wanner, *Geometric Numerical Integration*,
+/// section VII.2).
+#[derive(Clone, Debug)]
+pub struct Logarithms {
+    system: SystemFormulas,
+    ring: Ring,
+    /// a_ij in the order of the tensor's entries.
+    coefficients: Vec<Polynomial>,
+}
+
+impl Logarithms {
+    /// The coordinates of a system's tensor.
+    ///
+    /// # Errors
+    /// [`BuildError::DoesNotFit`] with the first entry whose quotient by x_i x_j has a normal form
+    /// with variables, [`BuildError::Algebra`] where an entry has no normal form.
+    pub fn realize(system: &PoissonSystem) -> Result<Self, BuildError> {
+        let system = system.formulas(INFO.name)?.clone();
+        let mut ring = Ring::new(system.dimension());
+        let coefficients = LogCanonical::coefficients(&system, &mut ring)?;
+        Ok(Self {
+            system,
+            ring,
+            coefficients,
+        })
+    }
+}
+
+impl RealizationData for Logarithms {
+    fn dimension(&self) -> usize {
+        self.system.dimension()
+    }
+
+    fn accuracy(&self) -> Accuracy {
+        Accuracy::Exact
+    }
+
+    fn describe(&self) -> String {
+        INFO.name.to_owned()
+    }
+
+    fn lift(&self) -> Option<Arc<dyn Lift>> {
+        Some(Arc::new(self.clone()))
+    }
+}
+
+impl Lift for Logarithms {
+    fn dimension(&self) -> usize {
+        self.system.dimension()
+    }
+
+    fn base_dimension(&self) -> usize {
+        self.system.dimension()
+    }
+
+    fn place(&self, x: &[f64], base: &mut [f64]) -> Result<(), StepError> {
+        base.copy_from_slice(x);
+        Ok(())
+    }
+
+    /// A change of z is one of x relative to itself.
+    fn sizes(&self, _base: &[f64], sizes: &mut [f64]) {
+        sizes.fill(1.0);
+    }
+
+    /// ż_i = −Σ_j a_ij x_j ∂_j H at x_j = x_j⁰ e^{z_j}.
+    fn field(
+        &self,
+        system: &SystemFormulas,
+        graph: &mut Graph,
+        z: &[Term],
+        base: &[Term],
+    ) -> Result<Vec<Term>, BuildError> {
+        let d = z.len();
+        let mut own = Graph::new();
+        let x: Vec<Term> = (0..d).map(|i| own.input(i)).collect();
+        let gradient = system.gradient(&mut own, &x)?;
+        // ∂H holds 1/x where H holds ln x, and x ∂H does not.
+        let pairs = x.iter().zip(&gradient);
+        let slopes: Vec<Term> = pairs.map(|(x, g)| own.multiply_reduced(x, g)).collect();
+        let one = own.one();
+        let outputs = self.coefficients.iter();
+        let outputs: Vec<_> = outputs.map(|a| vec![(one.clone(), a.clone())]).collect();
+        let coefficients = lift(&mut own, &self.ring, &outputs, &x)?;
+        let mut rows = vec![Vec::new(); d];
+        for ((i, j), a) in self.system.tensor().keys().zip(&coefficients) {
+            rows[*i].push((-Rational::one(), own.multiply(a, &slopes[*j])));
+            rows[*j].push((Rational::one(), own.multiply(a, &slopes[*i])));
+        }
+        let field: Vec<Term> = rows.iter().map(|row| own.combine(row)).collect();
+        let pairs = base.iter().zip(z);
+        let x: Vec<Term> = pairs.map(|(x, z)| grown(graph, x, z)).collect();
+        Ok(graph.import(&own, &field, &x)?)
+    }
+
+    /// x_i⁰ (e^{z_i} − 1).
+    fn increment(
+        &self,
+        graph: &mut Graph,
+        z: &[Term],
+        base: &[Term],
+    ) -> Result<Vec<Term>, BuildError> {
+        let pairs = base.iter().zip(z);
+        let changes = pairs.map(|(x, z)| {
+            let grown = graph.apply_analytic(EXPONENTIAL_MINUS_1, 0, z);
+            graph.multiply(x, &grown)
+        });
+        Ok(changes.collect())
+    }
+}
+
+/// x eᶻ, with eᶻ − 1 = g (g + 2) of g = e^{z/2} − 1, twice: machine code has e^{z/4} − 1 in line up to |z| = 2.2.
+fn grown(graph: &mut Graph, x: &Term, z: &Term) -> Term {
+    let quarter = graph.scale(&Rational::new(1, 4), z);
+    let mut growth = graph.apply_analytic(EXPONENTIAL_MINUS_1, 0, &quarter);
+    let two = graph.constant(&Rational::new(2, 1));
+    for _ in 0..2 {
+        let beyond = graph.add(&growth, &two);
+        growth = graph.multiply(&growth, &beyond);
+    }
+    let change = graph.multiply(x, &growth);
+    graph.add(x, &change)
+}
+
+fn build(
+    system: &PoissonSystem,
+    parameters: &PartParameters,
+) -> Result<Arc<dyn RealizationData>, BuildError> {
+    parameters.refuse_unknown(&INFO)?;
+    Ok(Arc::new(Logarithms::realize(system)?))
+}
+
+leafwise_core::built_in!(RealizationPart::new(&INFO, build));
