@@ -133,7 +133,7 @@ impl DenseFactors {
     /// # Panics
     /// When `right` has not n components.
     pub fn solve(&self, right: &mut [f64]) {
-        self.factors.solve::<ANY>(right.as_chunks_mut().0);
+        self.factors.solve_columns(right, 1);
     }
 
     /// A⁻¹ R in place of R, n × `columns`, row-major: in each column the bits of [`solve`](Self::solve).

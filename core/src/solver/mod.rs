@@ -3,6 +3,7 @@
 mod anderson;
 mod branch;
 mod checked;
+mod columns;
 mod crossing;
 mod differential;
 mod elimination;
@@ -25,6 +26,7 @@ pub use crate::compensation::Compensated;
 pub use anderson::Anderson;
 pub use branch::Branch;
 pub(crate) use checked::{Checked, MakeCheck};
+pub use columns::product;
 pub(crate) use crossing::{Crossing, looks};
 pub use differential::{ByTangents, Differential, Inverse};
 pub(crate) use differential::{Explicit, Solved, by_parameters, in_reverse};

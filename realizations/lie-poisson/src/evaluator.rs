@@ -1,91 +1,146 @@
 //! α, β and their tangents as numbers.
 
+use std::array::from_fn;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use leafwise_core::StepError;
 use leafwise_core::evaluator::{Evaluator, is_same, one_by_one};
 use leafwise_core::realization::RealizationEvaluator;
-use leafwise_core::solver::judge::larger;
-use leafwise_core::solver::{DenseFactors, elimination_operations, substitution_operations};
-use nalgebra::{DMatrix, DVector, Schur};
+use leafwise_core::solver::{
+    DenseFactors, elimination_operations, product, substitution_operations,
+};
 
-use crate::even_part::{Fraction, LARGEST, fractions, needed};
+use crate::chart::{SINGULAR, check_chart, spectral_bound};
+use crate::even_part::{Fraction, fractions, needed};
 use crate::structure::LieAlgebra;
-
-/// Iterations of the eigenvalue solver for each eigenvalue, ten times what it takes.
-const MOST_ITERATIONS: usize = 30;
-
-/// What the eigenvalue solver takes for 0, beside the norm: 2⁻³⁶. On multiple pairs it stalls at a
-/// thousand roundings, and that near the wall α has lost all digits.
-const NEGLIGIBLE: f64 = 1.0 / 68_719_476_736.0;
-
-/// Bases in which the eigenvalue solver is tried: in one out of a thousand it goes in circles.
-const MOST_BASES: usize = 8;
 
 /// One thread's evaluator for fixed parameters and ε.
 ///
 /// α, β = x + f(W) x ∓ ½ Z x with W = Z²/4 and f of [`even_part`](crate::even_part): the increment
 /// α − β = −Z x is exact up to one product. Tangents differentiate the fractions: with
 /// y = (1 + sW)⁻¹ x, ∂_p of W(1 + sW)⁻¹x is (1 + sW)⁻¹ ∂_p W y, and A(p) v = Π(v) p.
+///
+/// Matrices are row-major, in memory that is kept from point to point.
 pub struct LiePoissonEvaluator {
     algebra: LieAlgebra,
     epsilon: f64,
     known: BTreeMap<usize, Arc<[Fraction]>>,
-    last: Option<Point>,
+    /// The last point, and whether all of it was computed.
+    last: Point,
+    is_known: bool,
+    room: Room,
     operations: u64,
 }
 
 /// What the tangents need of the last point z = (x, p).
 struct Point {
     z: Vec<f64>,
-    x: DVector<f64>,
-    map: DMatrix<f64>,
-    quarter_square: DMatrix<f64>,
+    map: Vec<f64>,
+    quarter_square: Vec<f64>,
+    /// Those of the fractions, and room of further ones of earlier points.
     resolvents: Vec<Resolvent>,
+    count: usize,
 }
 
 /// r, s, 1 + sW and y = (1 + sW)⁻¹ x.
 struct Resolvent {
     weight: f64,
     shift: f64,
-    factors: Factors,
-    solution: DVector<f64>,
+    factors: DenseFactors,
+    solution: Vec<f64>,
 }
 
-/// Factors of a matrix over the algebra's dual, pivots chosen whatever the units of its coordinates.
-struct Factors(DenseFactors);
+/// Room for a vector, matrices and two of them side by side.
+struct Room {
+    vector: Vec<f64>,
+    matrix: Vec<f64>,
+    tensor: Vec<f64>,
+    through: Vec<f64>,
+    pair: Vec<f64>,
+}
 
-impl Factors {
-    /// Those of a matrix that is solved for unknowns of about these sizes; `None` where it is singular.
-    fn of(matrix: &DMatrix<f64>, sizes: &DVector<f64>) -> Option<Self> {
-        let mut factors = DenseFactors::new(matrix.nrows());
-        let rows = matrix.transpose();
-        let is_regular = factors.factor_of_sizes(rows.as_slice(), sizes.as_slice());
-        is_regular.then_some(Self(factors))
+impl Point {
+    fn new(d: usize) -> Self {
+        Self {
+            z: vec![0.0; 2 * d],
+            map: vec![0.0; d * d],
+            quarter_square: vec![0.0; d * d],
+            resolvents: Vec::new(),
+            count: 0,
+        }
     }
 
-    fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
-        let mut solution = right.clone();
-        self.0.solve(solution.as_mut_slice());
-        solution
+    fn x(&self) -> &[f64] {
+        &self.z[..self.z.len() / 2]
     }
 
-    fn solve_columns(&self, right: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut rows = right.transpose();
-        self.0.solve_columns(rows.as_mut_slice(), right.ncols());
-        rows.transpose()
+    fn resolvents(&self) -> &[Resolvent] {
+        &self.resolvents[..self.count]
     }
+
+    /// Factors 1 + sW and solves for y, in `matrix`; the pivots depend on no units.
+    fn resolve(&mut self, fraction: &Fraction, matrix: &mut [f64]) -> Result<(), StepError> {
+        let d = self.z.len() / 2;
+        if self.count == self.resolvents.len() {
+            self.resolvents.push(Resolvent::new(d));
+        }
+        let (x, resolvent) = (&self.z[..d], &mut self.resolvents[self.count]);
+        resolvent.weight = fraction.weight;
+        resolvent.shift = fraction.shift;
+        for (entry, w) in matrix.iter_mut().zip(&self.quarter_square) {
+            *entry = w * fraction.shift;
+        }
+        matrix.iter_mut().step_by(d + 1).for_each(|v| *v += 1.0);
+        if !resolvent.factors.factor_of_sizes(matrix, x) {
+            return Err(SINGULAR);
+        }
+        resolvent.solution.copy_from_slice(x);
+        resolvent.factors.solve(&mut resolvent.solution);
+        self.count += 1;
+        Ok(())
+    }
+}
+
+impl Resolvent {
+    fn new(d: usize) -> Self {
+        Self {
+            weight: 0.0,
+            shift: 0.0,
+            factors: DenseFactors::new(d),
+            solution: vec![0.0; d],
+        }
+    }
+}
+
+impl Room {
+    fn new(d: usize) -> Self {
+        let matrix = || vec![0.0; d * d];
+        Self {
+            vector: vec![0.0; d],
+            matrix: matrix(),
+            tensor: matrix(),
+            through: matrix(),
+            pair: vec![0.0; 2 * d * d],
+        }
+    }
+}
+
+fn scale(numbers: &mut [f64], factor: f64) {
+    numbers.iter_mut().for_each(|v| *v *= factor);
 }
 
 impl LiePoissonEvaluator {
     /// An evaluator for an algebra and ε.
     pub fn new(algebra: LieAlgebra, epsilon: f64) -> Self {
+        let d = algebra.dimension();
         Self {
             algebra,
             epsilon,
             known: BTreeMap::new(),
-            last: None,
+            last: Point::new(d),
+            is_known: false,
+            room: Room::new(d),
             operations: 0,
         }
     }
@@ -96,202 +151,114 @@ impl LiePoissonEvaluator {
         Arc::clone(known.or_insert_with(|| fractions(n).into()))
     }
 
-    /// What was computed at z, by the last call or anew.
-    fn known(&mut self, z: &[f64]) -> Result<Point, StepError> {
-        match self.last.take() {
-            Some(point) if is_same(&point.z, z) => Ok(point),
-            _ => self.evaluate(z),
+    /// Computes what the tangents need at z where the last call did not.
+    fn know(&mut self, z: &[f64]) -> Result<(), StepError> {
+        if self.is_known && is_same(&self.last.z, z) {
+            return Ok(());
         }
+        self.evaluate(z)
     }
 
-    fn evaluate(&mut self, z: &[f64]) -> Result<Point, StepError> {
-        let (x, p) = z.split_at(z.len() / 2);
-        let x = DVector::from_column_slice(x);
-        let map = self.algebra.coadjoint(p) * self.epsilon;
-        let quarter_square = &map * &map * 0.25;
-        let bound = spectral_bound(&quarter_square);
-        check_chart(&map, bound)?;
-        let d = x.len();
+    fn evaluate(&mut self, z: &[f64]) -> Result<(), StepError> {
+        self.is_known = false;
+        let d = self.algebra.dimension();
+        let last = &mut self.last;
+        last.z.copy_from_slice(z);
+        last.count = 0;
+        self.algebra.coadjoint(&z[d..], &mut last.map);
+        scale(&mut last.map, self.epsilon);
+        product(&last.map, &last.map, d, &mut last.quarter_square);
+        scale(&mut last.quarter_square, 0.25);
+        let bound = spectral_bound(&last.quarter_square, d);
+        check_chart(&last.map, d, bound)?;
         let square = (d * d) as u64;
         self.operations += self.algebra.operations() + 2 * square * d as u64 + square;
-        let mut resolvents = Vec::new();
         for fraction in self.fractions(bound).iter() {
-            let matrix = DMatrix::identity(d, d) + &quarter_square * fraction.shift;
-            let factors = Factors::of(&matrix, &x).ok_or(SINGULAR)?;
-            let solution = factors.solve(&x);
-            resolvents.push(Resolvent {
-                weight: fraction.weight,
-                shift: fraction.shift,
-                factors,
-                solution,
-            });
+            self.last.resolve(fraction, &mut self.room.matrix)?;
         }
         let each = 2 * square + elimination_operations(d) + substitution_operations(d);
-        self.operations += resolvents.len() as u64 * each + 4 * square;
-        Ok(Point {
-            z: z.to_vec(),
-            x,
-            map,
-            quarter_square,
-            resolvents,
-        })
+        self.operations += self.last.count as u64 * each + 4 * square;
+        self.is_known = true;
+        Ok(())
     }
 }
 
-impl LiePoissonEvaluator {
-    /// p ↦ ∂_p W y = ¼ ε (Π(Zy) + Z Π(y)).
-    fn square_tangent(&self, point: &Point, y: &DVector<f64>) -> DMatrix<f64> {
-        let image = self.algebra.tensor(&(&point.map * y));
-        let through = &point.map * self.algebra.tensor(y);
-        (image + through) * (0.25 * self.epsilon)
+/// Leaves p ↦ ∂_p W y = ¼ ε (Π(Zy) + Z Π(y)) in `room.matrix` and Π(y) in `room.tensor`.
+fn write_square_tangent(
+    (algebra, epsilon): (&LieAlgebra, f64),
+    map: &[f64],
+    y: &[f64],
+    room: &mut Room,
+) {
+    let d = y.len();
+    algebra.tensor(y, &mut room.tensor);
+    product(map, &room.tensor, d, &mut room.through);
+    product(map, y, 1, &mut room.vector);
+    algebra.tensor(&room.vector, &mut room.matrix);
+    for (change, through) in room.matrix.iter_mut().zip(&room.through) {
+        *change = (*change + through) * (0.25 * epsilon);
     }
-}
-
-/// After so many sweeps rows and columns of matrices of any units are alike.
-const MOST_SWEEPS: usize = 16;
-
-const SINGULAR: StepError = StepError::NonFinite {
-    what: "the inverse of a function of the coadjoint map",
-};
-
-/// A bound of every eigenvalue, whatever the units of the coordinates: the norm, and where that is large the norm in units
-/// that make rows and columns alike.
-fn spectral_bound(matrix: &DMatrix<f64>) -> f64 {
-    use std::f64::consts::PI;
-    let plain = norm(matrix);
-    if plain < PI * PI || !plain.is_finite() {
-        return plain;
-    }
-    plain.min(norm(&balanced(matrix)))
-}
-
-/// S⁻¹AS with a diagonal S for which the off-diagonal sums of each row and of its column are about the same (E. Osborne, *On
-/// pre-conditioning of matrices*, J. ACM 7 (1960)).
-fn balanced(matrix: &DMatrix<f64>) -> DMatrix<f64> {
-    let (mut a, d) = (matrix.clone(), matrix.nrows());
-    for _ in 0..MOST_SWEEPS {
-        for i in 0..d {
-            let others = (0..d).filter(|j| *j != i);
-            let sums = others.map(|j| (a[(i, j)].abs(), a[(j, i)].abs()));
-            let (row, column) = sums.fold((0.0, 0.0), |(r, c), (x, y)| (r + x, c + y));
-            let factor = libm::sqrt(row / column);
-            if factor.is_finite() && factor > 0.0 {
-                a.row_mut(i).iter_mut().for_each(|v| *v /= factor);
-                a.column_mut(i).iter_mut().for_each(|v| *v *= factor);
-            }
-        }
-    }
-    a
-}
-
-/// The smaller of the row sum and the column sum norm: a bound of every eigenvalue.
-fn norm(matrix: &DMatrix<f64>) -> f64 {
-    let rows = matrix
-        .row_iter()
-        .map(|row| row.iter().map(|v| v.abs()).sum::<f64>());
-    let columns = matrix
-        .column_iter()
-        .map(|column| column.iter().map(|v| v.abs()).sum::<f64>());
-    let largest = |sums: &mut dyn Iterator<Item = f64>| sums.fold(0.0, larger);
-    let (rows, columns) = (
-        largest(&mut rows.into_iter()),
-        largest(&mut columns.into_iter()),
-    );
-    if rows <= columns { rows } else { columns }
-}
-
-/// Refuses Z with an eigenvalue of imaginary part 2π or more: along p ↦ τp one of them met ±2πi.
-/// `bound` is a norm of Z²/4, so that |λ| ≤ 2√bound.
-fn check_chart(map: &DMatrix<f64>, bound: f64) -> Result<(), StepError> {
-    use std::f64::consts::PI;
-    if !bound.is_finite() {
-        return Err(StepError::NonFinite {
-            what: "the coadjoint map",
-        });
-    }
-    if bound > LARGEST {
-        return Err(StepError::LeftChart {
-            ratio: libm::sqrt(bound / LARGEST),
-        });
-    }
-    if bound < PI * PI {
-        return Ok(());
-    }
-    let widest = widest_frequency(&balanced(map)).ok_or(SINGULAR)?;
-    if widest < 2.0 * PI {
-        return Ok(());
-    }
-    Err(StepError::LeftChart {
-        ratio: widest / (2.0 * PI),
-    })
-}
-
-/// The largest |Im λ|, `None` where the solver fails in every basis.
-fn widest_frequency(map: &DMatrix<f64>) -> Option<f64> {
-    let d = map.nrows();
-    // The solver compares an entry with its diagonal neighbours, which eigenvalues near 0 leave
-    // without a size: a shift gives them one and moves no imaginary part.
-    let mut shifted = map + DMatrix::identity(d, d) * norm(map);
-    for basis in 1..=MOST_BASES {
-        if let Some(schur) = Schur::try_new(shifted.clone(), NEGLIGIBLE, MOST_ITERATIONS * d) {
-            let eigenvalues = schur.complex_eigenvalues();
-            return Some(eigenvalues.iter().fold(0.0, |m: f64, v| m.max(v.im.abs())));
-        }
-        let mirror = DVector::from_fn(d, |i, _| libm::sin((1 + i) as f64 * basis as f64));
-        let square = mirror.norm_squared();
-        let reflection = DMatrix::identity(d, d) - &mirror * mirror.transpose() * (2.0 / square);
-        shifted = &reflection * shifted * &reflection;
-    }
-    None
 }
 
 impl LiePoissonEvaluator {
     /// x, f(W) x + ½ Z x and −Z x.
     fn ends(&mut self, z: &[f64], ends: &mut [f64]) -> Result<(), StepError> {
-        self.last = None;
-        let point = self.evaluate(z)?;
-        let d = point.x.len();
-        let mut sum = DVector::zeros(d);
-        for resolvent in &point.resolvents {
-            sum.axpy(resolvent.weight, &resolvent.solution, 1.0);
+        self.evaluate(z)?;
+        let (last, d) = (&self.last, self.algebra.dimension());
+        let sum = &mut self.room.vector;
+        sum.fill(0.0);
+        for resolvent in last.resolvents() {
+            for (sum, y) in sum.iter_mut().zip(&resolvent.solution) {
+                *sum += resolvent.weight * y;
+            }
         }
-        let even = &point.quarter_square * sum;
-        let image = &point.map * &point.x;
-        for i in 0..d {
-            ends[i] = point.x[i];
-            ends[d + i] = even[i] + 0.5 * image[i];
-            ends[2 * d + i] = -image[i];
+        let (base, rest) = ends.split_at_mut(d);
+        let (offset, increment) = rest.split_at_mut(d);
+        base.copy_from_slice(last.x());
+        product(&last.quarter_square, sum, 1, offset);
+        product(&last.map, last.x(), 1, increment);
+        for (offset, increment) in offset.iter_mut().zip(increment) {
+            *offset += 0.5 * *increment;
+            *increment = -*increment;
         }
-        self.last = Some(point);
         Ok(())
     }
 
     fn tangents(&mut self, z: &[f64], tangents: &mut [f64]) -> Result<(), StepError> {
-        let point = self.known(z)?;
-        let d = point.x.len();
-        let tensor = self.algebra.tensor(&point.x) * self.epsilon;
-        let mut by_x = DMatrix::identity(d, d) + &point.map * 0.5;
-        let mut by_p = &tensor * 0.5;
-        for resolvent in &point.resolvents {
-            let y = &resolvent.solution;
-            let change = self.square_tangent(&point, y);
-            by_p += resolvent.factors.solve_columns(&change) * resolvent.weight;
-            by_x += resolvent.factors.solve_columns(&point.quarter_square) * resolvent.weight;
+        self.know(z)?;
+        let (last, room, d) = (&self.last, &mut self.room, self.algebra.dimension());
+        let (target, increment) = tangents.split_at_mut(2 * d * d);
+        self.algebra.tensor(last.x(), &mut room.tensor);
+        scale(&mut room.tensor, self.epsilon);
+        let rows = target
+            .chunks_exact_mut(2 * d)
+            .zip(increment.chunks_exact_mut(2 * d));
+        for (i, (target, increment)) in rows.enumerate() {
+            for k in 0..d {
+                let (by_x, by_p) = (last.map[i * d + k], room.tensor[i * d + k]);
+                target[k] = 0.5 * by_x + 0.0;
+                target[d + k] = 0.5 * by_p;
+                increment[k] = -by_x;
+                increment[d + k] = -by_p;
+            }
+            target[i] += 1.0;
         }
-        let (n, resolvents) = (d as u64, point.resolvents.len() as u64);
+        for resolvent in last.resolvents() {
+            let algebra = (&self.algebra, self.epsilon);
+            write_square_tangent(algebra, &last.map, &resolvent.solution, room);
+            for (i, pair) in room.pair.chunks_exact_mut(2 * d).enumerate() {
+                pair[..d].copy_from_slice(&last.quarter_square[i * d..][..d]);
+                pair[d..].copy_from_slice(&room.matrix[i * d..][..d]);
+            }
+            resolvent.factors.solve_columns(&mut room.pair, 2 * d);
+            for (sum, solved) in target.iter_mut().zip(&room.pair) {
+                *sum += solved * resolvent.weight;
+            }
+        }
+        let (n, resolvents) = (d as u64, last.count as u64);
         let each = 2 * n * n * n + 8 * n * n + 2 * n * substitution_operations(d);
         let tensors = (2 * resolvents + 1) * self.algebra.operations();
         self.operations += resolvents * each + tensors;
-        let (target, increment) = tangents.split_at_mut(2 * d * d);
-        for i in 0..d {
-            for k in 0..d {
-                target[2 * d * i + k] = by_x[(i, k)];
-                target[2 * d * i + d + k] = by_p[(i, k)];
-                increment[2 * d * i + k] = -point.map[(i, k)];
-                increment[2 * d * i + d + k] = -tensor[(i, k)];
-            }
-        }
-        self.last = Some(point);
         Ok(())
     }
 }
@@ -333,39 +300,57 @@ impl RealizationEvaluator for LiePoissonEvaluator {
         covector: &[f64],
         hessian: &mut [f64],
     ) -> Result<(), StepError> {
-        let point = self.known(z)?;
-        let (d, epsilon) = (point.x.len(), self.epsilon);
-        let coadjoint = |v: &DVector<f64>| self.algebra.coadjoint(v.as_slice());
-        let lambda = DVector::from_column_slice(covector);
-        let mut mixed = coadjoint(&lambda) * (0.5 * epsilon);
-        let mut by_pp = DMatrix::zeros(d, d);
-        for resolvent in &point.resolvents {
+        self.know(z)?;
+        let (last, room, epsilon) = (&self.last, &mut self.room, self.epsilon);
+        let (algebra, d) = (&self.algebra, self.algebra.dimension());
+        let square = || vec![0.0; d * d];
+        let [mut inverse, mut along, mut slope, mut through, mut twice] = from_fn(|_| square());
+        let [mut mixed, mut by_pp, mut mu] = [square(), square(), vec![0.0; d]];
+        algebra.coadjoint(covector, &mut mixed);
+        scale(&mut mixed, 0.5 * epsilon);
+        for resolvent in last.resolvents() {
             let (r, s, y) = (resolvent.weight, resolvent.shift, &resolvent.solution);
-            let inverse = resolvent.factors.solve_columns(&DMatrix::identity(d, d));
-            let mu = inverse.transpose() * &lambda;
-            let along = coadjoint(&mu);
-            let slope = (&along * &point.map + coadjoint(&(point.map.transpose() * &mu)))
-                * (-0.25 * epsilon);
-            let through_p = &inverse * self.square_tangent(&point, y) * -s;
-            let twice = (&along * self.algebra.tensor(y)) * (-0.25 * epsilon * epsilon)
-                + &slope * through_p;
-            by_pp += (&twice + twice.transpose()) * r;
-            mixed += slope * inverse * r;
+            inverse.fill(0.0);
+            inverse.iter_mut().step_by(d + 1).for_each(|v| *v = 1.0);
+            resolvent.factors.solve_columns(&mut inverse, d);
+            product(covector, &inverse, d, &mut mu);
+            algebra.coadjoint(&mu, &mut along);
+            write_square_tangent((algebra, epsilon), &last.map, y, room);
+            product(&inverse, &room.matrix, d, &mut through);
+            scale(&mut through, -s);
+            product(&along, &room.tensor, d, &mut twice);
+            scale(&mut twice, -0.25 * epsilon * epsilon);
+            product(&mu, &last.map, d, &mut room.vector);
+            algebra.coadjoint(&room.vector, &mut room.matrix);
+            product(&along, &last.map, d, &mut slope);
+            for (slope, image) in slope.iter_mut().zip(&room.matrix) {
+                *slope = (*slope + image) * (-0.25 * epsilon);
+            }
+            product(&slope, &through, d, &mut room.matrix);
+            for (twice, image) in twice.iter_mut().zip(&room.matrix) {
+                *twice += image;
+            }
+            product(&slope, &inverse, d, &mut room.matrix);
+            for (mixed, image) in mixed.iter_mut().zip(&room.matrix) {
+                *mixed += image * r;
+            }
+            for (at, by_pp) in by_pp.iter_mut().enumerate() {
+                *by_pp += (twice[at] + twice[at % d * d + at / d]) * r;
+            }
         }
-        let (n, resolvents) = (d as u64, point.resolvents.len() as u64);
+        let (n, resolvents) = (d as u64, last.count as u64);
         let inverse = elimination_operations(d) + n * substitution_operations(d);
         let each = 12 * n * n * n + 12 * n * n + inverse + 5 * self.algebra.operations();
         self.operations += resolvents * each;
         let entry = |row: usize, column: usize| match (row < d, column < d) {
             (true, true) => 0.0,
-            (true, false) => mixed[(column - d, row)],
-            (false, true) => mixed[(row - d, column)],
-            (false, false) => by_pp[(row - d, column - d)],
+            (true, false) => mixed[(column - d) * d + row],
+            (false, true) => mixed[(row - d) * d + column],
+            (false, false) => by_pp[(row - d) * d + column - d],
         };
         for (at, value) in hessian.iter_mut().enumerate() {
             *value = entry(at / (2 * d), at % (2 * d));
         }
-        self.last = Some(point);
         Ok(())
     }
 

@@ -11,9 +11,11 @@
 //! - [`doubling`]: g as code, on numbers, dual numbers and pairs of roots alike.
 //! - [`closed_form`]: α and β of such algebras as straight-line code.
 //! - [`even_part`]: W g(W) by partial fractions of a continued fraction, for every other algebra.
+//! - `chart`: what bounds W, and where the chart ends.
 //! - [`evaluator`]: α, β and their tangents from them as numbers.
 //! - [`realization`]: [`LiePoisson`], the realization data.
 
+mod chart;
 pub mod closed_form;
 pub mod doubling;
 pub mod evaluator;

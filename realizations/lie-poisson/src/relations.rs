@@ -69,10 +69,13 @@ fn square(structure: &StructureConstants, ring: &mut Ring) -> Vec<SparseVector> 
 
 /// A² at a p without relations of its own, in numbers; round-off in place of a zero is taken away.
 fn sample(structure: &StructureConstants, parameters: &[f64]) -> DMatrix<f64> {
-    let p: Vec<f64> = (0..structure.dimension())
+    let d = structure.dimension();
+    let p: Vec<f64> = (0..d)
         .map(|j| libm::sin(1.0 + 2.3 * j as f64 + 0.1 * (j * j) as f64))
         .collect();
-    let map = structure.at(parameters).coadjoint(&p);
+    let mut map = vec![0.0; d * d];
+    structure.at(parameters).coadjoint(&p, &mut map);
+    let map = DMatrix::from_row_slice(d, d, &map);
     let square = &map * &map;
     let negligible = SMALL * square.amax();
     square.map(|entry| {

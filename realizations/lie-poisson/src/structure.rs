@@ -8,7 +8,6 @@ use leafwise_expression::graph::lift;
 use leafwise_expression::{
     AlgebraError, Arithmetic, Graph, Kernel, Polynomial, Rational, Ring, Term,
 };
-use nalgebra::{DMatrix, DVector};
 
 /// The part's name.
 pub(crate) const NAME: &str = "lie-poisson";
@@ -189,15 +188,14 @@ impl LieAlgebra {
         self.dimension
     }
 
-    /// Π(v), Π_ij = Σ_k c_ij^k v_k.
-    pub fn tensor(&self, v: &DVector<f64>) -> DMatrix<f64> {
-        let mut tensor = DMatrix::zeros(self.dimension, self.dimension);
+    /// Writes Π(v), Π_ij = Σ_k c_ij^k v_k, row-major.
+    pub fn tensor(&self, v: &[f64], tensor: &mut [f64]) {
+        tensor.fill(0.0);
         for &([i, j, k], c) in &self.constants {
             let value = c * v[k];
-            tensor[(i, j)] += value;
-            tensor[(j, i)] -= value;
+            tensor[i * self.dimension + j] += value;
+            tensor[j * self.dimension + i] -= value;
         }
-        tensor
     }
 
     /// Operations of [`tensor`](Self::tensor), and of [`coadjoint`](Self::coadjoint).
@@ -205,13 +203,12 @@ impl LieAlgebra {
         4 * self.constants.len() as u64
     }
 
-    /// The coadjoint map A(p), A_ik = Σ_j c_ij^k p_j, so that A(p) y = Π(y) p.
-    pub fn coadjoint(&self, p: &[f64]) -> DMatrix<f64> {
-        let mut map = DMatrix::zeros(self.dimension, self.dimension);
+    /// Writes the coadjoint map A(p), A_ik = Σ_j c_ij^k p_j, row-major, so that A(p) y = Π(y) p.
+    pub fn coadjoint(&self, p: &[f64], map: &mut [f64]) {
+        map.fill(0.0);
         for &([i, j, k], c) in &self.constants {
-            map[(i, k)] += c * p[j];
-            map[(j, k)] -= c * p[i];
+            map[i * self.dimension + k] += c * p[j];
+            map[j * self.dimension + k] -= c * p[i];
         }
-        map
     }
 }

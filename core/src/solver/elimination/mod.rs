@@ -9,6 +9,7 @@ mod tests;
 
 use leafwise_expression::kernel::apart;
 
+use super::columns::substitute;
 use inverse::{by_cofactors, is_inverted, is_near_one, multiply};
 
 /// A dimension that is known at run time only.
@@ -345,25 +346,7 @@ impl<M: Rows<1>> Factors<1, M> {
                 }
             }
         }
-        for row in 1..d {
-            let (known, rest) = right.split_at_mut(row * columns);
-            for (entry, known) in entries[row * d..].iter().zip(known.chunks_exact(columns)) {
-                for (value, known) in rest[..columns].iter_mut().zip(known) {
-                    *value -= entry[0] * known;
-                }
-            }
-        }
-        for row in (0..d).rev() {
-            let (rest, known) = right.split_at_mut((row + 1) * columns);
-            let rest = &mut rest[row * columns..];
-            let entries = &entries[row * d + row..][..d - row];
-            for (entry, known) in entries[1..].iter().zip(known.chunks_exact(columns)) {
-                for (value, known) in rest.iter_mut().zip(known) {
-                    *value -= entry[0] * known;
-                }
-            }
-            rest.iter_mut().for_each(|value| *value *= entries[0][0]);
-        }
+        substitute(entries.as_flattened(), d, right, columns);
     }
 }
 

@@ -4,7 +4,7 @@ use crate::error::StepError;
 use crate::evaluator::Evaluator;
 use crate::realization::RealizationEvaluator;
 use crate::runge_kutta::batch::batch;
-use crate::solver::StepReport;
+use crate::solver::{StepReport, product};
 
 /// How L is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -178,15 +178,5 @@ impl Evaluation {
         let (bisection, realization) = memory.split_at(self.bisection.memory().len());
         self.bisection.restore(bisection);
         self.realization.restore(realization);
-    }
-}
-
-/// The d × d product of a d × s and an s × d matrix, row-major.
-fn product(a: &[f64], b: &[f64], d: usize, out: &mut [f64]) {
-    let s = a.len() / d;
-    for i in 0..d {
-        for j in 0..d {
-            out[i * d + j] = (0..s).map(|k| a[i * s + k] * b[k * d + j]).sum();
-        }
     }
 }
