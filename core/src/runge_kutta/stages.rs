@@ -12,7 +12,7 @@ use crate::solver::judge::all_finite;
 use crate::solver::{Branch, StepReport};
 
 /// So many steps are taken by Newton's iteration after the plain one has failed.
-const UNTIL_LANES: u32 = 15;
+pub(super) const UNTIL_LANES: u32 = 15;
 
 /// Solves Z_i = z + τ Σ_j a_ij F(Z_j) and returns τ Σ_j b_j F(Z_j), for ż = F(z) and a step τ, of one
 /// trajectory or of several in lockstep: F is evaluated at once at all stages of all that iterate.
@@ -34,8 +34,8 @@ pub struct StageSolver {
     trajectories: Vec<StageSolve>,
     lanes: Option<Box<dyn StageLanes>>,
     /// Steps of each trajectory until that is tried, and whether the last one was taken so.
-    until_lanes: Vec<u32>,
-    is_by_lanes: Vec<bool>,
+    pub(super) until_lanes: Vec<u32>,
+    pub(super) is_by_lanes: Vec<bool>,
     /// Those that iterate.
     active: Vec<usize>,
     /// Z_i and F(Z_i) of those, one trajectory behind the other; those that want DF, their Z_i and

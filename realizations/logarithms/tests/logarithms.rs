@@ -144,7 +144,13 @@ fn gauss_methods_have_order_2s() {
 #[test]
 fn a_coordinate_that_is_zero_stays_zero() {
     let system = three_species(ENERGY);
-    let end = run(&system, &gauss(&system, 4), (1.0, 0.1), 50, &[0.8, 0.0, -0.4]);
+    let end = run(
+        &system,
+        &gauss(&system, 4),
+        (1.0, 0.1),
+        50,
+        &[0.8, 0.0, -0.4],
+    );
     let end = end.expect("steps");
     assert_eq!(end[1].to_bits(), 0.0_f64.to_bits());
     assert!(end[0] > 0.0 && end[2] < 0.0, "{end:?}");

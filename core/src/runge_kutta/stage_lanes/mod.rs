@@ -8,21 +8,27 @@ use leafwise_expression::{Kernel, Workspace};
 use super::smooth_map::SmoothMapEvaluator;
 use super::tableau::Tableau;
 
+#[cfg(test)]
+mod tests;
+
 /// Budget of one solve.
 const MOST_EVALUATIONS: u64 = 60;
 
 /// A stage is known where its correction is below this part of its coordinate.
 const SETTLED: f64 = f64::EPSILON;
 
-/// Corrections below this part that fall by less than [`SLOW`] are round-off.
+/// Corrections below this part that fall by less than [`SLOW`] twice are round-off.
 const ROUND_OFF: f64 = 64.0 * SETTLED;
 
-/// Corrections that fall by less, from one to the one after the next by its square, do not certify the solution: a map that
-/// contracts by 1/2 has no other in the ball where it does.
+/// Corrections that fall by less on the average do not certify the solution: a map that contracts by 1/2 has no other in
+/// the ball where it does.
 const SLOW: f64 = 0.5;
 
-/// The first corrections tell nothing: the start has errors of another kind, and coordinates begin to move.
-const FIRST_JUDGED: u64 = 6;
+/// The first corrections are not judged: the start has errors of another kind, and coordinates begin to move.
+const FIRST_JUDGED: u64 = 5;
+
+/// Corrections sway by so much about their average fall.
+const SWAY: f64 = 8.0;
 
 /// What later corrections would add is forgotten below this part of a coordinate: 1/64 of a unit roundoff.
 const NEGLIGIBLE: f64 = f64::EPSILON / 128.0;
@@ -232,9 +238,10 @@ impl<const W: usize> RegisterWork for Solve<'_, W> {
             outcome,
         } = self;
         lanes.begin::<R>(at, start);
-        // The last two corrections; no rate is known of the first.
+        // The last two corrections, how many in a row did not fall, and what the next one may be.
         let [mut before, mut last] = [f64::NAN; 2];
-        let mut has_been_slow = false;
+        let mut stalled = 0;
+        let mut most = 0.0;
         let mut evaluations = 0;
         let is_rounded = loop {
             evaluations += 1;
@@ -244,19 +251,21 @@ impl<const W: usize> RegisterWork for Solve<'_, W> {
                 true => lanes.correct_measuring::<R>(start),
                 false => lanes.correct::<R>(start.point),
             };
-            // With δ_k = r δ_{k−1} and r ≤ 1/2 the rest is δ_k r/(1 − r) ≤ 2 δ_k²/δ_{k−1}. Rates may alternate.
-            let rest = [
-                size * size <= 0.5 * NEGLIGIBLE * last,
-                size * last <= 0.5 * NEGLIGIBLE * before,
-            ];
-            if size <= SETTLED || rest == [true; 2] {
+            // With δ_k = r δ_{k−1} and r ≤ 1/2 the rest is δ_k r/(1 − r) ≤ 2 δ_k²/δ_{k−1}. Rates alternate where
+            // eigenvalues are pairs.
+            let is_negligible =
+                size * size <= 0.5 * NEGLIGIBLE * last && size * last <= 0.5 * NEGLIGIBLE * before;
+            if size <= SETTLED || is_negligible {
                 break false;
             }
-            if size <= ROUND_OFF && size > SLOW * last {
+            stalled = match size <= ROUND_OFF && size > SLOW * last {
+                true => stalled + 1,
+                false => 0,
+            };
+            if stalled == 2 || stalled == 1 && size <= 4.0 * SETTLED {
                 break true;
             }
-            let is_slow = size > SLOW * SLOW * before && evaluations > FIRST_JUDGED;
-            let is_lost = is_slow && has_been_slow;
+            let is_lost = evaluations > FIRST_JUDGED && size > most;
             if is_lost || !size.is_finite() || evaluations == MOST_EVALUATIONS {
                 *outcome = Err(Unsettled {
                     evaluations,
@@ -264,7 +273,12 @@ impl<const W: usize> RegisterWork for Solve<'_, W> {
                 });
                 return;
             }
-            has_been_slow |= is_slow;
+            most = match evaluations {
+                ..FIRST_JUDGED if most > size => most,
+                ..FIRST_JUDGED => size,
+                FIRST_JUDGED => SLOW * SWAY * if most > size { most } else { size },
+                _ => SLOW * most,
+            };
             [before, last] = [last, size];
         };
         evaluations += 1;

@@ -1,0 +1,173 @@
+//! Claims of stages in lanes.
+
+use leafwise_expression::vector::RegisterWork;
+use leafwise_expression::{Arithmetic, Function, Graph, Rational};
+use proptest::collection::vec;
+use proptest::prelude::*;
+
+use super::*;
+use crate::runge_kutta::SmoothMap;
+use crate::runge_kutta::stages::{StageSolver, UNTIL_LANES};
+
+/// A pendulum that drives a spring: q̇ = p, ṗ = −sin q, u̇ = v, v̇ = −k u + q/3 of the parameter k.
+fn field() -> SmoothMap {
+    let mut graph = Graph::new();
+    let [q, p, u, v] = [0, 1, 2, 3].map(|i| graph.input(i));
+    let sine = graph.apply(Function::Sin, &q).expect("sin has code");
+    let k = graph.parameter(0);
+    let spring = graph.multiply(&k, &u);
+    let pull = graph.negate(&sine);
+    let force = graph.combine(&[(-Rational::one(), spring), (Rational::new(1, 3), q)]);
+    SmoothMap::compile(&mut graph, &[p, pull, v, force], 1, 4).expect("derivatives")
+}
+
+fn lanes<const W: usize>(stages: usize, stiffness: f64, time_step: f64) -> Lanes<W> {
+    let field = field().evaluator(&[stiffness], 1.0, 1.0);
+    let tableau = Tableau::gauss(stages);
+    Lanes::new((&field, &tableau, time_step, 1)).expect("a field with code")
+}
+
+fn start(z: &[f64]) -> Start<'_> {
+    Start {
+        point: z,
+        sizes: z,
+        beside: &[],
+    }
+}
+
+/// Registers and single numbers alike.
+fn assert_bits<const W: usize>(stages: usize, z: &[f64; 4], time_step: f64) {
+    let mut wide = lanes::<W>(stages, 2.0, time_step);
+    let mut alone = lanes::<W>(stages, 2.0, time_step);
+    let mut z = *z;
+    for _ in 0..5 {
+        let (mut change, mut expected) = ([0.0; 4], [0.0; 4]);
+        let mut outcome = Err(Unsettled {
+            evaluations: 0,
+            correction: f64::NAN,
+        });
+        let solve = Solve {
+            lanes: &mut alone,
+            at: 0,
+            start: start(&z),
+            change: &mut expected,
+            outcome: &mut outcome,
+        };
+        solve.run_alone();
+        alone.is_known[0] = outcome.is_ok();
+        let solved = wide.solve(0, start(&z), &mut change);
+        let evaluations =
+            |solved: Result<FixedPoint, Unsettled>| solved.map(|s| s.evaluations).ok();
+        assert_eq!(evaluations(solved), evaluations(outcome));
+        assert_eq!(
+            change.map(f64::to_bits),
+            expected.map(f64::to_bits),
+            "{stages}"
+        );
+        for (z, change) in z.iter_mut().zip(change) {
+            *z += change;
+        }
+    }
+}
+
+proptest! {
+    /// Newton's iteration finds the same stages, to the roundings that both make: each of the sums of s products of size
+    /// at most |τF|, the state's own, and what the field makes of them over the step, |τDF| ≤ 2.
+    #[test]
+    fn the_solution_is_that_of_newtons_iteration(
+        z in vec(-2.0..2.0_f64, 4),
+        stages in 1..=Tableau::MOST_STAGES,
+        time_step in 0.01..0.7_f64,
+    ) {
+        let solver = |is_by_lanes: bool| {
+            let field = field().evaluator(&[2.0], 1.0, 1.0);
+            let solver = StageSolver::new(field, Tableau::gauss(stages), time_step, 1);
+            if is_by_lanes { solver.by_lanes() } else { solver }
+        };
+        let (mut by_lanes, mut by_newton) = (solver(true), solver(false));
+        let mut z = z;
+        for _ in 0..4 {
+            let (mut change, mut expected) = (vec![0.0; 4], vec![0.0; 4]);
+            by_lanes.solve(&z, &mut change).expect("a contraction");
+            prop_assert!(by_lanes.is_by_lanes[0]);
+            by_newton.solve(&z, &mut expected).expect("a step");
+            let size = z.iter().fold(1.0_f64, |most, z| most.max(z.abs()));
+            for (a, b) in change.iter().zip(&expected) {
+                prop_assert!((a - b).abs() <= 64.0 * f64::EPSILON * size, "{a:e}, {b:e}");
+            }
+            let tangents = [&mut by_lanes, &mut by_newton].map(|solver| {
+                let seeds = nalgebra::DMatrix::identity(4, 4);
+                solver.tangent(0, &seeds).expect("a tangent")
+            });
+            let apart = (&tangents[0] - &tangents[1]).amax();
+            prop_assert!(apart <= 256.0 * f64::EPSILON * tangents[1].amax(), "{apart:e}");
+            for (z, change) in z.iter_mut().zip(change) {
+                *z += change;
+            }
+        }
+    }
+
+    #[test]
+    fn bits_are_those_of_any_registers(
+        z in prop::array::uniform4(-2.0..2.0_f64),
+        time_step in 0.01..0.7_f64,
+    ) {
+        assert_bits::<1>(1, &z, time_step);
+        assert_bits::<2>(2, &z, time_step);
+        assert_bits::<4>(3, &z, time_step);
+        assert_bits::<8>(8, &z, time_step);
+        assert_bits::<16>(11, &z, time_step);
+    }
+}
+
+/// A stiff spring: |τDF| = 30. The plain iteration diverges, Newton's takes the step, and the next ones.
+#[test]
+fn what_does_not_contract_is_newtons() {
+    let field = field().evaluator(&[90_000.0], 1.0, 1.0);
+    let mut solver = StageSolver::new(field, Tableau::gauss(3), 0.1, 1).by_lanes();
+    let mut change = vec![0.0; 4];
+    solver
+        .solve(&[1.0, 0.0, 1.0, 0.0], &mut change)
+        .expect("a step");
+    assert!(!solver.is_by_lanes[0] && solver.until_lanes[0] == UNTIL_LANES);
+    let evaluations = solver
+        .solve(&[1.0, 0.0, 1.0, 0.0], &mut change)
+        .expect("a step");
+    assert!(
+        solver.until_lanes[0] == UNTIL_LANES - 1 && evaluations < 10,
+        "{evaluations}"
+    );
+}
+
+/// At |τDF| = 0.99·2 of a rotation the corrections of the midpoint rule fall by 0.99: there is a solution, and nothing that
+/// certifies it.
+#[test]
+fn what_contracts_slowly_is_newtons_too() {
+    let field = field().evaluator(&[1.0], 1.0, 1.0);
+    let mut solver = StageSolver::new(field, Tableau::gauss(1), 1.98, 1).by_lanes();
+    let mut change = vec![0.0; 4];
+    solver
+        .solve(&[0.1, 0.0, 1.0, 0.0], &mut change)
+        .expect("a step");
+    assert!(!solver.is_by_lanes[0]);
+}
+
+/// A coordinate that rests and is driven is measured by what it comes to.
+#[test]
+fn what_begins_to_move_is_known_to_its_own_digits() {
+    let mut stages = lanes::<8>(8, 2.0, 0.2);
+    let mut change = [0.0; 4];
+    // u is driven by q = 10⁻²⁰⁰ alone.
+    let z = [1e-200, 0.0, 0.0, 0.0];
+    assert!(stages.solve(0, start(&z), &mut change).is_ok());
+    // u = t²/6 · 10⁻²⁰⁰ (1 + O(t²)).
+    let expected = 0.04 / 6.0 * 1e-200;
+    assert!((change[2] - expected).abs() < 0.02 * expected, "{change:?}");
+    let mut small = lanes::<8>(8, 2.0, 0.2);
+    let mut other = [0.0; 4];
+    let far = z.map(|z| z * libm::exp2(600.0));
+    assert!(small.solve(0, start(&far), &mut other).is_ok());
+    // The pendulum is linear there: the same digits.
+    let scale = libm::exp2(600.0);
+    assert_eq!(change.map(|v| v * scale), other);
+}
