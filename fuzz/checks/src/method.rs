@@ -61,13 +61,14 @@ pub const COMPOSITIONS: [&str; 17] = [
 ];
 
 /// Every realization.
-pub const REALIZATIONS: [&str; 9] = [
+pub const REALIZATIONS: [&str; 10] = [
     "karasev-truncated",
     "karasev-collocated",
     "constant",
     "darboux-magnetic",
     "lie-poisson",
     "log-canonical",
+    "logarithms",
     "so3-cayley",
     "so3-exponential",
     "so3-group",
@@ -91,7 +92,7 @@ fn realization(source: &mut Source<'_>, tensor: &Tensor) -> String {
     let suited: &[&str] = match tensor.family {
         Family::Rotations => &["so3-cayley", "so3-exponential", "so3-group", "lie-poisson"],
         Family::Linear => &["lie-poisson"],
-        Family::LogCanonical => &["log-canonical"],
+        Family::LogCanonical => &["log-canonical", "logarithms"],
         Family::Constant => &["constant"],
         Family::Magnetic => &["karasev-truncated", "darboux-magnetic"],
         Family::General => &["karasev-truncated"],
