@@ -17,6 +17,7 @@
 
 pub mod prelude;
 
+pub use leafwise_clebsch as clebsch;
 pub use leafwise_closed_form as closed_form;
 pub use leafwise_collective as collective;
 pub use leafwise_composition as composition;

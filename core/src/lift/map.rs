@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use leafwise_expression::{Graph, Kernel, Term};
 use nalgebra::DMatrix;
 
-use super::Lift;
+use super::{End, Lift};
 use crate::bisection::LagrangianBisection;
 use crate::error::{BuildError, StepError};
 use crate::evaluator::Evaluator;
@@ -144,8 +144,9 @@ struct LiftedSteps {
     nothing: Vec<f64>,
     end: Vec<f64>,
     sizes: Vec<f64>,
-    /// z and base point of each trajectory's last step.
+    /// z and base point of each trajectory's last step, and whether there was one.
     ends: Vec<f64>,
+    has_end: Vec<bool>,
 }
 
 impl LiftedSteps {
@@ -165,18 +166,24 @@ impl LiftedSteps {
             end: vec![0.0; all],
             sizes: vec![0.0; n],
             ends: vec![0.0; count * all],
+            has_end: vec![false; count],
         }
     }
 
     fn advance(
         &mut self,
         at: usize,
-        x: &[f64],
+        (x, low): (&[f64], &[f64]),
         increment: &mut [f64],
     ) -> Result<(u64, bool), StepError> {
-        let n = self.nothing.len();
+        let (n, all) = (self.nothing.len(), self.end.len());
         let (z, base) = self.end.split_at_mut(n);
-        self.lift.place(x, base)?;
+        let (from, about) = self.ends[at * all..][..all].split_at(n);
+        let before = self.has_end[at].then_some(End {
+            z: from,
+            base: about,
+        });
+        self.lift.place(x, low, before, base)?;
         self.lift.sizes(base, &mut self.sizes);
         let start = Start {
             point: &self.nothing,
@@ -197,19 +204,21 @@ impl LiftedSteps {
                 });
             }
         };
-        let all = self.end.len();
         self.ends[at * all..][..all].copy_from_slice(&self.end);
+        self.has_end[at] = true;
         self.increment.values(&self.end, increment)?;
+        self.lift.hold(x, low, increment);
         Ok((solved.evaluations, solved.is_rounded))
     }
 }
 
 impl Trajectories for LiftedSteps {
-    fn step(&mut self, x: &[f64], _low: &[f64], increment: &mut [f64], taken: &mut [StepReport]) {
+    fn step(&mut self, x: &[f64], low: &[f64], increment: &mut [f64], taken: &mut [StepReport]) {
         let d = x.len() / taken.len();
         for (at, taken) in taken.iter_mut().enumerate() {
             let own = at * d..(at + 1) * d;
-            let step = self.advance(at, &x[own.clone()], &mut increment[own]);
+            let start = (&x[own.clone()], &low[own.clone()]);
+            let step = self.advance(at, start, &mut increment[own]);
             let is_rounded = step.as_ref().is_ok_and(|(_, is_rounded)| *is_rounded);
             taken.take(
                 step.map(|(evaluations, _)| evaluations as usize),
@@ -222,7 +231,7 @@ impl Trajectories for LiftedSteps {
         Some(self.stages.operations() + self.increment.operations()?)
     }
 
-    /// 1 + ∂_z(ΔJ) dz/dx + ∂_x(ΔJ), where the base point is x: by the derivatives of the stage equations, which are linear.
+    /// 1 + (∂_z(ΔJ) dz/db + ∂_b(ΔJ)) db/dx, b the base point: by the derivatives of the stage equations, which are linear.
     fn tangent(&mut self, at: usize) -> Option<Vec<f64>> {
         let [field, increment] = self.code.with_jacobians()?;
         let (n, s, all) = (self.nothing.len(), self.tableau.stages(), self.end.len());
@@ -233,7 +242,7 @@ impl Trajectories for LiftedSteps {
         let end = &self.ends[at * all..][..all];
         let mut displacements = vec![0.0; s * n];
         self.stages.displacements(at, &mut displacements);
-        // dZ_i = τ Σ_j a_ij (F_z dZ_j + F_x dx).
+        // dZ_i = τ Σ_j a_ij (F_z dZ_j + F_b db).
         let mut by_z = vec![DMatrix::zeros(n, n); s];
         let mut by_base = vec![DMatrix::zeros(n, m); s];
         for (j, stage) in displacements.chunks_exact(n).enumerate() {
@@ -265,7 +274,10 @@ impl Trajectories for LiftedSteps {
         let mut entries = vec![0.0; d * all];
         increment.jacobians(end, &mut entries).ok()?;
         let jacobian = DMatrix::from_row_slice(d, all, &entries);
-        let mut tangent = jacobian.columns(0, n) * of_z + jacobian.columns(n, m);
+        let mut of_base = vec![0.0; m * d];
+        self.lift.slopes_of_base(&end[n..], &mut of_base);
+        let of_base = DMatrix::from_row_slice(m, d, &of_base);
+        let mut tangent = (jacobian.columns(0, n) * of_z + jacobian.columns(n, m)) * of_base;
         for i in 0..d {
             tangent[(i, i)] += 1.0;
         }
@@ -275,13 +287,27 @@ impl Trajectories for LiftedSteps {
 
     fn restart(&mut self, at: usize) {
         self.stages.clear(at);
+        self.has_end[at] = false;
     }
 
     fn memory(&self, at: usize) -> Vec<f64> {
-        self.stages.memory(at)
+        let stages = self.stages.memory(at);
+        if !self.lift.follows() {
+            return stages;
+        }
+        let all = self.end.len();
+        let has_end = [f64::from(u8::from(self.has_end[at]))];
+        [&has_end[..], &self.ends[at * all..][..all], &stages].concat()
     }
 
     fn restore(&mut self, at: usize, memory: &[f64]) {
-        self.stages.restore(at, memory);
+        if !self.lift.follows() {
+            return self.stages.restore(at, memory);
+        }
+        let all = self.end.len();
+        let (end, stages) = memory.split_at(1 + all);
+        self.has_end[at] = end[0] != 0.0;
+        self.ends[at * all..][..all].copy_from_slice(&end[1..]);
+        self.stages.restore(at, stages);
     }
 }

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use leafwise_core::lift::Lift;
+use leafwise_core::lift::{End, Lift};
 use leafwise_core::part::{PartInfo, PartKind, PartParameters};
 use leafwise_core::registry::RealizationPart;
 use leafwise_core::{
@@ -82,7 +82,13 @@ impl Lift for Logarithms {
         self.system.dimension()
     }
 
-    fn place(&self, x: &[f64], base: &mut [f64]) -> Result<(), StepError> {
+    fn place(
+        &self,
+        x: &[f64],
+        _low: &[f64],
+        _before: Option<End<'_>>,
+        base: &mut [f64],
+    ) -> Result<(), StepError> {
         base.copy_from_slice(x);
         Ok(())
     }
@@ -135,6 +141,13 @@ impl Lift for Logarithms {
             graph.multiply(x, &grown)
         });
         Ok(changes.collect())
+    }
+
+    /// The base point is x.
+    fn slopes_of_base(&self, base: &[f64], slopes: &mut [f64]) {
+        slopes.fill(0.0);
+        let diagonal = slopes.iter_mut().step_by(base.len() + 1);
+        diagonal.for_each(|slope| *slope = 1.0);
     }
 }
 
