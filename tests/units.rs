@@ -44,12 +44,16 @@ const EVERYWHERE: [&str; 20] = [
     "realization = \"karasev-collocated\"\ndynamics = { name = \"collective\", integrator = \"gauss\" }",
     "realization = { name = \"karasev-truncated\", order = 2 }\ndynamics = { name = \"collective\", correction = \"none\" }",
     "realization = \"auto\"\ndynamics = { name = \"hamilton-jacobi\", order = 2 }\ncomposition = \"kahan-li-8\"",
-    "stepper = \"splitting\"",
-    "stepper = \"splitting\"\ncomposition = \"blanes-moan-6\"",
     "stepper = \"taylor\"",
     "stepper = \"dop853\"",
     "stepper = \"dormand-prince45\"",
+    "stepper = \"splitting\"",
+    "stepper = \"splitting\"\ncomposition = \"blanes-moan-6\"",
 ];
+
+/// Those without splittings, whose flows are checked at points where coordinates that are 0 are moved by the largest, in
+/// whatever units: about two bodies the refusal is another one in some.
+const WITHOUT_SPLITTINGS: &[&str] = EVERYWHERE.split_at(EVERYWHERE.len() - 2).0;
 
 const WITH_FORCES: [&str; 7] = [
     "realization = \"auto\"\ndynamics = \"one-form\"",
@@ -82,7 +86,7 @@ const PROBLEMS: [Problem; 10] = [
         forces: &[],
         initial: &[1.0, 0.0, 0.0, 0.0, 0.0, 0.00095, 0.0, -0.00095],
         time_step: 0.05,
-        methods: &EVERYWHERE,
+        methods: WITHOUT_SPLITTINGS,
         in_one_unit: &[],
     },
     // A pendulum beside a body on a spring.
